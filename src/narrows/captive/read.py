@@ -201,7 +201,7 @@ def stream_captive(
     Raises
     ------
     InputError
-        Where the file is absent; rows are checked as they pass.
+        If the file is absent; rows are checked as they pass.
     """
     path = path_of("path", path)
     if not path.is_file():

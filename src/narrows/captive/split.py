@@ -81,7 +81,7 @@ def concat(tests: Sequence[CaptiveTests]) -> CaptiveTests:
     Raises
     ------
     InputError
-        Where there are none, or their ships, canals or waters differ.
+        If there are none, or their ships, canals or waters differ.
     """
     parts = list(tests)
     if not parts:

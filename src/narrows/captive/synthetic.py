@@ -50,7 +50,7 @@ class HarmonicRun:
     Raises
     ------
     InputError
-        Where the kind is unknown, a number is not positive, or a yaw path is steeper than the speed allows.
+        If the kind is unknown, a number is not positive, or a yaw path is steeper than the speed allows.
     """
 
     name: str
@@ -181,7 +181,7 @@ def twin(
     Raises
     ------
     InputError
-        Where there are no runs, or they are sampled too slowly.
+        If there are no runs, or they are sampled too slowly.
     """
     if not runs or not min(run.duration for run in runs) * rate >= 2:
         raise InputError("the runs hold fewer than two rows; give a run, or sample faster")
@@ -258,7 +258,7 @@ class StraightRun:
     Raises
     ------
     InputError
-        Where speed or duration are not positive, or it is towed sideways.
+        If speed or duration are not positive, or it is towed sideways.
     """
 
     name: str

@@ -204,7 +204,7 @@ class CaptiveTests(Configured, Tabular):
         Raises
         ------
         InputError
-            Where it is not one answer a row, or none is kept.
+            If it is not one answer a row, or none is kept.
         """
         mask = np.asarray(keep)
         if mask.dtype != bool or mask.shape != (self.rows,):
@@ -230,7 +230,7 @@ class CaptiveTests(Configured, Tabular):
         Raises
         ------
         InputError
-            Where it cannot be understood, or no row is left.
+            If it cannot be understood, or no row is left.
         """
         frame = self.to_dataframe()
         try:
@@ -252,7 +252,7 @@ class CaptiveTests(Configured, Tabular):
         Raises
         ------
         InputError
-            Where there is no such test.
+            If there is no such test.
         """
         if name not in self.names:
             raise InputError(f"no test is called {name!r}{did_you_mean(name, self.names)}")
@@ -269,7 +269,7 @@ class CaptiveTests(Configured, Tabular):
         Raises
         ------
         InputError
-            Where none is kept.
+            If none is kept.
         """
         kept = np.flatnonzero(np.asarray(keep, dtype=bool))
         if not kept.size:
@@ -295,7 +295,7 @@ class CaptiveTests(Configured, Tabular):
         Raises
         ------
         InputError
-            Where there is no such test, or none is left.
+            If there is no such test, or none is left.
         """
         for name in names:
             check_choice("test", name, self.names)

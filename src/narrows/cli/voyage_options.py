@@ -48,7 +48,7 @@ class StartOptions:
 class PushOptions:
     surge_force: Annotated[float, Option("--X", help="Surge force from elsewhere [N].")] = 0.0
     sway_force: Annotated[float, Option("--Y", help="Sway force from elsewhere [N].")] = 0.0
-    yaw_moment: Annotated[float, Option("--N", help="Yaw moment from elsewhere [N m].")] = 0.0
+    yaw_moment: Annotated[float, Option("--N", help="External yaw moment [N m].")] = 0.0
 
     def values(self) -> dict[str, float]:
         return {"X": self.surge_force, "Y": self.sway_force, "N": self.yaw_moment}

@@ -1,4 +1,4 @@
-"""Generated modules on disk: written whole, named by what they were made from, shared by processes."""
+"""Generated modules on disk: written atomically, named by a hash of their inputs, shared by processes."""
 
 import hashlib
 import inspect
@@ -21,42 +21,43 @@ FOLDER_VARIABLE = "NARROWS_CACHE_DIR"
 SEAL = "# sha256 of all above: "
 LAST_LINE = "# end of a module made by narrows\n"
 
-# Every generated file bears one time [s], the year 2000. Numba asks the time of a file whether its compiled form is
-# stale; the name of a file says all of its text, so two processes that write it at once must not seem to change it.
+# Modification time of every generated file [s]: the year 2000. Numba compares file times to decide whether its compiled
+# form is stale. The file name is a hash of the text, so two processes that write the same file must not seem to change
+# it.
 SAME_TIME = 946_684_800
 
-_LOCK = RLock()  # A kernel imports the functions that kernels share.
+_LOCK = RLock()  # Reentrant: a kernel imports the shared functions
 _TEXTS: dict[Path, str] = {}
 _MODULES: dict[Path, ModuleType] = {}
 
 
 @lru_cache(maxsize=1)
 def versions() -> str:
-    """Everything but a model that decides what its compiled form is; Numba itself minds the processor."""
+    """Versions that decide the compiled form, apart from the model; Numba itself checks the processor."""
     packages = [f"{name} {version(name)}" for name in ("narrows", "numpy", "sympy")]
-    with suppress(PackageNotFoundError):  # Without Numba nothing is compiled.
+    with suppress(PackageNotFoundError):  # Without Numba nothing is compiled
         packages.append(f"numba {version('numba')}")
-    # What is compiled with a kernel, from here or from elsewhere.
+    # Sources of the functions that are compiled with a kernel.
     sources = [*sorted(Path(__file__).parent.rglob("*.py")), Path(__file__).parents[1] / "waterway" / "room.py"]
     ours = hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
     return "\n".join([*packages, sys.version, platform.machine(), ours])
 
 
 def key_of(parts: Iterable[object]) -> str:
-    """Name what is made from these parts by this version of everything."""
+    """Return a hash of these parts and of all versions."""
     text = "\n".join([versions(), *map(str, parts)])
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
 def cache_folder() -> Path:
-    """Return where generated modules are: the user's cache folder, or a temporary one where that is closed."""
-    # ``NARROWS_CACHE_DIR`` names another.
+    """Return the folder of generated modules: the user's cache folder, or a temporary one if that is read-only."""
+    # The environment variable ``NARROWS_CACHE_DIR`` overrides it.
     chosen = os.environ.get(FOLDER_VARIABLE)
     return _usable((Path(chosen) if chosen else user_cache_folder()) / "compiled")
 
 
 def user_cache_folder() -> Path:
-    """Return where this system keeps the caches of a user's programs."""
+    """Return this system's folder for user caches."""
     home = Path("~").expanduser()
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local") / "narrows" / "narrows" / "Cache"
@@ -77,12 +78,12 @@ def _usable(folder: Path) -> Path:
 
 @lru_cache(maxsize=1)
 def _temporary_folder() -> tempfile.TemporaryDirectory[str]:
-    # The cache of this function keeps it; it is removed when the process ends.
+    # The function cache keeps a reference; the folder is removed when the process ends.
     return tempfile.TemporaryDirectory(prefix="narrows-")
 
 
 def source(name: str, parts: Iterable[object], make: Callable[[], str]) -> str:
-    """Return a generated text, made now if no process has made it before."""
+    """Return a generated text; make it if no process has made it before."""
     path = cache_folder() / f"{name}_{key_of(parts)}.py"
     with _LOCK:
         if path not in _TEXTS:
@@ -96,9 +97,9 @@ def source(name: str, parts: Iterable[object], make: Callable[[], str]) -> str:
 
 
 def generated(name: str, parts: Iterable[object], make: Callable[[], str]) -> ModuleType:
-    """Import a generated module, made now if no process has made it before."""
-    # A damaged file is made again. Where the folder takes no file a temporary one serves; without one the module stays
-    # in memory.
+    """Import a generated module; make it if no process has made it before."""
+    # A damaged file is made again. If the folder is read-only, a temporary one serves; without one the module stays in
+    # memory.
     path = cache_folder() / f"{name}_{key_of(parts)}.py"
     with _LOCK:
         if path not in _MODULES:
@@ -108,7 +109,7 @@ def generated(name: str, parts: Iterable[object], make: Callable[[], str]) -> Mo
 
 
 def _read(path: Path) -> str | None:
-    """The text of a file, or None where it is absent or is not as it was written."""
+    """Return the text of a file, or None if it is absent or damaged."""
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError):
@@ -123,7 +124,7 @@ def _sealed(text: str) -> str:
 
 def _made(path: Path, text: str) -> ModuleType:
     text = _sealed(text)
-    # Numba says by a RuntimeError that it cannot keep compiled code beside a file.
+    # Numba raises RuntimeError if it cannot store compiled code next to a file.
     with suppress(OSError, RuntimeError):
         return _imported(_written(path, text), text)
     with suppress(OSError, RuntimeError):
@@ -132,7 +133,7 @@ def _made(path: Path, text: str) -> ModuleType:
 
 
 def _imported(path: Path, text: str) -> ModuleType:
-    """Run a module's text; Python's own cache of it, which nobody checks, is not asked."""
+    """Execute a module's text without Python's own bytecode cache, which nobody checks."""
     module = ModuleType(f"narrows_{path.stem}")
     module.__file__ = str(path)
     sys.modules[module.__name__] = module
@@ -141,7 +142,7 @@ def _imported(path: Path, text: str) -> ModuleType:
     except BaseException:
         del sys.modules[module.__name__]
         raise
-    if sys.modules.get("numba"):  # None stands there where it is shut out.
+    if sys.modules.get("numba"):  # None marks a blocked import
         from narrows.codegen.compilation import checked, watch
 
         checked(module)
@@ -150,7 +151,7 @@ def _imported(path: Path, text: str) -> ModuleType:
 
 
 def _written(path: Path, text: str) -> Path:
-    """Write a file beside its place, give it its time, then put it there: no reader sees less than the whole."""
+    """Write a temporary file, set its time, then rename it: no reader sees an incomplete file."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.")
     try:
@@ -164,7 +165,7 @@ def _written(path: Path, text: str) -> Path:
     return path
 
 
-# Loops that are written in Python and compiled: a module of them as it stands, each function by Numba.
+# Modules of Python loops that Numba compiles unchanged, function by function.
 HEADER = '''"""Made by narrows from {name}: made again where it is missing, so do not edit."""
 import numba
 
@@ -177,17 +178,17 @@ def lacks_compiler() -> bool:
     """Return whether Numba is not installed (the extra ``compiled``; a browser has none)."""
     try:
         return find_spec("numba") is None
-    except ValueError:  # What stands for it is no module.
+    except ValueError:  # A placeholder in sys.modules is no module
         return True
 
 
 @lru_cache
 def compiled_loops(module: ModuleType) -> ModuleType:
-    """Return a module's functions, compiled when they are called; as they stand where there is no Numba."""
+    """Return a module's functions: compiled at their first call, or plain Python without Numba."""
     if lacks_compiler():
         return module
     text = inspect.getsource(module)
     name = module.__name__.rpartition(".")[2]
-    # The docstring of the module must not stand between the imports of the header and its functions.
+    # The module docstring must not stand between the imports of the header and the functions.
     decorated = re.sub(r"^def ", "@cached\ndef ", text.split('"""\n', 1)[1], flags=re.MULTILINE)
     return generated(name, [text, HEADER], lambda: HEADER.format(name=name) + decorated)

@@ -1,4 +1,4 @@
-"""What is done where Numba is installed: a bar while it compiles, and its files of compiled code, checked."""
+"""Numba compilation: a progress bar, and checked files of compiled code."""
 
 import hashlib
 import logging
@@ -17,12 +17,12 @@ from narrows.progress import bar, is_shown
 
 COMPILED = re.compile(r"^@(jit|called|cached|numba\.njit.*)\ndef (\w+)", re.MULTILINE)
 
-# How many functions of each generated file are compiled, by its name.
+# Number of functions to compile in each generated file, by file name.
 FUNCTIONS: dict[str, int] = {}
 
 
 class CompilationBar(event.Listener):  # type: ignore[misc]
-    """Counts functions of generated modules as Numba compiles them; its lock lets in one thread at a time."""
+    """Progress bar of the functions that Numba compiles; Numba's lock admits one thread at a time."""
 
     def __init__(self) -> None:
         self.depth, self.file = 0, ""
@@ -30,7 +30,7 @@ class CompilationBar(event.Listener):  # type: ignore[misc]
         self.advance: Callable[[int], None] = lambda done: None
 
     def on_start(self, event: Any) -> None:
-        """Begin the bar with the outermost function."""
+        """Start the bar with the outermost function."""
         if (total := FUNCTIONS.get(_file(event))) is None:
             return
         if self.depth == 0:
@@ -42,9 +42,9 @@ class CompilationBar(event.Listener):  # type: ignore[misc]
         self.depth += 1
 
     def on_end(self, event: Any) -> None:
-        """Count a function, and end the bar with the outermost."""
+        """Count a function; close the bar with the outermost."""
         if _file(event) in FUNCTIONS:
-            self.advance(_file(event) == self.file)  # What several files share is in the count of none.
+            self.advance(_file(event) == self.file)  # Shared functions belong to no file's count
             self.depth -= 1
             if self.depth == 0:
                 self.shown.close()
@@ -55,27 +55,27 @@ def _file(event: Any) -> str:
 
 
 def watch(module: ModuleType, text: str) -> None:
-    """Say from now on when functions of a generated module are compiled."""
+    """Report from now on when functions of a generated module are compiled."""
     if not FUNCTIONS:
         event.register("numba:compile", CompilationBar())
     FUNCTIONS[str(module.__file__)] = count_of_compiled(text)
 
 
 def count_of_compiled(text: str) -> int:
-    """Return how many functions of a module are compiled: those that are called in it, or kept."""
+    """Return how many functions of a module are compiled: those called in it or stored."""
     functions = COMPILED.findall(text)
     return sum(how == "cached" or len(re.findall(rf"\b{name}\(", text)) > 1 for how, name in functions)
 
 
-# Numba's files of compiled code, checked: what is damaged is compiled again, what cannot be written is done without.
-# Numba trusts its files. A part of one ends in a traceback, and machine code with a few bytes wrong in worse.
+# Numba does not check its files: a truncated one ends in a traceback, and corrupt machine code in worse. So a damaged
+# file is compiled again, and an unwritable one is ignored.
 SIZE = hashlib.sha256().digest_size
 
 
 class CheckedFile(IndexDataCacheFile):  # type: ignore[misc]
-    """A file for each signature of a function, named by it, behind the hash of what it holds.
+    """One file per signature of a function, named by the signature, which begins with the hash of its content.
 
-    Numba numbers them in an index: two processes that compile two signatures at once then take the same number, and one
+    Numba numbers the files in an index: two processes that compile two signatures at once get the same number, and one
     of them runs the other's code.
     """
 
@@ -86,7 +86,7 @@ class CheckedFile(IndexDataCacheFile):  # type: ignore[misc]
             file.write(hashlib.sha256(kept).digest() + kept)
 
     def load(self, key: Any) -> Any:
-        """Read the code of a signature; None where it is absent, damaged or of another version."""
+        """Read the code of a signature; None if it is absent, damaged or of another version."""
         with suppress(OSError):
             content = Path(self._place(key)).read_bytes()
             if hashlib.sha256(content[SIZE:]).digest() == content[:SIZE]:
@@ -99,7 +99,7 @@ class CheckedFile(IndexDataCacheFile):  # type: ignore[misc]
 
 
 class CheckedCache:
-    """The cache of one compiled function, with which the function compiles whatever the disk does."""
+    """Cache of one compiled function; the function compiles even if the disk fails."""
 
     def __init__(self, cache: Any) -> None:
         old = cache._cache_file
@@ -111,13 +111,13 @@ class CheckedCache:
         return getattr(self._cache, name)
 
     def save_overload(self, signature: Any, data: Any) -> None:
-        """Keep what was compiled, where the disk takes it."""
+        """Store a compiled overload if the disk allows it."""
         with suppress(OSError):
             self._cache.save_overload(signature, data)
 
 
 def checked(module: ModuleType) -> None:
-    """Check the compiled files of every function of a module that Numba keeps."""
+    """Check the compiled files of every cached function of a module."""
     for value in vars(module).values():
         cache = getattr(value, "_cache", None)
         if hasattr(cache, "_cache_file"):

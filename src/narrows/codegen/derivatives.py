@@ -1,6 +1,6 @@
 """Exact derivatives by forward-mode automatic differentiation, line by line of a program.
 
-Each line depends on few earlier ones, so that its slopes are short; whole formulas, differentiated, are not.
+Each line depends on few earlier ones, so its derivatives stay short; those of whole formulas do not.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -22,7 +22,7 @@ from narrows.quantities.names import FORCES
 
 positive = FUNCTIONS["positive"]
 
-# The slopes of what is not arithmetic, by each argument.
+# Partial derivatives of functions that are not arithmetic, by each argument.
 SLOPES: dict[str, Callable[..., tuple[Expr, ...]]] = {
     "minimum": lambda a, b: (positive(b - a), 1 - positive(b - a)),
     "maximum": lambda a, b: (positive(a - b), 1 - positive(a - b)),
@@ -39,7 +39,7 @@ SLOPES: dict[str, Callable[..., tuple[Expr, ...]]] = {
 def with_tangents(
     lines: Lines, inputs: Mapping[Expr, Sequence[Expr]], directions: int
 ) -> tuple[Lines, Callable[[Expr], list[Expr]]]:
-    """Return a program with the slopes of its lines along some directions."""
+    """Return a program with the derivatives of its lines along some directions."""
     out = Lines(_taken={str(name) for name, _ in lines.assignments})
     slopes = {name: [sympy.sympify(slope) for slope in along] for name, along in inputs.items()}
 
@@ -95,7 +95,7 @@ def _power_slope(base: Expr, power: Expr, base_slope: Expr, power_slope: Expr) -
     return by_base + base**power * sympy.log(base) * power_slope if power_slope != 0 else by_base
 
 
-# Exact derivatives of the motion, from the same trace: by state, by control, by coefficient.
+# Exact derivatives of the motion from the same trace: by state, by control, by coefficient.
 def jacobian_text(
     motion: FreeMotion, names: Sequence[str], actuators: Sequence[Actuated], section: Sequence[str] = ()
 ) -> str:
@@ -104,7 +104,7 @@ def jacobian_text(
     values = {name: real(name) for name in (*STATE, *rates.moving)}
     functions = {"linear": _linear(rates, actuators)}
     functions["coefficients"] = lines, coefficient_slopes(lines, rates, names, values)
-    # Both lift constants of their own, so the function of constants comes after them.
+    # Both define constants of their own, so the function of constants comes after them.
     inputs = (*arguments(actuators, section), *rates.constants.names)
     texts = [
         function_text(name, inputs, program.needed_for(results).assignments, results)
@@ -124,7 +124,7 @@ def batch(values, constants, out):
 
 
 def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], version: str, section: Sequence[str] = ()) -> str:
-    """Write the module of derivatives by state and control, to be compiled."""
+    """Write the module of derivatives by state and control, for compilation."""
     rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
     (lines, results), printer = _linear(rates, actuators), Arithmetic(column="{:.1f}".format)
     body = [f"{name} = values[{index}]" for index, name in enumerate(arguments(actuators, section))]
@@ -177,20 +177,20 @@ def coefficient_slopes(lines: Lines, rates: Rates, names: Sequence[str], values:
     return entries
 
 
-# The tangent of a voyage: a step with the slopes of everything it keeps, directions as lanes. The lines of the step
-# and their partial derivatives are floats, written once; the slopes along the directions are one loop over a block of
-# lanes, which LLVM vectorises, so that a direction costs a few additions and products a line.
-DIRECTIONS = 32  # Lanes of a block; more directions take more passes
+# The tangent of a voyage: a step with the derivatives of its whole state; lanes are directions. The lines of the step
+# and their partial derivatives are floats, computed once. The derivatives along the directions are one loop over a
+# block of lanes, which LLVM vectorises: a direction costs a few additions and products per line.
+DIRECTIONS = 32  # Lanes of a block; more directions need more passes
 SLOPE = "d_{}".format
 
 
 @dataclass(frozen=True)
 class Tangent:
-    """A step and its slopes, parted into what is a float and what is a lane."""
+    """A step and its derivatives, split into floats and lanes."""
 
     step: Step  # Whole steps
-    kept: tuple[str, ...]  # What goes from step to step
-    moving: tuple[str, ...]  # Inputs that have slopes, beside what is kept
+    kept: tuple[str, ...]  # Quantities carried from step to step
+    moving: tuple[str, ...]  # Further inputs with derivatives
 
     @cached_property
     def _program(self) -> tuple[Lines, dict[str, Expr], dict[str, Expr]]:
@@ -202,7 +202,7 @@ class Tangent:
 
     @cached_property
     def _parts(self) -> tuple[list[Assignment], list[Assignment]]:
-        """The lines of floats, and those of lanes: what any slope enters."""
+        """Split the lines into floats, and lanes: those that depend on a derivative."""
         lanes = {real(SLOPE(name)) for name in (*self.kept, *self.moving)}
         floats: list[Assignment] = []
         slopes: list[Assignment] = []
@@ -216,7 +216,7 @@ class Tangent:
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
-        """What the step asks for beside what is kept; those with slopes first."""
+        """Further inputs of the step; those with derivatives first."""
         asked = {*self._program[0].inputs, LENGTH}
         asked |= {str(s) for value in self._program[1].values() for s in value.free_symbols}
         made = {str(name) for name, _ in self._program[0].assignments}
@@ -245,7 +245,7 @@ class Tangent:
 
 
 def tangent_text(step: Step, kept: tuple[str, ...], moving: Sequence[str], version: str) -> str:
-    """Write the module that sails a voyage with its slopes."""
+    """Write the module that integrates a voyage with its derivatives."""
     tangent, printer = Tangent(step.with_whole_steps(), kept, tuple(moving)), Arithmetic(column="{:.1f}".format)
     body = tangent.text(printer)
     numbers = {"KEPT": len(kept), "MOVING": len(moving), "DIRECTIONS": DIRECTIONS, "CELL_ENTRIES": ROW}

@@ -1,7 +1,7 @@
-"""The equation of motion of a free ship in symbols, from the tape of a table of terms.
+"""The symbolic equation of motion of a free ship, from the tape of a table of terms.
 
-On the rig a force is F(motion, accelerations); adrift it vanishes with the inputs added, 0 = F + F_in. With
-M = -dF/d(udot, vdot, rdot) and f = F at rest accelerations, that is M (udot, vdot, rdot) = f + F_in.
+On the rig a force is F(motion, accelerations); for a free ship F plus the inputs vanishes: 0 = F + F_in. With M =
+-dF/d(udot, vdot, rdot) and f = F at zero accelerations, M (udot, vdot, rdot) = f + F_in.
 """
 
 import re
@@ -22,25 +22,25 @@ Expr = Any
 
 Surge = Literal["held", "free"]
 
-# What the right-hand side is a function of; its result has the derivatives in the same order.
+# Arguments of the right-hand side; its result has their derivatives in the same order.
 STATE = ("x", "y", "cos_psi", "sin_psi", "u", "v", "r")
 
 ACCELERATIONS = dict(zip(FORCES, ("udot", "vdot", "rdot"), strict=True))
 
-# Force [N, N, N m] added from outside, by the component that it adds to.
+# External force [N, N, N m], by the component that it is added to.
 INPUTS = dict(zip(FORCES, ("X_in", "Y_in", "N_in"), strict=True))
 
-# The argument [kg] added to the mass in surge, where the table's own was not identifiable.
+# Added mass in surge [kg], an argument if the table's own was not identifiable.
 SURGE_INERTIA = "surge_inertia"
 
-# Names that mean something else than a coefficient: quantities, machinery with its limits, forces, walls.
+# Reserved names, which no coefficient may have: quantities, actuators with their limits, forces, walls.
 RESERVED = {
     *REGRESSOR_INPUTS, *INPUTS.values(), SURGE_INERTIA, "wall_starboard", "wall_port",
     *(name for actuator in STANDARD for name in (*actuator.controls, *actuator.particulars)),
     *(f"{actuator.name}_{of}" for actuator in STANDARD for of in ("limit", "rate")),
 }  # fmt: skip
 
-# Names that the generated text has for itself.
+# Names that the generated text uses itself.
 TEMPORARY = re.compile(r"__.*|[kt]\d+|coefficient_\d+|abs|exp|root|power|constants|minimum|maximum|choice|angle")
 
 
@@ -48,12 +48,12 @@ TEMPORARY = re.compile(r"__.*|[kt]\d+|coefficient_\d+|abs|exp|root|power|constan
 class FreeMotion:
     # The acceleration ``i`` is the sum over ``basis`` of ``gains[i]`` times it, plus ``pushes[i]`` times the inputs.
 
-    names: Mapping[str, Expr]  # Every coefficient, particular and input, as the caller names it
-    freedoms: tuple[str, ...]  # The forces whose accelerations are solved for
-    basis: tuple[Expr, ...]  # The functions of the state between the parameters
-    gains: tuple[tuple[Expr, ...], ...]  # A row for each acceleration, a column for each function of the basis
-    pushes: tuple[tuple[Expr, ...], ...]  # The inverse of the mass matrix
-    # For each coefficient the force that it adds to, and its regressor with accelerations
+    names: Mapping[str, Expr]  # Every coefficient, particular and input, by the caller's name
+    freedoms: tuple[str, ...]  # Forces whose accelerations are solved for
+    basis: tuple[Expr, ...]  # Functions of the state that the parameters multiply
+    gains: tuple[tuple[Expr, ...], ...]  # One row per acceleration, one column per function of the basis
+    pushes: tuple[tuple[Expr, ...], ...]  # Inverse of the mass matrix
+    # For each coefficient the force that it contributes to, and its regressor with accelerations
     regressors: Mapping[str, tuple[str, Expr]]
 
 
@@ -101,7 +101,7 @@ def _coefficient_symbols(tape: Tape) -> dict[str, Expr]:
 
 
 def _regressors(tape: Tape, forces: Mapping[str, str], freedoms: Sequence[str]) -> dict[str, tuple[str, Expr]]:
-    """Regressors of the forces that are solved for; accelerations that are not solved for are zero."""
+    """Return the regressors of the solved forces; the other accelerations are zero."""
     held = {name: 0 for force, name in ACCELERATIONS.items() if force not in freedoms}
     symbols = {name: held.get(name, symbol(name)) for name in tape.inputs}
     expressions = tape.replay(symbols, exact_number, symbolic_functions())
@@ -109,14 +109,14 @@ def _regressors(tape: Tape, forces: Mapping[str, str], freedoms: Sequence[str]) 
 
 
 def symbolic_functions() -> dict[str, Expr]:
-    """Return the functions of ``quantities.arithmetic`` in symbols, as printers know them."""
+    """Return the functions of ``quantities.arithmetic`` as symbols that printers know."""
     import sympy
 
     return {name: sympy.Function(name, real=True) for name in COLUMNS}
 
 
 def exact_number(value: int | float) -> Expr:
-    """Return a number without rounding: 0.5 is a half, and what has no short fraction keeps all its bits."""
+    """Return an exact number: 0.5 is a half; a number without a short fraction keeps all its bits."""
     import math
 
     import sympy
@@ -124,7 +124,7 @@ def exact_number(value: int | float) -> Expr:
     if value == math.e:
         return sympy.E
     above, below = value.as_integer_ratio()
-    # SymPy cancels and compares fractions exactly; beyond 20 bits they cost more than they help.
+    # SymPy cancels and compares fractions exactly; beyond 20 bits they cost more than they save.
     return sympy.Rational(above, below) if below.bit_length() <= 20 else sympy.Float(value)
 
 
@@ -152,7 +152,7 @@ def _unresisted(mass: Expr, freedoms: Sequence[str]) -> list[str]:
 def _columns(
     regressors: Mapping[str, tuple[str, Expr]], names: Mapping[str, Expr], freedoms: Sequence[str], coriolis: bool
 ) -> dict[Expr, Expr]:
-    """Each function of the state, and what multiplies it in each force."""
+    """Each function of the state, and its factor in each force."""
     import sympy
 
     still = {symbol(name): sympy.Integer(0) for name in ACCELERATIONS.values()}
@@ -170,8 +170,8 @@ def _columns(
     return {basis: column for basis, column in columns.items() if any(column)}
 
 
-# What of a hull meets a bank: the corners of its rectangle, its side at midship, an outline, or nothing.
-# Points (forward, starboard) of a hull [m] from midship; the hull is as wide as their convex hull.
+# Hull points that can meet a bank: corners of a rectangle, the side at midship, an outline, or none. Points (forward,
+# starboard) [m] are relative to midship; the hull is as wide as their convex hull.
 Outline = tuple[tuple[float, float], ...]
 
 CORNERS, MIDSHIP, OPEN = "corners", "midship", "none"

@@ -1,4 +1,4 @@
-"""The kernel of a fleet: the text of one file that Numba compiles, a step over a block of lanes and its bookkeeping."""
+"""The kernel of a fleet: one file that Numba compiles, with a step over a block of lanes and its bookkeeping."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -22,7 +22,7 @@ FIELDS = {
 
 
 def kernel_text(lanes: Lanes, choices: Choices, precision: str, version: str) -> str:
-    """Write the module that sails a fleet."""
+    """Write the module that integrates a fleet."""
     printer = Arithmetic(NUMBER[precision], column="{:.1f}".format)
     body = "\n\n".join([*_end_texts(lanes, choices, printer), lanes.text(printer, choices.leaves)])
     exact = choices.waterway and choices.contact not in (MIDSHIP, OPEN)
@@ -38,7 +38,7 @@ def kernel_text(lanes: Lanes, choices: Choices, precision: str, version: str) ->
     )
 
 
-# What is the same in every kernel is compiled once for all: it would be a fourth of what a kernel takes to compile.
+# Code that all kernels share is compiled once: it takes a fourth of a kernel's compile time.
 SHARED_FUNCTIONS = """
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.kernels import event
@@ -68,13 +68,13 @@ def _places(lanes: Lanes, choices: Choices, exact: bool) -> str:
     numbers["FIRST_VESSEL_INPUT"] = fields[vessel_inputs[0]] if vessel_inputs else 0
     numbers |= {"EXACT": exact, "WATERWAY": choices.waterway, "LEAVES": choices.leaves}
     names = {"KEPT_NAMES": lanes.kept, "VESSEL_INPUTS": vessel_inputs, "SHARED": shared}
-    passed = {"FIRST": 0, "NOW": 0, "OLD": fields["old x"]}  # For each literal Numba compiles a function anew.
+    passed = {"FIRST": 0, "NOW": 0, "OLD": fields["old x"]}  # Numba compiles a function again for each literal
     lines = [f"{name} = {value!r}" for name, value in (numbers | names).items()]
     return "\n".join([*lines, *(f"{name} = np.int64({value})" for name, value in passed.items())])
 
 
 def _end_texts(lanes: Lanes, choices: Choices, printer: Arithmetic) -> Iterator[str]:
-    """What is left of one lane by the rule of the lanes: its room, and what is left to every end but a bank."""
+    """Write the clearance of one lane and its margins to every end but a bank."""
     state = {name: real(name) for name in STATE}
     rooms, ends = Lines(), Lines()
     yield _of_one("room_of(block, lane, table, shared)", rooms, room_left(rooms, choices, state), lanes, printer)
@@ -82,7 +82,7 @@ def _end_texts(lanes: Lanes, choices: Choices, printer: Arithmetic) -> Iterator[
     yield _of_one("ends_of(block, lane, first, table, shared)", ends, left, lanes, printer, "first * LANES + ")
 
 
-# What is left to an end that a voyage cannot meet.
+# Margin [m] to an end that a voyage cannot meet.
 FAR = sympy.Integer(10) ** 9
 
 
@@ -103,7 +103,7 @@ def _of_one(
     return "\n    ".join([f"@jit\ndef {head}:", *body]) + "\n"
 
 
-# The plain module of a system: constants, rates, step and room as functions of floats or columns.
+# The plain module of a system: constants, rates, step and clearance as functions of floats or columns.
 def plain_text(choices: Choices, rates: Rates, step: Step) -> str:
     kept, lines, ends, state = choices.kept, Lines(), Lines(), {name: real(name) for name in STATE}
     room, lean = room_left(lines, choices, state)
@@ -121,7 +121,7 @@ def plain_text(choices: Choices, rates: Rates, step: Step) -> str:
 
 
 def _function(name: str, lines: Lines, out: Mapping[str, Expr], first: tuple[str, ...], table: bool) -> str:
-    """A function, and the names of what it takes after its first arguments."""
+    """Return a function and the names of its arguments after the first ones."""
     program = lines.needed_for(list(out.values()))
     asked = {str(s) for value in out.values() for s in real(name).free_symbols | value.free_symbols}
     made = {str(target) for target, _ in program.assignments}

@@ -11,30 +11,30 @@ from narrows.codegen.choices import Actuated, control_names
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.quantities.names import FORCES, Number
 
-# The state of a linearised model; the heading is one angle [rad] again.
+# State of a linearised model; the heading is one angle [rad] here.
 LINEARISED = ("x", "y", "psi", "u", "v", "r")
 
 
 def controlled(actuators: Sequence[Actuated]) -> tuple[str, ...]:
-    """Return what a linearised model is driven by: forces from outside, and positions of actuators."""
+    """Return the inputs of a linearised model: external forces and positions of actuators."""
     return (*INPUTS.values(), *(actuator.name for actuator in actuators))
 
 
 def arguments(actuators: Sequence[Actuated], section: Sequence[str] = ()) -> tuple[str, ...]:
-    """Return what the generated functions are given before the constants: state, forces from outside, controls."""
+    """Return the arguments of the generated functions before the constants: state, external forces, controls."""
     return (*STATE, *INPUTS.values(), *(name for actuator in actuators for name in control_names(actuator)), *section)
 
 
 @dataclass(frozen=True)
 class Linearisation:
-    """Derivatives of the motion of one ship, or of a fleet where the values were columns."""
+    """Derivatives of the motion of one ship, or of a fleet if the values were columns."""
 
     functions: Mapping[str, Any]  # The generated functions, for floats and columns
-    constants: tuple[Number, ...]  # Of the ship
-    names: tuple[str, ...]  # The coefficients, in the order of the columns of ``coefficients``
-    actuators: tuple[Actuated, ...]  # Of the model
-    compiled: Callable[[], ModuleType]  # Gives the module of the same functions, compiled
-    section: tuple[str, ...] = ()  # Particulars of the water that ``at`` gives, point by point
+    constants: tuple[Number, ...]  # Constants of the ship
+    names: tuple[str, ...]  # Coefficients, in the order of the columns of ``coefficients``
+    actuators: tuple[Actuated, ...]  # Actuators of the model
+    compiled: Callable[[], ModuleType]  # Returns the module of the same functions, compiled
+    section: tuple[str, ...] = ()  # Water quantities that ``at`` gives, point by point
 
     @property
     def controlled(self) -> tuple[str, ...]:
@@ -45,7 +45,7 @@ class Linearisation:
         return self._matrix("linear", at, len(LINEARISED))
 
     def batch(self, points: int) -> "JacobianBatch":
-        """Return the same, compiled, for many points of one ship, its arrays kept."""
+        """Return the same, compiled, for many points of one ship; its arrays are allocated once."""
         columns = len(arguments(self.actuators, self.section))
         size = len(LINEARISED) * (len(LINEARISED) + len(self.controlled))
         constants = np.array([float(np.ravel(value)[0]) for value in self.constants])
@@ -91,14 +91,14 @@ class JacobianBatch:
     """Derivatives by state and control at many points of one ship, compiled."""
 
     module: ModuleType  # The generated functions
-    constants: np.ndarray  # Of the ship
-    values: np.ndarray  # (points, arguments) What the functions are given at each point; ``points`` fills it
+    constants: np.ndarray  # Constants of the ship
+    values: np.ndarray  # (points, arguments) Arguments at each point; ``points`` fills it
     out: np.ndarray  # (points, entries) The derivatives, row by row
-    actuators: tuple[Actuated, ...]  # Of the model
-    section: tuple[str, ...] = ()  # Particulars of the water that points give
+    actuators: tuple[Actuated, ...]  # Actuators of the model
+    section: tuple[str, ...] = ()  # Water quantities that points give
 
     def points(self, at: Mapping[str, Number]) -> np.ndarray:
-        """Return what the functions are given at points, (points, arguments)."""
+        """Return the arguments of the functions at points, (points, arguments)."""
         for column, value in enumerate(argument_values(at, self.actuators, self.section)):
             self.values[:, column] = value
         return self.values

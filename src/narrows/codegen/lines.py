@@ -1,7 +1,7 @@
-"""Straight lines of arithmetic: one assignment each, every name assigned once. What every printer prints.
+"""Straight-line programs: one assignment a line, every name assigned once. All printers print these.
 
-The whole of a step (control law, gear, Runge-Kutta, contact) is written into one ``Lines``; a cut says where a loop
-over lanes may be parted.
+One ``Lines`` holds a whole step (control law, gear, Runge-Kutta, contact); a cut marks where a loop over lanes may be
+split.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -14,13 +14,13 @@ from narrows.codegen.free_motion import Expr, symbol
 
 Assignment = tuple[Expr, Expr]
 
-# A place in the program where a loop may be parted.
+# A place in the program where a loop may be split.
 CUT = None
 
 FUNCTION_NAMES = ("minimum", "maximum", "choice", "angle", "sine", "cosine", "whole", "entry", "positive")
 
-# Functions that printers know. ``whole`` cuts a number down to an integer, ``entry(column, cell)`` reads the table of
-# a waterway, ``positive`` is 1 over 0 and else 0.
+# Functions that printers know. ``whole`` truncates to an integer, ``entry(column, cell)`` reads the table of a
+# waterway, ``positive`` is 1 for numbers above 0, else 0.
 FUNCTIONS: dict[str, Expr] = {name: sympy.Function(name, real=True) for name in FUNCTION_NAMES}
 
 
@@ -30,7 +30,7 @@ def real(name: str) -> Expr:
 
 
 def clipped(value: Expr, most: Expr) -> Expr:
-    """Bring an expression to between ``-most`` and ``most``."""
+    """Clip an expression to between ``-most`` and ``most``."""
     return FUNCTIONS["minimum"](FUNCTIONS["maximum"](value, -most), most)
 
 
@@ -50,13 +50,13 @@ def greatest(*values: Expr) -> Expr:
 
 @dataclass
 class Lines:
-    """A program of assignments that is being written."""
+    """A program of assignments under construction."""
 
     program: list[Assignment | None] = field(default_factory=list)  # In order
     _taken: set[str] = field(default_factory=set)
 
     def put(self, name: str, value: Expr) -> Expr:
-        """Write a line and return its symbol; a number or a symbol alone needs none."""
+        """Write a line and return its symbol; a bare number or symbol needs none."""
         value = sympy.sympify(value)
         if value.is_Number or value.is_Symbol:
             return value
@@ -69,19 +69,19 @@ class Lines:
     def inline(
         self, prefix: str, assignments: Iterable[Assignment], results: Iterable[Expr], values: Mapping[Expr, Expr]
     ) -> list[Expr]:
-        """Write the lines of a function here, its arguments replaced, and return its results."""
+        """Write the lines of a function here with its arguments replaced, and return its results."""
         where = dict(values)
         for name, value in assignments:
             where[name] = self.put(f"{prefix}{name}", value.xreplace(where))
         return [sympy.sympify(result).xreplace(where) for result in results]
 
     def cut(self) -> None:
-        """Mark a place where a loop may be parted."""
+        """Mark a place where a loop may be split."""
         self.program.append(CUT)
 
     @property
     def assignments(self) -> list[Assignment]:
-        """The lines without the cuts."""
+        """Return the lines without the cuts."""
         return [line for line in self.program if line is not None]
 
     def needed_for(self, results: Sequence[Expr]) -> "Lines":
@@ -97,7 +97,7 @@ class Lines:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """The names that are used before they are assigned, in alphabetical order."""
+        """Names used before they are assigned, in alphabetical order."""
         made: set[str] = set()
         asked: set[str] = set()
         for name, value in self.assignments:
@@ -109,7 +109,7 @@ class Lines:
 @dataclass(frozen=True)
 class Program:
     assignments: tuple[Assignment, ...]  # In order
-    results: tuple[Expr, ...]  # What it gives
+    results: tuple[Expr, ...]  # Its results
 
     @classmethod
     def of(cls, lines: Lines, results: Sequence[Expr]) -> "Program":
@@ -117,19 +117,19 @@ class Program:
 
     @cached_property
     def asked(self) -> tuple[str, ...]:
-        """The names that it uses and does not make, in alphabetical order."""
+        """Names that it uses and does not assign, in alphabetical order."""
         made = {str(name) for name, _ in self.assignments}
         values = [*(value for _, value in self.assignments), *self.results]
         used = {str(s) for value in values for s in sympy.sympify(value).free_symbols}
         return tuple(sorted(used - made))
 
 
-# From formulas to straight lines: what parameters alone decide lifted out, common subexpressions written once.
+# From formulas to straight lines: parts of parameters alone become constants, common subexpressions are written once.
 @dataclass
 class Constants:
-    """The expressions of parameters that the moving part uses, each under the name of a constant."""
+    """Expressions of parameters in the moving part, each under the name of a constant."""
 
-    parameters: set[Expr]  # What does not change in a voyage
+    parameters: set[Expr]  # Symbols that do not change in a voyage
     table: dict[Expr, Expr] = field(default_factory=dict)
 
     @property
@@ -137,7 +137,7 @@ class Constants:
         return tuple(str(name) for name in self.table.values())
 
     def lift(self, expression: Expr) -> Expr:
-        """Replace every part of an expression that parameters alone decide with a constant."""
+        """Replace every part of an expression that depends on parameters alone by a constant."""
         symbols = expression.free_symbols
         if not symbols & self.parameters:
             return expression
@@ -154,7 +154,7 @@ class Constants:
 
 
 def straight_lines(expressions: Sequence[Expr], prefix: str = "t") -> tuple[list[Assignment], list[Expr]]:
-    """Take out common subexpressions and name what a power repeats."""
+    """Extract common subexpressions and name the bases of repeated powers."""
     names = sympy.numbered_symbols(prefix, real=True)
     shared, results = sympy.cse(expressions, symbols=names, order="canonical")
     assignments: list[Assignment] = []
@@ -167,7 +167,7 @@ def straight_lines(expressions: Sequence[Expr], prefix: str = "t") -> tuple[list
         return name**exponent
 
     for name, expression in shared:
-        value = expression.replace(sympy.Pow, name_base)  # This may append lines of its own, which come first.
+        value = expression.replace(sympy.Pow, name_base)  # This may append lines, which come first
         assignments.append((name, value))
     return assignments, [result.replace(sympy.Pow, name_base) for result in results]
 
@@ -177,10 +177,9 @@ def reads_table(value: Expr) -> bool:
 
 
 def rounds(lines: Lines, apart: Callable[[Expr], bool] = reads_table) -> list[list[Assignment]]:
-    """Part a program into loops over lanes: at its cuts, and where the table of a waterway is read."""
-    # A loop that reads a table at an index of its own and writes the block does not vectorise: nothing tells LLVM that
-    # the two do not overlap. So reads get loops of their own, that only fetch, and the arithmetic between them
-    # vectorises.
+    """Split a program into loops over lanes: at its cuts, and where it reads the table of a waterway."""
+    # A loop that reads a table at a computed index and writes the block does not vectorise, since LLVM cannot exclude
+    # overlap. So reads get loops of their own, and the arithmetic between them vectorises.
     if any(apart(value) for _, value in lines.assignments):
         return _scheduled(lines, apart)
     parts: list[list[Assignment]] = [[]]
@@ -193,7 +192,7 @@ def rounds(lines: Lines, apart: Callable[[Expr], bool] = reads_table) -> list[li
 
 
 def _scheduled(lines: Lines, apart: Callable[[Expr], bool]) -> list[list[Assignment]]:
-    """Even rounds of arithmetic, odd ones of what stands apart; each line in the earliest that has what it needs."""
+    """Put each line into the earliest round that has its inputs: even rounds arithmetic, odd ones table reads."""
     level: dict[Expr, int] = {}
     scheduled: dict[int, list[Assignment]] = {}
     floor = 0

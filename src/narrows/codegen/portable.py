@@ -1,4 +1,4 @@
-"""The equations of one ship as programs for languages other than Python: the lines of the engine, by what they do."""
+"""The equations of one ship as programs for other languages: the lines of the engine, by purpose."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,30 +14,30 @@ from narrows.codegen.lines import Lines, Program, real, straight_lines
 from narrows.codegen.step import Rates, Step, rate_here, room_left, section_here, step_of
 from narrows.codegen.tape import tape_of
 
-# What the lines call the order that a caller gives an actuator with a gear.
+# Name in the lines of a caller's order to an actuator with a gear.
 ORDERED = "ordered_{}".format
 
-# How fast a number changes along the direction that a caller gives.
+# Derivative of a number along the direction that a caller gives.
 ALONG = "along_{}".format
 
-# What the lines ask for of the table of a waterway.
+# Inputs of the lines from the table of a waterway.
 PLACES = ("x_first", "x_last", "cells_a_metre", "last_cell")
 
 
 @dataclass(frozen=True)
 class Portable:
-    """The engine's lines of one ship, for a caller who gives orders, forces and a waterway."""
+    """The engine's lines of one ship, with orders, forces and waterway as inputs."""
 
-    # Actuators that are angles have a gear, which follows an order, a caller's or of a law; the others are as the
-    # caller says.
+    # Actuators that are angles have a gear, which follows an order of the caller or of a law; the caller sets the
+    # others.
 
     motion: FreeMotion  # The equations of motion
     names: tuple[str, ...]  # The coefficients
-    actuators: tuple[Actuated, ...]  # Of the model
+    actuators: tuple[Actuated, ...]  # Actuators of the model
     contact: str | int  # ``corners``, ``midship``, ``none``, or the number of points of an outline
-    waterway: bool  # Whether the section of the water changes
-    law: Law | None = None  # What gives the orders instead of a caller
-    told: tuple[str, ...] = ()  # The numbers of the law, which a caller gives
+    waterway: bool  # True if the section of the water changes
+    law: Law | None = None  # Control law that gives the orders instead of a caller
+    told: tuple[str, ...] = ()  # Parameters of the law, which a caller gives
 
     @property
     def geared(self) -> tuple[Actuated, ...]:
@@ -53,7 +53,7 @@ class Portable:
 
     @cached_property
     def rates(self) -> Rates:
-        """The rates of the state, with everything that a caller may change among what moves."""
+        """The rates of the state; everything that a caller may change counts as moving."""
         controls = [name for actuator in self.actuators for name in control_names(actuator)]
         section = ("width", "depth") if self.waterway else ()
         return Rates(self.motion, (*INPUTS.values(), *controls, *section), pushed=True)
@@ -64,7 +64,7 @@ class Portable:
 
     @cached_property
     def programs(self) -> Mapping[str, Program]:
-        """What there is to print, by its name; ``constants`` gives those of ``rates.constants`` in order."""
+        """Programs to print, by name; ``constants`` gives those of ``rates.constants`` in order."""
         programs = {
             "rates": self._rates(),
             "step": self._step(),
@@ -75,12 +75,12 @@ class Portable:
         }
         if self.contact != OPEN:
             programs["clearance"] = self._clearance()
-        # The derivatives ask for more constants than the rates: those come last.
+        # The derivatives need more constants than the rates: those come last.
         return {**programs, "constants": self._constants()}
 
     @property
     def gear(self) -> tuple[str, ...]:
-        """What is kept beside the motion: actuators, orders on their way to them, memory of the law."""
+        """State besides the motion: actuators, orders on their way to them, memory of the law."""
         return tuple(name for name in self.kept if name not in (*STATE, COUNTED))
 
     @cached_property
@@ -90,12 +90,12 @@ class Portable:
         rates = rate_here(lines, self.rates, self.choices, self._values, "")
         rates["psi"] = rates[COUNTED]
         motion = Program.of(lines, [rates[name] for name in LINEARISED])
-        # As fast as in a whole step.
+        # The rate equals that of a whole step.
         moved = [(self.step.out[name] - real(name)) / real(LENGTH) for name in self.gear]
         return motion, Program.of(self.step.lines, moved), *((self._clearance(),) if self.contact != OPEN else ())
 
     def along(self, program: Program) -> Program:
-        """Return the slopes of what a program gives along a direction in state, inputs and constants, ``ALONG``."""
+        """Return the derivatives of a program's results along a direction in state, inputs and constants, ``ALONG``."""
         used = set().union(*(value.free_symbols for _, value in program.assignments), *map(_symbols, program.results))
         moving = {*program.asked} - {*PLACES, LENGTH}
         seeds = {one: [real(ALONG(str(one)))] for one in used if str(one) in moving}
@@ -111,20 +111,20 @@ class Portable:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """What a caller may change from step to step, by the names of the lines: what the step asks for of it."""
+        """Inputs that a caller may change from step to step, by their names in the lines."""
         orders = [ORDERED(one.name) if one.angle else one.name for one in self.actuators]
         known = (*INPUTS.values(), *orders, *self.told, *(("current",) if self.waterway else ()))
         return tuple(name for name in known if name in self.programs["step"].asked)
 
     @property
     def constants(self) -> tuple[str, ...]:
-        """What the program of that name gives; the derivatives ask for more of it than the rates."""
+        """Constants of the program of that name; the derivatives need more than the rates."""
         assert self.programs
         return self.rates.constants.names
 
     @property
     def hull(self) -> tuple[str, ...]:
-        """What step and room ask for beside the constants of the rates: hull, walls, gear."""
+        """Further constants of step and clearance: hull, walls, gear."""
         asked = {name for own in ("step", "room") for name in self.programs[own].asked}
         return tuple(sorted(asked - {*self.constants, *self.kept, *self.inputs, *PLACES, LENGTH}))
 
@@ -139,7 +139,7 @@ class Portable:
 
     @cached_property
     def step(self) -> Step:
-        """A whole step, with the places where a loop over vessels may be parted."""
+        """A whole step, with the places where a loop over vessels may be split."""
         return step_of(self.rates, self.choices).with_whole_steps()
 
     def _step(self) -> Program:
@@ -156,7 +156,7 @@ class Portable:
         return linear_slopes(lines, {**rates, "psi": rates[COUNTED]}, self.actuators)
 
     def _clearance(self) -> Program:
-        """The room to starboard and to port; of a waterway by the least distance at which its banks can be met."""
+        """Clearance to starboard and to port; in a waterway from the least distance at which its banks can be met."""
         lines, z = Lines(), self._values
         room_left(lines, self.choices, z)
         return Program.of(lines, [real("room_starboard"), real("room_port")])

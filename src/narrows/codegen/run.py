@@ -1,4 +1,4 @@
-"""A prepared run: arrays laid out once, so that a call costs what the kernel costs."""
+"""A prepared run: arrays are allocated once, so that a call costs only the kernel's time."""
 
 import os
 from collections.abc import Mapping, Sequence
@@ -12,34 +12,34 @@ import numpy as np
 from narrows.codegen.kernels.event import PLACES
 from narrows.errors import InputError
 
-# Steps that single precision can count.
+# Largest number of steps that single precision can count.
 MOST_STEPS_SINGLE = 2**24
-# Vessels that a thread sails at a time: few enough to share the work out evenly, enough that calls do not count.
+# Vessels per slice of a thread: few enough to share the work evenly, enough to make call overhead small.
 LARGEST_SLICE, SMALLEST_SLICE, SLICES_PER_WORKER = 16_384, 1024, 4
 
 
 @dataclass(frozen=True)
 class WaterTable:
-    table: np.ndarray  # Of a waterway, a row a cell; empty in a straight canal
-    track: np.ndarray  # Nodes of line and banks, for the exact room
-    outline: np.ndarray  # Points of the hull, forward and starboard in turn [m]
+    table: np.ndarray  # Table of a waterway, one row per cell; empty in a straight canal
+    track: np.ndarray  # Nodes of line and banks, for the exact clearance
+    outline: np.ndarray  # Points of the hull, forward and starboard alternating [m]
 
 
-# A straight canal: nothing to look up.
+# A straight canal: no table.
 NOWHERE = WaterTable(np.zeros(16), np.zeros(27), np.zeros(6))
 
 
 @dataclass
 class PreparedRun:
-    """Vessels laid out for a kernel; calling it sails them all, from ``start`` as it then stands."""
+    """Vessels in arrays of a kernel; a call integrates them all from the current ``start``."""
 
     kernel: ModuleType  # The generated kernel
-    start: np.ndarray  # (n, kept) What is kept from step to step, at the start
+    start: np.ndarray  # (n, kept) State at the start
     times: np.ndarray  # (n, 3) Length of a step, whole steps, length of the last and shorter one [s]
-    vessel_inputs: np.ndarray  # (n, vessel inputs) Inputs of each vessel's own; (1, vessel inputs) where none varies
+    vessel_inputs: np.ndarray  # (n, vessel inputs) Inputs of each vessel; (1, vessel inputs) if none varies
     shared: np.ndarray  # (shared inputs,) Inputs that all share
-    water: WaterTable  # Where they sail
-    # (2,) How closely a contact is located, and how near a bank a motion that runs away has met it [m]
+    water: WaterTable  # The waterway
+    # (2,) Tolerance of a contact's location, and distance at which a diverging motion counts as contact [m]
     limits: np.ndarray
     workers: int  # Threads
     end: np.ndarray = field(init=False)
@@ -67,7 +67,7 @@ class PreparedRun:
         return (*own, *shared, self.end[part], self.time[part], self.codes[part])
 
     def __call__(self) -> int:
-        """Sail every vessel, and return the lane-steps that it took."""
+        """Integrate every vessel and return the number of lane-steps."""
         if not len(self.start):
             return 0
         sail = self.kernel.sail

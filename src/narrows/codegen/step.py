@@ -1,7 +1,7 @@
-"""One step of one ship in one waterway under one law: the whole of it, once, in lines.
+"""One whole step of one ship in one waterway under one law, in lines.
 
-Control law, actuators, the section of the water at the ship's place, Runge-Kutta, contact: a straight canal is a
-waterway whose section does not change. Every engine prints these lines.
+It holds control law, actuators, the section of the water at the ship's place, Runge-Kutta and contact. A straight canal
+is a waterway with a constant section. Every engine prints these lines.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -45,10 +45,9 @@ class Rates:
     """The rates of ``STATE`` by state, controls, section of the water and constants."""
 
     motion: FreeMotion  # The equations of motion
-    # Quantities that change within a voyage beside the state: of actuators that move, of the section, forces from
-    # outside
+    # Quantities that change within a voyage besides the state: moving actuators, the section, external forces
     moving: tuple[str, ...]
-    pushed: bool = False  # Whether forces from outside act
+    pushed: bool = False  # True if external forces act
 
     @cached_property
     def _parts(self) -> tuple[Constants, tuple[Expr, ...]]:
@@ -58,12 +57,12 @@ class Rates:
 
     @property
     def constants(self) -> Constants:
-        """What stays the same through a voyage, by the names of the lines."""
+        """Quantities that stay constant through a voyage, by their names in the lines."""
         return self._parts[0]
 
     @property
     def parameters(self) -> dict[str, Expr]:
-        """The symbols of what the constants are made of, by the names of the vocabulary."""
+        """Symbols that the constants are computed from, by the names of the vocabulary."""
         used = set().union(*(expression.free_symbols for expression in self.constants.table))
         return {name: symbol for name, symbol in self.motion.names.items() if symbol in used}
 
@@ -73,7 +72,7 @@ class Rates:
 
     @cached_property
     def lines(self) -> tuple[list[Assignment], list[Expr]]:
-        """The rates as straight lines, and the results in terms of them."""
+        """The rates as straight lines with their results."""
         return straight_lines(self.derivatives)
 
     def depend_on(self, name: str) -> bool:
@@ -102,7 +101,7 @@ def _derivatives(motion: FreeMotion, lift: Callable[[Expr], Expr], pushes: Mappi
 
 
 def _grouped(parts: Iterable[tuple[Expr, Expr]], factors: Sequence[Expr]) -> Expr:
-    """Sum gains times functions, with what multiplies each factor gathered: v (k0 + k1 |v|), not k0 v + k1 |v| v."""
+    """Sum gains times functions with factors collected: v (k0 + k1 |v|), not k0 v + k1 |v| v."""
     total, gathered = sympy.Integer(0), dict.fromkeys(factors, sympy.Integer(0))
     for gain, basis in parts:
         factor = next((f for f in factors if f in sympy.Mul.make_args(basis)), None)
@@ -113,19 +112,19 @@ def _grouped(parts: Iterable[tuple[Expr, Expr]], factors: Sequence[Expr]) -> Exp
     return total + sum((factor * inner for factor, inner in gathered.items()), sympy.Integer(0))
 
 
-# The classical Runge-Kutta method of order 4: where in the step each rate is taken.
+# The classical Runge-Kutta method of order 4: places of its stages within the step.
 NODES = (sympy.Integer(0), sympy.Rational(1, 2), sympy.Rational(1, 2), sympy.Integer(1))
 
 
 @dataclass(frozen=True)
 class Step:
     lines: Lines  # The program
-    # What is kept, after the step; ``room`` [m], the least of what is left to a bank, to an end of the waterway and
-    # to the limit of heading; ``lean`` [m], positive where the starboard bank is nearer
+    # State after the step; ``room`` [m], the smallest margin to a bank, an end of the waterway and the limit of
+    # heading; ``lean`` [m], positive if the starboard bank is nearer
     out: Mapping[str, Expr]
 
     def with_whole_steps(self) -> "Step":
-        """Return the step for engines that take no share of one."""
+        """Return the step for engines that take whole steps only."""
         whole = {real(SHARE): sympy.Integer(1)}
         lines = Lines()
         where: dict[Expr, Expr] = dict(whole)
@@ -148,7 +147,7 @@ def step_of(rates: Rates, choices: Choices) -> Step:
         values = {**{name: at[name] for name in STATE}, **controls(NODES[node]), **pushes}
         return rate_here(lines, rates, choices, values, str(node))
 
-    # Only what the rates depend on is moved to each stage.
+    # Only the arguments of the rates are moved to each stage.
     along = ("x", "y") if choices.waterway else ()
     after = _runge_kutta(lines, z, h, rate, tuple(name for name in STATE if name in along or rates.depend_on(name)))
     if TIME in z:
@@ -159,7 +158,7 @@ def step_of(rates: Rates, choices: Choices) -> Step:
 
 
 def _section(lines: Lines, x: Expr, columns: tuple[str, ...], tag: str) -> dict[str, Expr]:
-    """Write the water at a place from the table, straight between its nodes."""
+    """Write the water at a place from the table, linear between its nodes."""
     position = lines.put(f"position_{tag}", FUNCTIONS["maximum"]((x - real("x_first")) * real("cells_a_metre"), 0))
     cell = lines.put(f"cell_{tag}", FUNCTIONS["whole"](FUNCTIONS["minimum"](position, real("last_cell"))))
     part = lines.put(f"part_{tag}", FUNCTIONS["minimum"](position - cell, 1))
@@ -172,7 +171,7 @@ def _section(lines: Lines, x: Expr, columns: tuple[str, ...], tag: str) -> dict[
 
 
 def _water(lines: Lines, choices: Choices, column: str, x: Expr) -> Expr:
-    """Write what a control law sees of the water at a place along it: a straight canal is everywhere the same."""
+    """Write the water quantities of a control law at a place; a straight canal is the same everywhere."""
     if choices.waterway:
         return _section(lines, lines.put("seen", x), (column,), f"{column}_seen")[column]
     walls = {"keel_starboard": real("wall_starboard"), "keel_port": real("wall_port")}
@@ -180,7 +179,7 @@ def _water(lines: Lines, choices: Choices, column: str, x: Expr) -> Expr:
 
 
 def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict[str, Expr], dict[str, Expr]]:
-    """Write what the law asks for: how far each actuator moves in the step, and what is kept after it."""
+    """Write the law's orders: how far each actuator moves in the step, and the new memory."""
     if choices.law is None:
         return {}, {}
     asked = {**z, "dt": real(LENGTH)} | ({} if choices.waterway else {"current": sympy.Integer(0)})
@@ -203,7 +202,7 @@ def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict
 
 
 def _followed(lines: Lines, actuator: Actuated, z: Mapping[str, Expr], wanted: Expr, out: dict[str, Expr]) -> Expr:
-    """Write how far a gear with dead time and lag moves an actuator in the step; the orders on their way into out."""
+    """Write how far a gear with dead time and lag moves an actuator in the step; orders on their way go into out."""
     name, stages = actuator.name, actuator.stages
     gear = {of: real(f"{name}_{of}") for of in ("dead_time", "lag", "dead_band", "rate")}
     whole, after = gear_motion(
@@ -217,7 +216,7 @@ def _followed(lines: Lines, actuator: Actuated, z: Mapping[str, Expr], wanted: E
 def _controls(
     lines: Lines, choices: Choices, z: Mapping[str, Expr], moves: Mapping[str, Expr]
 ) -> Callable[[Expr], dict[str, Expr]]:
-    """Return what the actuators that move are at a place within the step."""
+    """Return the positions of the moving actuators at a place within the step."""
     known: dict[Expr, dict[str, Expr]] = {}
 
     def at(node: Expr) -> dict[str, Expr]:
@@ -237,7 +236,7 @@ def _controls(
 
 
 def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, Expr]:
-    """Forces from outside, while the middle of the step lies before their end."""
+    """External forces, while the middle of the step lies before their end."""
     if choices.pushed != "until":
         return {}
     left = lines.put("push_left", real("push_end") - (z[TIME] + real(LENGTH) / 2))
@@ -245,7 +244,7 @@ def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, 
 
 
 def section_here(lines: Lines, rates: Rates, values: Mapping[str, Expr], tag: str) -> tuple[dict[str, Expr], Expr]:
-    """Write the straight canal that a waterway is at a ship's place, and the curvature of its line there."""
+    """Write the local straight canal at a ship's place, and the curvature of the line."""
     columns = ("starboard", "port", *(("depth",) if rates.depend_on("depth") else ()), "curvature")
     now = _section(lines, values["x"], columns, f"stage{tag}")
     here = {
@@ -257,7 +256,7 @@ def section_here(lines: Lines, rates: Rates, values: Mapping[str, Expr], tag: st
 
 
 def rate_here(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Expr], tag: str) -> dict[str, Expr]:
-    """Write the rates in the waterway, by those of the straight canal that the water is here."""
+    """Write the rates in the waterway from those of the local straight canal."""
     if not choices.waterway:
         return {**rates.written(lines, tag, values), COUNTED: values["r"]}
     here, curvature = section_here(lines, rates, values, tag)
@@ -277,7 +276,7 @@ Rate = Callable[[Mapping[str, Expr], int], dict[str, Expr]]
 
 
 def _runge_kutta(lines: Lines, z: Mapping[str, Expr], h: Expr, rate: Rate, moved: tuple[str, ...]) -> dict[str, Expr]:
-    """Write the classical Runge-Kutta step, and bring the heading back to the unit circle."""
+    """Write the classical Runge-Kutta step, and renormalise the heading to the unit circle."""
     at, k, middle = dict(z), [], {}
     integrated = (*STATE, *(COUNTED,) * (COUNTED in z))
     for node in range(4):
@@ -291,7 +290,7 @@ def _runge_kutta(lines: Lines, z: Mapping[str, Expr], h: Expr, rate: Rate, moved
             lines.cut()
     sixth, after = lines.put("sixth", h * sympy.Rational(1, 6)), {}
     for name in integrated:
-        # Additions, for processors whose multipliers are the narrow place.
+        # Additions, for processors limited by their multipliers.
         total = (k[0][name] + k[3][name]) + (middle[name] + middle[name])
         after[name] = lines.put(f"{name}_new", z[name] + sixth * total) if k[3][name] != 0 else z[name]
     size = after["cos_psi"] * after["cos_psi"] + after["sin_psi"] * after["sin_psi"]
@@ -300,7 +299,7 @@ def _runge_kutta(lines: Lines, z: Mapping[str, Expr], h: Expr, rate: Rate, moved
 
 
 def room_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[Expr, Expr]:
-    """Write what is left to whatever ends the voyage, and how much nearer the starboard bank is [m]."""
+    """Write the margin to the nearest end of the voyage, and how much nearer the starboard bank is [m]."""
     left = [*ends_left(lines, choices, z).values()]
     lean: Expr = sympy.Integer(0)
     if choices.contact != OPEN:
@@ -314,7 +313,7 @@ def room_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[Ex
 
 
 def ends_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, Expr]:
-    """Write what is left to every end but a bank, as ``event.cause`` takes it: a cosine, [m], [m], [m/s]."""
+    """Write the margins to every end but a bank, as ``event.cause`` takes them: a cosine, [m], [m], [m/s]."""
     left = {"heading": lines.put("heading_left", z["cos_psi"] - real("least_cos"))}
     if choices.waterway:
         left["ahead"] = lines.put("left_ahead", real("x_last") - z["x"])
@@ -337,7 +336,7 @@ def _walls(lines: Lines, choices: Choices, x: Expr) -> tuple[Expr, Expr]:
 
 
 def reaches(lines: Lines, contact: str | int, cosine: Expr, sine: Expr) -> tuple[Expr, Expr]:
-    """Write how far a hull reaches athwart the canal to starboard and to port of midship [m]."""
+    """Write how far a hull extends across the canal to starboard and to port of midship [m]."""
     half_beam = real("half_beam")
     if contact == MIDSHIP:
         return (lines.put("reach", half_beam * cosine),) * 2

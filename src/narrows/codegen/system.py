@@ -1,4 +1,4 @@
-"""The door to the engine: one table of terms under some choices, printed and compiled as far as each use needs."""
+"""Entry of the engine: one table of terms under some choices, printed and compiled as each use needs."""
 
 import math
 from collections.abc import Callable, Mapping, Sequence
@@ -22,20 +22,20 @@ if TYPE_CHECKING:
     from narrows.codegen.linearisation import Linearisation
     from narrows.codegen.step import Rates, Step
 
-# Values of the numbers that a caller may leave out.
+# Values of the numbers that a caller may omit.
 DEFAULTS = dict.fromkeys(("X_in", "Y_in", "N_in", "heave", "surge_inertia"), 0.0)
 
 
 @dataclass(frozen=True)
 class System:
-    """Terms, pose, actuators, section of the water, control law and contact as one traced system."""
+    """Terms, pose, actuators, water section, control law and contact as one traced system."""
 
     # Coefficients, ship, canal and water are arguments: a new fit compiles nothing.
 
     table: TermTable  # The terms
-    surge: "Surge"  # Whether the surge velocity is constant
-    coriolis: bool  # Whether -m u r in sway and m v r in surge are added to the terms
-    choices: "Choices"  # What a step holds
+    surge: "Surge"  # True if the surge velocity is constant
+    coriolis: bool  # True if -m u r in sway and m v r in surge are added to the terms
+    choices: "Choices"  # Choices of a step
 
     @cached_property
     def tape(self) -> Tape:
@@ -58,17 +58,17 @@ class System:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """The names of the values that ``constants`` asks for."""
+        """Names of the arguments of ``constants``."""
         return tuple(self.scalar.PARAMETERS)
 
     @cached_property
     def scalar(self) -> SimpleNamespace:
-        """The functions of floats: ``constants``, ``rates``, ``step``, ``room`` with the names that they ask for."""
+        """The functions of floats: ``constants``, ``rates``, ``step``, ``room``, with the names of their arguments."""
         return self._plain(scalar_functions(self.choices.row))
 
     @cached_property
     def columns(self) -> SimpleNamespace:
-        """The same functions for floats and columns alike."""
+        """The same functions for both floats and columns."""
         return self._plain(column_functions(self.choices.row))
 
     def _plain(self, functions: Mapping[str, Callable[..., Any]]) -> SimpleNamespace:
@@ -111,7 +111,7 @@ class System:
         return lambda: generated("jacobian_batch", (*self.key, actuators, section), text)
 
     def kernel(self, precision: str) -> ModuleType:
-        """Return the module that sails a fleet; its ``sail`` compiles when first called."""
+        """Return the module that integrates a fleet; its ``sail`` compiles at its first call."""
 
         def text() -> str:
             from narrows.codegen.kernel import LANES, kernel_text
@@ -123,7 +123,7 @@ class System:
         return generated("kernel", (*self.key, precision), text)
 
     def tangent(self, moving: tuple[str, ...]) -> ModuleType:
-        """Return the module that sails a voyage with its slopes; its ``march`` compiles when first called."""
+        """Return the module that integrates a voyage with its derivatives; its ``march`` compiles at its first call."""
 
         def text() -> str:
             from narrows.codegen.derivatives import tangent_text
@@ -135,7 +135,7 @@ class System:
     def constants_slopes(
         self, values: Mapping[str, Number], slopes: Mapping[str, np.ndarray]
     ) -> dict[str, np.ndarray | float]:
-        """Differentiate what stays the same through a voyage along some directions, by the names of the lines."""
+        """Differentiate the constants of a voyage along some directions, by the names of the lines."""
         functions = self._constants_slopes
         known = DEFAULTS | dict(values)
         numbers = [float(np.ravel(known[name])[0]) for name in functions.PARAMETERS]
@@ -169,7 +169,7 @@ def _derivatives(system: System, actuators: tuple["Actuated", ...], section: tup
 def _run(
     name: str, key: tuple[object, ...], make: Callable[[], str], functions: Mapping[str, Callable[..., Any]]
 ) -> dict[str, Any]:
-    """Run a generated text with the elementary functions that it calls; return what it defines."""
+    """Execute a generated text with the elementary functions that it calls; return its definitions."""
     scope: dict[str, Any] = dict(functions)
     exec(compile(source(name, key, make), f"<{name}>", "exec"), scope)
     return scope
@@ -178,7 +178,7 @@ def _run(
 def _evaluated(
     constants: Callable[..., tuple[Number, ...]], parameters: Sequence[str], values: Mapping[str, Number]
 ) -> tuple[Number, ...]:
-    """Evaluate constants of their parameters, or say what is missing."""
+    """Evaluate constants from their parameters, or name the missing ones."""
     known = DEFAULTS | dict(values)
     for name in parameters:
         if known.get(name) is None:
@@ -197,7 +197,7 @@ def _evaluated(
     return result
 
 
-# The elementary functions of plain Python, for floats and for columns: what printed lines call.
+# Elementary functions that printed lines call, for floats and for columns.
 def scalar_functions(row: int) -> dict[str, Callable[..., Any]]:
     return {
         "minimum": lambda a, b: a if a < b else b,

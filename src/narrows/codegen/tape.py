@@ -1,8 +1,7 @@
-"""Run a function once on placeholders and write down what it does: one line an operation, no SymPy.
+"""Run a function once on placeholders and record its operations, one a line, without SymPy.
 
-The text is canonical (equal operations share a line), so it names a model or a control law in the cache, and a second
-run finds its compiled form without a symbol being made. Replayed with floats, columns or symbols it gives the same
-again.
+Equal operations share a line, so the text is canonical: it identifies a model or a control law in the cache, and a
+second run finds the compiled form without SymPy. Replaying it with floats, columns or symbols repeats the function.
 """
 
 import math
@@ -19,7 +18,7 @@ from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import Number
 from narrows.terms.term import TermTable, uncompiled
 
-# ``("input", name)``, ``("number", text)``, or an operation and the numbers of the lines that it works on.
+# ``("input", name)``, ``("number", text)``, or an operation and the line numbers of its operands.
 Line = tuple[str, ...]
 
 OPERATORS: dict[str, Callable[..., Number]] = {
@@ -41,13 +40,13 @@ REFUSED = {
 
 
 class NotArithmeticError(Exception):
-    """A regressor did something that cannot be written down."""
+    """A regressor did something that cannot be recorded."""
 
 
 class Recorded:
-    """A placeholder that notes what is done to it."""
+    """A placeholder that records operations on it."""
 
-    __array_ufunc__ = None  # a NumPy scalar then leaves the operation to us; a NumPy function fails
+    __array_ufunc__ = None  # NumPy scalars then defer to this class; NumPy functions fail
     __hash__ = object.__hash__
 
     def __init__(self, notes: "Notes", line: int) -> None:
@@ -90,7 +89,7 @@ for _deed, _names in REFUSED.items():
 
 
 class Notes:
-    """The lines written so far; the same operation on the same lines is written once."""
+    """The lines written so far; an operation on the same lines is written once."""
 
     def __init__(self) -> None:
         self.lines: dict[Line, int] = {}
@@ -115,12 +114,12 @@ class Notes:
 
 @dataclass(frozen=True, eq=False)
 class Tape:
-    lines: tuple[Line, ...]  # The operations, in order
-    results: Mapping[str, int]  # The line of each result
+    lines: tuple[Line, ...]  # Operations, in order
+    results: Mapping[str, int]  # Line number of each result
 
     @cached_property
     def text(self) -> str:
-        """The whole tape in words, the same for functions that do the same."""
+        """The whole tape as text, equal for equal functions."""
         body = [f"{number} = {' '.join(line)}" for number, line in enumerate(self.lines)]
         return "\n".join([*body, *(f"{name} = {line}" for name, line in self.results.items())])
 
@@ -132,7 +131,7 @@ class Tape:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """The quantities that the function was given and that its lines use."""
+        """Input quantities that the lines use."""
         used = {int(n) for sign, *operands in self.lines if sign not in ("input", "number") for n in operands}
         used |= set(self.results.values())
         return tuple(line[1] for number, line in enumerate(self.lines) if line[0] == "input" and number in used)
@@ -156,7 +155,7 @@ class Tape:
 
 
 def tape_of_terms(table: TermTable) -> Tape:
-    """Write down what the regressors of a table do, a result for each term."""
+    """Record the regressors of a table, one result per term."""
     notes, _, results = notes_of_terms(table)
     return Tape(tuple(notes.lines), results)
 
@@ -174,7 +173,7 @@ def notes_of_terms(table: TermTable) -> tuple[Notes, dict[str, Recorded], dict[s
 
 
 def tape_of(function: Callable[[Any], Mapping[str, Number]], names: Mapping[str, str], what: str) -> Tape:
-    """Write down what a function of named quantities does."""
+    """Record a function of named quantities."""
     notes = Notes()
     quantities = SimpleNamespace(**{name: notes.note(("input", input_name)) for name, input_name in names.items()})
     try:

@@ -79,7 +79,7 @@ class ClosedLoop(Described):
     dt : float [s]
         Between orders.
     waterway : Waterway, optional
-        Where it sails instead of the model's own canal.
+        Waterway instead of the model's own canal.
     x : float [m]
         Place along the waterway that the loop is linearised at, and where voyages begin.
     sensors : sequence of Sensor
@@ -133,7 +133,7 @@ class ClosedLoop(Described):
         Raises
         ------
         InputError
-            Where the loop has sensors or its controller is an object of Python: these are for single voyages.
+            If the loop has sensors or its controller is an object of Python: these are for single voyages.
         """
         if self.sensors:
             raise InputError("a loop with sensors sails single voyages; call simulate with several seeds instead")
@@ -240,7 +240,7 @@ class ClosedLoop(Described):
         Raises
         ------
         InputError
-            Where the controller is no law, is not steady there, or python-control is not installed
+            If the controller is no law, is not steady there, or python-control is not installed
             (``pip install narrows[control]``).
         """
         with needs("control", "state_space"):
@@ -350,7 +350,7 @@ def closed_loop(
     estimator : Estimator, optional
         What makes a state of the readings; ``Estimator(model, sensors)`` unless given.
     waterway : Waterway, optional
-        Where the ship sails instead of the model's own canal.
+        Waterway instead of the model's own canal.
     y : float [m], optional
         Offset of the steady course; that of the controller unless given.
     u : float [m/s], optional
@@ -368,7 +368,7 @@ def closed_loop(
     Raises
     ------
     InputError
-        Where the offset or the speed is missing, a number is not finite, or an estimator has no sensors.
+        If the offset or the speed is missing, a number is not finite, or an estimator has no sensors.
     """
     check_rudder(model)
     check_waterway(waterway)

@@ -124,7 +124,7 @@ def design(
     Raises
     ------
     InputError
-        Where the model has no rudder or no covariance, or a number is out of range.
+        If the model has no rudder or no covariance, or a number is out of range.
 
     References
     ----------

@@ -117,7 +117,7 @@ class LinearSystem(Shown):
         Raises
         ------
         InputError
-            Where there are several courses.
+            If there are several courses.
         """
         self._of_one(self.A)
         count = max(len(column) for column in coefficients.values())
@@ -142,7 +142,7 @@ class LinearSystem(Shown):
         Raises
         ------
         InputError
-            Where there are several courses.
+            If there are several courses.
         """
         import pandas as pd
 
@@ -172,7 +172,7 @@ class LinearSystem(Shown):
         Raises
         ------
         InputError
-            Where there is no such control, or there are several courses.
+            If there is no such control, or there are several courses.
         """
         matrix, scales, time = self._of_one(self.A), self._scales(), self._time()
         A = time * matrix * scales / scales[:, None]
@@ -204,7 +204,7 @@ class LinearSystem(Shown):
         Raises
         ------
         InputError
-            Where there is no such control, or the gains are not as many as states, or two more.
+            If there is no such control, or the gains are not as many as states, or two more.
         """
         gains, count = np.asarray(gains, float), len(self.states)
         if gains.shape not in ((count,), (count + 2,)):
@@ -234,7 +234,7 @@ class LinearSystem(Shown):
         Raises
         ------
         InputError
-            Where there are several courses, or python-control is not there (``pip install narrows[control]``).
+            If there are several courses, or python-control is not there (``pip install narrows[control]``).
         """
         with needs("control", "state_space"):
             import control
@@ -254,7 +254,7 @@ class LinearSystem(Shown):
         Raises
         ------
         InputError
-            Where there are several courses, or python-control is not there (``pip install narrows[control]``).
+            If there are several courses, or python-control is not there (``pip install narrows[control]``).
         """
         self._of_one(self.A)
         with needs("control", "nonlinear"):
@@ -273,7 +273,7 @@ class LinearSystem(Shown):
         Raises
         ------
         InputError
-            Where there are several courses.
+            If there are several courses.
         """
         self._of_one(self.A)
         names = (*self.controls, *self.disturbances)
@@ -286,7 +286,7 @@ class LinearSystem(Shown):
         Raises
         ------
         InputError
-            Where there are several courses.
+            If there are several courses.
         """
         parts = ((self.A, self.states), (self.B, self.controls), (self.G, self.disturbances))
         rates = _column([rf"\Delta\dot{{{SYMBOLS.get(name, name)}}}" for name in self.states])
@@ -343,7 +343,7 @@ class LinearSystem(Shown):
         Raises
         ------
         InputError
-            Where there are several courses.
+            If there are several courses.
         """
         import pandas as pd
 

@@ -39,14 +39,14 @@ def linearize(
     u : float or array [m/s]
         Surge velocity through the water, likewise.
     waterway : Waterway, optional
-        Where the ship is instead of the model's own canal.
+        Waterway instead of the model's own canal.
     at : float [m]
         Along it.
     surge : str
-        ``held``: the speed stays; ``free``: it is a state, and the propeller turns as the steady course asks, or
+        ``held``: constant speed; ``free``: it is a state, and the propeller turns as the steady course asks, or
         without one a force X drives the ship as hard as that.
     surge_inertia : float [kg], optional
-        Mass in surge with its added mass, for ``free`` where a_udot was not identifiable.
+        Mass in surge with its added mass, for ``free`` if a_udot was not identifiable.
     **values : float [SI]
         Forces from outside Y [N] and N [N m], heave [m], revolutions [1/s], particulars and coefficients other than the
         model's, as in ``ensemble``.
@@ -59,7 +59,7 @@ def linearize(
     Raises
     ------
     InputError
-        Where a name is unknown, an offset has the hull in a bank, the ship does not fit, or no
+        If a name is unknown, an offset has the hull in a bank, the ship does not fit, or no
         rudder holds a single course.
 
     References

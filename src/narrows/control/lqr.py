@@ -34,7 +34,7 @@ def lqr(linear: LinearSystem, Q: Any, R: Any, *controls: str) -> tuple[np.ndarra
     Raises
     ------
     InputError
-        Where a matrix is not of that shape, or no gains hold the ship.
+        If a matrix is not of that shape, or no gains hold the ship.
 
     References
     ----------

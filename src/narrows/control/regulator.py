@@ -41,7 +41,7 @@ def regulator(
     u : float [m/s]
         Surge velocity through the water.
     waterway : Waterway, optional
-        Where the ship is instead of the model's own canal.
+        Waterway instead of the model's own canal.
     at : float or sequence of float [m]
         Along it: the section that the regulator is made for; of several, rising, each is held from its place on.
     weights : RegulatorWeights
@@ -52,7 +52,7 @@ def regulator(
     Raises
     ------
     InputError
-        Where no rudder holds the ship on a line, its rudder turns nothing, or both ``y`` and ``at`` are several.
+        If no rudder holds the ship on a line, its rudder turns nothing, or both ``y`` and ``at`` are several.
 
     References
     ----------
@@ -128,7 +128,7 @@ def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
     Raises
     ------
     InputError
-        Where no rudder holds it there, or no autopilot on the centreline.
+        If no rudder holds it there, or no autopilot on the centreline.
     """
     check_rudder(model)
     check_inside(y, model.configuration.canal.width, model.configuration.ship.beam)

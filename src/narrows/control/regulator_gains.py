@@ -47,7 +47,7 @@ class RegulatorWeights:
     Raises
     ------
     InputError
-        Where a number is not over 0, or the share is not from 0 to 1.
+        If a number is not over 0, or the share is not from 0 to 1.
     """
 
     offset: float = 1.0

@@ -39,7 +39,7 @@ class HeldLine:
     Raises
     ------
     InputError
-        Where gains or turns are not as many, or a number is not finite.
+        If gains or turns are not as many, or a number is not finite.
     """
 
     y: Any
@@ -88,7 +88,7 @@ class Regulator(Described):
     Raises
     ------
     InputError
-        Where there is no line, their times do not rise, or a number is not finite or has the wrong sign.
+        If there is no line, their times do not rise, or a number is not finite or has the wrong sign.
     """
 
     lines: Sequence[HeldLine]

@@ -52,7 +52,7 @@ class SpeedGovernor(Described):
     Raises
     ------
     InputError
-        Where there are no two points, they do not rise, or a number is not finite.
+        If there are no two points, they do not rise, or a number is not finite.
     """
 
     helm: ControlLaw
@@ -143,7 +143,7 @@ def speed_governor(
     Raises
     ------
     InputError
-        Where the model has no propeller, the limits do not rise along the way, a speed is none, or the ship does not
+        If the model has no propeller, the limits do not rise along the way, a speed is none, or the ship does not
         slow down as fast as the deceleration asks.
 
     References

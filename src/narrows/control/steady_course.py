@@ -44,9 +44,9 @@ def steady_course(
     model : Model
         With terms of a rudder.
     samples : int
-        Of the coefficients, from the fit's covariance: a dimension ``sample``.
+        Number of coefficient samples from the fit's covariance: a dimension ``sample``.
     seed : int
-        Of the samples.
+        Seed of the samples.
     workers : int, optional
         Threads; all cores unless given.
     **vary : number, sequence or DataArray
@@ -61,7 +61,7 @@ def steady_course(
     Raises
     ------
     InputError
-        Where the model has no terms of a rudder, a value does not fit, or what is given is what is sought.
+        If the model has no terms of a rudder, a value does not fit, or what is given is what is sought.
     """
     check_rudder(model)
     for name in ("x", "psi", "v", "r", RUDDER, "X"):
@@ -186,7 +186,7 @@ def self_propulsion(model: Model, u: float) -> float:
     Raises
     ------
     InputError
-        Where the model has no propeller, or none is fast enough.
+        If the model has no propeller, or none is fast enough.
     """
     from scipy.optimize import brentq
 

@@ -107,7 +107,7 @@ def published(name: str | None = None) -> "Model | list[str]":
     Raises
     ------
     InputError
-        Where no such ship is known.
+        If no such ship is known.
     """
     ready = _ready_ships()
     if name is None:

@@ -89,7 +89,7 @@ def estimate_model(
     Raises
     ------
     InputError
-        Where a dimension is missing or makes no ship, or the ship does not fit in the canal.
+        If a dimension is missing or makes no ship, or the ship does not fit in the canal.
 
     Examples
     --------

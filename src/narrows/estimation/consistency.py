@@ -233,7 +233,7 @@ def consistency(
     Raises
     ------
     InputError
-        Where a value does not fit, no pilot holds the ship there, or all twins run aground.
+        If a value does not fit, no pilot holds the ship there, or all twins run aground.
     """
     check_count("twins", twins, 1)
     check_count("seed", seed)

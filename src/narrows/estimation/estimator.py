@@ -40,7 +40,7 @@ class Estimator(Described):
         What measures: ``Gnss``, ``Gyro``, ``RateOfTurn``, ``Log``, ``CourseOverGround``, ``RudderIndicator``, or
         objects of your own that keep to ``Sensor``.
     waterway : Waterway, optional
-        Where it sails instead of the model's own canal.
+        Waterway instead of the model's own canal.
     noise : ProcessNoise, optional
         How fast the motion wanders from the model; by the ship's length unless given.
     prior : Prior, optional
@@ -58,14 +58,14 @@ class Estimator(Described):
     surge : {"held", "free"}
         ``held``: the speed wanders as a random walk; ``free``: by the model too.
     surge_inertia : float [kg], optional
-        Mass in surge with its added mass, for ``free`` where a_udot was not identifiable.
+        Mass in surge with its added mass, for ``free`` if a_udot was not identifiable.
     coriolis : bool
         Add the rigid body's Coriolis force.
 
     Raises
     ------
     InputError
-        Where a sensor is none, two share a name, or a number is none.
+        If a sensor is none, two share a name, or a number is none.
 
     References
     ----------
@@ -142,7 +142,7 @@ class Estimator(Described):
         Raises
         ------
         InputError
-            Where the time is no number, or a reading is of no sensor, or not of as many numbers as the sensor's.
+            If the time is no number, or a reading is of no sensor, or not of as many numbers as the sensor's.
         """
         if not math.isfinite(t):
             raise InputError(f"t = {t} is no time; give seconds")
@@ -174,7 +174,7 @@ class Estimator(Described):
         Raises
         ------
         InputError
-            Where a column belongs to nothing, times do not rise, or there is never enough to start from.
+            If a column belongs to nothing, times do not rise, or there is never enough to start from.
         """
         told = records_of(records, self.filter.sensors, self.filter.actuators)
         self.forget()

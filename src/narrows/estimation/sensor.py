@@ -72,7 +72,7 @@ class GaussMarkov:
     Raises
     ------
     InputError
-        Where a number is none.
+        If a number is none.
     """
 
     std: float | tuple[float, ...]

@@ -51,7 +51,7 @@ class Gyro(ScalarSensor):
     Raises
     ------
     InputError
-        Where a number is none.
+        If a number is none.
     """
 
     noise: float = math.radians(0.2)
@@ -83,7 +83,7 @@ class RateOfTurn(ScalarSensor):
     Raises
     ------
     InputError
-        Where a number is none.
+        If a number is none.
     """
 
     noise: float = math.radians(0.03)
@@ -114,7 +114,7 @@ class Log(ScalarSensor):
     Raises
     ------
     InputError
-        Where a number is none.
+        If a number is none.
     """
 
     noise: float = 0.05
@@ -139,7 +139,7 @@ class RudderIndicator:
     Raises
     ------
     InputError
-        Where a number is none.
+        If a number is none.
     """
 
     noise: float = 0.0
@@ -199,7 +199,7 @@ class Gnss(Antenna):
     Raises
     ------
     InputError
-        Where a number is none.
+        If a number is none.
     """
 
     noise: float = 1.5
@@ -271,7 +271,7 @@ class CourseOverGround(Antenna):
     Raises
     ------
     InputError
-        Where a number is none.
+        If a number is none.
     """
 
     noise: float = 0.05

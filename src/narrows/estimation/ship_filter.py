@@ -142,7 +142,7 @@ class ShipFilter:
     model: Model  # The ship in its canal
     sensors: Mapping[str, Sensor]  # By the names of their readings
     indicator: RudderIndicator  # What is known of the rudder
-    waterway: "Waterway | None"  # Where it sails instead of the model's own canal
+    waterway: "Waterway | None"  # Waterway instead of the model's own canal
     noise: ProcessNoise  # How fast the motion wanders from the model
     prior: Prior  # What is believed before any reading
     coefficients: Coefficients  # Whether their uncertainty is carried, left out, or corrected by the readings

@@ -44,7 +44,7 @@ class ShipLanes:
     ship: SimulatedShip  # The ship
     states: StateNames  # What a lane's row holds
     lanes: int  # How many
-    waterway: "Waterway | None" = None  # Where it sails instead of the model's own canal
+    waterway: "Waterway | None" = None  # Waterway instead of the model's own canal
     coefficients: np.ndarray | None = None  # (lanes, coefficients) Of each lane; the model's unless given
     prepared: PreparedRun = field(init=False)
 

@@ -104,7 +104,7 @@ class ProcessNoise:
     Raises
     ------
     InputError
-        Where a number is none.
+        If a number is none.
     """
 
     surge: float = 0.005
@@ -160,7 +160,7 @@ class Prior:
     Raises
     ------
     InputError
-        Where a number is none.
+        If a number is none.
     """
 
     sway: float = 0.15

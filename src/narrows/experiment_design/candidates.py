@@ -50,7 +50,7 @@ class Tank:
     Raises
     ------
     InputError
-        Where a number is not positive.
+        If a number is not positive.
     """
 
     run_length: float | None = None

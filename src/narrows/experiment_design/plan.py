@@ -196,7 +196,7 @@ def plan_tests(
     Raises
     ------
     InputError
-        Where there is no run to choose, a target is unknown, or the terms ask for what the ship file lacks.
+        If there is no run to choose, a target is unknown, or the terms ask for what the ship file lacks.
     """
     tank = tank or Tank()
     _check(runs, criterion, terms, noise, tank)

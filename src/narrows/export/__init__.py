@@ -1,4 +1,4 @@
-"""Export: a model out of Python, printed from the lines that its voyages are sailed by."""
+"""Export: a model in other languages, printed from the lines that simulation uses."""
 
 from inspect import signature
 from pathlib import Path
@@ -11,7 +11,7 @@ from narrows.files import form_of
 if TYPE_CHECKING:
     from narrows.model.model import Model
 
-if TYPE_CHECKING:  # For editors and type checkers; at run time every exporter brings its own.
+if TYPE_CHECKING:  # For editors and type checkers; at run time every exporter registers itself
     from narrows.export.exporters.to_bank_force import write_bank_force as write_bank_force
     from narrows.export.exporters.to_c import write_c as write_c
     from narrows.export.exporters.to_fmu import write_fmu as write_fmu
@@ -21,26 +21,26 @@ if TYPE_CHECKING:  # For editors and type checkers; at run time every exporter b
     from narrows.export.exporters.to_page import write_page as write_page
     from narrows.export.exporters.to_python import write_python as write_python
 
-# Of a whole ship, by suffix: the exporter of the bank's force alone shares its suffixes with others.
+# Exporters of a whole ship by suffix: the exporter of the bank's force alone shares suffixes with others.
 BY_SUFFIX = {suffix: own for own in EXPORTERS.values() if own.kind != "bank-force" for suffix in own.suffixes}
 
 
 def write(model: "Model", path: str | Path, **options: Any) -> Any:
-    """Write a model in the language that the suffix says.
+    """Write a model in the language of the suffix.
 
     Parameters
     ----------
     model : Model
         The ship in its canal.
     path : str or Path
-        Where to: ``.h``, ``.hpp``, ``.fmu``, ``.mjs``, ``.html``, ``.m``, ``.py`` or ``.tex``.
+        Path with suffix ``.h``, ``.hpp``, ``.fmu``, ``.mjs``, ``.html``, ``.m``, ``.py`` or ``.tex``.
     **options : Any
-        As of the exporter of that language: ``write_c``, ``write_fmu`` ...
+        Options of that language's exporter: ``write_c``, ``write_fmu`` ...
 
     Raises
     ------
     InputError
-        Where there is no such language, or the exporter refuses.
+        If there is no such language, or the exporter refuses.
     """
     exporter = BY_SUFFIX[form_of(path, tuple(BY_SUFFIX))]
     known = [own for own in signature(exporter.write).parameters if own not in ("model", "path")]

@@ -1,4 +1,4 @@
-"""A ship as it leaves the package: its programs, and every number that they ask for with unit and meaning."""
+"""A ship prepared for export: its programs, and their constants with unit and meaning."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -34,30 +34,30 @@ FORCES_FROM_OUTSIDE = {
 }
 CURRENT = Quantity("m/s", "current along the line of the waterway")
 OF_LAW = "{} of the controller, in SI units".format
-# Unit and meaning of what holds an actuator back, by what its name ends in.
+# Unit and meaning of an actuator's limits, by the ending of the name.
 GEAR = {
     "limit": ("{}", "largest size"), "rate": ("{}/s", "fastest change"), "dead_time": ("s", "dead time"),
     "lag": ("s", "time constant"), "dead_band": ("{}", "dead band"),
 }  # fmt: skip
 HEARD = "order on its way to the {}: begin where the actuator is"
-# Constants that the rule of a voyage asks for, whatever the hull.
+# Constants that the rule of a voyage needs, whatever the hull.
 ALWAYS = ("hull_length", "least_cos", "near_bank")
 
 
 @dataclass(frozen=True)
 class ExportedNumber:
-    name: str  # In the file
-    value: float  # Unless a caller changes it
-    unit: str  # In SI
-    meaning: str  # In words
+    name: str  # Name in the file
+    value: float  # Default
+    unit: str  # SI unit
+    meaning: str  # Meaning in words
 
 
 @dataclass(frozen=True)
 class ExportedShip:
-    ship: SimulatedShip  # The model under its choices
-    waterway: "Waterway | None" = None  # Its table goes into the file: the section changes along the way
-    prefix: str = USUAL_PREFIX  # Of the names in the file
-    steering: Steering | None = None  # What gives the orders instead of a caller
+    ship: SimulatedShip  # Model under its choices
+    waterway: "Waterway | None" = None  # Its table goes into the file if the section changes along the way
+    prefix: str = USUAL_PREFIX  # Prefix of the names in the file
+    steering: Steering | None = None  # Control law that gives the orders instead of a caller
 
     @cached_property
     def portable(self) -> Portable:
@@ -129,7 +129,7 @@ class ExportedShip:
 
     @cached_property
     def inputs(self) -> tuple[ExportedNumber, ...]:
-        """What a caller may change from step to step; the lines call each by its place in ``portable.inputs``."""
+        """Inputs that a caller may change from step to step; the lines index them as ``portable.inputs``."""
         return tuple(self._input(name) for name in self.portable.inputs)
 
     def _input(self, name: str) -> ExportedNumber:
@@ -149,7 +149,7 @@ class ExportedShip:
 
     @cached_property
     def state(self) -> tuple[ExportedNumber, ...]:
-        """What goes from step to step, at rest on the line."""
+        """State, at rest on the line."""
         known = {one.name: Quantity(one.unit, one.meaning) for one in self.ship.model.terms.actuators}
         known |= {**REGRESSOR_INPUTS, "counted_psi": Quantity("rad", "heading that counts whole turns")}
         for actuator in self.ship.actuators:
@@ -167,7 +167,7 @@ class ExportedShip:
 
     @property
     def exact(self) -> bool:
-        """Whether the banks themselves are asked where the room's lower bound is used up."""
+        """True if the exact clearance is computed where its lower bound is used up."""
         return self.waterway is not None and self.ship.shape not in (MIDSHIP, OPEN)
 
     @property
@@ -182,6 +182,6 @@ class ExportedShip:
 
 
 def prefix_of(path: str | Path) -> str:
-    """Return what names in a file begin with, by its own."""
+    """Return the prefix of names in a file, from the file's name."""
     stem = re.sub(r"\W+", "_", Path(path).stem, flags=re.ASCII).strip("_")
     return USUAL_PREFIX if is_stream(path) or not stem else stem if stem[0].isalpha() else f"{USUAL_PREFIX}_{stem}"

@@ -1,4 +1,4 @@
-"""A kind of file that a model goes into, and what exporters have alike."""
+"""A kind of exported file, and code that exporters share."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
@@ -15,22 +15,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Exporter:
-    """A row of ``EXPORTERS``: a module of ``exporters`` names it ``EXPORTER``."""
+    """One export format; each module in ``exporters`` defines it as ``EXPORTER``."""
 
-    kind: str  # What ``narrows export`` calls it
-    words: str  # What it is
-    suffixes: tuple[str, ...]  # Of its files
-    write: Callable[..., Any]  # Of the model, the path, and whichever options of the others it knows
-    # What to say of what was written, by what ``write`` returns
+    kind: str  # Name in ``narrows export``
+    words: str  # Description
+    suffixes: tuple[str, ...]  # Suffixes of its files
+    write: Callable[..., Any]  # Takes the model, the path, and those of the other options that it knows
+    # Notes on the written file, from the result of ``write``
     notes: Callable[[Any], Iterable[str]] = lambda written: ()
-    platforms: bool = False  # Whether ``write`` returns the platforms that the file runs on
-    refused: Mapping[str, str] = field(default_factory=dict)  # Options that it must not be told, with why
+    platforms: bool = False  # True if ``write`` returns the platforms that the file runs on
+    refused: Mapping[str, str] = field(default_factory=dict)  # Options that it refuses, with the reason
 
 
 def ship_to_export(
     model: "Model", path: str | Path, waterway: "Waterway | None", *choices: Any, controller: Any = None
 ) -> "ExportedShip":
-    """Return a ship under its choices, with the law that steers it; its names begin with that of the file."""
+    """Return a ship under its choices with its control law; names begin with that of the file."""
     from narrows.export.exported_ship import ExportedShip, prefix_of
     from narrows.simulation.controllers import ControlLaw
     from narrows.simulation.ship import SimulatedShip
@@ -45,6 +45,6 @@ def ship_to_export(
 
 
 def check_standard(fmi: int) -> None:
-    """Refuse a version of FMI that there is not."""
+    """Refuse an unknown version of FMI."""
     if fmi not in (2, 3):
         raise InputError(f"fmi = {fmi!r} is no version of the standard; give 2 or 3")

@@ -1,4 +1,4 @@
-"""A model as an FMU: its C, an interface, a description, and libraries for the platforms that can be built for."""
+"""A model as an FMU: its C code, an interface, a description, and libraries for the available platforms."""
 
 import hashlib
 import zipfile
@@ -36,9 +36,9 @@ from narrows.export.ship_files import c_text
 from narrows.model.model import Model
 from narrows.simulation.departure import voyage_defaults
 
-# Every file in an FMU bears one time, so that written again it is the same.
+# All files in an FMU have one time, so that writing it again gives the same file.
 SAME_TIME = (2000, 1, 1, 0, 0, 0)
-# Of either standard: what stands beside what depends on the model.
+# Sources of either standard that do not depend on the model.
 SOURCES = {
     2: ("calls.h", "fmi2.c", "fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
     3: ("calls.h", "fmi3.c", "fmi3Functions.h", "fmi3FunctionTypes.h", "fmi3PlatformTypes.h"),
@@ -65,7 +65,7 @@ def fmu_bytes(
 
 
 def token_of(*parts: object) -> str:
-    """Return what tells an FMU from every other."""
+    """Return the identifier that distinguishes an FMU from every other."""
     return hashlib.sha256(" ".join(map(str, parts)).encode()).hexdigest()[:32]
 
 
@@ -76,7 +76,7 @@ def source_of(name: str) -> str:
 def fmu_of(
     own: Mapping[str, str], description: str, model: Model, identifier: str, builds: tuple[NativeBuild, ...], fmi: int
 ) -> bytes:
-    """Return the archive: the description, the sources and what is made of them, the passport."""
+    """Return the archive: the description, the sources, the libraries, the passport."""
     sources = {**own, **{name: source_of(name) for name in SOURCES[fmi]}}
     parts = {"modelDescription.xml": description.encode()}
     parts |= {f"sources/{name}": text.encode() for name, text in sources.items()}
@@ -113,7 +113,7 @@ def _choices(exported: ExportedShip, variables: tuple[FmuVariable, ...], token: 
 
 
 def _programs(exported: ExportedShip) -> dict[str, str]:
-    """What ``evaluate`` and its like compute, with the slopes along a direction."""
+    """Programs of ``evaluate`` and the like, with the derivatives along a direction."""
     portable, language = exported.portable, C(exported.prefix)
     places = places_in(exported, language)
     ways = {**places, **_ways(exported, places)}
@@ -128,7 +128,7 @@ def _programs(exported: ExportedShip) -> dict[str, str]:
 
 
 def _ways(exported: ExportedShip, places: Mapping[str, str]) -> dict[str, str]:
-    """Where the lines find how fast each number changes along the direction."""
+    """Places of each number's derivative along the direction."""
     states = (*LINEARISED, *exported.portable.gear)
     ways = {ALONG(name): f"along_{where}" for name, where in places.items() if "->" in where}
     ways |= {ALONG(name): "0.0" for name, where in places.items() if where == "0.0"}

@@ -16,7 +16,7 @@ from narrows.ship.checks import POSITIVE, SMALLEST
 
 
 class Kind(StrEnum):
-    """What a variable is; the letters are those of ``KINDS`` in C."""
+    """Kind of a variable; the letters are those of ``KINDS`` in C."""
 
     TIME_ITSELF = "t"
     STATE = "s"
@@ -34,7 +34,7 @@ class Kind(StrEnum):
 
 REALS, INTEGERS = "tsdcofupn", "i"
 UNKNOWNS, KNOWNS = "sdcn", "sup"
-# Causality, variability and initial of the standard; no initial where it forbids one.
+# Causality, variability and initial of the standard; no initial where the standard forbids one.
 STANDARD = {
     Kind.TIME_ITSELF: ("independent", "continuous", ""), Kind.STATE: ("output", "continuous", "exact"),
     Kind.RATE: ("local", "continuous", "calculated"), Kind.ROOM: ("output", "continuous", "calculated"),
@@ -46,7 +46,7 @@ STANDARD = {
 HEADING = "heading, positive clockwise seen from above"
 SIDES = ("starboard", "port")
 PER_SECOND = {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2"}
-# How a voyage ends, in the order of the codes in C, with the reason in words.
+# Outcomes of a voyage, in the order of the codes in C, with the reason in words.
 OUTCOMES = {
     "afloat": "the voyage goes on",
     "grounded": "the hull has touched a bank; the ship lies still",
@@ -55,7 +55,7 @@ OUTCOMES = {
     "astern": "the ship left the waterway at its beginning; it lies still",
     "passed": "the ship has passed the end of the waterway; it lies still",
 }
-# Longest step of co-simulation, over what suits the ship: ten steps a ship length.
+# Longest step of co-simulation, as a multiple of the ship's default step: ten steps a ship length.
 LONGEST_STEP = 20.0
 WIDEST = (-math.inf, math.inf)
 # Particulars with an upper bound of their own.
@@ -64,14 +64,14 @@ HIGHEST = MappingProxyType({"block_coefficient": 1.0, "rudder_limit": math.pi / 
 
 @dataclass(frozen=True)
 class FmuVariable:
-    name: str  # In the FMU
+    name: str  # Name in the FMU
     kind: Kind
-    unit: str  # In SI
-    meaning: str  # In words
-    start: float | None = None  # Its value at the start, where that may be set
-    derivative: int = 0  # Index of the variable that it is the rate of; 0 of none
-    bounds: tuple[float, float] = WIDEST  # What an importer may set
-    reference: int = 0  # Its place
+    unit: str  # SI unit
+    meaning: str  # Meaning in words
+    start: float | None = None  # Start value, if it may be set
+    derivative: int = 0  # Index of the variable that it differentiates; 0 for none
+    bounds: tuple[float, float] = WIDEST  # Limits for an importer
+    reference: int = 0  # Value reference
 
     @property
     def causality(self) -> str:

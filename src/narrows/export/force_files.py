@@ -1,4 +1,4 @@
-"""The bank's force of a model as one function in another language, for simulators with a hull of their own."""
+"""The bank's force of a model as one function in another language, for simulators with their own hull model."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -24,7 +24,7 @@ from narrows.quantities.names import FORCES, MOTION
 from narrows.ship.checks import SMALLEST
 from narrows.simulation.departure import voyage_defaults
 
-# What a caller says of the ship and the water.
+# Inputs from the caller: ship and water.
 ASKED = ("y", "cos_psi", "sin_psi", "u", "width", "depth")
 RESULTS = ("Y", "N", "Y_variance", "N_variance")
 
@@ -34,7 +34,7 @@ def force_program(model: Model) -> Program:
     if not model.feels_bank:
         raise InputError(model.bank_note)
     tape, values = tape_of_terms(model.terms), {**model.configuration.values(), **dict.fromkeys(MOTION, 0.0)}
-    # Rudder, propeller and accelerations make no force of the bank.
+    # The bank's force does not depend on rudder, propeller and accelerations.
     inputs = {name: exact_number(float(values.get(name) or 0.0)) for name in tape.inputs}
     inputs |= {name: real(name) for name in ASKED}
     regressors = tape.replay(inputs, exact_number, symbolic_functions())
@@ -58,7 +58,7 @@ def _variance(model: Model, names: list[str], regressors: Mapping[str, Expr]) ->
     )
 
 
-# By the suffix of a file: its language, and how it declares a result.
+# By the suffix of a file: its language, and its declaration of a result.
 LANGUAGES: dict[str, tuple[type[Language], str]] = {
     ".h": (C, "const double {}"), ".cs": (CSharp, "double {}"), ".mjs": (JavaScript, "const {}"), ".m": (Matlab, "{}"),
 }  # fmt: skip
@@ -107,7 +107,7 @@ def force_fmu(model: Model, identifier: str, fmi: int) -> bytes:
 
 
 def _variables(model: Model) -> Iterator[FmuVariable]:
-    """In the order of ``bank_instance.h``."""
+    """Variables in the order of ``bank_instance.h``."""
     ship, canal = model.configuration.ship, model.configuration.canal
     foot, sloped = (
         "from the line to the foot of the {} bank",
@@ -121,7 +121,7 @@ def _variables(model: Model) -> Iterator[FmuVariable]:
         yield FmuVariable(side, Kind.INPUT, "m", foot.format(side), canal.width / 2)
     for side in SIDES:
         yield FmuVariable(f"slope_{side}", Kind.INPUT, "1", sloped.format(side), 0.0, 0, (0.0, math.inf))
-    # A model whose canal has no depth does not ask for one.
+    # A model whose canal has no depth needs none.
     yield FmuVariable("depth", Kind.INPUT, "m", "water depth", canal.depth or ship.draft, 0, (SMALLEST, math.inf))
     known = ("", "standard deviation of the ") if model.covariance is not None else ("",)
     for of in known:

@@ -1,4 +1,4 @@
-"""Libraries of C for the platforms that an FMU may run on, by ziglang or by this machine's own compiler."""
+"""C libraries for the platforms of an FMU, by ziglang or by this machine's own compiler."""
 
 import platform
 import shutil
@@ -14,9 +14,9 @@ from narrows.errors import InputError, needs
 
 @dataclass(frozen=True)
 class NativeBuild:
-    folder: str  # Of the platform in an FMU
-    command: tuple[str, ...]  # That compiles and links
-    suffix: str  # Of what it makes
+    folder: str  # Folder of the platform in an FMU
+    command: tuple[str, ...]  # Command that compiles and links
+    suffix: str  # Suffix of the library
 
     def compiled(self, source: Path) -> bytes:
         target = source.with_name(f"{self.folder}{self.suffix}")
@@ -26,7 +26,7 @@ class NativeBuild:
 
 FLAGS = ("-std=c99", "-O2", "-shared", "-fPIC", "-ffp-contract=off", "-fno-math-errno")
 
-# What zig calls each platform (an old C library, so that it loads anywhere), its folder in an FMU of either standard,
+# Zig's name of each platform (an old C library, so that it loads anywhere), its folder in an FMU of either standard,
 # its suffix.
 ZIG = (
     ("x86_64-linux-gnu.2.17", {2: "linux64", 3: "x86_64-linux"}, ".so"),
@@ -43,7 +43,7 @@ LOCAL = {("Linux", "x86_64"): ZIG[0][1], ("Linux", "aarch64"): ZIG[1][1]}
 
 
 def lacks_zig(what: str) -> str:
-    """Return what to do for what needs the compiler of all platforms where it is not here, else nothing."""
+    """Return the remedy if the compiler of all platforms is missing, else nothing."""
     try:
         with needs("fmu", what):
             import ziglang  # noqa: F401
@@ -53,7 +53,7 @@ def lacks_zig(what: str) -> str:
 
 
 def compiled(command: Sequence[str], target: Path, what: str) -> bytes:
-    """Run a compiler; return what it makes, or raise its first error."""
+    """Run a compiler; return its output file, or raise its first error."""
     try:
         done = subprocess.run([*command, "-o", str(target)], capture_output=True, text=True)
     except OSError as error:
@@ -65,7 +65,7 @@ def compiled(command: Sequence[str], target: Path, what: str) -> bytes:
 
 
 def builds_here(fmi: int = 2) -> tuple[NativeBuild, ...]:
-    """Return a compiler for each platform that can be built for: all by ziglang, else this machine's own."""
+    """Return a compiler for each available platform: all with ziglang, else this machine's own."""
     if not lacks_zig(""):
         return tuple(
             NativeBuild(folders[fmi], (*ZIG_CC, "-s", "-target", target), suffix) for target, folders, suffix in ZIG
@@ -83,7 +83,7 @@ def libraries_of_source(source: Path, name: str, builds: tuple[NativeBuild, ...]
 
 
 def universal(libraries: Sequence[bytes]) -> bytes:
-    """Return one library for macOS of those for its processors: a table of them, then each on pages of its own."""
+    """Join the libraries for macOS processors: a table of them, then each on pages of its own."""
     entries, body = b"", b""
     for library in libraries:
         processor, kind = struct.unpack("<2I", library[PROCESSOR])

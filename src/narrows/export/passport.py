@@ -1,4 +1,4 @@
-"""What every exported file says of its model: whose it is, what its tests covered, how far they settle it."""
+"""The passport of every exported file: the model's origin, its tested range, its uncertainty."""
 
 import hashlib
 import json
@@ -12,13 +12,13 @@ import numpy as np
 from narrows.model.data_range import MEASURES, SLACK
 from narrows.model.model import Model
 
-# What moves in a voyage, by its bit in the sum ``beyond``.
+# Quantities that move in a voyage, by their bit in the sum ``beyond``.
 BEYOND = {name: (MEASURES[name].bit, MEASURES[name].short) for name in ("speed", "abs_y", "abs_psi", "abs_r")}
-# What a question of the bank's force has, beside its size in the unit of its range.
+# Inputs of the bank's force, by size in the unit of the range.
 ASKED_OF_BANK = ("speed", "abs_y", "abs_psi", "width_to_beam", "depth_to_draft")
 LICENCE = "This file may be used, changed and passed on freely, for any purpose, without warranty."
 HASH_DIGITS = 16
-# Of a normal distribution: 95 % lie within so many standard deviations.
+# Normal distribution: 95 % lie within this many standard deviations.
 NORMAL_95 = 1.959964
 WIDTH = 100
 
@@ -30,7 +30,7 @@ def model_hash(model: Model) -> str:
 
 
 def passport(model: Model, covariance: bool = True) -> Iterator[str]:
-    """Say in a few lines what a model is, where it is from, and how far it can be trusted."""
+    """Describe a model in a few lines: its kind, origin, and trust."""
     ship = model.configuration.ship
     yield f"{ship.name}: motion between two banks by the terms {model.terms.name}."
     yield f"Model {model_hash(model)}, written by narrows {version('narrows')}. {LICENCE}"
@@ -63,7 +63,7 @@ def _coefficients(model: Model) -> Iterator[str]:
 
 
 def ends_of_data(model: Model, names: Iterable[str]) -> dict[str, tuple[int, float, float]]:
-    """Return of each measure its bit, and between which ends it is within the data, widths and depths in metres."""
+    """Return for each measure its bit and the limits of the data, widths and depths in metres."""
     ends, ship = {}, model.configuration.ship
     scales = {"width_to_beam": ship.beam, "depth_to_draft": ship.draft}
     for name in names:

@@ -1,4 +1,4 @@
-"""What files of all languages have alike: plain functions as their source, templates, comments that stay comments."""
+"""Code shared by files of all languages: plain functions as source, templates, safe comments."""
 
 import ast
 from collections.abc import Callable, Iterator, Mapping
@@ -17,12 +17,12 @@ from narrows.export.exported_ship import ExportedShip
 from narrows.export.passport import BEYOND, ends_of_data
 
 WIDTH = 108
-# How a voyage ends, in the order of their codes.
+# Outcomes of a voyage, in the order of their codes.
 FATES = ("AFLOAT", "GROUNDED", "DIVERGED", "OUTSIDE", "ASTERN", "PASSED", "REFUSED")
 
 CANNOT_SAIL = "give a step over 0, a hundred or more to a ship length, at most 1e9 in all, and a waterway with a length"
 
-# Modules of plain functions: the rule that closes a voyage, the banks of a waterway, one vessel to its end, tables.
+# Modules of plain functions: the rule for ends of a voyage, banks of a waterway, one vessel to its end, tables.
 PLAIN = (
     "narrows.codegen.kernels.event",
     "narrows.waterway.room",
@@ -37,7 +37,7 @@ def plain_functions(exported: ExportedShip) -> PlainSource:
 
 
 def places_in(exported: ExportedShip, language: Language) -> dict[str, str]:
-    """Return where lines find each number: in the state, the inputs, the constants, the waterway."""
+    """Return the place of each number in the lines: state, inputs, constants, waterway."""
     portable = exported.portable
     places = {name: language.field("constants", name) for name in exported.constants}
     places |= {name: f"state[{number}]" for number, name in enumerate(portable.kept)}
@@ -47,7 +47,7 @@ def places_in(exported: ExportedShip, language: Language) -> dict[str, str]:
     names = zip(portable.inputs, exported.inputs, strict=True)
     places |= {name: language.field("inputs", one.name) for name, one in names}
     places |= {name: language.field("waterway", name) for name in PLACES}
-    # Derivatives by inputs may ask for what the step does not.
+    # Derivatives by inputs may need more than the step.
     return {**dict.fromkeys(INPUTS.values(), "0.0"), **places, LENGTH: LENGTH}
 
 
@@ -74,7 +74,7 @@ def translated(exported: ExportedShip, language: Callable[[PlainSource], Transla
 
 
 def last_functions(exported: ExportedShip, source: PlainSource, *more: str) -> list[ast.FunctionDef]:
-    """Return the plain functions that a file ends with: the clearance where the hull is known, and the voyage."""
+    """Return the plain functions at the end of a file: the clearance if the hull is known, and the voyage."""
     return source.needed(*(("clearance",) * exported.exact), "sail", *more)
 
 
@@ -99,13 +99,13 @@ def text_of(module: str) -> str:
 
 
 def commented(text: str) -> str:
-    """Return words that cannot end the comment that they stand in, nor begin another."""
+    """Return text that can neither end its comment nor begin another."""
     plain = " ".join("".join(letter if letter.isprintable() else " " for letter in text).split())
     return plain.replace("\\", "|").replace("??", "? ?").replace("*/", "* /").replace("/*", "/ *")
 
 
 def environment() -> Any:
-    """Return where templates are found, with the filters that they use."""
+    """Return the environment of the templates with their filters."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     loader = PackageLoader("narrows.export", "templates")
@@ -123,7 +123,7 @@ def filled(template: str, **told: Any) -> str:
 def _tested(
     exported: ExportedShip, language: Language, sizes: Mapping[str, str]
 ) -> Iterator[tuple[str, int, str, str]]:
-    """How a state is measured against the data: the size, its bit, the ends."""
+    """Comparison of a state with the data: the size, its bit, the limits."""
     for name, (bit, low, high) in ends_of_data(exported.ship.model, BEYOND).items():
         size = language.called("abs", sizes[name]) if name.startswith("abs") else sizes[name]
         yield size, bit, language.literal(low), language.literal(high)
@@ -133,7 +133,7 @@ def rendered(template: str, exported: ExportedShip, language: Language, **told: 
     turned = language.called("angle", "state[2]", "state[3]")
     sizes = {"speed": "state[4]", "abs_y": "state[1]", "abs_psi": turned, "abs_r": "state[6]"}
     measured = told.get("sizes", sizes)
-    rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # What ``rates`` gives.
+    rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # Results of ``rates``
     alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates, "cannot_sail": CANNOT_SAIL,
              "number": language.literal, "name": language.named, "beyond_bits": tuple(BEYOND.values()),
              "tested": tuple(_tested(exported, language, measured))}  # fmt: skip

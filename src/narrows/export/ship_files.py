@@ -68,7 +68,7 @@ def javascript_text(exported: ExportedShip, derivatives: bool = True) -> str:
 
 
 def npm_bytes(exported: ExportedShip) -> bytes:
-    """Return an npm package of the module: what ``npm install`` takes."""
+    """Return an npm package of the module, for ``npm install``."""
     language = JavaScript()
     types = rendered(
         "package.d.ts.j2", exported, language, f=bodies_of(exported, language), water=exported.waterway, fates=FATES
@@ -102,19 +102,19 @@ def python_text(exported: ExportedShip) -> str:
 
 
 def _constants_of(functions: list[ast.FunctionDef], source: PlainSource) -> dict[str, float]:
-    """The constants of the modules that functions ask for."""
+    """Constants of the modules that functions need."""
     asked = {one.id for function in functions for one in ast.walk(function) if isinstance(one, ast.Name)}
     return {name: source.constants[name] for name in sorted(asked & set(source.constants))}
 
 
 def matlab_text(exported: ExportedShip) -> str:
-    """Return the rates of a ship as a function of MATLAB, in the order of states that MSS has."""
+    """Return the rates of a ship as a function of MATLAB, with the states in the order of MSS."""
     language, portable = Matlab(), exported.portable
     order = ("u", "v", "r", "x", "y", "psi", *portable.gear)
     where = {name: f"x({number})" for number, name in enumerate(order, 1)}
     for angle in ("psi", *(actuator.name for actuator in portable.geared)):
         where |= {f"{function}_{angle}": language.called(function, where[angle]) for function in ("cos", "sin")}
-    # Orders first, as in MSS.
+    # Orders come first, as in MSS.
     inputs = sorted(zip(portable.inputs, exported.inputs, strict=True), key=lambda pair: pair[0] in INPUTS.values())
     where |= {name: f"ui({number})" for number, (name, _) in enumerate(inputs, 1)}
     where |= {LENGTH: language.literal(voyage_defaults(exported.ship.model).dt)}

@@ -70,7 +70,7 @@ class Turning(Shown):
         Raises
         ------
         InputError
-            Where the ship has not turned by 180 degrees.
+            If the ship has not turned by 180 degrees.
         """
         turned = np.abs(voyage.psi - voyage.psi[0])
         if turned.max() < HALF:
@@ -281,7 +281,7 @@ def sail_trials(
     Raises
     ------
     InputError
-        Where the model has no rudder or the gear does not reach an angle, the speed or the step is not positive, or it
+        If the model has no rudder or the gear does not reach an angle, the speed or the step is not positive, or it
         does not turn far enough.
     """
     ship = _TrialShip.of(model, speed, dt)
@@ -370,7 +370,7 @@ def overshoots(voyage: Voyage, zigzag: Zigzag) -> tuple[float, ...]:
     Raises
     ------
     InputError
-        Where the voyage ends before the first overshoot does.
+        If the voyage ends before the first overshoot does.
 
     References
     ----------

@@ -107,7 +107,7 @@ def bank_force(
     Raises
     ------
     InputError
-        Where the model has no bank force, its bank terms need a depth, or the banks leave no water.
+        If the model has no bank force, its bank terms need a depth, or the banks leave no water.
 
     Examples
     --------

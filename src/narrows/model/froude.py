@@ -104,7 +104,7 @@ class Friction:
     Raises
     ------
     InputError
-        Where a number is not positive, or the form factor is negative.
+        If a number is not positive, or the form factor is negative.
     """
 
     wetted_surface: float
@@ -150,7 +150,7 @@ def scale_model(
     Raises
     ------
     InputError
-        Where a number is not positive, or the ship does not fit the canal.
+        If a number is not positive, or the ship does not fit the canal.
     """
     if not is_finite(length) or not 0 < length < LONGEST:
         raise InputError(f"a ship {shown(length)} m long is none; give its length in metres")
@@ -322,7 +322,7 @@ def nondimensional(model: Model, system: System = "prime2", speed: float | None 
     Raises
     ------
     InputError
-        Where the system is unknown or lacks a speed.
+        If the system is unknown or lacks a speed.
     """
     units = units_of(model.configuration, system, speed)
     return {n: v / units.factor(model.terms[n].dimension) for n, v in model.coefficients.items()}
@@ -347,7 +347,7 @@ def dimensional(
     Raises
     ------
     InputError
-        Where the system is unknown, lacks a speed, or a coefficient is missing or unknown.
+        If the system is unknown, lacks a speed, or a coefficient is missing or unknown.
     """
     units = units_of(model.configuration, system, speed)
     known = {n: v * units.factor(model.terms[n].dimension) for n, v in numbers.items() if n in model.terms.names}

@@ -127,7 +127,7 @@ class Model(Configured, Operations):
     Raises
     ------
     InputError
-        Where a coefficient is missing, unknown or not finite, or a verdict is of none.
+        If a coefficient is missing, unknown or not finite, or a verdict is of none.
     """
 
     configuration: Configuration
@@ -238,7 +238,7 @@ class Model(Configured, Operations):
         Raises
         ------
         InputError
-            Where the file cannot be written.
+            If the file cannot be written.
         """
         narrows.save_model(self, path)
 
@@ -277,7 +277,7 @@ class Model(Configured, Operations):
         Raises
         ------
         InputError
-            Where a term needs a particular that the setting does not give, or there is no such actuator.
+            If a term needs a particular that the setting does not give, or there is no such actuator.
         """
         if motion is None:
             named = {name: others.pop(name) for name in ("psi", *MOTION) if name in others}

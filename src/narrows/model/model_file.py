@@ -26,7 +26,7 @@ def save_model(model: Model, path: str | Path) -> None:
     Raises
     ------
     InputError
-        Where the file is none of TOML by its suffix, or cannot be written.
+        If the file is none of TOML by its suffix, or cannot be written.
     """
     form_of(path, (".toml",))
     write_whole(path, to_toml(model.to_dict()))
@@ -75,7 +75,7 @@ def load_model(path: str | Path, terms: TermTable | None = None) -> Model:
     Raises
     ------
     InputError
-        Where the file is absent, or a section, a key or a coefficient is missing or misspelt.
+        If the file is absent, or a section, a key or a coefficient is missing or misspelt.
     """
     tables = load_toml(path)
     try:

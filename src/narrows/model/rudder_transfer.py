@@ -28,7 +28,7 @@ def borrow_rudder(model: Model, lender: Model) -> Model:
     Raises
     ------
     InputError
-        Where the model has a rudder, or the lender has none.
+        If the model has a rudder, or the lender has none.
     """
     if _rudder(model.terms):
         raise InputError("the model has a rudder of its own; leave the other out")

@@ -90,7 +90,7 @@ def at_depth(model: Model, depth: float) -> DepthCorrected:
     Raises
     ------
     InputError
-        Where the depth leaves no water under the keel.
+        If the depth leaves no water under the keel.
     """
     old = model.configuration
     if not depth > old.ship.draft:

@@ -162,7 +162,7 @@ def choke_speed(ship: Configured | Configuration) -> float:
     Raises
     ------
     InputError
-        Where the canal has no depth.
+        If the canal has no depth.
     """
     configuration = configuration_of(ship)
     ratios(configuration, 0.0)
@@ -200,7 +200,7 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
     Raises
     ------
     InputError
-        Where the depth is missing, the ship is as fast as the canal allows or faster, or a name is unknown.
+        If the depth is missing, the ship is as fast as the canal allows or faster, or a name is unknown.
     """
     if gives not in GIVES:
         raise InputError(f"no formula gives the {gives!r} sinkage; choose {', '.join(GIVES)}")

@@ -61,7 +61,7 @@ def write_report(
     Raises
     ------
     InputError
-        Where the file cannot be written.
+        If the file cannot be written.
     """
     answers = answers or {label: answer_of(fit) for label, fit in fits.items()}
     sections = [section(label, fit, number, answers[label]) for number, (label, fit) in enumerate(fits.items())]

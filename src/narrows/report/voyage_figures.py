@@ -230,7 +230,7 @@ def map_figure(
     Raises
     ------
     InputError
-        Where there are more than two dimensions beside the samples.
+        If there are more than two dimensions beside the samples.
     """
     quantity = grounding_distance(voyages) if within is None else grounding_probability(voyages, within)
     if within is None and "sample" in quantity.dims:

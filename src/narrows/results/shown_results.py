@@ -138,7 +138,7 @@ class Shown(Described):
         Raises
         ------
         InputError
-            Where nothing is drawn of its kind, or axes are given and it has several panels, none of them the main one.
+            If nothing is drawn of its kind, or axes are given and it has several panels, none of them the main one.
         """
         return narrows.report.figure_of(self, ax)
 
@@ -155,7 +155,7 @@ class Shown(Described):
         Raises
         ------
         InputError
-            Where there is no such form, or the file cannot be written.
+            If there is no such form, or the file cannot be written.
         """
         write(forms_of(self, path), path)
 
@@ -172,7 +172,7 @@ class Shown(Described):
         Raises
         ------
         InputError
-            Where the file cannot be written.
+            If the file cannot be written.
         """
         result: Any = self
         text: str | None = _given_or_written(csv_of(result.to_dataframe(), **options), path)
@@ -189,7 +189,7 @@ class Shown(Described):
         Raises
         ------
         InputError
-            Where the file cannot be written.
+            If the file cannot be written.
         """
         result: Any = self
         text: str | None = _given_or_written(to_json(result.to_dict()), path)

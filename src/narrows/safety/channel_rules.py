@@ -267,7 +267,7 @@ def outside_rules(
     Raises
     ------
     InputError
-        Where there is no such kind of bank.
+        If there is no such kind of bank.
     """
     check_choice("bank", bank, BANKS)
     ship, canal = configuration.ship, configuration.canal

@@ -53,7 +53,7 @@ def safe_envelope(
     samples : int, optional
         Of coefficients and disturbances; unless given as many as settle the edge to a step of the offsets and speeds.
     seed : int
-        Of the samples.
+        Seed of the samples.
     walls : pair of float [m], optional
         Where its keel meets the banks, to port and to starboard of the middle; the walls of the canal unless given.
     bank : str
@@ -69,7 +69,7 @@ def safe_envelope(
     Raises
     ------
     InputError
-        Where the model has no rudder, nothing says how fast, a number is out of range, or a bank or pilot is unknown.
+        If the model has no rudder, nothing says how fast, a number is out of range, or a bank or pilot is unknown.
     """
     check_rudder(model)
     check_workers(workers)

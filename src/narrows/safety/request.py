@@ -39,7 +39,7 @@ class Disturbance:
     Raises
     ------
     InputError
-        Where a number is negative (but the lever), or not finite.
+        If a number is negative (but the lever), or not finite.
     """
 
     heading_deg: float = 2.0
@@ -75,12 +75,12 @@ class Disturbance:
         samples : int
             How many.
         seed : int
-            Of the samples.
+            Seed of the samples.
 
         Raises
         ------
         InputError
-            Where there is no sample, or the seed is negative.
+            If there is no sample, or the seed is negative.
         """
         if samples < 1 or seed < 0:
             raise InputError(f"samples = {samples} and seed = {seed}: give one sample at least, and a seed from 0")
@@ -218,7 +218,7 @@ def wind_force(speed: float, area: float, coefficient: float = 1.0) -> float:
     Raises
     ------
     InputError
-        Where a number is negative or not finite.
+        If a number is negative or not finite.
     """
     if not all(0 <= number < math.inf for number in (speed, area, coefficient)):
         raise InputError("a wind's speed, area and coefficient are numbers from 0; check them")

@@ -133,7 +133,7 @@ class SafeEnvelope(Shown):
         Parameters
         ----------
         share : float [1]
-            Of the samples.
+            Seed of the samples.
         """
         return (self.data["held"] >= share) & self.data["clear"]
 
@@ -143,7 +143,7 @@ class SafeEnvelope(Shown):
         Parameters
         ----------
         share : float [1]
-            Of the samples.
+            Seed of the samples.
         """
         return (self.data["known"] >= share) & self.data["clear"]
 
@@ -153,7 +153,7 @@ class SafeEnvelope(Shown):
         Parameters
         ----------
         share : float [1]
-            Of the samples.
+            Seed of the samples.
         """
         return self.by_model(share) & self.data["tested"]
 
@@ -165,7 +165,7 @@ class SafeEnvelope(Shown):
         Parameters
         ----------
         share : float [1]
-            Of the samples.
+            Seed of the samples.
         """
         return self._speeds(share, 1)
 
@@ -175,7 +175,7 @@ class SafeEnvelope(Shown):
         Parameters
         ----------
         share : float [1]
-            Of the samples.
+            Seed of the samples.
         """
         return self._speeds(share, 0)
 
@@ -185,7 +185,7 @@ class SafeEnvelope(Shown):
         Parameters
         ----------
         share : float [1]
-            Of the samples.
+            Seed of the samples.
         """
         return [self._reason(index, ends, share) for index, ends in enumerate(self._ends(share))]
 
@@ -197,7 +197,7 @@ class SafeEnvelope(Shown):
         Parameters
         ----------
         share : float [1]
-            Of the samples.
+            Seed of the samples.
         """
         need = self.data["rudder_95"].where(self.safe(share), np.inf).transpose("u", "y").to_numpy()
         offsets, (port, starboard) = self.data["y"].to_numpy(), self.walls

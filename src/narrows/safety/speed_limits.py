@@ -47,7 +47,7 @@ def speed_limits(
     Raises
     ------
     InputError
-        Where no speed is safe at a place, or there is none.
+        If no speed is safe at a place, or there is none.
     """
     check_waterway(waterway)
     if waterway is None:

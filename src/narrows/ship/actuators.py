@@ -72,7 +72,7 @@ class Propeller(Part):
     Raises
     ------
     InputError
-        Where a number is not finite, a size is not positive, or the wake is not a fraction.
+        If a number is not finite, a size is not positive, or the wake is not a fraction.
     """
 
     SECTION: ClassVar[str] = "propeller"
@@ -126,7 +126,7 @@ class Rudder(Part):
     Raises
     ------
     InputError
-        Where a number is not finite, or a size is not positive.
+        If a number is not finite, or a size is not positive.
     """
 
     SECTION: ClassVar[str] = "rudder"
@@ -177,7 +177,7 @@ class SteeringGear(Part):
     Raises
     ------
     InputError
-        Where the limit or rate is not a positive number, the limit is beyond 90 degrees, a time or the dead band is
+        If the limit or rate is not a positive number, the limit is beyond 90 degrees, a time or the dead band is
         negative, or there are other than 1 or 2 pumps.
 
     References

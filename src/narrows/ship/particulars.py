@@ -41,7 +41,7 @@ class Ship(Described):
     Raises
     ------
     InputError
-        Where a particular is not a positive number or the block coefficient is over 1.
+        If a particular is not a positive number or the block coefficient is over 1.
     """
 
     length: float
@@ -87,7 +87,7 @@ class Canal:
     Raises
     ------
     InputError
-        Where a value is not a positive number.
+        If a value is not a positive number.
     """
 
     width: float
@@ -115,7 +115,7 @@ class Water:
     Raises
     ------
     InputError
-        Where the density is not a positive number.
+        If the density is not a positive number.
     """
 
     density: float = 1000.0
@@ -154,7 +154,7 @@ class Configuration(Described):
     Raises
     ------
     InputError
-        Where the ship is wider than the canal or draws more than the depth, or a section is given twice.
+        If the ship is wider than the canal or draws more than the depth, or a section is given twice.
     """
 
     ship: Ship
@@ -276,7 +276,7 @@ def equivalent_wall(profile: Sequence[Point], depth: float) -> float:
     Raises
     ------
     InputError
-        Where the points do not go outward, or the bank leaves no water.
+        If the points do not go outward, or the bank leaves no water.
     """
     if not depth > 0:
         raise InputError(f"a depth of {depth} m is no water; give it in metres")

@@ -53,7 +53,7 @@ def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configura
     Raises
     ------
     InputError
-        Where the file is absent, is not TOML, or a key is missing, unknown or out of range.
+        If the file is absent, is not TOML, or a key is missing, unknown or out of range.
     """
     return configuration_from(load_toml(path), str(path), actuators)
 

@@ -116,7 +116,7 @@ class ConstantRudder(_WithoutMemory):
     Raises
     ------
     InputError
-        Where it is not finite.
+        If it is not finite.
     """
 
     rudder: Any
@@ -152,7 +152,7 @@ class RudderSchedule(_WithoutMemory):
     Raises
     ------
     InputError
-        Where there is no pair, a number is not finite, or the times do not rise.
+        If there is no pair, a number is not finite, or the times do not rise.
     """
 
     pairs: Sequence[tuple[float, float]]
@@ -199,7 +199,7 @@ class Zigzag(_Law):
     Raises
     ------
     InputError
-        Where an angle is zero or not finite, or the heading is negative.
+        If an angle is zero or not finite, or the heading is negative.
 
     References
     ----------
@@ -264,7 +264,7 @@ class Autopilot(_WithoutMemory):
     Raises
     ------
     InputError
-        Where there are not four gains, or a number is not finite.
+        If there are not four gains, or a number is not finite.
     """
 
     y: Any

@@ -34,17 +34,17 @@ def derivative(
     state : sequence of six numbers, or mapping of str to number
         x, y [m], psi [rad], u, v [m/s], r [rad/s]; floats or columns. What a mapping leaves out is 0.
     X, Y : number [N]
-        Surge and sway force from elsewhere.
+        External surge and sway force.
     N : number [N m]
-        Yaw moment from elsewhere.
+        External yaw moment.
     surge : str
-        ``held``: the speed stays; ``free``: it changes.
+        ``held``: constant speed; ``free``: it changes.
     surge_inertia : float [kg], optional
-        Mass in surge with its added mass, for ``free`` where a_udot was not identifiable.
+        Mass in surge with its added mass, for ``free`` if a_udot was not identifiable.
     coriolis : bool
         Add the rigid body's Coriolis force.
     **positions : number
-        Of actuators, by their names: rudder [rad], revolutions [1/s]; at rest unless given.
+        Positions of actuators by name: rudder [rad], revolutions [1/s]; at rest unless given.
 
     Returns
     -------
@@ -54,7 +54,7 @@ def derivative(
     Raises
     ------
     InputError
-        Where the state is not of six numbers, or an actuator is unknown.
+        If the state is not of six numbers, or an actuator is unknown.
     """
     ship = SimulatedShip(model, surge, surge_inertia, coriolis)
     check_positions(positions, ship)
@@ -91,7 +91,7 @@ def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
     Raises
     ------
     InputError
-        Where the state is not of six numbers, the hull is in a bank, or an actuator is unknown.
+        If the state is not of six numbers, the hull is in a bank, or an actuator is unknown.
     """
     numbers = state_of(state)
     options = {name: given.pop(name) for name in ("surge", "surge_inertia", "coriolis") if name in given}
@@ -198,17 +198,17 @@ def jacobian(
     r : float [rad/s]
         Yaw rate.
     X, Y : float [N]
-        Surge and sway force from elsewhere.
+        External surge and sway force.
     N : float [N m]
-        Yaw moment from elsewhere.
+        External yaw moment.
     surge : str
-        ``held``: the speed stays; ``free``: it changes.
+        ``held``: constant speed; ``free``: it changes.
     surge_inertia : float [kg], optional
-        Mass in surge with its added mass, for ``free`` where a_udot was not identifiable.
+        Mass in surge with its added mass, for ``free`` if a_udot was not identifiable.
     coriolis : bool
         Add the rigid body's Coriolis force.
     **positions : float
-        Of actuators, by their names: rudder [rad], revolutions [1/s]; at rest unless given.
+        Positions of actuators by name: rudder [rad], revolutions [1/s]; at rest unless given.
 
     Returns
     -------
@@ -218,7 +218,7 @@ def jacobian(
     Raises
     ------
     InputError
-        Where a number is not finite, or an actuator is unknown.
+        If a number is not finite, or an actuator is unknown.
     """
     ship = SimulatedShip(model, surge, surge_inertia, coriolis)
     check_positions(positions, ship)

@@ -56,9 +56,9 @@ def ensemble(
     dt : float [s], optional
         Step of the Runge-Kutta method: a 200th of the time of a ship length at the highest speed unless given.
     samples : int
-        Of the coefficients, from the fit's covariance: a dimension ``sample``.
+        Number of coefficient samples from the fit's covariance: a dimension ``sample``.
     seed : int
-        Of the samples.
+        Seed of the samples.
     surge : str
         ``held`` or ``free``.
     surge_inertia : float [kg], optional
@@ -70,7 +70,7 @@ def ensemble(
     precision : str
         ``float64`` or ``float32``; single precision is for maps, not for numbers.
     waterway : Waterway, optional
-        Where the ships sail instead of the model's own canal, as in ``simulate``.
+        Waterway instead of the model's own canal, as in ``simulate``.
     controller : ControlLaw, optional
         A law in arithmetic that gives orders each step; its numbers may be DataArrays.
     workers : int, optional
@@ -98,7 +98,7 @@ def ensemble(
     Raises
     ------
     InputError
-        Where a name is unknown, a value does not fit, or a cluster has no store.
+        If a name is unknown, a value does not fit, or a cluster has no store.
     """
     check_workers(workers)
     check_waterway(waterway)

@@ -151,7 +151,7 @@ class KernelRun:
     dt: Any  # Step [s]
     precision: str = "float64"  # ``float64`` or ``float32``
     steering: Steering | None = None  # What steers; its numbers that vary are among the values of a run
-    waterway: "Waterway | None" = None  # Where the ships sail instead of the model's own canal
+    waterway: "Waterway | None" = None  # Waterway instead of the model's own canal
 
     def __post_init__(self) -> None:
         if self.precision == "float32" and self.waterway is not None:

@@ -39,7 +39,7 @@ def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sam
     Raises
     ------
     InputError
-        Where the voyages have no such dimension.
+        If the voyages have no such dimension.
     """
     if over not in voyages.dims:
         raise InputError(

@@ -76,7 +76,7 @@ class Sensitivities(Shown):
         Raises
         ------
         InputError
-            Where it was not asked for.
+            If it was not asked for.
         """
         if state not in STATES or by not in self.by:
             raise InputError(f"there is no derivative of {state} by {by}; by: {', '.join(self.by)}")
@@ -89,7 +89,7 @@ class Sensitivities(Shown):
         Raises
         ------
         InputError
-            Where the model has no covariance.
+            If the model has no covariance.
         """
         import xarray
 
@@ -169,7 +169,7 @@ def sensitivities(
     Raises
     ------
     InputError
-        Where the voyage cannot be, a name is unknown, or the controller is an object of Python.
+        If the voyage cannot be, a name is unknown, or the controller is an object of Python.
     """
     if "at" in voyage:
         raise InputError("sensitivities come at the steps of the voyage; leave `at` out, and interpolate")

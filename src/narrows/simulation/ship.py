@@ -26,9 +26,9 @@ class SimulatedShip:
     """A model with the choices that simulation leaves open."""
 
     model: Model  # The ship in its canal
-    surge: Surge = "held"  # ``held``: the speed stays; ``free``: it is integrated
+    surge: Surge = "held"  # ``held``: constant speed; ``free``: it is integrated
     surge_inertia: float | None = None  # Mass in surge with its added mass, for ``free`` [kg]
-    coriolis: bool = False  # Add the rigid body's Coriolis force; the fitted damping at one speed holds it already
+    coriolis: bool = False  # Add the rigid body's Coriolis force; damping fitted at one speed already contains it
     # ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard);
     # ``none`` in open water [m]
     contact: Contact | Points = "corners"

@@ -26,7 +26,7 @@ def bank_stiffness(configuration: Configuration) -> float:
 
     References
     ----------
-    The derivative of Mikkelsen et al. (2025), eq. (Delta_1); closed form ours.
+    The derivative of Mikkelsen et al. (2025), eq. (Delta_1).
     """
     beam, width = configuration.ship.beam, configuration.canal.width
     return 8 * beam * width / (width - beam) ** 3
@@ -69,7 +69,7 @@ def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     Raises
     ------
     InputError
-        Where a name is unknown, or changes nothing.
+        If a name is unknown, or changes nothing.
     """
     ship = SimulatedShip(model)
     grid = grid_of(model, vary, samples=0, seed=0)

@@ -146,7 +146,7 @@ class Voyage(Tabulated):
         Parameters
         ----------
         path : str or Path, optional
-            Where to write it: ``.gif``, or ``.html`` with buttons.
+            Output file: ``.gif``, or ``.html`` with buttons.
         seconds : float [s]
             Length of the film.
 
@@ -158,7 +158,7 @@ class Voyage(Tabulated):
         Raises
         ------
         InputError
-            Where the suffix is another, or the file cannot be written.
+            If the suffix is another, or the file cannot be written.
         """
         return narrows.report.animation_of(self, path, seconds)
 
@@ -199,7 +199,7 @@ class Voyage(Tabulated):
         Raises
         ------
         InputError
-            Where it sailed in no waterway that knows where on earth it is.
+            If it sailed in no waterway that knows where on earth it is.
         """
         if self.waterway is None or self.waterway.origin is None:
             raise InputError(
@@ -247,25 +247,25 @@ def simulate(
     r : float [rad/s]
         Yaw rate at the start.
     X, Y : float or pairs [N]
-        Surge and sway force from elsewhere: a constant, or (time, value) pairs, each held until the next.
+        External surge and sway force: a constant, or (time, value) pairs, each held until the next.
     N : float or pairs [N m]
-        Yaw moment from elsewhere, likewise.
+        External yaw moment, likewise.
     rudder : float [rad]
         Its angle at the start, for models with terms of the rudder; positive where it turns the bow to starboard.
         It is held unless a controller moves it.
     surge : str
-        ``held``: the speed stays; ``free``: it is integrated.
+        ``held``: constant speed; ``free``: it is integrated.
     surge_inertia : float [kg], optional
-        Mass in surge with its added mass, for ``free`` where a_udot was not identifiable.
+        Mass in surge with its added mass, for ``free`` if a_udot was not identifiable.
     coriolis : bool
-        Add the rigid body's Coriolis force; the fitted damping at one speed holds it already.
+        Add the rigid body's Coriolis force; damping fitted at one speed already contains it.
     contact : str or points [m]
         ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard);
         ``none`` in open water.
     at : sequence of float [s], optional
         Output times; they do not change the voyage.
     waterway : Waterway, optional
-        Where it sails instead of the model's own canal: x is then along its line, y to starboard of it, psi to it,
+        Waterway instead of the model's own canal: x is then along its line, y to starboard of it, psi to it,
         u and v through the water; the voyage ends where it ends.
     controller : ControlLaw or Controller, optional
         Gives orders each step, which the model's steering gear follows.
@@ -273,7 +273,7 @@ def simulate(
         End the voyage where the ship touches the bottom by its squat, or chokes the section; not where the depth is not
         known.
     **positions : float
-        Of other actuators at the start, by their names: revolutions [1/s], or one of the model's own.
+        Starting positions of other actuators by name: revolutions [1/s], or one of the model's own.
 
     Returns
     -------
@@ -283,7 +283,7 @@ def simulate(
     Raises
     ------
     InputError
-        Where an input is not finite, touches a bank at the start, surge lacks an inertia, or a controller has no
+        If an input is not finite, touches a bank at the start, surge lacks an inertia, or a controller has no
         rudder.
     """
     check_waterway(waterway)

@@ -45,7 +45,7 @@ def with_helm(table: TermTable, name: str = "") -> TermTable:
     Raises
     ------
     InputError
-        Where the table has a rudder.
+        If the table has a rudder.
     """
     if any(term.kind == TermKind.RUDDER for term in table.terms):
         raise InputError(f"the terms {table.name!r} have a rudder; leave +{WITH_HELM} out")

@@ -142,7 +142,7 @@ def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTab
     Raises
     ------
     InputError
-        Where there is no such form.
+        If there is no such form.
     """
     form = _form(form)
     kept = table.without(name or f"{_base(table)}+{form.name}", lambda term: term.from_bank)
@@ -177,7 +177,7 @@ def bank_only(form: str | BankForm) -> TermTable:
     Raises
     ------
     InputError
-        Where there is no such form.
+        If there is no such form.
     """
     chosen = _form(form)
     return TermTable(f"bank only: {chosen.name}", (), chosen.sway, chosen.yaw)

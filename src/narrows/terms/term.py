@@ -117,7 +117,7 @@ class Term(Described):
     Raises
     ------
     InputError
-        Where the name cannot be one, the regressor asks for a quantity that the vocabulary does not have, or for the
+        If the name cannot be one, the regressor asks for a quantity that the vocabulary does not have, or for the
         canal's width and the kind is not ``bank``.
     """
 
@@ -211,7 +211,7 @@ class TermTable(Described):
     Raises
     ------
     InputError
-        Where there are no terms, two terms or two actuators share a name, a term is called as a force is, or a tie
+        If there are no terms, two terms or two actuators share a name, a term is called as a force is, or a tie
         names no term.
     """
 

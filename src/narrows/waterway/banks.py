@@ -236,7 +236,7 @@ class Bank:
     Raises
     ------
     InputError
-        Where the bank crosses the line, is farther off than any, or its places do not rise; where its profile is none.
+        If the bank crosses the line, is farther off than any, or its places do not rise; where its profile is none.
     """
 
     side: str

@@ -43,7 +43,7 @@ class Centreline:
     Raises
     ------
     InputError
-        Where there are fewer than two points, two in a row are one, or one is not finite.
+        If there are fewer than two points, two in a row are one, or one is not finite.
     """
 
     points: np.ndarray

@@ -39,7 +39,7 @@ def read_waterway(path: str | Path) -> Waterway:
     Raises
     ------
     InputError
-        Where the file is no such collection, a role is missing, coordinates are not longitude and latitude, or the
+        If the file is no such collection, a role is missing, coordinates are not longitude and latitude, or the
         geometry is impossible: in one sentence with the place.
     """
     found = _lines(read_features(Path(path)), str(path))
@@ -114,7 +114,7 @@ def write_waterway(waterway: Waterway, path: str | Path) -> None:
     Raises
     ------
     InputError
-        Where it does not know its origin, or the file cannot be written.
+        If it does not know its origin, or the file cannot be written.
     """
     form_of(path, (".geojson", ".json"))
     if waterway.origin is None:

@@ -60,7 +60,7 @@ class Waterway(Described):
     Raises
     ------
     InputError
-        Where a sloped bank has no depth to stand in, the line bends more sharply than the banks are off, a depth is
+        If a sloped bank has no depth to stand in, the line bends more sharply than the banks are off, a depth is
         missing or dry: with the place.
     """
 
@@ -223,7 +223,7 @@ class Waterway(Described):
         Raises
         ------
         InputError
-            Where the waterway is narrower than the ship is, or shallower: with the place.
+            If the waterway is narrower than the ship is, or shallower: with the place.
         """
         s = np.linspace(0, self.line.length, STATIONS) if at is None else np.array([at])
         here = self.room(s, ship.draft)
@@ -269,7 +269,7 @@ def straight_waterway(canal: Canal, length: float, heading: float = 0.0) -> Wate
     Raises
     ------
     InputError
-        Where the length is not positive.
+        If the length is not positive.
     """
     if not length > 0:
         raise InputError(f"a waterway {length} m long is none; give its length in metres")

@@ -46,7 +46,7 @@ def measured_tests(name: str = "kcs") -> "CaptiveTests":
     Raises
     ------
     InputError
-        Where there are no such tests.
+        If there are no such tests.
     """
     from narrows.captive.read import read_captive
 

@@ -1,1 +1,1 @@
-"""Texts that end a generated kernel: elementary functions, events, the queue of vessels."""
+"""Texts appended to a generated kernel: elementary functions, events, the queue of vessels."""

@@ -1,4 +1,4 @@
-"""Elementary functions for lanes: no branch, no call of the C library, so that loops over lanes vectorise."""
+"""Elementary functions without branches or calls of the C library, so that loops over lanes vectorise."""
 
 import re
 from functools import lru_cache
@@ -126,9 +126,9 @@ def _series(name: str, first: int) -> str:
 
 @lru_cache(maxsize=1)
 def _angle_text() -> str:
-    """The angle of a cosine and a sine: turned by a multiple of 45 degrees, one division, a short polynomial.
+    """Write the angle of a cosine and a sine: rotation by a multiple of 45 degrees, one division, a short polynomial.
 
-    Its coefficients are those of the interpolation of arctan t/t in t squared at Chebyshev's points, in 50 digits.
+    The coefficients interpolate arctan t/t in t squared at Chebyshev's points, computed with 50 digits.
     """
     from mpmath import mp  # type: ignore[import-untyped]
 
@@ -149,7 +149,7 @@ def _angle_text() -> str:
 
 
 class Width(NamedTuple):
-    """What the exponential needs to know of a floating-point format."""
+    """Constants of a floating-point format for the exponential."""
 
     integer: str
     low: float
@@ -169,7 +169,7 @@ WIDTHS = {
     "float32": Width("int32", -87.0, 88.0, 1.5 * 2.0**23, 0.693359375, -2.12194440054690583e-4, 127, 23, 8),
 }
 # e^x = 2^k e^r with k the nearest integer to x / ln 2. Adding 1.5 2^52 rounds to that integer and leaves it in the low
-# bits, whence it is shifted into the exponent: one more reason why kernels are not compiled with ``reassoc``.
+# bits; a shift puts it into the exponent. This is one reason why kernels are not compiled with ``reassoc``.
 TEXT = """
 @jit
 def exp(x):
@@ -183,7 +183,7 @@ def exp(x):
 
 
 def exponential_text(precision: str) -> str:
-    """Write the function ``exp`` of a kernel, good to a unit in the last place [1]_.
+    """Write the function ``exp`` of a kernel, accurate to one unit in the last place [1]_.
 
     Parameters
     ----------

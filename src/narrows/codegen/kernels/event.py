@@ -1,17 +1,16 @@
-"""What becomes of a voyage when a step has closed a room or run out of sane numbers: one rule for every engine.
+"""Outcome of a step that crossed a bank or produced numbers out of range: one rule for every engine.
 
-A voyage in Python calls these functions as they stand; all kernels call one compiled copy. A step that went through a
-bank is gone back on and tried shorter, by the secant of the room; what was sane and clear is kept, and the next try
-starts from there. So a contact is located within the step, also where the suction grows without end towards it.
+A voyage in Python calls these functions directly; all kernels call one compiled copy. A step through a bank is undone
+and tried shorter, by the secant of the clearance. A valid step without contact is accepted, and the next try starts
+from there. So a contact is located within the step, even where the suction grows without bound towards it.
 """
 
 from typing import Any
 
 Book = Any
 """What is known of a voyage, by the places below: an array or a list of numbers."""
-# seconds before the stretch of equal steps that is sailed; how long they are, how many were planned; how long the next
-# try is, and how many of it; tries so far to get through a step; what is left of that step, and whole steps after it;
-# the last, shorter step
+# Seconds before the current segment of equal steps; their length, their planned number; length of the next try, and how
+# many of it; tries within the current step; the rest of that step, and the whole steps after it; the last, shorter step
 CLOCK, LENGTH, PLANNED, NEXT, COUNT, TRIES, SPAN, AFTER, REST, PLACES = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
 ON, BACK, FINISHED, CLOSED, LOST = -1, -2, 0, 1, 2
 """Sail on from here; go back to before the try and take a shorter one; the time is up; something is met here; the
@@ -27,7 +26,7 @@ AIM = 0.8
 
 
 def begin(book: Book, length: float, count: float, rest: float) -> None:
-    """Lay out a voyage of equal steps and a last shorter one."""
+    """Set up a voyage of equal steps and a last shorter one."""
     book[CLOCK], book[LENGTH], book[PLANNED], book[REST] = 0.0, length, count, rest
     book[NEXT], book[COUNT], book[TRIES] = length, count, 0.0
     if count == 0.0:
@@ -44,12 +43,12 @@ def last_step(book: Book) -> int:
 
 
 def cleared(room: float, before: float, leaves: float) -> float:
-    """Return how much more room a step left than it must [m]: a share of what was, where suction ends infinite."""
+    """Return the clearance left beyond the required share [m]; the share matters where suction becomes infinite."""
     return room - leaves * before if leaves > 0.0 else room
 
 
 def cause(heading: float, ahead: float, astern: float, afloat: float, tolerance: float) -> int:
-    """Say what is met where no room is left, by what is left to every end but a bank."""
+    """Return which end is met when no clearance is left, by the margins to every end but a bank."""
     if heading <= tolerance:
         return OUTSIDE
     if afloat <= TOO_FAST:
@@ -64,7 +63,7 @@ def cause(heading: float, ahead: float, astern: float, afloat: float, tolerance:
 def judge(
     book: Book, left: float, room: float, before: float, sane: bool, tolerance: float, near: float, leaves: float
 ) -> int:
-    """Say what becomes of a voyage after a try, ``left`` of the planned steps being left."""
+    """Decide how a voyage continues after a try; ``left`` is the number of planned steps left."""
     tried, clear = book[NEXT], cleared(room, before, leaves)
     if book[TRIES] == 0.0:
         if sane and clear > 0.0:
@@ -90,7 +89,7 @@ def judge(
 
 
 def advanced(book: Book, tried: float, longer: float, room: float, near: float) -> int:
-    """Keep a part of a step that went well, and set up the next."""
+    """Accept the valid part of a step and set up the next."""
     book[CLOCK] += tried
     book[SPAN] -= tried
     if book[SPAN] > 1e-13 * book[LENGTH]:

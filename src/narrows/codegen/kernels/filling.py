@@ -1,4 +1,4 @@
-"""The table of a waterway from its sections: plain arithmetic, translated for callers without Python."""
+"""The table of a waterway from its sections: plain arithmetic, translated for exports without Python."""
 
 from math import cos, sin
 from typing import Any
@@ -21,7 +21,7 @@ FAR_WIDTHS = 100.0
 
 
 def fill_cells(sections: Array, count: int, nodes: int, table: Filled) -> float:
-    """Fill the cells by sections that are straight between, in order along the line; return how long a cell is [m]."""
+    """Fill the cells from sections, linear in between, in order along the line; return the cell length [m]."""
     spacing = (sections[SECTION * (count - 1)] - sections[0]) / (nodes - 1)
     before = 0
     for node in range(nodes):
@@ -44,7 +44,7 @@ def fill_cells(sections: Array, count: int, nodes: int, table: Filled) -> float:
 
 
 def node_value(table: Array, nodes: int, node: int, column: int) -> float:
-    """Return a column at a node: where no cell starts, at the end of the last."""
+    """Return a column's value at a node; the last node is the end of the last cell."""
     if node < nodes - 1:
         return table[CELL_ENTRIES * node + column]  # type: ignore[no-any-return]
     last = CELL_ENTRIES * (nodes - 2) + column
@@ -54,7 +54,7 @@ def node_value(table: Array, nodes: int, node: int, column: int) -> float:
 def put_node(
     track: Array, node: int, x: float, y: float, heading: float, bend: float, right: float, left: float
 ) -> None:
-    """Write a node of the track: the line, and both banks square to it."""
+    """Write a node of the track: the line, and both banks perpendicular to it."""
     row, c, si = ROW * node, cos(heading), sin(heading)
     track[row], track[row + 1], track[row + 2], track[row + 3], track[row + 4] = x, y, c, si, bend
     track[row + 5], track[row + 6] = x - right * si, y + right * c
@@ -62,7 +62,7 @@ def put_node(
 
 
 def lay_track(table: Array, nodes: int, spacing: float, track: Filled) -> None:
-    """Lay the line by its curvature, with the banks at the keel, one node more far beyond either end."""
+    """Integrate the line from its curvature, with the banks at the keel and one far node beyond either end."""
     x, y, heading, widest = 0.0, 0.0, 0.0, 0.0
     for node in range(nodes):
         widest = max(widest, node_value(table, nodes, node, KEEL_STARBOARD))
@@ -84,7 +84,7 @@ def lay_track(table: Array, nodes: int, spacing: float, track: Filled) -> None:
 
 
 def can_fill(sections: Array, count: int, nodes: int) -> bool:
-    """Whether there are sections and nodes enough, and each section has water, one behind the other."""
+    """Return whether there are enough sections and nodes, in order, each with water."""
     if not (count >= 2 and nodes >= 2):
         return False
     for number in range(count):
@@ -100,7 +100,7 @@ def can_fill(sections: Array, count: int, nodes: int) -> bool:
 
 
 def fill_table(sections: Array, count: int, nodes: int, table: Filled, track: Filled) -> float:
-    """Fill table and track of a waterway, and return how long a cell is [m]; 0 where the sections are no waterway."""
+    """Fill table and track of a waterway and return the cell length [m]; 0 if the sections form no waterway."""
     if not can_fill(sections, count, nodes):
         return 0.0
     spacing = fill_cells(sections, count, nodes, table)

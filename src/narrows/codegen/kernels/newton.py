@@ -1,7 +1,7 @@
-"""Newton's method for many steady courses, ship by ship: its text ends a generated module, below ``balance``.
+"""Newton's method for many steady courses, ship by ship: this text is appended to a generated module.
 
-``balance(drift, angle, inputs)`` gives the accelerations in sway and yaw, and their slopes by drift over speed and by
-the rudder's angle. The search starts straight ahead with the rudder amidships and takes no long steps.
+``balance(drift, angle, inputs)`` gives the accelerations in sway and yaw and their derivatives by relative drift and
+rudder angle. The search starts straight ahead with the rudder amidships and limits its steps.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -19,20 +19,20 @@ if TYPE_CHECKING:
         """Compile once for all processes."""
 
     def balance(drift: float, angle: float, inputs: Array) -> Any:
-        """Accelerations in sway and yaw, and their slopes."""
-elif __name__ == "narrows.codegen.kernels.newton":  # Imported alone, by who walks over all modules.
+        """Return accelerations in sway and yaw, and their derivatives."""
+elif __name__ == "narrows.codegen.kernels.newton":  # Imported alone, by tools that import all modules
     cached = staticmethod
 
 
 ROUNDS = 40
 DONE = 1e-11
-FURTHEST = 1.2  # drift over speed, or rudder angle [rad], beyond which nothing is looked for
-LARGEST = 0.25  # step of the search
+FURTHEST = 1.2  # largest drift over speed, or rudder angle [rad], of the search
+LARGEST = 0.25  # largest step of the search
 
 
 @cached
 def solve(inputs: "Array", drifts: "Array", angles: "Array") -> None:
-    """Find drift over speed and rudder angle [rad] of every row of ``inputs``, NaN where no course holds."""
+    """Find drift over speed and rudder angle [rad] for every row of ``inputs``, NaN if no course is steady."""
     for row in range(len(inputs)):
         drift, angle, converged = 0.0, 0.0, False
         for _ in range(ROUNDS):

@@ -1,9 +1,8 @@
-"""The bookkeeping of a block of lanes: who sails in which, who has arrived, and where a hull met a bank.
+"""The queue of vessels in a block of lanes: which lane integrates which vessel, arrivals, and contacts.
 
-Not to be called: its text ends every generated kernel, below ``step`` and ``room_of`` of that model, so that Numba
-keeps the whole as one file; it calls what all kernels share. A vessel is one lane's work until something ends its
-voyage; then the lane takes the next vessel of the queue. Locating a contact costs a few lane-steps beside its
-neighbours' whole ones.
+This text is appended to every generated kernel, below ``step`` and ``room_of`` of that model, so that Numba stores the
+whole as one file. A lane integrates one vessel until its voyage ends, then takes the next of the queue. Locating a
+contact costs a few lane-steps, while the neighbours take whole ones.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -48,17 +47,17 @@ if TYPE_CHECKING:
         """Compile once for all processes."""
 
     def room_of(block: Array, lane: int, table: Array, shared: Array) -> tuple[float, float]:
-        """Room of a lane by the lanes' own rule, and its lean [m]."""
+        """Clearance of a lane by the lanes' own rule, and its side [m]."""
 
     def ends_of(block: Array, lane: int, first: int, table: Array, shared: Array) -> tuple[float, float, float, float]:
-        """What is left of a lane, now or before the step, to every end but a bank."""
+        """Margins of a lane, now or before the step, to every end but a bank."""
 
     def exact_room(track: Array, step: float, s: float, n: float, c: float, si: float, outline: Array) -> Any:
-        """Room by the banks themselves, and the lean [m]."""
+        """Exact clearance from the banks themselves, and the side [m]."""
 
     def step(block: Array, table: Array, shared: Array) -> bool:
-        """Step every lane; return whether any wants attention."""
-elif __name__ == "narrows.codegen.kernels.queue":  # Imported alone, by who walks over all modules.
+        """Step every lane; return whether any needs attention."""
+elif __name__ == "narrows.codegen.kernels.queue":  # Imported alone, by tools that import all modules
     called = cached = staticmethod
 
 
@@ -72,7 +71,7 @@ CACHE_LINE = 16  # numbers: 64 bytes in single precision, two lines in double
 def true_room(
     block: "Array", lane: int, first: int, table: "Array", track: "Array", outline: "Array", shared: "Array"
 ) -> "Any":
-    """Room of a lane by the banks themselves and by what else ends a voyage, and its lean [m]."""
+    """Clearance of a lane by the banks themselves and by the other ends of a voyage, and its side [m]."""
     x, y = block[(first + X) * LANES + lane], block[(first + Y) * LANES + lane]
     cosine, sine = block[(first + COS) * LANES + lane], block[(first + SIN) * LANES + lane]
     room, lean = exact_room(track, 1.0 / shared[AT_CELLS_A_METRE], x, y, cosine, sine, outline)
@@ -82,7 +81,7 @@ def true_room(
 
 @called
 def is_sane(block: "Array", lane: int, room: float, shared: "Array", near: float) -> bool:
-    """Whether the numbers are those of a ship; drawn to a bank that ends its voyage any speed is."""
+    """Return whether the numbers are physical; a ship drawn to a bank that ends its voyage may have any speed."""
     if LEAVES > 0.0 and room <= near:
         return True
     most = shared[AT_MOST_SPEED]
@@ -92,7 +91,7 @@ def is_sane(block: "Array", lane: int, room: float, shared: "Array", near: float
 
 @called
 def cause_of(block: "Array", lane: int, table: "Array", shared: "Array", tolerance: float) -> int:
-    """What is met where the room is nil."""
+    """Return which end is met when the clearance is zero."""
     heading, ahead, astern, afloat = ends_of(block, lane, NOW, table, shared)
     return cause(heading, ahead, astern, afloat, tolerance)
 
@@ -108,11 +107,11 @@ def attend(
     outline: "Array",
     limits: "Array",
 ) -> int:
-    """Say what becomes of a lane that a step has flagged: an outcome, or RUNNING with what comes next set up."""
+    """Handle a lane that a step has flagged: return an outcome, or RUNNING with the next step set up."""
     room, before, left = block[ROOM * LANES + lane], block[ROOM_BEFORE * LANES + lane], block[LEFT * LANES + lane]
     sane = is_sane(block, lane, room, shared, limits[NEAR])
     if EXACT and sane and (room <= 0.0 or book[lane, TRIES] > 0.0):
-        # The lanes' own room is a lower bound: ask the banks.
+        # The lanes' own clearance is a lower bound: compute the exact one.
         room, block[LEAN * LANES + lane] = true_room(block, lane, NOW, table, track, outline, shared)
     if sane and cleared(room, before, LEAVES) > 0.0 and book[lane, TRIES] == 0.0 and left > 0.0:
         return RUNNING
@@ -138,11 +137,11 @@ def load_lane(
     block: "Array", lane: int, book: "Array", vessel: int, start: "Array", times: "Array", vessel_inputs: "Array",
     table: "Array", shared: "Array", track: "Array", outline: "Array", limits: "Array",
 ) -> int:  # fmt: skip
-    """Put a vessel into a lane; return its outcome where the voyage ends where it begins, else RUNNING."""
+    """Put a vessel into a lane; return its outcome if the voyage ends where it begins, else RUNNING."""
     for field in range(KEPT):
         block[field * LANES + lane] = start[vessel, field]
         block[(OLD + field) * LANES + lane] = start[vessel, field]
-    row = min(vessel, vessel_inputs.shape[0] - 1)  # One row for all where nothing varies.
+    row = min(vessel, vessel_inputs.shape[0] - 1)  # One row serves all if nothing varies
     for field in range(vessel_inputs.shape[1]):
         block[(FIRST_VESSEL_INPUT + field) * LANES + lane] = vessel_inputs[row, field]
     room, lean = room_of(block, lane, table, shared)
@@ -155,14 +154,14 @@ def load_lane(
         return DIVERGED
     if not room > 0.0:
         fate = cause_of(block, lane, table, shared, 0.0)
-        if room < 0.0 or fate != ASTERN:  # The first point of a waterway is in it.
+        if room < 0.0 or fate != ASTERN:  # The first point of a waterway belongs to it
             return fate
     return RUNNING if block[LEFT * LANES + lane] > 0.0 else AFLOAT
 
 
 @called
 def idle_lane(block: "Array", lane: int) -> None:
-    """Leave an empty lane on the line, with steps of no length."""
+    """Put an empty lane on the line, with steps of no length."""
     for field in (Y, SIN, V, R, STEP_LENGTH):
         block[field * LANES + lane] = 0.0
     block[COS * LANES + lane] = 1.0
@@ -173,7 +172,7 @@ def idle_lane(block: "Array", lane: int) -> None:
 def unload_lane(
     block: "Array", lane: int, book: "Array", vessel: int, fate: int, end: "Array", time: "Array", codes: "Array"
 ) -> None:
-    """Write where a voyage ended, when and how."""
+    """Write place, time and outcome of a voyage's end."""
     for field in range(KEPT):
         end[vessel, field] = block[field * LANES + lane]
     time[vessel] = book[lane, CLOCK]
@@ -188,10 +187,10 @@ def sail(
     outline: "Array", limits: "Array",
     end: "Array", time: "Array", codes: "Array", memory: "Array", book: "Array", who: "Array",
 ) -> int:  # fmt: skip
-    """Sail every vessel to its end; return the lane-steps that it took."""
+    """Integrate every vessel to its end; return the number of lane-steps."""
     first = -(memory.ctypes.data // memory.itemsize) % CACHE_LINE
     block = memory[first : first + FIELDS * LANES]  # a vector that straddles two cache lines costs twice
-    # Numba would compile ``load_lane`` for the literal 0 too.
+    # With the literal 0 Numba would compile ``load_lane`` again.
     active, lane_steps, queue, vessels = 0, 0, FIRST, len(codes)
     for lane in range(LANES):
         who[lane] = -1

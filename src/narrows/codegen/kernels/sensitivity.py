@@ -1,6 +1,6 @@
-"""A voyage and its slopes: segments, each from its own start, sailed from sample to sample.
+"""A voyage and its derivatives: segments, each from its own start, integrated from sample to sample.
 
-Not to be called: its text ends every generated tangent module, below ``step`` of that model.
+This text is appended to every generated tangent module, below ``step`` of that model.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
         """Compile once for all processes."""
 
     def step(z: Array, block: Array, inputs: Array, table: Array) -> None:
-        """Take a step, and its slopes along every direction of the block, in place."""
-elif __name__ == "narrows.codegen.kernels.sensitivity":  # Imported alone, by who walks over all modules.
+        """Take a step in place, with its derivatives along every direction of the block."""
+elif __name__ == "narrows.codegen.kernels.sensitivity":  # Imported alone, by tools that import all modules
     cached = staticmethod
 
 
@@ -29,13 +29,13 @@ def march(
     start: "Array", start_slopes: "Array", first: "Array", inputs: "Array", input_slopes: "Array",
     places: "Array", orders: "Array", lengths: "Array", parts: int, table: "Array", states: "Array", slopes: "Array",
 ) -> None:  # fmt: skip
-    """Sail every segment from its start; write states and slopes at each sample, and where each segment ends.
+    """Integrate every segment from its start; write states and derivatives at each sample and at segment ends.
 
-    ``start`` (segments, kept); ``start_slopes`` (segments, kept, directions); ``first`` (segments + 1,) the step with
-    which each begins; ``inputs`` (inputs,) with ``input_slopes`` (moving, directions); ``orders`` (steps, places), what
-    ``places`` of the inputs are in each step; ``lengths`` (steps,) [s], each step in so many equal ``parts``;
-    ``states`` (steps + segments, kept) and ``slopes`` (steps + segments, kept, directions), the samples of each
-    segment, its end included, one segment after the other.
+    ``start`` (segments, kept); ``start_slopes`` (segments, kept, directions); ``first`` (segments + 1,) the first step
+    of each; ``inputs`` (inputs,) with ``input_slopes`` (moving, directions); ``orders`` (steps, places), the values of
+    the inputs ``places`` in each step; ``lengths`` (steps,) [s], each step in so many equal ``parts``; ``states``
+    (steps + segments, kept) and ``slopes`` (steps + segments, kept, directions), the samples of each segment with its
+    end, one segment after the other.
     """
     directions = start_slopes.shape[2]
     block, z, now = np.zeros((KEPT + MOVING) * DIRECTIONS), np.empty(KEPT), inputs.copy()

@@ -1,8 +1,8 @@
-"""One vessel to its end, step by step: what every file for another language ends with, in that language.
+"""Integrate one vessel to its end, step by step: every exported file ends with this, in its own language.
 
-Written in the few words of Python that ``printers.translation`` knows. ``step`` and ``room`` stand above it there,
-printed from the lines of the model; the rule of what closes a voyage is ``event``, and the banks of a waterway are
-asked by ``waterway.room``.
+It uses the small part of Python that ``printers.translation`` supports. ``step`` and ``room`` stand above it in the
+exported file, printed from the lines of the model; ``event`` holds the rule for ends of a voyage, ``waterway.room`` the
+distances to its banks.
 """
 
 from math import floor
@@ -38,10 +38,10 @@ Place: TypeAlias = Any
 if TYPE_CHECKING:
 
     def step(state: Array, after: Array, length: float, inputs: Inputs, constants: Constants, waterway: Place) -> None:
-        """Write the state after a step, the room and the lean."""
+        """Write the state after a step, the clearance and the side."""
 
     def room(state: Array, closeness: Array, constants: Constants, waterway: Place) -> None:
-        """Write the room by the lines' own rule, and the lean."""
+        """Write the clearance by the lines' own rule, and the side."""
 
 
 EXACT = WATERWAY = False
@@ -58,7 +58,7 @@ MOST_SPEED, MOST_RATE = 100.0, 10.0
 
 
 def true_room(state: Array, closeness: Array, constants: Constants, waterway: Place) -> None:
-    """Write the room by the banks themselves and by what else ends a voyage, and the lean [m]."""
+    """Write the clearance by the banks themselves and by the other ends of a voyage, and the side [m]."""
     closeness[0], closeness[1] = exact_room(
         waterway.track, 1.0 / waterway.cells_a_metre, state[0], state[1], state[2], state[3], waterway.outline
     )
@@ -67,7 +67,7 @@ def true_room(state: Array, closeness: Array, constants: Constants, waterway: Pl
 
 
 def clearance(state: Array, closeness: Array, waterway: Place) -> None:
-    """Write the room to starboard and to port by the banks themselves [m]."""
+    """Write the clearance to starboard and to port by the banks themselves [m]."""
     closeness[0], closeness[1] = exact_room(
         waterway.track, 1.0 / waterway.cells_a_metre, state[0], state[1], state[2], state[3], waterway.outline
     )
@@ -77,7 +77,7 @@ def clearance(state: Array, closeness: Array, waterway: Place) -> None:
 
 
 def is_sane(state: Array, closeness: float, constants: Constants) -> bool:
-    """Whether the numbers are those of a ship; drawn to a bank that ends its voyage any speed is."""
+    """Return whether the numbers are physical; a ship drawn to a bank that ends its voyage may have any speed."""
     if LEAVES > 0.0 and closeness <= constants.near_bank:
         return True
     slow = abs(state[U]) < MOST_SPEED and abs(state[V]) < MOST_SPEED
@@ -85,7 +85,7 @@ def is_sane(state: Array, closeness: float, constants: Constants) -> bool:
 
 
 def cause_of(state: Array, constants: Constants, waterway: Place, tolerance: float) -> int:
-    """What is met where the room is nil: the limit of heading, an end of the waterway, or a bank."""
+    """Return which end is met when the clearance is zero: the limit of heading, an end of the waterway, or a bank."""
     ahead, astern = FAR, FAR
     if WATERWAY:
         ahead, astern = waterway.x_last - state[0], state[0] - waterway.x_first
@@ -93,7 +93,7 @@ def cause_of(state: Array, constants: Constants, waterway: Place, tolerance: flo
 
 
 def begun(state: Array, closeness: Array, constants: Constants, waterway: Place) -> int:
-    """What ends a voyage where it begins; AFLOAT where nothing does."""
+    """Return what ends a voyage at its start; AFLOAT if nothing does."""
     room(state, closeness, constants, waterway)
     if EXACT and closeness[0] <= 0.0:
         true_room(state, closeness, constants, waterway)
@@ -102,11 +102,11 @@ def begun(state: Array, closeness: Array, constants: Constants, waterway: Place)
     if closeness[0] > 0.0:
         return AFLOAT
     fate = cause_of(state, constants, waterway, 0.0)
-    return AFLOAT if closeness[0] == 0.0 and fate == ASTERN else fate  # The first point of a waterway is in it.
+    return AFLOAT if closeness[0] == 0.0 and fate == ASTERN else fate  # The first point of a waterway belongs to it
 
 
 def can_sail(state: Array, constants: Constants, waterway: Place, length: float, duration: float) -> bool:
-    """Whether the step is a time in which the ship moves less than its own length, and there is water to sail in."""
+    """Return whether the ship moves less than its own length in a step, and there is water to sail in."""
     if not (length > 0.0 and duration >= 0.0 and duration <= MOST_STEPS * length):
         return False
     if WATERWAY and not waterway.x_last > waterway.x_first:
@@ -115,14 +115,14 @@ def can_sail(state: Array, constants: Constants, waterway: Place, length: float,
 
 
 def planned(book: Book, length: float, duration: float) -> None:
-    """Plan whole steps and, where the time is no multiple of them, the rest."""
+    """Plan whole steps and, if the time is no multiple of them, a shorter last one."""
     count = 1.0 * floor(duration / length + 1e-9)
     rest = duration - count * length
     begin(book, length, count, rest if rest > 1e-9 * length else 0.0)
 
 
 def ended(fate: int, state: Array, before: float, now: float, constants: Constants, waterway: Place) -> int:
-    """What ended a voyage that is lost, closed or finished, by the room before the step and after."""
+    """Return the cause of a voyage's end, by the clearance before the step and after."""
     if fate == FINISHED:
         return AFLOAT
     if fate == LOST and before > constants.near_bank:
@@ -134,7 +134,7 @@ def ended(fate: int, state: Array, before: float, now: float, constants: Constan
 def sail(
     state: Array, inputs: Inputs, constants: Constants, waterway: Place, length: float, duration: float, end: Array
 ) -> int:
-    """Sail under what the caller holds until the time is up or something ends the voyage, and say what."""
+    """Integrate with the caller's inputs until the time is up or the voyage ends, and return the outcome."""
     if not can_sail(state, constants, waterway, length, duration):
         end[0], end[1] = 0.0, 0.0
         return REFUSED

@@ -1,4 +1,4 @@
-"""Lines as C99: numbers of structures unpacked before their first use, then an assignment a line."""
+"""Lines as C99: structure members are unpacked before their first use, then one assignment a line."""
 
 import ast
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -15,7 +15,7 @@ from narrows.codegen.printers.translation import Translation
 
 WIDTH, TIED = 108, "\0=\0"
 
-# Functions of <math.h> by what lines and plain functions call them.
+# Functions of <math.h> by their names in lines and plain functions.
 LIBRARY = {"abs": "fabs", "exp": "exp", "log": "log", "sqrt": "sqrt", "power": "pow", "sine": "sin", "cosine": "cos",
            "floor": "floor", "hypot": "hypot", "cos": "cos", "sin": "sin"}  # fmt: skip
 
@@ -36,7 +36,7 @@ class C(Language):
 
     def unpacked(self, names: Iterable[str], places: Mapping[str, str]) -> list[str]:
         values = ", ".join(f"{self.named(name)} = {places[name]}" for name in names if name != places[name])
-        whole = f"const double {values};".replace(" = ", TIED)  # No line breaks within a declaration.
+        whole = f"const double {values};".replace(" = ", TIED)  # No line breaks within a declaration
         return [line.replace(TIED, " = ") for line in wrap(whole, WIDTH, subsequent_indent="    ")] if values else []
 
 
@@ -54,7 +54,7 @@ STRUCTURES = {"Inputs": "inputs", "Constants": "constants", "Place": "waterway"}
 
 
 class CTranslation(Translation):
-    """Plain functions in C; a tuple is written to an array that the caller brings."""
+    """Plain functions in C; the caller provides the array for a returned tuple."""
 
     def __init__(self, source: PlainSource, prefix: str) -> None:
         super().__init__(source)
@@ -92,7 +92,7 @@ class CTranslation(Translation):
 
     @staticmethod
     def _size(function: ast.FunctionDef) -> int:
-        """Numbers of the tuple that a function returns; 0 where it returns none."""
+        """Number of values that a function returns; 0 if it returns none."""
         returns = function.returns
         if not isinstance(returns, ast.Subscript):
             return 0
@@ -112,7 +112,7 @@ class CTranslation(Translation):
         ]
 
     def _whole(self, variables: Mapping[str, Sequence[ast.expr | None]]) -> set[str]:
-        """The variables that only ever hold whole numbers."""
+        """Variables that only ever hold whole numbers."""
         parameters = {one.arg for one in self.parameters() if one.annotation and ast.unparse(one.annotation) == "int"}
         whole = set(variables)
         while True:
@@ -217,7 +217,7 @@ class CTranslation(Translation):
         return f"fmod({left}, {right})"
 
 
-# Plain functions that answer yes or no.
+# Plain functions that return a truth value.
 TRUTHS = ("is_sane", "can_sail", "can_fill")
 
 
@@ -229,8 +229,8 @@ def _is_truth(value: ast.expr | None) -> bool:
     return isinstance(value, ast.Compare | ast.BoolOp)
 
 
-# A step as C over a block of vessels: the lines of one vessel in loops over lanes, which compilers vectorise.
-# Functions of <math.h> that processors have instructions for.
+# A step in C over a block of vessels: the lines of one vessel in loops over lanes, which compilers vectorise. Functions
+# of <math.h> with processor instructions:
 PLAIN = ("fabs", "sqrt", "floor")
 
 CALLED = tuple(f"{name}(" for name in {*LIBRARY.values(), "angle"} - {*PLAIN})
@@ -253,7 +253,7 @@ def c_block(lines: Lines, results: Mapping[str, Expr], places: Mapping[str, str]
 
 
 def _asked(layout: LaneFields) -> list[str]:
-    """What the rounds read and none of them makes."""
+    """Names that the rounds read and none of them assigns."""
     made = {str(target) for part in layout.parts for target, _ in part}
     return sorted({name for number in range(len(layout.parts)) for name in layout.read(number)} - made)
 

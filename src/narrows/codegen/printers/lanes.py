@@ -1,8 +1,8 @@
 """Lines as loops over lanes, which LLVM vectorises: a block of vessels, field after field in one flat array.
 
-That every field lies at a constant offset of ONE array is how LLVM proves that nothing aliases. Each round of the
-program is a loop of its own (one long loop is a longer chain than a processor looks ahead) and no loop branches on
-data. A name has one assignment, in whatever round: for each that has more Numba goes over the whole function once more.
+Every field lies at a constant offset of ONE array, which lets LLVM prove that nothing aliases. Each round of the
+program is a loop of its own (a long loop is a longer chain than a processor looks ahead), and no loop branches on data.
+A name is assigned once in the whole program: Numba passes over the function again for each further assignment.
 """
 
 import re
@@ -17,24 +17,24 @@ from narrows.codegen.lines import Assignment, rounds
 from narrows.codegen.printers.python import Arithmetic
 from narrows.codegen.step import Step
 
-# Fields of a lane beside what is kept from step to step: what the queue of vessels reads and writes.
+# Fields of a lane besides its state: the queue of vessels reads and writes them.
 BOOK = ("step_length", "share", "left", "flag", "room", "lean", "room_before")
 
-# Inputs that all vessels share: the bookkeeping of the queue reads them too. Every other input is each vessel's own, so
-# that a fleet in which other things vary needs no other kernel; a lane reads its own as fast as a shared one.
+# Inputs that all vessels share: the bookkeeping of the queue reads them too. Every other input is per vessel, so that
+# one kernel serves fleets in which other things vary; a lane reads both equally fast.
 SHARED = ("least_cos", "x_last", "x_first", "cells_a_metre", "most_speed", "most_rate")
 
 SPEED_LIMITS = {"u": "most_speed", "v": "most_speed", "r": "most_rate"}
 
 
-# Where numbers lie that one loop over lanes makes and a later one reads.
+# Places of numbers that one loop over lanes computes and a later one reads.
 @dataclass(frozen=True)
 class LaneFields:
-    """Fields of a lane; one is used again once what was in it is dead."""
+    """Fields of a lane; a field is reused once its number is no longer needed."""
 
-    parts: Sequence[Sequence[Assignment]]  # The rounds, a loop over lanes each
-    results: tuple[Expr, ...]  # What the last of them gives
-    first: tuple[str, ...] = ()  # Numbers that have the first fields for good
+    parts: Sequence[Sequence[Assignment]]  # The rounds, one loop over lanes each
+    results: tuple[Expr, ...]  # Results of the last round
+    first: tuple[str, ...] = ()  # Numbers with the first fields, never reused
 
     @cached_property
     def _last_use(self) -> dict[str, int]:
@@ -44,7 +44,7 @@ class LaneFields:
 
     @cached_property
     def fields(self) -> dict[str, int]:
-        """The field of each number that is kept from round to round."""
+        """The field of each number that lives from round to round."""
         index = {name: number for number, name in enumerate(self.first)}
         total, free, busy = len(index), list[int](), list[str]()
         for number, part in enumerate(self.parts):
@@ -63,13 +63,13 @@ class LaneFields:
         return max(self.fields.values(), default=-1) + 1
 
     def read(self, number: int) -> set[str]:
-        """Return what a round asks for and does not make, the last one for the results too."""
+        """Return the inputs of a round; the last one also needs the results."""
         part = self.parts[number]
         values = [*(value for _, value in part), *(self.results if number == len(self.parts) - 1 else ())]
         return {name for value in values for name in names_in(value)} - {str(target) for target, _ in part}
 
     def stored(self, number: int) -> list[str]:
-        """Return what a round makes for later ones, in alphabetical order."""
+        """Return the numbers that later rounds need, in alphabetical order."""
         made = {str(target) for target, _ in self.parts[number]}
         return sorted(name for name in made if self._last_use.get(name, -1) > number)
 
@@ -77,17 +77,17 @@ class LaneFields:
 @dataclass(frozen=True)
 class Lanes:
     step: Step  # The program
-    kept: tuple[str, ...]  # What goes from step to step
+    kept: tuple[str, ...]  # Quantities carried from step to step
     count: int  # Lanes of a block
 
     @cached_property
     def parts(self) -> list[list[Assignment]]:
-        """The rounds, without lines that nothing asks for."""
+        """The rounds, without unused lines."""
         return rounds(self.step.lines.needed_for(list(self.step.out.values())))
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
-        """What the program asks for beside what is kept and what the queue gives."""
+        """Inputs of the program besides the state and the queue's fields."""
         made = {str(name) for part in self.parts for name, _ in part}
         asked = {name for part in self.parts for _, value in part for name in names_in(value)}
         asked |= {name for value in self.step.out.values() for name in names_in(value)}
@@ -111,7 +111,7 @@ class Lanes:
         return f"block[{self.layout.fields[name] * self.count} + lane]"
 
     def text(self, printer: Arithmetic, leaves: float = 0.0) -> str:
-        """Print the function ``step(block, table, shared)``, that says whether any lane wants attention."""
+        """Print the function ``step(block, table, shared)``, which returns whether any lane needs attention."""
         head = [f"{name} = shared[{number}]" for number, name in enumerate(self.shared_inputs)]
         body = [*head, "all_well = True"]
         for number, part in enumerate(self.parts):
@@ -133,7 +133,7 @@ class Lanes:
             yield from self._close(printer, leaves)
 
     def _close(self, printer: Arithmetic, leaves: float) -> Iterator[str]:
-        """Keep what was before the step and what is after it, and say whether the lane sails on."""
+        """Store the state before the step and after it, and whether the lane continues."""
         out = {name: printer.doprint(sympy.sympify(value)) for name, value in self.step.out.items()}
         for name in self.kept:
             yield f"{self.entry(f'old {name}')} = {name}"
@@ -153,7 +153,7 @@ class Lanes:
 
 
 def _of_round(number: int, lines: Sequence[str]) -> list[str]:
-    """Lines with names of their own for what other rounds assign too: what they look up, and the lane."""
+    """Rename what other rounds also assign: table lookups, and the lane."""
     looked_up = {"lane", *re.findall(r"^ +(\w+) = block", "\n".join(lines), re.MULTILINE)}
     return [
         re.sub(r"\b[A-Za-z_]\w*", lambda name: f"{name[0]}_in_{number}" if name[0] in looked_up else name[0], line)

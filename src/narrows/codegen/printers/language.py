@@ -1,4 +1,4 @@
-"""Lines as statements of a language: what its names, numbers and functions are called there."""
+"""Lines as statements of a language: its names, numbers and functions."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -11,11 +11,11 @@ from narrows.codegen.printers.python import Arithmetic, statements
 
 
 class Language(Arithmetic):
-    """A printer of expressions that knows the rest of its language too."""
+    """A printer of expressions and statements."""
 
     TABLE = "waterway"
-    TAKEN: frozenset[str] = frozenset()  # Words that no number can be called by
-    LIBRARY: ClassVar[Mapping[str, str]] = {}  # Elementary functions by what lines and plain functions call them
+    TAKEN: frozenset[str] = frozenset()  # Reserved words
+    LIBRARY: ClassVar[Mapping[str, str]] = {}  # Elementary functions by their names in lines and plain functions
     FIELD, DECLARED, ASSIGNED = "{}.{}", "{} = {};", "{} = {};"
     INFINITE, NO_NUMBER = "inf", "nan"
 
@@ -27,7 +27,7 @@ class Language(Arithmetic):
         return f"{name}_" if name in self.TAKEN else name
 
     def literal(self, value: float) -> str:
-        """Return a number to its last bit."""
+        """Return a number with all its digits."""
         text = repr(float(value))
         return {"inf": self.INFINITE, "-inf": f"-{self.INFINITE}", "nan": self.NO_NUMBER}.get(text, text)
 
@@ -80,7 +80,7 @@ class CSharp(Language):
 
 
 class Matlab(Language):
-    """MATLAB and Octave, of arrays element by element."""
+    """MATLAB and Octave, with arrays element by element."""
 
     TAKEN = frozenset({
         "x", "ui", "xdot", "U", "beyond", "i", "j", "pi", "eps", "end", "for", "if", "while", "function", "otherwise",

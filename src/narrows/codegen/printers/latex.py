@@ -1,4 +1,4 @@
-"""The forces of a table of terms in LaTeX, from the same tape as everything else, in lines that fit a page."""
+"""The forces of a table of terms in LaTeX, from the shared tape, in lines that fit a page."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -13,7 +13,7 @@ from narrows.quantities.names import FORCES
 from narrows.terms.regressors import Grouped
 from narrows.terms.term import TermTable
 
-# Quantities as texts write them, those of propeller and rudder as the MMG standard method does.
+# Symbols of quantities, those of propeller and rudder as in the MMG standard method.
 WRITTEN = {
     "x": "x", "y": "y", "cos_psi": r"(\cos\psi)", "sin_psi": r"(\sin\psi)", "u": "u", "v": "v", "r": "r",
     "udot": r"\dot{u}", "vdot": r"\dot{v}", "rdot": r"\dot{r}", "heave": "z", "length": "L", "beam": "B",
@@ -29,10 +29,10 @@ WRITTEN = {
 }  # fmt: skip
 # Quantities with a symbol of their own in the literature, defined where the terms use them.
 NAMED: dict[str, Callable[..., Any]] = {
-    "U": hull.speed,  # Whole speed through the water
+    "U": hull.speed,  # Total speed through the water
     r"\beta": hull.drift,  # Drift angle
     r"\beta_P": propeller.angle_to_propeller,  # Angle of the inflow to the propeller
-    "C_2": propeller.wake_share,  # Inflow of a hard turn over inflow straight
+    "C_2": propeller.wake_share,  # Wake ratio of a hard turn to straight running
     "u_P": propeller.inflow,  # Inflow to the propeller
     r"\tau_P": propeller.loading,  # Thrust over density and squared diameter
     "T": propeller.thrust,  # Thrust
@@ -42,20 +42,20 @@ NAMED: dict[str, Callable[..., Any]] = {
     "F_N": rudder.normal_force,  # Normal force of the rudder
     r"\delta_B": clearance.delta,  # Pressure parameter of the banks
 }
-# The classes of quantities that functions of propeller and rudder take together.
+# Classes of quantities that functions of propeller and rudder take together.
 TOGETHER = {propeller: propeller.PropellerQuantities, rudder: rudder.RudderQuantities}
 DIGITS = 4
-# Letters on a line of a page with usual margins; of an expression that needs no name of its own.
+# Letters on a line of a page with usual margins; letters of an expression that needs no name of its own.
 LINE, WIDEST = 62, 48
 
 
 def latex(
     table: TermTable, coefficients: Mapping[str, float] | None = None, forces: Sequence[str] = tuple(FORCES)
 ) -> str:
-    """Write the equations of the forces, in lines that fit a page; forces without terms are left out.
+    """Write the equations of the forces in lines that fit a page; forces without terms are left out.
 
-    Quantities that several terms share, such as the inflow to a rudder, stand below under the symbols of the MMG
-    standard method, or as ``q_1`` and so on where they have none.
+    Quantities that several terms share, such as the inflow to a rudder, are defined below with the symbols of the MMG
+    standard method, or as ``q_1`` and so on.
 
     Parameters
     ----------
@@ -64,12 +64,12 @@ def latex(
     coefficients : mapping of str to float, optional
         Values to write instead of the coefficients' symbols, to four digits.
     forces : sequence of str
-        Which: ``X``, ``Y``, ``N``.
+        Forces to write: ``X``, ``Y``, ``N``.
 
     Raises
     ------
     InputError
-        Where there is no such force, or a regressor does more than arithmetic.
+        If a force does not exist, or a regressor does more than arithmetic.
     """
     for force in forces:
         check_choice("force", force, FORCES)
@@ -84,11 +84,11 @@ def environment(name: str, lines: Sequence[str]) -> str:
 
 @dataclass
 class Equations:
-    """The terms of a table as expressions of symbols, and what those symbols stand for."""
+    """The terms of a table as symbolic expressions, and the definitions of their symbols."""
 
     table: TermTable
-    symbols: dict[Expr, str] = field(default_factory=dict)  # As they are written
-    meanings: dict[str, Expr] = field(default_factory=dict)  # Of the symbols that are defined here, in order
+    symbols: dict[Expr, str] = field(default_factory=dict)  # Symbols as written
+    meanings: dict[str, Expr] = field(default_factory=dict)  # Definitions of the symbols, in order
     used: set[Expr] = field(default_factory=set)
     _widths: dict[Expr, float] = field(default_factory=dict)
 
@@ -117,7 +117,7 @@ class Equations:
         return self._symbol(symbol(f"defined_{len(self.meanings)}"), written)
 
     def _operation(self, sign: str, operands: list[int], values: list[Any]) -> Expr:
-        """Do an operation; where it makes a line too long, its longest operand gets a symbol first."""
+        """Do an operation; if it makes a line too long, its longest operand gets a symbol first."""
         operation = OPERATORS.get(sign) or symbolic_functions()[sign]
         while True:
             value = operation(*(values[one] for one in operands))
@@ -128,7 +128,7 @@ class Equations:
             values[longest] = self._defined(f"q_{{{number}}}", values[longest])
 
     def width(self, value: Expr) -> float:
-        """Return about how many letters wide an expression is on paper."""
+        """Return the approximate printed width of an expression [letters]."""
         if value not in self._widths:
             self._widths[value] = self._wide(value)
         return self._widths[value]
@@ -149,7 +149,7 @@ class Equations:
         return inside + (3 * (len(value.args) - 1) if value.is_Add else len(value.func.__name__) + 2)
 
     def of_forces(self, forces: Sequence[str], coefficients: Mapping[str, float] | None = None) -> list[str]:
-        """Return a line a force, or more where one is too long."""
+        """Return one line per force, or more if one is too long."""
         lines = []
         for force in forces:
             parts = [(term, self.regressors[term.name]) for term in self.table.forces[force]]
@@ -165,14 +165,14 @@ class Equations:
         sign = "-" if minus != (value is not None and value < 0) else "+"
         own = {self.symbols.get(symbol(name)) for name in term.inputs}
         factor = (f"({term.symbol})" if re.search(r" [+-] ", term.symbol) else term.symbol) if value is None else ""
-        # A rigid body's own mass is not written twice.
+        # The rigid body's own mass is not written twice.
         factor = "" if factor in own and times else factor
         if value is not None and not (abs(value) == 1 and times):
             factor = _number(abs(value))
         return f"{sign} {factor} {times}".replace("  ", " ").rstrip()
 
     def text(self, expression: Expr) -> str:
-        """Write an expression that is multiplied with something."""
+        """Write an expression that is a factor of a product."""
         import sympy
 
         if expression == 1:
@@ -182,7 +182,7 @@ class Equations:
         return rf"\left({text}\right)" if expression.is_Add else text
 
     def definitions(self) -> list[str]:
-        """Return a line for each symbol that the forces written so far use, each behind what uses it."""
+        """Return a line for each symbol that the forces written so far use, after its first use."""
         lines, named = [], {self.symbols[one]: one for one in self.symbols}
         for written, value in reversed(self.meanings.items()):
             if named[written] in self.used:
@@ -194,7 +194,7 @@ class Equations:
 
 
 def _named(inputs: Mapping[str, Recorded], known: int) -> dict[int, str]:
-    """Return the lines of what has a symbol of its own, of those that the terms wrote."""
+    """Return the lines of named quantities that the terms used."""
     found: dict[int, str] = {}
     for written, function in NAMED.items():
         together = next((own for module, own in TOGETHER.items() if function.__module__ == module.__name__), None)
@@ -230,7 +230,7 @@ def _written(name: str) -> str:
 
 
 def _constant(text: str) -> Expr:
-    """Return a number of the equations, as a share of pi where it is one."""
+    """Return a number of the equations, as a multiple of pi if it is one."""
     from sympy import nsimplify, pi
 
     if text.lstrip("-").isdigit():
@@ -240,7 +240,7 @@ def _constant(text: str) -> Expr:
 
 
 def _letters(written: str) -> int:
-    """How many letters wide a symbol is, what is raised or lowered as a half."""
+    """Return the width of a symbol [letters]; sub- and superscripts count half."""
     body, *marks = re.split(r"[_^]", re.sub(r"\\[a-zA-Z]+", "x", written))
     width = len(re.sub(r"[{}()]", "", body)) + 0.5 * max((len(re.sub(r"[{}]", "", mark)) for mark in marks), default=0)
     return max(round(width), 1)

@@ -1,4 +1,4 @@
-"""Lines as Python: one function of floats or columns, whose elementary functions the caller brings."""
+"""Lines as Python: one function of floats or columns; the caller provides the elementary functions."""
 
 import ast
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -11,14 +11,14 @@ from sympy.printing.pycode import PythonCodePrinter
 from narrows.codegen.free_motion import Expr
 from narrows.codegen.lines import Assignment, Constants, Program, straight_lines
 
-# The highest power that is written as a product, and the digits that a double needs and some more.
+# Highest power that is written as a product, and digits that exceed those of a double.
 LONGEST_PRODUCT, DIGITS = 4, 20
 
 
 class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
-    """SymPy's printer of Python, with short powers as products and the functions of ``lines`` by their names."""
+    """SymPy's printer of Python, with short powers as products and the function names of ``lines``."""
 
-    # What the table of a waterway is called.
+    # Name of the table of a waterway.
     TABLE = "table"
 
     def __init__(self, number: Callable[[str], str] = "{}".format, column: Callable[[int], str] = str) -> None:
@@ -74,7 +74,7 @@ plain = Arithmetic()
 def statements(
     program: Program, targets: Sequence[str], printer: Arithmetic, declared: str = "{} = {}", assigned: str = "{} = {}"
 ) -> list[str]:
-    """Print the lines of a program, and what its results are assigned to."""
+    """Print the lines of a program and the assignments of its results."""
     lines = [declared.format(*map(printer.doprint, line)) for line in program.assignments]
     results = zip(targets, program.results, strict=True)
     return lines + [assigned.format(target, printer.doprint(value)) for target, value in results]
@@ -90,20 +90,20 @@ def function_text(
 
 
 def constants_text(parameters: Mapping[str, Expr], constants: Constants) -> str:
-    """Print the function ``constants`` of the parameters, with the names of what it takes and gives."""
+    """Print the function ``constants`` of the parameters, with the names of its arguments and results."""
     assignments, results = straight_lines(list(constants.table))
     text = function_text("constants", [str(symbol) for symbol in parameters.values()], assignments, results)
     return f"PARAMETERS = {tuple(parameters)!r}\nCONSTANTS = {constants.names!r}\n\n\n{text}"
 
 
-# Plain functions of Python as they are read: what of them is called, what constants decide before it is translated.
+# Source of plain Python functions: find calls, and fold constants before translation.
 @dataclass
 class PlainSource:
-    """Functions to be translated, with the constants that they use."""
+    """Functions for translation, with the constants that they use."""
 
     texts: tuple[str, ...]  # Modules; a function of an earlier one may be called in a later
-    numbers: Mapping[str, Any] = field(default_factory=dict)  # Constants that stand for those of the modules
-    absent: frozenset[str] = frozenset()  # Arguments that are left out
+    numbers: Mapping[str, Any] = field(default_factory=dict)  # Constants that replace those of the modules
+    absent: frozenset[str] = frozenset()  # Omitted arguments
 
     def __post_init__(self) -> None:
         bodies = [ast.parse(text).body for text in self.texts]
@@ -113,7 +113,7 @@ class PlainSource:
         self.functions = {node.name: node for node in folded if isinstance(node, ast.FunctionDef)}
 
     def needed(self, *names: str) -> list[ast.FunctionDef]:
-        """Return some functions, each behind those that it calls."""
+        """Return some functions, each after those that it calls."""
         order: dict[str, ast.FunctionDef] = {}
 
         def visit(name: str) -> None:
@@ -129,7 +129,7 @@ class PlainSource:
 
 
 class Folding(ast.NodeTransformer):
-    """Leaves out what the constants decide never happens."""
+    """Removes branches that the constants exclude."""
 
     def __init__(self, constants: Mapping[str, Any]) -> None:
         self.constants = constants

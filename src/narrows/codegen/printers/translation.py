@@ -1,7 +1,7 @@
 """Plain functions of Python in another language: the rule of contact and the banks of a waterway, written once.
 
-Of Python it knows what those are written in: floats, whole numbers, arrays of floats, tuples that are returned, loops
-over ranges and short tuples.
+It supports a part of Python: floats, whole numbers, arrays of floats, returned tuples, loops over ranges and short
+tuples.
 """
 
 import ast
@@ -15,7 +15,7 @@ LOOSE, TIGHT = 0, 1
 
 
 class Translation(ABC):
-    """Statements and expressions, as languages with braces write them."""
+    """Statements and expressions in the syntax of languages with braces."""
 
     INFINITE = "INFINITY"
     NO_NUMBER = "NAN"
@@ -44,14 +44,14 @@ class Translation(ABC):
 
     @abstractmethod
     def whole_quotient(self, left: str, right: str) -> str:
-        """How often one whole number goes into another."""
+        """Whole-number quotient."""
 
     @abstractmethod
     def remainder(self, left: str, right: str) -> str:
-        """What is left of one number that is not negative by another."""
+        """Remainder of one non-negative number by another."""
 
     def arguments(self, call: ast.Call) -> list[ast.expr]:
-        """Those of a call that are there."""
+        """Arguments of a call that exist in the translation."""
         return [one for one in call.args if not (isinstance(one, ast.Name) and one.id in self.source.absent)]
 
     def expression(self, node: ast.expr, tight: int = LOOSE) -> str:
@@ -111,7 +111,7 @@ class Translation(ABC):
 
     @abstractmethod
     def head(self) -> str:
-        """The line that begins the function."""
+        """First line of the function."""
 
     @abstractmethod
     def declarations(self) -> list[str]:
@@ -119,15 +119,15 @@ class Translation(ABC):
 
     @abstractmethod
     def array(self, name: str, size: str) -> str:
-        """The line that makes an array of zeros."""
+        """Line that makes an array of zeros."""
 
     @abstractmethod
     def held(self, name: str, value: str) -> str:
-        """The line that keeps a number for the next lines."""
+        """Line that assigns a number."""
 
     @abstractmethod
     def from_call(self, targets: Sequence[ast.expr], call: ast.Call) -> Iterator[str]:
-        """Lines that take apart the tuple that a call returns."""
+        """Lines that unpack the tuple of a call."""
 
     @abstractmethod
     def returned(self, values: Sequence[ast.expr]) -> Iterator[str]:
@@ -141,7 +141,7 @@ class Translation(ABC):
         return [one for one in self.function.args.args if one.arg not in self.source.absent]
 
     def assigned(self) -> dict[str, list[ast.expr | None]]:
-        """The variables of the function, with what is assigned to each; None where that is part of a tuple."""
+        """Variables of the function with their assignments; None for a part of a tuple."""
         known: dict[str, list[ast.expr | None]] = {}
         for node in ast.walk(self.function):
             for target, value in self._pairs(node):
@@ -164,7 +164,7 @@ class Translation(ABC):
                 yield from zip(target.elts, whole, strict=True)
 
     def whole_results(self, call: ast.Call) -> list[bool]:
-        """Whether each number of the tuple that a call returns is a whole one."""
+        """Return whether each number of a call's tuple is a whole one."""
         assert isinstance(call.func, ast.Name)
         returned = self.source.functions[call.func.id].returns
         assert isinstance(returned, ast.Subscript)
@@ -175,7 +175,7 @@ class Translation(ABC):
         return list(getattr(self, f"_{type(node).__name__.lower()}")(node))
 
     def block(self, nodes: Sequence[ast.stmt]) -> list[str]:
-        """Return the lines of statements, set in."""
+        """Return the lines of statements, indented."""
         return [f"    {line}" for node in nodes for line in self.statement(node)]
 
     def _expr(self, node: ast.Expr) -> Iterator[str]:
@@ -195,7 +195,7 @@ class Translation(ABC):
             yield f"{self.expression(target)} = {self.expression(value)};"
 
     def _at_once(self, targets: Sequence[ast.expr], values: Sequence[ast.expr]) -> Iterator[str]:
-        """Assign several numbers, by way of others where one is written and read."""
+        """Assign several numbers at once; temporaries where one is both written and read."""
         names, texts = [self.expression(one) for one in targets], [self.expression(one) for one in values]
         written = {one.id for target in targets for one in _names(target)}
         if written & {one.id for value in values for one in _names(value)}:
@@ -259,7 +259,7 @@ def _is_array(value: ast.expr | None) -> bool:
     return isinstance(value, ast.BinOp) and isinstance(value.left, ast.List)
 
 
-# Expressions of plain functions in languages with braces.
+# Operators of languages with braces.
 OPERATORS: Mapping[type[ast.AST], str] = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=",
     ast.And: "&&", ast.Or: "||", ast.Not: "!", ast.USub: "-",
@@ -267,7 +267,7 @@ OPERATORS: Mapping[type[ast.AST], str] = {
 
 
 class JavaScriptTranslation(Translation):
-    """Plain functions in JavaScript; a tuple is an array there."""
+    """Plain functions in JavaScript; a tuple becomes an array."""
 
     INFINITE, NO_NUMBER, EQUAL, UNEQUAL = "Infinity", "NaN", "===", "!=="
 

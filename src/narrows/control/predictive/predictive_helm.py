@@ -185,7 +185,7 @@ class PredictiveHelm(Described):
     u : float [m/s]
         Surge velocity that it is laid out for; while sailing it takes the one that it sees.
     waterway : Waterway, optional
-        Where it sails instead of the model's own canal; beyond its ends it is taken to go on as it ends.
+        Waterway instead of the model's own canal; beyond its ends it is taken to go on as it ends.
     margin : float [m], optional
         Between hull and bank, at least; 0.15 beams unless given.
     confidence : float [1]
@@ -204,7 +204,7 @@ class PredictiveHelm(Described):
     Raises
     ------
     InputError
-        Where the model has no rudder, the hull is in a bank at the offset, a number is none, or DAQP is not installed
+        If the model has no rudder, the hull is in a bank at the offset, a number is none, or DAQP is not installed
         (``pip install narrows[control]``).
 
     References
@@ -270,7 +270,7 @@ class PredictiveHelm(Described):
         Raises
         ------
         InputError
-            Where no rudder holds the ship at the offset, or turns it at all.
+            If no rudder holds the ship at the offset, or turns it at all.
         """
         ship, hull, horizon = SimulatedShip(self.model), self.model.configuration.ship, self._horizon()
         positions = self._positions()

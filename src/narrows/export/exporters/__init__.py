@@ -1,4 +1,4 @@
-"""Every kind of file that a model goes into: a module of this folder each, found by itself."""
+"""Every export format: one module of this folder each, registered by its presence."""
 
 import pkgutil
 from importlib import import_module
@@ -8,5 +8,5 @@ from narrows.export.exporter import Exporter
 _FOUND: list[Exporter] = [
     import_module(f"{__name__}.{module.name}").EXPORTER for module in pkgutil.iter_modules(__path__)
 ]
-# What ``narrows export`` writes, by the kind that it is asked for.
+# Formats of ``narrows export``, by name.
 EXPORTERS: dict[str, Exporter] = {own.kind: own for own in _FOUND}

@@ -11,25 +11,25 @@ if TYPE_CHECKING:
 
 
 def write_bank_force(model: "Model", path: str | Path, *, fmi: int = 2) -> None:
-    """Write the bank's force as one function, for a simulator that has a hull of its own.
+    """Write the bank's force as one function, for a simulator with its own hull model.
 
-    It takes offset, heading, speed and the section of the water (two banks, their slopes, the depth), and gives sway
-    force and yaw moment, their standard deviations, and whether the tests of the model covered the question.
+    It takes offset, heading, speed and the section of the water (two banks, their slopes, the depth). It returns sway
+    force and yaw moment, their standard deviations, and whether the model's tests covered the input.
 
     Parameters
     ----------
     model : Model
         A model with a bank term.
     path : str or Path
-        Where to: ``.h`` for C and C++, ``.cs`` for C#, ``.mjs`` for JavaScript, ``.m`` for MATLAB and Octave,
+        Path with suffix ``.h`` for C and C++, ``.cs`` for C#, ``.mjs`` for JavaScript, ``.m`` for MATLAB and Octave,
         ``.fmu`` for an FMU without states.
     fmi : int
-        Version of the standard of an FMU: 2 or 3.
+        Version of the FMI standard: 2 or 3.
 
     Raises
     ------
     InputError
-        Where the model has no bank force, or the file cannot be written.
+        If the model has no bank force, or the file cannot be written.
     """
     from narrows.export.exported_ship import prefix_of
     from narrows.export.force_files import force_fmu, force_text

@@ -22,35 +22,35 @@ def write_c(
 ) -> None:  # fmt: skip
     """Write a model as one header of C99 and C++ without dependencies.
 
-    It has rates, steps, clearance, voyages to contact and exact derivatives, printed from the lines that voyages in
-    Python are sailed by. Its names begin with the name of the file.
+    It has rates, steps, clearance, voyages to contact and exact derivatives, printed from the lines that simulation in
+    Python uses. Its names begin with the name of the file.
 
     Parameters
     ----------
     model : Model
         The ship in its canal.
     path : str or Path
-        Where to: ``.h``, or ``.hpp`` for the same with a class of C++ around it.
+        Path with suffix ``.h``, or ``.hpp`` for the same in a C++ class.
     waterway : Waterway, optional
-        Where it sails instead of the model's own canal; its table goes into the file, and a caller may give another.
+        Waterway instead of the model's own canal; its table goes into the file, and a caller may give another.
     surge : str
-        ``held``: the speed stays; ``free``: it is integrated.
+        ``held``: constant speed; ``free``: speed is integrated.
     surge_inertia : float [kg], optional
-        Mass in surge with its added mass, for ``free`` where a_udot was not identifiable.
+        Mass in surge with its added mass, for ``free`` if a_udot was not identifiable.
     coriolis : bool
-        Add the rigid body's Coriolis force; the fitted damping at one speed holds it already.
+        Add the rigid body's Coriolis force; damping fitted at one speed already contains it.
     contact : str or points [m]
         ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard);
         ``none`` in open water.
     controller : ControlLaw, optional
-        What steers in the file instead of its caller, such as ``nw.control.regulator(model, 0.0, u)``. Its numbers are
-        inputs, named ``law_`` and their own name; its memory goes with the state.
+        Control law in the file instead of a caller's orders, such as ``nw.control.regulator(model, 0.0, u)``. Its
+        parameters are inputs with the prefix ``law_``; its memory joins the state.
 
     Raises
     ------
     InputError
-        Where the model lacks what its equations need, the ship does not fit the waterway, the controller is
-        no law in arithmetic, or the file cannot be written.
+        If the model lacks coefficients for its equations, the ship does not fit the waterway, the controller is no law
+        in arithmetic, or the file cannot be written.
     """
     from narrows.export.ship_files import c_text, cpp_text
 

@@ -26,9 +26,9 @@ def write_fmu(
 ) -> tuple[str, ...]:  # fmt: skip
     """Write a model as an FMU of FMI 2.0 or 3.0, co-simulation and model exchange.
 
-    It is what ``write_c`` writes, compiled. With ziglang (the extra ``fmu``) it is compiled for Linux on x86-64 and
-    aarch64, Windows and macOS; else for this machine alone, by its own compiler. Where there is none, the FMU has its
-    sources alone, as the standard allows.
+    It compiles the output of ``write_c``. With ziglang (the extra ``fmu``) it compiles for Linux on x86-64 and aarch64,
+    Windows and macOS; else for this machine alone, by its own compiler. Without a compiler the FMU contains sources
+    only, as the standard allows.
 
     Parameters
     ----------
@@ -37,9 +37,9 @@ def write_fmu(
     fmi : int
         Version of the standard: 2 or 3.
     u : float [m/s], optional
-        Surge velocity at the start, which an importer may change; what suits the ship unless given.
+        Surge velocity at the start, which an importer may change; the ship's default unless given.
     dt : float [s], optional
-        Longest step of co-simulation; what suits the ship unless given.
+        Longest step of co-simulation; the ship's default unless given.
 
     Returns
     -------
@@ -72,7 +72,7 @@ def write_fmu(
 
 
 def about_libraries(platforms: tuple[str, ...]) -> Iterable[str]:
-    """Which platforms an FMU has libraries for, and what would make more."""
+    """Return the platforms of an FMU's libraries, and how to add more."""
     from narrows.export.native_build import lacks_zig
 
     alone = "no compiler is here: the FMU has its sources alone, which importers may compile"

@@ -20,10 +20,10 @@ def write_javascript(
     surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",
     controller: "ControlLaw | None" = None,
 ) -> None:  # fmt: skip
-    """Write a model as one ES module without dependencies, its types as JSDoc: what ``write_c`` writes.
+    """Write a model as one ES module without dependencies, with types as JSDoc and the content of ``write_c``.
 
-    A path that ends in ``.tgz`` makes an npm package of it, with types for TypeScript. The parameters and refusals are
-    those of ``write_c``.
+    A path that ends in ``.tgz`` makes an npm package with types for TypeScript. The parameters and refusals are those
+    of ``write_c``.
     """
     from narrows.export.ship_files import javascript_text, npm_bytes
 

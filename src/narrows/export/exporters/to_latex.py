@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def write_latex(model: "Model", path: str | Path) -> None:
-    """Write the equations of the forces with their symbols, and the forces again with the numbers of a model.
+    """Write the equations of the forces, once with symbols and once with the numbers of a model.
 
     It needs the LaTeX package amsmath.
 
@@ -19,13 +19,13 @@ def write_latex(model: "Model", path: str | Path) -> None:
     ----------
     model : Model
         The ship in its canal.
-    path : str or Path
+    Path, as in ``ship.tex``.
         Where to, as in ``ship.tex``.
 
     Raises
     ------
     InputError
-        Where the file cannot be written.
+        If the file cannot be written.
     """
     from narrows.codegen.printers.latex import Equations, environment
     from narrows.export.passport import passport

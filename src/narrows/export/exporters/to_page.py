@@ -1,4 +1,4 @@
-"""A model as a page in a browser."""
+"""A model as an HTML page."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from narrows.simulation.inputs import Contact
     from narrows.simulation.ship import Points
 
-# The contact of open water.
+# Contact setting of open water.
 OPEN = "none"
 
 
@@ -21,30 +21,30 @@ def write_page(
     model: "Model", path: str | Path, *, title: str = "", u: float | None = None, surge: "Surge" = "held",
     surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",
 ) -> tuple[str, ...]:  # fmt: skip
-    """Write a model as one HTML page that sails fleets of it in a browser, without a network or a library.
+    """Write a model as one HTML page that simulates fleets in a browser, without a network or a library.
 
     It shows a fan of thousands of ships in the canal, where they ground, a map of starts and speeds, which way the
-    banks turn the bow, sliders for what the terms ask for, and a helm where there is a rudder. With ziglang (the extra
-    ``fmu``) it sails by WebAssembly, one worker a core; without it by the JavaScript of ``write_javascript``.
+    banks turn the bow, sliders for the inputs of the terms, and a helm if there is a rudder. With ziglang (the extra
+    ``fmu``) it runs WebAssembly, one worker a core; without it the JavaScript of ``write_javascript``.
 
     Parameters
     ----------
     model, path, surge, surge_inertia, coriolis, contact
-        As for ``write_c``, but that a page has banks.
+        As for ``write_c``, but the page needs banks.
     title : str
         Title of the page; the ship's name unless given.
     u : float [m/s], optional
-        Speed that it begins with, which whoever plays may change; what suits the ship unless given.
+        Initial speed, which the user of the page may change; the ship's default unless given.
 
     Returns
     -------
     tuple of str
-        What to say of it: how it sails where that is not by WebAssembly, and why there is no helm.
+        Notes: why it runs without WebAssembly, or why there is no helm.
 
     Raises
     ------
     InputError
-        As ``write_c``; where the contact is ``none``, or the compiler fails.
+        As ``write_c``; if the contact is ``none``, or the compiler fails.
     """
     from narrows.export.page.assembly import assembled
     from narrows.simulation.ship import SimulatedShip

@@ -20,7 +20,7 @@ def write_python(
     surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",
     controller: "ControlLaw | None" = None,
 ) -> None:  # fmt: skip
-    """Write a model as one Python file that needs NumPy alone: what ``write_c`` writes, for columns of ships too.
+    """Write a model as one Python file that needs NumPy alone: the content of ``write_c``, also for columns of ships.
 
     The parameters and refusals are those of ``write_c``.
     """

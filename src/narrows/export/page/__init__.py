@@ -1,1 +1,1 @@
-"""A model as one page: it sails fleets of itself in a browser."""
+"""A model as one page that simulates fleets."""

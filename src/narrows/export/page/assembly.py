@@ -1,4 +1,4 @@
-"""A ship made ready for its page: a helm where it has a rudder, WebAssembly where there is a compiler."""
+"""A ship prepared for its page: a helm if it has a rudder, WebAssembly if there is a compiler."""
 
 import base64
 import json
@@ -46,17 +46,17 @@ def assembled(ship: SimulatedShip, title: str, speed: Number | None) -> tuple[st
 
 SLOWER = "the page sails by plain JavaScript, a few times slower"
 BARE_DEFLATE = -15
-# What both the page and its workers run.
+# Scripts of both the page and its workers.
 FIRST = ("fleet_shape.js", "model.js", "plain_fleet.js")
-# Signs of the model's text, which has no words between quotes, that need no blank beside them.
+# Signs of the model's text that need no blank around them (it has no words between quotes).
 SUMS = re.compile(r" ([+-]) (?![+-])")
-# Which the page's numbers say already.
+# Lines that the page's numbers already contain.
 DEFAULTS = re.compile(r"^const (?:model|atRest)=Object.freeze\(\{[^}]*\}\);\n", re.MULTILINE)
-# Fields of a structure unpacked one after another.
+# Structure fields unpacked one after another.
 UNPACKED = re.compile(r"^const (\w+)=(inputs|constants|parameters)\.\1;\n(?:const (\w+)=\2\.\3;\n)*", re.MULTILINE)
-# Behind a number of the model's text.
+# Comment after a number of the model's text.
 MEANING = re.compile(r"(?<=;)//.*$", re.MULTILINE)
-# Lines of the model's text that name a number each.
+# Lines of the model's text that name one number each.
 IN_A_ROW = re.compile(r"(?:^const \w+=.*;\n){2,}", re.MULTILINE)
 MODEL = "export const model = (() => {{\n{}\nreturn {{ prepare, rates, room, sail }};\n}})();\n"
 
@@ -113,7 +113,7 @@ SHARED = re.compile(r'^import \{ ([^}]*) \} from "\.\./\.\./\.\./web/([\w.]+)";\
 EXPORT = re.compile(r"^export (?:(?:async )?function|const|let) (?:(\w+)|\[([^\]]*)\])", re.MULTILINE)
 COMMENTS = re.compile(r"^[ \t]*(?://.*|/\*\*.*?\*/)[ \t]*\n", re.MULTILINE)
 BLOCK = re.compile(r"/\*\*.*?\*/\n", re.DOTALL)
-# Words between quotes, which stay as they are, and signs that need no blank beside them.
+# Words between quotes, which stay unchanged, and signs that need no blank around them.
 SPACED = re.compile(r"""("[^"\n]*"|`[^`]*`)|[ ]*([=*/<>?:,{}();&|]+)[ ]*""")
 INDENT = re.compile(r"^[ \t]+", re.MULTILINE)
 
@@ -153,14 +153,14 @@ def _variable(name: str) -> str:
 
 
 def smaller(text: str) -> str:
-    """Return a script or a style without comments, indentation and blanks beside signs."""
+    """Return a script or a style without comments, indentation and blanks around signs."""
     bare = INDENT.sub("", COMMENTS.sub("", BLOCK.sub("", text)))
     return re.sub(r"\n+", "\n", SPACED.sub(lambda match: match[1] or match[2], bare))
 
 
-# Ship lengths that are looked at.
+# Distance shown [ship lengths].
 LENGTHS = 7.0
-# Of fleet.c: ships of a task, those whose paths are kept, and points of a path.
+# Constants of fleet.c: ships of a task, ships with stored paths, points of a path.
 MOST, PATHS, SAMPLES = 4096, 1024, 96
 UNSETTLED = "The tests of this ship do not settle how strongly the banks pull and turn it."
 UNSURE = "The coefficients have no published uncertainty; an assumed one spreads the ships"
@@ -198,7 +198,7 @@ def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any
 
 
 def _turned(exported: ExportedShip) -> list[int]:
-    """The places of the state that begin where the rudder does: itself, orders on their way, the last one."""
+    """Indices of the state from the rudder on: itself, orders on their way, the last one."""
     kept, steering = exported.portable.kept, exported.steering
     start = {**dict.fromkeys((*STATE, "rudder"), 0.0), "cos_psi": 1.0}
     at = [steering.memory({**start, "rudder": angle}) if steering else {} for angle in (0.0, 1.0)]
@@ -208,7 +208,7 @@ def _turned(exported: ExportedShip) -> list[int]:
 
 
 def _written(root: np.ndarray) -> list[Any]:
-    """The rows of a matrix to ten digits; its diagonal alone where there is nothing else."""
+    """The rows of a matrix to ten digits; only its diagonal if the rest is zero."""
     diagonal = np.diag(root)
     if np.array_equal(root, np.diag(diagonal)):
         return [float(f"{value:.10g}") for value in diagonal]
@@ -222,7 +222,7 @@ def _bounds(model: Model, name: str) -> list[float | None]:
 def _notes(model: Model, sliders: list[Slider]) -> list[str]:
     said = {slider.name for slider in sliders if slider.tested}
     unsaid = [words for name, words in (("u", "speeds"), ("y", "offsets")) if name not in said]
-    notes = [UNSETTLED] if model.trust_note else []  # Without a bank force the headline says it.
+    notes = [UNSETTLED] if model.trust_note else []  # Without a bank force the headline gives the note
     silent = f"The model does not say which {' and '.join(unsaid)} its tests covered." if unsaid else ""
     return [*notes, *filter(None, [silent])]
 
@@ -262,7 +262,7 @@ LANE, SHIP = "lane", "ship"
 
 
 def wasm_of(exported: ExportedShip, single: bool = True) -> bytes:
-    """Return a module that sails fleets of a ship, 64 side by side."""
+    """Return a WebAssembly module that simulates fleets of a ship, 64 at a time."""
     ship = c_text(exported)
     lane = re.sub(rf"\b{SHIP}_", f"{LANE}_", re.sub(rf"\b{SHIP.upper()}_", f"{LANE.upper()}_", ship))
     texts = {"ship.h": ship, "lane.h": in_single_precision(lane) if single else lane}

@@ -1,4 +1,4 @@
-"""The sliders of a page: what the model's terms ask for, with ranges that suit the ship and what its data covered."""
+"""The sliders of a page: the inputs of the model's terms, with ranges that suit the ship and the tested range."""
 
 import math
 from collections.abc import Iterator
@@ -13,11 +13,11 @@ from narrows.model.model import SETTLED, Model
 
 VOYAGE, CANAL, UNKNOWN = "The voyage", "The canal", "What is not known"
 PICTURES, COEFFICIENTS = "The pictures", "Coefficients"
-# Standard deviation of a coefficient, of its size, where the model has no covariance.
+# Relative standard deviation of a coefficient if the model has no covariance.
 ASSUMED = 0.05
-# Standard deviations that a slider of a coefficient goes either way; widths of canals, of the model's own.
+# Range of a coefficient's slider [standard deviations]; range of canal widths, relative to the model's own.
 WIDE, USUAL_WIDTHS = 3.0, (0.5, 2.0)
-# Standard deviation of the start, of the length, and of the heading [degrees].
+# Standard deviation of the starting offset [ship lengths] and of the heading [degrees].
 START_SPREAD, HEADING_SPREAD = 0.0125, 0.5
 
 
@@ -31,10 +31,10 @@ class Slider:
     high: float  # Its range, how fine it is, and where it stands at first
     step: float  # Its range, how fine it is, and where it stands at first
     value: float  # Its range, how fine it is, and where it stands at first
-    tested: Range | None = None  # What the data covered
-    beyond: str = "beyond the data"  # What to say beside a value beyond that
-    told: str | None = None  # What to call it among what is beyond the data
-    switch: bool = False  # Whether it is on or off
+    tested: Range | None = None  # Range of the data
+    beyond: str = "beyond the data"  # Note for a value beyond that
+    told: str | None = None  # Name in the list of values beyond the data
+    switch: bool = False  # True for an on-off switch
 
     def to_dict(self) -> dict[str, Any]:
         digits = max(0, -math.floor(math.log10(self.step) + 1e-9))
@@ -102,7 +102,7 @@ def _unknown(model: Model) -> Iterator[Slider]:
 
 
 def deviation(model: Model, name: str) -> float:
-    """Return the standard deviation of a coefficient, the assumed one where its tests do not say."""
+    """Return the standard deviation of a coefficient, or the assumed one without a covariance."""
     if model.covariance is None:
         return ASSUMED * abs(model.coefficients[name])
     place = model.terms.names.index(name)
@@ -123,7 +123,7 @@ def _coefficient(model: Model, name: str) -> Slider:
 
 
 def covered(known: Range | None, scale: float = 1.0) -> Range | None:
-    """Return what counts as covered by the data, by the one rule of ``DataRange.outside``."""
+    """Return the range covered by the data, by the rule of ``DataRange.outside``."""
     if known is None:
         return None
     slack = SLACK * max(map(abs, known))
@@ -131,13 +131,13 @@ def covered(known: Range | None, scale: float = 1.0) -> Range | None:
 
 
 def both_ways(known: Range | None, scale: float = 1.0) -> Range | None:
-    """Return what counts as covered of a number whose size the data tell."""
+    """Return the covered range of a number whose absolute value the data limit."""
     reach = covered(known, scale)
     return None if reach is None else (-reach[1], reach[1])
 
 
 def _fine(size: float) -> float:
-    """A step of 1, 2 or 5 times a power of ten, no larger."""
+    """Return a step of 1, 2 or 5 times a power of ten, no larger."""
     power = 10.0 ** math.floor(math.log10(size))
     return float(f"{max(step for step in (1, 2, 5) if step * power <= size * (1 + 1e-9)) * power:.3g}")
 
