@@ -16,6 +16,8 @@ UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\ud800-\udfff]")
 LONGEST_SENTENCE = 2000
 # Characters of what another library said, or of a value, that a sentence repeats.
 LONGEST = 200
+# Likeness of two public names below which the one is not offered for the other [1].
+NAMES_ALIKE = 0.8
 # Functions of ours by what verbs of the command line and other libraries call the same.
 FUNCTIONS = {
     "identify": ("fit", "regress"), "read_captive": ("read_csv", "read_table", "read_excel"), "load_model": ("load",),
@@ -25,9 +27,21 @@ FUNCTIONS = {
 OTHER_FUNCTIONS = {
     "jacobian or control.linearize": ("linearize", "linearise", "linear"),
     "PAPER, SPEED, CROSSFLOW, MMG, or a name as in terms='speed'": ("tables", "terms_tables", "list_tables"),
-    "measured_tests": ("datasets", "load_dataset", "example_data", "demo_tests"), "read_captive": ("read_tests",),
+    "measured_tests": ("datasets", "load_dataset", "example_data", "demo_tests", "load_kcs"),
+    "read_captive, or measured_tests for tests of the package": ("read_tests", "load_tests", "load_data", "read_data"),
+    "read_ship, or load_model for a model": ("load_ship", "read_toml", "load_toml", "read_model"),
+    "squat(model, u, formula=...)": ("barrass", "huuska", "icorels", "tuck", "sinkage"),
+    "turning_circle or zigzag": ("manoeuvre", "maneuver", "spiral", "pullout"),
+    "safe_envelope, or speed_limits along a waterway": ("safe_speed", "speed_limit", "max_speed"),
+    "8 * 0.514444 for 8 knots: speeds are in m/s": ("knots", "kn", "knot", "kts"),
+    "estimation.Estimator": ("kalman_filter", "Kalman", "ekf", "ukf", "filter"),
+    "`narrows monitor` in a terminal": ("monitor", "Monitor", "warning"),
+    "Autopilot, or control.regulator": ("PID", "pid", "Pilot", "HeadingController"),
+    "export.write_fmu": ("to_fmu", "fmu", "export_fmu"), "export.write_c": ("to_c", "c_code"),
     "model.plot(), voyage.plot() or map_figure, by what is drawn": ("plot", "figure", "draw"),
-    "published": ("list_models", "models", "ships"), "read_waterway": ("read_geojson", "read_canal", "load_waterway"),
+    "published": ("list_models", "models", "example_model", "demo", "demo_model", "load_example"),
+    "ready_ships": ("ships", "list_ships", "known_ships"),
+    "read_waterway": ("read_geojson", "read_canal", "load_waterway"),
     "Configuration": ("Config", "Setup"),
     "identify": ("estimate", "curve_fit"), "ensemble": ("map", "grounding_map", "fleet", "sweep", "monte_carlo"),
 }  # fmt: skip
@@ -50,12 +64,12 @@ class InputError(ValueError):
         super().__init__(line if len(line) <= LONGEST_SENTENCE else f"{line[:900]} ... {line[-900:]}")
 
 
-def near_miss(word: str, known: Iterable[str]) -> str:
+def near_miss(word: str, known: Iterable[str], cutoff: float = 0.6) -> str:
     """Return ``'; did you mean X?'`` for a near miss, else nothing."""
     known = sorted(known)
     same = [candidate for candidate in known if candidate.lower() == word.lower()]
     longer = [candidate for candidate in known if len(word) > 2 and word.lower() in candidate.lower()]
-    near = same or longer[: len(longer) == 1] or get_close_matches(word, known, n=1, cutoff=0.6)
+    near = same or longer[: len(longer) == 1] or get_close_matches(word, known, n=1, cutoff=cutoff)
     return f"; did you mean {near[0]!r}?" if near else ""
 
 
@@ -76,7 +90,7 @@ def public_name(name: str, known: Iterable[str]) -> str:
     if meant := next((ours for ours, theirs in OTHER_FUNCTIONS.items() if name in theirs), ""):
         return f"; write {meant}"
     longer = [word for word in known if len(name) > 2 and name.lower() in word.lower()]
-    return f"; write {' or '.join(longer)}" if longer else near_miss(name, known)
+    return f"; write {' or '.join(longer)}" if longer else near_miss(name, known, NAMES_ALIKE)
 
 
 def shown(value: object) -> str:

@@ -145,6 +145,10 @@ FRESH: dict[str, Callable[[Path], Any]] = {
     "json.dumps(fit.to_dict())": lambda at: json.dumps(fit().to_dict()),
     "len(fit.terms.names)": lambda at: len(fit().terms.names) == 17,
     "for test in tests": lambda at: sum(test.rows for test in TESTS()) == TESTS().rows,
+    "model.turning_circle(20)": lambda at: STEERED.turning_circle(20.0, 1.0).advance > 0,
+    "model.squat(u=0.5)": lambda at: DTC.with_canal(depth=0.3).squat(u=0.5).sinkage > 0,
+    "model.to_python()": lambda at: "numpy" in DTC.to_python(),
+    "voyage.save(gif)": lambda at: voyage().save(at / "v.gif") is None and (at / "v.gif").exists(),
     'tests["yaw"]': lambda at: TESTS()["yaw"].names == ("yaw",),
     'tests.drop("yaw")': lambda at: "yaw" not in TESTS().drop("yaw").names and len(TESTS().drop("yaw")) == 3,
     "copy.deepcopy(model) == model": lambda at: copy.deepcopy(DTC) == DTC,
@@ -168,6 +172,18 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "voyage.heading": (lambda: voyage().heading, "write psi"),  # type: ignore[attr-defined]
     "nw.simulate(..., t_end=20)": (lambda: nw.simulate(DTC, y=0.5, t_end=20.0), "write duration"),
     "nw.simulate(..., psi_deg=2)": (lambda: nw.simulate(DTC, y=0.5, psi_deg=2.0), r"write psi=np.radians\(...\)"),
+    "fit.r2": (lambda: fit().r2, "write rsquared"),  # type: ignore[attr-defined]
+    "fit.simulate(...)": (lambda: fit().simulate(y=0.1), r"write model.simulate\(\)"),  # type: ignore[attr-defined]
+    "voyage.distance": (lambda: voyage().distance, "write outcome.distance"),  # type: ignore[attr-defined]
+    "linear.bode()": (lambda: DTC.linearize(y=0.5).bode(), r"write state_space\(\)"),
+    "model.info()": (lambda: DTC.info(), r"write summary\(\)"),  # type: ignore[attr-defined]
+    "nw.simulate(..., wind=5)": (lambda: nw.simulate(DTC, y=0.5, wind=5.0), "nw.wind_force"),
+    "nw.ships()": (lambda: nw.ships(), "write ready_ships"),  # type: ignore[attr-defined]
+    "nw.load_tests()": (lambda: nw.load_tests(), "write read_captive"),  # type: ignore[attr-defined]
+    "nw.safe_speed(model)": (lambda: nw.safe_speed(DTC), "write safe_envelope"),  # type: ignore[attr-defined]
+    "nw.control.mpc": (lambda: nw.control.mpc, "write PredictiveHelm"),
+    "nw.control.regulatr": (lambda: nw.control.regulatr, "did you mean 'regulator'"),
+    "nw.export.write_cc": (lambda: nw.export.write_cc, "did you mean 'write_c'"),
     "nw.tables()": (lambda: nw.tables(), "write PAPER"),  # type: ignore[attr-defined]
     "nw.linearize(model)": (lambda: nw.linearize(DTC), "write jacobian"),
 }

@@ -2,9 +2,10 @@
 
 from inspect import signature
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from narrows.errors import check_choice
+from narrows.errors import check_choice, public_name
 from narrows.export.exporters import EXPORTERS
 from narrows.files import form_of
 
@@ -23,6 +24,19 @@ if TYPE_CHECKING:  # For editors and type checkers; at run time every exporter r
 
 # Exporters of a whole ship by suffix: the exporter of the bank's force alone shares suffixes with others.
 BY_SUFFIX = {suffix: own for own in EXPORTERS.values() if own.kind != "bank-force" for suffix in own.suffixes}
+
+
+LANGUAGES = {kind.replace("-", "_"): own for kind, own in EXPORTERS.items() if kind != "latex"}
+
+
+def to_language(model: "Model", kind: str, path: str | Path | None = None, **options: Any) -> Any:
+    """Write a model in one of ``LANGUAGES``, or return its text, or bytes, where no path is given."""
+    if path is not None:
+        return LANGUAGES[kind].write(model, path, **options)
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / f"ship{LANGUAGES[kind].suffixes[0]}"
+        LANGUAGES[kind].write(model, file, **options)
+        return file.read_bytes() if file.suffix in (".fmu", ".tgz") else file.read_text(encoding="utf-8")
 
 
 def write(model: "Model", path: str | Path, **options: Any) -> Any:
@@ -51,3 +65,7 @@ def write(model: "Model", path: str | Path, **options: Any) -> Any:
 
 globals().update({own.write.__name__: own.write for own in EXPORTERS.values()})
 __all__ = ["EXPORTERS", "write", *sorted(own.write.__name__ for own in EXPORTERS.values())]
+
+
+def __getattr__(name: str) -> Any:
+    raise AttributeError(f"nw.export has no {name!r}{public_name(name, __all__)}")

@@ -3,7 +3,8 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
-from functools import reduce
+from functools import partial, reduce
+from inspect import isfunction, signature
 from numbers import Real
 from operator import add
 from pathlib import Path
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import narrows
-from narrows.errors import InputError, check_choice, did_you_mean, shown
+from narrows.errors import InputError, check_choice, did_you_mean, same_function, shown
 from narrows.model.data_range import DataRange
 from narrows.model.sections import Source, fields_of, sections_of
 from narrows.quantities.names import MOTION, Number
@@ -82,11 +83,6 @@ class Operations(Shown):
         model: Any = self
         return narrows.export.write(model, path, **options)
 
-    def to_c(self, path: str | Path = "ship.h", **options: Any) -> None:
-        """Write the model as one header of C99 and C++, as ``nw.export.write_c`` does."""
-        model: Any = self
-        narrows.export.write_c(model, path, **options)
-
     def with_canal(self, **changes: float) -> Any:
         """Return the model in another canal, its coefficients as they are: ``nw.at_depth`` corrects those for depth."""
         # **changes [m]
@@ -101,6 +97,18 @@ class Operations(Shown):
         model: Any = self
         coefficients = model.coefficients if numbers else None
         return narrows.latex(model.terms, coefficients, forces)
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            """``to_c``, ``to_fmu`` ..., and every public function that takes a model first."""
+            if name.startswith("to_") and name[3:] in narrows.export.LANGUAGES:
+                return partial(narrows.export.to_language, self, name[3:])
+            ours = same_function(name) or name
+            function = getattr(narrows, ours, None) if ours in narrows.__all__ else None
+            if isfunction(function) and next(iter(signature(function).parameters), "") in ("model", "ship"):
+                return partial(function, self)
+            return super().__getattr__(name)
 
 
 @dataclass(frozen=True, repr=False, eq=False)

@@ -48,6 +48,8 @@ def forms_of(result: Any, path: str | Path) -> dict[str, Form]:
     )
     if hasattr(result, "track"):
         forms |= {".geojson": lambda: str(result.track().geojson()), ".kml": lambda: str(result.track().kml())}
+    if hasattr(result, "animate"):
+        forms[".gif"] = lambda: result.animate(path) and None
     return forms | {suffix: lambda kind=suffix: picture_of(result.plot(), kind) for suffix in PICTURES}
 
 

@@ -1,5 +1,6 @@
 """What every result can do."""
 
+import re
 from collections.abc import Iterator
 from functools import partial
 from html import escape
@@ -90,7 +91,7 @@ def answer(thing: Any, name: str) -> Any:
             if called == calls:
                 return value
             return partial(getattr, thing, attribute) if called else value()
-    remedy = next((it for it in ANOTHER.get(name, ()) if it.partition("(")[0] in known), None)
+    remedy = next((it for it in ANOTHER.get(name, ()) if re.split(r"[(.]", it)[0] in {*known, "nw"}), None)
     if remedy is None:
         return object.__getattribute__(thing, name)
     why = f": {WHY[name]}" if name in WHY else ""
@@ -249,6 +250,18 @@ ANOTHER = {
     **dict.fromkeys(("aic", "bic", "llf"), ("left_out",)),
     **dict.fromkeys(("heading", "psi_deg", "heading_deg"), ("psi",)),
     **dict.fromkeys(("data", "values_"), ("to_dataframe()",)),
+    **dict.fromkeys(("trajectory", "states", "positions", "path", "forces"), ("to_dataframe()",)),
+    **dict.fromkeys(("plot_trajectory", "plot_track", "plot_coefficients", "plot_forces"), ("plot()",)),
+    **dict.fromkeys(("bode", "nyquist", "step_response", "root_locus"), ("state_space() for python-control",)),
+    **dict.fromkeys(("is_stable", "stable", "damping"), ("modes()", "eigenvalues()", "poles()")),
+    **dict.fromkeys(("info", "describe"), ("summary()",)),
+    **dict.fromkeys(("write", "to_geojson"), ("nw.write_waterway(waterway, path)",)),
+    "distance": ("outcome.distance",), "time_to_grounding": ("outcome.time",), "max_heading": ("psi",),
+    "r2": ("rsquared",), "chi2": ("scores",), "nparams": ("coefficients",), "outliers": ("influence",),
+    "condition_number": ("diagnostics.overall",), "is_identified": ("verdicts",), "compare": ("nw.compare(tests)",),
+    "confidence_interval": ("conf_int()",), "simulate": ("model.simulate()",), "copy": ("with_coefficients()",),
+    "predict": ("forces(u=..., y=...)",), "scale_to": ("scale(length)",),
+    "derivatives": ("nw.nondimensional(model)",), "width": ("section(s).width",), "length": ("line.length",),
     "tests": ("test(name)",), "speed": ("u",),
     "popt": ("coefficients",),  # SciPy's is an array; ours go by name
 }  # fmt: skip

@@ -54,6 +54,7 @@ ELSEWHERE = {
     "duration": ("t_end", "tmax", "t_max", "tend", "T", "time", "t_final", "t_span"), "dt": ("step", "h", "delta_t"),
     "y": ("y0", "offset"), "u": ("u0", "speed", "U"), "x": ("x0",), "psi": ("psi0", "heading"), "v": ("v0",),
     "r": ("r0",), "controller": ("pilot", "autopilot", "control"), "rudder": ("delta", "rudder_angle"),
+    "Y=... and N=... of nw.wind_force": ("wind", "wind_speed"), "waterway=... with a current": ("current",),
     "y=..., u=..., psi=...": ("initial", "state", "start", "initial_state"),
 }  # fmt: skip
 
