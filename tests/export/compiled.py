@@ -116,10 +116,10 @@ class CompiledShip:
         return out
 
     def sail(self, state: Sequence[float], dt: float, duration: float) -> tuple[int, float, float, np.ndarray]:
-        """How a voyage ends: fate, time, lean and state."""
+        """How a voyage ends: outcome, time, lean and state."""
         at, end = np.array([*state, 0.0, 0.0], float), np.zeros(2)
-        fate = self.library.sail(pointer(at), ctypes.c_double(dt), ctypes.c_double(duration), pointer(end))
-        return fate, end[0], end[1], at[:-2]
+        outcome = self.library.sail(pointer(at), ctypes.c_double(dt), ctypes.c_double(duration), pointer(end))
+        return outcome, end[0], end[1], at[:-2]
 
 
 def pointer(array: np.ndarray) -> Any:

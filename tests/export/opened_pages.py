@@ -53,7 +53,7 @@ def wasm_here(exported: ExportedShip, single: bool = False) -> bytes:
 
 
 def fleet_ends(exported: ExportedShip, starts: np.ndarray, steps: int, wasm: Path | None, **told: float) -> np.ndarray:
-    """How ships end: the state, the time and the fate of each, by WebAssembly or by plain JavaScript."""
+    """How ships end: the state, the time and the outcome of each, by WebAssembly or by plain JavaScript."""
     given = {"model.js": model_script(exported)}
     known: set[str] = set()
     modules = "".join(bundled(name, given, known) for name in ("plain_fleet.js", "wasm_fleet.js", "model.js"))

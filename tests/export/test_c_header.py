@@ -192,9 +192,9 @@ def voyages_agree(ship: CompiledShip, name: str, waterway: Any, contact: Any, he
         )  # fmt: skip
         ship.set(**({"rudder_order": order} if told else {}))
         state = [start["x"], start["y"], np.cos(psi), np.sin(psi), u, 0.01, 0.002, *([0.0] if told else [])]
-        fate, time, _, end = ship.sail(state, 0.05, 40.01)
-        ends.add(fate)
-        assert KINDS[fate] == {"time_up": "afloat"}.get(voyage.outcome.kind, voyage.outcome.kind)
+        outcome, time, _, end = ship.sail(state, 0.05, 40.01)
+        ends.add(outcome)
+        assert KINDS[outcome] == {"time_up": "afloat"}.get(voyage.outcome.kind, voyage.outcome.kind)
         close(time, voyage.outcome.time, 1e-10)
         reached = [end[0], end[1], np.arctan2(end[3], end[2]), *end[4:7]]
         close(reached[:held], [voyage.outcome.state[one] for one in POSE[:held]], 1e-10)

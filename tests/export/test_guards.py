@@ -24,8 +24,8 @@ SECTIONS = np.array([[0.0, 4.0, 3.5, 0.3, 0.0, 4.0, 3.5], [40.0, 3.0, 3.5, 0.3, 
 def test_c_refuses_by_its_status(tmp_path: Path) -> None:
     ship, state = CompiledShip(model_of("paper"), tmp_path), states("paper", 1)[0]
     for step, duration in STEPS:
-        fate, _, _, after = ship.sail(state, step, duration)
-        assert fate == REFUSED
+        outcome, _, _, after = ship.sail(state, step, duration)
+        assert outcome == REFUSED
         np.testing.assert_array_equal(after, state)
     assert ship.sail(state, 0.05, 0.0)[0] == 0, "no time at all is a time"
 

@@ -33,8 +33,8 @@ const slopes = ["byState", "byInput", "byCoefficient"].map((name) =>
 const state = ship.rest(), end = [0, 0];
 state[ship.X] = 6.0; state[ship.Y] = 0.5; state[ship.U] = u;
 const held = order === null ? ship.atRest : { ...ship.atRest, rudder_order: order };
-const fate = ship.sail(state, held, constants, ...water, 0.05, 60.0, end);
-console.log(JSON.stringify({ rates, slopes, fate, end, state: plain(state) }));
+const outcome = ship.sail(state, held, constants, ...water, 0.05, 60.0, end);
+console.log(JSON.stringify({ rates, slopes, outcome, end, state: plain(state) }));
 """
 
 
@@ -144,7 +144,7 @@ def test_the_module(tmp_path: Path, name: str, curved: bool) -> None:
         for slopes, function in zip(said["slopes"], (ship.by_state, ship.by_input, ship.by_coefficient), strict=True):
             np.testing.assert_allclose(slopes[number], function(*given).ravel(), rtol=1e-11, atol=1e-12)
     outcome = sailed(name, curved)
-    assert said["fate"] == 1
+    assert said["outcome"] == 1
     np.testing.assert_allclose(reached(said["state"]), list(outcome.state.values()), rtol=1e-10, atol=1e-10)
 
 

@@ -37,15 +37,15 @@ def ended(
         if well and ahead > 0 and left > 0 and not trying:
             t = after
             continue
-        fate = event.judge(book, left, ahead, room(t), well, TOLERANCE, NEAR, 0.0)
-        if fate == event.LOST:
-            return fate, t, tries
-        if fate != event.BACK:
+        outcome = event.accept_step(book, left, ahead, room(t), well, TOLERANCE, NEAR, 0.0)
+        if outcome == event.LOST:
+            return outcome, t, tries
+        if outcome != event.BACK:
             t = after
-            if trying or fate != event.ON:
+            if trying or outcome != event.ON:
                 assert book[event.CLOCK] == pytest.approx(t, rel=1e-12, abs=1e-12)
-        if fate in (event.CLOSED, event.FINISHED):
-            return fate, t, tries
+        if outcome in (event.CLOSED, event.FINISHED):
+            return outcome, t, tries
         left = book[event.COUNT]
     return event.FINISHED, t, tries
 
@@ -63,8 +63,8 @@ SHAPES: dict[str, Callable[[float, float], Room]] = {
 @given(at=st.floats(0.05, 19.9), slope=st.floats(0.05, 5.0), dt=st.sampled_from([0.02, 0.3, 1.7, 30.0]))
 def test_a_bank_that_is_met_anywhere_in_a_step(shape: str, at: float, slope: float, dt: float) -> None:
     room = SHAPES[shape](at, slope)
-    fate, time, tries = ended(room, 20.0, dt)
-    assert fate == event.CLOSED
+    outcome, time, tries = ended(room, 20.0, dt)
+    assert outcome == event.CLOSED
     assert abs(room(time)) <= TOLERANCE
     assert time == pytest.approx(brentq(room, 0.0, 20.0, xtol=1e-13), abs=2e-8)
     assert tries <= 20.0 / dt + event.MOST_TRIES
@@ -77,8 +77,8 @@ def test_a_suction_without_end_is_followed_to_the_bank(at: float, power: float, 
     def room(t: float) -> float:
         return max(at - t, 0.0) ** power
 
-    fate, time, _ = ended(room, 20.0, dt, sane=lambda t, tried: t < at)
-    assert fate in (event.CLOSED, event.LOST)
+    outcome, time, _ = ended(room, 20.0, dt, sane=lambda t, tried: t < at)
+    assert outcome in (event.CLOSED, event.LOST)
     assert room(time) <= NEAR
     assert time <= at
 
@@ -90,15 +90,15 @@ def test_a_false_alarm_does_not_end_a_voyage(first: float, length: float, dt: fl
     def bound(t: float) -> float:
         return -1.0 if first < t < first + length else 0.5
 
-    fate, time, tries = ended(lambda t: 0.7, 20.0, dt, bound=bound)
-    assert (fate, time) == (event.FINISHED, pytest.approx(20.0, rel=1e-12))
+    outcome, time, tries = ended(lambda t: 0.7, 20.0, dt, bound=bound)
+    assert (outcome, time) == (event.FINISHED, pytest.approx(20.0, rel=1e-12))
     assert tries <= math.ceil(20.0 / dt + 1e-9) + length / dt + 4
 
 
 @given(at=st.floats(6.1, 19.0), dt=st.sampled_from([0.02, 0.3, 1.7]))
 def test_a_contact_after_a_false_alarm(at: float, dt: float) -> None:
-    fate, time, _ = ended(lambda t: at - t, 20.0, dt, bound=lambda t: at - t - (3.0 if t > 3 else 0.0))
-    assert (fate, time) == (event.CLOSED, pytest.approx(at, abs=1e-8))
+    outcome, time, _ = ended(lambda t: at - t, 20.0, dt, bound=lambda t: at - t - (3.0 if t > 3 else 0.0))
+    assert (outcome, time) == (event.CLOSED, pytest.approx(at, abs=1e-8))
 
 
 @given(begin=st.floats(0.5, 8.0), share=st.floats(0.05, 0.9), dt=st.sampled_from([0.3, 1.7]))
@@ -108,22 +108,22 @@ def test_a_step_too_long_for_a_while_is_parted(begin: float, share: float, dt: f
     def sane(t: float, tried: float) -> bool:
         return not (begin < t < begin + dt and tried > share * dt)
 
-    fate, time, _ = ended(lambda t: 1.0, 20.0, dt, sane=sane)
-    assert (fate, time) == (event.FINISHED, pytest.approx(20.0, rel=1e-12))
+    outcome, time, _ = ended(lambda t: 1.0, 20.0, dt, sane=sane)
+    assert (outcome, time) == (event.FINISHED, pytest.approx(20.0, rel=1e-12))
 
 
 @given(at=st.floats(0.5, 19.0), dt=st.sampled_from([0.02, 0.3, 1.7]))
 def test_numbers_that_run_away_far_from_a_bank_are_lost(at: float, dt: float) -> None:
-    fate, time, _ = ended(lambda t: 1.0, 20.0, dt, sane=lambda t, tried: t < at)
-    assert fate == event.LOST
+    outcome, time, _ = ended(lambda t: 1.0, 20.0, dt, sane=lambda t, tried: t < at)
+    assert outcome == event.LOST
     assert time <= at
     assert time == pytest.approx(at, abs=1e-6)
 
 
 @given(duration=st.floats(0.001, 50.0), dt=st.floats(0.01, 60.0))
 def test_time_is_up_exactly(duration: float, dt: float) -> None:
-    fate, time, tries = ended(lambda t: 1.0, duration, dt)
-    assert fate == event.FINISHED
+    outcome, time, tries = ended(lambda t: 1.0, duration, dt)
+    assert outcome == event.FINISHED
     assert time == pytest.approx(duration, rel=1e-12)
     assert tries <= math.ceil(duration / dt + 1e-6)
 
@@ -134,5 +134,5 @@ def test_no_time_is_no_step() -> None:
 
 def test_a_room_that_closes_at_the_end_of_a_step_is_closed_there() -> None:
     for at in (0.3, 0.6, 2.7):
-        fate, time, _ = ended(lambda t, at=at: at - t, 3.0, 0.3)
-        assert (fate, time) == (event.CLOSED, pytest.approx(at, abs=2e-9))
+        outcome, time, _ = ended(lambda t, at=at: at - t, 3.0, 0.3)
+        assert (outcome, time) == (event.CLOSED, pytest.approx(at, abs=2e-9))

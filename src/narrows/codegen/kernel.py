@@ -45,7 +45,7 @@ from narrows.codegen.kernels import event
 from narrows.codegen.kernels.event import ASTERN, BACK, CLOCK, CLOSED, COUNT, FINISHED, GROUNDED, LOST, NEXT, TRIES
 
 shared = compiled_loops(event)
-begin, cause, cleared, judge = shared.begin, shared.cause, shared.cleared, shared.judge
+begin, cause, cleared, accept_step = shared.begin, shared.cause, shared.cleared, shared.accept_step
 """
 EXACT_ROOM = """
 from narrows.waterway import room as banks

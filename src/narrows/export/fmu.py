@@ -31,7 +31,7 @@ from narrows.export.fmu_variables import (
 )
 from narrows.export.native_build import NativeBuild, libraries_of_source
 from narrows.export.passport import passport
-from narrows.export.rendering import FATES, commented, filled, places_in, rendered
+from narrows.export.rendering import OUTCOME_CODES, commented, filled, places_in, rendered
 from narrows.export.ship_files import c_text
 from narrows.model.model import Model
 from narrows.simulation.departure import voyage_defaults
@@ -55,7 +55,7 @@ def fmu_bytes(
     header, variables, model = c_text(exported), variables_of(exported, speed, dt), exported.ship.model
     token = token_of(header, identifier, speed, dt, fmi)
     usual = voyage_defaults(model, speed)
-    outcomes = [(name, FATES.index(name.upper()), words) for name, words in OUTCOMES.items()]
+    outcomes = [(name, OUTCOME_CODES.index(name.upper()), words) for name, words in OUTCOMES.items()]
     description = description_text(
         model, variables, fmi, identifier=identifier, token=token, stop=usual.duration, output=OUTPUT_STEPS * usual.dt,
         outcomes=outcomes, derivatives="true",

@@ -18,7 +18,7 @@ from narrows.export.passport import BEYOND, ends_of_data
 
 WIDTH = 108
 # Outcomes of a voyage, in the order of their codes.
-FATES = ("AFLOAT", "GROUNDED", "DIVERGED", "OUTSIDE", "ASTERN", "PASSED", "REFUSED")
+OUTCOME_CODES = ("AFLOAT", "GROUNDED", "DIVERGED", "OUTSIDE", "ASTERN", "PASSED", "REFUSED")
 
 CANNOT_SAIL = "give a step over 0, a hundred or more to a ship length, at most 1e9 in all, and a waterway with a length"
 
@@ -67,10 +67,10 @@ def translated(exported: ExportedShip, language: Callable[[PlainSource], Transla
     source = plain_functions(exported)
     translation = language(source)
     plain = [translation.text(one) for one in last_functions(exported, source, *more)]
-    stated = {*FATES, *(name.upper() for name in exported.portable.kept)}
+    stated = {*OUTCOME_CODES, *(name.upper() for name in exported.portable.kept)}
     numbers = {name: source.constants[name] for name in sorted(translation.used - stated)}
     columns = [" ".join(name.split("_")) for name in COLUMNS]
-    return {"plain": plain, "numbers": numbers, "columns": columns, "fates": FATES}
+    return {"plain": plain, "numbers": numbers, "columns": columns, "outcomes": OUTCOME_CODES}
 
 
 def last_functions(exported: ExportedShip, source: PlainSource, *more: str) -> list[ast.FunctionDef]:

@@ -19,7 +19,7 @@ from narrows.codegen.printers.translation import JavaScriptTranslation
 from narrows.export.exported_ship import ExportedNumber, ExportedShip
 from narrows.export.fmu_variables import HEADING
 from narrows.export.rendering import (
-    FATES,
+    OUTCOME_CODES,
     bodies_of,
     last_functions,
     places_in,
@@ -43,7 +43,7 @@ def c_text(exported: ExportedShip) -> str:
 def cpp_text(exported: ExportedShip) -> str:
     """Return the C of a ship with a class around it."""
     return rendered(
-        "model.hpp.j2", exported, C(exported.prefix), c=c_text(exported), fates=FATES,
+        "model.hpp.j2", exported, C(exported.prefix), c=c_text(exported), outcomes=OUTCOME_CODES,
         counted=COUNTED in exported.portable.kept, between_banks=exported.ship.shape != OPEN,
     )  # fmt: skip
 
@@ -71,7 +71,12 @@ def npm_bytes(exported: ExportedShip) -> bytes:
     """Return an npm package of the module, for ``npm install``."""
     language = JavaScript()
     types = rendered(
-        "package.d.ts.j2", exported, language, f=bodies_of(exported, language), water=exported.waterway, fates=FATES
+        "package.d.ts.j2",
+        exported,
+        language,
+        f=bodies_of(exported, language),
+        water=exported.waterway,
+        outcomes=OUTCOME_CODES,
     )
     own = {
         "name": exported.prefix.lower(), "version": version("narrows"), "type": "module",

@@ -46,14 +46,14 @@ class Channel:
         starboard, port, depth = (cells[cell, 2 * i] + part * cells[cell, 2 * i + 1] for i in range(3))
         return {"width": starboard + port, "depth": depth}
 
-    def codes(self, fates: Any, x: Any) -> np.ndarray:
+    def codes(self, ends: Any, x: Any) -> np.ndarray:
         """Return the codes of ends, by what was met and where [m]."""
-        fates = np.asarray(fates)
+        ends = np.asarray(ends)
         choked = self.chokes
         if math.isfinite(self.length):
             node = np.rint(np.asarray(x) * self.inputs["cells_a_metre"])
             choked = choked[np.clip(np.nan_to_num(node), 0, len(choked) - 1).astype(int)]
-        return np.where(fates == event.SHALLOW, np.where(choked, Code.CHOKED, Code.TOUCHED), fates)
+        return np.where(ends == event.SHALLOW, np.where(choked, Code.CHOKED, Code.TOUCHED), ends)
 
 
 def limits_of(contact: str | Outline | int) -> dict[str, float]:

@@ -99,7 +99,7 @@ class ColumnRun:
         return np.sort(np.concatenate([went, vessels[~clear][np.array(judged, bool)]]))
 
     def _clear(self, after: np.ndarray, room: Any, before: np.ndarray, vessels: np.ndarray) -> np.ndarray:
-        """Whether a step needs no judge."""
+        """Whether a step needs no look at its end."""
         u, v, r = after[4:7]
         fast, turning = self.inputs["most_speed"], self.inputs["most_rate"]
         left = np.asarray(room)
@@ -129,7 +129,7 @@ class ColumnRun:
         self.end[vessel] = rows[-1].state
         self.time[vessel] += rows[-1].t
         if ended is not None:
-            self._over(vessel, march, ended.fate, ended.lean)
+            self._over(vessel, march, ended.outcome, ended.lean)
         return ended is None
 
     def _march(self, vessel: int) -> March:
@@ -139,8 +139,8 @@ class ColumnRun:
         near = near_the_bank({"width": inputs.get("width", 1.0)})
         return March(self.system.scalar, self.system.choices, inputs, self.channel, near)
 
-    def _over(self, vessel: int, march: March, fate: int, lean: float) -> None:
-        code = march.cause(fate, tuple(self.end[vessel].tolist()))
+    def _over(self, vessel: int, march: March, outcome: int, lean: float) -> None:
+        code = march.cause(outcome, tuple(self.end[vessel].tolist()))
         self.codes[vessel] = code, np.sign(lean) if code == Code.GROUNDED else 0
 
 

@@ -28,7 +28,7 @@ class Row(NamedTuple):
 
 
 class End(NamedTuple):
-    fate: int  # As ``event`` says
+    outcome: int  # As ``event`` says
     lean: float  # How much more room there is to port than to starboard [m]
 
 
@@ -88,11 +88,11 @@ class March:
         room, lean = self.functions.room(self._table, *state[:5], *self._room_inputs)
         return self._from_banks(state) if exact and self._exact and room <= 0 else (room, lean)
 
-    def cause(self, fate: int, state: State) -> int:
-        """Return what ended the voyage, by the fate of its last step: as kernels do."""
-        if fate == event.FINISHED:
+    def cause(self, outcome: int, state: State) -> int:
+        """Return what ended the voyage, by the outcome of its last step: as kernels do."""
+        if outcome == event.FINISHED:
             return Code.AFLOAT
-        return Code.DIVERGED if fate == event.LOST else event.cause(*self._ends(state), CONTACT_CLOSENESS)
+        return Code.DIVERGED if outcome == event.LOST else event.cause(*self._ends(state), CONTACT_CLOSENESS)
 
     def _ends(self, state: State) -> tuple[float, float, float, float]:
         left: tuple[float, float, float, float] = self.functions.ends(self._table, *state[:5], *self._end_inputs)
@@ -121,25 +121,25 @@ class March:
         while book[event.COUNT] > 0:
             tried = self._tried(rows, Row(begun + book[event.CLOCK], state, whole=not within), book)
             leaves = self.choices.leaves
-            fate = event.judge(
+            outcome = event.accept_step(
                 book, tried.left, tried.room, tried.before, tried.sane, CONTACT_TOLERANCE, self.near, leaves
             )
-            if fate == event.LOST:
+            if outcome == event.LOST:
                 rows.append(Row(tried.row.t, tried.row.state))
-                return End(event.CLOSED if tried.before <= self.near else fate, self.room(tried.row.state)[1])
-            if fate != event.BACK:
+                return End(event.CLOSED if tried.before <= self.near else outcome, self.room(tried.row.state)[1])
+            if outcome != event.BACK:
                 rows.append(tried.row)
-            state = tried.row.state if fate == event.BACK else tried.after
-            if fate == event.CLOSED:
+            state = tried.row.state if outcome == event.BACK else tried.after
+            if outcome == event.CLOSED:
                 rows.append(Row(begun + book[event.CLOCK], state))
-                return End(fate, tried.lean)
-            within = book[event.TRIES] > 0 and (within or fate == event.ON)
-            if fate == event.FINISHED:
+                return End(outcome, tried.lean)
+            within = book[event.TRIES] > 0 and (within or outcome == event.ON)
+            if outcome == event.FINISHED:
                 break
         rows.append(Row(stop, state))
         return None
 
-    def _tried(self, rows: list[Row], row: Row, book: event.Book) -> StepAttempt:
+    def _tried(self, rows: list[Row], row: Row, book: event.StepState) -> StepAttempt:
         """Sail equal steps for as long as they are clear, and return the one that is to be judged."""
         trying, length, left = book[event.TRIES] > 0, book[event.NEXT], book[event.COUNT] - 1
         begun, state, leaves, done = row.t, row.state, self.choices.leaves, 0
@@ -182,7 +182,7 @@ class March:
         return interpolated
 
 
-def planned(duration: float, dt: float) -> event.Book:
+def planned(duration: float, dt: float) -> event.StepState:
     """Return the book of a voyage of whole steps and a last, shorter one."""
     count = math.floor(duration / dt + 1e-9)
     rest = duration - count * dt

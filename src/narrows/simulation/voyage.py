@@ -300,16 +300,16 @@ def simulate(
     steering = steering_of(controller, ship.actuators)
     march, start = departure(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
     rows = [Row(0.0, start)]
-    fate = event.FINISHED if march.room(start)[0] > 0 or start[0] == march.channel.start else event.CLOSED
-    for push in pushes if fate == event.FINISHED else ():
+    ending = event.FINISHED if march.room(start)[0] > 0 or start[0] == march.channel.start else event.CLOSED
+    for push in pushes if ending == event.FINISHED else ():
         march.set(**dict(zip(INPUTS.values(), push.forces, strict=True)))
         if ended := march.sail(rows, push.stop, dt):
-            fate = ended.fate
+            ending = ended.outcome
             break
     shown = [row for row in rows if row.whole]
     if times is not None:
         shown = [*march.dense(rows, [t for t in (0.0, *times) if t < rows[-1].t]), rows[-1]]
-    log = _Log(ship, march, rows, fate, float(psi), float(rudder))
+    log = _Log(ship, march, rows, ending, float(psi), float(rudder))
     outline = tuple(points_of(model.configuration.ship, ship.shape)) if ship.shape not in (MIDSHIP, OPEN) else ()
     return Voyage(
         **log.columns(shown), outcome=log.outcome(dt), configuration=model.configuration, waterway=waterway,
@@ -322,7 +322,7 @@ class _Log:
     ship: SimulatedShip
     march: March
     rows: list[Row]
-    fate: int
+    ending: int
     psi: float
     rudder: float
 
@@ -354,7 +354,7 @@ class _Log:
         return Outcome(end.KINDS[code], last["t"], distance, side, state, notes, lengths)
 
     def _code_and_side(self, state: tuple[float, ...]) -> tuple[Code, str | None]:
-        code = Code(self.march.channel.codes(self.march.cause(self.fate, state), state[0]).item())
+        code = Code(self.march.channel.codes(self.march.cause(self.ending, state), state[0]).item())
         ship = self.ship.model.configuration.ship
         sign = 1 if (is_full(ship.block_coefficient) if code == Code.TOUCHED else self.march.room(state)[1] > 0) else -1
         return code, end.WAYS.get(code) or end.SIDES.get(code, {}).get(sign)
@@ -375,7 +375,7 @@ class _Log:
 
     def _coarse(self, dt: float) -> tuple[str, ...]:
         """Say where the time step was too long, as far as the steps themselves tell."""
-        if self.fate == event.LOST:
+        if self.ending == event.LOST:
             return ()
         error = track_error(self.march, self.rows, dt)
         if not error > STEP_ERROR_LIMIT * self.ship.model.configuration.ship.beam:

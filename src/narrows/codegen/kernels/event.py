@@ -7,8 +7,8 @@ from there. So a contact is located within the step, even where the suction grow
 
 from typing import Any
 
-Book = Any
-"""What is known of a voyage, by the places below: an array or a list of numbers."""
+StepState = Any
+"""State of the step control: an array or a list of numbers, by the indices below."""
 # Seconds before the current segment of equal steps; their length, their planned number; length of the next try, and how
 # many of it; tries within the current step; the rest of that step, and the whole steps after it; the last, shorter step
 CLOCK, LENGTH, PLANNED, NEXT, COUNT, TRIES, SPAN, AFTER, REST, PLACES = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
@@ -25,7 +25,7 @@ AIM = 0.8
 """Of what a step may take of the room: what the next one aims at."""
 
 
-def begin(book: Book, length: float, count: float, rest: float) -> None:
+def begin(book: StepState, length: float, count: float, rest: float) -> None:
     """Set up a voyage of equal steps and a last shorter one."""
     book[CLOCK], book[LENGTH], book[PLANNED], book[REST] = 0.0, length, count, rest
     book[NEXT], book[COUNT], book[TRIES] = length, count, 0.0
@@ -33,7 +33,7 @@ def begin(book: Book, length: float, count: float, rest: float) -> None:
         last_step(book)
 
 
-def last_step(book: Book) -> int:
+def last_step(book: StepState) -> int:
     """Set up the last, shorter step, or end the voyage."""
     if not book[REST] > 0.0:
         return FINISHED
@@ -60,8 +60,8 @@ def cause(heading: float, ahead: float, astern: float, afloat: float, tolerance:
     return GROUNDED
 
 
-def judge(
-    book: Book, left: float, room: float, before: float, sane: bool, tolerance: float, near: float, leaves: float
+def accept_step(
+    book: StepState, left: float, room: float, before: float, sane: bool, tolerance: float, near: float, leaves: float
 ) -> int:
     """Decide how a voyage continues after a try; ``left`` is the number of planned steps left."""
     tried, clear = book[NEXT], cleared(room, before, leaves)
@@ -88,7 +88,7 @@ def judge(
     return BACK
 
 
-def advanced(book: Book, tried: float, longer: float, room: float, near: float) -> int:
+def advanced(book: StepState, tried: float, longer: float, room: float, near: float) -> int:
     """Accept the valid part of a step and set up the next."""
     book[CLOCK] += tried
     book[SPAN] -= tried

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
         LOST,
         NEXT,
         TRIES,
+        accept_step,
         begin,
         cause,
         cleared,
-        judge,
     )  # fmt: skip
 
     Function = TypeVar("Function", bound=Callable[..., Any])
@@ -97,7 +97,7 @@ def cause_of(block: "Array", lane: int, table: "Array", shared: "Array", toleran
 
 
 @called
-def attend(
+def handle_event(
     block: "Array",
     lane: int,
     book: "Array",
@@ -117,16 +117,16 @@ def attend(
         return RUNNING
     if EXACT and (book[lane, TRIES] > 0.0 or not (sane and room > 0.0)):
         before = true_room(block, lane, OLD, table, track, outline, shared)[0]
-    fate = judge(book[lane], left, room, before, sane, limits[TOLERANCE], limits[NEAR], LEAVES)
-    if fate == CLOSED:
+    outcome = accept_step(book[lane], left, room, before, sane, limits[TOLERANCE], limits[NEAR], LEAVES)
+    if outcome == CLOSED:
         return cause_of(block, lane, table, shared, limits[NEAR] if room > limits[TOLERANCE] else limits[TOLERANCE])
-    if fate == FINISHED:
+    if outcome == FINISHED:
         return AFLOAT
-    if fate in (LOST, BACK):
+    if outcome in (LOST, BACK):
         for field in range(KEPT):
             block[field * LANES + lane] = block[(OLD + field) * LANES + lane]
         block[ROOM * LANES + lane] = before
-    if fate == LOST:
+    if outcome == LOST:
         return cause_of(block, lane, table, shared, limits[NEAR]) if before <= limits[NEAR] else DIVERGED
     block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[lane, NEXT], book[lane, COUNT]
     return RUNNING
@@ -153,9 +153,9 @@ def load_lane(
     if not is_sane(block, lane, room, shared, 0.0):
         return DIVERGED
     if not room > 0.0:
-        fate = cause_of(block, lane, table, shared, 0.0)
-        if room < 0.0 or fate != ASTERN:  # The first point of a waterway belongs to it
-            return fate
+        outcome = cause_of(block, lane, table, shared, 0.0)
+        if room < 0.0 or outcome != ASTERN:  # The first point of a waterway belongs to it
+            return outcome
     return RUNNING if block[LEFT * LANES + lane] > 0.0 else AFLOAT
 
 
@@ -170,15 +170,15 @@ def idle_lane(block: "Array", lane: int) -> None:
 
 @called
 def unload_lane(
-    block: "Array", lane: int, book: "Array", vessel: int, fate: int, end: "Array", time: "Array", codes: "Array"
+    block: "Array", lane: int, book: "Array", vessel: int, outcome: int, end: "Array", time: "Array", codes: "Array"
 ) -> None:
     """Write place, time and outcome of a voyage's end."""
     for field in range(KEPT):
         end[vessel, field] = block[field * LANES + lane]
     time[vessel] = book[lane, CLOCK]
     lean = block[LEAN * LANES + lane]
-    codes[vessel, OUTCOME] = fate
-    codes[vessel, SIDE] = (lean > 0.0) - (lean < 0.0) if fate == GROUNDED else 0
+    codes[vessel, OUTCOME] = outcome
+    codes[vessel, SIDE] = (lean > 0.0) - (lean < 0.0) if outcome == GROUNDED else 0
 
 
 @cached
@@ -203,21 +203,21 @@ def sail(
             if block[FLAG * LANES + lane] == 0.0:
                 continue
             if who[lane] >= 0:
-                fate = attend(block, lane, book, table, shared, track, outline, limits)
-                if fate == RUNNING:
+                outcome = handle_event(block, lane, book, table, shared, track, outline, limits)
+                if outcome == RUNNING:
                     continue
-                unload_lane(block, lane, book, who[lane], fate, end, time, codes)
+                unload_lane(block, lane, book, who[lane], outcome, end, time, codes)
                 who[lane], active = -1, active - 1
                 idle_lane(block, lane)
             while queue < vessels:
-                fate = load_lane(
+                outcome = load_lane(
                     block, lane, book, queue, start, times, vessel_inputs, table, shared, track, outline, limits
                 )
                 queue += 1
-                if fate == RUNNING:
+                if outcome == RUNNING:
                     who[lane], active = queue - 1, active + 1
                     break
-                unload_lane(block, lane, book, queue - 1, fate, end, time, codes)
+                unload_lane(block, lane, book, queue - 1, outcome, end, time, codes)
                 idle_lane(block, lane)
         if active == 0:
             return lane_steps

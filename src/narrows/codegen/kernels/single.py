@@ -18,11 +18,11 @@ from narrows.codegen.kernels.event import (
     NEXT,
     PLACES,
     TRIES,
-    Book,
+    StepState,
+    accept_step,
     begin,
     cause,
     cleared,
-    judge,
 )  # fmt: skip
 from narrows.waterway.room import exact_room
 
@@ -101,8 +101,10 @@ def begun(state: Array, closeness: Array, constants: Constants, waterway: Place)
         return DIVERGED
     if closeness[0] > 0.0:
         return AFLOAT
-    fate = cause_of(state, constants, waterway, 0.0)
-    return AFLOAT if closeness[0] == 0.0 and fate == ASTERN else fate  # The first point of a waterway belongs to it
+    outcome = cause_of(state, constants, waterway, 0.0)
+    return (
+        AFLOAT if closeness[0] == 0.0 and outcome == ASTERN else outcome
+    )  # The first point of a waterway belongs to it
 
 
 def can_sail(state: Array, constants: Constants, waterway: Place, length: float, duration: float) -> bool:
@@ -114,20 +116,20 @@ def can_sail(state: Array, constants: Constants, waterway: Place, length: float,
     return min(length, duration) * abs(state[U]) <= constants.hull_length  # type: ignore[no-any-return]
 
 
-def planned(book: Book, length: float, duration: float) -> None:
+def planned(book: StepState, length: float, duration: float) -> None:
     """Plan whole steps and, if the time is no multiple of them, a shorter last one."""
     count = 1.0 * floor(duration / length + 1e-9)
     rest = duration - count * length
     begin(book, length, count, rest if rest > 1e-9 * length else 0.0)
 
 
-def ended(fate: int, state: Array, before: float, now: float, constants: Constants, waterway: Place) -> int:
+def ended(outcome: int, state: Array, before: float, now: float, constants: Constants, waterway: Place) -> int:
     """Return the cause of a voyage's end, by the clearance before the step and after."""
-    if fate == FINISHED:
+    if outcome == FINISHED:
         return AFLOAT
-    if fate == LOST and before > constants.near_bank:
+    if outcome == LOST and before > constants.near_bank:
         return DIVERGED
-    drawn = fate == LOST or now > TOLERANCE
+    drawn = outcome == LOST or now > TOLERANCE
     return cause_of(state, constants, waterway, constants.near_bank if drawn else TOLERANCE)
 
 
@@ -142,10 +144,10 @@ def sail(
     after = [0.0] * (KEPT + 2)
     closeness = [0.0] * 2
     planned(book, length, duration)
-    fate = begun(state, closeness, constants, waterway)
+    outcome = begun(state, closeness, constants, waterway)
     end[0], end[1] = 0.0, closeness[1]
-    if fate != AFLOAT:
-        return fate
+    if outcome != AFLOAT:
+        return outcome
     left, before = book[COUNT], closeness[0]
     while book[COUNT] > 0.0:
         trying = book[TRIES] > 0.0
@@ -165,14 +167,14 @@ def sail(
         if EXACT and (trying or not clear):
             true_room(state, closeness, constants, waterway)
             before = closeness[0]
-        fate = judge(book, left, now, before, sane, TOLERANCE, constants.near_bank, LEAVES)
+        outcome = accept_step(book, left, now, before, sane, TOLERANCE, constants.near_bank, LEAVES)
         end[0] = book[CLOCK]
-        if fate != LOST and fate != BACK:
+        if outcome != LOST and outcome != BACK:
             for number in range(KEPT):
                 state[number] = after[number]
             end[1] = lean
-        if fate >= FINISHED:
-            return ended(fate, state, before, now, constants, waterway)
+        if outcome >= FINISHED:
+            return ended(outcome, state, before, now, constants, waterway)
         room(state, closeness, constants, waterway)
         left, before = book[COUNT], closeness[0]
     return AFLOAT

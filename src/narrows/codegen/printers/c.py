@@ -43,7 +43,7 @@ class C(Language):
 # Plain functions as C99: one static function each.
 TYPES = {
     "Array": "double *{}",
-    "Book": "double *{}",
+    "StepState": "double *{}",
     "Filled": "double *{}",
     "float": "double {}",
     "int": "int {}",

@@ -7,7 +7,7 @@ enum { MOST = 4096, PATHS = 1024, SAMPLES = 96, SEEN = 4, ENDS = STATES + 2 };
 static double starts[MOST][STATES + 1]; /* the state, then the length of a step [s] */
 static double parameters[MOST][PARAMETERS];
 static double told[INPUTS];
-static double ends[MOST][ENDS];             /* the state, then time [s] and fate */
+static double ends[MOST][ENDS];             /* the state, then time [s] and outcome */
 static float paths[PATHS][SAMPLES][SEEN]; /* x, y, sine of the heading, rudder of the first ships, every so many steps */
 static int kept[PATHS];
 static int who[LANES], left[LANES], due[LANES];
@@ -39,27 +39,27 @@ static void board(int lane, int ship, int steps, int every) {
     if (every) keep(lane);
 }
 
-static void arrive(int lane, const double *state, int steps, double time, int fate) {
+static void arrive(int lane, const double *state, int steps, double time, int outcome) {
     double *end = ends[who[lane]];
     for (int j = 0; j < STATES; ++j) end[j] = state[j];
-    end[STATES] = time + (steps - left[lane] - 1) * starts[who[lane]][STATES], end[STATES + 1] = fate;
+    end[STATES] = time + (steps - left[lane] - 1) * starts[who[lane]][STATES], end[STATES + 1] = outcome;
 }
 
 /* Look at a lane after a step; whether its voyage is over. */
 static int over(int lane, int steps, int every) {
     const double step = starts[who[lane]][STATES];
     double state[LANE_NUMBERS], end[2] = {step, 0};
-    int fate = SHIP_AFLOAT;
+    int outcome = SHIP_AFLOAT;
     if (stop[lane] > 0) {
-        fate = judged(lane, own_parameters(who[lane]), step, state, end);
+        outcome = judged(lane, own_parameters(who[lane]), step, state, end);
         /* By a hair, to the coarser eye of the lanes alone. */
-        if (fate == SHIP_AFLOAT) for (int j = 0; j < STATES; ++j) now[j][lane] = (real)state[j];
+        if (outcome == SHIP_AFLOAT) for (int j = 0; j < STATES; ++j) now[j][lane] = (real)state[j];
     } else for (int j = 0; j < STATES; ++j) state[j] = now[j][lane];
-    if (fate == SHIP_AFLOAT && left[lane] > 0) {
+    if (outcome == SHIP_AFLOAT && left[lane] > 0) {
         if (every && due[lane] == 0) due[lane] = every, keep(lane);
         return 0;
     }
-    arrive(lane, state, steps, end[0], fate);
+    arrive(lane, state, steps, end[0], outcome);
     return 1;
 }
 

@@ -4,7 +4,7 @@
 export const SEEN = 4;
 export const [AFLOAT, AGROUND, DIVERGED, OUTSIDE] = [0, 1, 2, 3];
 
-/** Numbers of a row: of a start, the state and the step; of an end, the state, the time and the fate. */
+/** Numbers of a row: of a start, the state and the step; of an end, the state, the time and the outcome. */
 export const room = ({ states }) => ({ start: states + 1, end: states + 2 });
 
 export function rowsOf(starts, shape, every) {

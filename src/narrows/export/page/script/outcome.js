@@ -10,15 +10,15 @@ export const [PORT, STARBOARD, SAILS, LOST] = ["port", "starboard", "sails", "lo
 export function outcomes({ ends }, { states }, current = 0) {
   const size = room({ states }).end;
   return Array.from({ length: ends.length / size }, (_, ship) => {
-    const [at, fate] = [ship * size, ends[(ship + 1) * size - 1]];
+    const [at, outcome] = [ship * size, ends[(ship + 1) * size - 1]];
     const time = ends[at + states];
-    return { kind: kindOf(fate, ends[at + 1]), x: ends[at] + current * time, y: ends[at + 1], sine: ends[at + 3], time };
+    return { kind: kindOf(outcome, ends[at + 1]), x: ends[at] + current * time, y: ends[at + 1], sine: ends[at + 3], time };
   });
 }
 
-export function kindOf(fate, y) {
-  if (fate === AFLOAT) return SAILS;
-  if (fate !== AGROUND) return LOST;
+export function kindOf(outcome, y) {
+  if (outcome === AFLOAT) return SAILS;
+  if (outcome !== AGROUND) return LOST;
   return y > 0 ? STARBOARD : PORT;
 }
 

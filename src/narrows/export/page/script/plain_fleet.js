@@ -30,15 +30,15 @@ export function plainFleet(model, shape, names) {
   function voyage(start, constants, inputs, steps, every, path) {
     const state = Float64Array.from(start.subarray(0, shape.states));
     const [step, end] = [start[shape.states], [0, 0]];
-    let [fate, time, samples, taken] = [AFLOAT, 0, 0, 0];
+    let [outcome, time, samples, taken] = [AFLOAT, 0, 0, 0];
     const keep = () => SEEN * samples < path.length && path.set(seen(state, shape), SEEN * samples++);
-    for (; taken < steps && fate === AFLOAT; taken += every) {
+    for (; taken < steps && outcome === AFLOAT; taken += every) {
       keep();
       const next = Math.min(every, steps - taken);
-      fate = model.sail(state, inputs, constants, step, next * step, end);
+      outcome = model.sail(state, inputs, constants, step, next * step, end);
       time += end[0];
     }
-    return { end: [...state, time, fate], samples };
+    return { end: [...state, time, outcome], samples };
   }
   return { sailed, kind: "JavaScript" };
 }
