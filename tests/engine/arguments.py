@@ -271,7 +271,7 @@ class Table:
             "u": np.array([0.3, 0.5]), "disturbance": nw.Disturbance(gust=300.0, gust_lever=1.0),
             "reserve": 0.9, "keel": 0.13, "samples": 5, "most_revolutions": refused(1.0),
             "seed": 1, "walls": (3.0, 2.5), "bank": "sloping", "controller": "track", "workers": refused(-1),
-            "progress": shown(True),
+            "progress": shown(True), "curvature": 0.02, "current": under(0.1, curvature=0.02),
         }  # fmt: skip
         course = {"model": by_depth(), "y": 0.5, "u": 1.0}
         return {
@@ -287,7 +287,7 @@ class Table:
                 {"model": tested(steered()), "waterway": waterway_for("steered"), "places": [30.0],
                  "u": [0.2, 0.6, 1.0]},
                 {"model": refused(paper()), "waterway": refused("canal"), "places": [60.0],
-                 "y": refused(3.3), "reserve": refused(0.9), "u": [0.2, 0.5]},
+                 "y": refused(3.3), "reserve": refused(0.99), "u": [0.2, 0.5]},
             ),
             "outside_rules": Entry(
                 {"configuration": by_depth().configuration},

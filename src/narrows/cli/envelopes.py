@@ -1,9 +1,9 @@
 """``envelope``: how fast and how far off the middle a ship is still in hand."""
 
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from narrows.cli.declarations import Argument, Option
 from narrows.cli.options import DatasetDelivery, numbers, speeds, verb
@@ -50,28 +50,24 @@ class SectionOptions:
         if self.waterway is None and (self.at or self.level):
             raise InputError("--at and --level are a waterway's; add --waterway, or leave them out")
 
-    def placed(self, model: "Model") -> "tuple[Model, tuple[float, float] | None, str]":
-        """Return the model there, where its keel meets the banks [m], and where the middle is, in words."""
+    def placed(self, model: "Model") -> "tuple[Model, dict[str, Any], str]":
+        """Return the model there, what the envelope is asked of the place, and where the middle is, in words."""
         if self.waterway is None:
-            return model, None, ""
+            return model, {}, ""
         at = self.at
+        from narrows.safety.speed_limits import reach_at
         from narrows.waterway import read_waterway
 
-        waterway, ship = read_waterway(self.waterway).with_water(level=self.level), model.configuration.ship
+        waterway = read_waterway(self.waterway)
+        waterway = waterway.with_water(waterway.current, self.level)
         if not 0 <= at <= waterway.line.length:
             raise InputError(f"--at {at:g} is beyond the waterway, which is {waterway.line.length:.0f} m long")
-        waterway.check_fits(ship, at)
-        canal, middle, room = waterway.canal(at), float(waterway.section(at).middle), waterway.room(at, ship.draft)
-        canal = canal if canal.depth else replace(canal, depth=model.configuration.canal.depth)
-        aside, half = float(room.middle) - middle, float(room.width) / 2
+        reach = reach_at(model, waterway, at)
         sentence = (
-            f"at {at:.0f} m along {waterway.name}: the middle is {middle:+.1f} m off its centreline, starboard positive"
+            f"at {at:.0f} m along {waterway.name}: the middle is {reach.middle:+.1f} m off its centreline, starboard "
+            "positive"
         )
-        return (
-            replace(model, configuration=replace(model.configuration, canal=canal)),
-            (half - aside, half + aside),
-            sentence,
-        )
+        return reach.model, reach.asked, sentence
 
 
 @dataclass(frozen=True)
@@ -152,9 +148,9 @@ def envelope(
         )
     disturbance, ship = weather.disturbance(), model_named(model or DEMO_SHIP)
     ship = borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
-    ship, walls, where = section.placed(ship)
+    ship, reach, where = section.placed(ship)
     result = safe_envelope(
-        ship, grid.offsets, grid.speeds, disturbance=disturbance, **vars(reserves), **vars(cases), walls=walls,
+        ship, grid.offsets, grid.speeds, disturbance=disturbance, **vars(reserves), **vars(cases), **reach,
         bank=bank, controller=controller, progress=sys.stderr.isatty() and not delivery.json,
     )  # fmt: skip
     result = result.noting(where) if where else result

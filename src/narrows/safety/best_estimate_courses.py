@@ -10,6 +10,7 @@ import xarray as xr
 from narrows.control.regulator import IN_VAIN
 from narrows.control.steady_course import solved, with_propulsion
 from narrows.errors import InputError
+from narrows.safety.request import STRAIGHT, Bend
 from narrows.simulation.grid import grid_of
 from narrows.simulation.ship import SimulatedShip
 
@@ -24,6 +25,7 @@ class BestEstimateCourses:
     offsets: np.ndarray  # (offsets,) To starboard of the middle [m]
     speeds: np.ndarray  # (speeds,) Through the water [m/s]
     heave: np.ndarray  # (speeds,) Midship sinkage [m]
+    bend: Bend = STRAIGHT
 
     @cached_property
     def places(self) -> np.ndarray:
@@ -46,7 +48,8 @@ class BestEstimateCourses:
     @cached_property
     def course(self) -> Columns:
         """y [m], u, v [m/s], rudder [rad], and what else moves; NaN where no rudder holds the ship."""
-        v, rudder = solved(self.ship, self.values, self.values["y"].size, 1)
+        values = {**self.values, **self.bend.values(self.values["y"])}
+        v, rudder = solved(self.ship, values, self.values["y"].size, 1)
         within = np.abs(rudder) <= self.ship.model.configuration.gear.limit
         course = {name: self.values[name] for name in ("y", "u")}
         course |= {a.name: self.values[a.name] for a in self.ship.actuators if a.name in self.values}

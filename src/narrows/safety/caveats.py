@@ -32,7 +32,9 @@ def with_caveats(found: SafeEnvelope, request: EnvelopeRequest, under: Keel, sam
     # [m/s] and [m], as far as the tests say.
     ranges = {"tested_speed": model.data_range.speed, "tested_offset": model.data_range.abs_y}
     rests_on = {
-        "setting": f"{configuration.ship.in_words}, in {configuration.canal.in_words}",
+        "setting": ", in ".join(
+            filter(None, (configuration.ship.in_words, configuration.canal.in_words, request.bend.words))
+        ),
         "weather": request.disturbance.words,
         "notes": "\n".join(notes),
         "beam": configuration.ship.beam,

@@ -8,23 +8,26 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
-from narrows.control.steady_course import check_rudder, steady_course, with_propulsion
+from narrows.control.steady_course import check_rudder, solved, with_propulsion
 from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
 from narrows.safety import settings
 from narrows.safety.caveats import data_coverage, with_caveats
 from narrows.safety.held_trials import ChosenPilot, trials
 from narrows.safety.pilots import PILOTS
-from narrows.safety.request import Disturbance, EnvelopeRequest, Keel, Walls, envelope_request, keel_at
+from narrows.safety.request import Bend, Disturbance, EnvelopeRequest, Keel, Walls, envelope_request, keel_at
 from narrows.safety.result import MEDIAN, SafeEnvelope
-from narrows.simulation.inputs import check_workers
+from narrows.simulation.grid import grid_of
+from narrows.simulation.inputs import check_workers, finite_numbers
+from narrows.simulation.ship import SimulatedShip
 
 
 def safe_envelope(
     model: Model, y: np.ndarray | None = None, u: np.ndarray | None = None, *,
     disturbance: Disturbance | None = None, reserve: float = settings.RESERVE, keel: float | None = None,
     most_revolutions: float | None = None, samples: int | None = None, seed: int = 0, walls: Walls | None = None,
-    bank: str = "steep", controller: str = "regulator", workers: int | None = None, progress: bool = False,
+    bank: str = "steep", controller: str = "regulator", curvature: float = 0.0, current: float = 0.0,
+    workers: int | None = None, progress: bool = False,
 ) -> SafeEnvelope:  # fmt: skip
     """Find the speeds and offsets at which a ship stays controllable in its canal.
 
@@ -61,6 +64,10 @@ def safe_envelope(
     controller : str
         Who does not know the coefficients: ``regulator``, the best that is offered; ``track``, that of earlier
         versions; ``human``, a hand at the wheel with its delay, whole degrees and a cap.
+    curvature : float [1/m]
+        Of the middle of the canal, to starboard: in a bend the steady turn leaves the reserve, and trials sail it.
+    current : float [m/s]
+        Along the canal, with the ship.
     workers : int, optional
         Threads; all cores unless given.
     progress : bool
@@ -74,11 +81,13 @@ def safe_envelope(
     check_rudder(model)
     check_workers(workers)
     check_choice("controller", controller, PILOTS)
-    request = envelope_request(model, y, u, disturbance, reserve, keel, most_revolutions, walls, bank, controller)
+    bend = Bend(**finite_numbers(curvature=curvature, current=current))
+    request = envelope_request(model, y, u, disturbance, reserve, keel, most_revolutions, walls, bank, controller, bend)
     bounds = bounds_of(request)
     try_more = partial(
         trials, y=request.offsets, u=request.speeds, heave=bounds.under.midship, disturbance=request.disturbance,
-        walls=request.walls, chosen=choose_pilot(request, bounds, seed, workers), workers=workers, progress=progress,
+        walls=request.walls, bend=request.bend, chosen=choose_pilot(request, bounds, seed, workers), workers=workers,
+        progress=progress,
     )  # fmt: skip
     tried = settled_trials(partial(try_more, model), samples, seed, request.rudder_limit, bounds.clear & bounds.tested)
     likely = tried
@@ -130,11 +139,11 @@ def _driven(model: Model, speeds: np.ndarray, most: float | None) -> np.ndarray:
 
 def rudder_of_propeller_burst(request: EnvelopeRequest, under: Keel) -> xr.DataArray:
     """Return the steady rudder with the engine at its most, over offsets and speeds [rad]."""
-    course = steady_course(
-        request.model, y=request.offsets, u=request.speeds, heave=xr.DataArray(under.midship, dims="u"),
-        revolutions=request.most_revolutions,
-    )  # fmt: skip
-    return course["rudder"].transpose("y", "u").drop_vars(["y", "u"], errors="ignore")
+    asked = {"u": request.speeds, "heave": xr.DataArray(under.midship, dims="u"), "y": request.offsets}
+    grid = grid_of(request.model, {**asked, "revolutions": request.most_revolutions}, 0, 0)
+    values, shape = grid.flat(slice(0, grid.sizes[grid.axis]))
+    _, rudder = solved(SimulatedShip(request.model), {**values, **request.bend.values(values["y"])}, grid.vessels, 1)
+    return xr.DataArray(rudder.reshape(shape), dims=list(grid.sizes), attrs={"units": "rad"}).transpose("y", "u")
 
 
 def choose_pilot(request: EnvelopeRequest, bounds: Bounds, seed: int, workers: int | None) -> ChosenPilot:
@@ -153,7 +162,7 @@ def choose_pilot(request: EnvelopeRequest, bounds: Bounds, seed: int, workers: i
         tried = trials(
             request.model, request.offsets[offsets], request.speeds[speeds], bounds.under.midship[speeds],
             request.disturbance, settings.TUNING_SAMPLES, other_seed, request.walls, ChosenPilot(pilot, tuning),
-            knowing=False, workers=workers,
+            bend=request.bend, knowing=False, workers=workers,
         )  # fmt: skip
         safe = (np.abs(tried["rudder"]) <= request.rudder_limit) & tried["held"]
         shares.append(float(safe.mean()))

@@ -17,8 +17,9 @@ from narrows.progress import bar
 from narrows.quantities.arithmetic import choice, maximum
 from narrows.safety.best_estimate_courses import BestEstimateCourses
 from narrows.safety.pilots import PILOTS, Pilot, regulator_of
-from narrows.safety.request import Disturbance, Walls
+from narrows.safety.request import STRAIGHT, Bend, Disturbance, Walls
 from narrows.safety.settings import BACK_LENGTHS, MOST_TRIALS, STEPS_A_LENGTH, TRIAL_BLOCK, TRIAL_LENGTHS
+from narrows.simulation.channel import Channel, bend_channel
 from narrows.simulation.controllers import ControlLaw, Named
 from narrows.simulation.grid import Grid, grid_of
 from narrows.simulation.kernel_run import KernelRun
@@ -43,7 +44,7 @@ USUAL = ChosenPilot(PILOTS["regulator"], PILOTS["regulator"].tunings[0])
 
 def trials(
     model: Model, y: np.ndarray, u: np.ndarray, heave: np.ndarray, disturbance: Disturbance, samples: int, seed: int,
-    walls: Walls = (math.inf, math.inf), chosen: ChosenPilot = USUAL, knowing: bool = True,
+    walls: Walls = (math.inf, math.inf), chosen: ChosenPilot = USUAL, knowing: bool = True, bend: Bend = STRAIGHT,
     workers: int | None = None, progress: bool = False,
 ) -> xr.Dataset:  # fmt: skip
     """Hold a ship at offsets and speeds against disturbances, with coefficients drawn from their covariance."""
@@ -58,14 +59,14 @@ def trials(
     thrown = disturbance.drawn(samples, seed)
     ship, grid = SimulatedShip(model), _grid(model, y, u, heave, samples, seed)
     numbers = chosen.pilot.numbers(
-        BestEstimateCourses(ship, np.asarray(y), np.asarray(u), np.asarray(heave)), chosen.tuning
+        BestEstimateCourses(ship, np.asarray(y), np.asarray(u), np.asarray(heave), bend), chosen.tuning
     )
     # Off to the other side on the other side of the middle: a canal that mirrors itself gets an answer that does.
     side = xr.DataArray(np.where(np.asarray(y) < 0, -1.0, 1.0), dims="y")
     extra = {OFF(name): side * column for name, column in thrown.items()}
     extra |= {BY(name): xr.DataArray(table, dims=("y", "u")) for name, table in numbers.items()}
-    extra |= _knowing(ship, grid, workers) if knowing else {}
-    trial = _Trial(ship, chosen.pilot, disturbance.gust_time, walls, workers)
+    extra |= _knowing(ship, grid, bend, workers) if knowing else {}
+    trial = _Trial(ship, chosen.pilot, disturbance.gust_time, walls, bend, workers)
     kept = _tried(trial, Grid({**grid.values, **extra}, grid.sizes), progress)
     data = {name: (list(grid.sizes), column) for name, column in kept.items()}
     tried = xr.Dataset(data, coords={"y": y, "u": u}).transpose("y", "u", "sample")
@@ -89,7 +90,7 @@ def _tried(trial: "_Trial", whole: Grid, progress: bool) -> dict[str, np.ndarray
     return kept
 
 
-def _knowing(ship: SimulatedShip, grid: Grid, workers: int | None) -> dict[str, xr.DataArray]:
+def _knowing(ship: SimulatedShip, grid: Grid, bend: Bend, workers: int | None) -> dict[str, xr.DataArray]:
     """Gains of a regulator for each offset and sample, made for the middle one of the speeds."""
     at = grid.sizes["u"] // 2
     values = {name: value.isel(u=at, drop=True) if "u" in value.dims else value for name, value in grid.values.items()}
@@ -98,7 +99,7 @@ def _knowing(ship: SimulatedShip, grid: Grid, workers: int | None) -> dict[str, 
     for block in one.blocks(TRIAL_BLOCK):
         columns, shape = one.flat(block)
         count = math.prod(shape)
-        v, rudder = solved(ship, columns, count, workers)
+        v, rudder = solved(ship, {**columns, **bend.values(columns["y"])}, count, workers)
         found = np.abs(rudder) <= ship.model.configuration.gear.limit
         course = {name: columns[name] for name in ("y", *(a.name for a in ship.actuators)) if name in columns}
         course |= {"u": np.broadcast_to(columns["u"], count)}
@@ -114,16 +115,19 @@ class _Trial:
     pilot: Pilot
     gust_time: float
     walls: Walls
+    bend: Bend
     workers: int | None
 
     def sailed(self, values: Columns, count: int) -> dict[str, np.ndarray]:
         course = {n: v for n, v in values.items() if not n.startswith((OFF(""), BY(""), KNOWING("")))}
-        v, rudder = solved(self.ship, course, count, self.workers)
+        v, rudder = solved(self.ship, {**course, **self.bend.values(course["y"])}, count, self.workers)
         found = np.abs(rudder) <= self.ship.model.configuration.gear.limit  # false where there is none
         held = {"y": course["y"], "u": np.broadcast_to(course["u"], count), "v": np.where(found, v, 0.0)}
         held |= {"rudder": np.where(found, rudder, 0.0), "psi": -np.arctan(held["v"] / held["u"])}
+        pace = np.hypot(held["u"], held["v"]) + self.bend.current
+        held |= {"r": self.bend.path_curvature(held["y"]) * pace}
         numbers = {n.removeprefix(BY("")): np.broadcast_to(c, count) for n, c in values.items() if n.startswith(BY(""))}
-        start = {**course, **{name: held[name] for name in ("v", "rudder")}}
+        start = {**course, **{name: held[name] for name in ("v", "r", "rudder")}}
         start |= {"y": course["y"] + values[OFF("y")], "psi": held["psi"] + values[OFF("psi")]}
         sail = _Sail(self, start, held, {name: values[OFF(name)] for name in ("Y", "N")}, count)
         one = sail.held(self.pilot.law(self.ship, numbers, held), found)
@@ -163,13 +167,30 @@ class _Sail:
             **{PARAMETER(name): value for name, value in recorder.parameters().items()},
             "wall_port": np.minimum(walls[0], half), "wall_starboard": np.minimum(walls[1], half),
         }  # fmt: skip
-        run = KernelRun(ship, steps * pace, pace, steering=steering)
+        run = KernelRun(ship, steps * pace, pace, steering=steering, bend=self._bend(steps * pace))
+        inputs |= {"x": REACH * hull.length} if run.bend else {}
         prepared = run.prepared(inputs, self.count, self.trial.workers)
         prepared()
         ended = run.ended(prepared, inputs)
         line = self.held_course["y"]
         late = np.maximum(ended[f"{MEMORY('farthest')}_end"], np.abs(ended["y_end"] - line))
         return np.asarray(sailed & (ended["outcome"] == Code.AFLOAT) & (late <= hull.beam / 2))
+
+    def _bend(self, duration: np.ndarray) -> Channel | None:
+        """The bend, longer at either end than any ship sails."""
+        trial, course = self.trial, self.held_course
+        if not trial.bend:
+            return None
+        hull, room = trial.ship.model.configuration.ship, 1 - np.abs(trial.bend.curvature * np.asarray(course["y"]))
+        way = duration * (np.hypot(course["u"], course["v"]) + abs(trial.bend.current)) / room
+        length = 2 * REACH * hull.length + MARGIN * float(np.max(way))
+        return bend_channel(
+            trial.ship.model, trial.ship.shape, trial.walls, trial.bend.curvature, trial.bend.current, length
+        )
+
+
+# Ship lengths of a bend before and after the trial, and its length over that of the ship's way [1].
+REACH, MARGIN = 5.0, 1.5
 
 
 @dataclass(frozen=True)

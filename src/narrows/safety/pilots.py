@@ -27,7 +27,8 @@ SENSIBLE = (0.56, 8.0, 7.7)
 # Times of a ship length in which a helm by hand trims as much as it orders at once.
 TRIMMED = 10.0
 
-# y [m] and u [m/s] of each trial, and what holds the drawn ship there: rudder, psi [rad], v [m/s]; arrays (n,).
+# y [m] and u [m/s] of each trial, and what holds the drawn ship there: rudder, psi [rad], v [m/s], and the yaw rate of
+# its bend, r [rad/s]; arrays (n,).
 Course = Mapping[str, Any]
 
 
@@ -64,7 +65,9 @@ def _track_numbers(courses: BestEstimateCourses, tuning: None) -> Numbers:
 def _track_pilot(ship: SimulatedShip, numbers: Numbers, course: Course) -> ControlLaw:
     """The autopilot about the course of the drawn ship."""
     by_y, by_psi, by_v, by_r = (numbers[f"by_{name}"] for name in TRACKED)
-    return Autopilot(course["y"], (by_y, by_psi, by_v, by_r), course["rudder"], course["psi"], course["v"])
+    # It steers against every yaw rate: that of the bend is added to the rudder that holds the ship.
+    rudder = course["rudder"] + by_r * course["r"]
+    return Autopilot(course["y"], (by_y, by_psi, by_v, by_r), rudder, course["psi"], course["v"])
 
 
 def _hand_numbers(courses: BestEstimateCourses, share: float) -> Numbers:
@@ -79,7 +82,8 @@ def _hand_numbers(courses: BestEstimateCourses, share: float) -> Numbers:
 def _hand(ship: SimulatedShip, numbers: Numbers, course: Course) -> ControlLaw:
     """The helmsman; of the drawn ship only y is used."""
     gains = numbers["by_y"], numbers["by_psi"], numbers["by_r"]
-    return Helmsman(course["y"], gains, numbers["by_trim"], numbers["rudder"], numbers["psi"])
+    rudder = numbers["rudder"] + numbers["by_r"] * course["r"]
+    return Helmsman(course["y"], gains, numbers["by_trim"], rudder, numbers["psi"])
 
 
 # Regulators that trust the bank of the most likely coefficients, beside the usual one.

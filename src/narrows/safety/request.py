@@ -9,7 +9,7 @@ import xarray as xr
 from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
 from narrows.model.squat import choke_speed, squat
-from narrows.quantities.names import AIR_DENSITY
+from narrows.quantities.names import AIR_DENSITY, Number
 from narrows.safety.channel_rules import BANKS
 from narrows.safety.settings import FASTEST, KEEL_SHARE, OFFSETS, SLOWEST, SPEEDS
 
@@ -96,6 +96,36 @@ class Disturbance:
 
 
 @dataclass(frozen=True)
+class Bend:
+    """A bend of the canal whose curvature does not change, and the water that flows along it."""
+
+    curvature: float = 0.0  # Of the middle, to starboard [1/m]
+    current: float = 0.0  # Along it, with the ship [m/s]
+
+    def path_curvature(self, y: Number) -> Number:
+        """Return the curvature of a path at an offset from the middle [1/m]."""
+        return self.curvature / (1 - self.curvature * y)
+
+    def values(self, y: Number) -> dict[str, Number]:
+        """Return what ``solved`` asks of a steady turn at an offset [m]."""
+        return {"path_curvature": self.path_curvature(y), "current": self.current}
+
+    @property
+    def words(self) -> str:
+        """What it is, for the description; nothing where it is straight and still."""
+        turn = f"a bend of {1 / abs(self.curvature):.4g} m radius to " if self.curvature else ""
+        turn += ("starboard" if self.curvature > 0 else "port") if turn else ""
+        flow = f"a current of {self.current:+.3g} m/s" if self.current else ""
+        return " and ".join(filter(None, (turn, flow)))
+
+    def __bool__(self) -> bool:
+        return bool(self.curvature or self.current)
+
+
+STRAIGHT = Bend()
+
+
+@dataclass(frozen=True)
 class EnvelopeRequest:
     model: Model  # Of the ship in its canal
     offsets: np.ndarray  # (offsets,) To starboard of the middle [m]
@@ -107,6 +137,7 @@ class EnvelopeRequest:
     walls: Walls  # Where the keel meets the banks, to port and to starboard of the middle [m]
     bank: str = "steep"  # Kind of bank, for the rules from outside
     pilot: str = "regulator"  # Who is tried
+    bend: Bend = STRAIGHT
 
     @property
     def rudder_limit(self) -> float:
@@ -117,7 +148,7 @@ class EnvelopeRequest:
 def envelope_request(
     model: Model, y: np.ndarray | None, u: np.ndarray | None, disturbance: Disturbance | None, reserve: float,
     keel: float | None, most_revolutions: float | None, walls: Walls | None, bank: str = "steep",
-    pilot: str = "regulator",
+    pilot: str = "regulator", bend: Bend = STRAIGHT,
 ) -> EnvelopeRequest:  # fmt: skip
     """Return what is asked, with what suits the ship and its canal where nothing is given."""
     # y (offsets,) [m]; u (speeds,) [m/s]; keel [m]; most_revolutions [1/s]; walls [m]
@@ -133,8 +164,19 @@ def envelope_request(
     offsets = _offsets(model, room) if y is None else np.atleast_1d(np.asarray(y, float))
     speeds = _speeds(model) if u is None else np.atleast_1d(np.asarray(u, float))
     _check(offsets, speeds, room, ship.beam)
+    _check_bend(bend, room, speeds)
     return EnvelopeRequest(
-        model, offsets, speeds, disturbance or Disturbance(), reserve, least, most_revolutions, room, bank, pilot
+        model,
+        offsets,
+        speeds,
+        disturbance or Disturbance(),
+        reserve,
+        least,
+        most_revolutions,
+        room,
+        bank,
+        pilot,
+        bend,
     )
 
 
@@ -167,6 +209,15 @@ def _check(offsets: np.ndarray, speeds: np.ndarray, room: Walls, beam: float) ->
         raise InputError(
             f"offsets from {offsets[0]:g} to {offsets[-1]:g} m have the hull in a bank; stay between {low:.4g} and "
             f"{high:.4g} m"
+        )
+
+
+def _check_bend(bend: Bend, room: Walls, speeds: np.ndarray) -> None:
+    if not (math.isfinite(bend.curvature) and abs(bend.curvature) * max(room) < 1):
+        raise InputError(f"a curvature of {bend.curvature} 1/m bends inside its own bank; give that of the middle")
+    if not abs(bend.current) < speeds[0]:
+        raise InputError(
+            f"a current of {bend.current} m/s leaves no way over the ground at {speeds[0]:g} m/s; give faster speeds"
         )
 
 

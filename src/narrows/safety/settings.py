@@ -7,7 +7,6 @@ OFFSETS = 25  # places over the width where none are given
 SPEEDS = 15  # speeds where none are given
 SLOWEST = 0.3  # [1] of the speed that chokes the canal: lowest speed where none is given
 FASTEST = 1.05  # [1] of the speed that chokes the canal: highest speed where none is given
-BEND_SPEEDS = 24  # speeds that are tried in a bend
 # Trials
 TRIAL_LENGTHS = 15.0  # [ship lengths] a trial lasts after a gust
 BACK_LENGTHS = 3.0  # [ship lengths] the last of them, through which the ship is to be back

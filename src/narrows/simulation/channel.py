@@ -22,7 +22,7 @@ from narrows.simulation.settings import HEADING_LIMIT, RATE_LIMIT, SPEED_LIMIT
 
 if TYPE_CHECKING:
     from narrows.waterway.centreline import Centreline
-    from narrows.waterway.table import WaterwayTable
+    from narrows.waterway.table import LeastWalls, WaterwayTable
     from narrows.waterway.waterway import Waterway
 
 
@@ -124,14 +124,42 @@ def _tabulated(
     if key not in known:
         table = tabulate(waterway, draft, step)
         near = least_walls(table, np.array(outline))
-        columns = {**vars(table), "near_starboard": near[0], "near_port": near[1]}
-        cells = np.empty((len(table.s) - 1, 2 * len(COLUMNS)))
-        for index, name in enumerate(COLUMNS):
-            cells[:, 2 * index], cells[:, 2 * index + 1] = columns[name][:-1], np.diff(columns[name])
+        cells = _cells(table, near)
         # The parts of the waterway are kept with the table, so that no other can take their place in memory.
         known[key] = (table, cells)
         known[key, "parts"] = (waterway.starboard, waterway.port, waterway.depths)  # type: ignore[assignment]
     return known[key]
+
+
+def _cells(table: "WaterwayTable", near: "LeastWalls") -> np.ndarray:
+    columns = {**vars(table), "near_starboard": near[0], "near_port": near[1]}
+    cells = np.empty((len(table.s) - 1, 2 * len(COLUMNS)))
+    for index, name in enumerate(COLUMNS):
+        cells[:, 2 * index], cells[:, 2 * index + 1] = columns[name][:-1], np.diff(columns[name])
+    return cells
+
+
+def bend_channel(
+    model: Model, contact: str | Outline, walls: tuple[float, float], curvature: float, current: float, length: float
+) -> Channel:
+    """Return the model's canal in a bend whose curvature does not change, as long as asked [m]."""
+    # walls: where a keel meets the banks, to port and to starboard of the middle [m]; curvature to starboard [1/m]
+    from narrows.waterway.table import STEPS_A_BEAM, WaterwayTable, least_walls
+
+    ship, canal = model.configuration.ship, model.configuration.canal
+    s = np.linspace(0.0, length, int(np.ceil(length * STEPS_A_BEAM / ship.beam)) + 1)
+    half = canal.width / 2
+    port, starboard = (min(wall, half) for wall in walls)
+    columns = (half, half, starboard, port, canal.depth or math.nan, curvature)
+    table = WaterwayTable(s, *(np.full(len(s), column) for column in columns))
+    outline = np.array(points_of(ship, contact))
+    cells = _cells(table, least_walls(table, outline))
+    inputs = {
+        "x_first": 0.0, "x_last": length, "cells_a_metre": 1 / table.step, "last_cell": float(len(cells) - 1),
+        "current": current,
+    }  # fmt: skip
+    inputs |= {**hull_inputs(model.configuration.values(), contact), **limits_of(contact)}
+    return Channel(inputs, WaterTable(cells.ravel(), table.track, outline.ravel()), 0.0, length)
 
 
 def hull_inputs(values: Mapping[str, Number], contact: str | Outline) -> dict[str, Number]:

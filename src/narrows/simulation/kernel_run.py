@@ -152,6 +152,7 @@ class KernelRun:
     precision: str = "float64"  # ``float64`` or ``float32``
     steering: Steering | None = None  # What steers; its numbers that vary are among the values of a run
     waterway: "Waterway | None" = None  # Waterway instead of the model's own canal
+    bend: Channel | None = None  # Bend of constant curvature instead of either
 
     def __post_init__(self) -> None:
         if self.precision == "float32" and self.waterway is not None:
@@ -215,7 +216,9 @@ class KernelRun:
             pushed = "until"
         elif any(np.any(values[name]) for name in PUSHED):
             pushed = "always"
-        return self.ship.system(self.waterway is not None, self.steering.law if self.steering else None, pushed)
+        return self.ship.system(
+            (self.waterway or self.bend) is not None, self.steering.law if self.steering else None, pushed
+        )
 
     def _inputs(self, system: System, values: Mapping[str, Any]) -> tuple[dict[str, Any], Channel]:
         rest = {name: value for name, value in values.items() if name not in START and name not in PUSHED}
@@ -230,6 +233,8 @@ class KernelRun:
 
     def channel(self, values: Mapping[str, Any]) -> Channel:
         """Return where the ships sail; the values are those of ships in a straight canal."""
+        if self.bend is not None:
+            return self.bend
         if self.waterway is None:
             return straight_channel(values, self.ship.shape, self.ship.bottom)
         return along_waterway(self.waterway, self.ship.model, self.ship.shape, self.ship.bottom)
