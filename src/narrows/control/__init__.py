@@ -1,4 +1,4 @@
-"""Control: steady courses, linear systems about them, the revolutions that keep a speed, helms."""
+"""Control: steady courses, linear systems about them, propeller revolutions for a speed, helms."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Simulate ship, gear, sensors, estimator and controller as one loop, and linearise it as it is shipped."""
+"""Simulate ship, gear, sensors, estimator and controller as one loop, and linearise that same loop."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -41,13 +41,13 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 ORDERED, ASKED = "loop_ordered", "loop_asked"
-# What a voyage keeps and a loop about a steady course does not: where along the line and when it is.
+# States of a voyage that are not states of a loop about a steady course, such as place along the line and time.
 LEFT_OUT = ("x", TIME, COUNTED, "sin_psi", "u", MEMORY(ASKED))
 
 
 @dataclass(frozen=True)
 class OpenedLaw:
-    """A law whose rudder order goes into the memory, while the rudder gets an order from outside."""
+    """A law whose rudder order goes into the memory, while the rudder gets an external order."""
 
     law: ControlLaw
 
@@ -64,28 +64,28 @@ class OpenedLaw:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class ClosedLoop(Described):
-    """A ship under a controller: what ``closed_loop`` returns.
+    """A ship under a controller; the result of ``closed_loop``.
 
     Parameters
     ----------
     model : Model
         The ship, with the steering gear of the loop.
     controller : ControlLaw or Controller
-        What steers.
+        The controller.
     y : float [m]
-        Offset of the steady course that the loop is about.
+        Offset of the steady course.
     u : float [m/s]
         Surge velocity through the water.
     dt : float [s]
-        Between orders.
+        Time between orders.
     waterway : Waterway, optional
         Waterway instead of the model's own canal.
     x : float [m]
-        Place along the waterway that the loop is linearised at, and where voyages begin.
+        Place along the waterway for the linearisation and the start of voyages.
     sensors : sequence of Sensor
-        What measures; without any the controller gets the true state.
+        Sensors; without any the controller gets the true state.
     estimator : Estimator, optional
-        What makes a state of the readings.
+        Estimates the state from the readings.
     """
 
     model: Model
@@ -100,20 +100,20 @@ class ClosedLoop(Described):
 
     @cached_property
     def course(self) -> dict[str, float]:
-        """The steady course: psi, rudder [rad], v [m/s], r [rad/s], and the revolutions of a propeller [1/s]."""
+        """The steady course: psi, rudder [rad], v [m/s], r [rad/s], and the propeller revolutions [1/s]."""
         linear = linearize(self.model, self.y, self.u, waterway=self.waterway, at=self.x)
         names = ("psi", "v", "r", "rudder", *(a.name for a in self.model.terms.actuators if a.name != "rudder"))
         return {name: float(linear.course[name]) for name in names}
 
     def simulate(self, duration: float | None = None, seed: int = 0, **voyage: Any) -> Voyage:
-        """Simulate one voyage, from the steady course unless told otherwise.
+        """Simulate one voyage, by default from the steady course.
 
         Parameters
         ----------
         duration : float [s], optional
-            The time of 40 ship lengths unless given.
+            Default: the time of 40 ship lengths.
         seed : int
-            Of the sensors' noise.
+            Seed of the sensor noise.
         **voyage : Any
             As for ``simulate``.
         """
@@ -121,19 +121,19 @@ class ClosedLoop(Described):
         return simulate(self.model, duration=time, **{**self._begun, "controller": self._helm(seed), **voyage})
 
     def ensemble(self, duration: float | None = None, **vary: Any) -> xr.Dataset:
-        """Simulate many voyages, from the steady course unless told otherwise: what varies is given as in ``ensemble``.
+        """Simulate many voyages, by default from the steady course; parameters vary as in ``ensemble``.
 
         Parameters
         ----------
         duration : float [s], optional
-            The time of 40 ship lengths unless given.
+            Default: the time of 40 ship lengths.
         **vary : Any
             As for ``ensemble``.
 
         Raises
         ------
         InputError
-            If the loop has sensors or its controller is an object of Python: these are for single voyages.
+            If the loop has sensors or its controller is an object of Python: these allow single voyages only.
         """
         if self.sensors:
             raise InputError("a loop with sensors sails single voyages; call simulate with several seeds instead")
@@ -159,7 +159,7 @@ class ClosedLoop(Described):
 
     @cached_property
     def states(self) -> tuple[str, ...]:
-        """Names of the states of the loop: those of the ship, of the gear and of the law's memory."""
+        """Names of the states of the loop: ship, gear and memory of the law."""
         kept = self._opened.choices.kept
         return tuple("psi" if name == "cos_psi" else name for name in kept if name not in LEFT_OUT)
 
@@ -174,12 +174,12 @@ class ClosedLoop(Described):
         steering = steering_of(OpenedLaw(self.controller), ship.actuators)
         numbers = {"x": self.x, "y": self.y, "u": self.u, **self.course}
         march, self.__dict__["_start"] = departure(ship, steering, numbers, self.waterway, False)
-        # What a dead band does has no slope: the loop is that of orders beyond it.
+        # A dead band has no derivative: the loop is linearised for orders beyond it.
         march.set(rudder_dead_band=0.0)
         return march
 
     def _stepped(self, state: np.ndarray, order: float) -> tuple[np.ndarray, float]:
-        """The state a step later under an order, and what the law asked for."""
+        """Return the state a step later under an order, and the law's order."""
         march = self._opened
         values = dict(zip(march.choices.kept, self.__dict__["_start"], strict=True))
         values |= dict(zip(self.states, state, strict=True))
@@ -197,7 +197,7 @@ class ClosedLoop(Described):
         return np.array([known.get(name, 1.0) for name in self.states])
 
     def _slopes(self, state: np.ndarray, order: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """A, B and C of the opened loop about a state, by central differences of the engine's own step."""
+        """Return A, B and C of the opened loop about a state, by central differences of the engine's own step."""
         sizes, count = np.append(self._sizes, 1.0), len(state)
         rows = np.empty((count + 1, count + 1))
         for column, size in enumerate(1e-5 * sizes):
@@ -212,7 +212,7 @@ class ClosedLoop(Described):
 
     @cached_property
     def _matrices(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """The same about the state in which the loop is steady, which Newton's method finds."""
+        """Return the same about the steady state of the loop, found by Newton's method."""
         march = self._opened
         begun = dict(zip(march.choices.kept, self.__dict__["_start"], strict=True), psi=self.course["psi"])
         state = np.array([begun[name] for name in self.states])
@@ -234,14 +234,14 @@ class ClosedLoop(Described):
         Parameters
         ----------
         opened : bool
-            From the order that the gear gets to the order that the law gives, with the sign changed; otherwise from an
-            order added to the law's to the offset, heading and rudder.
+            True: from the gear's order to the law's order, with the sign changed. False: from an order added to the
+            law's to the offset, heading and rudder.
 
         Raises
         ------
         InputError
-            If the controller is no law, is not steady there, or python-control is not installed
-            (``pip install narrows[control]``).
+            If the controller is no law, is not steady there, or python-control is not installed (``pip install
+            narrows[control]``).
         """
         with needs("control", "state_space"):
             import control
@@ -254,7 +254,7 @@ class ClosedLoop(Described):
         return control.ss(A + B @ C, B, out, 0, self.dt, inputs=["order"], outputs=["y", "psi", "rudder"], **named)
 
     def poles(self) -> np.ndarray:
-        """Return the rates at which what is off grows or dies out [1/s], the most unstable first.
+        """Return the growth rates of deviations from the course [1/s], the most unstable first.
 
         They are the logarithms of the discrete poles over the time step.
         """
@@ -264,7 +264,7 @@ class ClosedLoop(Described):
         return np.asarray(rates[np.argsort(-rates.real, kind="stable")])
 
     def margins(self) -> dict[str, float]:
-        """Return how far the loop is from instability, broken at the rudder order.
+        """Return the stability margins of the loop, broken at the rudder order.
 
         ``gain`` and ``gain_down`` [1]: factors of the order; ``phase_deg`` [deg]; ``delay`` [s]: a further delay of the
         order; ``distance`` [1]: the least distance from -1 of the Nyquist curve, and ``sensitivity_peak`` [1], its
@@ -273,7 +273,7 @@ class ClosedLoop(Described):
         A, B, C = self._matrices
         poles = np.abs(self.poles())
         slowest = float(poles[poles > 0].min(initial=1.0 / self._passing))
-        # A loop that is unstable has no margins.
+        # An unstable loop has no margins.
         if self.poles()[0].real > 0:
             none = dict.fromkeys(("gain", "gain_down", "phase_deg", "delay", "distance"), 0.0)
             return {**none, "sensitivity_peak": math.inf}
@@ -286,15 +286,15 @@ class ClosedLoop(Described):
         return loop_margins(response, 1e-2 * slowest, math.pi / self.dt)
 
     def tolerated_delay(self, seed: int = 0) -> float:
-        """Return the longest dead time of the gear, beyond its own, under which the ship is kept on its line [s].
+        """Return the longest additional dead time of the gear under which the ship keeps its line [s].
 
-        Found by voyages from a small offset: the ship is kept where its offset is smaller in the second half of the
-        voyage than it was at the start.
+        Found by voyages from a small offset: the ship keeps its line if its offset is smaller in the second half of the
+        voyage than at the start.
 
         Parameters
         ----------
         seed : int
-            Of the sensors' noise.
+            Seed of the sensor noise.
         """
         longest = MOST_DELAY * self._passing
         kept, lost = 0.0, longest
@@ -320,7 +320,7 @@ class ClosedLoop(Described):
         return voyage.outcome.kind == "afloat" and bool(off[late].max() < LOST_LOOP * off[0])
 
     def summary(self) -> str:
-        """Say what steers the ship, through which gear, by what it sees."""
+        """Describe the controller, the gear and the sensors."""
         gear = self.model.configuration.gear
         slow = f", {gear.dead_time:g} s of dead time, {gear.lag:g} s of lag" if gear.delay else ""
         sees = f" by {', '.join(sensor.name for sensor in self.sensors)}" if self.sensors else ""
@@ -335,30 +335,30 @@ def closed_loop(
     estimator: Any = None, waterway: "Waterway | None" = None, y: float | None = None, u: float | None = None,
     x: float = 0.0, dt: float = 1.0,
 ) -> ClosedLoop:  # fmt: skip
-    """Join a ship, its steering gear, its sensors and what steers it.
+    """Join a ship, its steering gear, its sensors and its controller.
 
     Parameters
     ----------
     model : Model
         The ship, with terms of a rudder.
     controller : ControlLaw or Controller
-        What steers: a regulator, a predictive helm, a law or a function of your own.
+        A regulator, a predictive helm, a law or a function of your own.
     gear : SteeringGear, optional
-        The model's own unless given.
+        Default: the model's own.
     sensors : sequence of Sensor
-        What the controller sees the ship by; without any it gets the true state.
+        Sensors of the controller; without any it gets the true state.
     estimator : Estimator, optional
-        What makes a state of the readings; ``Estimator(model, sensors)`` unless given.
+        Estimates the state from the readings; default ``Estimator(model, sensors)``.
     waterway : Waterway, optional
         Waterway instead of the model's own canal.
     y : float [m], optional
-        Offset of the steady course; that of the controller unless given.
+        Offset of the steady course; default: that of the controller.
     u : float [m/s], optional
-        Surge velocity through the water; that of the controller unless given.
+        Surge velocity through the water; default: that of the controller.
     x : float [m]
         Place along the waterway.
     dt : float [s]
-        Between orders.
+        Time between orders.
 
     Returns
     -------

@@ -1,4 +1,4 @@
-"""Tune the weights of a regulator by flights of drawn ships, and judge them on other ships (Monte Carlo)."""
+"""Tune the weights of a regulator by simulated voyages of sampled ships, and test them on other ships (Monte Carlo)."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -31,34 +31,34 @@ if TYPE_CHECKING:
     import pandas as pd
 
 SIX, FIVE, THREE = (math.radians(angle) for angle in (6.0, 5.0, 3.0))
-# What a ship meets: an offset, a bank that recedes twice, gusts, and far off the middle a gust and a bank that recedes.
+# Test scenes: an offset, a bank that recedes twice, gusts, and a gust and a receding bank far off the centreline.
 SCENES = {
     "offset": Scene(0.8, 0.3),
     "bank": Scene(1.0, 0.0, (ScenePush(2.0, 3.5, 0.0, SIX), ScenePush(5.9, 7.4, 0.0, -SIX))),
     "gust": Scene(0.8, 0.0, (ScenePush(2.0, 3.2, SIX, FIVE), ScenePush(5.9, 7.0, -SIX, -FIVE))),
     "hard": Scene(1.3, 0.0, (ScenePush(2.0, 3.2, 1.5 * SIX, 1.5 * FIVE), ScenePush(4.9, 6.1, 0.0, FIVE))),
 }
-# What is tuned, as logarithms; the share of the bank is its own.
+# Tuned weights, as logarithms; the share of the bank is tuned on its own scale.
 TUNED = ("heading_deg", "rudder_deg", "stroke_time", "integral_time", "unwinding_time")
 
 
 @dataclass(frozen=True, repr=False)
 class RegulatorDesign(Described):
-    """A regulator designed by flights: what ``design`` returns.
+    """A regulator designed by simulation; the result of ``design``.
 
     Parameters
     ----------
     model : Model
         The ship.
     y : float [m]
-        Offset that it was designed for.
+        Design offset.
     u : float [m/s]
         Surge velocity.
     weights : RegulatorWeights
-        Those that lose fewest ships.
+        Those with the fewest lost ships.
     judged : mapping of str to mapping
-        By scene: the shares of other ships that are ``lost`` and that ``usual`` weights lose, and the median ``travel``
-        of the rudder of both [rad].
+        By scene: the shares of other ships that are ``lost``, the same with the default weights (``usual``), and the
+        median ``travel`` of the rudder of both [rad].
     """
 
     model: Model
@@ -69,17 +69,17 @@ class RegulatorDesign(Described):
 
     @property
     def regulator(self) -> Regulator:
-        """The regulator at the offset and speed of the design."""
+        """The regulator at the design offset and speed."""
         return regulator(self.model, self.y, self.u, weights=self.weights)
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give what was judged: a row a scene."""
+        """Return the test results, one row per scene."""
         import pandas as pd
 
         return pd.DataFrame.from_dict({name: dict(row) for name, row in self.judged.items()}, orient="index")
 
     def summary(self) -> str:
-        """Say how many ships are lost, and how many usual weights lose."""
+        """Return the shares of lost ships, also with the default weights."""
         parts = [f"{name} {1000 * row['lost']:.0f} ({1000 * row['usual']:.0f})" for name, row in self.judged.items()]
         return f"Lost of 1000 ships that it was not tuned on, in brackets by usual weights: {', '.join(parts)}."
 
@@ -88,38 +88,38 @@ def design(
     model: Model, y: float, u: float, *, gear: SteeringGear | None = None, noise: Mapping[str, float] | None = None,
     ships: int = 200, rounds: int = 20, seed: int = 0, progress: bool = False,
 ) -> RegulatorDesign:  # fmt: skip
-    """Tune the weights of a regulator by flights of drawn ships, with the gear's delays and noise.
+    """Tune the weights of a regulator by simulated voyages of sampled ships, with the gear's delays and noise.
 
-    Ships of coefficients drawn from the model's covariance fly four scenes: an offset, a bank that recedes, gusts, and
-    both far off the middle. A ship is lost where it meets a bank, or is late still half a beam off its line. What is
-    minimised is the share of lost ships, with small shares for the late offset and the travel of the rudder. The result
-    is judged on other ships.
+    Ships with coefficients from the model's covariance sail four scenes: an offset, a receding bank, gusts, and both
+    far off the centreline. A ship is lost if it meets a bank, or if it is still half a beam off its line at the end.
+    The objective is the share of lost ships, plus small shares for the late offset and the rudder travel. The result is
+    tested on other ships.
 
     Parameters
     ----------
     model : Model
-        With terms of a rudder and the covariance of its coefficients.
+        A model with terms of a rudder and the covariance of its coefficients.
     y : float [m]
-        Offset to hold, to starboard of the middle.
+        Offset to hold, to starboard of the centreline.
     u : float [m/s]
         Surge velocity through the water.
     gear : SteeringGear, optional
-        Of the flights; the model's own unless given.
+        Steering gear; the model's own unless given.
     noise : mapping of str to float, optional
-        Standard deviations of what the regulator sees: y [m], psi [rad], v [m/s], r [rad/s].
+        Standard deviations of the regulator's readings: y [m], psi [rad], v [m/s], r [rad/s].
     ships : int
-        Drawn for the tuning; ten times as many judge.
+        Number of ships for tuning; ten times as many are used for testing.
     rounds : int
-        Of the search, twelve designs each.
+        Rounds of the search, twelve designs each.
     seed : int
-        Of all that is drawn.
+        Seed of all random numbers.
     progress : bool
         Show a bar on stderr.
 
     Returns
     -------
     RegulatorDesign
-        Weights, the regulator, and what it loses of other ships.
+        Weights, the regulator, and its share of lost test ships.
 
     Raises
     ------
@@ -162,7 +162,7 @@ def with_gear(model: Model, gear: SteeringGear) -> Model:
 
 
 def weights_at(point: np.ndarray) -> RegulatorWeights | None:
-    """Return the weights of a point of the search; None where they are none."""
+    """Return the weights of a point of the search; None if they are invalid."""
     tuned: dict[str, Any] = {n: getattr(USUAL, n) * math.exp(p) for n, p in zip(TUNED, point, strict=False)}
     bank = float(point[-1])
     return RegulatorWeights(**tuned, bank=bank) if 0.0 <= bank <= 1.0 else None

@@ -36,25 +36,25 @@ SEEN = ("y", "psi", "v", "r")
 
 
 class ScenePush(NamedTuple):
-    start: float  # In times of a ship length [1]
-    stop: float  # Likewise
-    force: float  # Sway force, in those that accelerate as fast as the moment of this much rudder turns [rad]
-    moment: float  # Yaw moment, in those of this much rudder [rad]
+    start: float  # Start [time of a ship length]
+    stop: float  # End, likewise
+    force: float  # Sway force, relative to one that accelerates as fast as the moment of this rudder angle turns [rad]
+    moment: float  # Yaw moment, as that of this rudder angle [rad]
 
 
 class Scene(NamedTuple):
-    offset: float  # Of the line that is held, over the one that is asked for [1]
-    begins: float  # Off that line [beams]
+    offset: float  # Offset of the held line, relative to the requested one [1]
+    begins: float  # Starting distance from that line [beams]
     pushes: tuple[ScenePush, ...] = ()
 
 
 @dataclass(frozen=True)
 class SeenWithNoise:
-    """A law that sees the ship with white noise; it keeps how far off the ship was late, and what the rudder did."""
+    """A law with white noise on its readings; it records the ship's late offset and the rudder travel."""
 
     law: ControlLaw
     noise: Mapping[str, float]  # Standard deviations of y [m], psi [rad], v [m/s], r [rad/s]
-    late: Any  # From when on the offset counts [s]
+    late: Any  # Time from which the offset counts [s]
 
     def parameters(self) -> Mapping[str, Any]:
         return {**self.law.parameters(), **{f"noise_of_{n}": self.noise[n] for n in SEEN}, "late_from": self.late}
@@ -64,8 +64,8 @@ class SeenWithNoise:
         return {**self.law.memory(start), **chaos, "farthest": 0.0, "travel": 0.0, "was": start["rudder"]}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        # The logistic map gives uncorrelated numbers from 0 to 1 of variance 1/8 in arithmetic alone.
-        # Ulam and von Neumann (1947), Bulletin of the American Mathematical Society 53, 1120.
+        # The logistic map gives uncorrelated numbers from 0 to 1 of variance 1/8 by arithmetic alone. Ulam and von
+        # Neumann (1947), Bulletin of the American Mathematical Society 53, 1120.
         chaos = {name: getattr(at, f"chaos_{name}") for name in SEEN}
         seen = {n: getattr(at, n) + getattr(at, f"noise_of_{n}") * 8**0.5 * (chaos[n] - 0.5) for n in SEEN}
         orders, memory = self.law.orders(SimpleNamespace(**{**vars(at), **seen}))
@@ -76,13 +76,13 @@ class SeenWithNoise:
 
 
 class Flown(NamedTuple):
-    lost: np.ndarray  # (scenes, ships) Aground, or late more than half a beam off the line
-    off: np.ndarray  # (scenes, ships) Late offset [half beams]; infinite where it is aground
-    travel: np.ndarray  # (scenes, ships) Of the rudder [rad]
+    lost: np.ndarray  # (scenes, ships) Aground, or more than half a beam off the line at the end
+    off: np.ndarray  # (scenes, ships) Late offset [half beams]; infinite if aground
+    travel: np.ndarray  # (scenes, ships) Rudder travel [rad]
 
 
 class Flights:
-    """Scenes of drawn ships, laid out once."""
+    """Scenes of sampled ships, with arrays allocated once."""
 
     def __init__(
         self, model: Model, y: float, u: float, scenes: Sequence[Scene], ships: int, seed: int,
@@ -103,7 +103,7 @@ class Flights:
         return self.model.configuration.ship.beam / 2
 
     def _each(self, values: Sequence[float] | np.ndarray) -> np.ndarray:
-        """A column of all flights of a number of each scene."""
+        """A column over all flights of one number per scene."""
         return np.repeat(np.asarray(values, float), self.ships)
 
     @cached_property
@@ -150,7 +150,7 @@ class Flights:
 
     @cached_property
     def _segments(self) -> list[tuple[int, dict[str, np.ndarray]]]:
-        """Steps between changes of the pushes, and the forces in them."""
+        """Steps between changes of the external forces, and the forces in them."""
         times = {0.0, FLIGHT_LENGTHS, *(t for scene in self.scenes for push in scene.pushes for t in push[:2])}
         steps = sorted(round(time * FLIGHT_STEPS) for time in times)
         system = self.systems[0]
@@ -167,7 +167,7 @@ class Flights:
         return segments
 
     def fly(self, weights: RegulatorWeights) -> Flown | None:
-        """Fly every scene under the regulator of these weights; None where there is none."""
+        """Simulate every scene under the regulator of these weights; None if there is no such regulator."""
         try:
             gains = np.array([regulator_gains(self.model, system, weights) for system in self.systems])
         except InputError:

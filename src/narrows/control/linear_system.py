@@ -22,18 +22,18 @@ UNITS = {
 
 SYMBOLS = {"psi": r"\psi", "rudder": r"\delta", "revolutions": "n", "current": r"c", "curvature": r"\kappa"}
 
-RANK_TOLERANCE = 1e-9  # Of a singular value over the largest [1]
-DIGITS = 4  # In LaTeX
-ROUNDING = 1e-12  # Of an entry over the largest of its column [1]: what is smaller is written as 0
-LOWEST, HIGHEST = 1e-5, 1e5  # Frequencies that margins look at, in turns of a ship length's time [rad]
+RANK_TOLERANCE = 1e-9  # Smallest singular value relative to the largest [1]
+DIGITS = 4  # Digits in LaTeX
+ROUNDING = 1e-12  # Smallest entry relative to the largest of its column [1]: below it 0 is written
+LOWEST, HIGHEST = 1e-5, 1e5  # Frequency range of margins, relative to speed over length [rad]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class LinearSystem(Shown):
-    """A ship that is a little off its steady course: dx/dt = A x + B u + G d, exact in the limit of small x, u and d.
+    """A ship near its steady course: dx/dt = A x + B u + G d, exact in the limit of small x, u and d.
 
-    x, u and d are what state, controls and disturbances are beyond the course; of several courses at once the matrices
-    have the dimensions of ``course`` first.
+    x, u and d are deviations of state, controls and disturbances from the course. With several courses, the dimensions
+    of ``course`` come first in the matrices.
 
     Parameters
     ----------
@@ -42,19 +42,19 @@ class LinearSystem(Shown):
     B : array (..., states, controls)
         Rates by positions of actuators.
     G : array (..., states, disturbances)
-        Rates by forces from outside, the current along the line and the curvature of the line.
+        Rates by external forces, the current along the line and the curvature of the line.
     states, controls, disturbances : tuple of str
-        What rows and columns stand for, in ``units``.
+        Names of rows and columns, in ``units``.
     course : mapping of str to array (...)
-        The steady course: y [m], u [m/s], psi, rudder [rad], v [m/s], r [rad/s] and what else stays as it is.
+        The steady course: y [m], u [m/s], psi, rudder [rad], v [m/s], r [rad/s] and other constant quantities.
     varied : tuple of str
         The dimensions, in order: y, u, or none.
     motion : LocalMotion
-        Of the ship itself.
+        Nonlinear motion of the ship.
     length : float [m]
-        Of the ship, which with its speed makes states of one size.
+        Length of the ship; with its speed it scales the states.
     notes : tuple of str
-        What to know before it is used.
+        Notes on the validity of the system.
     """
 
     A: np.ndarray
@@ -75,28 +75,28 @@ class LinearSystem(Shown):
         return {name: UNITS.get(name, "") for name in (*self.states, *self.controls, *self.disturbances)}
 
     def one(self, *index: int) -> "LinearSystem":
-        """Return one of several courses.
+        """Return one course of several.
 
         Parameters
         ----------
         *index : int
-            Its place in each dimension of ``varied``.
+            Index in each dimension of ``varied``.
         """
         course = {name: column[index] for name, column in self.course.items()}
         parts = {name: getattr(self, name)[index] for name in ("A", "B", "G")}
         return replace(self, **parts, course=course, varied=())
 
     def matrices(self, *controls: str) -> tuple[np.ndarray, np.ndarray]:
-        """Return A and B of one course, B of some controls; of all unless given."""
+        """Return A and B of one course, with B for some controls; for all unless given."""
         return self._of_one(self.A), self._of_one(self.B)[:, self._columns(controls)]
 
     def rates(self, x: np.ndarray, u: np.ndarray, d: np.ndarray) -> np.ndarray:
-        """Return the rates of the states of one course, what is no state, control or disturbance as on the course.
+        """Return the rates of the states of one course; all other quantities are those of the course.
 
         Parameters
         ----------
         x : array (states,)
-            States, counted from zero.
+            Absolute states, not deviations.
         u : array (controls,)
             Positions of actuators.
         d : array (disturbances,)
@@ -107,12 +107,12 @@ class LinearSystem(Shown):
         return np.array([float(rates[name]) for name in self.states])
 
     def drawn(self, coefficients: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Return A and B of ships with other coefficients about the same state, (samples, ...).
+        """Return A and B of ships with other coefficients at the same state, (samples, ...).
 
         Parameters
         ----------
         coefficients : mapping of str to array (samples,)
-            By name.
+            Values by name.
 
         Raises
         ------
@@ -135,7 +135,7 @@ class LinearSystem(Shown):
         return np.take_along_axis(values, np.argsort(-values.real, axis=-1, kind="stable"), axis=-1)
 
     def modes(self) -> "pd.DataFrame":
-        """Give the modes of one course: growth rate, time to double or to halve, period, damping ratio, shape.
+        """Return the modes of one course: growth rate, doubling or halving time, period, damping ratio, shape.
 
         The shape is the eigenvector with states in ship lengths and speeds, its largest entry 1.
 
@@ -162,12 +162,12 @@ class LinearSystem(Shown):
         return pd.DataFrame({**rates, **times, "damping_ratio": damping, **shape}).rename_axis("mode")
 
     def controllability(self, *controls: str) -> int:
-        """Return how many of the states of one course controls reach: the rank of Kalman's matrix, in ship lengths.
+        """Return the number of controllable states of one course: the rank of Kalman's matrix, in ship lengths.
 
         Parameters
         ----------
         *controls : str
-            Which; all unless given.
+            Controls to use; all unless given.
 
         Raises
         ------
@@ -186,15 +186,15 @@ class LinearSystem(Shown):
         return int(np.linalg.matrix_rank(reached, tol=RANK_TOLERANCE * np.linalg.norm(reached, 2)))
 
     def margins(self, gains: Any, control: str = "rudder") -> dict[str, float]:
-        """Return the margins of the loop that ``u = -gains x`` closes, broken at one control.
+        """Return the margins of the loop closed by ``u = -gains x``, broken at one control.
 
         Parameters
         ----------
         gains : array (states,) or (states + 2,)
-            Control for each state off; two more are those of a regulator, which gives the control a rate in proportion
-            to the states, to the control itself and to the integral of the offset.
+            Control per deviation of each state. With two more gains they are those of a regulator: the control's rate
+            is proportional to the states, to the control itself and to the integral of the offset.
         control : str
-            Which.
+            The control.
 
         Returns
         -------
@@ -204,7 +204,7 @@ class LinearSystem(Shown):
         Raises
         ------
         InputError
-            If there is no such control, or the gains are not as many as states, or two more.
+            If there is no such control, or the number of gains is wrong.
         """
         gains, count = np.asarray(gains, float), len(self.states)
         if gains.shape not in ((count,), (count + 2,)):
@@ -214,7 +214,7 @@ class LinearSystem(Shown):
             )
         A, B, C = self._of_one(self.A), self._of_one(self.B)[:, self._columns((control,))], gains[None, :]
         if len(gains) > count:
-            # States, then the control that is ordered and the integral of the offset.
+            # States, then the ordered control and the integral of the offset.
             whole = np.zeros((count + 2, count + 2))
             whole[:count, :count], whole[count], whole[count + 1, self.states.index("y")] = A, -gains, 1.0
             A, B, C = whole, np.vstack([B, np.zeros((2, 1))]), -np.eye(count + 2)[count : count + 1]
@@ -234,7 +234,7 @@ class LinearSystem(Shown):
         Raises
         ------
         InputError
-            If there are several courses, or python-control is not there (``pip install narrows[control]``).
+            If there are several courses, or python-control is not installed (``pip install narrows[control]``).
         """
         with needs("control", "state_space"):
             import control
@@ -246,15 +246,15 @@ class LinearSystem(Shown):
         )  # fmt: skip
 
     def nonlinear(self) -> Any:
-        """Return the ship itself as a nonlinear system of python-control, with the names of ``state_space``.
+        """Return the nonlinear ship as a system of python-control, with the names of ``state_space``.
 
-        Its states and inputs count from zero, not from the course: ``course`` and ``operating_point`` say where that
-        is.
+        Its states and inputs are absolute, not deviations from the course: ``course`` and ``operating_point`` give the
+        reference.
 
         Raises
         ------
         InputError
-            If there are several courses, or python-control is not there (``pip install narrows[control]``).
+            If there are several courses, or python-control is not installed (``pip install narrows[control]``).
         """
         self._of_one(self.A)
         with needs("control", "nonlinear"):
@@ -268,7 +268,7 @@ class LinearSystem(Shown):
         return control.nlsys(update, None, inputs=inputs, states=states, outputs=states, name="ship")
 
     def operating_point(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return states and inputs of one course, as ``nonlinear`` counts them.
+        """Return absolute states and inputs of one course, for ``nonlinear``.
 
         Raises
         ------
@@ -281,7 +281,7 @@ class LinearSystem(Shown):
         return state, inputs
 
     def latex(self) -> str:
-        """Write the system of one course in LaTeX, its numbers to four digits.
+        """Write the system of one course in LaTeX, with four digits.
 
         Raises
         ------
@@ -294,7 +294,7 @@ class LinearSystem(Shown):
         return f"{rates} = {' + '.join(products)}"
 
     def summary(self) -> str:
-        """Say which course it is about, and how fast what is off it grows or dies out."""
+        """Describe the course and the growth rates of deviations from it."""
         if self.A.ndim > 2:
             known = np.isfinite(self.A).all(axis=(-2, -1))
             growth = self.eigenvalues().real.max(axis=-1)[known]
@@ -311,7 +311,7 @@ class LinearSystem(Shown):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Give the matrices, their names and the course."""
+        """Return the matrices, their names and the course."""
         values = self.eigenvalues()
         names = {name: getattr(self, name) for name in ("states", "controls", "disturbances", "units", "A", "B", "G")}
         poles = np.stack([values.real, values.imag], axis=-1)
@@ -319,7 +319,7 @@ class LinearSystem(Shown):
         return {**names, **told}
 
     def dataset(self) -> "xarray.Dataset":
-        """Give the matrices over the dimensions of the courses, with named states and inputs."""
+        """Return the matrices over the dimensions of the courses, with named states and inputs."""
         import xarray
 
         values, lead = self.eigenvalues(), self.varied
@@ -338,7 +338,8 @@ class LinearSystem(Shown):
         return xarray.Dataset(data, coords=labels, attrs={"summary": self.summary(), "notes": "\n".join(self.notes)})
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give A, B and G of one course side by side: a row a rate, a column a state, a control or a disturbance.
+        """Return A, B and G of one course side by side: one row per rate, one column per state, control and
+        disturbance.
 
         Raises
         ------
@@ -369,7 +370,7 @@ class LinearSystem(Shown):
         return self.length / float(self.course["u"])
 
     def _scales(self) -> np.ndarray:
-        """The size of each state, by the ship's length and speed."""
+        """Scale of each state, by the ship's length and speed."""
         speed = float(self.course["u"])
         sizes = {"y": self.length, "u": speed, "v": speed, "r": speed / self.length}
         return np.array([sizes.get(name, 1.0) for name in self.states])

@@ -1,4 +1,4 @@
-"""Linearise the motion about steady courses beside a bank, in a bend and in a current."""
+"""Linearise the motion about steady courses near a bank, in a bend and in a current."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -25,42 +25,41 @@ def linearize(
     model: Model, y: Any = 0.0, u: Any = 1.0, *, waterway: "Waterway | None" = None, at: float = 0.0,
     surge: Surge = "held", surge_inertia: float | None = None, **values: float,
 ) -> LinearSystem:  # fmt: skip
-    """Linearise a ship about the steady course that it holds at an offset and a speed, exactly.
+    """Linearise a ship exactly about its steady course at an offset and a speed.
 
-    A model without a rudder is held on the line, along it, by forces from outside, which the course gives. In a bend
-    the course is the steady turn along it. The section of a waterway is taken to go on as it is at the place.
+    A ship without a rudder is held on the line, along it, by external forces, which the course gives. In a bend the
+    course is the steady turn along it. The section of a waterway is assumed constant at the place.
 
     Parameters
     ----------
     model : Model
-        With or without terms of a rudder.
+        A model with or without terms of a rudder.
     y : float or array [m]
-        To starboard of the middle of the canal, or of the line of the waterway; an array is a dimension of that name.
+        Offset to starboard of the canal's centreline or of the waterway's line; an array is a dimension of that name.
     u : float or array [m/s]
         Surge velocity through the water, likewise.
     waterway : Waterway, optional
         Waterway instead of the model's own canal.
     at : float [m]
-        Along it.
+        Place along it.
     surge : str
-        ``held``: constant speed; ``free``: it is a state, and the propeller turns as the steady course asks, or
-        without one a force X drives the ship as hard as that.
+        ``held``: constant speed; ``free``: it is a state. The propeller turns as the steady course needs; without one a
+        force X drives the ship.
     surge_inertia : float [kg], optional
         Mass in surge with its added mass, for ``free`` if a_udot was not identifiable.
     **values : float [SI]
-        Forces from outside Y [N] and N [N m], heave [m], revolutions [1/s], particulars and coefficients other than the
+        External forces Y [N] and N [N m], heave [m], revolutions [1/s], particulars and coefficients other than the
         model's, as in ``ensemble``.
 
     Returns
     -------
     LinearSystem
-        ``A``, ``B``, ``G`` and what their rows and columns stand for, the course, and a way to python-control.
+        ``A``, ``B``, ``G`` with named rows and columns, the course, and conversion to python-control.
 
     Raises
     ------
     InputError
-        If a name is unknown, an offset has the hull in a bank, the ship does not fit, or no
-        rudder holds a single course.
+        If a name is unknown, the hull is in a bank, the ship does not fit, or no rudder angle holds a single course.
 
     References
     ----------
@@ -109,7 +108,7 @@ def _checked(ship: SimulatedShip, values: Mapping[str, float]) -> dict[str, floa
 def _steady(
     ship: SimulatedShip, water: LocalWater, y: np.ndarray, u: np.ndarray, given: Mapping[str, float]
 ) -> tuple[LocalMotion, Columns]:
-    """Solve for the steady courses, the propeller's turns with them where the speed is free."""
+    """Solve for the steady courses, with the propeller's revolutions if the speed is free."""
     if "sin_rudder" not in ship.model.terms.inputs:
         return _towed(ship, water, y, u, given)
     forces = {name: given.get(name, 0.0) for name in ("Y", "N")}
@@ -118,7 +117,7 @@ def _steady(
     motion = LocalMotion(ship, water, fixed)
     bend = water.curvature / (1 - water.curvature * y)
     turns = _turns(ship.model, u, given)
-    for _ in range(30):  # Newton's method, which takes four or five
+    for _ in range(30):  # Newton's method; it takes four or five
         sought = {**fixed, **forces, **turns, "path_curvature": bend, "current": water.current}
         v, rudder = solved(ship, {**sought, "y": y - water.middle, "u": u}, len(y), 1)
         psi = -np.arctan(v / u)
@@ -132,7 +131,7 @@ def _steady(
         turns = {"revolutions": turns["revolutions"] + np.nan_to_num(change)}
     if ship.surge == "free":
         course["X"] = np.zeros(len(y))
-        if not turns:  # A force keeps the speed of a ship without a propeller.
+        if not turns:  # Without a propeller a force keeps the ship's speed
             course["X"] = -motion.rates(course)["u"] / motion.slopes(course)["X"][..., MOVED.index("u")]
     return motion, course
 
@@ -161,7 +160,7 @@ def _towed(
 
 
 def _turns(model: Model, u: np.ndarray, given: Mapping[str, float]) -> Columns:
-    """The revolutions that keep the speed straight ahead, where the terms ask for any."""
+    """Revolutions that keep the speed straight ahead, if the terms use any."""
     if not model.terms.propelled:
         return {}
     if "revolutions" in given:
@@ -171,10 +170,10 @@ def _turns(model: Model, u: np.ndarray, given: Mapping[str, float]) -> Columns:
 
 
 def _to_balance(motion: LocalMotion, course: Mapping[str, Any]) -> np.ndarray:
-    """Newton's step of the revolutions towards a speed that stays, drift, heading and rudder following."""
+    """Newton's step of the revolutions towards a steady speed; drift, heading and rudder follow."""
     slopes, free = motion.slopes(course), [MOVED.index(name) for name in ("u", "v", "r")]
     u, v = course["u"], course["v"]
-    # On a course the heading is that of no sway over the ground: psi = -arctan(v / u).
+    # On a course there is no sway over the ground: psi = -arctan(v / u).
     by_drift = slopes["v"] - slopes["psi"] * (u / (u**2 + v**2))[:, None]
     matrix = np.stack([column[:, free] for column in (slopes["revolutions"], by_drift, slopes["rudder"])], axis=-1)
     rates = motion.rates(course)

@@ -26,25 +26,25 @@ WATER = ("current", "curvature")
 
 @dataclass(frozen=True)
 class LocalWater:
-    """The water at a place, taken to go on as it is there."""
+    """The water at a place, assumed constant along the line."""
 
-    width: float  # Of the section [m]
-    # What the terms are told of it instead of the model's own canal: width and depth [m]
+    width: float  # Width of the section [m]
+    # Width and depth for the terms instead of the model's own canal [m]
     sections: Mapping[str, float] = field(default_factory=dict)
-    middle: float = 0.0  # Of the section, to starboard of the line that offsets count from [m]
-    curvature: float = 0.0  # Of that line, to starboard [1/m]
-    current: float = 0.0  # Along it [m/s]
+    middle: float = 0.0  # Middle of the section, to starboard of the line [m]
+    curvature: float = 0.0  # Curvature of that line, to starboard [1/m]
+    current: float = 0.0  # Current along it [m/s]
 
 
 @dataclass(frozen=True)
 class LocalMotion:
-    """Rates of y, psi, u, v, r of one ship, or of many where values are columns."""
+    """Rates of y, psi, u, v, r of one ship, or of many if values are columns."""
 
-    # ``at`` has these five, positions of actuators, forces from outside X, Y, N, and ``current`` and ``curvature`` of
-    # the line that y and psi count from; what it leaves out is 0.
+    # ``at`` has these five, positions of actuators, external forces X, Y, N, and ``current`` and ``curvature`` of the
+    # line that y and psi refer to; the default is 0.
 
-    ship: SimulatedShip  # The model, and whether its speed is held
-    water: LocalWater  # Where it is
+    ship: SimulatedShip  # The model, and whether its speed is constant
+    water: LocalWater  # The local water
     values: Mapping[str, Number]  # Particulars and coefficients by name
 
     @cached_property
@@ -56,7 +56,7 @@ class LocalMotion:
         return self._system.constants(self.values)
 
     def rates(self, at: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the rates, by the engine's own lines."""
+        """Return the rates, computed by the engine's own lines."""
         columns, inputs = self._system.columns, dict(self._constants)
         inputs |= {INPUTS[force]: at.get(force, 0.0) for force in FORCES}
         for actuator in self.ship.model.terms.actuators:
@@ -69,7 +69,7 @@ class LocalMotion:
         return {"psi": at["r"] - at.get("curvature", 0.0) * along, **{n: rates[n] for n in MOVED if n != "psi"}}
 
     def slopes(self, at: Mapping[str, Any]) -> dict[str, np.ndarray]:
-        """Return the derivatives of the five rates by whatever moves them: a column (..., 5) by each name."""
+        """Return the derivatives of the five rates by each quantity: a column (..., 5) by each name."""
         linear = self.ship.linearisation(self.values)
         shifted = {**at, "y": at["y"] - self.water.middle} | {INPUTS[f]: at.get(f, 0.0) for f in FORCES}
         matrix = linear.linear(shifted)

@@ -7,7 +7,7 @@ import numpy as np
 
 from narrows.control.settings import FREQUENCIES
 
-# The response of an opened loop, with the sign of negative feedback, at angular frequencies [rad/s].
+# Frequency response of an opened loop, with the sign of negative feedback, at angular frequencies [rad/s].
 Response = Callable[[np.ndarray], np.ndarray]
 
 
@@ -29,11 +29,11 @@ def loop_margins(response: Response, lowest: float, highest: float) -> dict[str,
         return np.sqrt(low * high)
 
     at_one = crossings(lambda at: np.abs(at) - 1.0, np.ones(len(omega), bool))
-    # Half a turn: the imaginary part changes its sign where the real part is negative.
+    # Phase crossing at half a turn: the imaginary part changes its sign while the real part is negative.
     at_half_turn = crossings(np.imag, loop.real < 0)
     factors = 1.0 / np.abs(response(at_half_turn)) if len(at_half_turn) else np.zeros(0)
     phase = np.angle(-response(at_one)) if len(at_one) else np.zeros(0)
-    # A delay turns the loop clockwise: what counts is how far it is to half a turn, clockwise.
+    # A delay turns the loop clockwise: the delay margin is the clockwise angle to half a turn.
     delays = np.mod(phase, 2 * math.pi) / at_one
     distance = float(np.abs(1.0 + loop).min())
     return {

@@ -1,4 +1,4 @@
-"""The linear-quadratic regulator of weights of one's own."""
+"""The linear-quadratic regulator for the user's own weights."""
 
 from typing import Any
 
@@ -12,18 +12,18 @@ from narrows.errors import InputError
 def lqr(linear: LinearSystem, Q: Any, R: Any, *controls: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the gains that minimise the integral of x'Qx + u'Ru, as python-control's ``lqr`` does.
 
-    ``regulator`` makes a whole helm with gear, integral and weights that were tuned; this is the textbook's.
+    This is the textbook regulator; ``regulator`` makes a whole helm with gear, integral and tuned weights.
 
     Parameters
     ----------
     linear : LinearSystem
-        About one course.
+        Linear system about one course.
     Q : array (states, states)
         Weights of the states, in the order of ``linear.states``.
     R : array (controls, controls)
         Weights of the controls, in their order.
     *controls : str
-        Which controls to use, as in ``"rudder"``; those of ``linear.controls`` unless given.
+        Controls to use, such as ``"rudder"``; those of ``linear.controls`` unless given.
 
     Returns
     -------
@@ -34,7 +34,7 @@ def lqr(linear: LinearSystem, Q: Any, R: Any, *controls: str) -> tuple[np.ndarra
     Raises
     ------
     InputError
-        If a matrix is not of that shape, or no gains hold the ship.
+        If a matrix has the wrong shape, or no gains stabilise the ship.
 
     References
     ----------

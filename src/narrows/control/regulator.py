@@ -29,30 +29,30 @@ def regulator(
 ) -> Regulator:  # fmt: skip
     """Return the regulator that holds a ship on a line: linear-quadratic on the rudder's rate.
 
-    What weighs alike is in ``weights``: usual numbers that were tuned by flights of drawn ships, or those of
-    ``design``. The law is told the sway velocity, as a track pilot with a good fix is.
+    ``weights`` holds the weights: defaults tuned by simulated voyages, or those of ``design``. The law needs the sway
+    velocity, as a track pilot with a good position fix has it.
 
     Parameters
     ----------
     model : Model
-        With terms of a rudder.
+        A model with terms of a rudder.
     y : float or pairs (time [s], offset [m])
-        To starboard of the middle of the canal, or of the line of the waterway; pairs are held each from its time on.
+        Offset to starboard of the canal's centreline or of the waterway's line; each pair holds from its time on.
     u : float [m/s]
         Surge velocity through the water.
     waterway : Waterway, optional
         Waterway instead of the model's own canal.
     at : float or sequence of float [m]
-        Along it: the section that the regulator is made for; of several, rising, each is held from its place on.
+        Place along it for which the gains are computed; with several, rising, each holds from its place on.
     weights : RegulatorWeights
-        What weighs alike.
+        Weights of the cost.
     **values : float [SI]
         As for ``linearize``.
 
     Raises
     ------
     InputError
-        If no rudder holds the ship on a line, its rudder turns nothing, or both ``y`` and ``at`` are several.
+        If no rudder angle holds the ship on a line, its rudder has no effect, or both ``y`` and ``at`` are several.
 
     References
     ----------
@@ -97,7 +97,7 @@ def held_line(
 def _straight(
     linear: LinearSystem, course: dict[str, float]
 ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """Rudder, heading and sway velocity of the course without its bend, and what a yaw rate adds to each."""
+    """Rudder, heading and sway velocity of the straight course, and the change of each per yaw rate."""
     A, b = linear.A, linear.B[:, linear.controls.index("rudder")]
     rates = [linear.states.index(name) for name in ("y", "v", "r")]
     columns = [A[rates, linear.states.index("psi")], A[rates, linear.states.index("v")], b[rates]]
@@ -112,14 +112,14 @@ IN_VAIN = "no autopilot holds this ship on the centreline: its rudder turns noth
 
 
 def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
-    """Return the autopilot that holds a ship at an offset, about the rudder and drift that hold it there.
+    """Return the autopilot that holds a ship at an offset, about the rudder and drift of the steady course.
 
     Parameters
     ----------
     model : Model
-        With terms of a rudder.
+        A model with terms of a rudder.
     y : float [m]
-        To starboard of the middle.
+        Offset to starboard of the centreline.
     u : float [m/s]
         Surge velocity.
     **values : float [SI]
@@ -128,7 +128,7 @@ def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
     Raises
     ------
     InputError
-        If no rudder holds it there, or no autopilot on the centreline.
+        If no rudder angle holds it there, or no autopilot on the centreline.
     """
     check_rudder(model)
     check_inside(y, model.configuration.canal.width, model.configuration.ship.beam)
@@ -146,7 +146,7 @@ def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
 
 
 def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarray:
-    """Return the rudder for offset, heading, sway velocity and yaw rate off: [rad/m, 1, rad s/m, s]."""
+    """Return the rudder per deviation of offset, heading, sway velocity and yaw rate: [rad/m, 1, rad s/m, s]."""
     # Linear-quadratic, by Bryson's rule. Bryson and Ho (1975), Applied optimal control, section 5.2.
     inputs = {**ship.values(), **values}
     linear = ship.linearisation(inputs)

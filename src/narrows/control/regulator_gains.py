@@ -21,28 +21,28 @@ SCALED_WEIGHTS = np.diag([1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
 
 @dataclass(frozen=True)
 class RegulatorWeights:
-    """What weighs alike in a regulator, by Bryson's rule, and how it trusts the bank.
+    """Weights of a regulator by Bryson's rule, and its use of the bank force.
 
-    The usual numbers were tuned by flights of the KCS at full size (``python decisions/regulator_weights.py``);
+    The defaults were tuned by simulated voyages of the KCS at full size (``python decisions/regulator_weights.py``);
     ``design`` tunes them for another ship.
 
     Parameters
     ----------
     offset : float [half beams]
-        Off the line; weighs as much as each of the others.
+        Deviation from the line; each weight is the deviation that costs as much as each of the others.
     heading_deg : float [deg]
-        Off the course.
+        Deviation from the course.
     rudder_deg : float [deg]
-        Off that of the course.
+        Deviation from the rudder angle of the course.
     stroke_time : float [1]
-        In which that rudder is put over, in times of a ship length; no faster than the gear does it.
+        Time in which that rudder is put over, in times of a ship length; limited by the gear.
     integral_time : float [1]
-        For which the offset lasts, in the same times.
+        Duration of the offset, in the same times.
     bank : float [1]
-        Share of the model's slope of the bank's force by the offset, which tests settle worst: 0 takes the force to be
-        the same at every distance. Where the share leaves the model's ship unstable, the whole slope is taken.
+        Share of the model's slope of the bank force by offset, the least certain slope: 0 assumes a constant force. If
+        the share leaves the model's ship unstable, the whole slope is used.
     unwinding_time : float [1]
-        In which the integral is led back where the gear cannot follow, in times of a ship length.
+        Time in which the integral is reduced if the gear cannot follow, in times of a ship length.
 
     Raises
     ------
@@ -72,8 +72,8 @@ USUAL = RegulatorWeights()
 def gains_of(
     ship: SimulatedShip, motion: np.ndarray, push: np.ndarray, speed: np.ndarray, weights: RegulatorWeights
 ) -> np.ndarray:
-    """Return gains for what ``FELT`` names, (n, 6), of systems (n, 6, 6) driven by the rudder's rate; NaN for none."""
-    # Each state in what weighs as much as the others, and time in ship lengths: the equation is of size 1.
+    """Return gains for the states ``FELT``, (n, 6), of systems (n, 6, 6) driven by the rudder's rate; NaN for none."""
+    # Each state is scaled to its weight, and time to ship lengths: the entries are of order 1.
     hull, gear, one = ship.model.configuration.ship, ship.model.configuration.gear, np.ones(len(speed))
     time, off, rudder = hull.length / speed, weights.offset * hull.beam / 2, radians(weights.rudder_deg)
     size = np.stack(
@@ -116,7 +116,7 @@ def regulator_gains(model: Model, linear: LinearSystem, weights: RegulatorWeight
 
 
 def rate_driven(A: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return systems of ``FELT`` driven by the rudder's rate, (n, 6, 6) and (n, 6), of those of y, psi, v, r."""
+    """Return systems of ``FELT`` driven by the rudder's rate, (n, 6, 6) and (n, 6), from those of y, psi, v, r."""
     driven, push = np.zeros((len(A), len(FELT), len(FELT))), np.zeros((len(A), len(FELT)))
     driven[:, :4, :4], driven[:, :4, 4] = A, b
     driven[:, 5, 0], push[:, 4] = 1.0, 1.0
@@ -124,15 +124,15 @@ def rate_driven(A: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def holding(motion: np.ndarray, push: np.ndarray, gains: np.ndarray) -> np.ndarray:
-    """Return which of many systems gains hold (n,); false where a gain is NaN."""
+    """Return which of many systems the gains stabilise (n,); false if a gain is NaN."""
     known = np.isfinite(gains).all(axis=1) & np.isfinite(motion).all(axis=(1, 2))
     poles = np.linalg.eigvals(np.where(known[:, None, None], motion - push[:, :, None] * gains[:, None, :], 0.0))
     return np.asarray(known & (poles.real.max(axis=1) < -LEAST_DECAY * np.abs(poles).max(axis=1)))
 
 
 def best_gains(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return the gains that cost least of many systems with one input each, (n, k); NaN where nothing stabilises it."""
-    # The cost is the square of the input and those of the states by their weights; the equation is solved by doubling.
+    """Return the optimal gains of many systems with one input each, (n, k); NaN if nothing stabilises a system."""
+    # The cost is the square of the input and the weighted squares of the states; the equation is solved by doubling.
     # Chu, Fan and Lin (2005), A structure-preserving doubling algorithm for continuous-time algebraic Riccati
     # equations, Linear Algebra and its Applications 396.
     gains = np.full(push.shape, np.nan)
@@ -151,7 +151,7 @@ def best_gains(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.
 
 
 def _doubled(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """The stabilising solution; infinite or not a number where there is none."""
+    """Return the stabilising solution; infinite or NaN if there is none."""
     size, effect = motion.shape[-1], push[:, :, None] * push[:, None, :]
     shift = 1.1 * np.maximum(np.abs(motion).sum(axis=2).max(axis=1), 1.0)[:, None, None]
     moved = motion - shift * np.eye(size)
@@ -160,7 +160,7 @@ def _doubled(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.nd
     step = np.eye(size) + 2 * shift * inverse.swapaxes(1, 2)
     reach = 2 * shift * driven @ inverse
     cost = 2 * shift * inverse @ weights @ _solved(moved, np.broadcast_to(np.eye(size), moved.shape))
-    for _ in range(40):  # Each round doubles the time that is looked ahead.
+    for _ in range(40):  # Each round doubles the time horizon
         both = _solved(np.eye(size) + reach @ cost, np.concatenate([step, reach], axis=2))
         back, change = step.swapaxes(1, 2), step.swapaxes(1, 2) @ cost @ both[..., :size]
         reach = reach + step @ both[..., size:] @ back
@@ -171,7 +171,7 @@ def _doubled(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.nd
 
 
 def _solved(matrices: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solutions of many systems; not a number where any is singular to the last bit."""
+    """Solutions of many systems; NaN if any matrix is singular to the last bit."""
     try:
         return np.linalg.solve(matrices, right)
     except np.linalg.LinAlgError:

@@ -19,27 +19,27 @@ TURNED = ("psi", "v", "rudder")
 
 @dataclass(frozen=True)
 class HeldLine:
-    """A line to hold, and what holds a ship on it; every number may be an array over many ships.
+    """A line to hold and its gains; every number may be an array over many ships.
 
     Parameters
     ----------
     y : float [m]
-        To starboard of the line that offsets count from.
+        Offset to starboard of the line.
     gains : six floats [rad/(s m), 1/s, rad/m, 1, 1/s, rad/(s2 m)]
-        Rate of the rudder for what is off: offset, heading, sway velocity, yaw rate, rudder, integral of the offset.
+        Rate of the rudder per deviation of offset, heading, sway velocity, yaw rate, rudder, integral of the offset.
     rudder, psi : float [rad]
-        Of the steady course there.
+        Values on the steady course.
     v : float [m/s]
-        Sway velocity of it.
+        Sway velocity on it.
     turning : three floats [s, m, s]
-        What a yaw rate of the waterway adds to heading, sway velocity and rudder of the course.
+        Change of the course's heading, sway velocity and rudder per yaw rate of the waterway.
     start : float [s] or [m]
-        From when it is held, or from where; before the first line's that line is held too.
+        Time or place from which it is held; the first line also holds before.
 
     Raises
     ------
     InputError
-        If gains or turns are not as many, or a number is not finite.
+        If the number of gains or turns is wrong, or a number is not finite.
     """
 
     y: Any
@@ -65,25 +65,25 @@ class HeldLine:
 
 @dataclass(frozen=True, repr=False)
 class Regulator(Described):
-    """A track pilot that gives the rudder a rate, in proportion to what is off and to the integral of the offset.
+    """A track pilot: the rudder's rate is proportional to the deviations and to the integral of the offset.
 
-    The gains go with the speed as they do where every force goes with its square; the steady turn of a bend ahead is
-    added to the course; and where the gear cannot follow, the integral is led back to what it can.
+    The gains scale with speed as if every force were proportional to its square. The steady turn of a bend ahead is
+    added to the course. If the gear cannot follow, the integral is reduced to an attainable value.
 
     Parameters
     ----------
     lines : sequence of HeldLine
         The line to hold, or several, each from its own time on.
     u : float [m/s]
-        Surge velocity that they are for.
+        Design surge velocity.
     lead : float [s]
-        How far ahead the bends of a waterway are looked at.
+        Time that it looks ahead for bends of a waterway.
     unwinding : float [s]
-        In which the integral is led back where the gear is at a limit.
+        Time in which the integral is reduced if the gear is at a limit.
     integral : float [m s]
-        Of the offset, at the start.
+        Integral of the offset at the start.
     along : bool
-        Whether lines are held from a place along the way on, instead of a time.
+        True if lines are held from a place along the way on, instead of a time.
 
     Raises
     ------
@@ -112,13 +112,13 @@ class Regulator(Described):
                 raise InputError(f"a regulator with {name} = {getattr(self, name)} steers nothing; give a number")
 
     def summary(self) -> str:
-        """Say what it holds."""
+        """Describe the lines."""
         line = self.lines[0]
         more = f", {len(self.lines)} lines one after the other" if len(self.lines) > 1 else ""
         return f"y = {line.y} at u = {self.u}{more}"
 
     def parameters(self) -> Mapping[str, Any]:
-        """Return the numbers of its lines, the speed, and the times that it looks ahead and back."""
+        """Return the numbers of its lines, the speed, and the times for bends and for the integral."""
         numbers = {"made_for": self.u, "lead": self.lead, "unwinding": self.unwinding}
         for index, line in enumerate(self.lines):
             numbers |= {f"{name}_{index}": value for name, value in line.numbers().items()}
@@ -126,7 +126,7 @@ class Regulator(Described):
         return numbers
 
     def memory(self, start: Named) -> Named:
-        """Return the integral of the offset and the last order, as they are at the start."""
+        """Return the integral of the offset and the last order, at the start."""
         return {"integral": self.integral, LAST_ORDER: start["rudder"]}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
@@ -138,8 +138,8 @@ class Regulator(Described):
         off_y = at.y - held["held_y"]
         off_psi = at.psi - held["held_psi"] - held["turn_psi"] * turn / share
         off_v = at.v - held["held_v"] * share - held["turn_v"] * turn
-        # From its own last order, not from the indicated angle, which lags it by the delay of the gear: an order that
-        # counts on from there asks for dt / (dt + delay) of the rate.
+        # The rate is added to the last order, not to the indicated angle, which lags by the delay of the gear:
+        # otherwise only dt / (dt + delay) of the rate would be ordered.
         last = getattr(at, LAST_ORDER)
         off_rudder = last - held["held_rudder"] - held["turn_rudder"] * turn / share
         by_integral = held["by_integral"] * share * share
@@ -147,14 +147,14 @@ class Regulator(Described):
             share * (held["by_y"] * off_y + held["by_psi"] * off_psi + held["by_rudder"] * off_rudder)
             + held["by_v"] * off_v + held["by_r"] * (at.r - turn) + by_integral * at.integral
         )  # fmt: skip
-        # The rudder's own term as it will be at the end of the step: a long step does not overshoot.
+        # The rudder's own term is taken at the end of the step, so that a long step does not overshoot.
         move = at.dt * wanted / (1 + at.dt * share * held["by_rudder"])
         order = clip(last + clip(move, at.dt * at.rudder_rate), at.rudder_limit)
         wound = (move - (order - last)) / (by_integral * at.unwinding)
         return {"rudder": order}, {"integral": at.integral + at.dt * off_y + wound, LAST_ORDER: order}
 
     def _now(self, at: Any, name: str) -> Any:
-        """A number of the line that is held now."""
+        """Return a number of the current line."""
         value = getattr(at, f"{name}_0")
         for index in range(1, len(self.lines)):
             begun = (at.x if self.along else at.t + EARLY * at.dt) - getattr(at, f"start_{index}")

@@ -1,4 +1,4 @@
-"""A controller that gets the state of the ship from sensors through an estimator."""
+"""A controller with sensors and an estimator."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -99,7 +99,7 @@ class _SensedOrders:
         readings = dict(self._readings(t)) | {"rudder": self._indicated(state.rudder)}
         estimate = self.estimator.update(t, readings)
         if not estimate.ready:
-            # Nothing to steer by yet: the rudder stays.
+            # No estimate yet: the rudder stays.
             return state.rudder
         seen = {name: estimate[name] for name in ("x", "y", "psi", "u", "v", "r")}
         return self.inner(t, VoyageState(**seen, rudder=readings["rudder"]))
@@ -121,7 +121,7 @@ class _SensedOrders:
         return readings
 
     def _at(self, time: float) -> SimpleNamespace:
-        """The state at a time, straight between those that were seen, with what a sensor may ask for beside it."""
+        """Return the state at a time, linear between stored ones, with further quantities for sensors."""
         times = [then for then, _ in self._past]
         columns = np.array([seen for _, seen in self._past]).T
         then = VoyageState(*(float(np.interp(time, times, column)) for column in columns))

@@ -1,4 +1,4 @@
-"""Plan speeds along a waterway: below every limit, slowed down in time for what lies ahead."""
+"""Plan speeds along a waterway: below every limit, with deceleration in time."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -18,41 +18,40 @@ from narrows.results import Described
 from narrows.simulation.controllers import ControlLaw, Named
 from narrows.simulation.derivative import derivative
 
-# What the law remembers: the speed that was lacking, over time [m].
+# Memory of the law: the integral of the missing speed [m].
 SHORTFALL = "surge_shortfall"
 
 
 @dataclass(frozen=True, repr=False)
 class SpeedGovernor(Described):
-    """Revolutions of the propeller by a plan of speeds along the way, while a helm steers.
+    """Propeller revolutions that follow a speed plan along the way, while a helm steers.
 
-    The plan is a line from point to point. Revolutions are those that keep its speed straight ahead, with what its
-    slope asks for, and a proportional and an integral part of what is lacking; where the engine is at a limit the
-    integral rests.
+    The plan is linear between points. The revolutions are those that keep its speed straight ahead, plus a term for its
+    slope, plus a proportional and an integral part of the speed error; at a limit of the engine the integral stops.
 
     Parameters
     ----------
     helm : ControlLaw
-        What gives the rudder.
+        Controls the rudder.
     x : sequence of float [m]
-        Along the way, rising.
+        Places along the way, rising.
     u : sequence of float [m/s]
         Surge velocity through the water at each.
     revolutions : sequence of float [1/s]
-        That keep it straight ahead.
+        Revolutions that keep it straight ahead.
     gain : float [1/m]
-        Revolutions for a metre a second that is lacking.
+        Revolutions per speed error.
     integral_gain : float [1/(m s)]
-        For a metre that is.
+        Revolutions per integral of the speed error.
     inertia : float [s/m]
-        Revolutions for a metre a second squared.
+        Revolutions per acceleration.
     most_revolutions : float [1/s]
-        Of the engine.
+        Limit of the engine.
 
     Raises
     ------
     InputError
-        If there are no two points, they do not rise, or a number is not finite.
+        If there are fewer than two points, they do not rise, or a number is not finite.
     """
 
     helm: ControlLaw
@@ -76,7 +75,7 @@ class SpeedGovernor(Described):
             raise InputError("points of a plan of speeds rise along the way, with speeds over 0; mend them")
 
     def summary(self) -> str:
-        """Say the slowest and the fastest of its speeds, and what steers."""
+        """Describe the slowest and the fastest speed, and the helm."""
         return f"{min(self.u):.3g} to {max(self.u):.3g} m/s along the way, {type(self.helm).__name__} at the rudder"
 
     def parameters(self) -> Mapping[str, Any]:
@@ -92,11 +91,11 @@ class SpeedGovernor(Described):
         return {**self.helm.parameters(), **plan, **gains, **most}
 
     def memory(self, start: Named) -> Named:
-        """Return what the helm keeps, and that nothing is lacking yet."""
+        """Return the helm's memory, and a zero integral."""
         return {**self.helm.memory(start), SHORTFALL: 0.0}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the helm's orders and revolutions, and what both keep."""
+        """Return the helm's orders and revolutions, and the new memory."""
         orders, kept = self.helm.orders(at)
         speed, rate, revolutions = at.plan_u, 0.0, at.plan_revolutions
         for i in range(len(self.x) - 1):
@@ -112,7 +111,7 @@ class SpeedGovernor(Described):
         limited = math.isfinite(self.most_revolutions)
         most = minimum(at.revolutions_limit, at.most_revolutions) if limited else at.revolutions_limit
         order = _within(asked, most)
-        # At a limit that asks for more of it the integral rests.
+        # At a limit the integral must not grow further.
         shortfall = shortfall + choice(abs(asked - order), 0.0, at.dt * lacking)
         return {**orders, "revolutions": order}, {**kept, SHORTFALL: shortfall}
 
@@ -121,30 +120,29 @@ def speed_governor(
     model: Model, helm: ControlLaw, limits: Sequence[tuple[float, float]], *, deceleration: float | None = None,
     most_revolutions: float | None = None,
 ) -> SpeedGovernor:  # fmt: skip
-    """Return a governor that keeps a ship's speed to limits along its way and slows in time.
+    """Return a governor that keeps a ship's speed to limits along its way and decelerates in time.
 
-    Speed and revolutions are of a ship straight ahead in the model's own water; what a section, a bend or a rudder adds
-    to the resistance the governor makes up.
+    Speed and revolutions are those of a ship straight ahead in the model's own water; the governor corrects for the
+    resistance of a section, a bend or a rudder.
 
     Parameters
     ----------
     model : Model
-        With terms of a propeller and a rudder.
+        A model with terms of a propeller and a rudder.
     helm : ControlLaw
-        What gives the rudder: a ``regulator``, say.
+        Controls the rudder, such as a ``regulator``.
     limits : sequence of pairs (x [m], speed [m/s])
-        From each place along the way on, through the water; the first holds before it too.
+        Limits through the water, each from its place along the way on; the first also holds before it.
     deceleration : float [m/s2], optional
-        With which speed is changed; half of what the ship loses at the slowest limit with the propeller stopped, unless
-        given.
+        Rate of speed changes; half of that at the slowest limit with the propeller stopped, unless given.
     most_revolutions : float [1/s], optional
-        Of the engine; half again those that keep the fastest limit, unless given.
+        Limit of the engine; half again those that keep the fastest limit, unless given.
 
     Raises
     ------
     InputError
-        If the model has no propeller, the limits do not rise along the way, a speed is none, or the ship does not
-        slow down as fast as the deceleration asks.
+        If the model has no propeller, the limits do not rise along the way, a speed is invalid, or the ship cannot
+        decelerate as fast as requested.
 
     References
     ----------
@@ -188,7 +186,7 @@ def planned(x: float, places: Sequence[float], speeds: Sequence[float], rate: fl
 
 
 def _points(places: Sequence[float], speeds: Sequence[float], rate: float) -> list[float]:
-    """Where the plan bends: at the limits, and along each change between two of their speeds."""
+    """Points of the plan: the limits, and along each change between two of their speeds."""
     levels = [*(a + (b - a) * k / PIECES for a, b in pairwise(sorted(set(speeds))) for k in range(PIECES)), max(speeds)]
     gaps = {(fast**2 - slow**2) / (2 * rate) for slow in speeds for fast in levels if fast >= slow}
     bends = sorted({edge + gap * way for edge in places for gap in gaps for way in (-1, 1)})
@@ -203,7 +201,7 @@ def _points(places: Sequence[float], speeds: Sequence[float], rate: float) -> li
 
 
 def _gains(model: Model, u: float) -> tuple[float, float, float]:
-    """Proportional and integral gain that place both poles, and revolutions for a surge acceleration."""
+    """Proportional and integral gain by pole placement, and revolutions per surge acceleration."""
     linear = linearize(model, u=u, surge="free")
     row = linear.states.index("u")
     slope, push = linear.A[row, row], linear.B[row, linear.controls.index("revolutions")]

@@ -1,4 +1,4 @@
-"""Rudder and drift that hold a ship at an offset, all forces in balance; revolutions that hold its speed."""
+"""Rudder and drift that hold a ship at an offset in equilibrium; revolutions that hold its speed."""
 
 from collections.abc import Mapping
 from functools import lru_cache
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 RUDDER = "rudder"
-BLOCK = 16_384  # Courses that a thread solves at a time
+BLOCK = 16_384  # Courses per task of a thread
 
 
 def steady_course(
@@ -36,13 +36,13 @@ def steady_course(
 ) -> xr.Dataset:  # fmt: skip
     """Find the rudder, heading and drift that hold a ship steady on a straight course along the canal.
 
-    The speed is held; a propeller turns as the speed asks straight ahead. Where no angle below 69 degrees holds
-    the ship, there is no such course: the answer is NaN.
+    The speed is constant; a propeller turns as it must straight ahead. If no angle below 69 degrees holds the ship,
+    there is no such course: the result is NaN.
 
     Parameters
     ----------
     model : Model
-        With terms of a rudder.
+        A model with terms of a rudder.
     samples : int
         Number of coefficient samples from the fit's covariance: a dimension ``sample``.
     seed : int
@@ -55,13 +55,13 @@ def steady_course(
     Returns
     -------
     xarray.Dataset
-        ``rudder`` [rad], ``psi`` [rad] and ``v`` [m/s] over the dimensions of what varies; ``notes`` says where the
-        model feels no bank, or the section is beyond its tests.
+        ``rudder`` [rad], ``psi`` [rad] and ``v`` [m/s] over the dimensions of what varies; ``notes`` names models
+        without a bank force and sections outside the tested range.
 
     Raises
     ------
     InputError
-        If the model has no terms of a rudder, a value does not fit, or what is given is what is sought.
+        If the model has no terms of a rudder, a value does not fit, or an unknown is given.
     """
     check_rudder(model)
     for name in ("x", "psi", "v", "r", RUDDER, "X"):
@@ -91,7 +91,7 @@ def check_rudder(model: Model) -> None:
 
 
 def check_inside(y: Any, width: Any, beam: Any) -> None:
-    """Raise where a hull beside its line is in a bank."""
+    """Raise if a hull at its offset is in a bank."""
     if not np.all(np.abs(y) < (width - beam) / 2):
         far, room = float(np.abs(y).max()), float(np.min((width - beam) / 2))
         raise InputError(f"an offset of {far:g} m has the hull in the bank; stay within {room:.4g} m of the middle")
@@ -101,7 +101,7 @@ def solved(
     ship: SimulatedShip, values: Mapping[str, Any], count: int, workers: int | None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Solve for the sway velocity [m/s] and the rudder angle [rad] of many steady courses."""
-    # By Newton's method with exact slopes, compiled. With ``path_curvature`` [1/m] and ``current`` [m/s] among the
+    # By Newton's method with exact derivatives, compiled. With ``path_curvature`` [1/m] and ``current`` [m/s] among the
     # values the course is a steady turn along a bend.
     rudder = tuple(actuator for actuator in ship.actuators if actuator.name == RUDDER)
     system = ship.system(law=moving(rudder), pushed="until")
@@ -124,15 +124,15 @@ def solved(
 
 @lru_cache(maxsize=16)
 def moving(actuators: tuple[Actuated, ...]) -> Law:
-    """Return a law that moves actuators: what it orders is not asked, only that they are variables."""
+    """Return a law that makes actuators variable; its orders are not used."""
     names = {actuator.name: actuator.name for actuator in actuators}
     return Law(tape_of(vars, names, "what moves"), (), actuators)
 
 
 def balance_module(system: "System") -> ModuleType:
-    """Return the module that finds steady courses; its ``solve`` compiles when first called."""
-    # Its ``COLUMNS`` names what a row of its table holds: constants of the ship, y [m], u [m/s], forces from outside,
-    # the curvature of the ship's own path ``path_curvature`` [1/m], to starboard, and the current along it [m/s].
+    """Return the module that finds steady courses; its ``solve`` compiles at its first call."""
+    # Its ``COLUMNS`` names the columns of its table: constants of the ship, y [m], u [m/s], external forces, the
+    # curvature of the ship's own path ``path_curvature`` [1/m], to starboard, and the current along it [m/s].
     return generated("balance", system.key, lambda: _text(system))
 
 
@@ -168,25 +168,25 @@ def _text(system: "System") -> str:
     text = "\n    ".join(["@called\ndef balance(drift, angle, inputs):", *body]) + "\n"
     tail = Path(kernels.__file__).with_name("newton.py").read_text(encoding="utf-8")
     head = HEADER.format(version=version("narrows"), precision="float64")
-    # The series of the kernels hold up to a quarter turn, and no further is looked: the C library's do as well here.
+    # The C library's functions suffice here: the kernels' series hold up to a quarter turn.
     names = f"COLUMNS = {inputs!r}\nCELL_ENTRIES = 16\nsine, cosine = sin, cos\n"
     return "\n\n".join([head, names, elementary_text(text.replace("sine(", ""), "float64"), text, tail])
 
 
 def self_propulsion(model: Model, u: float) -> float:
-    """Return the revolutions at which thrust and resistance balance straight ahead, amidships [1/s].
+    """Return the revolutions at which thrust balances resistance straight ahead, rudder amidships [1/s].
 
     Parameters
     ----------
     model : Model
-        With terms of a propeller.
+        A model with terms of a propeller.
     u : float [m/s]
         Surge velocity.
 
     Raises
     ------
     InputError
-        If the model has no propeller, or none is fast enough.
+        If the model has no propeller, or no revolutions reach the speed.
     """
     from scipy.optimize import brentq
 
@@ -203,7 +203,7 @@ def self_propulsion(model: Model, u: float) -> float:
 
 
 def with_propulsion(model: Model, vary: dict[str, object]) -> dict[str, object]:
-    """Return what varies, with revolutions that go with the speed where the terms ask for them."""
+    """Return the given values, with revolutions that fit the speed if the terms need them."""
     if not model.terms.propelled or "revolutions" in vary:
         return vary
     speed = vary["u"]

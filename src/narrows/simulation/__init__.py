@@ -1,4 +1,4 @@
-"""Simulation: one voyage in the time of a key press, a million in seconds, each to a grounding or another end."""
+"""Simulation: single voyages and fleets, each to a grounding or another end."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""Where ships sail, as the engine asks for it: a straight canal, a waterway as a table, open water."""
+"""The water for the engine: a straight canal, a waterway as a table, open water."""
 
 import math
 from collections.abc import Mapping
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Channel:
-    inputs: Mapping[str, Number]  # By the names of the lines
-    water: WaterTable  # The table of a waterway, its nodes, and the hull that meets its banks
-    start: float = -math.inf  # Where the line begins; infinite in a straight canal [m]
-    length: float = math.inf  # How far the line goes; infinite in a straight canal [m]
-    # (vessels or nodes,) Whether what ends a voyage by too little water is the choking of the section
+    inputs: Mapping[str, Number]  # Inputs by the names of the lines
+    water: WaterTable  # Table of a waterway, its nodes, and the hull points that meet its banks
+    start: float = -math.inf  # Start of the line; infinite in a straight canal [m]
+    length: float = math.inf  # Length of the line; infinite in a straight canal [m]
+    # (vessels or nodes,) True if too little water ends a voyage by choking of the section
     chokes: np.ndarray = field(default_factory=lambda: np.zeros(1, bool))
 
     def section(self, x: Any) -> dict[str, Any]:
@@ -47,7 +47,7 @@ class Channel:
         return {"width": starboard + port, "depth": depth}
 
     def codes(self, ends: Any, x: Any) -> np.ndarray:
-        """Return the codes of ends, by what was met and where [m]."""
+        """Return the codes of ends, by what the ship met and where [m]."""
         ends = np.asarray(ends)
         choked = self.chokes
         if math.isfinite(self.length):
@@ -57,7 +57,7 @@ class Channel:
 
 
 def limits_of(contact: str | Outline | int) -> dict[str, float]:
-    # In open water no heading lies across: no cosine is below -2.
+    # In open water no heading counts as across: no cosine is below -2.
     least = -2.0 if contact == OPEN else math.cos(HEADING_LIMIT)
     return {"least_cos": least, "most_speed": SPEED_LIMIT, "most_rate": RATE_LIMIT}
 
@@ -73,13 +73,13 @@ def straight_channel(values: Mapping[str, Number], contact: str | Outline, botto
 
 
 def _afloat(values: Mapping[str, Number]) -> tuple[Any, np.ndarray]:
-    """The speed through the water that ends a voyage by too little water, and whether by choking the section."""
+    """Return the speed through the water at which a voyage ends, and whether by choking the section."""
     if values.get("depth") is None:
         return BOUNDLESS, np.zeros(1, bool)
     with np.errstate(all="ignore"):
         touching, choking = speeds_afloat(values)
     fastest = np.minimum(touching, choking)
-    # A depth that is not known ends nothing.
+    # An unknown depth ends no voyage.
     known = np.where(np.isnan(fastest), BOUNDLESS, fastest)
     return known if known.ndim else float(known), np.atleast_1d(choking < touching)
 
@@ -109,14 +109,14 @@ def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline, b
     return Channel({**inputs, **hull, **limits_of(contact)}, water, 0.0, float(table.s[-1]), chokes)
 
 
-# Tables that were made, for as long as their centreline is in use: voyage after voyage asks for the same.
+# Cached tables for as long as their centreline exists, since successive voyages use the same.
 _TABLES: "WeakKeyDictionary[Centreline, dict[Any, tuple[WaterwayTable, np.ndarray]]]" = WeakKeyDictionary()
 
 
 def _tabulated(
     waterway: "Waterway", draft: float, step: float, outline: tuple[tuple[float, float], ...]
 ) -> "tuple[WaterwayTable, np.ndarray]":
-    """The table of a waterway, and its cells as the engine looks them up."""
+    """Return the table of a waterway, and its cells for the engine."""
     from narrows.waterway.table import least_walls, tabulate
 
     known = _TABLES.setdefault(waterway.line, {})
@@ -125,7 +125,7 @@ def _tabulated(
         table = tabulate(waterway, draft, step)
         near = least_walls(table, np.array(outline))
         cells = _cells(table, near)
-        # The parts of the waterway are kept with the table, so that no other can take their place in memory.
+        # The cache holds the waterway's parts, so that their memory addresses are not reused.
         known[key] = (table, cells)
         known[key, "parts"] = (waterway.starboard, waterway.port, waterway.depths)  # type: ignore[assignment]
     return known[key]
@@ -182,7 +182,7 @@ def points_of(ship: Ship, contact: str | Outline) -> list[tuple[float, float]]:
 
 
 def check_outline(ship: Ship, contact: str | Outline, feels_bank: bool) -> None:
-    """Raise where an outline lies inside the beam, so that the suction would end infinite before the hull touches."""
+    """Raise if an outline lies inside the beam, where the suction becomes infinite before the hull touches."""
     if isinstance(contact, str):
         return
     from scipy.spatial import QhullError

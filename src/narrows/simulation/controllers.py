@@ -1,7 +1,7 @@
-"""Controllers: what gives orders to rudder and propeller, step by step.
+"""Controllers: orders to rudder and propeller, step by step.
 
-A control law is written as a term is: arithmetic of named quantities, with a few numbers of memory. Such a law runs in
-every engine, a million ships at once too. Any other object that gives orders steers single voyages.
+A control law is written like a term: arithmetic of named quantities, with a few numbers of memory. Such a law runs in
+every engine, also for a million ships at once. Any other object that gives orders steers single voyages.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -17,19 +17,19 @@ from narrows.results import Described, shortened
 
 Named = Mapping[str, Number]
 
-# Of a step, by which an order of a schedule may come early: times of steps are sums, and rounding must not delay it.
+# Tolerance for an early order of a schedule [steps]: times are sums, and rounding must not delay an order.
 EARLY = 1e-6
 
 
 @runtime_checkable
 class ControlLaw(Protocol):
-    """A controller in arithmetic, for single voyages, fleets and the envelope alike."""
+    """A controller in arithmetic, for single voyages, fleets and the envelope."""
 
     def parameters(self) -> Mapping[str, Any]:
-        """Return its numbers by names of its own: floats, or DataArrays where they vary over a fleet."""
+        """Return its numbers by name: floats, or DataArrays if they vary over a fleet."""
 
     def memory(self, start: Named) -> Named:
-        """Return what it keeps from step to step, as it is at the start.
+        """Return its memory at the start.
 
         Parameters
         ----------
@@ -43,28 +43,28 @@ class ControlLaw(Protocol):
         Parameters
         ----------
         at : object
-            With attributes: t, dt [s], the state, psi [rad], positions of actuators, the limit and rate of each
+            Its attributes are t, dt [s], the state, psi [rad], positions of actuators, the limit and rate of each
             (``rudder_limit`` [rad], ``rudder_rate`` [rad/s]), the ``current`` along the line [m/s], parameters and
-            memory; and ``water(name, x)``, what the water is at a place along the line: its ``curvature`` [1/m], and
-            how far off it a keel meets the bank to ``starboard`` and to ``port`` [m].
+            memory. ``water(name, x)`` gives the water at a place along the line: its ``curvature`` [1/m], and the
+            distance at which a keel meets the bank to ``starboard`` and to ``port`` [m].
         """
 
 
 class VoyageState(NamedTuple):
-    """A state as a controller of Python sees it.
+    """The state of the ship for a controller of Python.
 
     Parameters
     ----------
     x, y : float [m]
-        Midship along the canal, and to starboard of its line.
+        Position of midship along the canal, and to starboard of its line.
     psi : float [rad]
-        Heading to the line.
+        Heading relative to the line.
     u, v : float [m/s]
-        Through the water.
+        Velocity through the water.
     r : float [rad/s]
         Yaw rate.
     rudder : float [rad]
-        Its angle.
+        Rudder angle.
     """
 
     x: float
@@ -76,7 +76,7 @@ class VoyageState(NamedTuple):
     rudder: float
 
 
-# The rudder angle [rad] that is asked for at a time [s] in a state.
+# The ordered rudder angle [rad] at a time [s] in a state.
 Order = Callable[[float, VoyageState], float]
 
 
@@ -85,12 +85,12 @@ class Controller(Protocol):
     """Any object that gives orders to the rudder of a single voyage."""
 
     def begin(self) -> Order:
-        """Return what gives the orders of one voyage, with a memory of its own."""
+        """Return the orders of one voyage, with a memory of their own."""
 
 
 class _Law(Described):
     def summary(self) -> str:
-        """Say its numbers."""
+        """Describe its numbers."""
         return ", ".join(f"{name} = {_short(value)}" for name, value in vars(self).items())
 
 
@@ -100,7 +100,7 @@ def _short(value: Any) -> str:
 
 class _WithoutMemory(_Law):
     def memory(self, start: Named) -> Named:
-        """Return nothing: this law looks at the present alone."""
+        """Return nothing: this law uses the present state alone."""
         return {}
 
 
@@ -111,7 +111,7 @@ class ConstantRudder(_WithoutMemory):
     Parameters
     ----------
     rudder : float or DataArray [rad]
-        Positive where it turns the bow to starboard.
+        Angle, positive if it turns the bow to starboard.
 
     Raises
     ------
@@ -147,7 +147,7 @@ class RudderSchedule(_WithoutMemory):
     Parameters
     ----------
     pairs : sequence of (float [s], float [rad])
-        Times, rising, and orders. A voyage hears an order at the first of its steps that begins then or later.
+        Rising times, and orders. An order takes effect at the first step that begins then or later.
 
     Raises
     ------
@@ -171,7 +171,7 @@ class RudderSchedule(_WithoutMemory):
         return {f"time_{i}": float(t) for i, (t, _) in numbered} | {f"order_{i}": float(o) for i, (_, o) in numbered}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the order of the present.
+        """Return the current order.
 
         Parameters
         ----------
@@ -187,14 +187,14 @@ class RudderSchedule(_WithoutMemory):
 
 @dataclass(frozen=True, repr=False)
 class Zigzag(_Law):
-    """The zigzag test: the rudder is put over each time the heading has come as far to the other side.
+    """The zigzag test: the rudder is reversed each time the heading has changed as far to the other side.
 
     Parameters
     ----------
     rudder : float or DataArray [rad]
-        Of the first order; negative for a first turn to port.
+        Angle of the first order; negative for a first turn to port.
     heading : float or DataArray [rad]
-        Change of heading at which the order is reversed.
+        Heading change at which the order is reversed.
 
     Raises
     ------
@@ -220,7 +220,7 @@ class Zigzag(_Law):
         return {"angle": self.rudder, "change": self.heading, "first": np.sign(self.rudder)}
 
     def memory(self, start: Named) -> Named:
-        """Return the side of the present order over that of the first, and the heading at the start.
+        """Return the side of the current order relative to the first, and the heading at the start.
 
         Parameters
         ----------
@@ -230,7 +230,7 @@ class Zigzag(_Law):
         return {"side": 1.0, "cos_start": start["cos_psi"], "sin_start": start["sin_psi"]}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the order, reversed where the heading has come far enough.
+        """Return the order, reversed if the heading has changed enough.
 
         Parameters
         ----------
@@ -246,20 +246,20 @@ class Zigzag(_Law):
 
 @dataclass(frozen=True, repr=False)
 class Autopilot(_WithoutMemory):
-    """A track pilot: rudder in proportion to what is off, from the rudder that holds the ship.
+    """A track pilot: rudder in proportion to the deviations, added to the rudder of the steady course.
 
     Parameters
     ----------
     y : float or DataArray [m]
         Offset to hold.
     gains : four floats or DataArrays [rad/m, 1, rad s/m, s]
-        Rudder for offset, heading, sway velocity and yaw rate off; positive ones bring the ship back.
+        Rudder per deviation of offset, heading, sway velocity and yaw rate; positive gains bring the ship back.
     rudder : float or DataArray [rad]
-        That holds it there.
+        Rudder angle of the steady course there.
     psi : float or DataArray [rad]
-        Heading that holds it there.
+        Heading of the steady course there.
     v : float or DataArray [m/s]
-        Sway velocity that holds it there.
+        Sway velocity of the steady course there.
 
     Raises
     ------
@@ -281,7 +281,7 @@ class Autopilot(_WithoutMemory):
                 raise InputError(f"an autopilot with {number} steers nothing; give finite numbers")
 
     def parameters(self) -> Mapping[str, Any]:
-        """Return what is held, and the gains."""
+        """Return the steady course and the gains."""
         held = {"held_y": self.y, "held_psi": self.psi, "held_v": self.v, "held_rudder": self.rudder}
         return held | dict(zip(("by_y", "by_psi", "by_v", "by_r"), self.gains, strict=True))
 
@@ -301,7 +301,7 @@ class Autopilot(_WithoutMemory):
 class Ordering:
     """A controller that is a function of time [s] and ``VoyageState``, without a memory."""
 
-    order: Order  # Gives the rudder angle [rad]
+    order: Order  # Returns the rudder angle [rad]
 
     def begin(self) -> Order:
         """Return the function."""
@@ -309,7 +309,7 @@ class Ordering:
 
 
 class Asked(_WithoutMemory):
-    """The law of a controller of Python: its order is a number that is set before each step."""
+    """The law of a controller of Python: its order is a number, set before each step."""
 
     def parameters(self) -> Mapping[str, Any]:
         """Return the order, amidships until the controller gives one."""
@@ -320,22 +320,21 @@ class Asked(_WithoutMemory):
         return {"rudder": at.order}, {}
 
 
-# What a law calls the rudder order that it gave last, where it counts on from it: whatever steers instead of the law
-# keeps it up to date, so that the law takes over without a jump.
+# Name of a law's last rudder order: other controllers keep it up to date, so that the law takes over without a jump.
 LAST_ORDER = "last_order"
 
-# A control law that is switched on, by hand or at a time; until then the rudder stays where it is put.
-# Numbers beside those of the law: the switch, over 0 where it is on; the time; and the angle that is ordered before.
+# A control law that is switched on, by hand or at a time; until then the rudder keeps an ordered angle. Numbers besides
+# those of the law: the switch, over 0 if on; the time; and the angle ordered before.
 STEERS, SINCE, ORDERED = "steers", "since", "ordered"
 
 
 @dataclass(frozen=True)
 class SwitchedLaw:
-    """Any control law, where it is on; where it is not, an angle is ordered, which the law remembers as its last."""
+    """Any control law with a switch; while it is off, an angle is ordered, which the law stores as its last."""
 
-    law: ControlLaw  # What steers where it is on
-    angle: Any = 0.0  # That is ordered where it is not [rad]
-    since: Any = None  # When it is switched on [s]
+    law: ControlLaw  # Law used when it is on
+    angle: Any = 0.0  # Order while it is off [rad]
+    since: Any = None  # Time of switching on [s]
 
     def parameters(self) -> Mapping[str, Any]:
         """Return the law's numbers, the angle, and the switch or the time."""
@@ -355,12 +354,12 @@ class SwitchedLaw:
         return {**orders, "rudder": choice(on, orders["rudder"], at.ordered)}, kept
 
     def _on(self, at: Any) -> Number:
-        """Over 0 where the law steers."""
+        """Return a number over 0 if the law steers."""
         on: Number = at.steers if self.since is None else at.t - at.since + EARLY * at.dt
         return on
 
 
-# An example of each law for a ship of a length [m], by name: docs list them, the tests sail them in every engine.
+# An example of each law for a ship of a length [m], by name: docs list them, the tests run them in every engine.
 CONTROLLERS: dict[str, Callable[[float], ControlLaw]] = {
     "constant": lambda length: ConstantRudder(0.12),
     "schedule": lambda length: RudderSchedule(((0.0, 0.05), (3.005, -0.3), (9.011, 0.2))),

@@ -1,4 +1,4 @@
-"""Where and how a voyage begins: the numbers of its march, and what cannot be a start."""
+"""Initial conditions of a voyage: the inputs of its march, and errors of an impossible start."""
 
 import math
 from collections.abc import Mapping
@@ -49,7 +49,7 @@ def check_positions(positions: Mapping[str, float], ship: SimulatedShip) -> None
             raise InputError(f"a voyage knows no {name!r}, and no actuator of the model is called that{hint}")
 
 
-# What is written here for names that other simulators use.
+# Names of other simulators for the arguments here.
 ELSEWHERE = {
     "duration": ("t_end", "tmax", "t_max", "tend", "T", "time", "t_final", "t_span"), "dt": ("step", "h", "delta_t"),
     "y": ("y0", "offset"), "u": ("u0", "speed", "U"), "x": ("x0",), "psi": ("psi0", "heading"), "v": ("v0",),
@@ -62,7 +62,7 @@ ELSEWHERE = {
 def departure(
     ship: SimulatedShip, steering: Steering | None, numbers: dict[str, float], waterway: "Waterway | None", pushed: bool
 ) -> tuple[March, tuple[float, ...]]:
-    """Return a march and the state that it begins in: every number that its lines ask for."""
+    """Return a march with every input of its lines, and its initial state."""
     values = ship.values(**{name: number for name, number in numbers.items() if name not in POSE})
     channel = _channel(ship, values, waterway, numbers["x"])
     system = ship.system(waterway is not None, steering.law if steering else None, "until" if pushed else "never")
@@ -106,14 +106,14 @@ def _check_afloat(march: March, start: tuple[float, ...]) -> None:
     met = march.cause(event.CLOSED, start)
     if met == event.GROUNDED and (room < 0 or (room == 0 and start[0] != march.channel.start)):
         raise InputError(f"y = {y:g} m starts with the hull {-room:.3g} m into the bank; start nearer the centreline")
-    # The shortest step: in none at all, what moves without a limit would go 0 times infinity.
+    # The shortest step: with none at all, a rate without limit would give 0 times infinity.
     if not all(map(math.isfinite, march.stepped(start, math.ulp(0.0))[0])):
         u, v, r = start[4:7]
         raise InputError(f"the forces of this model are not finite at u = {u:g}, v = {v:g}, r = {r:g}; start otherwise")
 
 
 def check_irrelevant(ship: SimulatedShip, given: Mapping[str, Any]) -> None:
-    """Raise where an argument changes nothing: whoever gives it means something by it."""
+    """Raise if an argument has no effect: the caller expects one."""
     terms = ship.model.terms
     relevant = {*START, *PUSHED, *terms.inputs, *terms.names, "length", "beam", "width", *places_of(terms.actuators)}
     relevant |= {actuator.name for actuator in terms.actuators}
@@ -129,14 +129,14 @@ def check_irrelevant(ship: SimulatedShip, given: Mapping[str, Any]) -> None:
 
 
 class VoyageDefaults(NamedTuple):
-    speed: float  # Within what the tests covered, and below choking [m/s]
+    speed: float  # Within the tested range, and below choking [m/s]
     duration: float  # Longest time [s]
     dt: float  # Time step [s]
-    offset: float  # Farthest off the centreline where a map starts [m]
+    offset: float  # Largest starting offset of a map [m]
 
 
 def voyage_defaults(model: Model, speeds: Any = None) -> VoyageDefaults:
-    """Return what suits the ship of a model in its canal, at speeds where they are given, each to two digits."""
+    """Return defaults for the ship of a model in its canal, at given speeds if any, each to two digits."""
     ship, canal = model.configuration.ship, model.configuration.canal
     given = np.abs(np.asarray([] if speeds is None else speeds, float))
     given = given[(given > 0) & (given < math.inf)]

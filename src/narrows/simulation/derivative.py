@@ -32,7 +32,7 @@ def derivative(
     model : Model
         The ship in its canal.
     state : sequence of six numbers, or mapping of str to number
-        x, y [m], psi [rad], u, v [m/s], r [rad/s]; floats or columns. What a mapping leaves out is 0.
+        x, y [m], psi [rad], u, v [m/s], r [rad/s]; floats or columns. A mapping's missing entries are 0.
     X, Y : number [N]
         External surge and sway force.
     N : number [N m]
@@ -70,14 +70,14 @@ def derivative(
 
 
 def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
-    """Return x, y, psi, u, v, r one step of the engine later: Runge and Kutta's of order 4.
+    """Return x, y, psi, u, v, r one step of the engine later, by the Runge-Kutta method of order 4.
 
     Parameters
     ----------
     model : Model
         The ship in its canal.
     state : sequence of six numbers, or mapping of str to number
-        As for ``derivative``, but floats.
+        As for ``derivative``, but floats only.
     dt : float [s]
         Length of the step.
     **given : Any
@@ -121,22 +121,22 @@ def state_of(state: Any) -> dict[str, Number]:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Jacobian(Shown):
-    """Derivatives of the rates of x, y, psi, u, v, r at a state, exact.
+    """Exact derivatives of the rates of x, y, psi, u, v, r at a state.
 
     Parameters
     ----------
     A : array (6, 6)
-        By the state: SI units of rate over state.
+        Derivatives by the state: SI units of rate over state.
     B : array (6, inputs)
-        By the inputs: forces from outside X, Y [N], N [N m] and positions of actuators.
+        Derivatives by the inputs: external forces X, Y [N], N [N m] and positions of actuators.
     G : array (6, coefficients)
-        By the coefficients of the model.
+        Derivatives by the coefficients of the model.
     states, inputs, coefficients : tuple of str
-        What rows and columns stand for.
+        Names of rows and columns.
     state : mapping of str to float
-        Where: x, y [m], psi [rad], u, v [m/s], r [rad/s].
+        The state: x, y [m], psi [rad], u, v [m/s], r [rad/s].
     notes : tuple of str
-        What is open of the banks.
+        Uncertainties of the bank force.
     """
 
     A: np.ndarray
@@ -154,18 +154,18 @@ class Jacobian(Shown):
         return np.asarray(found[np.argsort(-found.real, kind="stable")])
 
     def summary(self) -> str:
-        """Say where, and how fast what is off grows or dies out."""
+        """Describe the state and the growth rates of deviations from it."""
         where = ", ".join(f"{name} = {float(value):.3g}" for name, value in self.state.items() if value)
         return f"Motion about {where or 'rest'}: the largest growth rate is {self.poles()[0].real:.3g} 1/s."
 
     def to_dict(self) -> dict[str, Any]:
-        """Give the matrices and their names."""
+        """Return the matrices and their names."""
         poles = [[float(pole.real), float(pole.imag)] for pole in self.poles()]
         names = {name: getattr(self, name) for name in ("state", "states", "inputs", "coefficients", "A", "B", "G")}
         return {**names, "poles": poles, "summary": self.summary(), "notes": list(self.notes)}
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give A and B side by side: a row a rate, a column a state or an input."""
+        """Return A and B side by side: one row per rate, one column per state or input."""
         import pandas as pd
 
         rows = pd.Index([f"d{name}/dt" for name in self.states], name="rate")
@@ -177,9 +177,9 @@ def jacobian(
     X: float = 0.0, Y: float = 0.0, N: float = 0.0, surge: Surge = "held", surge_inertia: float | None = None,
     coriolis: bool = False, **positions: float,
 ) -> Jacobian:  # fmt: skip
-    """Differentiate the motion of the free ship at a state, exactly.
+    """Differentiate the motion of the free ship exactly at a state.
 
-    Small changes of state, inputs and coefficients change the rates by A, B and G times them.
+    A, B and G are the derivatives of the rates by state, inputs and coefficients.
 
     Parameters
     ----------
@@ -213,7 +213,7 @@ def jacobian(
     Returns
     -------
     Jacobian
-        With ``A``, ``B``, ``G`` and what their rows and columns stand for.
+        ``A``, ``B``, ``G`` with the names of their rows and columns.
 
     Raises
     ------

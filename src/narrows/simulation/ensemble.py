@@ -45,16 +45,16 @@ def ensemble(
     controller: Any = None, workers: int | None = None, progress: bool = False, store: str | Path | None = None,
     client: Any = None, bottom: bool = True, **vary: Any,
 ) -> Fleet:  # fmt: skip
-    """Simulate a voyage for every combination of what varies.
+    """Simulate a voyage for every combination of the varied quantities.
 
     Parameters
     ----------
     model : Model
-        Gives whatever does not vary.
+        The model, which gives the fixed quantities.
     duration : float [s], optional
-        Longest time of a voyage: that of 15 ship lengths at the lowest speed unless given.
+        Longest duration of a voyage; default: the time of 15 ship lengths at the lowest speed.
     dt : float [s], optional
-        Step of the Runge-Kutta method: a 200th of the time of a ship length at the highest speed unless given.
+        Runge-Kutta step; default: a 200th of the time of a ship length at the highest speed.
     samples : int
         Number of coefficient samples from the fit's covariance: a dimension ``sample``.
     seed : int
@@ -74,13 +74,13 @@ def ensemble(
     controller : ControlLaw, optional
         A law in arithmetic that gives orders each step; its numbers may be DataArrays.
     workers : int, optional
-        Threads; all cores unless given. The answer does not depend on it.
+        Threads; all cores unless given. The result does not depend on it.
     progress : bool
         Show a bar on stderr.
     store : str or Path, optional
-        Zarr folder to write to block by block; a run that was stopped goes on from there.
+        Zarr folder for output block by block; an interrupted run continues from there.
     client : dask.distributed.Client, optional
-        Run on a cluster, with ``store`` where all its workers can reach it.
+        Run on a cluster, with a ``store`` that all its workers can reach.
     bottom : bool
         End voyages where the ship touches the bottom or chokes the section, as in ``simulate``.
     **vary : number, sequence or DataArray
@@ -92,8 +92,9 @@ def ensemble(
     Returns
     -------
     Fleet
-        An xarray Dataset whose ``plot()`` draws the map: outcome, grounded, side, time [s], distance [m] and the
-        state at the end, over the dimensions of what varies. Interrupted, it holds what is done, and ``complete`` is 0.
+        An xarray Dataset whose ``plot()`` draws the map: outcome, grounded, side, time [s], distance [m] and the state
+        at the end, over the varied dimensions. After an interruption it holds the finished voyages, and ``complete`` is
+        0.
 
     Raises
     ------
@@ -120,7 +121,7 @@ def ensemble(
         from narrows.simulation.store import run_into
 
         voyages = run_into(path_of("store", store), run, grid, client, progress)
-    elif client is not None:  # One that is none is refused here too.
+    elif client is not None:  # An object that is no client is refused here too
         raise InputError("a cluster needs a store that its workers can reach: give store='fleet.zarr'")
     else:
         kept, complete = _run_here(run, grid, workers, progress)
@@ -162,14 +163,14 @@ def notes_of(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]
     model = run.ship.model
     varied = any(grid.values[term.name].dims for term in model.terms.terms if term.kind == TermKind.BANK)
     bank = () if run.ship.shape == OPEN or (varied and not model.feels_bank) else model.bank_notes
-    coarse = _coarse(run, grid, voyages) if voyages.attrs["complete"] else ()  # Who interrupts wants no more sailed.
+    coarse = _coarse(run, grid, voyages) if voyages.attrs["complete"] else ()  # After an interruption simulate no more
     share = float((voyages["outcome"] == Code.DIVERGED).mean())
     lost = f"The motion diverged in {share:.1%} of these voyages: shorten the time step or look at the coefficients."
     return (*bank, *coarse, *((lost,) if share else ()), *_beyond(run, grid, voyages))
 
 
 def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
-    """A sample retaken at half the step, and the share of it that changed."""
+    """Repeat a sample at half the step, and return the share that changed."""
     places = np.unique(np.linspace(0, grid.vessels - 1, STEP_CHECK_VOYAGES).round().astype(int))
     first = {name: _picked(voyages[name], grid, places) for name in ("outcome", "side", "distance", "y_end")}
     values = {name: _picked(value, grid, places) for name, value in grid.values.items()}
@@ -187,7 +188,7 @@ def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
 
 
 def _picked(value: xr.DataArray, grid: Grid, places: np.ndarray) -> Any:
-    """A value at some vessels; one number where it does not vary."""
+    """Return a value at some vessels; one number if it does not vary."""
     if not value.dims:
         return float(value)
     index = dict(zip(grid.sizes, np.unravel_index(places, tuple(grid.sizes.values())), strict=True))
@@ -196,7 +197,7 @@ def _picked(value: xr.DataArray, grid: Grid, places: np.ndarray) -> Any:
 
 
 def _beyond(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> Iterator[str]:
-    """Say what share of the voyages begin or end beyond the data of their model."""
+    """Return the share of voyages that begin or end outside the tested range."""
     start, ship, every = grid.values, {**run.ship.values(), **grid.values}, xr.zeros_like(voyages["outcome"], bool)
     end = {"x": start["x"] + voyages["distance"], **{name: voyages[f"{name}_end"] for name in ("y", "psi", "u", "r")}}
     channel = None if run.waterway is None else run.channel({})

@@ -1,4 +1,4 @@
-"""Voyages of many ships: an xarray Dataset that draws itself as a map."""
+"""Voyages of many ships: an xarray Dataset with a map plot."""
 
 from typing import TYPE_CHECKING, Any
 
@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
 
 class Fleet(xr.Dataset):  # type: ignore[misc]
-    """What ``ensemble`` returns: an xarray Dataset whose ``plot()`` draws where the ships ground.
+    """The result of ``ensemble``: an xarray Dataset whose ``plot()`` draws where the ships ground.
 
-    ``plot.scatter`` and the like are xarray's. A part of it (``isel``, ``where``) is a fleet that no longer knows its
-    model: its map has no title, and all of it is marked as not tested.
+    ``plot.scatter`` and the like are xarray's. A part of it (``isel``, ``where``) is a fleet without its model: its map
+    has no title, and all of it is marked as untested.
     """
 
     __slots__ = ("_model", "_waterway")
@@ -29,11 +29,11 @@ class Fleet(xr.Dataset):  # type: ignore[misc]
         Parameters
         ----------
         voyages : xarray.Dataset
-            One entry a voyage.
+            One entry per voyage.
         model : Model
-            Whose ship it is, and what its tests covered.
+            The ship and its tested range.
         waterway : Waterway, optional
-            Where they were instead of the model's own canal.
+            Waterway instead of the model's own canal.
         """
         fleet = cls(voyages.data_vars, coords=voyages.coords, attrs=voyages.attrs)
         fleet._model, fleet._waterway = model, waterway

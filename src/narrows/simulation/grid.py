@@ -1,4 +1,4 @@
-"""What varies over an ensemble: every argument with its own named dimensions, cut into blocks that fit in memory."""
+"""The varied quantities of an ensemble: named dimensions for each, split into blocks that fit in memory."""
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -20,7 +20,7 @@ from narrows.terms.term import TermTable
 
 @dataclass(frozen=True)
 class Grid:
-    """Everything that may vary from vessel to vessel, by name, each with its own dimensions."""
+    """Quantities that may vary from vessel to vessel, by name, each with its own dimensions."""
 
     values: Mapping[str, xr.DataArray]  # Start, inputs, particulars and coefficients
     sizes: Mapping[str, int]  # Length of each dimension
@@ -35,7 +35,7 @@ class Grid:
         return max(self.sizes, key=lambda name: self.sizes[name])
 
     def blocks(self, vessels: int) -> Iterator[slice]:
-        """Yield slices of the longest dimension, of about so many vessels each."""
+        """Yield slices of the longest dimension, of about this many vessels each."""
         rows = max(1, round(vessels * self.sizes[self.axis] / self.vessels))
         for start in range(0, self.sizes[self.axis], rows):
             yield slice(start, min(start + rows, self.sizes[self.axis]))
@@ -45,12 +45,12 @@ class Grid:
         return tuple(block if name == self.axis else slice(None) for name in self.sizes)
 
     def part(self, block: slice) -> "Grid":
-        """Return one block as a grid of its own, to send elsewhere."""
+        """Return one block as a separate grid, for another process."""
         values = {n: v.isel({self.axis: block}) if self.axis in v.dims else v for n, v in self.values.items()}
         return Grid(values, {**self.sizes, self.axis: block.stop - block.start})
 
     def flat(self, block: slice) -> tuple[dict[str, np.ndarray | float], tuple[int, ...]]:
-        """Return every value over one block of vessels: one number, or one a vessel, and the block's shape."""
+        """Return every value over one block of vessels: one number, or one per vessel, and the block's shape."""
         shape = tuple(len(range(*block.indices(n))) if name == self.axis else n for name, n in self.sizes.items())
         return {name: self._flat(value, block, shape) for name, value in self.values.items()}, shape
 
@@ -101,12 +101,12 @@ def with_values(grid: Grid, more: Mapping[str, Any]) -> Grid:
 
 Columns = Mapping[str, xr.DataArray]
 
-# Names of what comes out.
+# Names of the results.
 TAKEN = ("outcome", "side", "time", "distance", "y_end", "psi_end", "u_end", "v_end", "r_end", "block")
 
 
 def file_places(actuators: Iterable[Actuator]) -> dict[str, str]:
-    """Return where a ship file gives each particular, whose rules ensembles keep too."""
+    """Return the place of each particular in a ship file, whose limits ensembles share."""
     return {name: place_of(name) for name in PARTICULARS} | places_of((*STANDARD, *actuators))
 
 
@@ -137,7 +137,7 @@ def _from_plain(name: str, value: Any) -> xr.DataArray:
 
 
 def _floats(name: str, values: np.ndarray) -> np.ndarray:
-    """Numbers as floats; objects one by one, but nothing complex, no words and no dates."""
+    """Return floats; objects one by one, but no complex numbers, words or dates."""
     try:
         if values.dtype.kind in "iufO":
             return values.astype(float)
@@ -155,9 +155,9 @@ def sizes_of(values: Columns) -> dict[str, int]:
 
 
 def constrained(terms: TermTable, varied: Columns) -> dict[str, xr.DataArray]:
-    """Return what varies with the partners of each tied coefficient, which are the same number."""
+    """Return the values with the partners of each tied coefficient, which are the same number."""
     complete = dict(varied)
-    for _ in terms.ties:  # A tie may lead to the next.
+    for _ in terms.ties:  # A tie may lead to the next
         for one, other in terms.ties:
             if one in complete and other in complete and not complete[one].variable.equals(complete[other].variable):
                 raise InputError(f"{one} and {other} are one coefficient of these terms; give one of them, not both")
@@ -193,18 +193,18 @@ def sampled(model: Model, samples: int, seed: int) -> dict[str, xr.DataArray]:
 
 
 def correlated(covariance: np.ndarray, samples: int, seed: int | Sequence[int]) -> np.ndarray:
-    """Draw normal errors, by the correlations: coefficients of a ship differ in size by many powers of ten."""
+    """Draw correlated normal errors; correlations avoid coefficients that differ by many powers of ten."""
     size = np.sqrt(np.diag(covariance))
     scale = np.where(size > 0, size, 1.0)
     share, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
     normal = np.random.default_rng(seed).standard_normal((samples, len(size)))
-    # By the symmetric root, which no rounding of another processor turns into other axes.
+    # The symmetric root does not depend on the axes, which rounding on another processor may change.
     return np.asarray(((normal @ axes) * np.sqrt(np.maximum(share, 0.0))) @ axes.T * size)
 
 
 def _within(sample: np.ndarray, covariance: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Bring samples back to their bounds; what is correlated with a coefficient that moves, moves along."""
-    for _ in range(3):  # What moves along may leave its own bounds in turn.
+    """Clip samples to their bounds; correlated coefficients move with the clipped one."""
+    for _ in range(3):  # Those may leave their own bounds in turn
         for k in np.flatnonzero(np.diag(covariance) > 0):
             shift = np.clip(sample[:, k], low[k], high[k]) - sample[:, k]
             if shift.any():

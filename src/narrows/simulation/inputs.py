@@ -1,4 +1,4 @@
-"""What drives the ship beside the water: constant or scheduled surge force, sway force and yaw moment."""
+"""External inputs of the ship: constant or scheduled surge force, sway force and yaw moment."""
 
 import math
 from collections.abc import Sequence
@@ -12,19 +12,19 @@ from narrows.quantities.names import Number
 from narrows.ship.checks import LARGEST
 from narrows.simulation.settings import MOST_EXTENT, MOST_IN_MEMORY, MOST_POINTS, MOST_STORED, MOST_WORKERS
 
-# State at the start, and what it is unless said otherwise.
+# Default state at the start.
 START = {"x": 0.0, "y": 0.0, "psi": 0.0, "u": 1.0, "v": 0.0, "r": 0.0}
 
 # Constant surge force, sway force and yaw moment.
 INPUTS = {"X": 0.0, "Y": 0.0, "N": 0.0}
 
-# Sinkage and rudder angle, held through a voyage.
+# Sinkage and rudder angle, constant through a voyage.
 STEADY = {"heave": 0.0, "rudder": 0.0}
 
-# What of the hull meets a bank, where it is no outline.
+# Hull points that meet a bank, unless an outline is given.
 Contact = Literal["corners", "midship", "none"]
 
-# Of a lane.
+# Floating-point format of a lane.
 Precision = Literal["float64", "float32"]
 
 # A constant, or pairs of (time [s], value): each value holds from its time until the next, and 0 before the first.
@@ -38,7 +38,7 @@ class Segment(NamedTuple):
 
 
 def segments_of(X: Schedule, Y: Schedule, N: Schedule, stop: float) -> list[Segment]:
-    """Cut a voyage where its inputs jump, so that no step reaches over a jump."""
+    """Split a voyage where its inputs jump, so that no step crosses a jump."""
     tables = [_table(name, schedule) for name, schedule in (("X", X), ("Y", Y), ("N", N))]
     jumps = sorted({0.0, *(t for times, _ in tables for t in times.tolist() if 0 < t < stop)})
     return [
@@ -74,7 +74,7 @@ def finite_numbers(**values: object) -> dict[str, float]:
 
 def _finite(name: str, value: Any) -> float:
     try:
-        # Words and truth values turn into floats too.
+        # Words and truth values would turn into floats too.
         number = math.nan if np.asarray(value).dtype.kind not in "iufO" or np.ndim(value) else float(value)
     except (TypeError, ValueError, OverflowError):
         number = math.nan
@@ -92,7 +92,7 @@ def check_steps(duration: object, dt: object, most: float) -> tuple[float, float
     longest, step = _finite("duration", duration), _finite("dt", dt)
     steps = longest / step
     if steps > most:
-        took = f"{steps * 1e-8:.2g} s" if steps < math.inf else "for ever"  # A step takes 10 ns at best.
+        took = f"{steps * 1e-8:.2g} s" if steps < math.inf else "for ever"  # A step takes at least 10 ns
         raise InputError(
             f"duration = {longest:g} s in steps of dt = {step:g} s is {steps:.3g} steps, {took} at best, and more than "
             f"{most:.0g} are refused; lengthen dt or shorten the duration"
@@ -162,6 +162,6 @@ def check_vessels(vessels: int, stored: bool) -> None:
 
 
 def counted_heading(cosine: Number, sine: Number, near: Number) -> np.ndarray:
-    """Return the angle of a cosine and a sine that is nearest to another, which counts whole turns [rad]."""
+    """Return the angle of a cosine and a sine that is nearest to another angle with whole turns [rad]."""
     angle = np.arctan2(sine, cosine)
     return np.asarray(angle + 2 * np.pi * np.round((near - angle) / (2 * np.pi)))

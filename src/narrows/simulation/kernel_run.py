@@ -1,4 +1,4 @@
-"""Many voyages of one model at once: numbers and columns by name in, columns of ends out."""
+"""Many voyages of one model at once: inputs as numbers and columns by name, results as columns."""
 
 import hashlib
 import logging
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 PUSH_END = "push_end"
 
-# What is kept of each voyage, and as what.
+# Stored results of each voyage, and their types.
 OUTPUTS: dict[str, type] = {
     "outcome": np.int8, "side": np.int8, "time": np.float64, "distance": np.float64,
     **{f"{name}_end": np.float64 for name in ("y", "psi", "u", "v", "r")},
@@ -40,21 +40,21 @@ OUTPUTS: dict[str, type] = {
 Result = dict[str, np.ndarray]
 
 
-COSINE = 2  # its place among what is kept of the state
+COSINE = 2  # index of the cosine in the state
 
 
 @dataclass
 class ColumnRun:
-    """Vessels laid out in columns; calling it sails them all, from ``start`` as it then stands."""
+    """Vessels in columns; a call integrates them all from the current ``start``."""
 
-    # Without a compiler, as in a browser, all vessels take a step at once. A vessel that met something or whose numbers
-    # are no longer sane takes that step again alone, as in a single voyage.
+    # Without a compiler, as in a browser, all vessels take a step at once. A vessel that met an end or has unphysical
+    # numbers repeats that step alone, as in a single voyage.
 
-    system: System  # Gives the lines
-    inputs: Mapping[str, Any]  # (n,) Everything that its step asks for, by name
-    start: np.ndarray  # (n, kept) What is kept from step to step, at the start
+    system: System  # The traced system
+    inputs: Mapping[str, Any]  # (n,) Inputs of its step, by name
+    start: np.ndarray  # (n, kept) State at the start
     times: np.ndarray  # (n, 3) Length of a step, whole steps, length of the last and shorter one [s]
-    channel: Channel  # Where they sail
+    channel: Channel  # The water
     end: np.ndarray = field(init=False)
     time: np.ndarray = field(init=False)
     codes: np.ndarray = field(init=False)
@@ -65,11 +65,11 @@ class ColumnRun:
 
     @property
     def kernel(self) -> SimpleNamespace:
-        """What a caller asks of a kernel: what is kept."""
+        """Names of the kernel's interface: what is kept."""
         return SimpleNamespace(KEPT_NAMES=self.system.choices.kept)
 
     def __call__(self) -> int:
-        """Sail every vessel, and return the steps that it took."""
+        """Integrate every vessel, and return the number of steps."""
         self.end, self.time, taken = self.start.copy(), np.zeros(len(self.start)), 0
         under_way = np.arange(len(self.start))
         step, count, rest = self.times.T
@@ -117,7 +117,7 @@ class ColumnRun:
         return whole[vessels]
 
     def _judged(self, vessel: int, length: float) -> bool:
-        """Sail one step of one vessel as a voyage does, and return whether it sails on."""
+        """Take one step of one vessel as in a single voyage, and return whether it continues."""
         march = self._march(vessel)
         begun = tuple(self.end[vessel].tolist())
         room, lean = march.room(begun)
@@ -147,10 +147,10 @@ class ColumnRun:
 @dataclass(frozen=True)
 class KernelRun:
     ship: SimulatedShip  # The model and the choices of simulation
-    duration: Any  # Longest time [s]
+    duration: Any  # Longest duration [s]
     dt: Any  # Step [s]
     precision: str = "float64"  # ``float64`` or ``float32``
-    steering: Steering | None = None  # What steers; its numbers that vary are among the values of a run
+    steering: Steering | None = None  # Control law; its numbers that vary are among the values of a run
     waterway: "Waterway | None" = None  # Waterway instead of the model's own canal
     bend: Channel | None = None  # Bend of constant curvature instead of either
 
@@ -164,7 +164,7 @@ class KernelRun:
             )
 
     def run(self, values: Mapping[str, Any], vessels: int, workers: int | None = None) -> Result:
-        """Run voyages; in columns of NumPy, in double precision, where there is no Numba."""
+        """Run voyages; without Numba in columns of NumPy, in double precision."""
         columns = lacks_compiler()
         if columns and vessels > 1:
             install = installing(libraries_of("compiled") or ["numba"])
@@ -175,7 +175,7 @@ class KernelRun:
         return {name: ended[name] for name in OUTPUTS}
 
     def ended(self, prepared: PreparedRun | ColumnRun, values: Mapping[str, Any]) -> Result:
-        """Return how voyages ended: ``OUTPUTS``, positions of actuators and the controller's memory at the end."""
+        """Return the ends of voyages: ``OUTPUTS``, positions of actuators and the controller's memory."""
         names = prepared.kernel.KEPT_NAMES
         ends = dict(zip(names, np.asarray(prepared.end, float).T, strict=True))
         ends["psi"] = counted_heading(ends["cos_psi"], ends["sin_psi"], ends.pop(COUNTED, values["psi"]))
@@ -210,7 +210,7 @@ class KernelRun:
         return step_counts(*(np.broadcast_to(np.asarray(time, float), vessels) for time in (self.dt, self.duration)))
 
     def _system(self, values: Mapping[str, Any]) -> System:
-        # Forces from outside cost a little in each step, so they go in only where there are any.
+        # External forces cost a little in each step, so they are compiled only if there are any.
         pushed: Pushed = "never"
         if PUSH_END in values:
             pushed = "until"
@@ -232,7 +232,7 @@ class KernelRun:
         return {**ship, **system.constants(ship), **channel.inputs, **law}, channel
 
     def channel(self, values: Mapping[str, Any]) -> Channel:
-        """Return where the ships sail; the values are those of ships in a straight canal."""
+        """Return the water; the values are those of ships in a straight canal."""
         if self.bend is not None:
             return self.bend
         if self.waterway is None:
@@ -244,7 +244,7 @@ class KernelRun:
         state = {name: values[name] for name in START if name != "psi"}
         state |= {"t": 0.0, "cos_psi": np.cos(psi), "sin_psi": np.sin(psi), COUNTED: psi}
         if self.precision == "float32":
-            state["x"] = 0.0  # a place far along the canal has no room for the distance in single precision
+            state["x"] = 0.0  # single precision cannot add small distances to a large x
         here = {**self.ship.values(), **values}
         state |= {actuator.name: here.get(actuator.name, 0.0) for actuator in self.ship.actuators}
         state |= stages_at(self.ship.actuators, state.__getitem__)
@@ -252,7 +252,7 @@ class KernelRun:
 
     @property
     def text(self) -> str:
-        """What distinguishes this run from others, apart from the values that vary."""
+        """Identifier of this run, apart from the values that vary."""
         law = self.steering.law.tape.text if self.steering else ""
         options = (self.duration, self.dt, self.precision, self.ship.surge, self.ship.coriolis, self.ship.contact,
             self.ship.bottom)  # fmt: skip

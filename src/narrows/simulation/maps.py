@@ -1,4 +1,4 @@
-"""What a map of voyages says: how far to the grounding, on which side, and how likely within a distance."""
+"""Results of a map of voyages: distance to the grounding, its side, and its probability within a distance."""
 
 from typing import Any
 
@@ -10,7 +10,7 @@ from narrows.simulation.outcome import Code
 
 
 def grounding_distance(voyages: xr.Dataset) -> xr.DataArray:
-    """Return the distance along the canal to the grounding [m], NaN where there is none.
+    """Return the distance along the canal to the grounding [m], NaN if there is none.
 
     Parameters
     ----------
@@ -24,7 +24,7 @@ def grounding_distance(voyages: xr.Dataset) -> xr.DataArray:
 def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sample") -> xr.DataArray:
     """Return the share of samples that ground within a distance [1].
 
-    It is not known (NaN) where a voyage ended otherwise before it came so far: its time ran out, it diverged, turned
+    It is unknown (NaN) if a voyage ended before that distance in another way: its time ran out, it diverged, turned
     across the canal or left the waterway.
 
     Parameters
@@ -32,7 +32,7 @@ def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sam
     voyages : Dataset
         From ``ensemble`` with ``samples``.
     distance : float [m]
-        Along the canal.
+        Distance along the canal.
     over : str
         The dimension of the samples.
 

@@ -1,4 +1,4 @@
-"""One voyage marched in Python, step by step of the engine's own lines, a controller asked before each."""
+"""One voyage in Python, step by step with the engine's own lines; the controller is called before each."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -15,43 +15,43 @@ from narrows.simulation.outcome import Code
 from narrows.simulation.settings import CONTACT_CLOSENESS, CONTACT_TOLERANCE, NEAR_THE_BANK, STEP_CHECK_STEPS
 from narrows.simulation.steering import PARAMETER
 
-# What is kept from step to step, as ``Choices.kept`` orders it: x, y, cos psi, sin psi, u, v, r first.
+# State from step to step, in the order of ``Choices.kept``: x, y, cos psi, sin psi, u, v, r first.
 State = tuple[float, ...]
 
 
 class Row(NamedTuple):
-    t: float  # When [s]
-    state: State  # What is kept from step to step
+    t: float  # Time [s]
+    state: State  # State from step to step
     ahead: float = 0.0  # Length of the step that begins here [s]
-    order: float = 0.0  # What a controller of Python asks for in it [rad]
-    whole: bool = True  # Not within a step that was cut short, where a contact is located
+    order: float = 0.0  # Order of a controller of Python in it [rad]
+    whole: bool = True  # False within a step that was cut short, where a contact is located
 
 
 class End(NamedTuple):
-    outcome: int  # As ``event`` says
-    lean: float  # How much more room there is to port than to starboard [m]
+    outcome: int  # Outcome code of ``event``
+    lean: float  # Clearance to port minus clearance to starboard [m]
 
 
 class StepAttempt(NamedTuple):
-    row: Row  # Where it began
-    after: State  # The state where it ended
-    room: float  # There [m]
-    lean: float  # There [m]
-    sane: bool  # Whether that is a state of a ship
-    before: float  # The room where it began [m]
+    row: Row  # Start of the step
+    after: State  # State at its end
+    room: float  # Clearance there [m]
+    lean: float  # Side there [m]
+    sane: bool  # True if that state is physical
+    before: float  # Clearance at its start [m]
     left: float  # Planned steps after it
 
 
 @dataclass
 class March:
-    """A ship on its way: the lines of its step, and every number that they ask for."""
+    """A ship under way: the lines of its step, and their inputs."""
 
-    functions: SimpleNamespace  # Of the system, for floats
-    choices: Choices  # What a step holds
-    inputs: Mapping[str, float]  # Everything that the lines ask for
-    channel: Channel  # Where it sails
-    near: float  # So near a bank a motion that runs away has met it [m]
-    order: Order | None = None  # Of a controller of Python
+    functions: SimpleNamespace  # Functions of the system, for floats
+    choices: Choices  # Choices of a step
+    inputs: Mapping[str, float]  # Inputs of the lines
+    channel: Channel  # The water
+    near: float  # Distance at which a diverging motion counts as contact [m]
+    order: Order | None = None  # Order of a controller of Python
     _step_inputs: list[float] = field(init=False)
     _asked: float = field(init=False, default=math.nan)
 
@@ -74,17 +74,17 @@ class March:
                 self._step_inputs[self._names.index(name)] = value
 
     def stepped(self, state: State, length: float, share: float = 1.0) -> tuple[State, float, float]:
-        """Return the state after a step or a share of it, its room and its lean [m]."""
+        """Return the state after a step or a share of it, its clearance and its side [m]."""
         inputs = self._step_inputs
         inputs[self._length], inputs[self._share] = length, share
         try:
             *after, room, lean = self.functions.step(self._table, *state, *inputs)
-        except (ZeroDivisionError, OverflowError, ValueError):  # Compiled arithmetic gives infinity or NaN here.
+        except (ZeroDivisionError, OverflowError, ValueError):  # Compiled arithmetic gives infinity or NaN here
             return (math.nan,) * self._count, math.nan, 0.0
         return tuple(after), room, lean
 
     def room(self, state: State, exact: bool = True) -> tuple[float, float]:
-        """Return what is left to whatever ends the voyage, and the lean [m]."""
+        """Return the smallest margin to an end of the voyage, and the side [m]."""
         room, lean = self.functions.room(self._table, *state[:5], *self._room_inputs)
         return self._from_banks(state) if exact and self._exact and room <= 0 else (room, lean)
 
@@ -107,7 +107,7 @@ class March:
         return min(room, *self._ends(state)), lean
 
     def sane(self, state: State, room: float) -> bool:
-        """Whether the numbers of a state are those of a ship; drawn to a bank that ends its voyage any speed is."""
+        """Return whether a state is physical; a ship drawn to a bank that ends its voyage may have any speed."""
         if self.choices.leaves and room <= self.near:
             return True
         u, v, r = state[4:7]
@@ -115,7 +115,7 @@ class March:
         return abs(u) < fast and abs(v) < fast and abs(r) < turning and room == room
 
     def sail(self, rows: list[Row], stop: float, dt: float) -> End | None:
-        """March from the last row to a time, or to what ends the voyage before; None where the time was reached."""
+        """Integrate to a time, or to an earlier end of the voyage; return None if the time was reached."""
         begun, state, *_ = rows.pop()
         book, within = planned(stop - begun, dt), False
         while book[event.COUNT] > 0:
@@ -140,7 +140,7 @@ class March:
         return None
 
     def _tried(self, rows: list[Row], row: Row, book: event.StepState) -> StepAttempt:
-        """Sail equal steps for as long as they are clear, and return the one that is to be judged."""
+        """Take equal steps while they are clear, and return the first that needs a decision."""
         trying, length, left = book[event.TRIES] > 0, book[event.NEXT], book[event.COUNT] - 1
         begun, state, leaves, done = row.t, row.state, self.choices.leaves, 0
         before = self.room(state, exact=False)[0]
@@ -168,7 +168,7 @@ class March:
         self._step_inputs[self._order] = float(self.order(t, seen))
 
     def dense(self, rows: Sequence[Row], times: Sequence[float]) -> list[Row]:
-        """Return the voyage at times of one's own, each by a share of the step that it lies in."""
+        """Return the voyage at requested times, each by a share of its step."""
         interpolated, index = [], 0
         for time in times:
             while index < len(rows) - 1 and rows[index + 1].t <= time:
@@ -183,7 +183,7 @@ class March:
 
 
 def planned(duration: float, dt: float) -> event.StepState:
-    """Return the book of a voyage of whole steps and a last, shorter one."""
+    """Return the plan of a voyage of whole steps and a last, shorter one."""
     count = math.floor(duration / dt + 1e-9)
     rest = duration - count * dt
     book = [0.0] * event.PLACES
@@ -192,14 +192,14 @@ def planned(duration: float, dt: float) -> event.StepState:
 
 
 def near_the_bank(values: Mapping[str, Any]) -> float:
-    """Return how near a bank a motion that runs away has met it [m]."""
+    """Return the distance at which a diverging motion counts as contact [m]."""
     return NEAR_THE_BANK * float(values["width"])
 
 
 def track_error(march: March, rows: Sequence[Row], dt: float) -> float:
-    """Estimate how far off a voyage's track is at its end for the length of its time step [m]."""
-    # Richardson: some steps are taken again in two halves with the rudder held. Their errors add up over the voyage;
-    # what the motion itself makes of an error is left out.
+    """Estimate the error of a voyage's final position due to its time step [m]."""
+    # Richardson extrapolation: some steps are repeated in two halves with the rudder held. Their errors add up over the
+    # voyage; growth of an error by the motion itself is ignored.
     march.set(rudder_rate=0.0, revolutions_rate=0.0)
     whole = [row.state for row in rows[:-1] if row.ahead == dt]
     errors = [_step_error(march, state, dt) for state in whole[:: max(1, len(whole) // STEP_CHECK_STEPS)]]
@@ -209,5 +209,5 @@ def track_error(march: March, rows: Sequence[Row], dt: float) -> float:
 def _step_error(march: March, state: tuple[float, ...], dt: float) -> float:
     whole = march.stepped(state, dt)[0]
     halves = march.stepped(march.stepped(state, dt / 2)[0], dt / 2)[0]
-    # A step of order 4 errs by 16/15 of its difference from two halves.
+    # The error of a step of order 4 is 16/15 of its difference from two halves.
     return 16 / 15 * math.hypot(whole[0] - halves[0], whole[1] - halves[1])

@@ -12,7 +12,7 @@ import numpy as np
 
 
 class Code(IntEnum):
-    """How a voyage ended, as compiled results and data files have it."""
+    """Outcome of a voyage as a code in compiled results and data files."""
 
     AFLOAT = 0
     GROUNDED = 1
@@ -28,7 +28,7 @@ GROUNDED, AFLOAT, LEFT_VALIDITY, DIVERGED, LEFT_WATERWAY, TOUCHED, CHOKED = (
     "grounded", "afloat", "left validity", "diverged", "left the waterway", "touched bottom", "choked",
 )  # fmt: skip
 
-# What the codes mean; a waterway is left by its beginning or by its end.
+# Meaning of the codes; a waterway is left by its beginning or by its end.
 KINDS = {
     Code.AFLOAT: AFLOAT, Code.GROUNDED: GROUNDED, Code.DIVERGED: DIVERGED, Code.OUTSIDE: LEFT_VALIDITY,
     Code.ASTERN: LEFT_WATERWAY, Code.PASSED: LEFT_WATERWAY,
@@ -36,9 +36,9 @@ KINDS = {
 }  # fmt: skip
 
 BEGINNING, END = "beginning", "end"
-# The way that a voyage leaves a waterway by.
+# End of the waterway by which a voyage leaves it.
 WAYS = {Code.ASTERN: BEGINNING, Code.PASSED: END}
-# Sides of a ship that a bank or the bottom meets, by the sign in the column ``side``.
+# Side of the ship that meets a bank or the bottom, by the sign in the column ``side``.
 SIDES = {Code.GROUNDED: {1: "starboard", -1: "port"}, Code.TOUCHED: {1: "bow", -1: "stern"}}
 
 
@@ -52,17 +52,17 @@ class Outcome:
         ``grounded``, ``afloat``, ``left validity``, ``diverged``, ``left the waterway``, ``touched bottom`` or
         ``choked``.
     time : float [s]
-        When.
+        Time of the end.
     distance : float [m]
-        How far along the canal from the start.
+        Distance along the canal from the start.
     side : str, optional
-        ``starboard`` or ``port`` where it grounded; ``bow`` or ``stern`` where it touched bottom; ``beginning``
-        or ``end`` where it left the waterway.
+        ``starboard`` or ``port`` if it grounded; ``bow`` or ``stern`` if it touched bottom; ``beginning`` or ``end`` if
+        it left the waterway.
     state : dict of str to float
         x, y [m], psi [rad], u, v [m/s], r [rad/s] at that moment.
     notes : tuple of str
-        In what it left the ranges that the model's data covered (the voyage went on); by how much the track is off
-        where the time step was too long for it.
+        Quantities in which it left the tested range of the model (the voyage continued); the track's error if the time
+        step was too long.
     lengths : float [1]
         The distance in ship lengths.
     """
@@ -82,7 +82,7 @@ class Outcome:
 
     @property
     def ending(self) -> str:
-        """How it ended, in words."""
+        """The end in words."""
         where = f"after {self.time:.2f} s and {self.distance:.2f} m along the canal"
         heading = math.degrees(self.state["psi"])
         return {
@@ -123,12 +123,12 @@ class Track:
     t: np.ndarray  # (times,) Time [s]
     longitude: np.ndarray  # (times,) WGS84 [deg]
     latitude: np.ndarray  # (times,) WGS84 [deg]
-    heading_deg: np.ndarray  # (times,) Where the bow points, clockwise from north [deg]
-    name: str  # Of the ship
-    summary: str  # How it ended
+    heading_deg: np.ndarray  # (times,) Direction of the bow, clockwise from north [deg]
+    name: str  # Name of the ship
+    summary: str  # The end in words
 
     def geojson(self) -> str:
-        """Give the track as a LineString with its times and headings, and its end as a Point."""
+        """Return the track as a LineString with its times and headings, and its end as a Point."""
         line = {"type": "LineString", "coordinates": self._points()}
         times = {"t": self.t.round(3).tolist(), "heading_deg": self.heading_deg.round(3).tolist()}
         features = [
@@ -138,7 +138,7 @@ class Track:
         return json.dumps({"type": "FeatureCollection", "features": features}, indent=1)
 
     def kml(self) -> str:
-        """Give the track as a line and its end as a mark."""
+        """Return the track as a line and its end as a mark."""
         root = ElementTree.Element("kml", xmlns=KML)
         document = ElementTree.SubElement(root, "Document")
         points = [f"{longitude},{latitude}" for longitude, latitude in self._points()]

@@ -1,4 +1,4 @@
-"""The equation of motion evaluated straight from the table of terms: what every compiled form is held to."""
+"""The equation of motion evaluated directly from the table of terms: the reference for every compiled form."""
 
 from typing import Any
 
@@ -16,19 +16,19 @@ def accelerations(
 ) -> np.ndarray:  # fmt: skip
     """Solve M d(nu)/dt = f + d_bank + inputs for the accelerations, (3, ...).
 
-    A captive test measures F(motion, accelerations); a free ship has F + inputs = 0. F is linear in the
-    accelerations, so that M is what F loses for a unit of each.
+    A captive test measures F(motion, accelerations); a free ship has F + inputs = 0. F is linear in the accelerations,
+    so M is the decrease of F per unit of each.
 
     Parameters
     ----------
     model : Model
         The terms and coefficients.
     motion : Motion
-        Pose and velocity, floats or columns; its accelerations are not looked at.
+        Pose and velocity, floats or columns; its accelerations are ignored.
     forces : tuple of three numbers [N, N, N m]
-        Surge force, sway force and yaw moment from elsewhere.
+        External surge force, sway force and yaw moment.
     surge_inertia : float [kg], optional
-        Mass in surge, with its added mass; None holds the speed.
+        Mass in surge with its added mass; None holds the speed constant.
 
     Returns
     -------

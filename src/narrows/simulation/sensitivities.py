@@ -1,4 +1,4 @@
-"""How a voyage moves with its start, its coefficients and its inputs: the exact tangent of every step that it took."""
+"""Sensitivity of a voyage to its start, coefficients and inputs: the exact tangent of every step."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -33,18 +33,18 @@ STATES = {"x": "m", "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s"
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Sensitivities(Shown):
-    """A voyage with the derivatives of its state, exact for the steps that it took.
+    """A voyage with the exact derivatives of its computed state.
 
     Parameters
     ----------
     voyage : Voyage
-        What was sailed.
+        The voyage.
     by : tuple of str
-        What the state is differentiated by.
+        Quantities of the differentiation.
     slopes : array (times, 6, by)
-        Of x, y [m], psi [rad], u, v [m/s] and r [rad/s], each over the SI unit of what it is differentiated by.
+        Derivatives of x, y [m], psi [rad], u, v [m/s] and r [rad/s] per SI unit of each quantity.
     values : mapping of str to float
-        What those are in the voyage.
+        Their values in the voyage.
     model : Model
         The ship.
     """
@@ -60,7 +60,7 @@ class Sensitivities(Shown):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the voyage says beside how it ended."""
+        """The voyage's notes."""
         return self.voyage.notes
 
     def of(self, state: str, by: str) -> np.ndarray:
@@ -69,14 +69,14 @@ class Sensitivities(Shown):
         Parameters
         ----------
         state : {"x", "y", "psi", "u", "v", "r"}
-            Of what.
+            State.
         by : str
-            By what.
+            Quantity of the differentiation.
 
         Raises
         ------
         InputError
-            If it was not asked for.
+            If it was not requested.
         """
         if state not in STATES or by not in self.by:
             raise InputError(f"there is no derivative of {state} by {by}; by: {', '.join(self.by)}")
@@ -84,7 +84,7 @@ class Sensitivities(Shown):
         return slope
 
     def standard_deviations(self) -> "xarray.Dataset":
-        """Return how uncertain the state is for what is uncertain of the coefficients in ``by``, to first order.
+        """Return the standard deviation of the state due to the coefficients in ``by``, to first order.
 
         Raises
         ------
@@ -105,18 +105,18 @@ class Sensitivities(Shown):
         return xarray.Dataset(data, coords={"t": ("t", self.voyage.t, {"units": "s"})})
 
     def for_one_percent(self) -> dict[str, float]:
-        """Return how far each number, one percent larger, moves y at the end [m], the farthest first."""
+        """Return the change of y at the end [m] per 1 % increase of each quantity, the largest first."""
         moved = {name: 0.01 * self.values[name] * float(self.of("y", name)[-1]) for name in self.by}
         return dict(sorted(moved.items(), key=lambda item: -abs(item[1])))
 
     def summary(self) -> str:
-        """Say how it ended, and what moved it most."""
+        """Describe the end of the voyage and its largest sensitivities."""
         most = [f"{name} {moved:+.3g} m" for name, moved in self.for_one_percent().items() if moved][:3]
         told = f"One percent more of each moves it by then to starboard by: {', '.join(most)}." if most else ""
         return "\n".join(filter(None, (self.voyage.summary(), told)))
 
     def to_dict(self) -> dict[str, Any]:
-        """Give the derivatives at the end by name, with how the voyage ended."""
+        """Return the derivatives at the end by name, and the outcome of the voyage."""
         end = dict(zip(STATES, self.slopes[-1], strict=True))
         slopes = {name: dict(zip(self.by, row.tolist(), strict=True)) for name, row in end.items()}
         return {"voyage": self.voyage.to_dict(), "at_end": slopes, "summary": self.summary(), "notes": list(self.notes)}
@@ -137,39 +137,39 @@ def sensitivities(
     model: Model, by: Sequence[str] = (), y: float = 0.0, u: float | None = None,
     duration: float | None = None, dt: float | None = None, **voyage: Any,
 ) -> Sensitivities:  # fmt: skip
-    """Differentiate a voyage by its start, coefficients, particulars and inputs, exactly.
+    """Differentiate a voyage exactly by its start, coefficients, particulars and inputs.
 
-    Every line of every step is differentiated along with it, so that the slopes are those of the computed voyage, to
-    rounding. A control law in arithmetic is differentiated with the ship. Where a line has a kink, as ``abs(v)`` at
-    0, its slope is the mean of both sides.
+    Every line of every step is differentiated, so that the derivatives are those of the computed voyage, to rounding. A
+    control law in arithmetic is differentiated with the ship. At a kink, such as ``abs(v)`` at 0, the derivative is the
+    mean of both sides.
 
     Parameters
     ----------
     model : Model
         The ship in its canal.
     by : sequence of str, optional
-        Names: x, y, psi, u, v, r at the start; rudder and other actuators there; X, Y, N from elsewhere; current, in a
-        waterway; coefficients; particulars; numbers of a control law. All the coefficients unless given.
+        Names: x, y, psi, u, v, r at the start; rudder and other actuators there; external X, Y, N; current, in a
+        waterway; coefficients; particulars; numbers of a control law. Default: all coefficients.
     y : float [m]
         Start to starboard of the centreline.
     u : float [m/s], optional
         Surge velocity at the start.
     duration : float [s], optional
-        Longest time.
+        Longest duration.
     dt : float [s], optional
-        Step; all three as suits the ship unless given.
+        Step; the defaults of all three suit the ship.
     **voyage : Any
         As for ``simulate``.
 
     Returns
     -------
     Sensitivities
-        With the voyage, and ``slopes`` at each of its times.
+        The voyage, and ``slopes`` at each of its times.
 
     Raises
     ------
     InputError
-        If the voyage cannot be, a name is unknown, or the controller is an object of Python.
+        If the voyage is impossible, a name is unknown, or the controller is an object of Python.
     """
     if "at" in voyage:
         raise InputError("sensitivities come at the steps of the voyage; leave `at` out, and interpolate")
@@ -181,16 +181,16 @@ def sensitivities(
 
 @dataclass(frozen=True)
 class TangentMarch:
-    """A march, and the slopes of its start and of its inputs."""
+    """A march, and the derivatives of its start and of its inputs."""
 
     ship: SimulatedShip  # The ship
-    steering: Steering | None  # What gives orders
-    march: March  # Every number that its lines ask for
-    start: tuple[float, ...]  # The state that it begins in
+    steering: Steering | None  # Controller
+    march: March  # Inputs of the lines
+    start: tuple[float, ...]  # Initial state
     numbers: Mapping[str, float]  # Pose, velocities and positions of actuators at the start
-    schedules: Mapping[str, Any]  # X, Y and N from elsewhere
-    by: tuple[str, ...]  # What is differentiated by
-    waterway: bool  # Whether the section of the water changes
+    schedules: Mapping[str, Any]  # External X, Y and N
+    by: tuple[str, ...]  # Quantities of the differentiation
+    waterway: bool  # True if the section of the water changes
 
     @classmethod
     def of(cls, model: Model, by: Sequence[str], voyage: Mapping[str, Any]) -> "TangentMarch":
@@ -226,7 +226,7 @@ class TangentMarch:
 
     @cached_property
     def values(self) -> dict[str, float]:
-        """Everything that can be differentiated by, and what it is."""
+        """Quantities that allow differentiation, with their values."""
         parameters = self._system.parameters
         particulars = {name: self._ship_values[name] for name in parameters if name in self._particulars}
         law = self.steering.parameters if self.steering else {}
@@ -262,7 +262,7 @@ class TangentMarch:
         return np.array([float(name == other) for other in self.by])
 
     def start_slopes(self) -> np.ndarray:
-        """Return the slopes of what is kept at the start, (kept, by)."""
+        """Return the derivatives of the initial state, (kept, by)."""
         cosine, sine = math.cos(self.numbers["psi"]), math.sin(self.numbers["psi"])
         turned = {"cos_psi": -sine, "sin_psi": cosine, COUNTED: 1.0}
         slopes = {name: self._unit(name) for name in self.march.choices.kept}
@@ -272,7 +272,7 @@ class TangentMarch:
         return np.array([slopes[name] for name in self.march.choices.kept])
 
     def _memory_slopes(self, slopes: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """What a law keeps may begin with what the state is."""
+        """Return the derivatives of a law's initial memory, which may depend on the state."""
         law = self.march.choices.law
         if self.steering is None or law is None or not law.memory:
             return {}
@@ -298,7 +298,7 @@ class TangentMarch:
 
     @cached_property
     def input_slopes(self) -> dict[str, np.ndarray]:
-        """The slopes of the inputs of the lines that move, by name, each (by,)."""
+        """The derivatives of the moving inputs of the lines, by name, each (by,)."""
         parameters = {name: self._unit(name) for name in self.by}
         for actuator in self.ship.actuators:
             if actuator.angle and actuator.name not in self.march.choices.kept:
@@ -326,7 +326,7 @@ class TangentMarch:
         self, starts: np.ndarray, start_slopes: np.ndarray, first: np.ndarray, orders: Mapping[str, np.ndarray],
         lengths: np.ndarray, **others: float,
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        """Sail from several starts in one call; return what is kept, and its slopes, at each sample of each."""
+        """Integrate from several starts in one call; return states and derivatives at each sample of each."""
         # starts (segments, kept); start_slopes (segments, kept, by); first (segments + 1,); lengths (steps,) [s]
         moving, module = self.input_slopes, self._module
         inputs = {LENGTH: 0.0, **self.march.inputs, **others}
@@ -346,13 +346,13 @@ class TangentMarch:
 
     @cached_property
     def _module(self) -> ModuleType:
-        # All inputs that can have a slope, whatever ``by`` is, so that few modules are ever made.
+        # All inputs that can have a derivative, whatever ``by`` is, so that few modules are ever made.
         law, scalar = self.steering.parameters if self.steering else {}, self._system.scalar
         can = {*scalar.CONSTANTS, *law, *INPUTS.values(), *self._particulars, "current"}
         return self._system.tangent(tuple(name for name in scalar.STEP_INPUTS if name in can))
 
     def _pushes(self, times: np.ndarray) -> np.ndarray:
-        """X, Y and N from elsewhere in each step, (steps, 3)."""
+        """External X, Y and N in each step, (steps, 3)."""
         pieces = segments_of(*self._schedules, float(times[-1]) or 1.0)
         begun = np.searchsorted([piece.start for piece in pieces], times[:-1] + 1e-9, side="right") - 1
         return np.array([pieces[i].forces for i in begun]).reshape(-1, len(PUSHED))

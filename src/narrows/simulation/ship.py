@@ -1,4 +1,4 @@
-"""A model as a traced system and the numbers that go in: the one place that voyages, fleets and the envelope ask."""
+"""A model as a traced system with its input values, shared by voyages, fleets and the envelope."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -23,7 +23,7 @@ Points = Sequence[Sequence[float]]
 
 @dataclass(frozen=True)
 class SimulatedShip:
-    """A model with the choices that simulation leaves open."""
+    """A model with the choices of a simulation."""
 
     model: Model  # The ship in its canal
     surge: Surge = "held"  # ``held``: constant speed; ``free``: it is integrated
@@ -32,7 +32,7 @@ class SimulatedShip:
     # ``corners`` of the hull's rectangle, ``midship`` as in the paper, or an outline of (forward, starboard);
     # ``none`` in open water [m]
     contact: Contact | Points = "corners"
-    bottom: bool = False  # Whether voyages end where the ship touches the bottom or chokes the section
+    bottom: bool = False  # True if bottom contact or a choked section ends a voyage
 
     def __post_init__(self) -> None:
         check_options(self.surge, self.surge_inertia, self.coriolis, self.contact)
@@ -49,13 +49,13 @@ class SimulatedShip:
 
     @cached_property
     def shape(self) -> str | Outline:
-        """What of the hull meets a bank."""
+        """Hull points that meet a bank."""
         if isinstance(self.contact, str):
             return self.contact
         outline = tuple((float(forward), float(starboard)) for forward, starboard in self.contact)
         ship, feels_bank = self.model.configuration.ship, self.model.terms.feels_bank
         check_outline(ship, outline, feels_bank)
-        # The suction of a bank is infinite where a side meets it at midship: contact must not come later than that.
+        # The suction of a bank becomes infinite when a side meets it at midship: contact must not come later.
         return (*outline, (0.0, ship.beam / 2), (0.0, -ship.beam / 2)) if feels_bank else outline
 
     @cached_property
@@ -65,7 +65,7 @@ class SimulatedShip:
 
     @property
     def placed_actuators(self) -> tuple[Actuated, ...]:
-        """The actuators where positions are given instead of orders."""
+        """The actuators when positions are given instead of orders."""
         return tuple(replace(one, late=False) for one in self.actuators)
 
     def system(self, waterway: bool = False, law: Law | None = None, pushed: Pushed = "never") -> System:
@@ -77,7 +77,7 @@ class SimulatedShip:
     def values(self, **positions: Number) -> dict[str, Number]:
         """Return every particular and coefficient by name, with the limits of the gear."""
         check_ahead(positions.get("revolutions"))
-        # The equations add this to the table's own mass in surge; the user gives the whole.
+        # The equations add this to the table's own mass in surge; the user gives the sum.
         added = 0.0 if self.surge_inertia is None else self.surge_inertia - self.model.surge_inertia
         rest = {name: at for actuator in self.model.terms.actuators for name, at in actuator.at_rest().items()}
         ship = {**rest, **self.model.configuration.values(), **self.model.coefficients}
@@ -90,7 +90,7 @@ class SimulatedShip:
         return self.system().linearisation(values, self.actuators)
 
     def __getstate__(self) -> Mapping[str, Any]:
-        # Workers trace for themselves, or find it in the cache.
+        # Workers trace the system themselves, or find it in the cache.
         return {name: value for name, value in self.__dict__.items() if name not in ("shape", "actuators")}
 
 

@@ -1,4 +1,4 @@
-"""Motion about a state with the controls held: eigenvalues, and the stiffness of the bank."""
+"""Motion about a state with the controls held: eigenvalues and bank stiffness."""
 
 from typing import Any
 
@@ -40,10 +40,10 @@ def eigenvalues(model: Model, bank: bool = True, **state: Any) -> np.ndarray:
     model : Model
         The ship in its canal.
     bank : bool
-        With the bank: of (y, psi, v, r); without: of (v, r) in open water.
+        True: of (y, psi, v, r) with the bank; false: of (v, r) in open water.
     **state : float
-        x, y [m], psi [rad], u, v [m/s], r [rad/s], rudder [rad], revolutions [1/s]; on the centreline at 1 m/s, the
-        rudder amidships and the propeller as the model has it unless given.
+        x, y [m], psi [rad], u, v [m/s], r [rad/s], rudder [rad], revolutions [1/s]. Default: on the centreline at 1
+        m/s, rudder amidships, the model's propeller revolutions.
     """
     return np.asarray(stability(model, bank, **state)["eigenvalue"].to_numpy().ravel())
 
@@ -63,13 +63,13 @@ def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        ``eigenvalue`` [1/s], complex, along ``mode``, the most unstable first; ``growth`` [1/s], the largest real
-        part; ``notes`` says where the model feels no bank, or the section is beyond its tests.
+        ``eigenvalue`` [1/s], complex, along ``mode``, the most unstable first; ``growth`` [1/s], the largest real part;
+        ``notes`` names models without a bank force and sections outside the tested range.
 
     Raises
     ------
     InputError
-        If a name is unknown, or changes nothing.
+        If a name is unknown, or has no effect.
     """
     ship = SimulatedShip(model)
     grid = grid_of(model, vary, samples=0, seed=0)
@@ -80,7 +80,7 @@ def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     linear = ship.linearisation(inputs)
     at = {name: values[name] for name in START} | {mover.name: inputs.get(mover.name, 0.0) for mover in ship.actuators}
     matrix = linear.state(at | {name: values[force] for name, force in zip(PUSHES.values(), INPUTS, strict=True)})
-    states = ("y", "psi", "v", "r") if bank else ("v", "r")  # Nothing depends on x, and the speed is held.
+    states = ("y", "psi", "v", "r") if bank else ("v", "r")  # Nothing depends on x, and the speed is constant
     indices = [LINEARISED.index(name) for name in states]
     modes = np.linalg.eigvals(matrix[..., np.array(indices)[:, None], indices])
     modes = np.take_along_axis(modes, np.argsort(-modes.real, axis=-1, kind="stable"), axis=-1)

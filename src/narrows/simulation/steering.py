@@ -1,4 +1,4 @@
-"""Control laws as the engine asks for them: written down once, their numbers by the names of the lines."""
+"""Control laws for the engine: traced once, with their numbers by the names of the lines."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,16 +13,16 @@ from narrows.quantities.names import Number
 from narrows.simulation.controllers import Asked, ControlLaw, Controller, Named, Ordering
 
 CURRENT, SEEN = "current", "water_"
-# What the lines call a law's numbers and its memory.
+# Names in the lines of a law's numbers and its memory.
 PARAMETER, MEMORY = "law_{}".format, "memory_{}".format
 
 
 @dataclass(frozen=True)
 class Steering:
-    law: Law  # What the engine writes into its steps
-    parameters: Mapping[str, Any]  # By the names of the lines
-    controller: ControlLaw  # Where it is from
-    asked: Controller | None = None  # The object of Python that gives the orders, where it is no law
+    law: Law  # The traced law for the engine's steps
+    parameters: Mapping[str, Any]  # Numbers by the names of the lines
+    controller: ControlLaw  # The original controller
+    asked: Controller | None = None  # An object of Python that gives the orders, if it is no law
 
     def memory(self, start: Named) -> dict[str, Number]:
         return {MEMORY(name): value for name, value in self.controller.memory(start).items()}
@@ -74,7 +74,7 @@ def _law(
 
 
 def water(name: str, x: Any) -> Any:
-    """Return what a control law sees of the water at a place along it."""
+    """Return the water quantities of a control law at a place along the line."""
     # name [1/m]; x [m]
     check_choice("what is seen of the water", name, [known.removeprefix(SEEN) for known in WATER])
     return x.apply_function(f"{SEEN}{name}", (x,))

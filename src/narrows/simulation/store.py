@@ -1,4 +1,4 @@
-"""Ensembles larger than memory or than one machine: blocks written to Zarr, resumable, on threads or on Dask."""
+"""Ensembles larger than memory or one machine: blocks in Zarr, resumable, on threads or on Dask."""
 
 import hashlib
 import math
@@ -24,7 +24,7 @@ from narrows.simulation.settings import TASK_VESSELS
 
 
 def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bool) -> xr.Dataset:
-    """Run what is not yet done of an ensemble, into a Zarr folder, and open it."""
+    """Run the missing blocks of an ensemble into a Zarr folder, and open it."""
     if client is not None and not hasattr(client, "submit"):
         raise InputError(f"client = {shown(client)} is none; give a dask.distributed.Client")
     blocks = list(grid.blocks(TASK_VESSELS))
@@ -45,7 +45,7 @@ def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bo
 
 
 def run_block(path: str, fleet: KernelRun, part: Grid, region: tuple[slice, ...], number: int) -> int:
-    """Run one block, write its region, then mark it done; doing it again changes nothing."""
+    """Run one block, write its region, then mark it done; a repetition changes nothing."""
     import zarr
 
     group = zarr.open_group(path, mode="r+")
@@ -69,7 +69,7 @@ def _here(tasks: Tasks) -> Iterator[int]:
 
 
 def _there(client: Any, tasks: Tasks) -> Iterator[int]:
-    """Each task carries all it needs, so that a worker's death costs that task and no more."""
+    """Each task carries all its inputs, so that a worker's death costs only that task."""
     from dask.distributed import as_completed
 
     futures = [client.submit(run_block, *task, pure=False, retries=3) for task in tasks]
@@ -89,9 +89,9 @@ def _identity(fleet: KernelRun, grid: Grid) -> str:
     return digest.hexdigest()
 
 
-# The array with a checksum for each block of the folder; 0 where it has not run.
+# Array with a checksum for each block of the folder; 0 if it has not run.
 DONE = "block_checksum"
-# How folders are called before they are whole, and the age [s] at which one of them belongs to nobody any more.
+# Name of unfinished folders, and the age [s] after which one counts as abandoned.
 MAKING, LEFTOVER = ".narrows-store-", 3600.0
 
 
@@ -106,8 +106,8 @@ def storing(path: Path) -> Iterator[None]:
 
 
 def opened(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> Any:
-    """Open the folder of an ensemble, made where it is absent, with the labels that are asked for now."""
-    # Labels are no part of what an ensemble is: the voyages are the same under any.
+    """Open the folder of an ensemble, made if absent, with the current labels."""
+    # Labels do not identify an ensemble: the voyages are the same under any.
     with needs("cluster", "a store"):
         import zarr
     if not path.exists() or (path.is_dir() and not any(path.iterdir())):
@@ -115,7 +115,7 @@ def opened(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> Any:
     try:
         group = zarr.open_group(str(path), mode="r+")
         held = group.attrs.get("identity")
-    except Exception:  # Whatever Zarr throws at what is no group of its own.
+    except Exception:  # Zarr's errors on foreign folders vary
         raise InputError(f"{path}: holds no ensemble that can be read; choose another folder or remove it") from None
     if held != identity:
         raise InputError(f"{path}: holds another ensemble; choose another folder or remove it")
@@ -127,7 +127,7 @@ def opened(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> Any:
 
 
 def checksum(columns: Mapping[str, np.ndarray]) -> int:
-    """Return a number that changes with anything in the columns of a block, never 0."""
+    """Return a number that depends on all columns of a block, never 0."""
     number = 0
     for name, kind in OUTPUTS.items():
         number = zlib.crc32(np.ascontiguousarray(columns[name], dtype=kind).tobytes(), number)
@@ -138,12 +138,12 @@ def is_done(group: Any, region: tuple[slice, ...], number: int) -> bool:
     try:
         marked = int(group[DONE][number])
         return marked != 0 and marked == checksum({name: group[name][region] for name in OUTPUTS})
-    except Exception:  # Whatever decoders throw at what is damaged: the block runs again.
+    except Exception:  # Decoders raise various errors on damaged data: the block runs again
         return False
 
 
 def discard(path: Path, group: Any, grid: Grid, number: int) -> None:
-    """Remove what is stored of a block, so that nothing damaged is read when it is written again."""
+    """Remove the stored data of a block, so that nothing damaged is read when it is written again."""
     chunk = tuple(number if name == grid.axis else 0 for name in grid.sizes)
     for name, chunk_index in {**dict.fromkeys(OUTPUTS, chunk), DONE: (number,)}.items():
         file = path / name / group[name].metadata.encode_chunk_key(chunk_index)
@@ -151,7 +151,7 @@ def discard(path: Path, group: Any, grid: Grid, number: int) -> None:
 
 
 def _make(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> None:
-    """Make a folder beside its place and move it there: killed at any moment, it is whole or absent."""
+    """Make a temporary folder and rename it: if the process is killed, it is whole or absent."""
     import zarr
 
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -171,12 +171,12 @@ def _move(making: Path, path: Path) -> None:
     try:
         os.replace(making, path)
     except OSError:
-        if not (path.is_dir() and any(path.iterdir())):  # Else another process has just made it.
+        if not (path.is_dir() and any(path.iterdir())):  # Otherwise another process has just made it
             raise
 
 
 def _sweep(folder: Path) -> None:
-    """Remove what processes that were killed left behind."""
+    """Remove leftovers of killed processes."""
     for left in folder.glob(f"{MAKING}*"):
         if time.time() - left.stat().st_mtime > LEFTOVER:
             shutil.rmtree(left, ignore_errors=True)
@@ -196,7 +196,7 @@ def _columns_are_sound(group: Any, grid: Grid, blocks: list[slice]) -> bool:
             (group[name].shape, group[name].chunks, group[name].dtype) == known
             for name, known in _shapes(grid, blocks).items()
         )
-    except Exception:  # Metadata that were cut short are no better than none.
+    except Exception:  # Truncated metadata count as none
         return False
 
 
@@ -214,7 +214,7 @@ def _labels_are_sound(path: Path, grid: Grid) -> bool:
     try:
         with xr.open_zarr(path, consolidated=False) as held:
             return bool(xr.Dataset(coords=held.coords).load().identical(xr.Dataset(coords=grid.coordinates())))
-    except Exception:  # Damaged labels are written anew.
+    except Exception:  # Damaged labels are written again
         return False
 
 
@@ -231,7 +231,7 @@ def _write_labels(path: Path, group: Any, grid: Grid) -> None:
         raise InputError(f"{path}: cannot hold these labels ({reason(error)}); give numbers or words") from None
 
 
-# What stands in a column of codes where no voyage was run.
+# Code of a voyage that was not run.
 NOT_RUN = -1
 UNITS = {"time": "s", "distance": "m", "y_end": "m", "psi_end": "rad", "u_end": "m/s", "v_end": "m/s", "r_end": "rad/s"}
 
@@ -241,7 +241,7 @@ def empty_of(kind: type) -> Any:
 
 
 def attributes_of(name: str) -> dict[str, Any]:
-    """Units, and the meaning of codes in the way of the CF conventions."""
+    """Units, and the meaning of codes by the CF conventions."""
     if name == "outcome":
         codes = {NOT_RUN: "not run", **{int(code): kind for code, kind in KINDS.items()}}
         for code, way in WAYS.items():

@@ -1,4 +1,4 @@
-"""One voyage: where, when and on which side the ship grounds, and how it got there."""
+"""One voyage: its track, and where, when and on which side the ship grounds."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -52,14 +52,14 @@ COLUMNS = ("t", "x", "y", "psi", "u", "v", "r", "rudder")
 
 @dataclass(frozen=True, repr=False)
 class Voyage(Tabulated):
-    """A voyage, row by row, and how it ended.
+    """A voyage, row by row, and its outcome.
 
     Parameters
     ----------
     t : array (times,) [s]
         Time.
     x, y : array (times,) [m]
-        Midship in the canal.
+        Position of midship in the canal.
     psi : array (times,) [rad]
         Heading.
     u, v : array (times,) [m/s]
@@ -73,11 +73,11 @@ class Voyage(Tabulated):
     configuration : Configuration
         Ship and canal.
     waterway : Waterway, optional
-        Where it was instead of that canal.
+        Waterway instead of that canal.
     outline : sequence of pairs of float [m], optional
-        The points of the hull that meet a bank, forward and to starboard of midship.
+        Points of the hull that meet a bank, forward and to starboard of midship.
     moved : mapping of Actuator to array (times,), optional
-        Positions of other actuators that were given orders: revolutions [1/s].
+        Positions of other actuators with orders: revolutions [1/s].
     """
 
     t: np.ndarray
@@ -101,7 +101,7 @@ class Voyage(Tabulated):
         return len(self.t)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A column: t, x, y, psi, u, v, r, rudder, or another actuator that was given orders."""
+        """Return a column: t, x, y, psi, u, v, r, rudder, or another actuator with orders."""
         moved = {actuator.name: column for actuator, column in self.moved.items()}
         check_choice("column", name, (*COLUMNS, *moved))
         column: np.ndarray = moved[name] if name in moved else getattr(self, name)
@@ -109,29 +109,29 @@ class Voyage(Tabulated):
 
     @property
     def grounded(self) -> bool:
-        """Whether it ended at a bank."""
+        """True if it ended at a bank."""
         return self.outcome.kind == "grounded"
 
     @property
     def duration(self) -> float:
-        """How long it lasted [s]."""
+        """Its duration [s]."""
         return self.outcome.time
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What its outcome says beside how it ended."""
+        """Notes of its outcome."""
         return self.outcome.notes
 
     def summary(self) -> str:
-        """Say how it ended."""
+        """Return its end in words."""
         return self.outcome.sentence
 
     def to_dict(self) -> dict[str, Any]:
-        """Give how it ended by name: what ``simulate --json`` prints."""
+        """Return its outcome by name, as ``simulate --json`` prints it."""
         return self.outcome.to_dict()
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the voyage as a table: a row a time, with the columns t, x, y, psi, u, v, r and rudder."""
+        """Return the voyage as a table: one row per time, with the columns t, x, y, psi, u, v, r and rudder."""
         frame: pd.DataFrame = self.dataset().to_dataframe().reset_index()
         return frame
 
@@ -141,14 +141,14 @@ class Voyage(Tabulated):
         return self.to_dataframe().iloc[-1]
 
     def animate(self, path: str | Path | None = None, seconds: float = 8.0) -> "FuncAnimation":
-        """Show the ship between its banks, in a film of so many seconds.
+        """Show an animation of the ship between its banks.
 
         Parameters
         ----------
         path : str or Path, optional
             Output file: ``.gif``, or ``.html`` with buttons.
         seconds : float [s]
-            Length of the film.
+            Duration of the animation.
 
         Returns
         -------
@@ -183,7 +183,7 @@ class Voyage(Tabulated):
         return xarray.Dataset(data, coords={"t": ("t", self.t, {"units": "s", "long_name": "time"})}, attrs=attributes)
 
     def _positions(self) -> dict[str, tuple[str, np.ndarray, dict[str, str]]]:
-        """Longitude, latitude and heading, where the waterway is a place on earth."""
+        """Longitude, latitude and heading, if the waterway has a place on earth."""
         if self.waterway is None or self.waterway.origin is None:
             return {}
         track = self.track()
@@ -194,12 +194,12 @@ class Voyage(Tabulated):
         }
 
     def track(self) -> Track:
-        """Return where the ship was on earth.
+        """Return the ship's track on earth.
 
         Raises
         ------
         InputError
-            If it sailed in no waterway that knows where on earth it is.
+            If its waterway has no place on earth.
         """
         if self.waterway is None or self.waterway.origin is None:
             raise InputError(
@@ -224,7 +224,7 @@ def simulate(
 ) -> Voyage:  # fmt: skip
     """Simulate one voyage until the ship grounds or the time is up.
 
-    The classical Runge-Kutta method of order 4 in steps of ``dt``; a contact is located inside its step.
+    The method is the classical Runge-Kutta method of order 4 with step ``dt``; a contact is located within its step.
 
     Parameters
     ----------
@@ -233,11 +233,11 @@ def simulate(
     y : float [m]
         Start to starboard of the centreline.
     u : float [m/s], optional
-        Surge velocity at the start; unless given, one that suits the ship: of the tests, and below choking.
+        Surge velocity at the start; the default suits the ship: within the tested range, and below choking.
     duration : float [s], optional
-        Longest time: the last of ``at``, or that of 15 ship lengths, unless given.
+        Longest duration; default: the last of ``at``, or the time of 15 ship lengths.
     dt : float [s], optional
-        Step, and the spacing of the output unless ``at`` is given: a 200th of the time of a ship length unless given.
+        Step, and the spacing of the output without ``at``; default: a 200th of the time of a ship length.
     x : float [m]
         Start along the canal.
     psi : float [rad]
@@ -247,12 +247,12 @@ def simulate(
     r : float [rad/s]
         Yaw rate at the start.
     X, Y : float or pairs [N]
-        External surge and sway force: a constant, or (time, value) pairs, each held until the next.
+        External surge and sway force: a constant, or (time, value) pairs, each valid until the next.
     N : float or pairs [N m]
         External yaw moment, likewise.
     rudder : float [rad]
-        Its angle at the start, for models with terms of the rudder; positive where it turns the bow to starboard.
-        It is held unless a controller moves it.
+        Angle at the start, for models with terms of the rudder; positive if it turns the bow to starboard. It is
+        constant without a controller.
     surge : str
         ``held``: constant speed; ``free``: it is integrated.
     surge_inertia : float [kg], optional
@@ -265,25 +265,24 @@ def simulate(
     at : sequence of float [s], optional
         Output times; they do not change the voyage.
     waterway : Waterway, optional
-        Waterway instead of the model's own canal: x is then along its line, y to starboard of it, psi to it,
-        u and v through the water; the voyage ends where it ends.
+        Waterway instead of the model's own canal: x is along its line, y to starboard of it, psi relative to it, u and
+        v through the water; the voyage ends at its end.
     controller : ControlLaw or Controller, optional
-        Gives orders each step, which the model's steering gear follows.
+        Gives orders each step; the model's steering gear follows them.
     bottom : bool
-        End the voyage where the ship touches the bottom by its squat, or chokes the section; not where the depth is not
-        known.
+        End the voyage if the ship touches the bottom by its squat, or chokes the section; ignored at unknown depth.
     **positions : float
         Starting positions of other actuators by name: revolutions [1/s], or one of the model's own.
 
     Returns
     -------
     Voyage
-        Columns, and the outcome with its sentence.
+        Columns and outcome.
 
     Raises
     ------
     InputError
-        If an input is not finite, touches a bank at the start, surge lacks an inertia, or a controller has no
+        If an input is not finite, the hull touches a bank at the start, surge lacks an inertia, or a controller has no
         rudder.
     """
     check_waterway(waterway)
@@ -334,7 +333,7 @@ class _Log:
         return {"t": np.array([row.t for row in rows]), **track, "psi": psi, "rudder": rudder}
 
     def moved(self, rows: list[Row]) -> dict[Actuator, np.ndarray]:
-        """Positions of actuators but the rudder, of those that were given orders."""
+        """Positions of ordered actuators other than the rudder."""
         kept = self.march.choices.kept
         ordered = [one for one in self.ship.model.terms.actuators if one.name in kept and one.name != "rudder"]
         moved = {one: np.array([row.state[kept.index(one.name)] for row in rows]) for one in ordered}
@@ -360,7 +359,7 @@ class _Log:
         return code, end.WAYS.get(code) or end.SIDES.get(code, {}).get(sign)
 
     def _beyond(self, columns: dict[str, np.ndarray]) -> Iterator[str]:
-        """Say from when on the voyage is beyond the data of its model."""
+        """Return when the voyage left the tested range of its model."""
         model = self.ship.model
         section = self.march.channel.section(columns["x"])
 
@@ -374,7 +373,7 @@ class _Log:
         return outside_notes(model.data_range, [seen], beyond)
 
     def _coarse(self, dt: float) -> tuple[str, ...]:
-        """Say where the time step was too long, as far as the steps themselves tell."""
+        """Return a note if the time step was too long, estimated from the steps themselves."""
         if self.ending == event.LOST:
             return ()
         error = track_error(self.march, self.rows, dt)

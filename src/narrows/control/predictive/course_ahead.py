@@ -37,23 +37,23 @@ from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.ship import SimulatedShip
 
-# Gains of the best linear helm (5,), and what a state off costs it for ever, (5, 5).
+# Gains of the best linear helm (5,), and the infinite-horizon cost matrix of a deviation, (5, 5).
 Regulated = tuple[np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True)
 class SteadyTrack:
-    """Steady courses at places along a line, and nearer and nearer to the middle."""
+    """Steady courses at places along a line, from the offset to the middle."""
 
     places: np.ndarray  # (n,) Along the line [m]
     states: np.ndarray  # (ways, n, 5) y [m], psi [rad], v [m/s], r [rad/s], rudder [rad]
-    by_push: np.ndarray  # (ways, n, 5, 2) How they give way to a sway force [N] and a yaw moment [N m]
-    force_of: np.ndarray  # (ways, n, 2, 2) The force and moment that an acceleration in sway and yaw takes
+    by_push: np.ndarray  # (ways, n, 5, 2) Their change per sway force [N] and yaw moment [N m]
+    force_of: np.ndarray  # (ways, n, 2, 2) Force and moment per acceleration in sway and yaw
     slopes: np.ndarray  # (ways, n, 5, 5) Derivatives of the rates of the state by the state
-    # (ways, n) Whether there is a steady course; where there is none, the next one nearer to the middle stands
+    # (ways, n) True if there is a steady course; otherwise the next one nearer to the middle is used
     known: np.ndarray
     shares: np.ndarray  # (ways, n) Places between the banks, from -1 to 1
-    limit: float  # Of the rudder [rad]
+    limit: float  # Limit of the rudder [rad]
 
     def nearest(self, x: float) -> int:
         if len(self.places) == 1:
@@ -62,7 +62,7 @@ class SteadyTrack:
         return int(min(max(round((x - self.places[0]) / step), 0), len(self.places) - 1))
 
     def held(self, x: float, push: Push, most: float) -> float:
-        """Return how far from the offset to the middle, 0 to 1, a rudder no further than ``most`` holds the ship."""
+        """Return the share of the way to the middle, 0 to 1, at which the rudder angle ``most`` holds the ship."""
         place = self.nearest(x)
         pushed, _ = push.at(self.shares[:, place])
         asked = np.abs(self.states[:, place, RUDDER] + (self.by_push[:, place, RUDDER] * pushed).sum(axis=-1))
@@ -78,7 +78,7 @@ class SteadyTrack:
         return (first - 1 + float(part)) / (WAYS - 1)
 
     def at(self, x: np.ndarray, push: Push, way: float = 0.0) -> np.ndarray:
-        """Return the steady states at places under a push, (places, 5)."""
+        """Return the steady states at places under an external force and moment, (places, 5)."""
         row = min(int(way * (WAYS - 1)), WAYS - 2)
         part = way * (WAYS - 1) - row
         states = self.states[row] + part * (self.states[row + 1] - self.states[row])
@@ -97,12 +97,12 @@ class SteadyTrack:
 
 @dataclass(frozen=True)
 class Weights:
-    states: np.ndarray  # (5,) Of y, psi, v, r, rudder off their reference, squared
-    rate: float  # Of the rudder's rate, squared [s2/rad2]
+    states: np.ndarray  # (5,) Squared deviations of y, psi, v, r, rudder
+    rate: float  # Squared rate of the rudder [s2/rad2]
 
 
 class CourseAhead:
-    """The steady course along a line, found anew where the speed has changed."""
+    """The steady course along a line, recomputed if the speed has changed."""
 
     def __init__(
         self, ship: SimulatedShip, water: WaterAhead, y: float, u: float, margin: float,
@@ -120,19 +120,19 @@ class CourseAhead:
 
     @property
     def narrowest(self) -> int:
-        """The number of the place where the course leaves the least room."""
+        """Index of the place with the least clearance."""
         there, off = self.water.at(self.track.places), self.track.states[0, :, 0]
         return int(np.minimum(there["keel_starboard"] - off, there["keel_port"] + off).argmin())
 
     def at_speed(self, u: float) -> SteadyTrack:
-        """Return the course at a speed; where none is found, as it was before."""
+        """Return the course at a speed; if none is found, the previous one."""
         if u > 0 and abs(u - self.speed) > OTHER_SPEED * self.speed:
             with suppress(InputError):
                 self._start(u, steady_track(self.ship, self.water, self.y, u, self.margin, self.positions))
         return self.track
 
     def regulated(self, x: float, way: float) -> Regulated:
-        """Return the best linear helm about the course at a place; where none holds, that of the narrowest."""
+        """Return the best linear helm about the course at a place; if none stabilises it, that of the narrowest one."""
         place = self.track.nearest(x), round(way * (WAYS - 1))
         if place not in self._known:
             try:
@@ -146,7 +146,7 @@ class CourseAhead:
         return regulator_of(A, integral[:, RUDDER], self.weights)
 
     def margins(self, intervals: int, confidence: float) -> np.ndarray:
-        """Return the margins of clearance after each interval of a plan [m], by where the course has the least room."""
+        """Return the margins of clearance after each interval of a plan [m], from the place of least clearance."""
         place, (gains, _) = self.narrowest, self._usual
         steady = self.track.states[0, place]
         (A,), (integral,) = over_interval(self.track.slopes[0, place : place + 1], self.interval)
@@ -168,7 +168,7 @@ class CourseAhead:
         return self.ship.linearisation(values).coefficients({**at, **self.positions})
 
     def _spread(self) -> BankSpread:
-        """How far the bank's forces may be off, by the covariance, where the course has the least room."""
+        """Uncertainty of the bank's forces by the covariance, at the place with the least clearance."""
         model, place = self.ship.model, self.narrowest
         there = self.water.at(self.track.places[place : place + 1])
         half, beam = float(there["width"][0]) / 2, model.configuration.ship.beam
@@ -185,19 +185,19 @@ class CourseAhead:
         return BankSpread(furthest, np.sqrt(np.maximum(variance, 0.0)) * np.sign(forces.sum(axis=2)))
 
 
-# What does not change on a steady course; psi, v and the rudder see to it.
+# Accelerations that vanish on a steady course, by choice of psi, v and the rudder.
 BALANCED = [LINEARISED.index(name) for name in ("y", "v", "r")]
 
 
 def steady_track(
     ship: SimulatedShip, water: WaterAhead, y: float, u: float, margin: float, positions: Mapping[str, float]
 ) -> SteadyTrack:
-    """Find the steady courses along a line, at the offset and nearer to the middle: there less rudder holds a ship."""
+    """Find the steady courses along a line, at the offset and nearer to the middle, where less rudder is needed."""
     length = ship.model.configuration.ship.length
     count = 1 if water.straight else int(min(max(PLACES_A_LENGTH * water.length / length, 2), MOST_PLACES))
     places = np.linspace(0.0, water.length, count)
     there = water.at(places)
-    # The offset, or the nearest to it that leaves clearance on both sides; the middle where there is none.
+    # The offset, or the nearest one with clearance on both sides; the middle if there is none.
     reach = ship.model.configuration.ship.beam / 2 + margin
     starboard, port = there["keel_starboard"] - reach, -(there["keel_port"] - reach)
     offset = np.where(starboard > port, np.minimum(np.maximum(y, port), starboard), (starboard + port) / 2)
@@ -209,7 +209,7 @@ def steady_track(
         raise InputError(f"no rudder holds this ship {y:g} m off the line at {u:g} m/s; choose a place nearer to it")
     known = known.reshape(WAYS, count)
     states = states.reshape(WAYS, count, -1)
-    # Where there is no course, the drift and rudder of the next one nearer to the middle stand; none at the worst.
+    # If there is no course, use drift and rudder of the next one nearer to the middle, or zero.
     states[-1, ~known[-1], 1:] = 0.0
     for way in range(WAYS - 2, -1, -1):
         states[way, ~known[way], 1:] = states[way + 1, ~known[way], 1:]
@@ -224,7 +224,7 @@ def _steady(
     ship: SimulatedShip, water: WaterAhead, y: np.ndarray, u: float, there: Mapping[str, np.ndarray],
     positions: Mapping[str, float],
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Steady states at offsets, and whether there are any."""
+    """Steady states at offsets, and whether they exist."""
     bend = there["curvature"] / (1 - there["curvature"] * y)
     turning = {"path_curvature": bend, "current": np.full(len(y), water.current)}
     values = {**_values(ship, water, there, positions), **turning}
@@ -246,7 +246,7 @@ def _slopes(
     ship: SimulatedShip, water: WaterAhead, states: np.ndarray, u: float, there: Mapping[str, np.ndarray],
     positions: Mapping[str, float],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
-    """How steady states give way to a push, the push that an acceleration takes, and the derivatives of the rates."""
+    """Change of steady states per force, force per acceleration, and the derivatives of the rates."""
     values = _values(ship, water, there, positions)
     linear = ship.linearisation(values)
     y, psi, v, r, rudder = states.T
@@ -268,9 +268,9 @@ def margins_of(
     model: Model, motion: tuple[np.ndarray, np.ndarray], slopes_by_coefficient: np.ndarray, gains: np.ndarray,
     margin: float, confidence: float,
 ) -> np.ndarray:  # fmt: skip
-    # While the ship comes back from half a beam off, under the best linear helm, its forces are uncertain; what the
-    # estimated push explains of them at the start is subtracted. motion: two matrices (5, 5); slopes_by_coefficient
-    # (intervals + 1, 6, coefficients).
+    # While the ship returns from half a beam off under the best linear helm, its forces are uncertain; the estimated
+    # external force already contains their initial part, which is subtracted. motion: two matrices (5, 5);
+    # slopes_by_coefficient (intervals + 1, 6, coefficients).
     (A, integral), count = motion, len(slopes_by_coefficient) - 1
     if model.covariance is None:
         return np.full(count, margin)
@@ -287,7 +287,7 @@ def margins_of(
     return margin + NormalDist().inv_cdf(confidence) * spread
 
 
-# The linear-quadratic regulator of the rudder's rate: the cost beyond a plan's end, and the helm where no plan is.
+# The linear-quadratic regulator of the rudder's rate: the cost beyond a plan's end, and the helm when there is no plan.
 IN_VAIN = "no helm holds this ship: its rudder turns nothing"
 
 
@@ -298,7 +298,7 @@ def weights_of(half_beam: float, passing: float) -> Weights:
 
 
 def regulator_of(A: np.ndarray, B: np.ndarray, weights: Weights) -> tuple[np.ndarray, np.ndarray]:
-    """Return the gains of the best linear helm (5,) and what a state off costs for ever, (5, 5)."""
+    """Return the gains of the best linear helm (5,) and the infinite-horizon cost matrix (5, 5)."""
     from scipy.linalg import LinAlgError, solve_discrete_are
 
     column = B[:, None]

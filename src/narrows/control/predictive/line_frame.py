@@ -12,13 +12,13 @@ from narrows.model.model import Model
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
-# The state of a plan; the speed is held through it, and the rudder's rate drives it.
+# State of a plan; the speed is constant, and the rudder's rate is the input.
 HELD = ("y", "psi", "v", "r", "rudder")
 MOVED = [LINEARISED.index(name) for name in HELD[:4]]
 PSI, RUDDER = HELD.index("psi"), HELD.index("rudder")
-FORCED = slice(HELD.index("v"), HELD.index("r") + 1)  # What forces accelerate
+FORCED = slice(HELD.index("v"), HELD.index("r") + 1)  # States that forces accelerate
 
-# The section of the water as plans ask for it, and what the terms ask for of it.
+# Section of the water in plans, and the corresponding inputs of the terms.
 COLUMNS = ("width", "middle", "depth", "curvature", "keel_starboard", "keel_port")
 SECTION = ("width", "depth")
 
@@ -30,7 +30,7 @@ def line_slopes(linear: np.ndarray, rudder: int, at: Mapping[str, Any], current:
     curvature, psi = at["curvature"], at["psi"]
     if not np.any(curvature):
         return slopes
-    # The line turns under the ship by its curvature times the pace along it.
+    # The line turns under the ship by its curvature times the speed along it.
     room, sine, cosine = 1 - curvature * at["y"], np.sin(psi), np.cos(psi)
     pace = (at["u"] * cosine - at["v"] * sine + current) / room
     slopes[:, PSI, 0] -= curvature**2 * pace / room
@@ -40,8 +40,8 @@ def line_slopes(linear: np.ndarray, rudder: int, at: Mapping[str, Any], current:
 
 
 def over_interval(slopes: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return how a state acts over a time, exp(A t), and how constant rates do: (points, 5, 5) each."""
-    # By the series to the fifth power: an interval is short compared with the growth of the motion.
+    """Return the effect over a time of a state, exp(A t), and of constant rates: (points, 5, 5) each."""
+    # Series to the fifth power: an interval is short compared with the growth of the motion.
     step, unit = slopes * time, np.eye(slopes.shape[-1])
     square = step @ step
     integral = unit + step / 2 + square / 6 + square @ (step / 24 + square / 120)
@@ -50,16 +50,16 @@ def over_interval(slopes: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarr
 
 @dataclass(frozen=True)
 class WaterAhead:
-    """Equal cells along the line, straight between their nodes; beyond the ends the water goes on as it is there."""
+    """Equal cells along the line, linear between their nodes; beyond the ends the section stays constant."""
 
     nodes: np.ndarray  # (nodes, 6) ``COLUMNS`` at the ends of cells [m, m, m, 1/m, m, m]
     step: float  # Length of a cell [m]
-    current: float = 0.0  # Along the line [m/s]
-    straight: bool = False  # Whether this is the model's own canal
+    current: float = 0.0  # Current along the line [m/s]
+    straight: bool = False  # True for the model's own canal
 
     @property
     def length(self) -> float:
-        """From end to end [m]; the model's own canal has none."""
+        """Length from end to end [m]; the model's own canal has none."""
         return 0.0 if self.straight else self.step * (len(self.nodes) - 1)
 
     def at(self, x: np.ndarray) -> dict[str, np.ndarray]:

@@ -40,31 +40,31 @@ from narrows.simulation.ship import SimulatedShip
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
-# The steady states that a plan is drawn to, (places, 5), at places along the line.
+# Steady states as the reference of a plan, (places, 5), at places along the line.
 Reference = Callable[[np.ndarray], np.ndarray]
 
 # Corners of the hull's rectangle: half lengths forward, half beams to starboard, (4, 1) each.
 FORWARD, SIDES = np.array(((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))).T[:, :, None]
 
-# What DAQP takes for no bound.
+# DAQP's infinite bound.
 WITHOUT_BOUND = 1e20
 
 
 @dataclass(frozen=True)
 class RudderPlan:
-    """A plan: nodes at the start and after each interval, and the rates between them."""
+    """A plan: nodes at the start and after each interval, and the rudder rates between them."""
 
     x: np.ndarray  # (intervals + 1,) Along the line [m]
     states: np.ndarray  # (intervals + 1, 5) y [m], psi [rad], v [m/s], r [rad/s], rudder [rad]
-    rates: np.ndarray  # (intervals,) Of the rudder [rad/s]
+    rates: np.ndarray  # (intervals,) Rate of the rudder [rad/s]
 
     def from_here(self, x: float, state: np.ndarray, share: float = 0.0) -> "RudderPlan":
-        """Return the plan a share of an interval later, its places along the line counted from where the ship is."""
+        """Return the plan a share of an interval later, with places along the line relative to the ship."""
         places, states = later(self.x, share), later(self.states, share)
         pace = self.x[-1] - self.x[-2]
         places[1:] = x + np.maximum(places[1:] - places[0], 0.0)
         count = min(int(np.ceil(share)), len(self.rates))
-        if count:  # the last node stays where it is, so that a ship goes on at its pace
+        if count:  # the last node stays where it is, so that the ship keeps its speed
             places[-count:] = places[-count - 1] + pace * np.arange(1, count + 1)
         places[0], states[0] = x, state
         rates = later(np.append(self.rates, 0.0), share)[:-1]
@@ -73,22 +73,22 @@ class RudderPlan:
 
 @dataclass(frozen=True)
 class QuadraticProgram:
-    """Minimise z' H z / 2 + f' z where bounds hold; z are the changes of the rates, and the shortness of clearance."""
+    """Minimise z' H z / 2 + f' z within bounds; z holds the changes of the rates and the lack of clearance."""
 
     H: np.ndarray  # (n, n) Positive definite
-    f: np.ndarray  # (n,) Of the cost
-    rows: np.ndarray  # (m, n) Of the constraints
-    lower: np.ndarray  # (n + m,) Of z, then of the rows
-    upper: np.ndarray  # (n + m,) Of z, then of the rows
+    f: np.ndarray  # (n,) Linear cost
+    rows: np.ndarray  # (m, n) Rows of the constraints
+    lower: np.ndarray  # (n + m,) Lower bounds of z, then of the rows
+    upper: np.ndarray  # (n + m,) Upper bounds, likewise
 
 
 @dataclass(frozen=True)
 class Horizon:
-    """Equal intervals ahead, in each of which the rudder turns at one rate."""
+    """Equal intervals ahead, each with one rudder rate."""
 
-    intervals: int  # How many
-    interval: float  # Of each [s]
-    period: float  # Between one plan and the next [s]
+    intervals: int  # Number of intervals
+    interval: float  # Length of each [s]
+    period: float  # Time between plans [s]
 
     @property
     def time(self) -> float:
@@ -98,17 +98,17 @@ class Horizon:
 @dataclass(frozen=True)
 class Planner:
     horizon: Horizon  # How far ahead
-    lanes: PredictionLanes  # One an interval
-    jacobians: JacobianBatch  # Likewise
-    water: WaterAhead  # Where it sails
-    margins: np.ndarray  # (intervals,) Between hull and bank after each interval [m]
+    lanes: PredictionLanes  # One lane per interval
+    jacobians: JacobianBatch  # One point per interval
+    water: WaterAhead  # The waterway
+    margins: np.ndarray  # (intervals,) Distance between hull and bank after each interval [m]
     hull: tuple[float, float]  # Half length and half beam [m]
-    limits: tuple[float, float]  # Of the rudder's angle and rate [rad, rad/s]
-    weights: Weights  # What is costly
-    positions: Mapping[str, float]  # Of other actuators
+    limits: tuple[float, float]  # Limits of the rudder's angle and rate [rad, rad/s]
+    weights: Weights  # Weights of the cost
+    positions: Mapping[str, float]  # Positions of other actuators
 
     def first(self, x: float, state: np.ndarray, speed: float, reference: Reference) -> RudderPlan:
-        """Return a plan to begin with: on the steady course, the rudder still."""
+        """Return a starting plan: on the steady course, the rudder still."""
         horizon = self.horizon
         places = x + (speed + self.water.current) * horizon.interval * np.arange(horizon.intervals + 1)
         states = reference(places)
@@ -118,7 +118,7 @@ class Planner:
     def better(
         self, plan: RudderPlan, speed: float, push: Push, reference: Reference, beyond: np.ndarray, seconds: float = 0.0
     ) -> RudderPlan | None:  # fmt: skip
-        """Return the plan after a step of sequential quadratic programming; None where the program has no answer."""
+        """Return the plan after a step of sequential quadratic programming; None if the program has no solution."""
         interval, nodes = self.horizon.interval, plan.states.copy()
         nodes[1:] = self._within_reason(plan.x[1:], nodes[1:], speed)
         plan = RudderPlan(plan.x, nodes, plan.rates)
@@ -127,7 +127,7 @@ class Planner:
         end, reached = self.lanes(plan.x[:-1], plan.states[:-1], speed, plan.rates, pushes, interval)
         slopes, by_force = self._slopes(plan, end, reached, speed)
         A, integral = over_interval(slopes, interval)
-        # The push of an interval is that of the place where it begins.
+        # The external force of an interval is that of the place where it begins.
         by_place = by_force @ (by_share * (2.0 / there["width"])[:, None])[:, :, None]
         A[:, :, 0] += (integral[:, :, FORCED] @ by_place)[:, :, 0]
         e, G = condensed(A, integral[..., RUDDER], reached - plan.states[1:], np.zeros(reached.shape[1]))
@@ -141,7 +141,7 @@ class Planner:
         return RudderPlan(x, states, plan.rates + z[:-1])
 
     def _within_reason(self, x: np.ndarray, states: np.ndarray, speed: float) -> np.ndarray:
-        """States where the ship's forces mean something: clear of the banks, not across the canal, not tumbling."""
+        """Limit states to the model's domain: clear of the banks, not across the canal, finite rates."""
         there, (half_length, half_beam) = self.water.at(x), self.hull
         psi = np.minimum(np.maximum(states[:, 1], -MOST_HEADING), MOST_HEADING)
         reach = half_length * np.abs(np.sin(psi)) + (1 + LEAST_CLEARANCE) * half_beam
@@ -181,7 +181,7 @@ class Planner:
         return program_of(cost, plan.rates, rudders, clearance, self.limits, self.hull[1])
 
     def _room(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """How far off the banks are beside each corner, less the margin."""
+        """Distance of the banks from each corner, less the margin."""
         there = self.water.at(x.ravel())
         starboard, port = (there[name].reshape(x.shape) - self.margins for name in ("keel_starboard", "keel_port"))
         return starboard, port
@@ -204,8 +204,8 @@ def planner_of(
 def corner_offsets(
     states: np.ndarray, half_length: float, half_beam: float, curvature: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
-    """Return where corners are off the line, what that changes by the heading, and how far ahead they are."""
-    # In a bend the line falls away from what is ahead and astern by half its curvature times the distance squared.
+    """Return the corners' offsets, their derivatives by the heading, and their distance ahead."""
+    # In a bend the line curves away ahead and astern by half its curvature times the distance squared.
     forward, aside = half_length * FORWARD, half_beam * SIDES
     sine, cosine = np.sin(states[:, 1]), np.cos(states[:, 1])
     ahead = forward * cosine - aside * sine
@@ -224,7 +224,7 @@ def clearance_rows(
     y, psi = HELD.index("y"), HELD.index("psi")
     now = SIDES * (off + e[:, y] + lever * e[:, psi])
     bounds = np.where(SIDES > 0, room[0], room[1]) - now
-    corner, node = np.nonzero(~(bounds > spare))  # what is no number among them, for a program to refuse
+    corner, node = np.nonzero(~(bounds > spare))  # keeps NaN, so that the program refuses it
     rows = SIDES[corner] * (G[node, y] + lever[corner, node, None] * G[node, psi])
     return rows, bounds[corner, node]
 
@@ -232,7 +232,7 @@ def clearance_rows(
 def condensed(
     A: np.ndarray, B: np.ndarray, defects: np.ndarray, start: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Return e and G, by which states after each interval are off their nodes: e + G @ change of the rates."""
+    """Return e and G; states after each interval deviate from their nodes by e + G @ change of the rates."""
     # The recursion off_(k+1) = A_k off_k + B_k change_k + defect_k, so that the rates alone remain in the program.
     intervals, n = B.shape
     step = np.zeros((intervals, n + 1, n + 1))
@@ -248,7 +248,7 @@ def condensed(
 def tracking_cost(
     off: np.ndarray, G: np.ndarray, rates: np.ndarray, weights: Weights, beyond: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Return H and f of what it costs to be off the reference and to turn the rudder."""
+    """Return H and f of the cost of deviations from the reference and of turning the rudder."""
     felt = np.flatnonzero(weights.states)
     root = np.sqrt(weights.states[felt])
     moved = (G[:-1, felt] * root[:, None]).reshape(-1, len(rates))
@@ -263,7 +263,7 @@ def program_of(
     cost: tuple[np.ndarray, np.ndarray], rates: np.ndarray, rudders: tuple[np.ndarray, np.ndarray],
     clearance: tuple[np.ndarray, np.ndarray], limits: tuple[float, float], half_beam: float,
 ) -> QuadraticProgram:  # fmt: skip
-    """Put cost and constraints together; clearance may fall short, for a price."""
+    """Combine cost and constraints; clearance may fall short at a cost."""
     n = len(rates)
     H, f = np.zeros((n + 1, n + 1)), np.full(n + 1, SHORT)
     H[:n, :n], f[:n] = cost
@@ -277,7 +277,7 @@ def program_of(
 
 
 def solution(program: QuadraticProgram, seconds: float = 0.0) -> np.ndarray | None:
-    """Solve by DAQP: z, or None where it finds no answer, in time."""
+    """Solve by DAQP: z, or None if it finds no solution in time."""
     # Arnstrom, Bemporad and Axehill (2022), A dual active-set solver for embedded quadratic programming using
     # recursive LDL^T updates, IEEE Transactions on Automatic Control 67(8), 4362-4369.
     with needs("control", "a predictive helm"):
@@ -307,7 +307,7 @@ def horizon_of(passing: float, horizon: float | None, intervals: int, period: fl
 
 
 def later(nodes: np.ndarray, share: float) -> np.ndarray:
-    """Return a plan's nodes as they are a share of an interval later, the last staying."""
+    """Return a plan's nodes a share of an interval later; the last one stays."""
     whole = min(int(share), len(nodes) - 1)
     shifted = np.concatenate([nodes[whole:], *[nodes[-1:]] * whole]) if whole else nodes.copy()
     shifted[:-1] += (share - int(share)) * np.diff(shifted, axis=0)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class RudderTurning:
-    """A law that turns the rudder at a rate, one of its own in every lane."""
+    """A law that turns the rudder at a rate, a different one in every lane."""
 
     def __init__(self, turning: np.ndarray) -> None:
         self.turning = turning
@@ -32,7 +32,7 @@ class RudderTurning:
 
 
 class PredictionLanes:
-    """Lanes of one ship, laid out once: each sails from a state of its own for one interval."""
+    """Lanes of one ship, allocated once: each starts from its own state and lasts one interval."""
 
     def __init__(self, ship: SimulatedShip, waterway: "Waterway | None", lanes: int, **positions: float) -> None:
         steering = steering_of(RudderTurning(np.zeros(lanes)), ship.placed_actuators)
@@ -41,7 +41,7 @@ class PredictionLanes:
         pushed = {"Y": np.zeros(lanes), "N": np.zeros(lanes), PUSH_END: np.inf}
         prepared = run.prepared({**still, **pushed, "u": 1.0, **positions}, lanes, workers=1)
         kept, inputs = prepared.kernel.KEPT_NAMES, prepared.kernel.VESSEL_INPUTS
-        if "x_last" in prepared.kernel.SHARED:  # For a plan a waterway goes on beyond its end as it ends.
+        if "x_last" in prepared.kernel.SHARED:  # For a plan the waterway continues beyond its end with the last section
             prepared.shared[prepared.kernel.SHARED.index("x_last")] = 1e12
         self._prepared = prepared
         self._places = {name: kept.index(name) for name in ("x", "y", "cos_psi", "sin_psi", "u", "v", "r", "rudder")}
@@ -51,12 +51,12 @@ class PredictionLanes:
     def __call__(
         self, x: np.ndarray, states: np.ndarray, speed: float, rates: np.ndarray, push: np.ndarray, time: float
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        """Return where lanes are after a time: x (lanes,) [m] and y, psi, v, r, rudder (lanes, 5)."""
+        """Return the lanes' states after a time: x (lanes,) [m] and y, psi, v, r, rudder (lanes, 5)."""
         # rates (lanes,) [rad/s]; push (lanes, 2) [N, N m]. A lane that meets a bank stays there.
         run, at = self._prepared, self._places
         start, end = run.start, run.end
         psi = states[:, 1]
-        begin = np.maximum(x, 1e-3)  # A lane at the very start of a waterway would be at its end.
+        begin = np.maximum(x, 1e-3)  # A lane at the very start of a waterway would be at its end
         start[:, at["x"]], start[:, at["y"]], start[:, at["u"]] = begin, states[:, 0], speed
         start[:, at["cos_psi"]], start[:, at["sin_psi"]] = np.cos(psi), np.sin(psi)
         start[:, at["v"]], start[:, at["r"]], start[:, at["rudder"]] = states[:, 2], states[:, 3], states[:, 4]

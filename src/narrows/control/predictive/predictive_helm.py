@@ -30,17 +30,17 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 
-# The functions of a gear, for floats.
+# Functions of a gear, for floats.
 SCALARS: dict[str, Callable[..., Any]] = {
     "minimum": min, "maximum": max, "exp": math.exp, "choice": lambda test, over, under: over if test > 0 else under,
 }  # fmt: skip
 
 
 class Seen(NamedTuple):
-    """A ship as the helm takes it to be."""
+    """The ship as the helm sees it."""
 
-    t: float  # When [s]
-    x: float  # Along the line [m]
+    t: float  # Time [s]
+    x: float  # Place along the line [m]
     speed: float  # Surge velocity [m/s]
     state: np.ndarray  # (5,) y [m], psi [rad], v [m/s], r [rad/s], rudder [rad]
 
@@ -49,35 +49,35 @@ class Seen(NamedTuple):
 class VoyageOrders:
     """A function of time and state that gives rudder orders, with a memory."""
 
-    # It keeps the ``push`` that it estimates, the ``plan``, the ``way`` that it has come from the offset, 0, to the
-    # middle, 1, and how many orders it gave ``without_plan``.
+    # It stores the estimated ``push``, the ``plan``, the ``way`` from the offset, 0, to the middle, 1, and the number
+    # of orders ``without_plan``.
 
     planner: Planner  # Makes plans
-    course: CourseAhead  # That is to be held
-    observer: PredictionLanes  # Says what was to be expected
-    push_time: float  # In which the estimate of the push comes two thirds of the way [s]
-    seconds: float  # That a plan may take; 0 for no limit [s]
-    gear: SteeringGear  # That follows the orders
+    course: CourseAhead  # The course to hold
+    observer: PredictionLanes  # Predicts the state for comparison
+    push_time: float  # Time constant of the force estimate [s]
+    seconds: float  # Time limit of a plan; 0 for none [s]
+    gear: SteeringGear  # Gear that follows the orders
     push: Push = field(init=False)
     plan: RudderPlan | None = field(init=False, default=None)
     way: float = field(init=False, default=0.0)
     without_plan: int = field(init=False, default=0)
     _seen: Seen | None = field(init=False, default=None)
     _order: float = field(init=False, default=math.nan)
-    _stages: list[float] = field(init=False, default_factory=list)  # Of orders on their way to the rudder [rad]
+    _stages: list[float] = field(init=False, default_factory=list)  # Orders on their way to the rudder [rad]
 
     def __post_init__(self) -> None:
         self.push = no_push(self.course.spread)
 
     def __call__(self, t: float, state: VoyageState) -> float:
-        """Return the rudder order [rad], a finite number within its limit whatever is seen."""
+        """Return the rudder order [rad], a finite number within its limit for any input."""
         t, *numbers = (math.nan if number is None else number for number in (t, *state))
         state = VoyageState(*numbers)
         if self._seen is None or t < self._seen.t or t - self._seen.t > self.planner.horizon.time:
             self._begin_anew()
         elif not t - self._seen.t >= self.planner.horizon.period * (1 - EARLY):
-            return self._order  # a time that is no number among them
-        with np.errstate(all="ignore"):  # of a state that is none of a ship, whose plan has no numbers
+            return self._order  # also if the time is NaN
+        with np.errstate(all="ignore"):  # an unphysical state has no plan
             return self._ordered(t if math.isfinite(t) else 0.0, state)
 
     def _ordered(self, t: float, state: VoyageState) -> float:
@@ -104,8 +104,8 @@ class VoyageOrders:
         self._order = math.nan
 
     def _when_heard(self, seen: Seen) -> Seen:
-        """The ship as it will be when the gear follows the next order: the orders on their way are followed first."""
-        # The rudder is then where the last order has it, not where it is indicated now, which lags it.
+        """Predict the ship at the time when the gear follows the next order: earlier orders come first."""
+        # The rudder is then at the last order, not at the indicated angle, which lags it.
         x, state, stages, delay = seen.x, seen.state.copy(), self._stages, self.gear.delay
         parts = math.ceil(2 * delay / self.planner.horizon.interval)
         for _ in range(parts):
@@ -118,12 +118,12 @@ class VoyageOrders:
         return Seen(seen.t + delay, x, seen.speed, state)
 
     def _turned(self, rudder: float, stages: list[float], time: float) -> tuple[float, list[float]]:
-        """How far the last order and those before it turn the rudder in a time [rad]; what is then on its way."""
+        """Return how far the last orders turn the rudder in a time [rad], and the orders still on their way."""
         gear = {of.removeprefix("rudder_"): value for of, value in self.gear.values().items()}
         return gear_motion(self._order, rudder, stages, gear, time, SCALARS)
 
     def _expected(self, state: VoyageState, elapsed: float) -> Seen:
-        """What was to be expected now: the course to begin with, then the last state sailed on."""
+        """Return the expected state now: the course at first, then a prediction from the last state."""
         last = self._seen
         if last is None:
             begun = state.x if math.isfinite(state.x) else 0.0
@@ -146,7 +146,7 @@ class VoyageOrders:
         return share_of(np.full(len(x), y), self.course.water.at(x))
 
     def _rate(self, seen: Seen, elapsed: float) -> float:
-        """The rate of the rudder from now on, by a plan or by the best linear helm."""
+        """Return the rate of the rudder from now on, by a plan or by the best linear helm."""
         track, most = self.course.at_speed(seen.speed), RESERVE * self.planner.limits[0]
         nearer = elapsed / (RETURNING * self.push_time)
         self.way = max(track.held(seen.x, self.push, most), self.way - nearer)
@@ -170,41 +170,41 @@ class VoyageOrders:
 class PredictiveHelm(Described):
     """A helm that holds an offset by linear time-varying predictive control.
 
-    At every turn it predicts the motion by the ship's own equations, takes their exact derivatives along the way, and
-    solves a quadratic program for the rudder's rates ahead: within the limits of the gear, clear of both banks, to the
-    steady course that bends and narrowings ask for. A force that the model does not explain is estimated, so that no
-    steady error stays. Where the program has no answer in time, the best linear helm about the same course steers. It
-    steers single voyages: ``simulate(model, ..., controller=helm)``.
+    At every step it predicts the motion by the ship's own equations, takes their exact derivatives, and solves a
+    quadratic program for the rudder rates ahead: within the limits of the gear, clear of both banks, towards the steady
+    course for bends and narrowings. It estimates an unexplained force, so that no steady error stays. If the program
+    has no solution in time, the best linear helm about the same course steers. It is for single voyages:
+    ``simulate(model, ..., controller=helm)``.
 
     Parameters
     ----------
     model : Model
-        With terms of a rudder; the covariance of its coefficients widens the margin to the banks.
+        A model with terms of a rudder; the covariance of its coefficients widens the margin to the banks.
     y : float [m]
-        Offset to hold, to starboard of the line; where there is no room for it, the nearest to it that there is.
+        Offset to hold, to starboard of the line; without clearance there, the nearest possible.
     u : float [m/s]
-        Surge velocity that it is laid out for; while sailing it takes the one that it sees.
+        Design surge velocity; during a voyage it uses the measured one.
     waterway : Waterway, optional
-        Waterway instead of the model's own canal; beyond its ends it is taken to go on as it ends.
+        Waterway instead of the model's own canal; beyond its ends the section is assumed constant.
     margin : float [m], optional
-        Between hull and bank, at least; 0.15 beams unless given.
+        Least distance between hull and bank; 0.15 beams unless given.
     confidence : float [1]
-        With which the hull is to be clear in spite of coefficients that are not known.
+        Probability that the hull stays clear, given uncertain coefficients.
     horizon : float [s], optional
-        How far plans reach; the time of 2.4 ship lengths unless given.
+        Length of plans; the time of 2.4 ship lengths unless given.
     intervals : int
-        Of a plan, in each of which the rudder turns at one rate.
+        Number of intervals of a plan, each with one rudder rate.
     period : float [s], optional
-        Between plans; a fifth of an interval unless given.
+        Time between plans; a fifth of an interval unless given.
     revolutions : float [1/s], optional
-        Of a propeller; those that keep the speed unless given.
+        Propeller revolutions; those that keep the speed unless given.
     seconds : float [s]
-        That a plan's program may take; 0 for no limit.
+        Time limit of a plan's program; 0 for none.
 
     Raises
     ------
     InputError
-        If the model has no rudder, the hull is in a bank at the offset, a number is none, or DAQP is not installed
+        If the model has no rudder, the hull is in a bank at the offset, a number is invalid, or DAQP is not installed
         (``pip install narrows[control]``).
 
     References
@@ -256,7 +256,7 @@ class PredictiveHelm(Described):
         return horizon_of(passing, self.horizon, self.intervals, self.period)
 
     def summary(self) -> str:
-        """Say what it holds, how far it looks ahead, and how often."""
+        """Describe the offset, the horizon and the period."""
         horizon = self._horizon()
         where = "" if self.waterway is None else f" of {self.waterway.name}"
         return (
@@ -265,12 +265,12 @@ class PredictiveHelm(Described):
         )
 
     def begin(self) -> VoyageOrders:
-        """Return what gives the orders of one voyage, with a memory of its own.
+        """Return the orders of one voyage, with a memory of their own.
 
         Raises
         ------
         InputError
-            If no rudder holds the ship at the offset, or turns it at all.
+            If no rudder angle holds the ship at the offset, or the rudder does not turn it.
         """
         ship, hull, horizon = SimulatedShip(self.model), self.model.configuration.ship, self._horizon()
         positions = self._positions()
@@ -299,7 +299,7 @@ class PredictiveHelm(Described):
 
 
 def _made_whole(t: float, state: VoyageState, expected: Seen) -> Seen:
-    """What is seen, and what was expected where that is no number."""
+    """Return the measured state, with expected values in place of NaN."""
     told = np.array([state.y, state.psi, state.v, state.r, state.rudder], float)
     whole = np.where(np.isfinite(told), told, expected.state)
     x = state.x if math.isfinite(state.x) else expected.x

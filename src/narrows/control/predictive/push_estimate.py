@@ -1,7 +1,7 @@
-"""The push that a model does not explain: a force and a moment of any kind, and a bank stronger or weaker than thought.
+"""Estimate of an unexplained external force: a constant force and moment, and an error of the bank's strength.
 
-Two filters, one of the force and one of the moment, part what is missing between the two: what a bank may well be off
-by, as the covariance of the coefficients has it, grows and turns its side with the offset; the rest stays as it is.
+Two filters, one for the force and one for the moment, split the residual. The error of the bank, scaled by the
+covariance of the coefficients, grows with the offset and changes sign with it; the constant part does not.
 """
 
 import math
@@ -11,18 +11,17 @@ import numpy as np
 
 Variances = tuple[float, float, float]
 
-# Times of the estimate beyond which a gap between two orders counts as no longer [1]: its gain stays below 1.
+# Longest gap between two orders [time constants of the estimate]: keeps its gain below 1.
 LONGEST_GAP = 5.0
 
 
 @dataclass(frozen=True)
 class BankSpread:
-    """How far the bank's force and moment may be off, by the place between the banks."""
+    """Uncertainty of the bank's force and moment, by the place between the banks."""
 
-    # Towards a bank, of the way from the middle, 0, to the wall, 1; beyond it they stay as they are there
+    # Range of the table, from the middle, 0, to the wall, 1; constant beyond it
     furthest: float
-    # (n, 2) One standard deviation, with the sign of a stronger suction, at equal steps from port to starboard [N, N
-    # m]
+    # (n, 2) One standard deviation, positive for a stronger suction, at equal steps from port to starboard [N, N m]
     forces: np.ndarray
 
     def at(self, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -38,27 +37,27 @@ class BankSpread:
 
 @dataclass(frozen=True)
 class Push:
-    steady: np.ndarray  # (2,) Sway force and yaw moment of any kind [N, N m]
-    strength: np.ndarray  # (2,) Of the bank's force and moment beyond the model's, in standard deviations [1]
-    spread: BankSpread  # What a standard deviation is
-    # Of force and of moment: the variance of the steady part, that of the strength, and their covariance
+    steady: np.ndarray  # (2,) Constant sway force and yaw moment [N, N m]
+    strength: np.ndarray  # (2,) Excess of the bank's force and moment over the model's [standard deviations]
+    spread: BankSpread  # The standard deviations
+    # For force and moment: variance of the constant part, of the strength, and their covariance
     uncertainty: tuple[Variances, Variances]
-    noise: tuple[float, float]  # Variance of what is missing from one moment to the next [N2, N2 m2]
+    noise: tuple[float, float]  # Variance of the residual between two steps [N2, N2 m2]
 
     def at(self, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the push at places between the banks, and its derivative, (places, 2) each [N, N m]."""
+        """Return the force and moment at places between the banks, and their derivative, (places, 2) each [N, N m]."""
         forces, slopes = self.spread.at(share)
         return self.steady + self.strength * forces, self.strength * slopes
 
 
 def no_push(spread: BankSpread) -> Push:
-    """Return the push before anything is seen."""
+    """Return the estimate before the first reading."""
     unseen = (0.0, 1.0, 0.0)
     return Push(np.zeros(2), np.zeros(2), spread, (unseen, unseen), (0.0, 0.0))
 
 
 def updated_push(push: Push, missing: np.ndarray, share: float, elapsed: float, time: float) -> Push:
-    """Return the push that explains better what was seen."""
+    """Return the estimate after another residual."""
     # Muske and Badgwell (2002), Disturbance modeling for offset-free linear model predictive control, Journal of
     # Process Control 12(5), 617-632.
     if not np.isfinite(missing).all():
@@ -78,9 +77,9 @@ def updated_push(push: Push, missing: np.ndarray, share: float, elapsed: float, 
 def _filtered(
     walk: float, constant: float, both: float, noise: float, missing: float, felt: float, gain: float
 ) -> tuple[tuple[float, float], Variances, float]:
-    """Return changes of the steady part and of the strength, their variances, and the noise."""
-    # A Kalman filter of a random walk and a constant. The noise is taken from what is missing itself; the walk is such
-    # that the filter of it alone has the gain that is asked for, q = R gain^2 / (1 - gain).
+    """Return changes of the constant part and of the strength, their variances, and the noise."""
+    # A Kalman filter of a random walk and a constant. The noise is estimated from the residual; the random walk alone
+    # would give the filter the requested gain, q = R gain^2 / (1 - gain).
     noise = noise + gain * (missing**2 - noise) if noise else missing**2
     if not noise:
         return (0.0, 0.0), (walk, constant, both), noise
