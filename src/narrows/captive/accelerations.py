@@ -1,7 +1,7 @@
-"""Accelerations beside the motion that they are of: five harmonics of its own period, or none where nothing oscillates.
+"""Accelerations consistent with the measured motion: five harmonics of a run's period, or zero without oscillation.
 
-Noise in a regressor does not average out: it draws its coefficient to zero, and others with it. The velocities of a
-periodic run, projected on few harmonics and differentiated, have next to none.
+Noise in a regressor does not average out: it biases its coefficient towards zero, and others with it. The velocities of
+a periodic run, projected on few harmonics and differentiated, have almost none.
 """
 
 from collections.abc import Mapping
@@ -17,16 +17,16 @@ from narrows.errors import check_choice
 Accelerations = Literal["checked", "motion", "measured"]
 CHOICES = get_args(Accelerations)
 RATES = {"u": "udot", "v": "vdot", "r": "rdot"}
-# Standard deviations in a run in which nothing oscillates: over the speed, in radians, over the ship's length.
+# Standard deviations below which a run does not oscillate: relative to the speed, in radians, relative to the length.
 STEADY = {"v": 0.01, "psi": 0.01, "y": 0.01}
-# Rows of a run, at least: two for each number that is fitted.
+# Least number of rows in a run: two for each fitted number.
 FEWEST = 2 * (2 * settings.HARMONICS + 1)
 
 
 class HarmonicMotion(NamedTuple):
-    frequency: float  # Of the first harmonic; 0 where nothing oscillates [rad/s]
+    frequency: float  # Angular frequency of the first harmonic; 0 without oscillation [rad/s]
     harmonics: Mapping[str, np.ndarray]  # (2 x HARMONICS,) Cosines, then sines, of each velocity that they explain
-    missing: Mapping[str, float]  # Size of the acceleration that higher harmonics would add, about, in the unit of each
+    missing: Mapping[str, float]  # Approximate size of the acceleration of higher harmonics, in the unit of each
 
     def acceleration(self, velocity: str, t: np.ndarray) -> np.ndarray:
         # t (rows,) [s]
@@ -43,7 +43,7 @@ UNKNOWN = HarmonicMotion(0.0, {}, {})
 
 
 def with_accelerations(tests: CaptiveTests, choice: str = "checked") -> CaptiveTests:
-    """Return tests with the accelerations of their own motion where the measured ones stray from it."""
+    """Return tests whose accelerations are replaced where the measured ones contradict the motion."""
     check_choice("accelerations", choice, CHOICES)
     columns = tests.columns
     pairs = {v: rate for v, rate in RATES.items() if {v, rate} <= columns.keys()}
@@ -94,7 +94,7 @@ def _sampled(run: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def _frequency(t: np.ndarray, column: np.ndarray) -> float:
-    """Of the harmonics that leave the least of a column, from the largest line of its spectrum."""
+    """Frequency whose harmonics leave the smallest residual, searched from the largest line of the spectrum."""
     from scipy.optimize import minimize_scalar
 
     span = t[-1] + float(np.median(np.diff(t)))
@@ -111,7 +111,7 @@ def _frequency(t: np.ndarray, column: np.ndarray) -> float:
 
 
 def _rest(t: np.ndarray, column: np.ndarray, frequency: float, harmonics: int) -> tuple[np.ndarray, np.ndarray]:
-    """Constant, cosines and sines of a column by least squares, and what they leave."""
+    """Constant, cosines and sines of a column by least squares, and the residual."""
     angles = np.outer(t, frequency * np.arange(1, harmonics + 1))
     basis = np.hstack([np.ones((len(t), 1)), np.cos(angles), np.sin(angles)])
     parts = np.linalg.lstsq(basis, column, rcond=1e-10)[0]
@@ -119,8 +119,8 @@ def _rest(t: np.ndarray, column: np.ndarray, frequency: float, harmonics: int) -
 
 
 def _harmonics(t: np.ndarray, column: np.ndarray, frequency: float, usual: float) -> tuple[np.ndarray, float] | None:
-    """Cosines and sines of a velocity, without those within their noise, and the acceleration that is missing."""
-    # None where they do not explain it.
+    """Cosines and sines of a velocity above their noise, and the missing acceleration."""
+    # None if they do not explain it.
     parts, rest = (
         _rest(t, column, frequency, settings.HARMONICS) if frequency else (np.zeros(1), column - column.mean())
     )
@@ -137,7 +137,7 @@ def _harmonics(t: np.ndarray, column: np.ndarray, frequency: float, usual: float
 
 
 def _small(columns: Mapping[str, np.ndarray], velocity: str, length: float) -> float:
-    """What a measured acceleration may be off by: a part of its size in the table."""
+    """Tolerance of a measured acceleration: a share of its size in the table."""
     least = (
         settings.LEAST_ACCELERATION * float(np.mean(columns["u"] ** 2)) / length / (length if velocity == "r" else 1.0)
     )
@@ -145,7 +145,7 @@ def _small(columns: Mapping[str, np.ndarray], velocity: str, length: float) -> f
 
 
 def _agree(run: Mapping[str, np.ndarray], pairs: Mapping[str, str], small: Mapping[str, float]) -> bool:
-    """Whether plain differences of the velocities give the measured accelerations already, as where none is noisy."""
+    """Return whether differences of the velocities already give the measured accelerations, as without noise."""
     few = _sampled(run)
     if len(few["t"]) < FEWEST or not (np.diff(few["t"]) > 0).all():
         return True
@@ -156,7 +156,7 @@ def _agree(run: Mapping[str, np.ndarray], pairs: Mapping[str, str], small: Mappi
 def _strays(
     runs: list[dict[str, np.ndarray]], motions: list[HarmonicMotion], velocity: str, small: float
 ) -> np.ndarray:
-    """How far measured accelerations are from those of the motion, over their size in the table; NaN where unknown."""
+    """Difference of measured accelerations from those of the motion, over their size in the table; NaN if unknown."""
     rate = RATES[velocity]
     apart = np.full(len(runs), np.nan)
     for i, (run, motion) in enumerate(zip(runs, motions, strict=True)):

@@ -1,4 +1,4 @@
-"""What is wrong with a table, in one sentence that names file, row, column and remedy."""
+"""Checks of a table: one sentence with file, row, column and remedy."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -20,7 +20,7 @@ from narrows.ship.particulars import Configuration
 
 
 def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, table: str) -> None:
-    """Raise where time stands still or runs back inside a test."""
+    """Raise if time stands still or runs back inside a test."""
     stuck = np.concatenate([[False], (np.diff(t) <= 0) & (test[1:] == test[:-1])])
     if stuck.any():
         i = int(np.argmax(stuck))
@@ -30,7 +30,7 @@ def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, table: str)
 
 
 def check_heading(frame: pd.DataFrame, psi: np.ndarray, column: Column, table: str) -> None:
-    """Raise where the ship lies across the canal, or the heading looks like degrees."""
+    """Raise if the ship lies across the canal, or the heading looks like degrees."""
     across = np.abs(psi) >= math.pi / 2
     if not across.any():
         return
@@ -47,7 +47,7 @@ def check_heading(frame: pd.DataFrame, psi: np.ndarray, column: Column, table: s
 
 
 def check_rates(columns: dict[str, np.ndarray], test: np.ndarray, by_name: dict[str, Column], table: str) -> None:
-    """Raise where psi and r differ by the factor of degrees to radians."""
+    """Raise if psi and r differ by the factor of degrees to radians."""
     if not {"t", "psi", "r"} <= columns.keys():
         return
     inside = test[1:] == test[:-1]
@@ -67,7 +67,7 @@ def check_rates(columns: dict[str, np.ndarray], test: np.ndarray, by_name: dict[
 
 
 def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], configuration: Configuration, table: str) -> None:
-    """Raise where a hull corner touches or crosses a bank."""
+    """Raise if a hull corner touches or crosses a bank."""
     if not {"y", "cos_psi", "sin_psi"} <= columns.keys():
         return
     ship, width = configuration.ship, columns.get("width", configuration.canal.width)
@@ -86,7 +86,7 @@ Columns = Mapping[str, np.ndarray]
 
 
 def check_mass(configuration: Configuration, table: str) -> tuple[str, ...]:
-    """Raise where mass or inertia are not of a ship that displaces what this one does, say where they are off."""
+    """Raise if mass or inertia contradict the displacement; return notes on smaller differences."""
     ship, displaced = configuration.ship, displacement(configuration)
     ratio = 1.0 if ship.mass is None else ship.mass / displaced
     told = f"[ship] mass = {ship.mass} kg is {ratio:.3g} of what its hull displaces, {displaced:.4g} kg"
@@ -104,7 +104,7 @@ def check_mass(configuration: Configuration, table: str) -> tuple[str, ...]:
 def check_heave(
     frame: pd.DataFrame, columns: Columns, configuration: Configuration, column: Column | None, table: str
 ) -> tuple[str, ...]:
-    """Raise where heave is no part of the draft, or the hull sinks into the ground; say where it is large."""
+    """Raise if heave is no part of the draft, or the hull sinks into the ground; return a note if it is large."""
     if column is None:
         return ()
     heave, draft = columns["heave"], np.asarray(columns.get("draft", configuration.ship.draft))
@@ -129,7 +129,7 @@ def check_heave(
 
 
 def check_forces(columns: Columns, configuration: Configuration, by_name: Mapping[str, Column], table: str) -> None:
-    """Raise where forces are far too large to be forces on a ship of this mass."""
+    """Raise if forces are far too large for a ship of this mass."""
     if "u" not in columns:
         return
     length, mass = configuration.ship.length, displacement(configuration)
@@ -146,7 +146,7 @@ def check_forces(columns: Columns, configuration: Configuration, by_name: Mappin
 
 
 def _usual_acceleration(columns: Columns, length: float) -> float:
-    """What moves the ship as it was moved, or turns it about in a length [m/s2]; gravity's hundredth at least."""
+    """Acceleration of the measured motion, or of a turn in one length [m/s2]; at least a hundredth of gravity."""
     speed = np.hypot(columns["u"], columns.get("v", 0.0))
     parts = [speed**2 / length, *(np.abs(columns[name]) for name in ("udot", "vdot") if name in columns)]
     parts += [length * np.abs(columns["rdot"])] if "rdot" in columns else []
@@ -154,7 +154,7 @@ def _usual_acceleration(columns: Columns, length: float) -> float:
 
 
 def check_drift(columns: Columns, by_name: Mapping[str, Column], table: str) -> None:
-    """Raise where steady rows go sideways along the canal by twice their drift: heading or sway is reversed."""
+    """Raise if steady rows go sideways along the canal by twice their drift: heading or sway is reversed."""
     if not {"u", "v", "psi"} <= columns.keys():
         return
     steady = np.ones(len(columns["u"]), bool)
@@ -172,11 +172,11 @@ def check_drift(columns: Columns, by_name: Mapping[str, Column], table: str) -> 
 
 
 DEGREE = math.pi / 180
-# What says how fast each column changes.
+# Columns that determine the rate of each column.
 RATES = {"y": ("u", "v", "psi"), "psi": ("r",), "u": ("udot",), "v": ("vdot",), "r": ("rdot",)}
 SAYS = {"y": "what u, v and psi say", "psi": "r", "u": "udot", "v": "vdot", "r": "rdot"}
 
-# Columns that are counted the other way together, the fewest first.
+# Columns whose signs are reversed together, the fewest first.
 MIRRORED = (
     ("y",), ("psi",), ("v",), ("r",), ("vdot",), ("rdot",), ("udot",), ("psi", "r"), ("r", "rdot"), ("v", "vdot"),
     ("psi", "r", "rdot"), ("y", "v", "vdot"),
@@ -195,19 +195,19 @@ UNITS = (
 
 
 class Agreement(NamedTuple):
-    """How changes of a column compare with what its rate says, a number a test."""
+    """Agreement of a column's changes with its rate, one number per test."""
 
-    correlation: np.ndarray  # (tests,) Between the two [1]
-    factor: np.ndarray  # (tests,) The column's change over what its rate says; 0 where a test tells nothing of it [1]
+    correlation: np.ndarray  # (tests,) Correlation of the two [1]
+    factor: np.ndarray  # (tests,) The column's change relative to its rate; 0 if a test carries no information [1]
 
     @property
     def alike(self) -> np.ndarray:
-        """In which tests the two are of one motion, be it of another size or sign, (tests,) of bool."""
+        """Tests in which the two are the same motion up to size or sign, (tests,) of bool."""
         return np.asarray((self.factor > 0) & (np.abs(self.correlation) > settings.LEAST_CORRELATION))
 
     @property
     def apart(self) -> np.ndarray:
-        """Which tests contradict it, (tests,) of bool."""
+        """Tests that contradict it, (tests,) of bool."""
         far = (
             (self.correlation < 0)
             | (self.factor > settings.SLOPE_TOLERANCE)
@@ -217,9 +217,9 @@ class Agreement(NamedTuple):
 
 
 class MotionColumns(NamedTuple):
-    columns: Columns  # (rows,) In what should be SI, test by test
+    columns: Columns  # (rows,) Columns meant to be in SI, test by test
     starts: np.ndarray  # (tests + 1,) First row of each test, and the number of rows
-    length: float  # Of the ship [m]
+    length: float  # Length of the ship [m]
 
     def only(self, tests: np.ndarray) -> "MotionColumns":
         rows = np.diff(self.starts)
@@ -231,7 +231,7 @@ class MotionColumns(NamedTuple):
 def check_kinematics(
     motions: MotionColumns, names: Iterable[str], by_name: Mapping[str, Column], table: str
 ) -> tuple[str, ...]:
-    """Raise where a column is counted the other way or in another unit, and say what else disagrees."""
+    """Raise if a column has the wrong sign or unit; return other disagreements."""
     agreements = kinematic_consistency(motions)
     wrong = sum((agreement.apart for agreement in agreements.values()), np.zeros(1, bool)) > 0
     if not wrong.any():
@@ -245,14 +245,14 @@ def check_kinematics(
 
 
 def kinematic_consistency(motions: MotionColumns) -> dict[str, Agreement]:
-    """Compare the changes of each column with what its rate says, by column."""
+    """Compare the changes of each column with its rate, by column."""
     rates = {name: rate for name, rate in rates_of(motions.columns).items() if _moves(motions, name)}
     lapses = _lapses(motions, rates)
     return {name: _agreement(motions.columns[name], rate, lapses, motions.starts) for name, rate in rates.items()}
 
 
 def rates_of(columns: Columns) -> dict[str, np.ndarray]:
-    """Return how fast columns change by what other columns say, midway from row to row, (rows - 1,)."""
+    """Return the rates of columns computed from other columns, midway between rows, (rows - 1,)."""
     known = [name for name, asked in RATES.items() if {name, *asked} <= columns.keys()]
     rates = {
         name: columns["u"] * np.sin(columns["psi"]) + columns["v"] * np.cos(columns["psi"])
@@ -264,7 +264,7 @@ def rates_of(columns: Columns) -> dict[str, np.ndarray]:
 
 
 def _moves(motions: MotionColumns, name: str) -> bool:
-    """Whether a column varies by more than a carriage shakes."""
+    """Return whether a column varies by more than a carriage's vibration."""
     speed = float(np.abs(motions.columns.get("u", np.ones(1))).mean())
     least = {"y": motions.length, "psi": 1.0, "u": speed, "v": speed, "r": speed / motions.length}[
         name
@@ -273,7 +273,7 @@ def _moves(motions: MotionColumns, name: str) -> bool:
 
 
 def _lapses(motions: MotionColumns, rates: Columns) -> np.ndarray:
-    """Time from row to row [s]: from t, from the way made good, or even and of any size; 0 where none is known."""
+    """Time between rows [s]: from t, from the path, or constant of unknown size; 0 if unknown."""
     columns, starts = motions.columns, motions.starts
     inside = np.ones(int(starts[-1]) - 1, bool)
     inside[starts[1:-1] - 1] = False
@@ -289,14 +289,14 @@ def _lapses(motions: MotionColumns, rates: Columns) -> np.ndarray:
 
 
 def _without_gaps(lapses: np.ndarray, inside: np.ndarray, starts: np.ndarray) -> np.ndarray:
-    """Leave out steps from test to test, and those over rows that were selected away."""
+    """Leave out steps between tests, and those over excluded rows."""
     known = np.where(inside, lapses, 0.0)
     usual = np.repeat([np.median(known[a : b - 1]) if b - a > 1 else 0.0 for a, b in pairwise(starts)], np.diff(starts))
     return np.where(known > settings.ROW_GAP * usual[:-1], 0.0, known)
 
 
 def _even(columns: Columns, starts: np.ndarray, rates: Columns, inside: np.ndarray) -> np.ndarray:
-    """One time from row to row in each test, such that half of its columns agree with it; 0 where one column tells."""
+    """Constant time between rows in each test, the median over its columns; 0 if only one column determines it."""
     seen = [_agreement(columns[name], rate, inside * 1.0, starts) for name, rate in rates.items()]
     if not seen:
         return inside * 1.0
@@ -309,7 +309,7 @@ def _even(columns: Columns, starts: np.ndarray, rates: Columns, inside: np.ndarr
 
 
 def _agreement(column: np.ndarray, rate: np.ndarray, lapses: np.ndarray, starts: np.ndarray) -> Agreement:
-    """Compare over stretches of each test; a test of few stretches, or of small changes, tells nothing."""
+    """Compare over stretches of each test; a test of few stretches, or of small changes, carries no information."""
     ends = [start + cuts(int(stop - start) - 1, settings.STRETCHES) for start, stop in pairwise(starts)]
     edges, count = np.concatenate(ends), len(ends)
     test = np.repeat(np.arange(count), [len(edge) for edge in ends])
@@ -326,13 +326,13 @@ def _agreement(column: np.ndarray, rate: np.ndarray, lapses: np.ndarray, starts:
 
 
 def _strong(squares: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Mean square of each test over the largest of any."""
+    """Mean square of each test relative to the largest."""
     mean = squares / np.maximum(rows, 1)
     return np.asarray(mean / max(mean.max(), 1e-300))
 
 
 def _disagreement(agreements: Mapping[str, Agreement], tests: list[str]) -> str:
-    """What disagrees, in words, with the numbers of the first test that tells of each."""
+    """Describe the disagreement, with the numbers of the first informative test."""
     parts = []
     for name, agreement in agreements.items():
         if agreement.apart.any():
@@ -345,7 +345,7 @@ def _disagreement(agreements: Mapping[str, Agreement], tests: list[str]) -> str:
 
 
 def _turned_round(motions: MotionColumns, agreements: Mapping[str, Agreement], by_name: Mapping[str, Column]) -> str:
-    """The fewest columns that agree with all others once they are counted the other way, in words."""
+    """Describe the fewest columns that agree with all others after a change of sign."""
     mended = [names for names in MIRRORED if _mends(motions, agreements, dict.fromkeys(names, -1.0))]
     fewest = [names for names in mended if len(names) == len(mended[0])]
     if not fewest:
@@ -355,11 +355,11 @@ def _turned_round(motions: MotionColumns, agreements: Mapping[str, Agreement], b
 
 
 def _in_another_unit(motions: MotionColumns, agreements: Mapping[str, Agreement], by_name: Mapping[str, Column]) -> str:
-    """The fewest columns that agree with all others once they are read in another unit, in words."""
+    """Describe the fewest columns that agree with all others in another unit."""
     mended = [
         (names, usual, unit)
         for names, scale, usual, unit in UNITS
-        # A header that carries a unit may be wrong only where that is not the usual one.
+        # A header with a unit may be wrong only if that is not the usual one.
         if all(name in by_name and by_name[name].stated == (unit == "rad") for name in names)
         and _mends(motions, agreements, dict.fromkeys(names, scale))
     ]
@@ -373,7 +373,7 @@ def _in_another_unit(motions: MotionColumns, agreements: Mapping[str, Agreement]
 
 
 def _mends(motions: MotionColumns, agreements: Mapping[str, Agreement], scales: Mapping[str, float]) -> bool:
-    """Whether all columns agree once some are scaled, with no fewer tests that tell of each."""
+    """Return whether all columns agree once some are scaled, with no fewer informative tests."""
     columns = motions.columns
     if not columns.keys() >= scales.keys():
         return False

@@ -1,4 +1,4 @@
-"""What tables of captive tests carry: quantities, each with its unit, and labels."""
+"""Columns of captive-test tables: quantities, each with its unit, and labels."""
 
 from collections.abc import Container, Iterable
 from dataclasses import fields
@@ -10,7 +10,7 @@ from narrows.readers.text_table import seen
 from narrows.ship.actuators import STANDARD, Actuator, particulars_with, places_of
 from narrows.ship.particulars import Canal, Ship, Water
 
-# What a table may carry beside its labels, and the SI unit of each.
+# Quantities of a table besides its labels, and the SI unit of each.
 COLUMNS = {
     **{name: quantity for name, quantity in MOTION.items() if name not in ("cos_psi", "sin_psi")},
     "t": Quantity("s", "time"),
@@ -25,14 +25,14 @@ def columns_with(actuators: Iterable[Actuator]) -> dict[str, Quantity]:
     return {**COLUMNS, **{actuator.name: Quantity(actuator.unit, actuator.meaning) for actuator in actuators}}
 
 
-# The published ship whose numbers are named as usual ones.
+# Published ship whose particulars serve as examples of usual ones.
 EXAMPLE = "yasukawa2015_kvlcc2"
 SOURCE = "Yasukawa and Yoshimura 2015"
 STRAIGHTENING = ("rudder_straightening_port", "rudder_straightening_starboard")
 
 
 def check_given(asked: Iterable[str], values: Container[str], headers: Headers, actuators: Iterable[Actuator]) -> None:
-    """Raise where terms need what a table does not give, nor its ship file."""
+    """Raise if terms need a quantity that neither the table nor its ship file gives."""
     missing = [name for name in asked if name not in values]
     if not missing:
         return
@@ -69,7 +69,7 @@ def _where(name: str, headers: Headers, actuators: tuple[Actuator, ...]) -> str:
 
 
 def usual(name: str) -> str:
-    """Return what a particular is for a published ship, with the source, in words; nothing where there is none."""
+    """Return a particular of a published ship, with the source, in words; nothing if there is none."""
     from narrows.empirical.fleet import published
 
     example = published(EXAMPLE).configuration

@@ -1,4 +1,4 @@
-"""Tables of captive tests, files or in memory, in the documented columns, to CaptiveTests."""
+"""Tables of captive tests, files or in memory, to CaptiveTests."""
 
 import hashlib
 import os
@@ -32,22 +32,21 @@ def read_captive(
 ) -> CaptiveTests:  # fmt: skip
     """Read a table of captive tests into memory.
 
-    What is read does not depend on what will be fitted: a column that terms need and the table lacks is missed there.
+    The result does not depend on the terms fitted later: a missing column is reported only when terms need it.
 
     Parameters
     ----------
     table : str, Path, DataFrame or Dataset
-        CSV in any dialect, Parquet, Excel, .mat, or a table of pandas, Polars, Arrow or xarray; columns
-        ``test, t, x, y, psi, u, v, r, udot, vdot, rdot, heave, X, Y, N``, SI and radians unless the header carries a
-        unit, as in ``psi [deg]``. Optional: ``condition``, and ``depth``, ``draft``, ``width`` where they change
-        from row to row.
+        CSV in any dialect, Parquet, Excel, .mat, or a table of pandas, Polars, Arrow or xarray; columns ``test, t, x,
+        y, psi, u, v, r, udot, vdot, rdot, heave, X, Y, N``, SI and radians unless the header has a unit, as in ``psi
+        [deg]``. Optional: ``condition``, and ``depth``, ``draft``, ``width`` if they change from row to row.
     ship : str, Path, Configuration or mapping
-        The ship file, what was read from it, or its sections as mappings.
+        The ship file, its configuration, or its sections as mappings.
     where : str, optional
-        Which rows to take, as in ``"abs(y) < 0.5 and psi_deg > 2"``: on the headers of the table, or on the names
-        above, SI unless they end in a unit.
+        Selection of rows, as in ``"abs(y) < 0.5 and psi_deg > 2"``: on the headers of the table, or on the names above,
+        SI unless they end in a unit.
     actuators : iterable of Actuator
-        Of one's own, whose columns the table and whose sections the ship file may have.
+        Additional actuators, whose columns the table and whose sections the ship file may have.
     mapping : str, Path, mapping or ColumnMapping, optional
         A laboratory's own names, units and signs: TOML with ``[columns]``, ``[units]`` and ``[positive]``, or the same
         as mappings.
@@ -101,12 +100,12 @@ def _digest(path: Path) -> str:
 class StreamedTests:
     path: Path  # CSV or Parquet
     configuration: Configuration  # Ship, canal and water
-    where: str | None = None  # Which rows to take
+    where: str | None = None  # Selection of rows
     mapping: ColumnMapping | None = None  # A laboratory's own names, units and signs
-    actuators: tuple[Actuator, ...] = ()  # Of one's own, whose columns the table may have
-    source: Source = field(default_factory=Source)  # Where the rows come from
-    notes: tuple[str, ...] = ("rows streamed from disk",)  # What the reader has to say
-    ship_file: str = ""  # What the ship was read from; empty where it is of no file
+    actuators: tuple[Actuator, ...] = ()  # Additional actuators, whose columns the table may have
+    source: Source = field(default_factory=Source)  # Origin of the rows
+    notes: tuple[str, ...] = ("rows streamed from disk",)  # Notes of the reader
+    ship_file: str = ""  # File of the ship; empty for none
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -147,7 +146,7 @@ class StreamedTests:
                 yield frame
 
     def _spans(self, test: np.ndarray, pieces: int, done: dict[str, int]) -> Iterator[Span]:
-        """Cut the rows at hand where the whole test would be cut; ``done`` counts the rows that went before."""
+        """Cut the rows at hand where the whole test would be cut; ``done`` counts earlier rows."""
         for name, start, stop in _stretches(test):
             first = done[name]
             done[name] += stop - start
@@ -178,30 +177,30 @@ def stream_captive(
     path: str | Path, ship: ShipSource, where: str | None = None, actuators: Iterable[Actuator] = (),
     mapping: str | Path | Mapping[str, Any] | ColumnMapping | None = None,
 ) -> StreamedTests:  # fmt: skip
-    """Open a table of captive tests that is read block by block each time it is needed.
+    """Open a table of captive tests that is read block by block at each use.
 
     Parameters
     ----------
     path : str or Path
         CSV or Parquet, in the columns of ``read_captive``.
     ship : str, Path, Configuration or mapping
-        The ship file, what was read from it, or its sections as mappings.
+        The ship file, its configuration, or its sections as mappings.
     where : str, optional
-        Which rows to take.
+        Selection of rows.
     actuators : iterable of Actuator
-        Of one's own, whose columns the table and whose sections the ship file may have.
+        Additional actuators, whose columns the table and whose sections the ship file may have.
     mapping : str, Path, mapping or ColumnMapping, optional
         A laboratory's own names, units and signs, as in ``read_captive``.
 
     Returns
     -------
     StreamedTests
-        For ``identify``; figures need the rows in memory.
+        Tests for ``identify``; figures need the rows in memory.
 
     Raises
     ------
     InputError
-        If the file is absent; rows are checked as they pass.
+        If the file is absent; rows are checked as they are read.
     """
     path = path_of("path", path)
     if not path.is_file():

@@ -1,4 +1,4 @@
-"""Rows of a table in the documented columns: recognised, screened for marks and spikes, checked, in SI, by test."""
+"""Rows of a table in the documented columns: recognised, screened for markers and spikes, checked, in SI, by test."""
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
@@ -22,23 +22,23 @@ from narrows.readers.mapping import ColumnMapping
 from narrows.ship.actuators import STANDARD, Actuator
 from narrows.ship.particulars import Configuration
 
-# Columns taken as 0 where a table has none.
+# Columns assumed 0 if a table has none.
 ASSUMED = ("heave",)
 
 
 class Rows(NamedTuple):
-    columns: dict[str, np.ndarray]  # (rows,) In SI
-    test: np.ndarray  # (rows,) Whose each row is; no conditions where the table names none
-    condition: np.ndarray  # (rows,) Whose each row is; no conditions where the table names none
-    notes: tuple[str, ...]  # What there is to say of them
-    headers: Headers  # Of the table
+    columns: dict[str, np.ndarray]  # (rows,) Columns in SI
+    test: np.ndarray  # (rows,) Test of each row
+    condition: np.ndarray  # (rows,) Condition of each row; empty if the table names none
+    notes: tuple[str, ...]  # Notes on them
+    headers: Headers  # Headers of the table
 
 
 class Reading(NamedTuple):
-    table: str  # The file, for sentences
-    where: str | None = None  # Which rows to take
-    mapping: ColumnMapping | None = None  # Its own names, units and signs
-    actuators: tuple[Actuator, ...] = ()  # Beside those of the package
+    table: str  # File name for messages
+    where: str | None = None  # Selection of rows
+    mapping: ColumnMapping | None = None  # The laboratory's own names, units and signs
+    actuators: tuple[Actuator, ...] = ()  # Actuators besides those of the package
 
     @property
     def known(self) -> dict[str, Quantity]:
@@ -126,7 +126,7 @@ def tests_of(frame: pd.DataFrame, table: str) -> np.ndarray:
 def _conditions(
     frame: pd.DataFrame, columns: dict[str, np.ndarray], configuration: Configuration, table: str
 ) -> np.ndarray:
-    """Each row's condition; a condition that the ship file gives a depth gets it as a column."""
+    """Return each row's condition; the depth of a condition in the ship file becomes a column."""
     if "condition" in frame:
         condition = cells.labels(frame, "condition", table)
         if "depth" not in columns and configuration.depths and set(condition) <= configuration.depths.keys():
@@ -147,7 +147,7 @@ def _grouped(test: np.ndarray) -> tuple[np.ndarray, tuple[str, ...], np.ndarray]
 def plain_columns(
     where: str, frame: pd.DataFrame, known: Mapping[str, Quantity], hidden: Iterable[str]
 ) -> dict[str, pd.Series]:
-    """Return the columns that an expression calls by plain names: ``psi`` in SI, ``psi_deg`` in degrees."""
+    """Return the columns of an expression by plain names: ``psi`` in SI, ``psi_deg`` in degrees."""
     parsed = [parse_header(str(header), known) for header in frame.columns]
     columns = {column.quantity: column for column in parsed if column}
     words = set(re.findall(r"[^\W\d]\w*", where)) - set(hidden)
@@ -208,7 +208,7 @@ def _not_understood(where: str, why: str, table: str) -> InputError:
 def screened(
     frame: pd.DataFrame, columns: Iterable[Column], test: np.ndarray, table: str
 ) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Return a table without rows that hold a mark of a missing value or a lone spike, and a note of each column."""
+    """Return a table without rows that hold a missing-value marker or a lone spike, and a note per column."""
     spoiled, notes = np.zeros(len(frame), bool), []
     runs = list(_runs(test))
     for column in columns:
@@ -230,7 +230,7 @@ def screened(
 
 
 def _runs(test: np.ndarray) -> Iterator[tuple[np.ndarray, bool]]:
-    """Rows of each test, and True; those of tests too short to judge by themselves come together, with False."""
+    """Rows of each test with True; short tests come together, with False."""
     codes = pd.factorize(test)[0]
     order = np.argsort(codes, kind="stable")
     edges = np.concatenate([[0], np.cumsum(np.bincount(codes))]) if len(codes) else [0]
@@ -260,8 +260,8 @@ def _spikes(values: np.ndarray, marks: np.ndarray, usual: float, is_run: bool) -
     others = np.sort(np.abs(plain - np.median(plain)))
     lone = max(1, int(settings.LONE_SHARE * len(others)))
     spread = others[-1 - lone] if len(others) > lone else 0.0
-    # A column that stands still in a run may still step by as much as it is in the table.
+    # A column that is constant in a run may still step by its size in the table.
     scale = max(float(spread), usual)
     marked = marks & (away > settings.MARK_APART * scale)
-    # Tests of one condition each may differ by any amount: among them a value alone is no spike.
+    # Tests of one condition each may differ by any amount, so a value alone is no spike.
     return np.asarray(marked | (away > settings.SPIKE * scale) if is_run else marked)

@@ -1,4 +1,4 @@
-"""Rows kept and rows left out: the paper's seeded random split, for tests in memory or on disk."""
+"""Training and validation rows: the paper's seeded random split, for tests in memory or on disk."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -18,9 +18,9 @@ class SomeRows:
     """A random part of the rows of some tests, the same at every pass."""
 
     tests: Tests  # All rows
-    fraction: float  # Of the rows that are drawn [1]
-    seed: int  # Of the draw
-    drawn: bool  # Whether this is the part that was drawn, or the rest
+    fraction: float  # Share of drawn rows [1]
+    seed: int  # Seed of the draw
+    drawn: bool  # True for the drawn part, false for the rest
 
     @property
     def configuration(self) -> Configuration:
@@ -56,8 +56,8 @@ def _filtered(block: Block, keep: np.ndarray) -> Block:
 
 def random_split(tests: Tests, fraction: float = 0.8, seed: int = 0) -> tuple[SomeRows, SomeRows]:
     """Split rows at random into those to fit and those to check, as the paper does."""
-    # Neighbouring rows of one time series land on both sides, so the check flatters: leave tests out instead where it
-    # matters.
+    # Neighbouring rows of one time series land on both sides, so the check is optimistic; leave whole tests out for a
+    # fair one.
     if not 0 < fraction < 1:
         raise InputError(f"fraction {fraction} is not between 0 and 1; give the share of the rows to fit")
     if seed < 0:
@@ -66,17 +66,17 @@ def random_split(tests: Tests, fraction: float = 0.8, seed: int = 0) -> tuple[So
 
 
 def concat(tests: Sequence[CaptiveTests]) -> CaptiveTests:
-    """Put tests of one ship in one water together, in their order.
+    """Join tests of one ship in one water, in their order.
 
     Parameters
     ----------
     tests : sequence of CaptiveTests
-        With the columns that all of them have; tests that share a name are numbered.
+        Only columns that all of them have are kept; tests that share a name are numbered.
 
     Returns
     -------
     CaptiveTests
-        What was left out or renamed stands in ``notes``.
+        ``notes`` lists omitted columns and renamed tests.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def concat(tests: Sequence[CaptiveTests]) -> CaptiveTests:
 
 
 def _numbered(names: list[str]) -> tuple[tuple[str, ...], list[str]]:
-    """Names, those that were there before with a number; and the names that were."""
+    """Return the names, numbered if they exist already; and the changed names."""
     taken, unique = set(names), list[str]()
     for name in names:
         own = name if name not in unique else next(it for n in count(2) if (it := f"{name} ({n})") not in taken)

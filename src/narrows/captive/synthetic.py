@@ -1,4 +1,4 @@
-"""Synthetic tests from a known truth: what a tank would have measured, to see what its tests can pin down."""
+"""Synthetic tests from a known truth, to find out which coefficients a test programme determines."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,7 +14,7 @@ from narrows.model.model import Model
 from narrows.model.sections import Source
 from narrows.ship.motion import Motion
 
-# Runs that a towing tank can make, as motions: harmonic sway and yaw, and straight runs off the centreline.
+# Motions that a towing tank can make: harmonic sway and yaw, and straight runs off the centreline.
 Columns = dict[str, np.ndarray]
 
 
@@ -31,21 +31,21 @@ class HarmonicRun:
     Parameters
     ----------
     name : str
-        Of the test.
+        Name of the test.
     kind : str
         ``yaw``: along a sinusoidal path without drift; ``sway``: sideways without yaw.
     amplitude : float [m]
-        Of y.
+        Amplitude of y.
     period : float [s]
-        Of one cycle.
+        Duration of one cycle.
     speed : float [m/s]
         Surge velocity.
     cycles : int
-        How many.
+        Number of cycles.
     offset : float [m]
-        Of the path's mean line, to starboard of the centreline.
+        Offset of the path's mean line to starboard of the centreline.
     depth : float [m], optional
-        Of the water; the canal's own unless given.
+        Depth of the water; the canal's own unless given.
 
     Raises
     ------
@@ -71,12 +71,12 @@ class HarmonicRun:
 
     @property
     def duration(self) -> float:
-        """How long it lasts [s]."""
+        """Duration [s]."""
         return self.cycles * self.period
 
     @property
     def length(self) -> float:
-        """How much of the tank it takes, about [m]."""
+        """Approximate length of tank needed [m]."""
         return self.duration * self.speed
 
     def columns(self, rate: float) -> Columns:
@@ -85,7 +85,7 @@ class HarmonicRun:
         Parameters
         ----------
         rate : float [Hz]
-            Of sampling.
+            Sampling rate.
         """
         t = np.arange(round(self.duration * rate)) / rate
         columns = self._yaw(t) if self.kind == "yaw" else self._sway(t)
@@ -94,7 +94,7 @@ class HarmonicRun:
     def _yaw(self, t: np.ndarray) -> Columns:
         """y = A sin wt along the ship's own path: sin psi = y'/U, so that v = 0 exactly."""
         w, a, speed = 2 * np.pi / self.period, self.amplitude, np.full(len(t), self.speed)
-        # Derivatives of the sine: each is a quarter of a period ahead of the one before.
+        # Derivatives of the sine: each leads the one before by a quarter of a period.
         slope, bend, jerk = (a * w**n / self.speed * np.sin(w * t + n * np.pi / 2) for n in (1, 2, 3))
         cosine = np.sqrt(1 - slope**2)
         psi, r = np.arcsin(slope), bend / cosine
@@ -114,7 +114,7 @@ class HarmonicRun:
         }  # fmt: skip
 
 
-# Kinds, number and largest offset as in the paper; it prints neither periods nor speeds, so those are ours.
+# Kinds, number and largest offset as in the paper; it prints neither periods nor speeds, so those are assumptions.
 PAPER_RUNS = (
     HarmonicRun("A", "yaw", 0.907, 25.0),
     HarmonicRun("B", "yaw", 0.30, 12.0),
@@ -123,23 +123,23 @@ PAPER_RUNS = (
 
 
 class Run(Protocol):
-    """What a twin and a design ask of a run."""
+    """Interface of a run for twins and designs."""
 
     @property
     def name(self) -> str:
-        """Of the test."""
+        """Name of the test."""
 
     @property
     def depth(self) -> float | None:
-        """Of the water [m]; the canal's own where None."""
+        """Depth of the water [m]; the canal's own if None."""
 
     @property
     def duration(self) -> float:
-        """How long it lasts [s]."""
+        """Duration [s]."""
 
     @property
     def length(self) -> float:
-        """How much of the tank it takes, about [m]."""
+        """Approximate length of tank needed [m]."""
 
     def columns(self, rate: float) -> Columns:
         """Return time, motion and accelerations at each sample.
@@ -165,18 +165,18 @@ def twin(
     runs : sequence of HarmonicRun or StraightRun
         The tests.
     noise : mapping of str to float [N, N, N m]
-        Standard deviation of each force; 0 where it is not given.
+        Standard deviation of each force; default 0.
     correlation_time : float [s]
-        Of the noise, which is a first-order autoregression; 0 for white noise.
+        Correlation time of the noise, a first-order autoregression; 0 for white noise.
     rate : float [Hz]
-        Of sampling.
+        Sampling rate.
     seed : int
-        Of the noise.
+        Seed of the noise.
 
     Returns
     -------
     CaptiveTests
-        With the truth's forces and the noise on them.
+        The truth's forces with added noise.
 
     Raises
     ------
@@ -232,7 +232,7 @@ def _coloured(white: np.ndarray, keep: float) -> np.ndarray:
     if keep == 0:
         return white
     gain = np.sqrt(1 - keep**2)
-    # The first row is drawn from the same distribution as the others: it is white[0] itself.
+    # The first row has the same distribution as the others: it is white[0] itself.
     return np.asarray(lfilter([gain], [1, -keep], white, zi=[(1 - gain) * white[0]])[0])
 
 
@@ -243,17 +243,17 @@ class StraightRun:
     Parameters
     ----------
     name : str
-        Of the test.
+        Name of the test.
     offset : float [m]
-        To starboard of the centreline.
+        Offset to starboard of the centreline.
     speed : float [m/s]
-        Along the canal.
+        Speed along the canal.
     duration : float [s]
-        How long it lasts.
+        Duration.
     drift : float [rad]
-        Angle from the path to the bow, positive to starboard; the heading, as the path is along the canal.
+        Angle from the path to the bow, positive to starboard; equal to the heading, as the path is along the canal.
     depth : float [m], optional
-        Of the water; the canal's own unless given.
+        Depth of the water; the canal's own unless given.
 
     Raises
     ------
@@ -275,7 +275,7 @@ class StraightRun:
 
     @property
     def length(self) -> float:
-        """How much of the tank it takes, about [m]."""
+        """Approximate length of tank needed [m]."""
         return self.duration * self.speed
 
     def columns(self, rate: float) -> Columns:
@@ -284,7 +284,7 @@ class StraightRun:
         Parameters
         ----------
         rate : float [Hz]
-            Of sampling.
+            Sampling rate.
         """
         t = np.arange(round(self.duration * rate)) / rate
         zero, one = np.zeros(len(t)), np.ones(len(t))

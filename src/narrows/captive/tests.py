@@ -1,4 +1,4 @@
-"""Captive tests in memory, and the blocks of rows in which anything that identifies takes them."""
+"""Captive tests in memory, and their blocks of rows for identification."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -17,7 +17,7 @@ from narrows.ship.particulars import Configuration, Configured
 if TYPE_CHECKING:
     import pandas as pd
 
-# Rows evaluated at once: large enough for NumPy, small enough for the cache and for memory.
+# Rows per block: large enough for NumPy, small enough for the cache and for memory.
 BLOCK_ROWS = 32_000
 
 
@@ -25,34 +25,34 @@ class Span(NamedTuple):
     """Consecutive rows of one test inside a block."""
 
     test: str  # Its name
-    piece: int  # Which stretch of the test
+    piece: int  # Index of the stretch in the test
     start: int  # Rows of the block
     stop: int  # Rows of the block
 
 
 class Headers(NamedTuple):
-    """What a table was headed with that nothing was read from, to say where a column is missing."""
+    """Headers of a table that were not read, for messages about missing columns."""
 
-    table: str = ""  # The file; empty where the tests are of none
+    table: str = ""  # The file; empty for none
     unread: tuple[str, ...] = ()  # Headers that are no quantity
-    ship_file: str = ""  # What the ship was read from; empty where it is of no file
+    ship_file: str = ""  # File of the ship; empty for none
 
 
-# Columns of a table of tests that are words.
+# Columns of words in a table of tests.
 LABELS = ("test", "condition")
-# Of tests that were not read from one.
+# Headers of tests without a table.
 NO_TABLE = Headers()
 
 
 class Block(NamedTuple):
     values: Mapping[str, Number]  # Every quantity by name, columns and particulars alike
-    rows: int  # How many
-    spans: list[Span]  # Whose rows they are
-    headers: Headers = NO_TABLE  # Of their table
+    rows: int  # Number of rows
+    spans: list[Span]  # Tests of the rows
+    headers: Headers = NO_TABLE  # Headers of their table
 
 
 class Tests(Protocol):
-    """What identification asks of tests, be they in memory or on disk."""
+    """Interface of tests for identification, in memory or on disk."""
 
     @property
     def configuration(self) -> Configuration:
@@ -60,15 +60,15 @@ class Tests(Protocol):
 
     @property
     def source(self) -> Source:
-        """Where the rows come from."""
+        """Origin of the rows."""
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the reader has to say."""
+        """Notes of the reader."""
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The tests."""
+        """Names of the tests."""
 
     def blocks(self, pieces: int) -> Iterator[Block]:
         """Yield every row once, in blocks."""
@@ -80,7 +80,7 @@ def cuts(rows: int, pieces: int) -> np.ndarray:
 
 
 class Tabular(Tabulated):
-    """Tests that show themselves as a table."""
+    """Tests with the display of a table."""
 
     columns: Mapping[str, np.ndarray]
     names: tuple[str, ...]
@@ -97,20 +97,20 @@ class Tabular(Tabulated):
 
     @property
     def units(self) -> dict[str, str]:
-        """Unit of each column; nothing where none is known."""
+        """Unit of each column; None if unknown."""
         known = {name: quantity.unit for name, quantity in {**MOTION, **PARTICULARS, **FORCES}.items()}
         known |= {"t": "s", "psi": "rad"} | {own.name: own.unit for own in STANDARD}
         return {name: known.get(name, "1" if _is_part(name, self.columns) else "") for name in self.columns}
 
     def summary(self) -> str:
-        """Say how many tests and rows there are, of which ship in which water, and what was measured."""
+        """Describe the number of tests and rows, the ship, the water, and the measured quantities."""
         labels = list(dict.fromkeys(self.conditions))
         several = f" in {len(labels)} conditions" if len(labels) > 1 else ""
         tests = f"{len(self.names)} test{'s' * (len(self.names) > 1)}{several}, {int(self.starts[-1])} rows"
         return f"{tests}, with {', '.join(measured(self.columns)) or 'no force'}: {self.configuration.summary()}."
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name."""
+        """Return everything by name."""
         return {
             "tests": list(self.names), "conditions": list(self.conditions), "starts": self.starts,
             "columns": dict(self.columns), "units": self.units, "configuration": self.configuration.to_dict(),
@@ -118,7 +118,7 @@ class Tabular(Tabulated):
         }  # fmt: skip
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the rows as a table in the documented columns, SI and radians, which ``read_captive`` reads again."""
+        """Return the rows as a table in the documented columns, SI and radians, which ``read_captive`` reads again."""
         import pandas as pd
 
         lengths = np.diff(self.starts)
@@ -144,11 +144,11 @@ class CaptiveTests(Configured, Tabular):
     conditions : tuple of str
         The condition (a water depth, say) of each test.
     source : Source
-        Where the rows come from.
+        Origin of the rows.
     notes : tuple of str
-        What the reader has to say: rows left out, columns assumed.
+        Notes of the reader: rows left out, columns assumed.
     headers : Headers
-        Of their table.
+        Headers of their table.
     """
 
     columns: Mapping[str, np.ndarray]
@@ -176,11 +176,11 @@ class CaptiveTests(Configured, Tabular):
         return name in self.columns or name in self.names
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
-        """No array: pandas and NumPy would make one of the tests."""
+        """Refuse conversion to an array: pandas and NumPy would make one of the tests."""
         raise TypeError("tests are several tables; take their rows by tests.to_dataframe(), a column by tests['y']")
 
     def __getitem__(self, key: Any) -> Any:
-        """A column by its name, a test by its name, or the rows of a mask."""
+        """Return a column by its name, a test by its name, or the rows of a mask."""
         if not isinstance(key, str):
             return self.of_rows(key)
         if key in LABELS:
@@ -194,17 +194,17 @@ class CaptiveTests(Configured, Tabular):
         return self.where([name == key for name in self.names])
 
     def of_rows(self, keep: Any) -> "CaptiveTests":
-        """Return some of the rows, each in its test; tests without rows are left out.
+        """Return some of the rows with their tests; tests without rows are left out.
 
         Parameters
         ----------
         keep : array (rows,) of bool
-            Which.
+            Rows to keep.
 
         Raises
         ------
         InputError
-            If it is not one answer a row, or none is kept.
+            If the mask has the wrong length, or no row is kept.
         """
         mask = np.asarray(keep)
         if mask.dtype != bool or mask.shape != (self.rows,):
@@ -225,17 +225,17 @@ class CaptiveTests(Configured, Tabular):
         Parameters
         ----------
         where : str
-            As in ``"abs(y) < 0.5 and psi > 0"``; SI and radians.
+            Expression, as in ``"abs(y) < 0.5 and psi > 0"``; SI and radians.
 
         Raises
         ------
         InputError
-            If it cannot be understood, or no row is left.
+            If the expression is invalid, or no row is left.
         """
         frame = self.to_dataframe()
         try:
             chosen: Any = frame.eval(where, engine="python", local_dict={}, global_dict={})
-        except Exception as error:  # pandas raises nearly anything on text that is no expression.
+        except Exception as error:  # pandas raises many kinds of errors on invalid expressions
             raise InputError(
                 f"cannot select rows where {shown(where)} ({reason(error)}); use {', '.join(frame.columns)}"
             ) from None
@@ -264,7 +264,7 @@ class CaptiveTests(Configured, Tabular):
         Parameters
         ----------
         keep : array (tests,) of bool
-            Which.
+            Tests to keep.
 
         Raises
         ------
@@ -290,7 +290,7 @@ class CaptiveTests(Configured, Tabular):
         Parameters
         ----------
         *names : str
-            Of the tests to leave out.
+            Names of the tests to leave out.
 
         Raises
         ------
@@ -323,7 +323,7 @@ class CaptiveTests(Configured, Tabular):
 
         Parameters
         ----------
-        pieces : int
+        Number of consecutive stretches of each test.
             Into how many consecutive stretches each test is cut.
         """
         cuts = list(self._cuts(pieces))
@@ -350,7 +350,7 @@ class CaptiveTests(Configured, Tabular):
         Parameters
         ----------
         i : int
-            Its place in ``names``.
+            Index in ``names``.
         """
         rows = slice(int(self.starts[i]), int(self.starts[i + 1]))
         return {name: column[rows] for name, column in self.columns.items()}

@@ -1,4 +1,4 @@
-"""Estimation: where a ship is, how it moves and what acts on it, from its sensors and its model."""
+"""Estimation: position, motion and external disturbances of a ship from its sensors and its model."""
 
 from narrows.estimation.consistency import Consistency as Consistency
 from narrows.estimation.consistency import consistency as consistency

@@ -1,4 +1,4 @@
-"""Consistency: whether errors are as large as the estimate says they are, on twins whose truth is known.
+"""Consistency of an estimator: its errors compared with its own covariance, on simulated twins with known truth.
 
 References
 ----------
@@ -30,13 +30,13 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 Readings = dict[str, Any]
-# Takes the time and the readings, and returns what is told instead.
+# Takes the time and the readings, and returns faulty readings.
 Fault = Callable[[float, Readings], Readings]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Consistency(Shown):
-    """Errors of an estimate on twins, over what it says of itself.
+    """Errors of an estimate on twins, compared with its own covariance.
 
     Parameters
     ----------
@@ -45,23 +45,23 @@ class Consistency(Shown):
     error : array (twins, times, states)
         Estimate less truth; NaN where there was no estimate.
     std : array (twins, times, states)
-        Standard deviations that the estimate says.
+        Standard deviations of the estimate.
     nees : array (twins, times) [1]
-        Error squared over its covariance, of all states together.
+        Squared error over its covariance, for all states together.
     nis : dict of str to array (twins, times) [1]
-        Normalised innovation squared of each sensor; NaN where it told nothing.
+        Normalised innovation squared of each sensor; NaN without a reading.
     refused, suspected : dict of str to array (twins, times) of bool
-        Where a gate refused a reading, and where a sensor's readings lean to one side.
+        True if a gate refused a reading, and if a sensor's innovations are biased.
     numbers : dict of str to int
-        Numbers that each sensor measures.
+        Number of components of each sensor.
     states : tuple of str
-        What is estimated.
+        Names of the states.
     settled : float [s]
-        From when on it counts.
+        Start of the statistics.
     aground : int
-        Twins that met a bank, which are left out.
+        Number of twins that met a bank; they are left out.
     notes : tuple of str
-        What to know of it.
+        Notes on validity.
     """
 
     t: np.ndarray
@@ -79,12 +79,12 @@ class Consistency(Shown):
 
     @property
     def counted(self) -> np.ndarray:
-        """Which times count."""
+        """Times that count."""
         return np.asarray(self.t >= self.settled)
 
     @property
     def mean_nees(self) -> float:
-        """Mean NEES over the number of states [1]: 1 where the estimate is as sure as it should be."""
+        """Mean NEES over the number of states [1]: 1 for a consistent estimate."""
         return float(np.nanmean(self.nees[:, self.counted]) / len(self.states))
 
     @property
@@ -95,12 +95,12 @@ class Consistency(Shown):
         return float(np.nanmedian(self.nees[:, self.counted]) / chi2.median(len(self.states)))
 
     def bounds(self, count: int | None = None) -> tuple[float, float]:
-        """Return between what the mean NEES of all twins at one time lies by chance, over the number of states [1].
+        """Return the chance bounds of the mean NEES of all twins at one time, over the number of states [1].
 
         Parameters
         ----------
         count : int, optional
-            Numbers of the squared error; the states unless given.
+            Number of components; the number of states unless given.
         """
         from scipy.stats import chi2
 
@@ -135,7 +135,7 @@ class Consistency(Shown):
         return dict(zip(self.states, shares.tolist(), strict=True))
 
     def summary(self) -> str:
-        """Say how large the errors are over what the estimate says."""
+        """Compare the errors with the estimate's own covariance."""
         low, high = self.bounds()
         count, n = len(self.nees), len(self.states)
         nis = ", ".join(f"{name} {value:.2f}" for name, value in self.mean_nis.items())
@@ -152,14 +152,14 @@ class Consistency(Shown):
         return "\n".join(told)
 
     def to_dict(self) -> dict[str, Any]:
-        """Give the measures by name."""
+        """Return the measures by name."""
         names = ("mean_nees", "median_nees", "within", "mean_nis", "rmse", "covered", "aground", "states")
         measures = {name: getattr(self, name) for name in names}
         bounds = {"bounds": self.bounds(), "twins": len(self.nees), "settled": self.settled}
         return {**measures, **bounds, "summary": self.summary(), "notes": list(self.notes)}
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give a row a state: unit, root mean square error, share within the band of 95 %."""
+        """Return one row per state: unit, root mean square error, share within the band of 95 %."""
         import pandas as pd
 
         columns = {
@@ -193,42 +193,41 @@ def consistency(
     memory: float = COEFFICIENT_MEMORY, refusing: float = 1e-5, step: float | None = None, surge: Surge = "held",
     surge_inertia: float | None = None, coriolis: bool = False,
 ) -> Consistency:  # fmt: skip
-    """Try an estimator on twins: ships that sail by the model, whose truth is known.
+    """Test an estimator on twins: simulated ships with known truth.
 
     Parameters
     ----------
     model : Model
-        With terms of a rudder, unless a controller is given that needs none.
+        A model with terms of a rudder, unless the given controller needs none.
     sensors : sequence of Sensor and RudderIndicator
         As for ``Estimator``.
     y : float [m]
-        Offset that the twins hold.
+        Offset of the twins.
     u : float [m/s]
         Their speed.
     twins : int
-        How many.
+        Number of twins.
     duration : float [s]
-        How long each sails.
+        Duration of each.
     drawn : bool
-        Give each twin coefficients of its own, from the covariance of the fit: does the estimate say how wrong the
-        model may be?
+        True: each twin has coefficients drawn from the covariance of the fit, to test the estimate under model error.
     seed : int
-        Of all that is drawn.
+        Seed of all random numbers.
     x : float [m]
-        Where they start along the waterway.
+        Start along the waterway.
     controller : ControlLaw, optional
-        What steers them; the track pilot of this offset and speed unless given.
+        Controller of the twins; the track pilot of this offset and speed unless given.
     excitation : float [rad]
-        Rudder that is put over and back beside it, so that the motion tells something.
+        Alternating rudder added to the orders, so that the motion carries information.
     fault : callable, optional
-        Takes time and readings and returns what is told instead: a jump, a silence, a spoof.
+        Takes time and readings and returns faulty readings: a jump, an outage, a spoof.
     waterway, noise, prior, coefficients, memory, refusing, step, surge, surge_inertia, coriolis : optional
         As for ``Estimator``.
 
     Returns
     -------
     Consistency
-        NEES, NIS and errors, with the bounds of chance.
+        NEES, NIS and errors, with their chance bounds.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What is known of a ship at a moment: values, how sure they are, and what was thought of the readings."""
+"""The estimated state of a ship at a moment: values, uncertainty, and a verdict on the readings."""
 
 import math
 from dataclasses import dataclass
@@ -22,23 +22,23 @@ class Estimate(Described):
     Parameters
     ----------
     t : float [s]
-        When.
+        Time.
     states : StateNames
-        What is estimated.
+        Names of the states.
     normal : Gaussian, optional
-        Mean and root of the covariance; none before there was anything to start from.
+        Mean and root of the covariance; none before the start.
     ready : bool
-        Whether it follows the readings: not before the start, nor from a reset to the next start.
+        True while it follows the readings: false before the start, and from a reset to the next start.
     nis : dict of str to float
-        Normalised innovation squared of each reading that came [1].
+        Normalised innovation squared of each reading [1].
     refused : tuple of str
-        Sensors whose reading was too far from what was expected.
+        Sensors with a reading too far from the prediction.
     suspects : tuple of str
-        Sensors whose readings lean to one side, or that are left out.
+        Sensors whose innovations are biased, or that are left out.
     notes : tuple of str
-        What to know of it, each a sentence.
+        Notes, one sentence each.
     joint : Gaussian, optional
-        The state and what is estimated beside it, the directions of the coefficients' covariance, as one.
+        The state together with the corrected directions of the coefficients' covariance.
     faults : tuple of str
         Sensors, ``rudder`` or ``model`` that contradict the others and are left out.
     """
@@ -56,7 +56,7 @@ class Estimate(Described):
 
     @property
     def values(self) -> dict[str, float]:
-        """The state by name, SI units; empty where there is none yet. The heading lies within half a turn."""
+        """The state by name, SI units; empty before the start. The heading lies within half a turn."""
         if self.normal is None:
             return {}
         values = dict(zip(self.states.names, self.normal.mean.tolist(), strict=True))
@@ -72,7 +72,7 @@ class Estimate(Described):
 
     @property
     def covariance(self) -> np.ndarray:
-        """The covariance, (states, states); of no size where there is no state yet."""
+        """The covariance, (states, states); empty before the start."""
         return np.zeros((0, 0)) if self.normal is None else self.normal.covariance
 
     def __getitem__(self, name: str) -> float:
@@ -80,7 +80,7 @@ class Estimate(Described):
         return self.values[name]
 
     def summary(self) -> str:
-        """Say place, heading and speed, how sure they are, and what was thought of the readings."""
+        """Describe place, heading and speed, their uncertainty, and the verdict on the readings."""
         if self.normal is None:
             return f"t = {self.t:g} s: nothing to start from yet."
         values, std = self.values, self.std
@@ -92,7 +92,7 @@ class Estimate(Described):
         return "\n".join([*told, *self.notes])
 
 
-# A voyage as it was estimated: states with their standard deviations over time.
+# A voyage as estimated: states with their standard deviations over time.
 @dataclass(frozen=True, repr=False, eq=False)
 class EstimatedTrack(Tabulated):
     """States of a ship over time.
@@ -104,19 +104,19 @@ class EstimatedTrack(Tabulated):
     mean : array (times, states)
         Estimates.
     covariance : array (times, states, states)
-        Of their errors.
+        Covariances of their errors.
     states : tuple of str
-        What is estimated.
+        Names of the states.
     ready : array (times,) of bool
-        Whether the estimate followed the readings.
+        True if the estimate followed the readings.
     refused : dict of str to array (times,) of bool
-        Where a sensor's reading was refused.
+        True if a sensor's reading was refused.
     suspected : dict of str to array (times,) of bool
-        Where a sensor's readings leaned to one side.
+        True if a sensor's innovations were biased.
     smoothed : bool
-        Whether later readings count too.
+        True if later readings are used too.
     notes : tuple of str
-        What to know of it.
+        Notes on validity.
     """
 
     t: np.ndarray
@@ -139,7 +139,7 @@ class EstimatedTrack(Tabulated):
         return np.asarray(self.mean[:, self.states.index(name)])
 
     def summary(self) -> str:
-        """Say how long it is, how sure the place is, and which sensors were refused or suspected."""
+        """Describe its duration, the uncertainty of the place, and which sensors were refused or suspected."""
         std = dict(zip(self.states, np.median(self.std, axis=0).tolist(), strict=True))
         by = "all readings" if self.smoothed else "the readings until then"
         told = [
@@ -152,7 +152,7 @@ class EstimatedTrack(Tabulated):
         return "\n".join(told)
 
     def to_dict(self) -> dict[str, Any]:
-        """Give counts and the median standard deviations by name."""
+        """Return counts and the median standard deviations by name."""
         std = dict(zip(self.states, np.median(self.std, axis=0).tolist(), strict=True))
         counts = {"times": len(self.t), "ready": int(self.ready.sum()), "smoothed": self.smoothed}
         flags = {"refused": self.refused, "suspected": self.suspected}
@@ -160,12 +160,12 @@ class EstimatedTrack(Tabulated):
         return {"median_std": std, **counts, **told, "summary": self.summary(), "notes": list(self.notes)}
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give a row a time: states and their standard deviations."""
+        """Return one row per time: states and their standard deviations."""
         frame: pd.DataFrame = self.dataset().drop_dims("other").drop_vars("state").to_dataframe()
         return frame
 
     def dataset(self) -> "xarray.Dataset":
-        """Return states, standard deviations, the covariance and what was thought of the sensors, with units."""
+        """Return states, standard deviations, the covariance and the verdict on the sensors, with units."""
         import xarray
 
         std = self.std

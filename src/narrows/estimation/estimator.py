@@ -1,4 +1,4 @@
-"""The estimator: where a ship is, how it moves, and what banks, current and gear do to it, from readings."""
+"""The estimator: a ship's position and motion and the effects of banks, current and gear, from readings."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -29,34 +29,34 @@ if TYPE_CHECKING:
 class Estimator(Described):
     """A square-root unscented filter of a ship in a canal or a waterway, in real time.
 
-    Usually it corrects the model's coefficients along with the state, from the covariance of the fit: a filter that
-    trusts its coefficients looks right by its innovations where its state is wrong. What it learned of them fades.
+    By default it also corrects the model's coefficients, starting from the covariance of the fit: a filter with fixed
+    coefficients may have consistent innovations and yet wrong states. The corrections fade.
 
     Parameters
     ----------
     model : Model
         The ship in its canal.
     sensors : sequence of Sensor and RudderIndicator
-        What measures: ``Gnss``, ``Gyro``, ``RateOfTurn``, ``Log``, ``CourseOverGround``, ``RudderIndicator``, or
-        objects of your own that keep to ``Sensor``.
+        ``Gnss``, ``Gyro``, ``RateOfTurn``, ``Log``, ``CourseOverGround``, ``RudderIndicator``, or objects of your own
+        with the interface ``Sensor``.
     waterway : Waterway, optional
         Waterway instead of the model's own canal.
     noise : ProcessNoise, optional
-        How fast the motion wanders from the model; by the ship's length unless given.
+        Random walks of the motion about the model; by the ship's length unless given.
     prior : Prior, optional
-        What is believed before any reading; by the ship's length unless given.
+        Uncertainty before any reading; by the ship's length unless given.
     coefficients : {"considered", "certain", "estimated"}
-        Whether the uncertainty of the coefficients, where the model has their covariance, is corrected by the readings;
-        carried and never corrected (Schmidt's consider form), in a fraction of the time; or left out.
+        Use of the coefficients' covariance: ``estimated`` corrects the coefficients by the readings; ``considered``
+        only carries their uncertainty (Schmidt), in a fraction of the time; ``certain`` ignores it.
     memory : float [s]
-        Time in which what readings tell of the coefficients fades back to the fit, for the model's form is not certain
-        either; ``math.inf``: never.
+        Time in which corrections of the coefficients fade back to the fit, since the model's form is uncertain too;
+        ``math.inf``: never.
     refusing : float [1]
-        Probability with which a gate refuses a sound reading; 0 for no gates.
+        Probability that a gate refuses a valid reading; 0 for no gates.
     step : float [s], optional
         Longest step of the motion; a quarter of the root of length over gravity unless given.
     surge : {"held", "free"}
-        ``held``: the speed wanders as a random walk; ``free``: by the model too.
+        ``held``: the speed is a random walk; ``free``: it follows the model too.
     surge_inertia : float [kg], optional
         Mass in surge with its added mass, for ``free`` if a_udot was not identifiable.
     coriolis : bool
@@ -65,7 +65,7 @@ class Estimator(Described):
     Raises
     ------
     InputError
-        If a sensor is none, two share a name, or a number is none.
+        If a sensor is invalid, two share a name, or a number is invalid.
 
     References
     ----------
@@ -100,35 +100,35 @@ class Estimator(Described):
         self._verdict = ""
 
     def forget(self) -> None:
-        """Begin anew, as if nothing had come in yet."""
+        """Restart, as before the first reading."""
         self._last = None
         self._begin_anew()
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What to know before the estimates are used."""
+        """Notes on validity before use."""
         model = self.filter.model
         why = "The model has no covariance of its coefficients, so the estimate takes them for certain."
         return (*model.bank_notes, *((why,) if model.covariance is None else ()))
 
     def summary(self) -> str:
-        """Say what is estimated from what."""
+        """Describe the states and the sensors."""
         filter = self.filter
         return (
             f"{', '.join(filter.states.names)} of {filter.model.configuration.ship.name} by {', '.join(filter.sensors)}"
         )
 
     def update(self, t: float, readings: Mapping[str, Any] | None = None, **named: Reading) -> Estimate:
-        """Take what came in at a time, and return the estimate at that time.
+        """Use the readings of a time, and return the estimate at that time.
 
-        A reading is as old as its sensor is late; one that is older than what is known already is put where it belongs
-        and what came after it is done again. NaN is a reading that did not come. The rudder's angle and the propeller's
-        revolutions stay what they were until they are told anew.
+        A sensor's delay is subtracted from the time of its reading; a late reading is inserted at its time, and later
+        updates are repeated. NaN means no reading. Rudder angle and propeller revolutions keep their value until the
+        next reading.
 
         Parameters
         ----------
         t : float [s]
-            Now.
+            Current time.
         readings : mapping of str to float or sequence of float, optional
             By the names of sensors and actuators: ``{"gnss": (x, y), "gyro": psi, "rudder": angle}``, SI and rad.
         **named : float or sequence of float
@@ -137,12 +137,12 @@ class Estimator(Described):
         Returns
         -------
         Estimate
-            Finite numbers whatever came in; what was wrong with it is in its ``notes``.
+            Finite for any input; its ``notes`` name invalid readings.
 
         Raises
         ------
         InputError
-            If the time is no number, or a reading is of no sensor, or not of as many numbers as the sensor's.
+            If the time is invalid, or a reading has no sensor or the wrong number of components.
         """
         if not math.isfinite(t):
             raise InputError(f"t = {t} is no time; give seconds")
@@ -158,23 +158,23 @@ class Estimator(Described):
         return self._went_on(float(t), told.measured, told.positions, notes)
 
     def run(self, records: Any) -> EstimatedTrack:
-        """Estimate a whole record as it would have been in real time; it begins anew.
+        """Estimate a whole record as in real time, after a restart.
 
         Parameters
         ----------
         records : DataFrame, Dataset or mapping of str to array
-            A row a time: ``t`` [s], the fields of the sensors (``gnss_x``, ``gnss_y``, ``gyro`` ...) and positions of
-            actuators (``rudder`` [rad], ``revolutions`` [1/s]); NaN where nothing came in.
+            One row per time: ``t`` [s], the fields of the sensors (``gnss_x``, ``gnss_y``, ``gyro`` ...) and positions
+            of actuators (``rudder`` [rad], ``revolutions`` [1/s]); NaN for no reading.
 
         Returns
         -------
         EstimatedTrack
-            From the first time at which there was enough to start from.
+            From the first time with enough readings to start.
 
         Raises
         ------
         InputError
-            If a column belongs to nothing, times do not rise, or there is never enough to start from.
+            If a column is unknown, times do not rise, or there are never enough readings to start.
         """
         told = records_of(records, self.filter.sensors, self.filter.actuators)
         self.forget()
@@ -197,9 +197,9 @@ class Estimator(Described):
         )  # fmt: skip
 
     def smooth(self, records: Any) -> EstimatedTrack:
-        """Estimate a whole record after the fact: each state by all readings, before and after it.
+        """Estimate a whole record afterwards: each state from all readings, before and after it.
 
-        The uncertain coefficients are estimated along with the states, with the fit's covariance before.
+        The uncertain coefficients are estimated together with the states, from the fit's covariance.
 
         Parameters
         ----------
@@ -209,7 +209,7 @@ class Estimator(Described):
         Returns
         -------
         EstimatedTrack
-            At the times of the record from the first at which there was enough to start from.
+            At the times of the record, from the first with enough readings to start.
 
         Raises
         ------
@@ -235,7 +235,7 @@ class Estimator(Described):
     ) -> Estimate:
         start = self._start
         for name in [name for name, heard in self._heard.items() if self._quiet(name, t - heard)]:
-            start.readings.pop(name, None)  # Too old to start from.
+            start.readings.pop(name, None)  # Too old for a start
         late = max((self.filter.sensors[name].late for name in measured), default=0.0)
         start.add(t - late, measured)
         self._heard.update(dict.fromkeys(measured, t))

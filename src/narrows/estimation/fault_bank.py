@@ -1,13 +1,12 @@
-"""Which sensor is wrong: a bank of filters over the last readings, each with an error of one sensor.
+"""Fault isolation: a bank of filters over the recent readings, each with an error of one sensor.
 
-All filters explain the same readings; the most likely one names the sensor, which is then left out. In its filter the
-error is a state: a drift that begins small some time ago, or a step just now.
+All filters explain the same readings; the most likely one names the faulty sensor, which is then left out. In its
+filter the error is a state: a small drift that began some time ago, or a recent step.
 
 References
 ----------
 Willsky and Jones (1976), A generalized likelihood ratio approach to the detection and estimation of jumps in linear
-systems, IEEE Transactions on Automatic Control 21. Time-outs, and a new start after lasting refusal, are the habits of
-PX4's EKF2.
+systems, IEEE Transactions on Automatic Control 21. Time-outs, and a restart after lasting refusal, follow PX4's EKF2.
 """
 
 import math
@@ -39,18 +38,18 @@ Faults = frozenset[str]
 
 class Hypothesis(NamedTuple):
     faults: Faults
-    state: Gaussian  # Of the filter with these faults, where it begins
-    moments: list[Moment]  # From there on
-    run: FilterRun  # Over them
-    score: float  # Log-likelihood of all readings of the bank's window, less the price of the faults
-    anew: bool = False  # Whether it starts from readings and not from the estimate
+    state: Gaussian  # State of the filter with these faults at the start of the window
+    moments: list[Moment]  # Moments of the window
+    run: FilterRun  # Filter run over them
+    score: float  # Log-likelihood of all readings in the bank's window, less the penalty of the faults
+    anew: bool = False  # True if it starts from readings and not from the estimate
 
 
 @dataclass
 class FaultBank:
-    filter: ShipFilter  # Without faults
-    horizon: float  # Age of the latest reading that may come [s]
-    faults: Faults = frozenset()  # What is left out now: sensors, the rudder's indicator, the model
+    filter: ShipFilter  # Filter without faults
+    horizon: float  # Largest delay of a reading [s]
+    faults: Faults = frozenset()  # Current faults: sensors, the rudder's indicator, the model
     _filters: dict[Faults, ShipFilter] = field(default_factory=dict)
     _refused: dict[str, float] = field(default_factory=dict)
     _same: dict[str, tuple[tuple[float, ...], int]] = field(default_factory=dict)
@@ -73,7 +72,7 @@ class FaultBank:
         return self._filters[faults]
 
     def judge(self, run: FilterRun) -> tuple[FilterRun, str]:
-        """Return the run by the most likely hypothesis, and a sentence where it is another than before."""
+        """Return the run of the most likely hypothesis, and a sentence if the hypothesis changed."""
         t = run.last.t
         refusing, leaning, stuck = self._refusing(run, t), self._leaning(run), self._stuck(run)
         routine = (bool(stuck - self.faults) or bool(self.faults)) and t >= self._routine
@@ -83,7 +82,8 @@ class FaultBank:
         self._next, self._routine = (t + wait * self.scale for wait in (JUDGE_WAIT, REPLAY_TIME))
         suspects = [one for one in self._suspects if refusing or leaning or one in stuck]
         best = max(self._hypotheses(run, suspects, refusing, stuck), key=lambda one: one.score, default=None)
-        # A ship does not jump: a start anew is for an estimate that was wrong from its start, or that nothing explains.
+        # A ship does not jump: a restart is for an estimate that was wrong from its start, or that no hypothesis
+        # explains.
         anew = self._started_anew(run) if young or best is None or (refusing and _at_odds(best.run)) else None
         cost = 0.0 if young else FAULT_PRIOR
         if anew and (best is None or anew.score - cost > _likelihood(best.run, anew.run.begun) - _price(best)):
@@ -93,7 +93,7 @@ class FaultBank:
         return self._adopted(run, best, t)
 
     def _adopted(self, run: FilterRun, best: Hypothesis, t: float) -> tuple[FilterRun, str]:
-        """Return the run without the sensors that are wrong."""
+        """Return the run without the faulty sensors."""
         own = self.faulty(best.faults & {RUDDER, MODEL})
         first = best.moments[0]._replace(state=own.adopt(best.state, self.faulty(best.faults)), monitor=own.monitor())
         after = replay(own, first, best.moments[1:], self.horizon, self.kept, best.faults)
@@ -115,7 +115,7 @@ class FaultBank:
         return [*self.filter.sensors, *rudder, MODEL]
 
     def _refusing(self, run: FilterRun, t: float) -> bool:
-        """Whether readings of a sensor have contradicted the estimate for long."""
+        """Return whether a sensor has been refused for a long time."""
         for result in run.results:
             odd = (*result.refused, *result.surprising)
             for name in result.nis:
@@ -131,14 +131,14 @@ class FaultBank:
         return any(result.suspects for result in run.results)
 
     def _stuck(self, run: FilterRun) -> Faults:
-        """Sensors, or the rudder's indicator, that have given one value for long: they are stuck, or all is steady."""
+        """Sensors, or the rudder's indicator, with a constant value for long: either stuck, or the motion is steady."""
         for name, reading in {**run.last.readings, RUDDER: tuple(run.last.positions)}.items():
             value, count = self._same.get(name, (None, 0))
             self._same[name] = (reading, count + 1 if reading == value else 1)
         return frozenset(name for name, (_, count) in self._same.items() if count >= STUCK_READINGS)
 
     def _hypotheses(self, run: FilterRun, suspects: list[str], refusing: bool, stuck: Faults) -> Iterator[Hypothesis]:
-        """Give what may be: as before, one sensor sound again, one more that drifts or stepped away."""
+        """Return the hypotheses: no change, one sensor sound again, one more with a drift or a step."""
         moments, t, before = run.history, run.last.t, self.faulty(self.faults)
         begun = before.adopt(moments[0].state, run.filter)
         base = self._tried(self.faults, begun, moments, stuck)
@@ -176,12 +176,12 @@ class FaultBank:
         return tried._replace(score=_likelihood(run) - _price(tried, self.faults | stuck))
 
     def _simplicity(self, name: str) -> float:
-        """Log-likelihood [1] that a filter gains by having no wide error of a sensor, right or wrong."""
+        """Log-likelihood [1] that a filter gains by having no wide error of a sensor, whether right or wrong."""
         numbers = len(self.filter.sensors[name].fields) if name in self.filter.sensors else 1
         return FAULT_PRIOR + numbers * math.log(FAULT_STD)
 
     def _small(self, run: FilterRun, name: str) -> bool:
-        """Whether the error of a sensor is as small as its noise again."""
+        """Return whether the error of a sensor is as small as its noise again."""
         if name not in self.filter.sensors:
             return True
         sensor, places = self.filter.sensors[name], run.filter.states.places
@@ -189,7 +189,7 @@ class FaultBank:
         return all(mean <= 2.0 * sigma for mean, sigma in zip(means, sensor.sigma, strict=True))
 
     def _started_anew(self, run: FilterRun) -> Hypothesis | None:
-        """Return the most likely start from the readings of the last while, and not from the state before."""
+        """Return the most likely restart from recent readings, without the previous state."""
         since = min(self._refused.values(), default=run.last.t - RESTART_TIME * self.scale)
         recent = [one for one in run.history if one.t >= since]
         start = Start(self.filter)
@@ -209,7 +209,7 @@ class FaultBank:
 
 
 def _at_odds(run: FilterRun) -> bool:
-    """Whether a sensor contradicts a run to its end."""
+    """Return whether a sensor contradicts a run until its end."""
     names = {name for result in run.results for name in result.nis}
     recent = {name: [one for one in run.results if name in one.nis][-int(REFUSED_PERIODS) :] for name in names}
     return any(all(name in (*one.refused, *one.surprising) for one in last) for name, last in recent.items())
@@ -222,7 +222,7 @@ def _likelihood(run: FilterRun, since: float = -math.inf) -> float:
 
 
 def _price(tried: Hypothesis, known: Faults = frozenset()) -> float:
-    """What faults cost for which nothing else speaks."""
+    """Return the penalty of faults without other evidence."""
     return FAULT_PRIOR * len(tried.faults - known) * len(tried.faults)
 
 

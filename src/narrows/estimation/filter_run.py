@@ -1,4 +1,4 @@
-"""A run of one filter in real time: readings in the order in which they were measured, and what is kept to go back."""
+"""A run of one filter in real time: readings in the order of measurement, with a history for late ones."""
 
 from bisect import bisect_right
 from collections.abc import Sequence
@@ -16,24 +16,24 @@ Readings = dict[str, tuple[float, ...]]
 
 
 class Moment(NamedTuple):
-    """What is known at a time, to go on from or to go back to."""
+    """The filter's state at a time, from which it can continue or repeat."""
 
     t: float  # Time [s]
     state: Gaussian
     positions: np.ndarray  # (actuators,) Indicated positions
-    readings: Readings  # What was measured then
-    monitor: DriftMonitor  # After them
+    readings: Readings  # Readings of that time
+    monitor: DriftMonitor  # Drift monitor after them
 
 
 @dataclass
 class FilterRun:
     filter: ShipFilter
-    history: list[Moment]  # The moments of the last while, the present one last
-    horizon: float  # Age of the latest reading that may come [s]
-    kept: float  # Time for which moments are kept [s]
-    left_out: frozenset[str] = frozenset()  # Sensors whose readings are kept and not used
-    results: list[UpdateResult] = field(default_factory=list)  # Of the last call
-    times: list[float] | None = None  # Those of the results [s]; where it is given, results are weighed
+    history: list[Moment]  # Recent moments, the current one last
+    horizon: float  # Largest delay of a reading [s]
+    kept: float  # Duration of the history [s]
+    left_out: frozenset[str] = frozenset()  # Sensors whose readings are stored and not used
+    results: list[UpdateResult] = field(default_factory=list)  # Results of the last call
+    times: list[float] | None = None  # Times of the results [s]; if given, likelihoods are computed
     begun: float = field(init=False)  # Time of the start [s]
 
     def __post_init__(self) -> None:
@@ -44,7 +44,7 @@ class FilterRun:
         return self.history[-1]
 
     def update(self, t: float, measured: Readings, at: np.ndarray, notes: list[str]) -> bool:
-        """Take readings that came at a time; False where the mean of the state met a bank."""
+        """Use readings of a time; return False if the mean of the state met a bank."""
         self.results, self.times = [], None
         now = max(t, self.last.t)
         if t > self.last.t + SAME_TIME and not self.horizon:
@@ -62,7 +62,7 @@ class FilterRun:
         return all(self._insert(time, groups[time], at, now, notes) for time in sorted(groups))
 
     def _insert(self, time: float, readings: Readings, at: np.ndarray, now: float, notes: list[str]) -> bool:
-        """Take readings of one time where they belong, and do again what came after."""
+        """Insert readings at their time, and repeat later updates."""
         history = self.history
         place = bisect_right(history, time + SAME_TIME, key=lambda moment: moment.t)
         if place == 0 or time < now - self.horizon - SAME_TIME:
@@ -82,7 +82,7 @@ class FilterRun:
         return afloat
 
     def advance(self, time: float, positions: np.ndarray, readings: Readings) -> bool:
-        """Go on from the last moment to a time and take readings there; False where the mean met a bank."""
+        """Advance from the last moment to a time and use its readings; return False if the mean met a bank."""
         last = self.last
         state, monitor, known = last.state, last.monitor, last.readings
         if time - last.t > SAME_TIME:
@@ -109,7 +109,7 @@ def replay(
     filter: ShipFilter, first: Moment, later: Sequence[Moment], horizon: float, kept: float,
     left_out: frozenset[str] = frozenset(),
 ) -> FilterRun | None:  # fmt: skip
-    """Return the run of a filter from a moment over later ones, its results weighed; none where it meets a bank."""
+    """Return the run of a filter from a moment over later ones, with likelihoods; none if it meets a bank."""
     run = FilterRun(filter, [first], horizon, kept, left_out, times=[])
     for moment in later:
         if not run.advance(moment.t, moment.positions, moment.readings):

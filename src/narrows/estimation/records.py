@@ -1,4 +1,4 @@
-"""Records of a voyage: a table of what came in, a row a time, to estimate from after the fact."""
+"""Records of a voyage: a table of readings, one row per time, for later estimation."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -15,12 +15,12 @@ TIME = "t"
 
 @dataclass(frozen=True)
 class Records:
-    t: np.ndarray  # (rows,) When, rising [s]
-    readings: dict[str, np.ndarray]  # (rows, numbers) By sensor
-    positions: dict[str, np.ndarray]  # (rows,) Of actuators, by name
+    t: np.ndarray  # (rows,) Rising times [s]
+    readings: dict[str, np.ndarray]  # (rows, numbers) Readings by sensor
+    positions: dict[str, np.ndarray]  # (rows,) Positions of actuators, by name
 
     def rows(self) -> Iterator[tuple[float, dict[str, np.ndarray], dict[str, float]]]:
-        """Give each time, what each sensor told, and where the actuators were, without what is NaN."""
+        """Yield each time with the valid readings and actuator positions."""
         for number, t in enumerate(self.t.tolist()):
             told = {name: column[number] for name, column in self.readings.items() if np.isfinite(column[number]).all()}
             known = {n: float(column[number]) for n, column in self.positions.items() if np.isfinite(column[number])}
@@ -66,22 +66,22 @@ def _columns(table: Any) -> dict[str, np.ndarray]:
     return columns
 
 
-# Readings as they come from a bridge: by name, checked, without what is no number.
+# Readings from a bridge: by name, checked, without NaN.
 Reading = float | Sequence[float]
 
 
 class Measurements(NamedTuple):
-    """What came in."""
+    """Checked readings."""
 
-    measured: dict[str, tuple[float, ...]]  # By sensor
-    positions: dict[str, float]  # Of actuators
-    notes: tuple[str, ...]  # What was no number
+    measured: dict[str, tuple[float, ...]]  # Readings by sensor
+    positions: dict[str, float]  # Positions of actuators
+    notes: tuple[str, ...]  # Names of invalid readings
 
 
 def checked_readings(
     readings: Mapping[str, Any], sensors: Mapping[str, Sensor], actuators: Sequence[str]
 ) -> Measurements:
-    """Part readings into those of sensors and of actuators, and leave out what is no number."""
+    """Split readings into those of sensors and of actuators, without NaN."""
     measured: dict[str, tuple[float, ...]] = {}
     positions: dict[str, float] = {}
     lost = []
@@ -102,7 +102,7 @@ def checked_readings(
 
 
 def _numbers(name: str, reading: Any, count: int) -> tuple[float, ...]:
-    if count == 1 and isinstance(reading, float):  # What comes most often costs least.
+    if count == 1 and isinstance(reading, float):  # Fast path for the most frequent case
         return (reading,)
     if reading is None:
         return (math.nan,) * count

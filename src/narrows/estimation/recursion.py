@@ -1,4 +1,4 @@
-"""The filter's two steps for a ship: its motion by lanes of the kernel, and readings of its sensors behind gates."""
+"""The filter's two steps for a ship: predict by lanes of the kernel, and update by gated sensor readings."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -27,38 +27,38 @@ RUDDER = "rudder"
 
 
 class UpdateResult(NamedTuple):
-    """What became of readings."""
+    """Result of an update."""
 
-    state: Gaussian  # After them
+    state: Gaussian  # State after the readings
     nis: dict[str, float]  # Normalised innovation squared, by sensor [1]
-    refused: tuple[str, ...]  # Sensors whose reading the gate refused
-    suspects: tuple[str, ...]  # Sensors whose innovations lean to one side
-    surprising: tuple[str, ...] = ()  # Sensors of several kinds that contradict the model at once, and are used
-    log_likelihood: float = 0.0  # Of the readings, where it is asked for; refused ones count as at the gate
+    refused: tuple[str, ...]  # Sensors with a refused reading
+    suspects: tuple[str, ...]  # Sensors with biased innovations
+    surprising: tuple[str, ...] = ()  # Sensors of several kinds that contradict the model at once; they are used
+    log_likelihood: float = 0.0  # Log-likelihood of the readings, if requested; refused ones count as at the gate
 
 
 class NumberLayout(NamedTuple):
-    names: tuple[str, ...]  # Of the sensors
-    parts: tuple[slice, ...]  # Of the numbers, those of each sensor
-    places: np.ndarray | slice  # Of the numbers among those of all sensors
+    names: tuple[str, ...]  # Names of the sensors
+    parts: tuple[slice, ...]  # Components of each sensor
+    places: np.ndarray | slice  # Places of the components among those of all sensors
     gates: tuple[float, ...]  # Largest normalised innovation squared of each sensor [1]
     sigma: np.ndarray  # Standard deviations
-    angles: np.ndarray  # Which are angles
-    seen: np.ndarray | None  # (numbers, states) Their derivatives, where all are linear in the state
-    errors: tuple[tuple[int, int], ...]  # Numbers, and places of their errors among the states
+    angles: np.ndarray  # True for angles
+    seen: np.ndarray | None  # (numbers, states) Derivatives, if all are linear in the state
+    errors: tuple[tuple[int, int], ...]  # Components, and places of their errors among the states
 
 
-# Share of a sum that is left after each reading, (memories, 1).
+# Share of a sum that remains after each reading, (memories, 1).
 FADING = 1.0 - 1.0 / np.array(DRIFT_MEMORIES)[:, None]
 SQUARED = FADING * FADING
 
 
 @dataclass
 class DriftMonitor:
-    """Fading sums of innovations: those of a drifting sensor lean to one side, each too small for the gate."""
+    """Fading sums of innovations: those of a drifting sensor grow, although each passes the gate."""
 
-    size: int  # Numbers that the sensors measure, all together
-    considered: int = 0  # Errors of coefficients that the filter carries
+    size: int  # Number of components of all sensors
+    considered: int = 0  # Number of considered coefficient errors
     sums: np.ndarray = field(init=False)
     variances: np.ndarray = field(init=False)
     common: np.ndarray = field(init=False)
@@ -68,9 +68,9 @@ class DriftMonitor:
         self.common = np.zeros((len(DRIFT_MEMORIES), self.considered, self.size))
 
     def lean(self, whitened: np.ndarray, places: np.ndarray | slice, shared: np.ndarray) -> np.ndarray:
-        """Take whitened innovations (numbers,); return the distance of the sums from zero [standard deviations]."""
-        # Errors of considered coefficients, (considered, numbers), are common to all readings: they add up as a bias
-        # does and are no sign of a drift.
+        """Add whitened innovations (numbers,); return the distance of the sums from zero [standard deviations]."""
+        # Errors of considered coefficients, (considered, numbers), are common to all readings: they add up like a bias
+        # and do not indicate a drift.
         sums = FADING * self.sums[:, places]
         sums += np.minimum(np.maximum(whitened, -DRIFT_MOST_INNOVATION), DRIFT_MOST_INNOVATION)
         variances = SQUARED * self.variances[:, places] + 1.0
@@ -90,16 +90,16 @@ class DriftMonitor:
 
 
 class MarkovProcess:
-    """First-order Gauss-Markov processes, random walks where the time is infinite."""
+    """First-order Gauss-Markov processes; random walks if the time is infinite."""
 
     def __init__(self, walks: np.ndarray, times: np.ndarray) -> None:
-        self.walks, self.times = walks, times  # (n,) Gathered per root second; correlation times [s]
+        self.walks, self.times = walks, times  # (n,) Random walks per root second; correlation times [s]
         self.places = np.flatnonzero(np.isfinite(times))
         self._rows = np.flatnonzero(walks > 0.0)
         self._over: dict[float, tuple[np.ndarray, np.ndarray]] = {}
 
     def over(self, duration: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return what is left of the states at ``places`` after a time, and a root of the noise, (j, n)."""
+        """Return the remaining share of the states at ``places`` after a time, and a root of the noise, (j, n)."""
         if duration not in self._over:
             if len(self._over) > 64:
                 self._over.clear()
@@ -131,7 +131,7 @@ class Recursion:
     def predict(
         self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray
     ) -> tuple[Gaussian, Transformed, bool]:
-        """Return the state a step later, how its root was moved, and whether the mean met a bank."""
+        """Return the state a step later, the transformation of its root, and whether the mean met a bank."""
         lanes, pairs = self.lanes, len(self.moving.distance)
         if self._displaced:
             rudder = lanes.actuators.index(RUDDER)
@@ -158,12 +158,12 @@ class Recursion:
     def update(
         self, now: Gaussian, readings: Mapping[str, Sequence[float]], monitor: DriftMonitor, weigh: bool = False
     ) -> UpdateResult:
-        """Return the state by readings of one moment, those that no gate refuses, and weigh how likely they were."""
+        """Return the state after the readings of one moment that pass the gates, with their log-likelihood."""
         layout = self._layout(tuple(readings))
         expected = self._expected(now, layout)
         covariance = innovation_covariance(expected, layout.sigma, self.measuring)
         innovation = self._innovation(layout, readings, expected.mean)
-        # Normalised innovations squared by sensor: those of one number all at once.
+        # Normalised innovations squared by sensor: those of one component all at once.
         single = (innovation * innovation / covariance.diagonal()).tolist()
         nis = {
             name: single[part.start]
@@ -177,7 +177,7 @@ class Recursion:
         spread = np.sqrt(covariance.diagonal())
         whitened, shared = innovation / spread, expected.slopes[: self.measuring.considered] / spread
         for name, part in zip(layout.names, layout.parts, strict=True) if odd else ():
-            whitened[part] *= name not in odd  # The gate has dealt with it.
+            whitened[part] *= name not in odd  # Gross errors are left to the gate
         leans = monitor.lean(whitened, layout.places, shared)
         after = self._update(now, layout, expected, innovation, covariance, refused)
         suspects: tuple[str, ...] = ()
@@ -200,7 +200,7 @@ class Recursion:
         return -0.5 * total
 
     def _agree(self, odd: tuple[str, ...], nis: Mapping[str, float]) -> bool:
-        """Whether sensors of several kinds tell what was not expected: then it is the model that is wrong."""
+        """Return whether sensors of several kinds agree against the prediction: then the model is wrong."""
         kinds = {getattr(self.sensors[name], "source", name) for name in odd}
         return len(kinds) > 1 and all(nis[name] <= GROSS_ERROR_NIS for name in odd)
 
@@ -228,7 +228,7 @@ class Recursion:
         return self._layouts[names]
 
     def _expected(self, now: Gaussian, layout: NumberLayout) -> Transformed:
-        """What is measured by the sigma points; by the root itself where that is the same."""
+        """Predicted measurement by the sigma points; by the root itself if the measurement is linear."""
         if layout.seen is not None:
             none = np.zeros((0, len(layout.sigma)))
             return Transformed(layout.seen @ now.mean, (layout.seen @ now.root).T, none, none.sum(axis=0))
@@ -236,7 +236,7 @@ class Recursion:
         return unscented_transform(self._measured(points, layout), self.measuring)
 
     def _measured(self, points: np.ndarray, layout: NumberLayout) -> np.ndarray:
-        """Numbers of the sensors with their errors, (points, numbers)."""
+        """Components of the sensors with their errors, (points, numbers)."""
         at = Columns(points, self.states, self.lanes.bend(float(points[0, 0])))
         values = np.empty((len(points), len(layout.sigma)))
         columns = (column for name in layout.names for column in self.sensors[name].measured(at))
@@ -273,14 +273,14 @@ class Recursion:
 
 @lru_cache(maxsize=64)
 def gate(probability: float, size: int) -> float:
-    """Return the normalised innovation squared that a sound measurement exceeds with a probability [1]."""
+    """Return the normalised innovation squared that a valid measurement exceeds with a probability [1]."""
     from scipy.stats import chi2
 
     return float(chi2.isf(probability, size)) if probability > 0.0 else float("inf")
 
 
 def normalised_innovation_squared(innovation: np.ndarray, covariance: np.ndarray) -> float:
-    """Return the innovation squared over its covariance [1]: chi-squared where the filter is consistent."""
+    """Return the innovation squared over its covariance [1]: chi-squared for a consistent filter."""
     if len(innovation) == 1:
         return float(innovation[0] * innovation[0] / covariance[0, 0])
     if len(innovation) == 2:

@@ -1,6 +1,7 @@
-"""What a sensor is: what it measures of the state, how well, how often and how late.
+"""A sensor: its measurement of the state, with noise, period and delay.
 
-Places are those of the canal: x along its line, y to starboard of it; headings and courses are to its direction.
+Positions are those of the canal: x along its line, y to starboard of it; headings and courses are relative to its
+direction.
 """
 
 import math
@@ -17,12 +18,12 @@ Values = tuple[Any, ...]
 
 @runtime_checkable
 class Sensor(Protocol):
-    """What measures: any object with these attributes is one.
+    """The interface of a sensor.
 
-    ``name`` is what its readings are called, ``fields`` what its numbers are called in a table of records, ``sigma``
-    the standard deviations of their white errors, ``angles`` which of them are angles [rad], ``straight`` whether they
-    are sums of states times constants; ``period`` [s] is the time between readings, ``late`` [s] how old a reading is
-    when it comes. Where it has ``errors`` too, a sequence of ``GaussMarkov``, each becomes a state of the estimate.
+    ``name`` is the name of its readings, ``fields`` the names of its components in a table, ``sigma`` the standard
+    deviations of their white errors, ``angles`` marks angles [rad], ``straight`` is True if the components are linear
+    in the states. ``period`` [s] is the time between readings, ``late`` [s] the delay of a reading. Optional ``errors``
+    is a sequence of ``GaussMarkov``; each becomes a state of the estimate.
     """
 
     name: str
@@ -31,48 +32,48 @@ class Sensor(Protocol):
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """Names of its numbers."""
+        """Names of its components."""
 
     @property
     def sigma(self) -> tuple[float, ...]:
-        """Standard deviations of the white errors of its numbers."""
+        """Standard deviations of the white errors of its components."""
 
     @property
     def angles(self) -> tuple[bool, ...]:
-        """Which are angles."""
+        """True for components that are angles."""
 
     @property
     def straight(self) -> bool:
-        """Whether its numbers are sums of states times constants."""
+        """True if its components are linear in the states."""
 
     def measured(self, at: Columns) -> Values:
-        """Return its numbers, without errors, in states."""
+        """Return its components without errors, from states."""
 
     def numbers(self, reading: Sequence[float]) -> Values:
-        """Return a reading, one number for each field, as the numbers that ``measured`` gives."""
+        """Return a reading, one number for each field, as the components of ``measured``."""
 
     def reading(self, numbers: Values) -> Values:
-        """Return the reading of numbers: ``numbers`` backwards."""
+        """Return the reading of components: the inverse of ``numbers``."""
 
     def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
-        """Return the states that a reading gives, with their standard deviations, to start from."""
+        """Return states for a start from a reading, with their standard deviations."""
 
 
 @dataclass(frozen=True)
 class GaussMarkov:
-    """An error of a sensor that is correlated in time: a first-order Gauss-Markov process, or a constant bias.
+    """An error of a sensor correlated in time: a first-order Gauss-Markov process, or a constant bias.
 
     Parameters
     ----------
     std : float or tuple of float [unit of the sensor's numbers]
-        Standard deviation, of all numbers of the sensor or of each of them; 0 for none.
+        Standard deviation, of all components of the sensor or of each of them; 0 for none.
     time : float [s]
         Correlation time; ``math.inf`` for a constant bias.
 
     Raises
     ------
     InputError
-        If a number is none.
+        If a number is invalid.
     """
 
     std: float | tuple[float, ...]
@@ -86,15 +87,15 @@ class GaussMarkov:
 
 @dataclass(frozen=True)
 class Measuring:
-    """What the package's own sensors have in common: one noise for all of their numbers."""
+    """Base of the package's own sensors: one noise level for all components."""
 
-    noise: float  # Standard deviation of the white error of each of its numbers [SI]
+    noise: float  # Standard deviation of the white error of each component [SI]
     _: KW_ONLY
     period: float = 1.0  # Time between readings [s]
-    late: float = 0.0  # Age of a reading when it comes [s]
-    name: str = ""  # Of its readings
+    late: float = 0.0  # Delay of a reading [s]
+    name: str = ""  # Name of its readings
     bias: float = 0.0  # Standard deviation of a constant error [SI]
-    coloured: GaussMarkov | None = None  # Error that is correlated in time
+    coloured: GaussMarkov | None = None  # Error correlated in time
     angles: ClassVar[tuple[bool, ...]] = (False,)
 
     def __post_init__(self) -> None:
@@ -108,42 +109,42 @@ class Measuring:
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """Its name, where it has one number."""
+        """Its name, for one component."""
         return (self.name,)
 
     @property
     def sigma(self) -> tuple[float, ...]:
-        """Standard deviations of the white errors of its numbers."""
+        """Standard deviations of the white errors of its components."""
         return (self.noise,) * len(self.angles)
 
     @property
     def errors(self) -> tuple[GaussMarkov, ...]:
-        """Errors that are correlated in time."""
+        """Errors correlated in time."""
         return (*((GaussMarkov(self.bias),) if self.bias else ()), *((self.coloured,) if self.coloured else ()))
 
     @property
     def straight(self) -> bool:
-        """Whether its numbers are sums of states times constants: they are."""
+        """True: its components are linear in the states."""
         return True
 
     def numbers(self, reading: Sequence[float]) -> Values:
-        """Return a reading as it is."""
+        """Return a reading unchanged."""
         return tuple(reading)
 
     def reading(self, numbers: Values) -> Values:
-        """Return the numbers as they are."""
+        """Return the components unchanged."""
         return numbers
 
 
 def check_std(*sizes: float) -> None:
-    """Raise where a standard deviation is none."""
+    """Raise if a standard deviation is invalid."""
     for size in sizes:
         if not (math.isfinite(size) and size >= 0.0):
             raise InputError(f"a standard deviation of {size} is none; give 0 or more")
 
 
 def error_states(sensor: Sensor, faulty: bool = False) -> dict[str, tuple[int, float, float]]:
-    """Return the states of a sensor's errors: of which of its numbers, standard deviation and correlation time [s]."""
+    """Return the error states of a sensor: component, standard deviation and correlation time [s]."""
     found: dict[str, tuple[int, float, float]] = {}
     if faulty:
         for place, (field, sigma) in enumerate(zip(sensor.fields, sensor.sigma, strict=True)):

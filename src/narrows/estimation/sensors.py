@@ -11,12 +11,12 @@ from narrows.errors import InputError
 from narrows.estimation.sensor import GaussMarkov, Measuring, Values, check_std
 from narrows.estimation.states import Columns
 
-# ``narrows.estimation`` gives each of these.
+# Sensors that ``narrows.estimation`` exports.
 __all__ = ["CourseOverGround", "Gnss", "Gyro", "Log", "RateOfTurn", "RudderIndicator"]
 
 
 class ScalarSensor(Measuring):
-    """What sensors of one number have in common: it is one state."""
+    """Base of sensors with one component, which is one state."""
 
     state: ClassVar[str]
 
@@ -40,18 +40,18 @@ class Gyro(ScalarSensor):
     period : float [s]
         Time between readings.
     late : float [s]
-        Age of a reading when it comes.
+        Delay of a reading.
     name : str
-        Of its readings.
+        Name of its readings.
     bias : float [rad]
         Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
     coloured : GaussMarkov, optional
-        Error that is correlated in time, which becomes a state too.
+        Error correlated in time, which becomes a state too.
 
     Raises
     ------
     InputError
-        If a number is none.
+        If a number is invalid.
     """
 
     noise: float = math.radians(0.2)
@@ -72,18 +72,18 @@ class RateOfTurn(ScalarSensor):
     period : float [s]
         Time between readings.
     late : float [s]
-        Age of a reading when it comes.
+        Delay of a reading.
     name : str
-        Of its readings.
+        Name of its readings.
     bias : float [rad/s]
         Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
     coloured : GaussMarkov, optional
-        Error that is correlated in time, which becomes a state too.
+        Error correlated in time, which becomes a state too.
 
     Raises
     ------
     InputError
-        If a number is none.
+        If a number is invalid.
     """
 
     noise: float = math.radians(0.03)
@@ -103,18 +103,18 @@ class Log(ScalarSensor):
     period : float [s]
         Time between readings.
     late : float [s]
-        Age of a reading when it comes.
+        Delay of a reading.
     name : str
-        Of its readings.
+        Name of its readings.
     bias : float [m/s]
         Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
     coloured : GaussMarkov, optional
-        Error that is correlated in time, which becomes a state too.
+        Error correlated in time, which becomes a state too.
 
     Raises
     ------
     InputError
-        If a number is none.
+        If a number is invalid.
     """
 
     noise: float = 0.05
@@ -125,7 +125,7 @@ class Log(ScalarSensor):
 
 @dataclass(frozen=True)
 class RudderIndicator:
-    """The indicated rudder angle, which drives the model.
+    """The indicated rudder angle, an input of the model.
 
     Parameters
     ----------
@@ -134,12 +134,12 @@ class RudderIndicator:
     bias : float [rad]
         Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
     name : str
-        Of its readings.
+        Name of its readings.
 
     Raises
     ------
     InputError
-        If a number is none.
+        If a number is invalid.
     """
 
     noise: float = 0.0
@@ -150,21 +150,21 @@ class RudderIndicator:
         check_std(self.bias, self.noise)
 
 
-# Curvature [1/m] of a line that is straight.
+# Curvature [1/m] below which a line counts as straight.
 STRAIGHT = 1e-9
 # Correlation time [s] of the slow error of fixes of a receiver without corrections: the autocorrelation of recorded
-# errors falls quickly over about a minute. Wilson, GPS horizontal position accuracy; that it is no white noise:
-# Sensors 20 (2020) 6050.
+# errors falls within about a minute. Wilson, GPS horizontal position accuracy; that the error is not white: Sensors 20
+# (2020) 6050.
 GNSS_TIME = 60.0
 
 
 @dataclass(frozen=True)
 class Antenna(Measuring):
-    """What receivers have in common: an antenna, and two numbers, along and across."""
+    """Base of receivers: an antenna, and two components, along and across."""
 
     _: KW_ONLY
-    forward: float = 0.0  # Of the antenna, from midship [m]
-    starboard: float = 0.0  # Of the antenna, from midship [m]
+    forward: float = 0.0  # Position of the antenna ahead of midship [m]
+    starboard: float = 0.0  # Position of the antenna to starboard [m]
     angles: ClassVar[tuple[bool, ...]] = (False, False)
     source: ClassVar[str] = "satellites"
 
@@ -176,7 +176,7 @@ class Antenna(Measuring):
 
 @dataclass(frozen=True)
 class Gnss(Antenna):
-    """A satellite receiver: the place of its antenna in the canal.
+    """A satellite receiver: the position of its antenna in the canal.
 
     Parameters
     ----------
@@ -185,21 +185,21 @@ class Gnss(Antenna):
     period : float [s]
         Time between readings.
     late : float [s]
-        Age of a reading when it comes.
+        Delay of a reading.
     name : str
-        Of its readings.
+        Name of its readings.
     bias : float [m]
         Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
     coloured : GaussMarkov, optional
-        Error that is correlated in time, which becomes a state too; as large as the noise, over a minute,
-        unless given, for receivers have one. ``None``: white errors alone.
+        Error correlated in time, which becomes a state too; by default as large as the noise, over a minute, as is
+        usual for receivers. ``None``: white errors alone.
     forward, starboard : float [m]
-        Of the antenna, from midship.
+        Position of the antenna relative to midship.
 
     Raises
     ------
     InputError
-        If a number is none.
+        If a number is invalid.
     """
 
     noise: float = 1.5
@@ -209,22 +209,22 @@ class Gnss(Antenna):
 
     @property
     def errors(self) -> tuple[GaussMarkov, ...]:
-        """Errors that are correlated in time."""
+        """Errors correlated in time."""
         usual = replace(self, coloured=GaussMarkov(self.noise, GNSS_TIME)) if self.coloured == "usual" else self
         return super(Gnss, usual).errors
 
     @property
     def straight(self) -> bool:
-        """Where the antenna stands at midship."""
+        """True if the antenna is at midship."""
         return not (self.forward or self.starboard)
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """Along and across."""
+        """Names of the components along and across."""
         return (f"{self.name}_x", f"{self.name}_y")
 
     def measured(self, at: Columns) -> Values:
-        """Return where the antenna is; along a bend by the circle that the line follows there."""
+        """Return the antenna's position; in a bend by the circle that approximates the line."""
         if not (self.forward or self.starboard):
             return at.x, at.y
         cosine, sine = np.cos(at.psi), np.sin(at.psi)
@@ -240,7 +240,7 @@ class Gnss(Antenna):
         )
 
     def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
-        """Return the place of the antenna, which the estimator brings to midship."""
+        """Return the antenna's position, which the estimator converts to midship."""
         return {"x": (reading[0], self.noise), "y": (reading[1], self.noise)}
 
 
@@ -249,7 +249,7 @@ class CourseOverGround(Antenna):
     """Course and speed over ground, of a satellite receiver from Doppler shifts.
 
     Readings are course and speed; the estimate uses velocities along and across, whose noise does not depend on the
-    speed. With the model's drift they show a gyro's bias.
+    speed. Together with the model's drift they determine a gyro's bias.
 
     Parameters
     ----------
@@ -258,20 +258,20 @@ class CourseOverGround(Antenna):
     period : float [s]
         Time between readings.
     late : float [s]
-        Age of a reading when it comes.
+        Delay of a reading.
     name : str
-        Of its readings.
+        Name of its readings.
     bias : float [m/s]
         Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
     coloured : GaussMarkov, optional
-        Error that is correlated in time, which becomes a state too.
+        Error correlated in time, which becomes a state too.
     forward, starboard : float [m]
-        Of the antenna, from midship.
+        Position of the antenna relative to midship.
 
     Raises
     ------
     InputError
-        If a number is none.
+        If a number is invalid.
     """
 
     noise: float = 0.05
@@ -280,7 +280,7 @@ class CourseOverGround(Antenna):
 
     @property
     def straight(self) -> bool:
-        """Not linear in the heading."""
+        """False: the components are not linear in the heading."""
         return False
 
     @property
@@ -304,11 +304,11 @@ class CourseOverGround(Antenna):
         return ahead * cosine - side * sine + at.current, ahead * sine + side * cosine + at.current_across
 
     def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
-        """Return nothing: a current or a drift may stand between it and the state."""
+        """Return nothing: current and drift separate these velocities from the state."""
         return {}
 
 
-# The sensors that measure states, by the usual name of their readings; the rudder's indicator drives the model instead.
+# Sensors that measure states, by the usual name of their readings; the rudder's indicator is an input of the model.
 SENSORS: dict[str, type[Measuring]] = {
     sensor.name: sensor for name in __all__ if issubclass(sensor := globals()[name], Measuring)
 }

@@ -1,65 +1,65 @@
-"""Numbers of the estimator that one may want to change; noises and priors are ``ProcessNoise`` and ``Prior``."""
+"""Settings of the estimator; noises and priors are in ``ProcessNoise`` and ``Prior``."""
 
 import math
 
-# Of the ship [m] whose times and noises stand here; those of other ships follow by Froude's law.
+# Length of the ship [m] for the times and noises below; those of other ships follow by Froude's law.
 REFERENCE_LENGTH = 230.0
 
-# Longest step of the motion: a quarter of the root of length over gravity, in which velocities change little.
+# Longest step of the motion: this share of the root of length over gravity, in which velocities change little.
 STEPS_A_PERIOD = 4.0
-# Time [s] after which an estimate without any call begins anew.
+# Time [s] after which an estimate without any call restarts.
 LONGEST_GAP = 600.0
-# Time [s] in which what readings tell of the coefficients fades: a canal changes within half an hour.
+# Time [s] in which corrections of the coefficients fade: a canal changes within half an hour.
 COEFFICIENT_MEMORY = 1800.0
-# Periods of a sensor without a reading after which a note says so.
+# Periods of a sensor without a reading before a note.
 SILENT_PERIODS = 5.0
-# Two times [s] closer than this are one.
+# Times [s] closer than this count as equal.
 SAME_TIME = 1e-9
 
-# Readings of each sensor that an estimate starts from, by their median: one may be wrong.
+# Readings per sensor for a start, combined by their median: one may be wrong.
 START_READINGS = 3
-# Periods for which readings of a sensor are refused before the bank of filters is asked who is wrong.
+# Periods with refused readings of a sensor before the bank of filters is run.
 REFUSED_PERIODS = 5.0
-# Time [s, of the reference ship] that the bank of filters goes back.
+# Length of the bank's window [s, of the reference ship].
 REPLAY_TIME = 60.0
-# Time [s, of the reference ship] between two questions to the bank.
+# Time [s, of the reference ship] between two runs of the bank.
 JUDGE_WAIT = 5.0
-# Age [s, of the reference ship] of the readings that a new start begins with.
+# Age [s, of the reference ship] of the readings used for a restart.
 RESTART_TIME = 20.0
-# Readings of one and the same value after which a sensor may be stuck and the bank is asked.
+# Equal readings in a row after which a sensor may be stuck and the bank is run.
 STUCK_READINGS = 20
-# A faulty sensor's error, a Gauss-Markov process: its standard deviation [white standard deviations], wide enough for a
-# log stuck at 0, and how far it wanders [white standard deviations per root period]: a spoof by 0.5 m/s, a stuck value.
+# Error of a faulty sensor, a Gauss-Markov process: its standard deviation [white standard deviations], wide enough for
+# a log stuck at 0, and its random walk [white standard deviations per root period], for a spoof by 0.5 m/s or a stuck
+# value.
 FAULT_STD, FAULT_WALK = 100.0, 0.3
-# The same of a faulty rudder indicator [rad], [s, of the reference ship].
+# The same for a faulty rudder indicator [rad], [s, of the reference ship].
 RUDDER_FAULT_STD, RUDDER_FAULT_TIME = math.radians(15.0), 60.0
-# Factor on the walks of the velocities where the model is wrong: as much as a passing ship or another bank.
+# Factor on the random walks of the velocities under a model fault: the size of a passing ship or another bank.
 MODEL_FAULT = 3.0
-# Share of that standard deviation at the start of a drift, and of a step that no gate refuses.
+# Share of that standard deviation at the start of a drift, and at the start of a step that no gate refuses.
 DRIFT_START, STEP_START = 0.02, 0.1
-# Time [s, of the reference ship] for which a sensor is left out unless its error becomes as small as its noise.
+# Time [s, of the reference ship] for which a sensor is left out, unless its error becomes as small as its noise.
 LONGEST_FAULT = 300.0
-# Log-likelihood [1] by which a hypothesis with a fault more, or a new start, has to explain the readings better.
+# Least gain in log-likelihood [1] of a hypothesis with one more fault, or of a restart.
 FAULT_PRIOR = math.log(50.0)
 
-# Normalised innovation squared [1] of a gross error. Below it, sensors of several kinds that are all refused outvote
-# the model.
+# Normalised innovation squared [1] of a gross error. Below it, refused sensors of several kinds outvote the model.
 GROSS_ERROR_NIS = 1e4
-# Readings over which the innovations of a sensor are summed to find a drift: quick and slow ones.
+# Memories [readings] of the innovation sums that find a drift: fast and slow ones.
 DRIFT_MEMORIES = (6.0, 12.0, 24.0)
-# Standard deviations of such a sum that raise a suspicion: by chance once in 1.7 million independent sums.
+# Size of such a sum that raises a suspicion [standard deviations]: by chance once in 1.7 million independent sums.
 DRIFT_THRESHOLD = 5.0
-# Standard deviations at which an innovation is cut off in these sums: a larger one is the gate's matter.
+# Limit of an innovation in these sums [standard deviations]: larger ones are left to the gate.
 DRIFT_MOST_INNOVATION = 5.0
 
-# Distance of the sigma points from the mean [variances]: the fourth moment of a Gaussian is met.
+# Distance of the sigma points from the mean [variances]: matches the fourth moment of a Gaussian.
 SQUARED_DISTANCE = 3.0
-# Standard deviations by which a considered coefficient is moved: so near that the difference is the derivative.
+# Step of a considered coefficient [standard deviations]: small enough to give the derivative.
 CONSIDERED_DISTANCE = 0.1
 
-# Twins: standard deviations of the start's place [m, of the reference ship] and heading [rad].
+# Twins: standard deviations of the starting position [m, of the reference ship] and heading [rad].
 TWIN_START_STD = (3.0, math.radians(1.0))
-# Twins: time for which the rudder is put over to one side [roots of length over gravity].
+# Twins: time with the rudder to one side [roots of length over gravity].
 TWIN_SIDE_TIME = 8.0
 # Twins: time [s, of the reference ship] at the start that is left out of the statistics.
 SETTLING_TIME = 60.0

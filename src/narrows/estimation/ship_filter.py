@@ -1,4 +1,4 @@
-"""A ship with its sensors as a filter asks for them: which states there are, how they move, what corrects them."""
+"""The filter's view of a ship with its sensors: states, motion, measurements."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -37,24 +37,24 @@ Coefficients = Literal["considered", "certain", "estimated"]
 
 
 class MotionStep(NamedTuple):
-    state: Gaussian  # After it
-    how: Transformed  # How the root was moved
-    aground: bool  # Whether the mean met a bank, or is no number
+    state: Gaussian  # State after the step
+    how: Transformed  # Transformation of the root
+    aground: bool  # True if the mean met a bank, or is NaN
 
 
-# What there must be to start from, and what it is called; the other states begin at their priors.
+# States needed for a start, in words; the other states begin at their priors.
 NEEDED = {"x": "a place", "y": "a place", "psi": "a heading", "u": "a speed through the water"}
 
 
 class StartValue(NamedTuple):
-    value: float  # Of a state
-    std: float  # Of its white error
-    errors: dict[str, float]  # Slope by the states of its sensor's errors, times their standard deviations
+    value: float  # Value of a state
+    std: float  # Standard deviation of its white error
+    errors: dict[str, float]  # Derivatives by the states of its sensor's errors, times their standard deviations
 
 
 @dataclass
 class Start:
-    """The latest readings of each sensor, until there are enough to start from: their median, not the first."""
+    """The latest readings of each sensor, collected for a start: their median, not the first."""
 
     filter: "ShipFilter"
     readings: dict[str, list[tuple[float, Sequence[float]]]] = field(default_factory=dict)  # With their times [s]
@@ -64,7 +64,7 @@ class Start:
             self.readings[name] = [*self.readings.get(name, ())[1 - START_READINGS :], (t, reading)]
 
     def values(self) -> dict[str, StartValue]:
-        """Return what the readings give: of two sensors that give the same state, the better."""
+        """Return the states from the readings; of two sensors of the same state, the better."""
         found: dict[str, StartValue] = {}
         for name, rows in self.readings.items():
             if len(rows) < START_READINGS:
@@ -89,12 +89,12 @@ class Start:
 
     @property
     def lacking(self) -> str:
-        """What is not known yet, in words; empty where there is enough."""
+        """Return what is missing, in words; empty if there are enough readings."""
         known = self.values()
         return " and ".join(dict.fromkeys(what for state, what in NEEDED.items() if state not in known))
 
     def state(self, t: float) -> Gaussian:
-        """Return the state at a time by the readings and the priors."""
+        """Return the state at a time from the readings and the priors."""
         filter, known = self.filter, self.values()
         names, places = filter.states.names, filter.states.places
         current = filter.waterway.current if filter.waterway else 0.0
@@ -110,7 +110,7 @@ class Start:
         return Gaussian(np.concatenate([mean, np.zeros(more)]), full)
 
     def _at_midship(self, t: float, mean: np.ndarray, root: np.ndarray) -> np.ndarray:
-        """Bring the places of an antenna to one time and to midship; so too, as the heading is unsure, in the root."""
+        """Convert antenna positions to one time and to midship, in the root too, since the heading is uncertain."""
         filter = self.filter
         name = next(name for name, rows in self.readings.items() if "x" in filter.sensors[name].start(rows[-1][1]))
         sensor, way = filter.sensors[name], mean[3] * np.array([math.cos(mean[2]), math.sin(mean[2])])
@@ -121,7 +121,7 @@ class Start:
             found = sensor.measured(Columns(state[None], filter.states, bend))
             return np.array([float(np.ravel(number)[0]) for number in found])
 
-        for _ in range(6):  # Along a bend each round leaves a small share of the error.
+        for _ in range(6):  # In a bend each round leaves a small share of the error
             mean = mean.copy()
             mean[:2] += place - measured(mean)
         small = 1e-4  # [rad]
@@ -137,22 +137,22 @@ def _width(value: StartValue) -> float:
 
 @dataclass(frozen=True)
 class ShipFilter:
-    """What an estimator and a smoother share."""
+    """Parts shared by the estimator and the smoother."""
 
     model: Model  # The ship in its canal
-    sensors: Mapping[str, Sensor]  # By the names of their readings
-    indicator: RudderIndicator  # What is known of the rudder
+    sensors: Mapping[str, Sensor]  # Sensors by the names of their readings
+    indicator: RudderIndicator  # Errors of the rudder's indication
     waterway: "Waterway | None"  # Waterway instead of the model's own canal
-    noise: ProcessNoise  # How fast the motion wanders from the model
-    prior: Prior  # What is believed before any reading
-    coefficients: Coefficients  # Whether their uncertainty is carried, left out, or corrected by the readings
-    refusing: float  # Probability with which a gate refuses a sound reading [1]
+    noise: ProcessNoise  # Random walks of the motion about the model
+    prior: Prior  # Uncertainty before any reading
+    coefficients: Coefficients  # Treatment of their uncertainty: carried, ignored, or corrected by the readings
+    refusing: float  # Probability that a gate refuses a valid reading [1]
     step: float  # Longest step of the motion [s]
-    memory: float = math.inf  # Time in which what readings tell of the coefficients fades [s]
-    surge: Surge = "held"  # Whether the model moves the speed
+    memory: float = math.inf  # Time in which corrections of the coefficients fade [s]
+    surge: Surge = "held"  # Whether the speed follows the model
     surge_inertia: float | None = None  # Mass in surge with its added mass [kg]
     coriolis: bool = False  # Add the rigid body's Coriolis force
-    faults: frozenset[str] = frozenset()  # Sensors, "rudder" or "model" that are taken for faulty
+    faults: frozenset[str] = frozenset()  # Sensors, "rudder" or "model" that count as faulty
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.step) and self.step > 0.0):
@@ -174,7 +174,7 @@ class ShipFilter:
 
     @cached_property
     def errors(self) -> dict[str, tuple[int, float, float]]:
-        """Errors of the sensors: which number, standard deviation, correlation time [s]."""
+        """Errors of the sensors: component, standard deviation, correlation time [s]."""
         known = (error_states(sensor, name in self.faults) for name, sensor in self.sensors.items())
         return {state: error for own in known for state, error in own.items()}
 
@@ -189,7 +189,7 @@ class ShipFilter:
 
     @cached_property
     def walks(self) -> dict[str, tuple[float, float]]:
-        """What each state gathers per root second, and its correlation time [s]."""
+        """Random walk of each state per root second, and its correlation time [s]."""
         walks = {name: (walk, math.inf) for name, walk in self.noise.by_state().items()}
         if MODEL in self.faults:
             walks |= {name: (MODEL_FAULT * walks[name][0], math.inf) for name in ("u", "v", "r")}
@@ -205,7 +205,7 @@ class ShipFilter:
 
     @cached_property
     def states(self) -> StateNames:
-        """What is estimated: what can be other than it is at rest."""
+        """States that can deviate from their defaults."""
         can = {name: self.spreads.get(name, 0.0) > 0.0 for name in STATES}
         can |= {name: can[name] or self.walks[name][0] > 0.0 for name in ("bank", "current", "current_across")}
         can |= dict.fromkeys(MOTION_STATES, True)
@@ -225,18 +225,18 @@ class ShipFilter:
 
     @property
     def considered(self) -> int:
-        """Directions of the coefficients that are carried."""
+        """Directions of the coefficients whose uncertainty is carried."""
         return self.root.shape[1] if self.coefficients == "considered" else 0
 
     @property
     def estimated(self) -> int:
-        """Directions of the coefficients that are corrected: states after the others, standard normal before."""
+        """Directions of the coefficients that are corrected: states after the others, standard normal a priori."""
         return self.root.shape[1] if self.coefficients == "estimated" else 0
 
     @cached_property
     def recursion(self) -> Recursion:
         noise = self.indicator.noise if RUDDER in self.actuators else 0.0
-        # What is learned of a coefficient fades: the fit's spread is where it comes to rest.
+        # Corrections of a coefficient fade: its stationary spread is that of the fit.
         fading = [(math.sqrt(2.0 / self.memory), self.memory)] * self.estimated
         walks, times = np.array([*(self.walks[name] for name in self.states.names), *fading]).T
         moving = sigma_point_weights(len(walks) + (noise > 0.0), self.considered)
@@ -256,7 +256,7 @@ class ShipFilter:
         return ShipLanes(self.ship, self.states, len(coefficients), self.waterway, coefficients)
 
     def adopt(self, now: Gaussian, other: "ShipFilter", size: float = 1.0) -> Gaussian:
-        """Return the state of a filter with other faults as one of this; what is new has a share of its prior."""
+        """Return the state of a filter with other faults for this one; new states have a share of their prior."""
         if self.states == other.states and self.faults == other.faults:
             return now
         p, more = self.considered, self.estimated
@@ -273,7 +273,7 @@ class ShipFilter:
         return Gaussian(mean, np.concatenate([root[:, :p], squared], axis=1))
 
     def steps(self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray) -> list[MotionStep]:
-        """Move a state on, and return every step until the last or until it is aground; start and end (actuators,)."""
+        """Advance a state, and return every step until the last or until it is aground; start and end (actuators,)."""
         count = max(1, math.ceil(duration / self.step - 1e-9))
         taken: list[MotionStep] = []
         for number in range(count):
@@ -293,7 +293,7 @@ class ShipFilter:
 
 
 def default_step(model: Model) -> float:
-    """Return the longest step of a motion that is followed [s]."""
+    """Return the longest step that resolves the motion [s]."""
     return math.sqrt(model.configuration.ship.length / GRAVITY) / STEPS_A_PERIOD
 
 

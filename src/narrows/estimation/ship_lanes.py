@@ -1,4 +1,4 @@
-"""The ship between measurements: many states of it moved at once, as lanes of the package's compiled kernel."""
+"""The ship between measurements: many states advanced at once, as lanes of the compiled kernel."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -23,9 +23,9 @@ RUDDER = "rudder"
 
 @dataclass(frozen=True)
 class PrescribedActuators:
-    """The law of actuators whose positions are told."""
+    """A law of prescribed actuator positions."""
 
-    names: tuple[str, ...]  # Of the actuators
+    names: tuple[str, ...]  # Names of the actuators
 
     def parameters(self) -> dict[str, float]:
         return {f"next_{name}": 0.0 for name in self.names}
@@ -39,13 +39,13 @@ class PrescribedActuators:
 
 @dataclass
 class ShipLanes:
-    """States of one ship, a lane each, with the strength of the bank and the coefficients of each lane's own."""
+    """States of one ship, one per lane, each with its own bank strength and coefficients."""
 
     ship: SimulatedShip  # The ship
-    states: StateNames  # What a lane's row holds
-    lanes: int  # How many
+    states: StateNames  # States in a lane's row
+    lanes: int  # Number of lanes
     waterway: "Waterway | None" = None  # Waterway instead of the model's own canal
-    coefficients: np.ndarray | None = None  # (lanes, coefficients) Of each lane; the model's unless given
+    coefficients: np.ndarray | None = None  # (lanes, coefficients) Coefficients of each lane; the model's unless given
     prepared: PreparedRun = field(init=False)
 
     def __post_init__(self) -> None:
@@ -73,7 +73,7 @@ class ShipLanes:
         if self.coefficients is not None:
             numbers = dict(zip(model.terms.names, self.coefficients.T, strict=True))
         numbers |= {name: bank * numbers[name] for name in self.silent}
-        # An actuator whose position is indicated is there: no limit and no rate hold it back.
+        # An actuator is at its indicated position: no limit and no rate apply.
         limits = {f"{name}_{of}": 1e9 for name in self.actuators for of in ("limit", "rate")}
         law = {PARAMETER(f"next_{name}"): np.zeros(self.lanes) for name in self.actuators}
         start: dict[str, Any] = dict.fromkeys((*START, *INPUTS), 0.0)
@@ -83,12 +83,12 @@ class ShipLanes:
         return self._run.prepared(self._values(bank), self.lanes, workers=1)
 
     def _by_bank(self) -> tuple[np.ndarray, np.ndarray]:
-        """The inputs of each lane without a bank, and what a bank of strength 1 adds."""
+        """Inputs of each lane without a bank, and the addition of a bank of strength 1."""
         full = self.prepared.vessel_inputs.copy()
         if not self.silent:
             return full, np.zeros_like(full)
         none, double = self._laid_out(0.0).vessel_inputs, self._laid_out(2.0).vessel_inputs
-        # A lane's inputs are a sum of both, whatever its strength, if they are affine in it.
+        # If a lane's inputs are affine in the strength, they are this sum.
         if not (np.abs(double - 2 * full + none) <= 1e-9 * (np.abs(full) + np.abs(none))).all():
             raise InputError("the bank's terms of this model hold accelerations, so its strength cannot be estimated")
         return none, full - none
@@ -105,8 +105,8 @@ class ShipLanes:
     def advance(
         self, points: np.ndarray, duration: float, start: np.ndarray, end: np.ndarray, columns: np.ndarray | None = None
     ) -> np.ndarray:
-        """Move states (lanes, states) on, with actuators from start to end (actuators,) and inputs (lanes, inputs)."""
-        # A current that differs from the waterway's carries the ship half before and half after the water's motion.
+        """Advance states (lanes, states), with actuators from start to end (actuators,) and inputs (lanes, inputs)."""
+        # The current's difference from the waterway's moves the ship half before and half after the step.
         after = points.copy()
         self._drift(after, duration / 2)
         self._load(after, duration, start, end, columns)
@@ -148,7 +148,7 @@ class ShipLanes:
             inputs[:, self._told[number]] = end[..., number] + bias
 
     def _unload(self, after: np.ndarray) -> None:
-        """Write where the lanes are; the heading by how far it turned, so that whole turns are kept."""
+        """Write the lanes' states; the heading by its change, so that whole turns are kept."""
         rows, ended = self.prepared.start, self.prepared.end
         cosine, sine = rows[:, 2], rows[:, 3]
         turned = np.arctan2(ended[:, 3] * cosine - ended[:, 2] * sine, ended[:, 2] * cosine + ended[:, 3] * sine)
@@ -158,7 +158,7 @@ class ShipLanes:
 
     @property
     def aground(self) -> np.ndarray:
-        """Which lanes met a bank, an end of the waterway or the limit of heading in the last motion."""
+        """Lanes that met a bank, an end of the waterway or the limit of heading in the last step."""
         return np.asarray(self.prepared.codes[:, 0] != 0)
 
     def columns_of(self, coefficients: np.ndarray, bank: np.ndarray) -> np.ndarray:
@@ -175,7 +175,7 @@ class ShipLanes:
 
 
 def directions(covariance: np.ndarray | None) -> np.ndarray:
-    """Return a root of the coefficients' covariance, (coefficients, k), without what is certain."""
+    """Return a root of the coefficients' covariance, (coefficients, k), without certain directions."""
     if covariance is None:
         return np.zeros((0, 0))
     size = np.sqrt(np.diag(covariance))
@@ -186,6 +186,6 @@ def directions(covariance: np.ndarray | None) -> np.ndarray:
 
 
 def lanes_of_directions(middle: np.ndarray, root: np.ndarray, distance: np.ndarray, others: int) -> np.ndarray:
-    """Return coefficients of the lanes of sigma points, (1 + 2 (k + others), coefficients)."""
+    """Return coefficients for the lanes of sigma points, (1 + 2 (k + others), coefficients)."""
     steps = np.concatenate([root.T * distance[:, None], np.zeros((others, len(middle)))])
     return np.concatenate([middle[None], middle + steps, middle - steps])

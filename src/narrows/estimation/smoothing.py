@@ -1,4 +1,4 @@
-"""Records after the fact: the filter once forward, with the coefficients among its states, then the smoother back."""
+"""Estimates from whole records: the filter forward, with the coefficients among its states, then the smoother back."""
 
 import math
 from collections.abc import Sequence
@@ -16,15 +16,15 @@ from narrows.estimation.unscented import Gaussian, Transformed
 
 
 class Smoothed(NamedTuple):
-    mean: np.ndarray  # (times, states) Estimates; NaN before there was anything to start from
-    covariance: np.ndarray  # (times, states, states) Of their errors
-    refused: dict[str, np.ndarray]  # (times,) Where a sensor's reading was refused
-    suspected: dict[str, np.ndarray]  # (times,) Where a sensor's innovations had a bias
-    resets: tuple[float, ...]  # Where the estimate lay in a bank and began anew [s]
+    mean: np.ndarray  # (times, states) Estimates; NaN before the start
+    covariance: np.ndarray  # (times, states, states) Covariances of their errors
+    refused: dict[str, np.ndarray]  # (times,) True if a sensor's reading was refused
+    suspected: dict[str, np.ndarray]  # (times,) True if a sensor's innovations had a bias
+    resets: tuple[float, ...]  # Times at which the estimate lay in a bank and restarted [s]
 
 
 class _Chain:
-    """A run of the filter without a break: its stages, and which of their starts are times of the records."""
+    """A run of the filter without a break: its stages, and those that start at times of the records."""
 
     def __init__(self, first: Gaussian) -> None:
         self.stages: list[Stage] = []
@@ -33,8 +33,8 @@ class _Chain:
 
 
 def smooth(filter: ShipFilter, records: Records) -> Smoothed:
-    """Estimate states by all readings, before and after."""
-    # The coefficients are states too, with the fit's covariance before: over a whole record they may be corrected.
+    """Estimate states from all readings, before and after."""
+    # The coefficients are states too, with the fit's covariance as prior: a whole record may correct them.
     joint = replace(filter, coefficients="estimated", memory=math.inf)
     pass_ = _Pass(joint, records)
     chains = pass_.chains()
@@ -51,7 +51,7 @@ def smooth(filter: ShipFilter, records: Records) -> Smoothed:
 
 
 class _Pass:
-    """The filter over all records, in the order in which things were measured."""
+    """The filter over all records, in the order of measurement."""
 
     def __init__(self, filter: ShipFilter, records: Records) -> None:
         self.filter, self.records, self.resets = filter, records, list[float]()
@@ -66,11 +66,11 @@ class _Pass:
         self.positions = np.stack([known[name] for name in filter.actuators], axis=1) if known else np.zeros((shape, 0))
 
     def position(self, t: float) -> np.ndarray:
-        """Indicated positions at a time, straight between the rows."""
+        """Indicated positions at a time, linear between the rows."""
         return np.array([np.interp(t, self.records.t, column) for column in self.positions.T])
 
     def events(self) -> list[tuple[float, dict[str, tuple[int, np.ndarray]], int]]:
-        """Times in order, what was measured at each (with its row), and the row that asks for the state there or -1."""
+        """Times in order, the readings at each (with their row), and the row that needs the state there or -1."""
         found: dict[float, tuple[dict[str, tuple[int, np.ndarray]], int]] = {}
         for row, (t, told, _) in enumerate(self.records.rows()):
             found[t] = (found[t][0] if t in found else {}, row)
@@ -80,7 +80,7 @@ class _Pass:
         return [(t, *found[t]) for t in sorted(found)]
 
     def chains(self) -> list[_Chain]:
-        """Run the filter; a chain for each stretch between resets."""
+        """Run the filter; one chain for each stretch between resets."""
         chains: list[_Chain] = []
         chain: _Chain | None = None
         last = math.nan
@@ -121,7 +121,7 @@ class _Pass:
 
 
 def _held(column: np.ndarray | None, rest: float, count: int) -> np.ndarray:
-    """Positions as they were told last; at rest before."""
+    """Latest indicated positions; at rest before."""
     if column is None:
         return np.full(count, rest)
     known = np.where(np.isfinite(column), np.arange(count), -1)
@@ -132,11 +132,11 @@ def _held(column: np.ndarray | None, rest: float, count: int) -> np.ndarray:
 # Rauch, Tung and Striebel (1965), Maximum likelihood estimates of linear dynamic systems. Sarkka (2008), Unscented
 # Rauch-Tung-Striebel smoother.
 class Stage(NamedTuple):
-    """A step of the filter, as the smoother asks for it."""
+    """A step of the filter, for the smoother."""
 
-    before: Gaussian  # The state by what was measured until then
-    moved: Transformed  # What the motion made of it
-    after: Gaussian  # The state after the motion, before what was measured there
+    before: Gaussian  # State from the readings until then
+    moved: Transformed  # Its transformation by the motion
+    after: Gaussian  # State after the motion, before the next readings
 
 
 def smoothed(stages: Sequence[Stage], last: Gaussian) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -145,7 +145,7 @@ def smoothed(stages: Sequence[Stage], last: Gaussian) -> list[tuple[np.ndarray, 
     found = [(mean, covariance)]
     for stage in reversed(stages):
         size = stage.before.root.shape[1]
-        # Columns of the root after those of the state are disturbances: what came of them is in the state after.
+        # Columns of the root after those of the state are disturbances: their effect is in the state after.
         shared = stage.before.root @ stage.moved.slopes[:size]
         ahead = stage.after.covariance
         gain = np.linalg.lstsq(ahead, shared.T, rcond=None)[0].T

@@ -1,4 +1,4 @@
-"""What is estimated: pose, velocities, and what disturbs them, with units."""
+"""The estimated states: pose, velocities and disturbances, with units."""
 
 import math
 from dataclasses import dataclass, fields
@@ -11,8 +11,8 @@ from narrows.estimation.settings import REFERENCE_LENGTH
 
 MOTION_STATES = ("x", "y", "psi", "u", "v", "r")
 
-# Units and meanings; those after the motion are left out where nothing lets them differ from what is expected. Errors
-# that sensors declare come after these.
+# Units and meanings; states after the motion are omitted if nothing makes them deviate from their defaults. Errors
+# declared by sensors follow these.
 STATES = {
     "x": ("m", "midship along the canal"),
     "y": ("m", "midship to starboard of the line"),
@@ -28,11 +28,11 @@ STATES = {
 
 
 def described(name: str) -> tuple[str, str]:
-    """Return unit and meaning of a state; the error of a sensor has the unit of its reading in SI."""
+    """Return unit and meaning of a state; the error of a sensor has the SI unit of its reading."""
     return STATES.get(name, ("SI", f"error of a sensor, {name.replace('_', ' ')}"))
 
 
-# What a state is where it is left out and where nothing is known of it; the others are 0.
+# Default values of states that are omitted or unknown; the others are 0.
 RESTING = {"bank": 1.0}
 
 
@@ -40,7 +40,7 @@ RESTING = {"bank": 1.0}
 class StateNames:
     """The states of one estimator, in order."""
 
-    names: tuple[str, ...]  # Those of the motion first, then some of ``STATES`` and errors of sensors
+    names: tuple[str, ...]  # States of the motion first, then some of ``STATES`` and errors of sensors
 
     def __len__(self) -> int:
         return len(self.names)
@@ -53,12 +53,12 @@ class StateNames:
         return {name: place for place, name in enumerate(self.names)}
 
     def vector(self, values: dict[str, float]) -> np.ndarray:
-        """Return numbers by name as a vector; what is not said is at rest."""
+        """Return numbers by name as a vector; missing ones have their defaults."""
         return np.array([float(values.get(name, RESTING.get(name, 0.0))) for name in self.names])
 
 
 class Columns:
-    """States at many points, a column each, as sensors ask for them."""
+    """States at many points, one column each, for sensors."""
 
     bank: np.ndarray | float = 1.0
     current: np.ndarray | float = 0.0
@@ -86,25 +86,25 @@ def _check(numbers: object) -> None:
 
 @dataclass(frozen=True)
 class ProcessNoise:
-    """Random walks that are added to the model: the standard deviation that each gathers in one second.
+    """Random walks added to the model: standard deviations after one second.
 
     Parameters
     ----------
     surge, sway : float [m/s per root s]
-        Of the velocities: gusts, waves, squat, what the terms leave out.
+        Walks of the velocities: gusts, waves, squat, effects that the terms ignore.
     yaw : float [rad/s per root s]
-        Of the yaw rate, by the same.
+        Walk of the yaw rate, for the same reasons.
     bank : float [1 per root s]
-        Of the bank's strength: the banks are not as they are drawn.
+        Walk of the bank's strength: real banks differ from the drawn ones.
     current, current_across : float [m/s per root s]
-        Of the current; across, 0 with a prior of 0 leaves that state out.
+        Walks of the current; across, 0 with a prior of 0 omits that state.
     rudder_bias : float [rad per root s]
-        Of the bias of the rudder's indicator.
+        Walk of the bias of the rudder's indicator.
 
     Raises
     ------
     InputError
-        If a number is none.
+        If a number is invalid.
     """
 
     surge: float = 0.005
@@ -120,12 +120,12 @@ class ProcessNoise:
 
     @classmethod
     def of_length(cls, length: float) -> "ProcessNoise":
-        """Return the usual noise of a ship, by Froude's law from one of 230 m.
+        """Return the default noise of a ship, by Froude's law from one of 230 m.
 
         Parameters
         ----------
         length : float [m]
-            Of the ship.
+            Length of the ship.
         """
         usual, scale = cls(), length / REFERENCE_LENGTH
         velocity, per_root_second = scale**0.25, scale**-0.25
@@ -142,25 +142,25 @@ class ProcessNoise:
 
 @dataclass(frozen=True)
 class Prior:
-    """What is believed before any measurement: standard deviations about rest and about the model.
+    """Uncertainty before any measurement: standard deviations about the defaults and the model.
 
-    A place, a heading and a speed are taken from the first readings; biases of sensors stand with the sensors.
+    Position, heading and speed come from the first readings; biases of sensors are defined with the sensors.
 
     Parameters
     ----------
     sway : float [m/s]
-        Of the sway velocity about 0.
+        Sway velocity about 0.
     yaw_rate : float [rad/s]
-        Of the yaw rate about 0, where no sensor tells it.
+        Yaw rate about 0, if no sensor measures it.
     bank : float [1]
-        Of the bank's strength about 1, the model's.
+        The bank's strength about 1, the model's.
     current, current_across : float [m/s]
-        Of the current, about the waterway's and about 0.
+        Current, about the waterway's and about 0.
 
     Raises
     ------
     InputError
-        If a number is none.
+        If a number is invalid.
     """
 
     sway: float = 0.15
@@ -174,12 +174,12 @@ class Prior:
 
     @classmethod
     def of_length(cls, length: float) -> "Prior":
-        """Return the usual prior of a ship, by Froude's law from one of 230 m.
+        """Return the default prior of a ship, by Froude's law from one of 230 m.
 
         Parameters
         ----------
         length : float [m]
-            Of the ship.
+            Length of the ship.
         """
         usual, root = cls(), math.sqrt(length / REFERENCE_LENGTH)
         speeds = (usual.current * root, usual.current_across * root)

@@ -1,4 +1,4 @@
-"""Twins: ships whose truth is known, sailed by the same lanes as the estimate, with what its sensors tell of them."""
+"""Twins: ships with known truth, simulated by the same lanes as the estimate, with sensor readings."""
 
 import math
 from dataclasses import dataclass
@@ -25,13 +25,13 @@ from narrows.simulation.steering import SEEN
 
 @dataclass(frozen=True)
 class Twins:
-    """Ships as they truly sailed, and what was told of them."""
+    """True states of ships, and their readings."""
 
     t: np.ndarray  # (times,) Time [s]
     states: np.ndarray  # (times, twins, states) The truth
-    indicated: np.ndarray  # (times, twins, actuators) Positions of the actuators as they were told
-    readings: dict[str, np.ndarray]  # (times, twins, numbers) Of each sensor; NaN where none was due
-    aground: np.ndarray  # (twins,) Whether a twin met a bank
+    indicated: np.ndarray  # (times, twins, actuators) Indicated positions of the actuators
+    readings: dict[str, np.ndarray]  # (times, twins, numbers) Readings of each sensor; NaN where none was due
+    aground: np.ndarray  # (twins,) True if a twin met a bank
 
 
 @dataclass
@@ -55,11 +55,11 @@ class _Fleet:
         self.ahead = water_ahead(filter.model, filter.waterway)
 
     def water(self, name: str, x: np.ndarray) -> np.ndarray:
-        """Return what a control law sees of the water at places along it, as ``steering.water`` names it."""
+        """Return the water quantities of a control law at places along it, by the names of ``steering.water``."""
         return self.ahead.at(x)[WATER[f"{SEEN}{name}"]]
 
     def started(self, x: float, y: float, u: float, psi: float) -> np.ndarray:
-        """Draw where the twins begin."""
+        """Draw the initial states of the twins."""
         filter, draw = self.filter, self.random.standard_normal
         means = {"x": x, "y": y, "psi": psi, "u": u, "bank": 1.0}
         means |= {"current": filter.waterway.current if filter.waterway else 0.0}
@@ -98,8 +98,8 @@ def sail_twins(
     filter: ShipFilter, law: ControlLaw | None, start: tuple[float, float, float, float], count: int, duration: float,
     drawn: bool, excitation: float, seed: int,
 ) -> Twins:  # fmt: skip
-    """Sail ships by the model with the noise that the estimate expects."""
-    many = max(count, 2)  # One lane alone would share its inputs.
+    """Simulate ships by the model with the process noise of the estimator."""
+    many = max(count, 2)  # One lane alone would share its inputs
     random = np.random.default_rng(seed)
     fleet = _Fleet(filter, law, many, excitation, random, _coefficients(filter, many, drawn, seed))
     dt = min(sensor.period for sensor in filter.sensors.values())
@@ -146,7 +146,7 @@ def _sailed(fleet: _Fleet, start: tuple[float, ...], times: np.ndarray, dt: floa
 
 
 def _told(fleet: _Fleet, sensor: Sensor, times: np.ndarray, states: np.ndarray) -> np.ndarray:
-    """Readings of a sensor as they come: of the state when it was measured, straight between the times."""
+    """Readings of a sensor at their arrival: of the state when measured, linear between the times."""
     dt = times[1] - times[0]
     every = max(1, round(sensor.period / dt))
     told = np.full((len(times), fleet.count, len(sensor.fields)), np.nan)

@@ -1,7 +1,7 @@
-"""The unscented transform, and the filter's two steps by it; nothing of a ship is known here.
+"""The unscented transform, and the filter's two steps with it, for any system.
 
-A distribution is its mean and a root of its covariance. The first columns of the root may belong to errors that are
-carried and never corrected, those of coefficients (Schmidt's form); the others are lower triangular.
+A distribution is a mean and a root of its covariance. The first columns of the root may belong to errors that are
+carried and never corrected, such as those of coefficients (Schmidt); the others are lower triangular.
 
 References
 ----------
@@ -20,8 +20,8 @@ from narrows.estimation.settings import CONSIDERED_DISTANCE, SQUARED_DISTANCE
 
 
 class Gaussian(NamedTuple):
-    mean: np.ndarray  # (n,) Its mean
-    root: np.ndarray  # (n, k) Root of its covariance
+    mean: np.ndarray  # (n,) Mean
+    root: np.ndarray  # (n, k) Root of the covariance
 
     @property
     def covariance(self) -> np.ndarray:
@@ -29,22 +29,22 @@ class Gaussian(NamedTuple):
 
 
 class Transformed(NamedTuple):
-    """What a function makes of a distribution."""
+    """A distribution transformed by a function."""
 
-    mean: np.ndarray  # (m,) Of the values
+    mean: np.ndarray  # (m,) Mean of the values
     slopes: np.ndarray  # (k, m) Change along each column of the root
-    bends: np.ndarray  # (j, m) What lies off the straight, along each corrected column
-    centre: np.ndarray  # (m,) Of the central point, off the mean
+    bends: np.ndarray  # (j, m) Nonlinear part along each corrected column
+    centre: np.ndarray  # (m,) Value at the central point minus the mean
 
 
 class SigmaPointWeights(NamedTuple):
-    """How far the points lie from the mean and how they weigh."""
+    """Distances and weights of the sigma points."""
 
-    distance: np.ndarray  # (k,) Of each pair, in standard deviations
+    distance: np.ndarray  # (k,) Distance of each pair, in standard deviations
     mean: np.ndarray  # (k,) Weight of each pair in the mean
     slope: np.ndarray  # (k, 1) One over the distance within each pair
     centre: float  # Weight of the central point in the covariance
-    # Pairs, the first ones, along errors that are carried and not corrected: linear, without weight in the mean
+    # The first pairs, along errors that are carried and not corrected: linear, without weight in the mean
     considered: int
 
 
@@ -60,7 +60,7 @@ def unscented_transform(values: np.ndarray, spread: SigmaPointWeights) -> Transf
 
 
 def linear_transform(values: np.ndarray) -> Transformed:
-    """Return the same of a function without bends and offset, which needs no points on both sides."""
+    """Return the same for a linear function, which needs points on one side only."""
     # values (1 + k, m)
     none = np.zeros((0, values.shape[1]))
     return Transformed(values[0], values[1:], none, np.zeros(values.shape[1]))
@@ -69,7 +69,7 @@ def linear_transform(values: np.ndarray) -> Transformed:
 def predict(
     now: Gaussian, move: Callable[[np.ndarray], np.ndarray], noise: np.ndarray, spread: SigmaPointWeights
 ) -> tuple[Gaussian, Transformed]:
-    """Return the distribution after a motion, and how each column of the root was moved."""
+    """Return the distribution after a motion, and the transformation of its root."""
     # noise (j, n)
     after = unscented_transform(move(sigma_points(now.mean, now.root, spread)), spread)
     p, centre = spread.considered, spread.centre
@@ -84,7 +84,7 @@ def predict(
 
 
 def innovation_covariance(expected: Transformed, sigma: np.ndarray, spread: SigmaPointWeights) -> np.ndarray:
-    """Return the covariance of what is measured about what is expected, (m, m)."""
+    """Return the covariance of the innovation, (m, m)."""
     s, b, c = expected.slopes, expected.bends, expected.centre
     covariance = s.T @ s
     if len(b):
@@ -97,9 +97,9 @@ def update(
     now: Gaussian, expected: Transformed, innovation: np.ndarray, covariance: np.ndarray, sigma: np.ndarray,
     spread: SigmaPointWeights,
 ) -> Gaussian:  # fmt: skip
-    """Return the distribution after a measurement; columns that are carried only are not corrected."""
-    # innovation (m,); covariance (m, m); sigma (m,)
-    # In Joseph's form, of which every part is a square: it stays a covariance whatever the gain.
+    """Return the distribution after a measurement; carried columns are not corrected."""
+    # innovation (m,); covariance (m, m); sigma (m,) Joseph's form is a sum of squares: it stays a covariance for any
+    # gain.
     p, s = spread.considered, expected.slopes
     shared = now.root @ s
     gain = lapack.dposv(covariance, shared.T)[1].T
@@ -131,7 +131,7 @@ def sigma_point_weights(
 
 
 def sigma_points(mean: np.ndarray, root: np.ndarray, spread: SigmaPointWeights) -> np.ndarray:
-    """Return the points, (1 + 2 k, n): the mean, then what lies ahead of it and behind it along each column."""
+    """Return the points, (1 + 2 k, n): the mean, then one point on either side of it along each column."""
     pairs = len(spread.distance)
     points = np.empty((1 + 2 * pairs, len(mean)))
     steps = root.T * spread.distance[:, None]
@@ -141,8 +141,8 @@ def sigma_points(mean: np.ndarray, root: np.ndarray, spread: SigmaPointWeights) 
     return points
 
 
-# A covariance P that is kept as a root L, with L L^T = P, stays symmetric and positive.
-# van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter estimation.
+# A covariance P stored as a root L, with L L^T = P, stays symmetric and positive. van der Merwe and Wan (2001), The
+# square-root unscented Kalman filter for state and parameter estimation.
 @lru_cache(maxsize=64)
 def _upper(size: int) -> np.ndarray:
     return np.triu(np.ones((size, size)))
@@ -158,7 +158,7 @@ def triangular_root(rows: np.ndarray) -> np.ndarray:
 
 
 def downdated_root(root: np.ndarray, column: np.ndarray) -> np.ndarray:
-    """Return the lower triangular root of L L^T - c c^T; where that is no covariance, L itself, which is too wide."""
+    """Return the lower triangular root of L L^T - c c^T; if that is no covariance, L itself, which is conservative."""
     inside, failed = lapack.dtrtrs(root, column, lower=1)
     left = 1.0 - float(inside @ inside)
     if failed or not left > 0.0:

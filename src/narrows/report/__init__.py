@@ -1,4 +1,4 @@
-"""Pictures, pages and tables: what people look at before they read."""
+"""Figures, pages and tables."""
 
 import lazy_loader
 

@@ -1,4 +1,4 @@
-"""A film of a voyage: the ship between its banks."""
+"""An animation of a voyage: the ship between its banks."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -15,12 +15,12 @@ from narrows.report.voyage_figures import banks_on, hull
 from narrows.simulation.voyage import Voyage
 
 FRAMES_A_SECOND = 15
-LONGEST = 120.0  # Of a film [s]
-LENGTHS = 3.0  # Ship lengths that are shown ahead and astern [1]
+LONGEST = 120.0  # Longest animation [s]
+LENGTHS = 3.0  # Visible distance ahead and astern [ship lengths]
 
 
 def animation_of(voyage: Voyage, path: str | Path | None = None, seconds: float = 8.0) -> FuncAnimation:
-    """Make a film of a voyage in its canal, and write it where a path is given."""
+    """Make an animation of a voyage in its canal, and write it if a path is given."""
     if not 0 < seconds <= LONGEST:
         raise InputError(f"seconds = {shown(seconds)}: give the length of a film, up to {LONGEST:g} s")
     form = None if path is None else form_of(path, (".gif", ".html"))

@@ -1,4 +1,4 @@
-"""The chart that a pilot would pin up: where the ship is safe, the rudder that holds it there, and a table of both."""
+"""The envelope chart for pilots: where the ship is safe, the rudder that holds it there, and a table of both."""
 
 import math
 import textwrap
@@ -35,7 +35,7 @@ from narrows.safety.channel_rules import READ, REMEMBERED
 
 PALE, PALER = "#7FB8DA", "#D6E8F3"
 UNTESTED = ".."
-# A4, lying [in].
+# A4, landscape [in].
 PAGE = (11.7, 8.3)
 
 
@@ -63,7 +63,7 @@ def envelope_chart(envelope: SafeEnvelope) -> Figure:
 
 
 def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> list[Any]:
-    """Draw shares of the cases straight between what was tried, no line where nobody asked on; return further keys."""
+    """Draw shares of the cases, linear between tested speeds, no line between untested ones; return further keys."""
     data = envelope.data.transpose("y", "u", ...)
     y, u = data["y"].to_numpy(), data["u"].to_numpy() / KNOT
     if len(y) > 1 and len(u) > 1:
@@ -143,7 +143,7 @@ def _untested(axes: Axes, envelope: SafeEnvelope, left: float, right: float, low
 
 
 def _bands(marked: np.ndarray, values: np.ndarray) -> list[tuple[float, float]]:
-    """Where a run of marked places begins and ends, half a step wide at either end."""
+    """Start and end of each run of marked places, extended by half a step."""
     ends = np.flatnonzero(np.diff(np.concatenate([[False], marked, [False]]).astype(int)))
     half = _half(values)
     return [(float(values[a] - half), float(values[b - 1] + half)) for a, b in zip(ends[::2], ends[1::2], strict=True)]
@@ -211,11 +211,11 @@ HEADS = ("offset\n[m]", "safe speeds\n[knots]", "held by one pilot;\none who kne
          "what limits it")  # fmt: skip
 
 WIDTHS = (0.1, 0.17, 0.25, 0.18, 0.3)
-# Heights as shares of the column: the head of the table, a row of it, a line of small print.
+# Heights relative to the column: the head of the table, a row of it, a line of small print.
 HEAD, ROW, LINE = 0.055, 0.03, 0.0225
-# Letters of table and notes [pt]: what can be read on paper.
+# Font size of table and notes [pt], legible on paper.
 SMALL = 7.2
-# In a line of small print.
+# Letters in a line of small print.
 LETTERS = 72
 
 
@@ -313,7 +313,7 @@ def _cell(value: float, form: str) -> str:
 
 STYLES = ("-", "--", ":")
 RULE_STYLE: dict[str, Any] = {"color": GREEN, "lw": 1.6, "zorder": 2.8}
-# Of the picture [knots].
+# Largest speed of the figure [knots].
 TOP = 16.0
 RULE_HEADS = ("rule", "at [kn]", "offsets it leaves [m]", "speed limit [kn]", "of choking", "rudder [deg]")
 
@@ -344,7 +344,7 @@ def draw_rudders(axes: Axes, rules: OutsideRules) -> None:
 
 
 def doubt(row: dict[str, Any]) -> str:
-    """Return what the legend adds to a rule whose numbers were not all read."""
+    """Return the legend's addition for a rule with missing numbers."""
     return {READ: "", REMEMBERED: ", from memory"}.get(row["standing"], ", in part from memory")
 
 

@@ -1,4 +1,4 @@
-"""The figure of each kind of result, that its ``plot()`` draws."""
+"""The figure of each kind of result, for its ``plot()``."""
 
 from functools import singledispatch
 from typing import Any
@@ -185,7 +185,7 @@ def _eigenvalues(poles: np.ndarray) -> Figure:
 
 @_drawn.register
 def _(result: Sensitivities) -> Figure:
-    """How far one percent more of each number moves the offset, those that move it most."""
+    """Change of the offset per 1 % of each quantity, the largest ones."""
     figure, axes = panels(1, 1, 3.2)
     for name in list(result.for_one_percent())[:MOST_CURVES]:
         axes[0, 0].plot(result.voyage.t, 0.01 * result.values[name] * result.of("y", name), label=name)
@@ -291,11 +291,11 @@ def _mark(axis: Axes, track: EstimatedTrack) -> None:
 
 
 REACH, DRIFT, POINTS = 0.9, 20.0, 181
-# Froude number of the speed of the picture, where the data did not say one.
+# Froude number of the figure's speed, if the data give none.
 SPEED_OF_LENGTH = 0.1
 
 
 def _speed(model: Model) -> float:
-    """The middle of the tested speeds [m/s]."""
+    """Middle of the tested speed range [m/s]."""
     covered = model.data_range.speed
     return float(np.mean(covered)) if covered else SPEED_OF_LENGTH * float(np.sqrt(9.81 * model.ship.length))

@@ -1,4 +1,4 @@
-"""Pictures of a fit: forces measured and estimated, coefficients with their intervals, Shapley shares."""
+"""Figures of a fit: measured and estimated forces, coefficients with their intervals, Shapley shares."""
 
 from collections.abc import Mapping
 
@@ -70,7 +70,7 @@ def force_residuals_figure(fit: Fit, forces: list[str]) -> Figure:
 
 
 def left_out_figure(fit: Fit, tests: CaptiveTests) -> Figure:
-    """Draw measured forces against those that the other motions predict."""
+    """Draw measured forces against predictions from the other motions."""
     values = {**tests.configuration.values(), **tests.columns}
     without = left_out_coefficients(fit.problem, fit.motions.without)
     motion = {name: i for i, members in enumerate(fit.motions.members) for name in members}
@@ -92,7 +92,7 @@ def left_out_figure(fit: Fit, tests: CaptiveTests) -> Figure:
 
 
 def intervals_figure(fit: Fit) -> Figure:
-    """Draw each coefficient's 95 % interval over the size of its value; open where it is not well identified."""
+    """Draw each coefficient's 95 % interval relative to its value; with an open marker if poorly identified."""
     names = tuple(n for n in fit.terms.names if fit.verdicts[n].determined and fit.coefficients[n])
     figure, axes = panels(1, 1, 0.9 + 0.22 * len(names), Margins(left=1.0))
     panel = axes[0, 0]
@@ -134,7 +134,7 @@ def shapley_figure(fit: Fit) -> Figure:
     return figure
 
 
-# Pictures of delta, the pressure difference that the banks make.
+# Figures of delta, the pressure difference between the sides near banks.
 def delta_figure(configuration: Configuration, covered: Range | None) -> Figure:
     """Draw delta and its taper across the canal (the paper's fig. Delta_fun)."""
     # covered [m]
@@ -153,7 +153,7 @@ def delta_figure(configuration: Configuration, covered: Range | None) -> Figure:
 
 
 def delta_surface_figure(configuration: Configuration) -> Figure:
-    """Draw delta over offset and heading (the paper's fig. delta_surf), as contours that can be read off."""
+    """Draw delta over offset and heading (the paper's fig. delta_surf), as contours."""
     width, beam = configuration.canal.width, configuration.ship.beam
     y = np.linspace(-1, 1, 301) * 0.93 * (width - beam) / 2
     psi = np.linspace(-89, 89, 241)
@@ -169,7 +169,7 @@ def delta_surface_figure(configuration: Configuration) -> Figure:
     return figure
 
 
-# Pictures of the columns: correlations, and variance inflation over all rows and within each speed.
+# Figures of the columns: correlations, and variance inflation over all rows and within each speed.
 MARKERS = ("o", "^", "s", "D", "v", "P")
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY, BLACK)
@@ -237,12 +237,12 @@ def _finite(value: float) -> float:
 
 
 MOST_TESTS = 60
-# Variance inflation at which a column has a tenth, and a thirtieth, of its own information left.
+# Variance inflation at which a column keeps a tenth, and a thirtieth, of its own information.
 VIF_LIMIT, HIGH_VIF = 10.0, 30.0
 
 
 def influence_figure(fit: Fit) -> Figure:
-    """Draw what share of what is known of each coefficient goes with each test."""
+    """Draw the share of each coefficient's information that comes from each test."""
     told = fit.influence
     shown = np.argsort(-told.information.max(axis=1))[:MOST_TESTS]
     shown = np.sort(shown)
@@ -258,7 +258,7 @@ def influence_figure(fit: Fit) -> Figure:
 
 
 def comparison_figure(rows: list[dict], forces: tuple[str, ...] = ("Y", "N")) -> Figure:  # type: ignore[type-arg]
-    """Draw the error of each table of terms on what was left out, and of the fit."""
+    """Draw the error of each table of terms on left-out tests, and of the fit."""
     names = list(dict.fromkeys(row["table"] for row in rows))
     figure, axes = panels(1, len(forces), 0.9 + 0.22 * len(names), sharey=True)
     for panel, force in zip(axes[0], forces, strict=True):
@@ -287,7 +287,7 @@ def comparison_figure(rows: list[dict], forces: tuple[str, ...] = ("Y", "N")) ->
 
 
 def forms_figure(comparisons: Mapping[str, Comparison]) -> Figure:
-    """Draw the error of each form of the bank term on what was left out, over that of the best, for sets of tests."""
+    """Draw the error of each form of the bank term on left-out tests relative to the best, for sets of tests."""
     names = [name.removeprefix("bank only: ") for name in next(iter(comparisons.values())).fits]
     figure, axes = panels(2, 1, 5.6, sharex=True)
     for panel, force in zip(axes[:, 0], ("Y", "N"), strict=True):
@@ -303,8 +303,8 @@ def forms_figure(comparisons: Mapping[str, Comparison]) -> Figure:
     return figure
 
 
-# Pictures of captive tests: where the ship was towed, and what the gauges said.
-# Up to so many tests are drawn against time, each with a line of its own; more are drawn row by row.
+# Figures of captive tests: the towed motions and the measured forces. Up to so many tests are drawn against time, one
+# line each; more are drawn row by row.
 FEW = 4
 
 

@@ -45,18 +45,18 @@ ENVELOPE = {
 def write_report(
     fits: Mapping[str, Fit], path: str | Path, title: str = "narrows", answers: Mapping[str, Answer] | None = None
 ) -> None:
-    """Write one HTML file with everything that is known of some fits, their answers first.
+    """Write one HTML file with all results of some fits, their main results first.
 
     Parameters
     ----------
     fits : mapping of str to Fit
-        By condition.
+        Fits by condition.
     path : str or Path
-        Where to.
+        Output file.
     title : str
-        Of the page.
+        Title of the page.
     answers : mapping of str to Answer, optional
-        By condition, where they are known already.
+        Main results by condition, if computed already.
 
     Raises
     ------
@@ -79,12 +79,12 @@ def render(template: str, **values: Any) -> str:
 
 
 def figure(picture: Any, caption: str) -> dict[str, str]:
-    """Set a picture and its caption for a template."""
+    """Format a figure and its caption for a template."""
     return {"svg": svg(picture), "caption": caption}
 
 
 def section(label: str, fit: Fit, number: int, answer: Answer | None = None) -> dict[str, Any]:
-    """Gather what the page says of a fit."""
+    """Collect the page's contents on a fit."""
     source, envelope = fit.tests.source, asdict(fit.data_range)
     shares = {kind: fit.shapley(kind) for kind in KINDS}
     return {
@@ -163,7 +163,7 @@ def _row(fit: Fit, name: str) -> dict[str, str]:
 
 
 def _by_test(fit: Fit) -> list[tuple[str, str, str, str]]:
-    """Within each test: how the bank's column lies to the column that is most like it."""
+    """Within each test: the bank's column against the column most like it."""
     banks_ = [(force, term.name) for force, terms in fit.terms.forces.items() for term in terms if term.from_bank]
     rows = []
     for test, diagnoses in fit.diagnostics.by_test.items():
@@ -194,7 +194,7 @@ def _figures(fit: Fit) -> list[dict[str, str]]:
 
 @cache
 def _of_delta(ship: Ship, width: float, covered: Range | None) -> tuple[dict[str, str], ...]:
-    """Pictures that know no depth, so that the conditions of a table share them."""
+    """Figures that do not depend on depth, so that the conditions of a table share them."""
     configuration = Configuration(ship, Canal(width))
     return (
         figure(delta_figure(configuration, covered), "Pressure difference delta across the canal, heading zero."),

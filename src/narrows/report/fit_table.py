@@ -1,4 +1,4 @@
-"""A fit in the terminal: coefficients, what the tests cannot say, scores, Shapley shares."""
+"""A fit in the terminal: coefficients, their limits, scores, Shapley shares."""
 
 from rich.console import Console
 from rich.table import Table
@@ -20,7 +20,7 @@ COLOURS = {
 def print_fit(
     fit: Fit, label: str = "", console: Console | None = None, answer: Answer | None = None, table: bool = True
 ) -> None:
-    """Print a fit, its answer first; with --verbose all that is known of it."""
+    """Print a fit, its main result first; with --verbose all results."""
     console = console or Console(highlight=False, markup=False, soft_wrap=False)
     console.print(f"\n{heading(fit, label)}", style="bold")
     for sentence in fit.implausible:
@@ -50,7 +50,7 @@ def print_fit(
 
 
 def best_known_first(fit: Fit) -> list[str]:
-    """Coefficients by how well they are known: the narrowest interval over the estimate first."""
+    """Coefficients by relative uncertainty, the smallest first."""
     order = {name: i for i, name in enumerate((IDENTIFIED, ZERO))}
 
     def width(name: str) -> tuple[int, float]:
@@ -70,7 +70,7 @@ def heading(fit: Fit, label: str) -> str:
 
 
 def kkt_sentence(fit: Fit) -> str:
-    """Say whether the solution is optimal."""
+    """Return whether the solution is optimal, in words."""
     kkt = fit.solution.kkt
     worst = max(kkt.stationarity, kkt.multiplier, kkt.infeasibility)
     verb = "hold" if kkt.satisfied else "FAIL"

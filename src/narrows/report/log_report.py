@@ -1,4 +1,4 @@
-"""What a log taught, as one self-contained page."""
+"""Results learned from a log, as one self-contained page."""
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -16,7 +16,7 @@ from narrows.report.pilot_page import LEARNED_HEADS, learned_rows, with_truth
 from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Margins, panels
 from narrows.report.terminal import print_result, table_of
 
-# What forecasts miss: state, words, factor.
+# Errors of forecasts: state, words, factor.
 MISSED = (("y", "offset [m]", 1.0), ("psi", "heading [deg]", 180 / np.pi), ("r", "yaw rate [deg/s]", 180 / np.pi))
 BESIDE = "Measured, and foretold every 3.5 ship lengths under the recorded rudder."
 
@@ -50,7 +50,7 @@ def _pictures(record: RecordAnswer) -> Iterator[dict[str, str]]:
 
 
 def _informed(fit: LogFit) -> tuple[str, ...]:
-    """Coefficients whose records are compared: those of the bank, or those that were learned best."""
+    """Coefficients whose records are compared: those of the bank, or those with the best information."""
     known = [c for c in fit.coefficients.values() if c.name in fit.records[0].information]
     bank = [c.name for c in known if c.from_bank]
     return tuple(bank or [c.name for c in sorted(known, key=lambda c: c.left)[:3]])
@@ -67,7 +67,7 @@ def _row(fit: LogFit, number: int) -> dict[str, object]:
     }  # fmt: skip
 
 
-# Coefficients and records that are named.
+# Largest number of listed coefficients and records.
 MOST_ROWS = 24
 BY = ((ORANGE, "by the model before"), (BLUE, "by one that learned from the other records"))
 
@@ -104,7 +104,7 @@ def _draw_missed(axes: Axes, records: tuple[RecordAnswer, ...]) -> None:
 
 
 def forecast_figure(record: RecordAnswer) -> Figure:
-    """Draw rudder, yaw rate, heading and offset of a record beside what was foretold every 3.5 ship lengths."""
+    """Draw rudder, yaw rate, heading and offset of a record with predictions every 3.5 ship lengths."""
     figure, axes = panels(4, 1, 6.0, Margins(left=0.75, bottom=0.7, top=0.25, down=0.12))
     assert record.forecasts is not None
     rows = (("r", 5, 180 / np.pi, "yaw rate [deg/s]"), ("psi", 2, 180 / np.pi, "heading [deg]"), ("y", 1, 1.0, "y [m]"))
@@ -135,7 +135,7 @@ def draw_pieces(axes: Axes, foretold: Forecast, across: np.ndarray, up: np.ndarr
 
 
 def _within(axes: np.ndarray, record: RecordAnswer) -> None:
-    """What runs away does not hide the rest."""
+    """Limit an axis so that a diverging prediction does not hide the rest."""
     for panel, (name, factor) in zip(axes, (("r", 180 / np.pi), ("psi", 180 / np.pi), ("y", 1.0)), strict=True):
         if name in record.measured:
             values = factor * record.measured[name][1]
@@ -143,16 +143,16 @@ def _within(axes: np.ndarray, record: RecordAnswer) -> None:
             panel.set_ylim(values.min() - room, values.max() + room)
 
 
-# Height of the picture [in].
+# Largest and smallest height of the figure [in].
 TALLEST, FLATTEST = 5.5, 1.6
-# Along over across, up to which both are drawn to one scale.
+# Ratio of length to width up to which both have one scale.
 TRUE_SHAPE = 8.0
-# Beside the track, of its extent: what is foretold further off is not shown.
+# Margin around the track, relative to its extent: predictions beyond it are not shown.
 ROOM = 0.08
 
 
 def log_track_figure(record: RecordAnswer) -> Figure:
-    """Draw the measured track and those foretold every 3.5 ship lengths, from above, starboard down."""
+    """Draw the measured track and predictions every 3.5 ship lengths, from above, starboard down."""
     assert record.forecasts is not None
     t, y = record.measured["y"]
     x = np.interp(t, *record.measured["x"])
@@ -187,7 +187,7 @@ def print_log_fit(fit: LogFit, truth: Mapping[str, float] | None = None) -> None
 
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)
-# Of a curve.
+# Largest number of points of a curve.
 MOST_POINTS = 4000
 MOST_RECORDS = 12
 LEGEND_RECORDS = 5
@@ -213,7 +213,7 @@ def log_figure(log: ShipLog) -> Figure:
     return figure
 
 
-# Signals, the first that a record has, factor and label of each panel beside the track.
+# Signals of the panels below the track (the first one in the record), factor and label.
 CURVES = (
     (("rudder",), 180 / np.pi, "rudder [deg]"),
     (("psi",), 180 / np.pi, "heading [deg]"),

@@ -1,4 +1,4 @@
-"""One side of paper for whoever holds the legs: where, how fast, what to expect, what to write, when to break off."""
+"""One page for the crew of a leg: where, how fast, what to expect, what to write, when to break off."""
 
 import textwrap
 from collections.abc import Mapping
@@ -32,7 +32,7 @@ from narrows.report.style import (
 )
 from narrows.report.terminal import print_result, table_of
 
-# A4, upright [in].
+# A4, portrait [in].
 PAGE = (8.27, 11.69)
 FORMS = (".html", ".pdf", ".svg", ".png")
 
@@ -42,9 +42,9 @@ HEADS = (
 )  # fmt: skip
 
 FIRST_BLANK, WIDTHS = 5, (0.055, 0.135, 0.085, 0.15, 0.155, 0.095, 0.095, 0.11, 0.12)
-# Yaw rate [deg/s] below which a leg is steady, and beams off its line beyond which it is broken off.
+# Yaw rate [deg/s] below which a leg is steady, and distance off its line [beams] at which it is broken off.
 MOST_TURNING, STRAYED = 0.02, 0.25
-# Characters in a line of the steps.
+# Characters in a line of the steps, plain and bold.
 WRAPPED, BOLD = 104, 88
 
 
@@ -98,7 +98,7 @@ def _heading(page: Figure, plan: SteadyPlan) -> None:
 
 
 def _draw_canal(axes: Axes, plan: SteadyPlan) -> None:
-    """The canal from above, ahead is up: each leg's hull at its offset."""
+    """The canal from above, with ahead up: each leg's hull at its offset."""
     ship, half = plan.model.configuration.ship, plan.model.configuration.canal.width / 2
     for sign in (-1, 1):
         axes.axvline(sign * half, color=BLACK, lw=4)
@@ -124,7 +124,7 @@ def _draw_canal(axes: Axes, plan: SteadyPlan) -> None:
 
 
 def _rows(places: list[float], beam: float) -> list[float]:
-    """In which row a hull is drawn, so that neighbours do not overlap."""
+    """Row in which each hull is drawn, so that neighbours do not overlap."""
     rows: list[float] = []
     for i, place in enumerate(places):
         taken = {row for other, row in zip(places[:i], rows, strict=True) if abs(other - place) < 1.1 * beam}
@@ -186,7 +186,7 @@ def _draw_table(axes: Axes, plan: SteadyPlan) -> None:
 
 
 def _turned(angles: tuple[float, float, float], digits: int = 0) -> str:
-    """A range of angles by the side: P to port, S to starboard."""
+    """A range of angles by side: P to port, S to starboard."""
     low, _, high = np.degrees(angles)
     return " to ".join(f"{'P' if angle < 0 else 'S'} {abs(angle):.{digits}f}°" for angle in (low, high))
 
@@ -233,9 +233,9 @@ def foresight_figure(foresight: Foresight) -> Figure:
     return figure
 
 
-# Coefficients before a record and after it, as a table has them.
+# Heads of a table of coefficients before and after a record.
 LEARNED_HEADS = ("", "before", "after", "95 % interval", "unit")
-# From here a number is written with a power of ten.
+# Numbers from here on are written with a power of ten.
 LONG = 1e5
 
 
@@ -254,5 +254,5 @@ def with_truth(rows: list[tuple[str, ...]], truth: Mapping[str, float] | None) -
 
 
 def _short(value: float, std: float) -> str:
-    """Metric tons and more in powers of ten."""
+    """Write metric tons and more with powers of ten."""
     return f"{value:.3g}" if abs(value) >= LONG else readable(value, std)

@@ -16,13 +16,13 @@ from narrows.waterway import Waterway
 if TYPE_CHECKING:
     import pandas as pd
 
-# Characters; a narrow terminal wraps lines rather than losing digits.
+# Column width [characters]; a narrow terminal wraps lines rather than losing digits.
 COLUMN = 14
 SHOWN = ("kind", "offset", "amplitude", "period", "speed", "drift_deg", "depth")
 
 
 def print_plan(plan: Plan) -> None:
-    """Print a plan: a row a run, and the gain."""
+    """Print a plan: one row per run, and the gain."""
     rows = plan.rows()
     names = [name for name in SHOWN if any(row.get(name) is not None for row in rows)]
     errors = [f"std {target}" for target in plan.targets]
@@ -61,7 +61,7 @@ SHIP_HEADS = {"ship": "ship", "length": "L [m]", "beam": "B [m]", "draft": "T [m
 
 
 def estimate_summary(model: Model) -> dict[str, Any]:
-    """Return what was estimated as plain values: each coefficient with its standard deviation."""
+    """Return estimated coefficients with their standard deviations as plain values."""
     table = model.to_dataframe()
     return {
         "coefficients": table[["value", "std", "unit"]].to_dict("index"),
@@ -88,14 +88,14 @@ def print_ships(table: "pd.DataFrame") -> None:
 
 
 STATIONS, CROSSINGS_SHOWN = 2001, 11
-# Share of the centreline beside which a bank that is not drawn needs no word.
+# Share of the centreline below which a missing bank is not mentioned.
 NEGLIGIBLE = 0.002
-# Curvature [1/m] of no bend.
+# Curvature [1/m] below which a line is straight.
 STRAIGHT = 1e-9
 
 
 def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
-    """Return what a waterway is like as plain values: metres, degrees."""
+    """Return a waterway's dimensions as plain values: metres, degrees."""
     s = np.linspace(0, waterway.line.length, STATIONS)
     here = waterway.room(s, draft)
     shut = ~(here.width > 0) | (here.depth <= draft)

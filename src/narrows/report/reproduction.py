@@ -1,4 +1,4 @@
-"""The page of the paper made again: every table and figure of it, ours beside its own numbers."""
+"""The reproduction page of the paper: every table and figure, with the printed numbers."""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""What steady legs taught, as one self-contained page."""
+"""Results learned from steady legs, as one self-contained page."""
 
 import math
 from pathlib import Path
@@ -43,7 +43,7 @@ def write_steady_report(fit: SteadyFit, change: EnvelopeChange, path: str | Path
     write_whole(path, page)
 
 
-# Of the curves, and how far beyond the farthest leg they go.
+# Number of offsets of the curves, and their extent relative to the farthest leg.
 OFFSETS, BESIDE = 21, 1.5
 
 
@@ -129,7 +129,7 @@ CHANGE_HEADS = (
 
 
 def change_rows(change: EnvelopeChange) -> list[tuple[str, ...]]:
-    """Return what a table says of the envelope at each offset, by the model whether it was tested there or not."""
+    """Return the envelope table at each offset, with the tested range of the model."""
     return [
         (f"{row['offset']:+.3g}", _band(row, "before"), _band(row, "after"), f"{100 * row['held_before']:.0f} %",
          f"{100 * row['held_after']:.0f} %", _knots(row["highest_speed_before"]), _knots(row["highest_speed_after"]))

@@ -1,4 +1,4 @@
-"""How pictures look: colours that the colour-blind tell apart, lines that survive a grey print."""
+"""Style of figures: colours for the colour-blind, lines that remain legible in grey."""
 
 import math
 from collections.abc import Iterable, Iterator
@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from narrows.errors import InputError
 
-# Okabe and Ito's.
+# Palette of Okabe and Ito.
 BLUE, ORANGE, GREEN, PURPLE, BLACK, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#000000", "#6B6B6B"
 DASHES = ("-", "--", ":", "-.")
 HATCHES = ("", "///", "...")
@@ -24,16 +24,16 @@ FORCE_LABELS = {"X": "surge force X [N]", "Y": "sway force Y [N]", "N": "yaw mom
 FONT: dict[Any, Any] = {"font.size": 9.0, "axes.titlesize": 9.0, "legend.fontsize": 8.0, "axes.spines.top": False,
         "axes.spines.right": False, "svg.fonttype": "path", "svg.hashsalt": "narrows"}  # fmt: skip
 
-# In a line of small print across a picture.
+# Characters in a line of small print across a figure.
 CHARACTERS = 125
-# Of a title.
+# Characters per inch of a title.
 LETTERS_AN_INCH = 14.2
-# Of a page's picture [in].
+# Width of a page's figure [in].
 WIDTH = 7.2
 
 
 class Picture(Figure):
-    """A figure that a notebook shows whether pyplot was loaded or not (IPython draws Matplotlib's own only then)."""
+    """A figure that notebooks show with or without pyplot (IPython shows Matplotlib's own only with it)."""
 
     def _repr_png_(self) -> bytes:
         memory = BytesIO()
@@ -42,12 +42,12 @@ class Picture(Figure):
 
 
 class Margins(NamedTuple):
-    left: float = 0.75  # Around all of them [in]
-    right: float = 0.15  # Around all of them [in]
-    bottom: float = 0.5  # Around all of them [in]
-    top: float = 0.2  # Around all of them [in]
-    across: float = 0.5  # Between neighbours [in]
-    down: float = 0.15  # Between neighbours [in]
+    left: float = 0.75  # Margins around all panels [in]
+    right: float = 0.15  # Margins around all panels [in]
+    bottom: float = 0.5  # Margins around all panels [in]
+    top: float = 0.2  # Margins around all panels [in]
+    across: float = 0.5  # Gaps between panels [in]
+    down: float = 0.15  # Gaps between panels [in]
 
 
 _GIVEN: ContextVar[Axes | None] = ContextVar("given axes", default=None)
@@ -55,7 +55,7 @@ _GIVEN: ContextVar[Axes | None] = ContextVar("given axes", default=None)
 
 @contextmanager
 def drawing_on(axes: Axes | None) -> Iterator[None]:
-    """Draw pictures of one panel on axes of the caller's."""
+    """Draw figures of one panel on the caller's axes."""
     token = _GIVEN.set(axes)
     try:
         yield
@@ -98,7 +98,7 @@ def panels(
 
 
 def headed(figure: Figure, title: str, lines: Iterable[str] = ()) -> None:
-    """Write a title in bold letters at the upper left of a picture, and what belongs to it below."""
+    """Write a bold title at the upper left of a figure, and a subtitle below."""
     look: dict[str, Any] = {"x": 0.01, "ha": "left", "va": "top", "fontsize": 9.0, "linespacing": 1.25}
     letters = int(LETTERS_AN_INCH * figure.get_figwidth())
     bold = wrap(title, int(0.88 * letters))

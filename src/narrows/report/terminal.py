@@ -9,14 +9,14 @@ from rich.table import Table
 
 Row = TypeVar("Row")
 
-# Characters: a narrower terminal wraps lines rather than losing digits.
+# Least width [characters]: a narrower terminal wraps lines rather than losing digits.
 WIDTH = 110
-# Rows of a table and notes that are shown without --verbose.
+# Rows of a table and notes shown without --verbose.
 MOST_ROWS, MOST_NOTES = 9, 6
 
 
 def console_of(least: int = 0) -> Console:
-    """Return a console at least so many characters wide, however narrow the terminal is."""
+    """Return a console with a least width in characters, however narrow the terminal is."""
     console = Console(highlight=False, markup=False)
     if least:
         console.width = max(console.width, least)
@@ -27,7 +27,7 @@ def table_of(
     heads: Iterable[str], rows: Iterable[Iterable[str]], left: Iterable[str] = ("",), no_wrap: bool = False,
     **options: Any,
 ) -> Table:  # fmt: skip
-    """Return a table without rules: the columns under ``left`` begin at the left, all others end at the right."""
+    """Return a table without rules: columns under ``left`` are left-aligned, all others right-aligned."""
     table, words = Table(box=None, pad_edge=False, **options), set(left)
     for head in heads:
         table.add_column(head, justify="left" if head in words else "right", no_wrap=no_wrap)
@@ -55,12 +55,12 @@ def print_notes(console: Console, notes: Iterable[str]) -> None:
 
 
 def everything() -> bool:
-    """Whether all rows and notes are asked for: ``--verbose``, anywhere on the command line."""
+    """Return whether all rows and notes are requested: ``--verbose``, anywhere on the command line."""
     return "--verbose" in sys.argv
 
 
 def thinned(rows: Sequence[Row]) -> list[Row]:
-    """Return few rows, equally far apart, the first and the last among them where that can be; all with --verbose."""
+    """Return few rows, equally spaced, with the first and the last if possible; all with --verbose."""
     if everything() or len(rows) <= MOST_ROWS:
         return list(rows)
     step = next(step for step in range(2, len(rows)) if (len(rows) - 1) // step < MOST_ROWS)

@@ -1,4 +1,4 @@
-"""A watched transit as one self-contained page, for training and for investigation."""
+"""A monitored transit as one self-contained page, for training and for investigation."""
 
 import math
 from collections.abc import Iterator
@@ -44,7 +44,7 @@ def write_transit_report(transit: WatchedTransit, path: str | Path) -> None:
     write_whole(path, page)
 
 
-# Behind the curves, where an alert of that kind held.
+# Background of the curves during an alert, by level.
 SHADES = {
     Priority.CAUTION: "#F0E442", Priority.WARNING: "#E69F00", Priority.ALARM: ORANGE, Priority.EMERGENCY_ALARM: PURPLE,
 }  # fmt: skip
@@ -110,7 +110,7 @@ def _patches(alpha: float) -> list[Patch]:
 
 
 def _levels(level: np.ndarray) -> Iterator[tuple[slice, Priority]]:
-    """From when to when each level held, the second after with it."""
+    """Start and end of each alert level, including the second after."""
     edges = [0, *(np.flatnonzero(np.diff(level)) + 1).tolist(), len(level)]
     for first, last in pairwise(edges):
         if first < last:

@@ -1,4 +1,4 @@
-"""Pictures of voyages: paths in the canal, and maps of where ships ground."""
+"""Figures of voyages: paths in the canal, and maps of groundings."""
 
 import math
 import textwrap
@@ -40,7 +40,7 @@ PANEL_GREY = "#5A5A5A"
 TRACK, HISTORY = 5.6, 0.9
 DEGREES = 180 / math.pi
 
-# What is drawn of a voyage over time: unit, factor, and words by name.
+# Time histories of a voyage: unit, factor, and words by name.
 HISTORIES = (
     ("deg", DEGREES, {"psi": "heading", "rudder": "rudder"}), ("deg/s", DEGREES, {"r": "yaw rate"}),
     ("m/s", 1.0, {"u": "surge", "v": "sway"}),
@@ -48,7 +48,7 @@ HISTORIES = (
 
 BANK_POINTS = 400
 SIDES = {-1: ("port", BLUE, "o", "Blues_r"), 1: ("starboard", ORANGE, "^", "Oranges_r")}
-# A hull of which only midship meets a bank: over length and beam.
+# Drawn shape of a hull with contact at midship alone: over length and beam.
 BOW = ((-0.5, -0.5), (-0.5, 0.5), (0.35, 0.5), (0.5, 0.0), (0.35, -0.5))
 
 
@@ -143,7 +143,7 @@ def paths_on(axes: Axes, voyages: Sequence[Voyage], configuration: Configuration
 
 
 def banks_on(axes: Axes, near: float, far: float, voyage: Voyage) -> float:
-    """Draw the banks along the line that a voyage is counted from, and return how far off the farther is."""
+    """Draw the banks along the line of a voyage, and return the distance of the farther one."""
     if voyage.waterway is None:
         return walls_on(axes, near, far, voyage.configuration.canal.width / 2)
     s = np.linspace(max(near, 0.0), min(far, voyage.waterway.line.length), BANK_POINTS)
@@ -173,7 +173,7 @@ def hull(voyage: Voyage, i: int, colour: str, alpha: float = 0.7) -> Polygon:
 
 
 def _shape(voyage: Voyage) -> np.ndarray:
-    """Forward and starboard of midship [m]."""
+    """Points of the hull, forward and starboard of midship [m]."""
     ship = voyage.configuration.ship
     return np.array(voyage.outline) if voyage.outline else np.array(BOW) * [ship.length, ship.beam]
 
@@ -219,18 +219,18 @@ def map_figure(
     voyages : Dataset
         From ``ensemble``.
     model : Model, optional
-        Whose ship it is, and what its tests covered; without it all is marked as not tested.
+        The ship and its tested range; without it all is marked as untested.
     within : float [m], optional
         Draw the probability of grounding within this distance, over the samples.
     waterway : Waterway, optional
-        Where they were instead of the model's own canal.
+        Waterway instead of the model's own canal.
     start : mapping of str to number, optional
-        What did not vary: u [m/s], psi [rad] and the like, for the title.
+        Fixed quantities: u [m/s], psi [rad] and the like, for the title.
 
     Raises
     ------
     InputError
-        If there are more than two dimensions beside the samples.
+        If there are more than two dimensions besides the samples.
     """
     quantity = grounding_distance(voyages) if within is None else grounding_probability(voyages, within)
     if within is None and "sample" in quantity.dims:

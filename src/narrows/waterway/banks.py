@@ -1,4 +1,4 @@
-"""A bank along a centreline: how far off it is at every place, from its own line on a map or from distances."""
+"""A bank along a centreline: its distance at every place, from its own line on a map or from distances."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -10,7 +10,8 @@ from narrows.errors import InputError
 from narrows.ship.particulars import Point, equivalent_wall, keel_wall
 from narrows.waterway.centreline import FARTHEST, Centreline, chords
 
-# Share of the centreline at either end beside which a bank need not be drawn: it stays as far off, and a note says so.
+# Share of the centreline at either end where a bank may be missing: its distance is assumed constant, and a note says
+# so.
 SLACK = 0.06
 
 # Places between two corners at which distances are checked.
@@ -22,16 +23,16 @@ ALONG = 4000
 
 @dataclass(frozen=True)
 class Normals:
-    """The normals of a centreline to one side, and a polyline beside it, or several end to end."""
+    """Normals of a centreline to one side, and one or several polylines on that side."""
 
     line: Centreline  # The centreline
-    points: np.ndarray  # (n, 2) East and north of the polyline's points, no two in a row one place [m]
+    points: np.ndarray  # (n, 2) East and north of the polyline's points, successive ones distinct [m]
     sign: int  # 1 for normals to starboard, -1 to port
-    # Pieces between two points that are not drawn, where one polyline ends and the next begins
+    # Pieces between two points that are not drawn, between the end of one polyline and the start of the next
     gaps: np.ndarray = field(default_factory=lambda: np.empty(0, int))
 
     def met(self, s: np.ndarray | float, piece: np.ndarray) -> np.ndarray:
-        """Return how far along normals pieces of the polyline are [m], from end to end of each piece and no farther."""
+        """Return the distance along normals of pieces of the polyline [m], from end to end of each piece."""
         position, ahead = self.line.frame(s)
         across = self.sign * np.stack([ahead[..., 1], -ahead[..., 0]], axis=-1)
         start, stop = self.points[piece] - position, self.points[piece + 1] - position
@@ -41,8 +42,7 @@ class Normals:
 
     def first(self, s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return how far off the normals at places meet the polyline first [m], and which piece of it."""
-        # s (n,) [m]
-        # Infinite and -1 where they meet none.
+        # s (n,) [m]; infinite and -1 if they meet none.
         distance, first = np.full(len(s), np.inf), np.full(len(s), -1)
         for part in self._parts(len(s)):
             crossed = np.diff(self._behind(s[part]), axis=1)
@@ -56,14 +56,14 @@ class Normals:
         return distance, first
 
     def corners(self) -> np.ndarray:
-        """Return where normals pass a point of the polyline that they may see, and the line's ends [m]."""
-        # Between two of them the normals meet one and the same piece first, or none.
+        """Return places whose normals pass a visible point of the polyline, and the line's ends [m]."""
+        # Between two of them the normals meet the same piece first, or none.
         fine, places = self.line.fine, [np.array([0.0, self.line.length])]
         for part in self._parts(len(fine) - 1):
             cell, point = np.nonzero(np.diff(self._behind(fine[part.start : part.stop + 1]), axis=0))
             cell += part.start
             s, n = self.line.foot((fine[cell] + fine[cell + 1]) / 2, self.points[point])
-            # A bank beyond the centre of a bend is refused: what is there needs no corners.
+            # A bank beyond the centre of a bend is refused, so it needs no corners.
             places.append(s[(self.sign * n > 0) & (self.line.curvature(s) * n < 1)])
         return np.unique(np.clip(np.concatenate(places), 0, self.line.length))
 
@@ -72,16 +72,16 @@ class Normals:
         return (slice(start, min(start + many, count)) for start in range(0, count, many))
 
     def _behind(self, s: np.ndarray) -> np.ndarray:
-        """Which points are behind the normals at places, (places, points)."""
+        """Return which points are behind the normals at places, (places, points)."""
         position, ahead = self.line.frame(s)
         return np.asarray(ahead @ self.points.T <= (position * ahead).sum(axis=1, keepdims=True))
 
 
 @dataclass(frozen=True)
 class BankLine:
-    """A bank's own line: at each place as far off as the centreline's normal there meets it first."""
+    """A bank from its own line: at each place its distance is where the centreline's normal first meets it."""
 
-    side: str  # ``starboard`` or ``port``, as one sails along the centreline
+    side: str  # ``starboard`` or ``port``, looking along the centreline
     points: np.ndarray  # (n, 2) East and north, in either direction; at least two [m]
     line: Centreline  # The centreline
 
@@ -95,11 +95,11 @@ class BankLine:
 
     @property
     def corners(self) -> np.ndarray:
-        """Places at which normals pass from one piece of the bank to another, and the ends of what they see [m]."""
+        """Places at which normals pass from one piece of the bank to another, and the ends of the visible part [m]."""
         return self._pieces[0]
 
     def distance(self, s: np.ndarray | float) -> np.ndarray:
-        """Return how far off the bank is [m]; beyond what is drawn it stays."""
+        """Return the distance of the bank [m]; constant beyond the drawn part."""
         corners, pieces = self._pieces
         s = np.clip(s, corners[0], corners[-1])
         return self._normals.met(s, pieces[np.clip(np.searchsorted(corners, s, "right") - 1, 0, len(pieces) - 1)])
@@ -115,7 +115,7 @@ class BankLine:
 
     @cached_property
     def _pieces(self) -> tuple[np.ndarray, np.ndarray]:
-        """Corners, and the piece of the bank seen between each two, -1 for none; unseen ends are cut off."""
+        """Corners, and the piece of the bank between each two, -1 for none; unseen ends are cut off."""
         corners = self._normals.corners()
         pieces = self._normals.first((corners[1:] + corners[:-1]) / 2)[1]
         other = np.append(True, np.diff(pieces) != 0)
@@ -145,7 +145,7 @@ class BankLine:
             raise InputError(f"the normal of the centreline at {s:.0f} m meets no {self.side} bank; draw it there")
 
     def _check_distance(self) -> None:
-        """Beside every corner, between them, and between the points of the line."""
+        """Check at every corner, between them, and between the points of the line."""
         corners, fine = self.corners, self.line.fine
         between = (corners[:-1] + np.linspace(1e-6, 1 - 1e-6, BETWEEN)[:, None] * np.diff(corners)).ravel()
         within = fine[(fine > corners[0]) & (fine < corners[-1])]
@@ -170,7 +170,7 @@ class BankLine:
 
 # Polylines that cross themselves, as hand-drawn and digitised ones do.
 def with_crossings(points: np.ndarray) -> np.ndarray:
-    """Return the points of a polyline with those between where it crosses itself."""
+    """Return the points of a polyline, with added points where it crosses itself."""
     # points (n, 2) [m]
     one, other = _beside(points)
     start, way = points[:-1], np.diff(points, axis=0)
@@ -186,7 +186,7 @@ def with_crossings(points: np.ndarray) -> np.ndarray:
 
 
 def _beside(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Pairs of pieces that overlap along the longer way of the whole."""
+    """Pairs of pieces that overlap along the longer direction of the whole."""
     column = points[:, int(np.ptp(points, axis=0).argmax())]
     low, high = np.minimum(column[1:], column[:-1]), np.maximum(column[1:], column[:-1])
     order = np.argsort(low)
@@ -204,39 +204,38 @@ def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return np.asarray(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
 
 
-# The normals of a centreline, and where they first meet a polyline on one side of it.
-# Pairs of a normal and a point looked at together.
+# Largest number of normal-point pairs that are processed together.
 AT_ONCE = 4_000_000
 
 
 Wall = Callable[[Sequence[Point], float], float]
-# More than any bank's profile reaches [m].
+# Distance beyond any bank's profile [m].
 FAR = 1e4
 
 
 @dataclass(frozen=True)
 class Bank:
-    """How far a bank is from the centreline, and what shape it has.
+    """Distance of a bank from the centreline, and its shape.
 
     Parameters
     ----------
     side : str
-        ``starboard`` or ``port``, as one sails along the line.
+        ``starboard`` or ``port``, looking along the line.
     s : array (n,) [m]
         Along the line, rising.
     distance : array (n,) [m]
-        From the line to the bank, square to the line: to its wall, or to the origin of its profile.
+        Distance from the line to the bank, perpendicular to the line: to its wall, or to the origin of its profile.
     profile : sequence of (m, m)
         Points of a slope or of steps: distance beyond the bank's line, and height above the bottom, outward from the
-        toe. A vertical wall unless given.
+        toe. Default: a vertical wall.
     drawn : BankLine, optional
-        Its own line on a map, where it is known: it then says the distance at every place, and ``s`` and ``distance``
-        are its corners.
+        Its own line on a map, if known: it gives the distance at every place, and ``s`` and ``distance`` are its
+        corners.
 
     Raises
     ------
     InputError
-        If the bank crosses the line, is farther off than any, or its places do not rise; where its profile is none.
+        If the bank crosses the line, is too far away, or its places do not rise; if its profile is invalid.
     """
 
     side: str
@@ -260,7 +259,7 @@ class Bank:
             _check_profile(self.profile, self.side)
 
     def wall(self, s: np.ndarray | float, depth: np.ndarray | float) -> np.ndarray:
-        """Return how far off a vertical wall is that leaves the same section of water [m].
+        """Return the distance of a vertical wall that gives the same section of water [m].
 
         Parameters
         ----------
@@ -268,18 +267,19 @@ class Bank:
             Along the line.
         depth : array or float [m]
             Of the water there.
+        Depth of the water there.
         """
         return self._set_back(s, depth, equivalent_wall)
 
     def keel(self, s: np.ndarray | float, clearance: np.ndarray | float) -> np.ndarray:
-        """Return how far off a keel meets the bank [m].
+        """Return the distance at which a keel meets the bank [m].
 
         Parameters
         ----------
         s : array or float [m]
             Along the line.
         clearance : array or float [m]
-            Of the keel above the bottom there.
+            Clearance of the keel above the bottom there.
         """
         return self._set_back(s, clearance, keel_wall)
 
@@ -287,7 +287,7 @@ class Bank:
         line = self.at(s)
         if not self.profile:
             return line
-        # Seen from far off, so that a profile that begins before its line leaves water too.
+        # Measured from far away, since a profile may begin before its line.
         away = [(FAR + out, up) for out, up in self.profile]
         heights, index = np.unique(np.broadcast_to(height, line.shape), return_inverse=True)
         back = np.array(
@@ -296,7 +296,7 @@ class Bank:
         return np.asarray(line + back[index].reshape(line.shape))
 
     def at(self, s: np.ndarray | float) -> np.ndarray:
-        """Return the distance [m] at places; beyond the ends of the bank it stays.
+        """Return the distance [m] at places; constant beyond the ends of the bank.
 
         Parameters
         ----------
@@ -332,7 +332,7 @@ def _check_profile(profile: tuple[Point, ...], side: str) -> None:
 
 
 def bank_from_points(side: str, points: np.ndarray, line: Centreline, profile: tuple[Point, ...] = ()) -> Bank:
-    """Return a bank by its own line: at each place as far off as the normal of the centreline meets it first."""
+    """Return a bank from its own line: its distance is where the normal of the centreline first meets it."""
     # points (n, 2) [m]; profile (m, m)
     drawn = BankLine(side, points, line)
     return Bank(side, drawn.corners, drawn.distance(drawn.corners), profile, drawn)

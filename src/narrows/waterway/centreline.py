@@ -12,18 +12,18 @@ from scipy.spatial import KDTree
 
 from narrows.errors import InputError
 
-# Between two points of the line, as starts for the search of the nearest place.
+# Samples between two points of the line, as starting values of the search for the nearest place.
 SAMPLES_A_PIECE = 32
 
 ROUNDS = 12
 
-# Positions at a time, that stay in the cache.
+# Positions per block, which fit in the cache.
 BLOCK = 8192
 
-# Of the search, over the length of the line.
+# Tolerance of the search, relative to the length of the line.
 STEP = 1e-10
 
-# Farther [m] than any two places on earth.
+# Distance greater than any on earth [m].
 FARTHEST = 1e8
 
 
@@ -31,9 +31,9 @@ FARTHEST = 1e8
 class Centreline:
     """A smooth line through points, and places along it.
 
-    A cubic spline over the chords, whose bend goes on to its ends ("not a knot"): three points make a parabola, two a
-    straight line. Points h apart on a bend of radius R give its curvature to 0.71 (h / R)^2 of it at the ends and to
-    0.14 (h / R)^2 between, its heading to 0.2 (h / R)^3. Beyond its ends the line goes straight on.
+    A cubic spline over the chords with "not a knot" ends: three points make a parabola, two a straight line. Points h
+    apart on a bend of radius R give its curvature to 0.71 (h / R)^2 of it at the ends and to 0.14 (h / R)^2 between,
+    its heading to 0.2 (h / R)^3. Beyond its ends the line is straight.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ class Centreline:
     Raises
     ------
     InputError
-        If there are fewer than two points, two in a row are one, or one is not finite.
+        If there are fewer than two points, two successive points coincide, or one is not finite.
     """
 
     points: np.ndarray
@@ -86,10 +86,10 @@ class Centreline:
 
     @cached_property
     def _samples(self) -> tuple[np.ndarray, np.ndarray]:
-        """Parameters along the line, and the distance sailed to each."""
+        """Parameters along the line, and the arc length to each."""
         pieces = [np.linspace(a, b, SAMPLES_A_PIECE, endpoint=False) for a, b in pairwise(self._knots)]
         t = np.append(np.concatenate(pieces), self._knots[-1])
-        # Gauss-Legendre between samples: the length of a cubic to rounding.
+        # Gauss-Legendre between samples: exact for the length of a cubic to rounding.
         nodes, weights = np.polynomial.legendre.leggauss(5)
         middle, half = (t[1:] + t[:-1]) / 2, np.diff(t) / 2
         speed = np.linalg.norm(self._rate(middle[:, None] + half[:, None] * nodes), axis=-1)
@@ -111,7 +111,7 @@ class Centreline:
 
     @property
     def length(self) -> float:
-        """From the first point to the last along the line [m]."""
+        """Length from the first point to the last along the line [m]."""
         return float(self._samples[1][-1])
 
     @property
@@ -124,7 +124,7 @@ class Centreline:
         return self._samples[1]
 
     def curvature(self, s: np.ndarray | float) -> np.ndarray:
-        """Return how sharply the line turns to starboard [1/m]; beyond its ends as at them.
+        """Return the curvature of the line, positive to starboard [1/m]; constant beyond its ends.
 
         Parameters
         ----------
@@ -160,12 +160,12 @@ class Centreline:
         return self._spline(t), rate / np.linalg.norm(rate, axis=-1, keepdims=True)
 
     def foot(self, s: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return where the line is square to the way to positions, from places near by: s, and n to starboard [m].
+        """Return the foot of the perpendicular from positions, searched from nearby places: s, and n to starboard [m].
 
         Parameters
         ----------
         s : array (n,) [m]
-            Along the line, near by.
+            Nearby places along the line.
         positions : array (n, 2) [m]
             East and north.
         """
@@ -206,7 +206,7 @@ class Centreline:
         return np.stack([east, north], axis=-1).reshape(*s.shape, 2), heading.reshape(s.shape)
 
     def locate(self, positions: np.ndarray | Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-        """Return the nearest place on the line to positions: how far along it, and to starboard of it [m].
+        """Return the nearest place on the line to positions: distance along it, and to starboard of it [m].
 
         Beyond an end of the line the place is on its straight continuation.
 
@@ -219,7 +219,7 @@ class Centreline:
         return s, n
 
     def placed(self, positions: np.ndarray | Sequence[float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the nearest place as ``locate`` does [m], and the line's heading there [rad].
+        """Return the nearest place as ``locate`` [m], and the line's heading there [rad].
 
         Parameters
         ----------
@@ -233,7 +233,7 @@ class Centreline:
         return s.reshape(shape), n.reshape(shape), heading.reshape(shape)
 
     def _placed(self, t: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Search the nearest places from near ones."""
+        """Search the nearest places from nearby ones."""
         left = np.arange(len(t))
         for _ in range(ROUNDS if len(self.points) > 2 else 1):
             step = self._step(t[left], positions[left])
@@ -245,7 +245,7 @@ class Centreline:
         return self._to_distance(t), (apart * _starboard(rate)).sum(axis=1), np.arctan2(rate[:, 0], rate[:, 1])
 
     def _step(self, t: np.ndarray, positions: np.ndarray) -> np.ndarray:
-        """Newton's step towards the place where the line is square to the way to a position."""
+        """Newton's step towards the foot of the perpendicular from a position."""
         knots = self._spline.x
         piece = np.clip(np.searchsorted(knots, t, "right") - 1, 0, len(knots) - 2)
         u = (t - knots[piece])[:, None]
@@ -259,7 +259,7 @@ class Centreline:
 
 
 def chords(points: np.ndarray) -> np.ndarray:
-    """Return how far each point of a polyline is along it, (n,) [m]."""
+    """Return the distance of each point of a polyline along it, (n,) [m]."""
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
 
 
@@ -270,7 +270,7 @@ def along_chords(points: np.ndarray, share: np.ndarray) -> np.ndarray:
 
 
 def _straight_on(spline: PPoly) -> PPoly:
-    """Add straight pieces beyond both ends: what a piecewise polynomial extrapolates are the outer ones."""
+    """Add straight pieces beyond both ends, since a piecewise polynomial extrapolates its outer pieces."""
     first, last = spline.x[[0, -1]]
     start, slope, stop, leaving = spline(first), spline(first, 1), spline(last), spline(last, 1)
     none, span = np.zeros_like(slope), last - first
@@ -281,7 +281,7 @@ def _straight_on(spline: PPoly) -> PPoly:
 
 
 def _in_blocks(work: Callable[[slice], tuple[np.ndarray, ...]], count: int) -> tuple[np.ndarray, ...]:
-    """Work on positions block by block on every core, and join the three columns that come out."""
+    """Process positions block by block on every core, and join the three result columns."""
     parts = [slice(i, i + BLOCK) for i in range(0, count, BLOCK)]
     with ThreadPoolExecutor() as pool:
         blocks = list(pool.map(work, parts))

@@ -1,4 +1,4 @@
-"""A waterway out of a chart: what the normals of a centreline meet first on either side, and the depths along it."""
+"""A waterway from a chart: the first lines that the normals of a centreline meet, and the depths along it."""
 
 import json
 import warnings
@@ -17,30 +17,29 @@ from narrows.waterway.map_lines import gdal
 from narrows.waterway.projection import origin_of, projected
 from narrows.waterway.waterway import Waterway
 
-# Longer [m] than any waterway's width.
+# Distance greater than any waterway's width [m].
 MOST = 1e5
 
-# How far off a bank is looked for [m].
+# Search distance for a bank [m].
 REACH = 1000.0
 
-# Over which [m] the depth goes from one area's to the next, on the deeper side.
+# Width of the transition from one area's depth to the next, on the deeper side [m].
 SHELF = 0.01
 
 
 @dataclass(frozen=True)
 class Chart:
     banks: tuple[np.ndarray, ...]  # (n, 2) Lines, longitude and latitude [deg]
-    # Areas with their holes, as Shapely has them, and the least depth in each [deg]
+    # Areas with their holes, as Shapely geometries, and the least depth in each [deg]
     areas: tuple[tuple[Any, float], ...]
-    name: str  # Of the cell
+    name: str  # Name of the cell
 
 
 def waterway_from_chart(chart: Chart, centreline: np.ndarray, reach: float = REACH) -> Waterway:
-    """Measure a waterway in a chart along a centreline."""
-    # centreline (n, 2) [deg]; reach [m]
-    # On either side the bank is what the normals of the line meet first, by exact intersection with the chart's lines.
-    # The depth is the least of the shallowest area that the line is in. Banks are vertical walls where a chart draws
-    # them.
+    """Extract a waterway from a chart along a centreline."""
+    # centreline (n, 2) [deg]; reach [m]. On either side the bank is the first of the chart's lines that the normals
+    # meet, by exact intersection. The depth is the least of the shallowest area that contains the line. Banks are
+    # vertical walls at the chart's lines.
     if not 0 < reach < MOST:
         raise InputError(f"a reach of {reach} m is none; give a length over 0")
     if not chart.banks:
@@ -54,7 +53,7 @@ def waterway_from_chart(chart: Chart, centreline: np.ndarray, reach: float = REA
 
 
 def chart_of_area(path: Path, depth: float) -> Chart:
-    """Return a map of areas of water as a chart of one depth [m]: their edges are the banks."""
+    """Return a map of water areas as a chart of one depth [m]: their edges are the banks."""
     with needs("charts", "an area of water"):
         import shapely
     areas = [one.geometry for one in read_features(path) if "Polygon" in str(one.geometry.get("type"))]
@@ -69,7 +68,7 @@ def chart_of_area(path: Path, depth: float) -> Chart:
 
 
 def _shores(banks: list[np.ndarray], line: Centreline, reach: float) -> tuple[np.ndarray, np.ndarray]:
-    """The banks within reach, cut where they cross, end to end; and which pieces between points are none of a bank."""
+    """Banks within reach, split where they cross, end to end; and which pieces between points belong to no bank."""
     import shapely
 
     near = shapely.buffer(shapely.LineString(line.at(line.fine)), 1.1 * reach)
@@ -80,7 +79,7 @@ def _shores(banks: list[np.ndarray], line: Centreline, reach: float) -> tuple[np
 
 
 def _bank(side: str, line: Centreline, points: np.ndarray, gaps: np.ndarray, reach: float, name: str) -> Bank:
-    """The outline of the banks that the normals to one side see: between two corners they see one straight piece."""
+    """The outline of the banks visible along the normals to one side: one straight piece between two corners."""
     sign = 1 if side == "starboard" else -1
     normals = Normals(line, points, sign, gaps)
     corners = normals.corners() if len(points) > 1 else np.array([0.0, line.length])
@@ -97,7 +96,7 @@ def _bank(side: str, line: Centreline, points: np.ndarray, gaps: np.ndarray, rea
 
 
 def _depths(areas: list[tuple[Any, float]], line: Centreline) -> tuple[np.ndarray, np.ndarray]:
-    """Places where the line passes from area to area, and the depth there; the shallower reaches to the very edge."""
+    """Places where the line passes from area to area, and the depth there; the shallower area includes the edge."""
     import shapely
 
     track = shapely.LineString(line.at(line.fine))
@@ -115,7 +114,7 @@ def _depths(areas: list[tuple[Any, float]], line: Centreline) -> tuple[np.ndarra
 
 
 def _least(areas: list[tuple[Any, float]], places: np.ndarray) -> np.ndarray:
-    """Least depth at places, NaN where there is none: a waterway names the hole."""
+    """Least depth at places, NaN if there is none: the waterway's error names the gap."""
     import shapely
 
     points, depth = shapely.points(places), np.full(len(places), np.nan)
@@ -131,8 +130,8 @@ def _moved(area: Any, origin: np.ndarray) -> Any:
     return shapely.transform(area, lambda ring: projected(ring, origin))
 
 
-# Electronic charts, S-57 and inland: the lines of banks and the areas of depth in a cell.
-# Object classes that bound the water: coastline, shoreline construction, banks of canals and rivers.
+# Electronic charts, S-57 and inland: the lines of banks and the areas of depth in a cell. Object classes that bound the
+# water: coastline, shoreline construction, banks of canals and rivers.
 BANKS = ("COALNE", "SLCONS", "canbnk", "rivbnk", "CANBNK", "RIVBNK")
 
 # Object classes of a range of depths: depth areas, at sea and inland, and dredged areas.
@@ -140,15 +139,15 @@ DEPTH_AREAS = ("DEPARE", "depare", "DRGARE")
 
 OPTIONS = {"SPLIT_MULTIPOINT": "ON", "ADD_SOUNDG_DEPTH": "ON", "UPDATES": "APPLY"}
 
-# The code of depths in metres.
+# Code for depths in metres.
 METRES = 1
 
-# Layers of a cell read without the catalogue of object classes.
+# Layers of a cell that was read without the catalogue of object classes.
 BARE = {"Point", "Line", "Area"}
 
 
 def read_chart(path: str | Path) -> Chart:
-    """Read the banks and depths of a cell of an electronic chart; updates beside it are applied."""
+    """Read the banks and depths of a cell of an electronic chart; updates in the same folder are applied."""
     path = Path(path)
     pyogrio = gdal(path, "an electronic chart")
     try:
@@ -172,7 +171,7 @@ def _check_metres(pyogrio: Any, path: Path) -> None:
 
 
 def _read(pyogrio: Any, path: Path, layer: str, columns: Sequence[str]) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:
-    """Geometries as WKB, and columns by name: the file has its own order, and leaves out what it does not have."""
+    """Geometries as WKB, and columns by name: files differ in the order and choice of columns."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Attributes .* ignored", RuntimeWarning)
         meta, _, shapes, values = pyogrio.raw.read(

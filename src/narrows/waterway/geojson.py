@@ -17,19 +17,18 @@ from narrows.waterway.map_lines import OTHERS, ROLES, Feature, into_degrees, mid
 from narrows.waterway.projection import origin_of, projected, unprojected
 from narrows.waterway.waterway import Waterway
 
-# Between the bank of a bend and the line that is written for it [m].
+# Largest distance between the bank of a bend and the line written for it [m].
 CHORD = 0.001
 
 
 def read_waterway(path: str | Path) -> Waterway:
     """Read a waterway.
 
-    A FeatureCollection of three LineStrings, each with a property ``role``: ``centreline``, ``starboard`` and ``port``
-    as one sails along the centreline. The centreline may have ``depth``: one number [m], or one for each of its points;
-    or ``depths``: pairs [distance along it, depth], rising [m].
-    A bank that is no wall has ``profile``: points [distance beyond its line, height above the bottom], outward [m].
-    Lines without roles are told by their place. Between two banks the centreline is found, sailed as the first is
-    drawn, or with the ``left`` one to port.
+    A FeatureCollection of three LineStrings, each with a property ``role``: ``centreline``, ``starboard`` and ``port``,
+    looking along the centreline. The centreline may have ``depth``: one number [m], or one for each of its points; or
+    ``depths``: pairs [distance along it, depth], rising [m]. A sloped bank has ``profile``: points [distance beyond its
+    line, height above the bottom], outward [m]. Lines without roles are identified by their place. From two banks the
+    centreline is computed; its direction is that of the first, or has the bank ``left`` to port.
 
     Parameters
     ----------
@@ -40,7 +39,7 @@ def read_waterway(path: str | Path) -> Waterway:
     ------
     InputError
         If the file is no such collection, a role is missing, coordinates are not longitude and latitude, or the
-        geometry is impossible: in one sentence with the place.
+        geometry is impossible; the sentence names the place.
     """
     found = _lines(read_features(Path(path)), str(path))
     points = [coordinates(one, f"{path}: the {one.role or 'line'}") for one in found]
@@ -59,7 +58,7 @@ def read_waterway(path: str | Path) -> Waterway:
 
 
 def _check_sides(line: Centreline, starboard: np.ndarray, port: np.ndarray) -> None:
-    """Raise where both banks lie on the side of the other: their roles are exchanged, or the whole map is mirrored."""
+    """Raise if both banks lie on the wrong side: their roles are exchanged, or the whole map is mirrored."""
     if np.median(line.locate(starboard)[1]) < 0 < np.median(line.locate(port)[1]):
         raise InputError(
             "each bank lies on the side of the other as one sails along the centreline; exchange their roles, turn the "
@@ -68,7 +67,7 @@ def _check_sides(line: Centreline, starboard: np.ndarray, port: np.ndarray) -> N
 
 
 def read_line(path: str | Path) -> np.ndarray:
-    """Read a centreline: the LineString with the role ``centreline``, or the only one: (n, 2) [deg]."""
+    """Read a centreline, (n, 2) [deg]: the LineString with the role ``centreline``, or the only one."""
     lines = [feature for feature in read_features(Path(path)) if feature.geometry.get("type") == "LineString"]
     centrelines = [feature for feature in lines if feature.role == "centreline"] or lines
     if len(centrelines) != 1:
@@ -79,7 +78,7 @@ def read_line(path: str | Path) -> np.ndarray:
 
 
 def waterway_from_line(points: np.ndarray, width: float, depth: float, name: str = "canal") -> Waterway:
-    """Return the waterway of one width and depth along a centreline, its banks vertical walls."""
+    """Return the waterway of constant width and depth along a centreline, with vertical banks."""
     # points (n, 2), longitude and latitude [deg]; width, depth [m]
     for what, value in (("width", width), ("depth", depth)):
         if not 0 < value < FARTHEST:
@@ -93,7 +92,7 @@ def waterway_from_line(points: np.ndarray, width: float, depth: float, name: str
 
 
 def with_depth(waterway: Waterway, depth: float) -> Waterway:
-    """Return a waterway of one depth [m] that has none of its own."""
+    """Return a waterway with one depth [m], if it has none."""
     if waterway.depths is not None:
         raise InputError(f"{waterway.name} has depths of its own; leave --depth out")
     if not 0 < depth < FARTHEST:
@@ -107,14 +106,14 @@ def write_waterway(waterway: Waterway, path: str | Path) -> None:
     Parameters
     ----------
     waterway : Waterway
-        One that knows where on earth it is.
+        A waterway with a place on earth.
     path : str or Path
-        Where to.
+        Output file.
 
     Raises
     ------
     InputError
-        If it does not know its origin, or the file cannot be written.
+        If its origin is unknown, or the file cannot be written.
     """
     form_of(path, (".geojson", ".json"))
     if waterway.origin is None:
@@ -129,7 +128,7 @@ def write_waterway(waterway: Waterway, path: str | Path) -> None:
 
 
 def _drawn(bank: Bank, sign: int, line: Centreline) -> np.ndarray:
-    """Points of a bank on the map: its own, or near enough to each other that chords keep to a bend."""
+    """Points of a bank on the map: its own, or points close enough for the chords of a bend."""
     if bank.drawn is not None:
         return np.asarray(bank.drawn.points)
     sharpest = np.abs(line.curvature(line.fine)).max()
@@ -167,7 +166,7 @@ def _lines(features: list[Feature], file: str) -> list[Feature]:
 
 
 def _roles(features: list[Feature], lines: list[np.ndarray]) -> tuple[dict[str, Feature], dict[str, np.ndarray]]:
-    """Features and points [m] by role: as they say, or by their place; a centreline that is not drawn is the middle."""
+    """Features and points [m] by role: by their property or by their place; a missing centreline is the middle."""
     roles = [feature.role for feature in features]
     placed = roles_by_place(lines) if None in roles else roles
     by_role = dict(zip(placed, features, strict=True)) if placed else {}
@@ -196,7 +195,7 @@ def _depths(feature: Feature, line: Centreline) -> tuple[np.ndarray, np.ndarray]
     return line.stations, values
 
 
-# What a GeoJSON file of a waterway has: its lines with their roles and properties, or one sentence why not.
+# Contents of a waterway's GeoJSON file: its lines with their roles and properties, or one sentence of error.
 def read_features(path: Path) -> list[Feature]:
     if path.suffix.lower() in OTHERS:
         return read_other(path)
@@ -220,7 +219,7 @@ def read_features(path: Path) -> list[Feature]:
 
 
 def _as_collection(document: Any) -> Any:
-    """A lone feature or a bare line as the only feature of a collection."""
+    """Return a lone feature or a bare line as the only feature of a collection."""
     kind = document.get("type") if isinstance(document, Mapping) else None
     if kind == "Feature":
         return {"type": "FeatureCollection", "features": [document]}
@@ -247,7 +246,7 @@ def coordinates(feature: Feature, name: str) -> np.ndarray:
 
 
 def profile_of(feature: Feature, side: str) -> tuple[Point, ...]:
-    """Return the profile of a bank, empty where it has none: pairs of distance and height [m]."""
+    """Return the profile of a bank, empty for none: pairs of distance and height [m]."""
     value = feature.properties.get("profile")
     if value is None:
         return ()
@@ -260,7 +259,7 @@ def profile_of(feature: Feature, side: str) -> tuple[Point, ...]:
 
 
 def depths_of(feature: Feature, count: int) -> np.ndarray | None:
-    """Return the depths of a centreline, (1,) or (count,) [m]: NaN where there is none, None without any."""
+    """Return the depths of a centreline, (1,) or (count,) [m]: NaN for a missing one, None without any."""
     depth = feature.properties.get("depth")
     if depth is None:
         return None
@@ -286,7 +285,7 @@ def depths_along(feature: Feature) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 def pairs(items: Any, exactly: bool = False) -> np.ndarray | None:
-    """Return lists of two numbers, or of more that are left out, as an array (n, 2); None where they are not."""
+    """Return lists of two or more numbers as an array (n, 2); None if they are not."""
     if not isinstance(items, list) or not all(isinstance(item, list) and len(item) >= 2 for item in items):
         return None
     if exactly and any(len(item) > 2 for item in items):
@@ -296,7 +295,7 @@ def pairs(items: Any, exactly: bool = False) -> np.ndarray | None:
 
 
 def number(value: Any) -> float | None:
-    """Return a number as a float, None where it is none or too large for one."""
+    """Return a number as a float, None if it is invalid or too large."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return None
     try:

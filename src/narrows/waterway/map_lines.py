@@ -1,4 +1,4 @@
-"""Lines of a map as people have them: files of other programs, UTM, roles in other words, two banks alone."""
+"""Lines of a user's map: files of other programs, UTM, other words for roles, two banks alone."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -12,19 +12,19 @@ from narrows.waterway.centreline import Centreline, along_chords, chords
 from narrows.waterway.projection import from_utm
 
 ROLES = ("centreline", "starboard", "port")
-# What a line is called, under any of these properties, without "bank" and "line".
+# Properties that may name a line's role, and roles without "bank" and "line".
 SAID_IN = ("role", "side", "bank", "name", "type", "title", "label")
 WORDS = {
     "centreline": ("centre", "center", "axis", "middle", "fairway", "centreline", "centerline"),
     "starboard": ("starboard", "right"), "port": ("port", "left"),
 }  # fmt: skip
-# Files that GDAL reads beside GeoJSON.
+# Files that GDAL reads besides GeoJSON.
 OTHERS = (".kml", ".shp", ".gpkg", ".gml", ".fgb")
-# Coordinate systems in degrees that are WGS84 to less than a metre, and first codes of zones of UTM: WGS84 north and
-# south, ETRS89.
+# Coordinate systems in degrees that equal WGS84 within a metre, and first codes of UTM zones: WGS84 north and south,
+# ETRS89.
 IN_DEGREES = ("CRS84", "4326", "4258")
 UTM = {326: False, 327: True, 258: False}
-# Steps of a line between banks towards the middle, and its points over the length of the banks in widths [1].
+# Iterations of a line between banks towards the middle, and its points per width of the waterway [1].
 ROUNDS, POINTS_A_WIDTH = 20, 1.0
 
 
@@ -34,7 +34,7 @@ class Feature(NamedTuple):
 
     @property
     def role(self) -> str | None:
-        """Which line of a waterway it is, by whatever property says so."""
+        """Return the role of a line in a waterway, from any property that names it."""
         said = {str(key).lower(): value for key, value in self.properties.items() if isinstance(value, str)}
         for key in SAID_IN:
             words = re.sub(r"\b(bank|line)\b|[_-]", " ", said.get(key, "").lower()).split()
@@ -45,7 +45,7 @@ class Feature(NamedTuple):
 
 
 def gdal(path: Path, what: str) -> Any:
-    """Return the library that reads maps and charts, where it and the file are there."""
+    """Return the library that reads maps and charts, if it and the file exist."""
     with needs("charts", what):
         import pyogrio
         import pyogrio.errors
@@ -56,7 +56,7 @@ def gdal(path: Path, what: str) -> Any:
 
 
 def read_other(path: Path) -> list[Feature]:
-    """Read the lines and areas of a file that GDAL knows, in degrees."""
+    """Read the lines and areas of a file that GDAL supports, in degrees."""
     pyogrio, features = gdal(path, f"a {path.suffix} file"), []
     import shapely
 
@@ -77,7 +77,7 @@ def read_other(path: Path) -> list[Feature]:
 
 
 def into_degrees(crs: str, path: str) -> Callable[[Mapping[str, Any]], dict[str, Any]]:
-    """Return what turns geometries into longitude and latitude, from those or from UTM."""
+    """Return a function that converts degrees or UTM to longitude and latitude."""
     code = re.search(r"EPSG\D{0,4}(\d{4,5})", crs)
     zone = divmod(int(code[1]), 100) if code else (0, 0)
     plain = any(known in crs for known in IN_DEGREES)
@@ -96,9 +96,10 @@ def into_degrees(crs: str, path: str) -> Callable[[Mapping[str, Any]], dict[str,
 
 
 def roles_by_place(lines: Sequence[np.ndarray]) -> tuple[str, ...] | None:
-    """Return the roles of two or three lines [m] by where they lie, None where that does not say them.
+    """Return the roles of two or three lines [m] by their position, None if it is ambiguous.
 
-    Of three the one between the others is the centreline; one sails as it, or as the first of two banks, is drawn.
+    Of three, the one between the others is the centreline; the direction is that of the centreline, or of the first of
+    two banks.
     """
     if len(lines) == 2:
         # The other bank lies to one side of the first.
@@ -112,13 +113,13 @@ def roles_by_place(lines: Sequence[np.ndarray]) -> tuple[str, ...] | None:
 
 
 def _side(line: np.ndarray, other: np.ndarray) -> float:
-    """1 where all of another line is to starboard, -1 to port, 0 on both sides."""
+    """Return 1 if all of another line is to starboard, -1 if to port, 0 if on both sides."""
     sides = np.sign(Centreline(line).locate(other)[1])
     return float(sides[0]) if (sides == sides[0]).all() else 0.0
 
 
 def middle_line(starboard: np.ndarray, port: np.ndarray) -> np.ndarray:
-    """Return points midway between two banks, as one sails with the one to starboard, (n, 2) [m]."""
+    """Return points midway between two banks, in the direction that has the given one to starboard, (n, 2) [m]."""
     if np.linalg.norm(starboard[0] - port[0]) > np.linalg.norm(starboard[0] - port[-1]):
         port = port[::-1]
     reach = min(chords(bank)[-1] for bank in (starboard, port))
@@ -134,7 +135,7 @@ def middle_line(starboard: np.ndarray, port: np.ndarray) -> np.ndarray:
 
 
 def _nearest(bank: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """The places of a polyline that are nearest to points, (n, 2)."""
+    """The nearest places on a polyline to points, (n, 2)."""
     start, way = bank[:-1], np.diff(bank, axis=0)
     apart = points[:, None] - start
     share = np.clip((apart * way).sum(axis=2) / np.maximum((way**2).sum(axis=1), 1e-300), 0, 1)

@@ -1,10 +1,10 @@
-"""Longitude and latitude to metres about an origin of their own, and back."""
+"""Longitude and latitude to metres about a local origin, and back."""
 
 import numpy as np
 
 from narrows.errors import InputError
 
-# Latitude [deg] beyond which the mean of longitudes is no place near the line.
+# Latitude [deg] beyond which the mean of longitudes is meaningless.
 NORTHMOST = 89.0
 # Semi-major axis [m] and flattening of the WGS84 ellipsoid.
 EQUATOR_RADIUS, FLATTENING = 6378137.0, 1 / 298.257223563
@@ -22,7 +22,7 @@ def origin_of(points: np.ndarray) -> np.ndarray:
 
 
 def projected(points: np.ndarray, origin: np.ndarray) -> np.ndarray:
-    """Project longitude and latitude to metres east and north of an origin, true to scale near it."""
+    """Project longitude and latitude to metres east and north of an origin, with true scale near it."""
     # points (n, 2) [deg], WGS84; origin (2,) [deg]
     with np.errstate(invalid="ignore"):  # infinite degrees
         turn = np.radians((points[:, 0] - origin[0] + 180) % 360 - 180)
@@ -80,7 +80,7 @@ def _foot(origin: np.ndarray) -> float:
 
 
 def _forward(latitude: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Northing from the equator and easting from the meridian [m]; infinite where there is none, NaN stays NaN."""
+    """Northing from the equator and easting from the meridian [m]; infinite where undefined, NaN stays NaN."""
     tangent = _conformal(np.tan(latitude))
     north, east = np.arctan2(tangent, np.cos(turn)), np.arcsinh(np.sin(turn) / np.hypot(tangent, np.cos(turn)))
     zeta, beyond = _zeta(north, east, (np.abs(east) > WIDEST) | (np.abs(latitude) > np.pi / 2))
@@ -89,7 +89,7 @@ def _forward(latitude: np.ndarray, turn: np.ndarray) -> tuple[np.ndarray, np.nda
 
 
 def _inverse(north: np.ndarray, east: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Latitude and longitude from the meridian [rad]; infinite where there is none, NaN stays NaN."""
+    """Latitude and longitude from the meridian [rad]; infinite where undefined, NaN stays NaN."""
     zeta, beyond = _zeta(north / _RADIUS, east / _RADIUS, np.abs(east) > WIDEST * _RADIUS)
     sphere = zeta - _waves(zeta, _BETA)
     wanted = np.sin(sphere.real) / np.hypot(np.sinh(sphere.imag), np.cos(sphere.real))
@@ -103,14 +103,14 @@ def _inverse(north: np.ndarray, east: np.ndarray) -> tuple[np.ndarray, np.ndarra
 
 
 def _zeta(north: np.ndarray, east: np.ndarray, beyond: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Northing + i easting in rectifying radii, 0 where it lies beyond the series; and where that is."""
+    """Northing + i easting in rectifying radii, 0 beyond the range of the series; and a mask of those."""
     zeta = np.empty(len(north), complex)
     zeta.real, zeta.imag = np.where(beyond, 0, north), np.where(beyond, 0, east)
     return zeta, beyond
 
 
 def _conformal(tangent: np.ndarray) -> np.ndarray:
-    """Tangent of the conformal latitude by that of the latitude (eq. 7 to 9)."""
+    """Tangent of the conformal latitude from that of the latitude (eq. 7 to 9)."""
     secant = np.hypot(1, tangent)
     stretch = np.sinh(_E * np.arctanh(_E * tangent / secant))
     return np.asarray(tangent * np.hypot(1, stretch) - stretch * secant)

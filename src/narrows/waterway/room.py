@@ -1,19 +1,19 @@
-"""Room between a hull and the banks of a table, edge by edge: plain arithmetic, compiled or not from this one text."""
+"""Clearance between a hull and the banks of a table, edge by edge: plain arithmetic, compiled or not."""
 
 from collections.abc import Sequence
 from math import cos, hypot, inf, nan, sin
 
-# Numbers a node: line forward, starboard [m], cosine, sine, curvature [1/m]; starboard bank, port bank [m].
+# Numbers per node: line forward, starboard [m], cosine, sine, curvature [1/m]; starboard bank, port bank [m].
 ROW = 9
 STARBOARD_BANK, PORT_BANK = 5, 7
-# Cosine of the line to the hull at which a bank belongs to another reach of the river.
+# Cosine between line and hull below which a bank belongs to another reach of the river.
 TURNED_AWAY = -0.5
-# Node of Gauss and Legendre, sqrt(3/5), of three.
+# Outer node of three-point Gauss-Legendre quadrature, sqrt(3/5).
 GAUSS = 0.7745966692414834
 
 
 def advanced_along(bend: float, change: float, along: float) -> tuple[float, float, float]:
-    """Return how far a line of linear curvature comes ahead and across [m], and how it turns [rad]."""
+    """Return the displacement ahead and across [m] and the turn [rad] along a line of linear curvature."""
     # bend [1/m]; change [1/m^2]; along [m]
     ahead, across = 0.0, 0.0
     for node, weight in ((1.0 - GAUSS, 5.0), (1.0, 8.0), (1.0 + GAUSS, 5.0)):
@@ -50,7 +50,7 @@ def line_pose(track: Sequence[float], step: float, s: float) -> tuple[float, flo
 def edge_room(
     a: float, b: float, next_a: float, next_b: float, sign: float, outline: Sequence[float], least: float
 ) -> float:
-    """Return the least of a room and that between one edge of a bank and the hull [m]."""
+    """Return the smaller of a given clearance and that between one edge of a bank and the hull [m]."""
     # a, b, next_a, next_b [m]; outline (2 * points,) [m]; least [m]
     forward, out = outline[len(outline) - 2], sign * outline[len(outline) - 1]
     for point in range(0, len(outline), 2):
@@ -67,7 +67,7 @@ def side_room(
     track: Sequence[float], sign: float, cell: int,
     x: float, y: float, c: float, si: float, outline: Sequence[float],
 ) -> float:  # fmt: skip
-    """Return the least room athwart between a hull and one bank [m]."""
+    """Return the least transverse clearance between a hull and one bank [m]."""
     # track (n * ROW,); x, y [m]; outline (2 * points,) [m]
     column = STARBOARD_BANK if sign > 0.0 else PORT_BANK
     stern, bow, breadth, across, least = 0.0, 0.0, 0.0, 0.0, inf
@@ -89,17 +89,17 @@ def side_room(
             dx, dy = track[row + column] - x, track[row + column + 1] - y
             next_a, next_b = dx * c + dy * si, sign * (dy * c - dx * si)
             if min(b, next_b) - breadth < least:
-                if min(a, next_a) > aft and max(a, next_a) < fore:  # beside the parallel body
+                if min(a, next_a) > aft and max(a, next_a) < fore:  # along the parallel body
                     least = min(b, next_b) - breadth
                 else:
                     least = edge_room(a, b, next_a, next_b, sign, outline, least)
             along = direction * ((track[row] - x) * c + (track[row + 1] - y) * si)
-            # A bank that comes back over the hull's end once the line has passed it is farther off than before.
+            # A bank that returns over the hull's end after the line has passed it is farther away than before.
             if min(along, direction * next_a) > end or track[row + 2] * c + track[row + 3] * si < TURNED_AWAY:
                 break
             if row == 0 or row + ROW >= len(track):
                 break
-            # A bank that has passed ahead of the hull to its other side comes back as another reach of the river.
+            # A bank that has passed ahead of the hull to its other side belongs to another reach of the river.
             if direction * next_a > end and next_b < across:
                 break
             a, b = next_a, next_b
@@ -109,10 +109,9 @@ def side_room(
 def exact_room(
     track: Sequence[float], step: float, s: float, n: float, cos_psi: float, sin_psi: float, outline: Sequence[float]
 ) -> tuple[float, float]:
-    """Return the least room athwart between a hull and either bank, and by how much starboard is nearer [m]."""
-    # track (n * ROW,); step [m]; s, n [m]; outline (2 * points,) [m]
-    # Over the whole length of the hull: every node of a bank beside the hull, every point of the hull against the
-    # edges.
+    """Return the least transverse clearance between hull and banks, and by how much starboard is nearer [m]."""
+    # track (n * ROW,); step [m]; s, n [m]; outline (2 * points,) [m]. Over the whole length of the hull: every bank
+    # node against the hull, every hull point against the edges.
     if not hypot(s, n) + hypot(cos_psi, sin_psi) < inf:
         return nan, nan
     x, y, c, si, cell = line_pose(track, step, s)

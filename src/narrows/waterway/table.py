@@ -1,4 +1,4 @@
-"""Lower bounds of where a hull can meet a bank, so cheap that lanes of vessels can ask them at every step."""
+"""Lower bounds of the distance at which a hull meets a bank, cheap enough for every step of vessel lanes."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,24 +12,24 @@ from narrows.waterway.waterway import Waterway
 
 
 class LeastWalls(NamedTuple):
-    """Lower bounds at the nodes of a table, straight between them."""
+    """Lower bounds at the nodes of a table, linear between them."""
 
-    starboard: np.ndarray  # (n,) From the line, square to it at midship, to what a hull can meet of either bank [m]
-    port: np.ndarray  # (n,) From the line, square to it at midship, to what a hull can meet of either bank [m]
+    starboard: np.ndarray  # (n,) Distance from line to starboard bank within reach of the hull [m]
+    port: np.ndarray  # (n,) Distance from line to port bank within reach of the hull [m]
 
 
 @dataclass(frozen=True)
 class WaterwayTable:
-    """A waterway in equal cells; between nodes its columns are straight, and so are its banks on the map."""
+    """A waterway in equal cells; between nodes its columns and its banks on the map are linear."""
 
     s: np.ndarray  # (n,) Along the line, from 0 to its length [m]
-    starboard: np.ndarray  # (n,) From the line to vertical walls that leave the same section of water [m]
-    port: np.ndarray  # (n,) From the line to vertical walls that leave the same section of water [m]
-    # (n,) From the line to where a keel meets the bank, or to the wall where that is nearer [m]
+    starboard: np.ndarray  # (n,) Distance from the line to a vertical wall with the same section of water [m]
+    port: np.ndarray  # (n,) Distance from the line to a vertical wall with the same section of water [m]
+    # (n,) Distance from the line to contact of keel and bank, or to the wall if that is nearer [m]
     keel_starboard: np.ndarray
-    keel_port: np.ndarray  # (n,) From the line to where a keel meets the bank, or to the wall where that is nearer [m]
-    depth: np.ndarray  # (n,) Of the water; NaN where the waterway has none [m]
-    curvature: np.ndarray  # (n,) Of the line, to starboard [1/m]
+    keel_port: np.ndarray  # (n,) Distance from line to contact of keel and bank, or nearer wall [m]
+    depth: np.ndarray  # (n,) Depth; NaN if unknown [m]
+    curvature: np.ndarray  # (n,) Curvature of the line, to starboard [1/m]
 
     @property
     def step(self) -> float:
@@ -37,9 +37,9 @@ class WaterwayTable:
 
     @cached_property
     def nodes(self) -> np.ndarray:
-        """Of line and banks on a map of the table's own, (n + 2, 9): see ``narrows.waterway.room.ROW``."""
-        # It has its origin and forward axis at the first node. The first row and the last are far beyond the ends,
-        # where line and banks go straight on.
+        """Nodes of line and banks in the table's own frame, (n + 2, 9): see ``narrows.waterway.room.ROW``."""
+        # The origin and forward axis are those of the first node. The first row and the last are far beyond the ends,
+        # where line and banks are straight.
         far = self.s[-1] + 100 * max(self.keel_starboard.max(), self.keel_port.max())
         x, y, heading = _integrated(self.curvature, self.step)
         c, si = np.cos(heading), np.sin(heading)
@@ -53,24 +53,23 @@ class WaterwayTable:
 
     @cached_property
     def track(self) -> np.ndarray:
-        """The nodes, flat, as ``exact_room`` takes them."""
+        """The nodes, flat, for ``exact_room``."""
         return np.ascontiguousarray(self.nodes).reshape(-1)
 
 
 def least_walls(table: WaterwayTable, outline: np.ndarray) -> LeastWalls:
-    """Return lower bounds of where a hull can meet a bank, whatever its heading."""
-    # outline (points, 2) [m]
-    # With midship at s and n, let w be the bound at s, straight between nodes, and r how far the hull's outline
-    # reaches to that side: then w - n - r (to port w + n - r) is never more than the hull can move square to the line
-    # before it meets that bank. Where it is positive the hull is clear.
+    """Return lower bounds of the distance at which a hull meets a bank, for any heading."""
+    # outline (points, 2) [m]. With midship at s and n, let w be the bound at s, linear between nodes, and r the extent
+    # of the hull's outline to that side: then w - n - r (to port w + n - r) is at most the distance that the hull can
+    # move perpendicular to the line before it meets that bank. If it is positive the hull is clear.
     radius = float(np.hypot(*np.reshape(outline, (-1, 2)).T).max())
     return LeastWalls(*(_least(table, radius, *side) for side in ((STARBOARD_BANK, 1), (PORT_BANK, -1))))
 
 
 def _least(table: WaterwayTable, radius: float, column: int, sign: int) -> np.ndarray:
-    """Least of the bank beside the hull as seen from each node, over the cells on either side of it."""
-    # What one point of a bank is from the line, as midship passes a cell, is nearly straight in s; less how far it can
-    # sag below its chord, the minimum at the nodes is a bound between them too.
+    """Least distance of the bank along the hull from each node, over the cells on either side of it."""
+    # The position of a bank point relative to the line is nearly linear in s while midship passes a cell. The minimum
+    # at the nodes, less the largest sag below the chord, is a bound between them too.
     step, (bend, change) = table.step, _sharpest(table)
     sag = step**2 / 8 * np.stack([bend, change])
     least = np.full(len(table.s), np.inf)
@@ -99,8 +98,8 @@ def _sharpest(table: WaterwayTable) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _seen(columns: np.ndarray, sign: int, offset: int) -> tuple[np.ndarray, ...]:
-    """Return the bank so many nodes on, ahead of and out from each node, how far ahead the line is, its direction."""
-    count = (columns.shape[1] - 2) // 3  # Beyond either end are as many, and the one that the table has there.
+    """Return the bank so many nodes ahead, relative to each node; the line's distance ahead, its direction."""
+    count = (columns.shape[1] - 2) // 3  # Equal numbers beyond either end, plus the table's own end node
     x, y, c, si, *_ = columns[:, count + 1 : 2 * count + 1]
     line_x, line_y, line_c, line_si, bank_x, bank_y = columns[:, count + 1 + offset : 2 * count + 1 + offset]
     dx, dy = bank_x - x, bank_y - y
@@ -113,7 +112,7 @@ def _seen(columns: np.ndarray, sign: int, offset: int) -> tuple[np.ndarray, ...]
 
 
 def _lowest(ahead: np.ndarray, out: np.ndarray, to: np.ndarray, out_to: np.ndarray, window: np.ndarray) -> np.ndarray:
-    """Least of an edge of the bank inside the window; infinite where none of it is."""
+    """Least distance of a bank edge inside the window; infinite if none of it is inside."""
     along = np.where(to == ahead, 1.0, to - ahead)
     slope = np.where(to == ahead, 0.0, (out_to - out) / along)
     first, last = (np.clip(x, -window, window) for x in (ahead, to))
@@ -123,12 +122,12 @@ def _lowest(ahead: np.ndarray, out: np.ndarray, to: np.ndarray, out_to: np.ndarr
     return np.where(inside, lowest, np.inf)
 
 
-# A waterway as a table of equal cells, for engines that look it up at every step.
+# A waterway as a table of equal cells, for look-up at every step.
 MOST_CELLS = 1_000_000
 
-# Cells a beam of the ship that keep contact within 0.01 of the beam.
-# A kink of a bank by a slope m between nodes errs by m step / 4 (1:10: 0.006 of the beam), a bend that starts at once
-# by 0.005 of it, the chord of a bank in a bend by curvature step^2 / 8 (radius of 30 beams: 0.0003).
+# Cells per beam of the ship that keep contact within 0.01 of the beam. A kink of a bank by a slope m between nodes errs
+# by m step / 4 (1:10: 0.006 of the beam), a sudden start of a bend by 0.005 of it, the chord of a bank in a bend by
+# curvature step^2 / 8 (radius of 30 beams: 0.0003).
 STEPS_A_BEAM = 4
 
 
@@ -150,7 +149,7 @@ def tabulate(waterway: Waterway, draft: float, step: float) -> WaterwayTable:
 
 
 def _integrated(curvature: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Nodes and headings of a line of linear curvature between nodes: three points of Gauss and Legendre a cell."""
+    """Nodes and headings of a line whose curvature is linear between nodes: three-point Gauss-Legendre per cell."""
     heading = np.concatenate([[0.0], np.cumsum((curvature[1:] + curvature[:-1]) / 2 * step)])
     part = step * np.array([1 - GAUSS, 1, 1 + GAUSS]) / 2
     change = np.diff(curvature)[:, None] / step

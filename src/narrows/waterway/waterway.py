@@ -1,4 +1,4 @@
-"""A waterway: a centreline, two banks, depths, a current and a level; the straight canal is its simplest case."""
+"""A waterway: a centreline, two banks, depths, a current and a level; a straight canal is its simplest case."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,23 +14,23 @@ from narrows.waterway.banks import Bank
 from narrows.waterway.centreline import Centreline
 
 STATIONS = 2000
-# More than any sea's depth [m].
+# Depth greater than any sea's [m].
 DEEPEST = 12_000.0
-# More than any current [m/s].
+# Speed greater than any current [m/s].
 FASTEST = 100.0
 
 
-# Of its length over its radius: the bend of a line that is straight but for rounding.
+# Length over radius below which a line counts as straight, due to rounding.
 STRAIGHT = 1e-6
 
 
 class Section(NamedTuple):
-    """A waterway at some places, as the straight canal that it is there."""
+    """A waterway at some places, as the local straight canal."""
 
-    width: np.ndarray  # From bank to bank [m]
-    middle: np.ndarray  # Of the two banks, to starboard of the centreline [m]
-    depth: np.ndarray  # Of the water; NaN where the waterway has none [m]
-    curvature: np.ndarray  # Of the centreline, to starboard [1/m]
+    width: np.ndarray  # Width from bank to bank [m]
+    middle: np.ndarray  # Middle of the two banks, to starboard of the centreline [m]
+    depth: np.ndarray  # Depth of the water; NaN if unknown [m]
+    curvature: np.ndarray  # Curvature of the centreline, to starboard [1/m]
 
 
 @dataclass(frozen=True, repr=False)
@@ -46,22 +46,22 @@ class Waterway(Described):
     depths : pair of arrays [m], optional
         Places along the line, and the depth at each.
     current : float [m/s]
-        Of the water along the line.
+        Speed of the water along the line.
     level : float [m]
-        Of the water over that of the depths.
+        Level of the water above that of the depths.
     name : str
-        What it is called.
+        Name.
     origin : pair of float [deg], optional
         Longitude and latitude of east 0, north 0.
     step : float [m], optional
-        Between the nodes of the table that simulation looks up, straight between them; a quarter of the ship's beam
-        unless given, which finds a contact to less than a hundredth of the beam.
+        Spacing of the nodes of the simulation's table, which is linear between them; default: a quarter of the ship's
+        beam, which locates a contact within a hundredth of the beam.
 
     Raises
     ------
     InputError
-        If a sloped bank has no depth to stand in, the line bends more sharply than the banks are off, a depth is
-        missing or dry: with the place.
+        If a sloped bank has no depth, the line's radius is smaller than the banks' distance, or a depth is missing or
+        not positive; the sentence names the place.
     """
 
     line: Centreline
@@ -113,7 +113,7 @@ class Waterway(Described):
         return narrows.read_waterway(path)
 
     def summary(self) -> str:
-        """Say its length, width, depth, sharpest bend and current."""
+        """Describe its length, width, depth, sharpest bend and current."""
         there = self.section(np.linspace(0, self.line.length, STATIONS))
         bend = float(np.abs(there.curvature).max())
         parts = [
@@ -136,14 +136,14 @@ class Waterway(Described):
         return self._section(s, self.starboard.wall(s, depth), self.port.wall(s, depth), depth)
 
     def room(self, s: np.ndarray | float, draft: float) -> Section:
-        """Return the waterway at places as wide as a keel has room: the same where the banks are vertical.
+        """Return the waterway at places with the width available to a keel; equal to ``section`` at vertical banks.
 
         Parameters
         ----------
         s : array or float [m]
             Along the line.
         draft : float [m]
-            Of the ship.
+            Draft of the ship.
         """
         depth = self.depth(s)
         starboard, port = (
@@ -152,7 +152,7 @@ class Waterway(Described):
         return self._section(s, starboard, port, depth)
 
     def depth(self, s: np.ndarray | float) -> np.ndarray:
-        """Return the depth of the water at places [m], NaN where the waterway has none.
+        """Return the depth of the water at places [m], NaN if unknown.
 
         Parameters
         ----------
@@ -167,7 +167,7 @@ class Waterway(Described):
         return Section(starboard + port, (starboard - port) / 2, depth, self.line.curvature(s))
 
     def canal(self, s: float) -> Canal:
-        """Return the straight canal that the waterway is at a place.
+        """Return the local straight canal at a place.
 
         Parameters
         ----------
@@ -181,7 +181,7 @@ class Waterway(Described):
     def to_channel(
         self, positions: np.ndarray, heading: np.ndarray | float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Bring positions and headings to the waterway: along it and off its line [m], heading to it [rad].
+        """Convert positions and headings from the map: place along and off the line [m], heading to it [rad].
 
         Parameters
         ----------
@@ -196,7 +196,7 @@ class Waterway(Described):
     def to_map(
         self, s: np.ndarray | float, n: np.ndarray | float, psi: np.ndarray | float = 0.0
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Bring places and headings of the waterway to the map: east and north (..., 2) [m], heading [rad].
+        """Convert places and headings to the map: east and north (..., 2) [m], heading [rad].
 
         Parameters
         ----------
@@ -211,19 +211,19 @@ class Waterway(Described):
         return positions, _turned(np.asarray(psi) + along)
 
     def check_fits(self, ship: Ship, at: float | None = None) -> None:
-        """Raise where a ship does not fit.
+        """Raise if a ship does not fit.
 
         Parameters
         ----------
         ship : Ship
             The ship.
         at : float [m], optional
-            Along the line; the whole of it unless given.
+            Place along the line; the whole of it unless given.
 
         Raises
         ------
         InputError
-            If the waterway is narrower than the ship is, or shallower: with the place.
+            If the waterway is narrower or shallower than the ship; the sentence names the place.
         """
         s = np.linspace(0, self.line.length, STATIONS) if at is None else np.array([at])
         here = self.room(s, ship.draft)
@@ -244,13 +244,13 @@ class Waterway(Described):
         current : float [m/s]
             Along the line.
         level : float [m]
-            Over that of the depths.
+            Level above that of the depths.
         """
         return replace(self, current=current, level=level)
 
 
 def _turned(angle: np.ndarray) -> np.ndarray:
-    """Bring angles to between -pi and pi."""
+    """Wrap angles to between -pi and pi."""
     return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi)
 
 
@@ -262,7 +262,7 @@ def straight_waterway(canal: Canal, length: float, heading: float = 0.0) -> Wate
     canal : Canal
         Its width and depth.
     length : float [m]
-        From end to end.
+        Length from end to end.
     heading : float [rad]
         Clockwise from north.
 
@@ -280,5 +280,5 @@ def straight_waterway(canal: Canal, length: float, heading: float = 0.0) -> Wate
 
 
 def _between(values: np.ndarray) -> str:
-    """Lowest and highest, once where they are one."""
+    """Return the lowest and highest, once if they are equal."""
     return " to ".join(dict.fromkeys(f"{end:.4g}" for end in (float(np.nanmin(values)), float(np.nanmax(values)))))

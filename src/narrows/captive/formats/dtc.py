@@ -1,7 +1,7 @@
 """Raw records of the DTC tests for MASHCON 2019: tab separated, two header lines, positions without rates.
 
-The speed column of these files is a stepped encoder value, so velocities and accelerations come from the
-low-passed positions; forces stay as measured.
+The speed column of these files is a stepped encoder value, so velocities and accelerations come from the low-passed
+positions; forces are unfiltered.
 """
 
 import numpy as np
@@ -11,19 +11,19 @@ from narrows.captive.settings import SHORTEST_RECORD
 from narrows.errors import InputError
 from narrows.readers import cells
 
-# Of the low-pass [Hz]: ramps last seconds, the tank's carriage shakes above one hertz.
+# Cutoff frequency of the low-pass [Hz]: ramps last seconds, the tank's carriage vibrates above one hertz.
 CUTOFF = 0.5
 
 HEADERS = ("time [s]", "x0 [m]", "y0 [m]", "psi [°]", "heave [mm]", "X [N]", "Y [N]", "N [Nm]")
 
 
 def recognises(frame: pd.DataFrame) -> bool:
-    """Say whether a frame has this layout."""
+    """Return whether a frame has this layout."""
     return set(HEADERS) <= set(frame.columns)
 
 
 def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Bring the layout to the documented headers."""
+    """Convert the layout to the documented headers."""
     t, x, y, degrees = (cells.numbers(frame, header, table) for header in HEADERS[:4])
     psi = np.unwrap(np.radians(degrees))
     try:
@@ -42,16 +42,16 @@ def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFra
 
 
 def sample() -> pd.DataFrame:
-    """Give a record as its files have them: 20 s of a steady speed along the tank."""
+    """Return a record in its file format: 20 s of a steady speed along the tank."""
     t = np.arange(1, 401) / 20.0
     still = 0 * t
     columns = (t, 0.4 * t, still, still, 2.0 + still, -30.0 + still, still, still)
     return pd.DataFrame(dict(zip(HEADERS, columns, strict=True)))
 
 
-# Raw records to velocities and accelerations, by differentiating low-passed positions.
+# Velocities and accelerations from raw records, by differentiating low-passed positions.
 def low_passed(t: np.ndarray, column: np.ndarray, cutoff: float) -> np.ndarray:
-    """Low-pass a record without delay: a Butterworth filter of fourth order, run forth and back."""
+    """Low-pass a record without delay: a Butterworth filter of fourth order, run forward and back."""
     # t (rows,) [s]; column (rows,); cutoff [Hz]
     from scipy.signal import butter, sosfiltfilt
 
@@ -63,7 +63,7 @@ def low_passed(t: np.ndarray, column: np.ndarray, cutoff: float) -> np.ndarray:
     rate = 1 / step.mean()
     if cutoff >= rate / 2:
         raise InputError(f"a cutoff of {cutoff:g} Hz is not below half the sampling rate {rate:g} Hz; lower it")
-    # The filter rings for some periods of its cutoff; SciPy's own padding is shorter and spoils a moving end.
+    # The filter's transient lasts some periods of its cutoff; SciPy's own padding is shorter and spoils a moving end.
     padding = min(len(column) - 1, round(3 * rate / cutoff))
     return np.asarray(sosfiltfilt(butter(4, cutoff, fs=rate, output="sos"), column, padlen=padding))
 

@@ -1,6 +1,6 @@
-"""Tables of Flanders Hydraulics Research's tests for SIMMAN: planar motion folded to phases, several depths.
+"""Tables of Flanders Hydraulics Research's tests for SIMMAN: planar motion averaged by phase, several depths.
 
-Their layout: ``env, test, type, x_m, y_m, psi_deg, ...``, one row a phase of a harmonic run or a steady run,
+Their layout: ``env, test, type, x_m, y_m, psi_deg, ...``, one row per phase of a harmonic run or per steady run,
 ``env`` the environment (a water depth), ``rud_given_deg`` the rudder angle. Sinkage stands for heave.
 """
 
@@ -12,7 +12,7 @@ import pandas as pd
 
 from narrows.readers import cells
 
-# Harmonic sway and harmonic yaw: the tests that the paper's terms can explain.
+# Harmonic sway and harmonic yaw: the tests covered by the paper's terms.
 HARMONIC = ("PMMY2", "PMMPSI2")
 
 RENAMED = {
@@ -21,7 +21,7 @@ RENAMED = {
     "rud_given_deg": "rudder [deg]",
     "n_meas_rpm": "revolutions [rpm]",
 }
-# A selection that says which rudders or types it wants.
+# A selection that names rudder angles or types.
 SPEAKS_OF = re.compile(r"\b(?:type|rud_given_deg|rudder\w*)\b")
 TURNED = (
     "rudder is rud_given_deg with its sign turned, as it counts the other way there: positive turns the bow to port"
@@ -29,14 +29,14 @@ TURNED = (
 
 
 def recognises(frame: pd.DataFrame) -> bool:
-    """Say whether a frame has this layout."""
+    """Return whether a frame has this layout."""
     return {"env", "type", "psi_deg", "rud_given_deg"} <= set(frame.columns)
 
 
 def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Bring the layout to the documented headers."""
-    # Unless the user's selection speaks of the type of test or of the rudder, harmonic tests with the rudder amidships
-    # are kept: the paper's terms know neither a rudder nor a drift of 90 degrees.
+    """Convert the layout to the documented headers."""
+    # Unless the user's selection names the type of test or the rudder, harmonic tests with the rudder amidships are
+    # kept: the paper's terms cover neither a rudder nor a drift of 90 degrees.
     turned = -cells.numbers(frame, "rud_given_deg", table)
     frame = frame.assign(rud_given_deg=turned).rename(columns=RENAMED)
     if SPEAKS_OF.search(chosen):
@@ -46,11 +46,11 @@ def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFra
 
 
 def sample() -> pd.DataFrame:
-    """Give a few rows as its tables have them."""
+    """Return a few rows in its format."""
     return pd.read_csv(StringIO(SAMPLE))
 
 
-# Rows of the KCS tests: of a steady run, of harmonic sway and of harmonic yaw.
+# Rows of the KCS tests: a steady run, harmonic sway and harmonic yaw.
 SAMPLE = """\
 ship,env,test,type,x_m,y_m,psi_deg,u_mps,v_mps,r_degps,udot_mps2,vdot_mps2,rdot_degps2,X_N,Y_N,N_Nm,sinkage_mm,rud_given_deg
 KCS,C0101A01,C0101A01_C20100,STATX0,41.8736,0.0001,0.0,0.248,0.0,0.0,0,0.0,0.0,-0.5675,0.2894,-0.571,0.1672,10.0

@@ -1,7 +1,7 @@
-"""The ten steady bank tests of Lataire, Vantorre and Eloot (2009): one row a test, each at its own draft and depth.
+"""The ten steady bank tests of Lataire, Vantorre and Eloot (2009): one row per test, each with its draft and depth.
 
-The banks are walls, slopes and platforms, built in at starboard of a tank 7 m wide. Each is taken as the wall that
-leaves the same section at the row's own depth: width and offset are of the canal between that wall and the tank's own.
+The banks are walls, slopes and platforms at starboard of a tank 7 m wide. Each is replaced by the wall with the same
+section at the row's own depth: width and offset refer to the canal between that wall and the tank's own.
 """
 
 from io import StringIO
@@ -20,7 +20,7 @@ RENAMED = {
     "longitudinal force": "X [N]", "transversal force": "Y [N]", "yaw moment": "N [Nm]",
     "bank name": "bank",
 }  # fmt: skip
-# Of the tank, from its centreline [m].
+# Distance of the tank's wall from its centreline [m].
 WALL = 3.5
 # Distance from the tank's centreline and height above its bottom [m], from the data's table of banks: toe, slope (1/5,
 # 1/5, 1/5, 1/8, 1/8, 1/3) and, of III, IV and VI, a platform from the top of the slope to the tank's wall.
@@ -36,12 +36,12 @@ BANKS = {
 
 
 def recognises(frame: pd.DataFrame) -> bool:
-    """Say whether a frame has this layout."""
+    """Return whether a frame has this layout."""
     return {"lateral position", "psi", "sinkage fore", "sinkage aft", "bank name"} <= set(frame.columns)
 
 
 def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Bring the layout to the documented headers."""
+    """Convert the layout to the documented headers."""
     ahead = frame[np.abs(cells.numbers(frame, "psi", table)) < 90].rename(columns=RENAMED)
     fore, aft = (cells.numbers(ahead, f"sinkage {end}", table) for end in ("fore", "aft"))
     ahead["heave [mm]"] = (fore + aft) / 2
@@ -54,7 +54,7 @@ def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFra
 
 
 def _between_walls(frame: pd.DataFrame, table: str) -> pd.DataFrame:
-    """Give each row the width of its canal, and its offset from the middle of it."""
+    """Return for each row the width of its canal, and the offset from its middle."""
     for name in frame["bank"]:
         if name not in BANKS:
             raise InputError(f"{table}: bank {name!r} is not one of {', '.join(BANKS)}; mend it")
@@ -65,7 +65,7 @@ def _between_walls(frame: pd.DataFrame, table: str) -> pd.DataFrame:
 
 
 def sample() -> pd.DataFrame:
-    """Give a few rows as its tables have them."""
+    """Return a few rows in its format."""
     return pd.read_csv(StringIO(SAMPLE))
 
 

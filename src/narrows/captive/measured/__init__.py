@@ -1,4 +1,4 @@
-"""Measured tests that come with the package, cited in the README of this folder."""
+"""Measured tests bundled with the package, cited in the README of this folder."""
 
 from importlib.resources import files
 from pathlib import Path
