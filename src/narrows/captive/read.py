@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from narrows.captive import tests
-from narrows.captive.rows import Reading, Rows, checked, clean, collect_rows, tests_of
+from narrows.captive.rows import Reading, Rows, checked, clean, collect_rows, tests_of, with_accelerations
 from narrows.captive.tests import Block, CaptiveTests, Span, cuts
 from narrows.errors import InputError, path_of
 from narrows.model.sections import Source
@@ -73,7 +73,7 @@ def read_captive(
         rows = checked(frame, configuration, name, movers, ship_file_of(ship))
         hashed = sha256_of(path) if path else sha256_of_frame(sheet.frame)
     source = Source("captive tests", path.name if path else type(table).__name__, hashed)
-    return collect_rows(rows, configuration, source, sheet.notes + notes)
+    return collect_rows(with_accelerations(rows), configuration, source, sheet.notes + notes)
 
 
 def as_tests(tests: Any, ship: ShipSource | None, usual: ShipSource | None = None) -> Any:

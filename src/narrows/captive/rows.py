@@ -11,6 +11,7 @@ import pandas as pd
 from narrows.captive import check, formats, settings
 from narrows.captive.check import MotionColumns, check_kinematics
 from narrows.captive.columns import COLUMNS, columns_with
+from narrows.captive.synonyms import renamed
 from narrows.captive.tests import LABELS, CaptiveTests, Headers
 from narrows.errors import InputError, near_miss, reason, shown
 from narrows.model.sections import Source
@@ -50,6 +51,9 @@ def clean(raw: pd.DataFrame, asked: Reading) -> tuple[pd.DataFrame, tuple[str, .
     mapped, notes = asked.mapping.applied(raw, table, Vocabulary(asked.known, LABELS)) if asked.mapping else (raw, ())
     early = chosen_early(mapped, where, table)
     frame, of_layout = formats.translated(mapped if early is None else mapped[early], where or "", table)
+    if not asked.mapping:
+        frame, of_headers = renamed(frame, asked.known, table)
+        of_layout = (*of_layout, *of_headers)
     if early is None and where:
         frame = frame[chosen_late(raw, frame, where, table, asked.known)]
     if not len(frame):
@@ -103,6 +107,21 @@ def _physical_sense(
         {name: column[order] for name, column in columns.items()}, starts, configuration.ship.length
     )
     return notes + check_kinematics(motions, names, by_name, table)
+
+
+def with_accelerations(rows: Rows) -> Rows:
+    """Return rows whose missing accelerations are central differences of the velocities, test by test."""
+    columns, made = dict(rows.columns), []
+    order, _, starts = _grouped(rows.test)
+    for velocity, acceleration in (("u", "udot"), ("v", "vdot"), ("r", "rdot")):
+        if acceleration in columns or not {"t", velocity} <= columns.keys() or (np.diff(starts) < 2).any():
+            continue
+        t, speed, rate = columns["t"][order], columns[velocity][order], np.empty(len(order))
+        for start, stop in pairwise(starts.tolist()):
+            rate[order[start:stop]] = np.gradient(speed[start:stop], t[start:stop])
+        columns[acceleration] = rate
+        made.append(f"{acceleration} is absent: taken from {velocity} over t by differences")
+    return rows._replace(columns=columns, notes=(*rows.notes, *made))
 
 
 def collect_rows(rows: Rows, configuration: Configuration, source: Source, notes: tuple[str, ...] = ()) -> CaptiveTests:

@@ -23,6 +23,8 @@ LEAST_ADDED, MOST = 0.5, 10.0
 SURE, FELT = 2.0, 0.1
 # Error of a fit to a force of the other sign, over that of the fit, below which the sign is in doubt.
 CLEARLY = 0.7
+# Standard errors over the runs by which X must push ahead.
+SURE_PUSH = 3.0
 # How a force may have been counted whose other sign fits better.
 AXES = {"X": "X counted astern", "Y": "Y counted to port", "N": "N counted anticlockwise"}
 # What forces come in beside N and N m, and how many of these one is.
@@ -47,6 +49,7 @@ def implausible(evidence: Judged) -> tuple[str, ...]:
     """Say what cannot be of a fit, each in a sentence with its likely cause; nothing of one that can."""
     reversed_forces = [force for force in AXES if fits_reversed(evidence, force)]
     signs = [f"{force} of the other sign fits far better: is {AXES[force]}?" for force in reversed_forces]
+    signs += [] if "X" in reversed_forces else [push_sentence(evidence)]
     masses = [mass_sentence(evidence, mass) for mass in MASSES if mass.force not in reversed_forces]
     return tuple(sentence for sentence in (*signs, *masses, rudder_sentence(evidence)) if sentence)
 
@@ -63,6 +66,21 @@ def fits_reversed(evidence: Judged, force: str) -> bool:
     again = problem.named(solve(*problem.normal(turned), problem.lower, problem.upper).z)
     now = score(equations, total, problem.terms, evidence.coefficients)[force].rmse
     return score(equations, turned, problem.terms, again)[force].rmse < CLEARLY * now
+
+
+def push_sentence(evidence: Judged) -> str:
+    """Say that X pushes the ship the way it goes, run by run; nothing where it resists, or a propeller is modelled."""
+    terms = evidence.problem.terms
+    tests, propelled = evidence.tests, any(actuator.name == "revolutions" for actuator in terms.actuators)
+    if not terms.forces["X"] or propelled or not isinstance(tests, CaptiveTests):
+        return ""
+    means = np.array([np.mean(np.sign(run["u"]) * run["X"]) for run in tests])
+    if len(means) < 2 or means.mean() <= SURE_PUSH * means.std(ddof=1) / math.sqrt(len(means)):
+        return ""
+    return (
+        f"X pushes the ship the way it goes, by {means.mean():.2g} N in the mean of {len(means)} runs: is X counted "
+        "astern, or does a propeller push?"
+    )
 
 
 class Mass(NamedTuple):

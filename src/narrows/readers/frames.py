@@ -2,7 +2,7 @@
 
 import struct
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -102,7 +102,10 @@ def _read_excel(path: Path) -> Sheet:
     with needs("excel", "Excel"):
         import openpyxl  # noqa: F401  # pandas asks for it
     with pd.ExcelFile(path, engine="openpyxl") as book:
-        names, cells = book.sheet_names, pd.read_excel(book, header=None)
+        sheets = pd.read_excel(book, sheet_name=None, header=None)
+    names = list(sheets)
+    read = _sheet_of_data(sheets)
+    cells = sheets[read]
     cells.index = pd.RangeIndex(len(cells))
     cells = cells.dropna(how="all")
     if cells.empty:
@@ -111,8 +114,19 @@ def _read_excel(path: Path) -> Sheet:
     head = head_of(top, [int(row) + 1 for row in cells.index[:SHEET_ROWS]])
     frame = cells[cells.index >= head.first - 1].set_axis(list(head.headers), axis="columns").infer_objects()
     frame.index += 1 - FIRST_ROW
-    others = (f"sheet {names[0]!r} is read, the first of {len(names)}",) if len(names) > 1 else ()
+    which = "the first" if read == names[0] else "the first with many numbers"
+    others = (f"sheet {read!r} is read, {which} of {len(names)}",) if len(names) > 1 else ()
     return Sheet(frame, (*others, *head.notes))
+
+
+def _sheet_of_data(sheets: Mapping[Any, pd.DataFrame]) -> Any:
+    """The first sheet that has a tenth of the numbers of the fullest: cover sheets have few."""
+    numbers = {name: int(cells.map(_is_number).to_numpy().sum()) for name, cells in sheets.items()}
+    return next(name for name, count in numbers.items() if count >= max(numbers.values()) / 10)
+
+
+def _is_number(cell: object) -> bool:
+    return isinstance(cell, int | float) and cell == cell  # An empty cell is NaN.
 
 
 def _read_mat(path: Path) -> Sheet:

@@ -1,0 +1,96 @@
+"""Headers that laboratories use for the documented columns, in English, German, Dutch and Chinese."""
+
+import re
+import unicodedata
+from collections.abc import Mapping
+
+import pandas as pd
+
+from narrows.captive.tests import LABELS
+from narrows.errors import InputError
+from narrows.quantities.names import Quantity
+from narrows.readers.headers import is_unit, parse_header
+
+# In lower case, without accents, units and punctuation.
+SYNONYMS = {
+    "t": ("time", "elapsed time", "time stamp", "timestamp", "zeit", "tijd", "时间"),
+    "test": ("run", "run no", "run number", "run id", "test no", "test number", "test id", "test name", "versuch",
+             "versuchsnummer", "lauf", "proef", "proefnummer", "试验", "试验编号", "工况"),
+    "x": ("x position", "longitudinal position", "langsposition", "laengsposition", "纵向位置"),
+    "y": ("y position", "sway position", "lateral position", "transverse position", "lateral offset", "querablage",
+          "querposition", "dwarspositie", "横向位置"),
+    "psi": ("heading", "heading angle", "yaw angle", "kurswinkel", "gierwinkel", "koers", "koershoek", "ψ", "艏向角",
+            "航向角", "航向"),
+    "u": ("surge velocity", "surge speed", "longitudinal velocity", "longitudinal speed", "forward speed",
+          "langsgeschwindigkeit", "laengsgeschwindigkeit", "langssnelheid", "纵向速度"),
+    "v": ("sway velocity", "sway speed", "lateral velocity", "transverse velocity", "quergeschwindigkeit",
+          "dwarssnelheid", "横向速度"),
+    "r": ("yaw rate", "yaw velocity", "rate of turn", "turn rate", "rot", "gierrate", "giergeschwindigkeit",
+          "draaisnelheid", "giersnelheid", "艏摇角速度", "转艏角速度"),
+    "udot": ("surge acceleration", "longitudinal acceleration", "u dot", "du dt", "langsbeschleunigung",
+             "laengsbeschleunigung", "langsversnelling", "纵向加速度"),
+    "vdot": ("sway acceleration", "lateral acceleration", "transverse acceleration", "v dot", "dv dt",
+             "querbeschleunigung", "dwarsversnelling", "横向加速度"),
+    "rdot": ("yaw acceleration", "r dot", "dr dt", "gierbeschleunigung", "gierversnelling", "艏摇角加速度"),
+    "heave": ("sinkage", "mean sinkage", "tauchung", "inzinking", "下沉", "下沉量"),
+    "X": ("surge force", "longitudinal force", "x force", "fx", "langskraft", "laengskraft", "langskracht", "纵向力"),
+    "Y": ("sway force", "lateral force", "side force", "transverse force", "y force", "fy", "querkraft", "dwarskracht",
+          "横向力"),
+    "N": ("yaw moment", "yawing moment", "n moment", "mz", "giermoment", "艏摇力矩", "转艏力矩"),
+    "rudder": ("rudder angle", "ruderwinkel", "roerhoek", "舵角"),
+    "depth": ("water depth", "wassertiefe", "waterdiepte", "水深"),
+    "draft": ("draught", "tiefgang", "diepgang", "吃水"),
+}  # fmt: skip
+NAMES = {word: name for name, words in SYNONYMS.items() for word in words}
+# Units as such headers write them.
+UNIT_WORDS = {
+    "grad": "deg", "graden": "deg", "度": "deg", "grad/s": "deg/s", "graden/s": "deg/s", "度/s": "deg/s",
+    "grad/s2": "deg/s2", "grad/s²": "deg/s2", "graden/s2": "deg/s2", "graden/s²": "deg/s2", "knoten": "kn",
+    "knopen": "kn", "节": "kn", "米": "m", "秒": "s", "牛": "N", "牛·米": "N m", "sek": "s",
+}  # fmt: skip
+
+
+def renamed(frame: pd.DataFrame, known: Mapping[str, Quantity], table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Return a table whose headers of other words are the documented ones, and what was taken for what."""
+    headers = [str(header) for header in frame.columns]
+    present = {name for header in headers if (name := _documented(header, known))}
+    new: dict[str, str] = {}
+    for header in headers:
+        name, unit = _meant(header)
+        if not name or name in present or _documented(header, known):
+            continue
+        first = next((old for old, other in new.items() if other.partition(" ")[0] == name), "")
+        if first:
+            raise InputError(f"{table}: {first!r} and {header!r} may both be {name}; head the right one {name!r}")
+        new[header] = f"{name} [{unit}]" if unit and name not in LABELS else name
+    if not new:
+        return frame, ()
+    said = "; ".join(f"{other} is {header!r}" for header, other in new.items())
+    return frame.rename(columns=new), (f"by their headers: {said}",)
+
+
+def _documented(header: str, known: Mapping[str, Quantity]) -> str:
+    if header in LABELS:
+        return header
+    try:
+        column = parse_header(header, known)
+    except InputError:  # Of a unit that is none: its reader says so.
+        return header
+    return column.quantity if column else ""
+
+
+def _meant(header: str) -> tuple[str, str]:
+    """The documented name that a header means, and its unit; empty where it means none, or has none."""
+    words, unit = header.strip(), ""
+    if match := re.fullmatch(r"(.*?)\s*[\[({]([^\])}]*)[\])}]", words):
+        words, unit = match[1], match[2].strip()
+    elif match := re.fullmatch(r"(.*?)(?:\s*[,/;|]\s*|\s+in\s+|_+|\s+)(\S+)", words):
+        last = UNIT_WORDS.get(match[2].lower(), match[2])
+        if _plain(match[1]) in NAMES and (is_unit(last) or "/" in last):
+            words, unit = match[1], last
+    return NAMES.get(_plain(words), ""), UNIT_WORDS.get(unit.lower(), unit)
+
+
+def _plain(words: str) -> str:
+    bare = "".join(letter for letter in unicodedata.normalize("NFKD", words) if not unicodedata.combining(letter))
+    return re.sub(r"[\W_]+", " ", bare.casefold()).strip()
