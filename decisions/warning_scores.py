@@ -1,4 +1,4 @@
-"""Contacts that a warning averts, beside its false alerts: the table of docs/warning.md.
+"""Contacts that a warning averts, beside its false alerts: the tables of docs/warning.md.
 
 Ships of 230 m sail an hour on a canal with bends and narrows. Hands of four kinds steer; every ship has its own
 coefficients, current, gusts, meetings and indicator. Half of the ships have a lapse: the rudder is forgotten, put over
@@ -7,41 +7,55 @@ calm hour are left out too. The estimator knows the ships by fixes, compass, rat
 
 After an alert a person takes a log-normal time to react (median 10 s, 95 % under 25 s) and then steers the escape in
 the true simulation. Averted is a contact that does not happen then. False is an alert in a transit without a lapse
-that no contact follows within 300 s; near misses after a lapse are counted apart. A threshold is the lowest at which
-so many false alerts come in 100 hours, found in one half of the transits and used in the other, both ways round.
-Intervals hold 90 % of draws of the contacts with replacement.
+that no contact follows within 300 s. A threshold is the lowest at which so many false alerts come in 100 hours, found
+in one half of the transits and used in the other, both ways round. Intervals hold 90 % of draws of the contacts with
+replacement. The bound is an alert at the first second of every lapse, and none else.
 
-python decisions/warning_scores.py [--write] [--kept FOLDER] [--parts PARTS]
+python decisions/warning_scores.py [--write] [--kept FOLDER]
 """
 
 import sys
+from functools import cache
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from pages import markdown, publish
+from scipy.special import ndtr
 from watched.runs import BEFORE, EVERY, FROM, Run, averted, kept_runs
-from watched.truths import Physics
+from watched.truths import DEPTH, Physics
 
+from narrows.warning.alerts.alert import Thresholds
+from narrows.warning.settings import ATTENDED_SHARE, CLEAR_SHARE
 from narrows.warning.transit_scores import alert_spells
 
-RATES, DELAYS, DRAWS, WITHIN = (10.0, 2.0), 8, 1000, (0.05, 0.95)
-"""False alerts in 100 hours; reactions to each alert; draws of an interval."""
+RATES, DRAWS, WITHIN = (10.0, 2.0), 1000, (0.05, 0.95)
+"""False alerts in 100 hours; draws of an interval."""
 MEDIAN, LATE = 10.0, 25.0
 """Of the reaction [s]: half are faster, and 95 %."""
-KNOWN, PARTS = Physics("as the model has it, its coefficients drawn from their covariance"), 3
-Runs = list[tuple[int, Run]]
+KNOWN, PARTS = Physics("the model, its coefficients drawn from their covariance"), 3
+OTHERS = (
+    Physics("hands that change lines abruptly", abrupt=True), Physics("banks by distance", form="distance"),
+    Physics("coefficients twice as far off", spread=2.0), Physics("a tenth less water", depth=0.9 * DEPTH),
+    Physics("a current with shear", shear=0.5), Physics("hands of other kinds", other_hands=True),
+)  # fmt: skip
+RULE, CURVED = "time to act and the hand: the package's rule", "curved by the rate of turn"
+SUDDEN = 60.0
+"""In which a cause is sudden: the last chance of no ship in this canal is sure to be farther off [s]."""
+
+
+def by_time(time: np.ndarray) -> np.ndarray:
+    return 1.0 / np.maximum(time.astype(float), 0.5)
 
 
 def predictors(run: Run) -> dict[str, np.ndarray]:
     """Numbers that grow with the danger, (times, transits)."""
-
-    def by_time(time: np.ndarray) -> np.ndarray:
-        return 1.0 / np.maximum(time.astype(float), 0.5)
-
     left = np.maximum(run["last_chance"], 0.0)
     return {
-        "distance to the bank": by_time(run["room"]), "curved by the rate of turn": by_time(run["curve"]),
-        "one run of the model": by_time(run["contact"]), "last chance: the package's rule": by_time(left),
+        "distance to the bank": by_time(run["room"]), CURVED: by_time(run["curve"]),
+        "one run of the model": by_time(run["contact"]), "chance that the escape fails": run["failing"].astype(float),
+        "time to act alone": by_time(left),
+        RULE: by_time(left / (ATTENDED_SHARE + (1.0 - ATTENDED_SHARE) * run["nobody"])),
     }  # fmt: skip
 
 
@@ -61,71 +75,182 @@ def false_alerts(run: Run, number: np.ndarray, threshold: float, which: np.ndarr
     return sum(not struck[ship] - BEFORE <= start < struck[ship] for ship, own in starts.items() for start in own)
 
 
-def threshold_at(runs: Runs, name: str, rate: float, half: int) -> float:
-    """The lowest with no more false alerts in 100 h, by the ships of one half."""
-    parts = [(run, predictors(run)[name], _normal(run, half)) for _, run in runs]
-    hours = sum(_hours(run, which) for run, _, which in parts)
-    levels = np.unique(np.concatenate([number[:, which].max(axis=0) for _, number, which in parts]))
-    for level in levels:
-        if 100.0 * sum(false_alerts(run, number, level, which) for run, number, which in parts) <= rate * hours:
-            return float(level)
-    return float(levels[-1]) * 1.001
+class Watch(NamedTuple):
+    """Transits of a kind, and what becomes of their contacts if a person is alerted 0, 2, 4 ... s before."""
+
+    runs: list[Run]
+    averted: list[np.ndarray]  # (contacts, times) By the mean over reactions [1]
+    gained: list[np.ndarray]  # (contacts, times) Least water beside the hull, 0 at a contact [m]
+
+    @property
+    def contacts(self) -> int:
+        return sum(len(run["met"]) for run in self.runs)
 
 
-def _normal(run: Run, half: int) -> np.ndarray:
+@cache
+def watch(number: int, folder: Path | None) -> Watch:
+    physics = OTHERS[number - 1] if number else KNOWN
+    runs, averts, gains = [], [], []
+    before = np.arange(0.0, BEFORE + EVERY, EVERY)
+    weights = np.diff(ndtr(np.log(np.maximum(before, 1e-9) / MEDIAN) / (np.log(LATE / MEDIAN) / 1.645)), prepend=0.0)
+    for seed, run in kept_runs(physics, number, range(1 if number else PARTS), folder):
+        struck = np.ceil(run["struck"][run["met"]])
+        which = np.repeat(np.arange(len(struck)), len(before))
+        for found, kept in zip(
+            averted(physics, seed, run, which, (struck[:, None] - before).ravel()), (averts, gains), strict=True
+        ):
+            by_time = found.reshape(len(struck), -1).astype(float)
+            kept.append(np.array([np.convolve(weights, row)[: len(row)] for row in by_time]))
+        runs.append(run)
+    return Watch(runs, averts, gains)
+
+
+def half_of(ships: np.ndarray) -> np.ndarray:
+    return ships // 2 % 2
+
+
+def normal(run: Run, half: int | None = None) -> np.ndarray:
     ships = np.flatnonzero(~run["lapse"])
-    return ships[ships // 2 % 2 == half]
+    return ships if half is None else ships[half_of(ships) == half]
 
 
-def _hours(run: Run, which: np.ndarray) -> float:
+def hours(run: Run, which: np.ndarray) -> float:
     end = FROM + EVERY * len(run["room"])
     return float((np.minimum(run["struck"][which], end) - FROM).sum() / 3600.0)
 
 
-def row(
-    physics: Physics, runs: Runs, name: str, thresholds: tuple[float, float]
-) -> tuple[np.ndarray, list[float], float]:
-    """Share of reactions that avert each contact, the last chance when it was warned, and false alerts in 100 h."""
-    saved, left, false, hours = [], [], 0, 0.0
-    random = np.random.default_rng(2)
-    for seed, run in runs:
+def threshold_at(runs: list[Run], name: str, rate: float, half: int | None = None) -> float:
+    """The lowest with no more false alerts in 100 h, by the ships of one half, or by all."""
+    parts = [(run, predictors(run)[name], normal(run, half)) for run in runs]
+    most = rate * sum(hours(run, which) for run, _, which in parts) / 100.0
+    levels = np.unique(np.concatenate([number[:, which].max(axis=0) for _, number, which in parts]))
+    first, last = 0, len(levels) - 1
+    while first < last:
+        middle = (first + last) // 2
+        few = sum(false_alerts(run, number, levels[middle], which) for run, number, which in parts) <= most
+        first, last = (first, middle) if few else (middle + 1, last)
+    return float(levels[first]) * 1.0001
+
+
+class Score(NamedTuple):
+    averted: np.ndarray  # (contacts,) Share of the reactions [1]
+    gained: np.ndarray  # (contacts,) [m]
+    left: np.ndarray  # (contacts,) To act by the forecast when it was raised; 0 where it was not [s]
+    false: float  # In 100 hours
+
+
+def score(known: Watch, name: str, thresholds: tuple[float, float]) -> Score:
+    """What alerts at a threshold of each half achieve."""
+    averts, gains, left, false = [], [], [], 0
+    for run, share, gained in zip(known.runs, known.averted, known.gained, strict=True):
         number, met = predictors(run)[name], run["met"]
         warned = np.full(len(met), np.inf)
         for half, threshold in enumerate(thresholds):
-            false += false_alerts(run, number, threshold, _normal(run, half))
-            hours += _hours(run, _normal(run, half))
-            starts = spells(run, number, threshold, met[met // 2 % 2 == half])
+            false += false_alerts(run, number, threshold, normal(run, half))
+            starts = spells(run, number, threshold, met[half_of(met) == half])
             for place, ship in enumerate(met.tolist()):
-                known = [start for start in starts.get(ship, []) if start >= run["struck"][ship] - BEFORE]
-                warned[place] = min([warned[place], *known])
-        delays = MEDIAN * np.exp(np.log(LATE / MEDIAN) / 1.645 * random.standard_normal((len(met), DELAYS)))
-        which = np.repeat(np.arange(len(met)), DELAYS)
-        clear, _ = averted(physics, seed, run, which, np.ceil(warned[:, None] + delays).ravel())
-        saved.append(clear.reshape(-1, DELAYS).mean(axis=1))
-        place = np.where(np.isfinite(warned), (warned - FROM) // EVERY, 0).astype(int)
-        left += np.where(np.isfinite(warned), np.clip(run["last_chance"][place, met], 0, BEFORE), 0.0).tolist()
-    return np.concatenate(saved), left, 100.0 * false / hours
+                since = [start for start in starts.get(ship, []) if start >= run["struck"][ship] - BEFORE]
+                warned[place] = min([warned[place], *since])
+        averts.append(at_alert(run, share, warned))
+        gains.append(at_alert(run, gained, warned))
+        place = np.where(np.isfinite(warned), (warned - FROM) / EVERY, 0).astype(int)
+        left.append(np.where(np.isfinite(warned), np.clip(run["last_chance"][place, met], 0, BEFORE), 0.0))
+    watched = sum(hours(run, normal(run)) for run in known.runs)
+    return Score(*(np.concatenate(parts) for parts in (averts, gains, left)), 100.0 * false / watched)
 
 
-def text(folder: Path | None = None, parts: int = PARTS) -> str:
-    """The table, and what it is of."""
-    runs = list(kept_runs(KNOWN, 0, range(parts), folder))
+def at_alert(run: Run, values: np.ndarray, warned: np.ndarray) -> np.ndarray:
+    """Values of the time at which each contact was warned of; 0 where it was not."""
+    before = np.where(np.isfinite(warned), run["struck"][run["met"]] - warned, 0.0)
+    return values[np.arange(len(values)), np.clip(before // EVERY, 0, BEFORE // EVERY).astype(int)]
+
+
+def bound(known: Watch, after: float = 0.0) -> np.ndarray:
+    """What an alert at a time after each lapse averts; a contact without one is warned of as early as can be."""
+    shares = []
+    for run, share in zip(known.runs, known.averted, strict=True):
+        struck, when = run["struck"][run["met"]], run["when"][run["met"]]
+        warned = np.maximum(np.where(np.isfinite(when), when + after, 0.0), struck - BEFORE)
+        shares.append(at_alert(run, share, warned))
+    return np.concatenate(shares)
+
+
+def percent(share: np.ndarray) -> str:
+    drawn = share[np.random.default_rng(0).integers(0, len(share), (DRAWS, len(share)))].mean(axis=1)
+    low, high = 100.0 * np.quantile(drawn, WITHIN)
+    return f"{100 * share.mean():.0f} ({low:.0f} to {high:.0f})"
+
+
+def of_predictors(known: Watch) -> str:
     rows = []
-    for name in predictors(runs[0][1]):
+    for name in predictors(known.runs[0]):
+        many, few = (
+            score(known, name, (threshold_at(known.runs, name, rate, 1), threshold_at(known.runs, name, rate, 0)))
+            for rate in RATES
+        )
+        rows.append((
+            name, percent(many.averted), percent(few.averted), f"{many.gained.mean():.0f}",
+            f"{np.median(many.left):.0f}", f"{many.false:.0f}, {few.false:.0f}",
+        ))  # fmt: skip
+    rows.append(("bound: each lapse is seen at once", *(2 * (percent(bound(known)),)), "", "", "0, 0"))
+    heads = "averted at 10 [%]", "averted at 2 [%]", "water gained [m]", "left to act [s]", "false, as it came"
+    return markdown(("predictor", *heads), rows)
+
+
+def of_levels(known: Watch) -> str:
+    rows = []
+    for level, time in vars(Thresholds()).items():
+        found = score(known, RULE, (1.0 / time, 1.0 / time))
+        rows.append((level, percent(found.averted), f"{np.median(found.left):.0f}", f"{found.false:.0f}"))
+    return markdown(("level", "averted [%]", "left to act [s]", "false in 100 h"), rows)
+
+
+def of_others(known: Watch, folder: Path | None) -> str:
+    """Averted in truths of other kinds, at the thresholds of the known one."""
+    rows = []
+    chosen = [(name, threshold_at(known.runs, name, rate)) for name in (RULE, CURVED) for rate in RATES]
+    for number, physics in enumerate((KNOWN, *OTHERS)):
+        other = watch(number, folder)
         cells = []
-        for rate in RATES:
-            thresholds = threshold_at(runs, name, rate, 1), threshold_at(runs, name, rate, 0)
-            saved, left, false = row(KNOWN, runs, name, thresholds)
-            drawn = saved[np.random.default_rng(0).integers(0, len(saved), (DRAWS, len(saved)))].mean(axis=1)
-            low, high = 100.0 * np.quantile(drawn, WITHIN)
-            cells += [f"{100 * saved.mean():.0f} ({low:.0f} to {high:.0f})", f"{np.median(left):.0f}", f"{false:.0f}"]
-        rows.append((name, *cells))
-    heads = [f"{rate:g}: {what}" for rate in RATES for what in ("averted [%]", "left to act [s]", "false")]
-    count = sum(len(run["met"]) for _, run in runs), sum(len(run["struck"]) for _, run in runs)
-    return f"{count[0]} contacts in {count[1]} transits of an hour.\n\n{markdown(('predictor', *heads), rows)}"
+        for name, threshold in chosen:
+            found = score(other, name, (threshold, threshold))
+            cells.append(f"{percent(found.averted)}, {found.false:.0f} false")
+        rows.append((physics.words, f"{other.contacts}", *cells, percent(bound(other))))
+    heads = "contacts", "rule at 10", "rule at 2", "curved at 10", "curved at 2", "bound"
+    return markdown(("truth", *heads), rows)
+
+
+def of_clear(known: Watch) -> str:
+    """How often "clear" was shown within a minute before the last chance went, and why."""
+    gone, clear, sudden, shown, ticks = 0, 0, 0, 0, 0
+    for run in known.runs:
+        calm = np.isinf(run["last_chance"]) & (run["as_is"] <= CLEAR_SHARE)
+        shown, ticks = shown + int(calm[:, normal(run)].sum()), ticks + calm[:, normal(run)].size
+        before = int(SUDDEN / EVERY)
+        t = FROM + EVERY * np.arange(len(calm))
+        goes = (run["last_chance"][1:] < 0) & (run["last_chance"][:-1] >= 0) & (t[1:, None] < run["struck"])
+        for place, ship in np.argwhere(goes):
+            last = np.flatnonzero(calm[max(place + 1 - before, 0) : place + 1, ship])
+            gone += 1
+            if len(last):
+                clear += 1
+                sudden += t[max(place + 1 - before, 0) + last[-1]] <= run["when"][ship] + SUDDEN / 3
+    return (
+        f'The last chance went {gone} times. "Clear" was shown within 60 s before in {clear}; in {sudden} of these a '
+        f'wrong order or a growing bank was less than 20 s old then. A ship without a lapse is "clear" in '
+        f"{100 * shown / ticks:.0f} % of the time."
+    )
+
+
+def text(folder: Path | None = None) -> str:
+    known = watch(0, folder)
+    counted = f"{known.contacts} contacts in {sum(len(run['struck']) for run in known.runs)} transits of an hour."
+    return "\n\n".join(
+        [counted, of_predictors(known), "The levels as they are:", of_levels(known), of_clear(known),
+         "Truths of other kinds, at the thresholds of the first row:", of_others(known, folder)]
+    )  # fmt: skip
 
 
 if __name__ == "__main__":
     asked = dict(zip(sys.argv[1:], sys.argv[2:], strict=False))
-    kept = Path(asked["--kept"]) if "--kept" in asked else None
-    publish(__file__, "warning.md", text(kept, int(asked.get("--parts", PARTS))))
+    publish(__file__, "warning.md", text(Path(asked["--kept"]) if "--kept" in asked else None))

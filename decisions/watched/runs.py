@@ -23,7 +23,7 @@ def watched(physics: Physics, seed: int, count: int = ABREAST, members: int = ME
     """Transits of ships, and what is forecast of them, (times, ships)."""
     estimator = Estimator(modelled(), SENSORS, waterway=waterway())
     ships, filters = departing(physics, count, seed).fresh(seed + 1), FiltersAbreast(estimator, count)
-    hands, sensors = Hands(ships), SensorErrors(filters, seed + 1)
+    hands, sensors = Hands(ships, physics.abrupt), SensorErrors(filters, seed + 1)
     forecasts, before, told = ForecastsAbreast(estimator, count, members), ships.indicated, []
     seen = np.zeros((DURATION, 5, count), np.float32)
     states = np.zeros((DURATION, len(STATE), count), np.float32)

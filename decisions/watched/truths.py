@@ -27,8 +27,8 @@ SPEED, DURATION, DT = 4.5, 3600, 1.0
 LENGTH, WIDTH, DEPTH = 230.0, 300.0, 16.2
 LINES = np.arange(-40.0, 41.0, 20.0)
 """That ships are held on [m]."""
-EPOCH = 720
-"""Between two lines or speeds of a ship [s]."""
+EPOCH, CROSSING = 720, 0.05
+"""Between two lines or speeds of a ship [s]; angle at which a hand crosses to another line [rad]."""
 BENDS = ((3000.0, 4500.0, 5000.0), (7500.0, 9000.0, -4000.0), (12000.0, 13500.0, 6000.0))
 """From, to [m], radius to starboard [m]."""
 NARROWS = ((0.0, 150.0), (5400.0, 150.0), (5700.0, 130.0), (6700.0, 130.0), (7000.0, 150.0), (10000.0, 165.0),
@@ -58,6 +58,7 @@ class Physics:
     depth: float = DEPTH  # Of the water [m]
     shear: float = 0.0  # Of the current: how much it changes along the way [m/s]
     other_hands: bool = False  # Whether hands are of kinds that chose no threshold
+    abrupt: bool = False  # Whether hands steer to another line at once, with all the rudder that this takes
 
 
 @cache
@@ -264,8 +265,8 @@ def departing(physics: Physics, count: int, seed: int) -> Ships:
     half = count // 2
     drawn = _drawn(physics, DRAWN * half + half + half // 2, DRAWN * half, seed)
     calm = dict.fromkeys(("gusts", "passing", "bank grows", "away"), 0.0) | {"when": np.inf}
-    held = _sailed(drawn, {name: np.full_like(drawn.own[name], value) for name, value in calm.items()})
-    went = _sailed(drawn, {})
+    calm_hour = {name: np.full_like(drawn.own[name], value) for name, value in calm.items()}
+    held, went = _sailed(drawn, calm_hour, physics.abrupt), _sailed(drawn, {}, physics.abrupt)
     held_lapses = np.flatnonzero((held >= CREW_CLEARANCE) & drawn.own["lapse"])
     lapses = held_lapses[np.argsort(went[held_lapses] > NEAR, kind="stable")][:half]
     others = np.flatnonzero((held >= CREW_CLEARANCE) & ~drawn.own["lapse"])[:half]
@@ -273,10 +274,10 @@ def departing(physics: Physics, count: int, seed: int) -> Ships:
     return drawn.taken(which, {name: column[which] for name, column in drawn.state.items()}, drawn.t[which], seed + 1)
 
 
-def _sailed(ships: Ships, changes: Mapping[str, np.ndarray]) -> np.ndarray:
+def _sailed(ships: Ships, changes: Mapping[str, np.ndarray], abrupt: bool) -> np.ndarray:
     """Least clearance of ships in the hour, some things of their own changed [m]."""
     one = Ships(ships.model, {**ships.own, **changes}, ships.state, ships.t, 0)
-    hands = Hands(one)
+    hands = Hands(one, abrupt)
     for t in range(DURATION):
         hands.steer(t)
         one.step()
@@ -286,7 +287,7 @@ def _sailed(ships: Ships, changes: Mapping[str, np.ndarray]) -> np.ndarray:
 def _drawn(physics: Physics, count: int, lapses: int, seed: int) -> Ships:
     model, draw, n = true_model(physics), np.random.default_rng(seed), count
     lines = draw.choice(LINES, (n, DURATION // EPOCH + 1))
-    held = [_held_lines()[y] for y in lines[:, 0].tolist()]
+    held = helm(lines[:, 0]).lines[0]
     lapse, kind = np.arange(n) < lapses, draw.choice(len(LAPSES), n, p=(0.5, 0.25, 0.25))
     push = float(nw.wind_force(1.0, AREA))
     surge = lapse & ((kind == 2) | (draw.random(n) < 0.5))
@@ -306,9 +307,9 @@ def _drawn(physics: Physics, count: int, lapses: int, seed: int) -> Ships:
         "delay": hands[hand, 0], "interval": hands[hand, 1], "boldness": hands[hand, 2],
         "changes": (hand == 3) & ~np.array(physics.other_hands),
     }  # fmt: skip
-    psi = np.array([one.psi for one in held]) + 0.005 * draw.standard_normal(n)
+    psi = held.psi + 0.005 * draw.standard_normal(n)
     state = {"x": np.full(n, 200.0), "y": lines[:, 0], "u": own["speeds"][:, 0], "r": np.zeros(n), "t": np.zeros(n)}
-    state |= {"v": np.array([one.v for one in held]), "rudder": np.array([one.rudder for one in held])}
+    state |= {"v": held.v, "rudder": held.rudder}
     state |= {"order": state["rudder"].copy(), "cos_psi": np.cos(psi), "sin_psi": np.sin(psi)}
     return Ships(model, own, state, np.zeros(n), seed + 1)
 
@@ -316,9 +317,9 @@ def _drawn(physics: Physics, count: int, lapses: int, seed: int) -> Ships:
 class Hands:
     """Who steers: the regulator of the ship as modelled, as a hand of its kind gives its orders; or nobody."""
 
-    def __init__(self, ships: Ships) -> None:
+    def __init__(self, ships: Ships, abrupt: bool) -> None:
         self.ships, self._seen = ships, deque[dict[str, np.ndarray]](maxlen=16)
-        self._helms = [helm(ships.own["lines"][:, k]) for k in range(ships.own["lines"].shape[1])]
+        self._line, self.abrupt = ships.own["lines"][:, 0].copy(), abrupt
         self._memory: Mapping[str, Any] = {}
 
     def steer(self, t: int) -> None:
@@ -330,13 +331,15 @@ class Hands:
         changing = own["changes"] & (t % 900 >= 870)
         wrong = (since >= 0) & (since < DT) & (own["kind"] == 1)
         due = (t % own["interval"] == 0) & ~away & ~changing
+        left = own["lines"][np.arange(ships.count), ships.epoch] - self._line
+        self._line += left if self.abrupt else np.clip(left, -CROSSING * SPEED, CROSSING * SPEED)
         if due.any():
             self._order(t, due)
         ships.state["order"] = np.where(wrong, own["wrong"], ships.order)
 
     def _order(self, t: int, due: np.ndarray) -> None:
         ships, gear = self.ships, self.ships.model.configuration.gear
-        law = self._helms[int(ships.epoch[0])]
+        law = helm(self._line)
         back = len(self._seen) - 1 - np.minimum(ships.own["delay"].astype(int), len(self._seen) - 1)
         rows = np.arange(ships.count)
         seen = {name: np.stack([one[name] for one in self._seen])[back, rows] for name in self._seen[-1]}
@@ -356,16 +359,27 @@ class Hands:
 
 
 @cache
-def _held_lines() -> dict[float, HeldLine]:
-    return {y: nw.control.regulator(modelled(), float(y), SPEED).lines[0] for y in LINES.tolist()}
+def _held_lines() -> list[HeldLine]:
+    return [nw.control.regulator(modelled(), y, SPEED).lines[0] for y in LINES.tolist()]
+
+
+@cache
+def _regulator() -> Regulator:
+    return nw.control.regulator(modelled(), 0.0, SPEED)
 
 
 def helm(lines: np.ndarray) -> Regulator:
-    """People who steer: the regulator as it is made for the ship as modelled, an order now and then."""
-    known = _held_lines()
-    held = [known[y] for y in lines.tolist()]
-    numbers = {name: np.array([getattr(one, name) for one in held]) for name in ("y", "rudder", "psi", "v")}
-    gains, turning = (np.array([getattr(one, name) for one in held]).T for name in ("gains", "turning"))
-    line = HeldLine(gains=tuple(gains), turning=tuple(turning), **numbers)
-    made = nw.control.regulator(modelled(), 0.0, SPEED)
-    return Regulator((line,), SPEED, made.lead, made.unwinding)
+    """People who steer: the regulator of the ship as modelled, its numbers between those of ``LINES``."""
+
+    def between(numbers: list[Any]) -> np.ndarray:
+        return np.interp(lines, LINES, numbers)
+
+    held = _held_lines()
+    numbers = {name: between([getattr(one, name) for one in held]) for name in ("y", "rudder", "psi", "v")}
+    gains, turning = (
+        tuple(between(list(column)) for column in zip(*(getattr(one, name) for one in held), strict=True))
+        for name in ("gains", "turning")
+    )
+    return Regulator(
+        (HeldLine(gains=gains, turning=turning, **numbers),), SPEED, _regulator().lead, _regulator().unwinding
+    )

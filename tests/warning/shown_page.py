@@ -41,7 +41,7 @@ def forecast(contact: float = math.inf, last_chance: float = math.inf, unattende
     side = "starboard" if math.isfinite(contact) else ""
     escape = Escape("then steady parallel to the bank", math.radians(-35), math.radians(35), 21.0)
     likely = LikelyRun(contact, side, last_chance)
-    chances = 0.0, 0.1, unattended, 0.2, 0.3
+    chances = (0.0, 1.0, unattended, 0.2, 0.3) if math.isfinite(contact) else (0.0, 0.0, unattended, 0.0, 0.0)
     return BankForecast(
         0.0, likely, last_chance, *chances, escape, contact, 0.1, -0.3, math.radians(35), tracks()
     )  # fmt: skip

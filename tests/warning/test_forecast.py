@@ -6,10 +6,12 @@ from functools import cache
 
 import numpy as np
 import pytest
+from scipy.stats import lognorm
 from transit import SENSORS, SPEED, canal, estimate, estimator, ship
 
 import narrows as nw
 from narrows.estimation import Estimator
+from narrows.warning.forecasting import helmsman
 from narrows.warning.forecasting.escapes import LineOfSight, escape_numbers
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster, Members, crossing, rudder_needed
@@ -183,8 +185,34 @@ def steered(seconds: int, lapse: int | None, gain: float = 1.2) -> Helmsmen:
 
 def test_a_hand_at_work_is_seen_and_so_is_a_rudder_that_is_forgotten() -> None:
     assert steered(600, None).unattended[0] < 0.05
-    assert steered(600, 540).unattended[0] > 0.5
+    assert steered(600, 520).unattended[0] > 0.5
     assert steered(600, None).law(np.array([SPEED]))["by_psi"][0] == pytest.approx(1.2, rel=0.2)
+
+
+def test_the_odds_of_an_empty_helm_are_those_of_bayes_by_log_normal_times(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Without lapses and returns meanwhile: a rudder that is still for a time, by the survival that SciPy has."""
+    for name in ("LAPSE_INTERVAL", "RETURN_TIME"):
+        monkeypatch.setattr(helmsman, name, math.inf)
+    one = Helmsmen(1, 230.0)
+    first = one.unattended[0]
+    for t in range(1, 31):
+        one.update(*(np.array([value]) for value in (0.0, 0.0, 0.0, SPEED, 0.1)))
+        still = lognorm(0.7, scale=10.0).sf(t) / lognorm(0.7, scale=10.0).sf(0.5)
+        odds = first / (1.0 - first) / still
+        assert one.unattended[0] == pytest.approx(odds / (1.0 + odds), rel=1e-6)
+
+
+def test_how_long_a_hand_leaves_the_rudder_still_is_learned() -> None:
+    """Log-normal times of a median of 6 s: a third of the way in 40 moves, as the memory of 100 moves has it."""
+    one, random, rudder, left = Helmsmen(200, 230.0), np.random.default_rng(1), np.full(200, 0.1), np.zeros(200)
+    for _ in range(1500):
+        left -= 1.0
+        rudder = np.where(left <= 0.0, -rudder, rudder)
+        left = np.where(left <= 0.0, np.ceil(6.0 * np.exp(0.3 * random.standard_normal(200))), left)
+        one.update(np.zeros(200), np.zeros(200), np.zeros(200), np.full(200, SPEED), rudder)
+    law = one.law(np.full(200, SPEED))
+    assert np.median(2.0 * (law["since"] - one.delay)) == pytest.approx(6.0, rel=0.1)
+    assert np.quantile(one.unattended, 0.99) < 0.05
 
 
 def test_what_cannot_be_forecast_is_said() -> None:

@@ -145,7 +145,7 @@ class TransitScorer:
         if forecast is None:
             self._rows.append((status.t, room, math.nan, *(math.nan,) * len(PREDICTORS)))
             return
-        left = max(forecast.last_chance, LEAST)
+        left = max(forecast.level_time, LEAST)
         levels = (getattr(self.thresholds, level) / left for level in LEVELS)
         others = CLEARANCE / max(room, LEAST), CURVED / max(forecast.curved, LEAST)
         self._rows.append((status.t, room, forecast.last_chance, *others, *levels))

@@ -236,7 +236,7 @@ class Thresholds:
         if forecast.likely.gone and math.isfinite(forecast.likely.contact):
             return Priority.EMERGENCY_ALARM
         levels = (self.alarm, Priority.ALARM), (self.warning, Priority.WARNING), (self.caution, Priority.CAUTION)
-        return next((level for threshold, level in levels if forecast.last_chance <= threshold / eased), Priority.NONE)
+        return next((level for threshold, level in levels if forecast.level_time <= threshold / eased), Priority.NONE)
 
 
 class BankLevel:

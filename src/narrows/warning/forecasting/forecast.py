@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from narrows.results import Described
-from narrows.warning.settings import HORIZON, TAKEOVERS
+from narrows.warning.settings import ATTENDED_SHARE, CLEAR_SHARE, HORIZON, TAKEOVERS
 
 NUMBERS = (
     "t", "last_chance", "failing", "nobody", "unattended", "soon", "as_is", "curved", "rudder", "rudder_needed",
@@ -74,6 +74,16 @@ class BankForecast(Described):
     def gone(self) -> bool:
         """Whether the last chance of the 95 % ship is gone."""
         return self.last_chance < 0.0
+
+    @property
+    def clear(self) -> bool:
+        """Whether no last chance is in sight, and next to no sample meets a bank."""
+        return self.last_chance == math.inf and self.as_is <= CLEAR_SHARE
+
+    @property
+    def level_time(self) -> float:
+        """Time that makes the level [s]: to the last chance, up to twice that where somebody probably acts in time."""
+        return self.last_chance / (ATTENDED_SHARE + (1.0 - ATTENDED_SHARE) * self.nobody)
 
     @property
     def side(self) -> str:

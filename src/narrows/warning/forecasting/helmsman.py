@@ -1,30 +1,35 @@
 """How the rudder is being used: the helmsman's law, learned as the ship sails, and the chance that nobody steers.
 
 The law is linear in offset, heading and yaw rate, with a delay; a Kalman filter for each of some delays learns its
-gains. The helm is attended or not: a hidden Markov model of two states, by how long the rudder stays still for a hand
-that moves it as often, and by how far it is from that law meanwhile.
+gains. The helm is attended or not: a hidden semi-Markov model of two states. A hand moves the rudder after log-normal
+times, whose mean and variance are learned; without a hand it stays still.
 
 References
 ----------
-Hamilton (1989), Econometrica 57, for the filter of the hidden states.
+Yu (2010), Artificial Intelligence 174, Hidden semi-Markov models.
 """
 
 import math
 from collections import deque
 
 import numpy as np
+from scipy.special import log_ndtr
 
 from narrows.warning.settings import (
     HELM_DELAYS,
     HELM_GAINS,
     HELM_GAINS_SIGMA,
     HELM_MEMORY,
+    HELM_MOVES,
     LAPSE_INTERVAL,
     LEAST_HELM_LIMIT,
     LEAST_HELM_SCATTER,
+    MOST_EVIDENCE,
     ORDER_INTERVAL,
+    ORDER_INTERVAL_SPREAD,
     RETURN_TIME,
     RUDDER_MOVES,
+    UNATTENDED_MOVES,
 )
 
 
@@ -42,8 +47,11 @@ class Helmsmen:
         self.unattended = np.full(count, 0.02)  # Chance that nobody steers [1]
         self.off = np.zeros(count)  # The rudder from the law's [rad]
         self.limit = np.full(count, LEAST_HELM_LIMIT)  # The largest angle that is used [rad]
-        self._moves = np.full(count, 1.0 / ORDER_INTERVAL)  # Of the rudder, a second
-        self._rudder: np.ndarray | None = None
+        # Times for which the rudder stays still: mean and variance of their logarithms.
+        self._still_mean = np.full(count, math.log(ORDER_INTERVAL))
+        self._still_variance = np.full(count, ORDER_INTERVAL_SPREAD**2)
+        self._still = np.zeros(count)  # Since the rudder last moved [s]
+        self._held: np.ndarray | None = None  # Where it has been since then [rad]
 
     @property
     def delay(self) -> np.ndarray:
@@ -62,27 +70,33 @@ class Helmsmen:
         off = rudder[:, None] - (self.gains * seen).sum(axis=-1)
         here = np.arange(self.count), self._best
         self.off = off[here]
-        moved = self._moved(rudder)
-        self._judge(np.sqrt(self._squares[here]), moved)
+        self._judge(rudder)
         self._learn(seen, off, 1.0 - self.unattended)
         self.limit = np.maximum.reduce(
             [self.limit * math.exp(-1.0 / HELM_MEMORY), np.abs(rudder), np.full(self.count, LEAST_HELM_LIMIT)]
         )
 
-    def _moved(self, rudder: np.ndarray) -> np.ndarray:
-        before = rudder if self._rudder is None else self._rudder
-        self._rudder = rudder.copy()
-        return np.asarray(np.abs(rudder - before) > RUDDER_MOVES)
-
-    def _judge(self, scatter: np.ndarray, moved: np.ndarray) -> None:
+    def _judge(self, rudder: np.ndarray) -> None:
         """One step of the filter of the hidden state."""
+        self._held = rudder.copy() if self._held is None else self._held
+        moved = np.abs(rudder - self._held) > RUDDER_MOVES
         before = self.unattended + (1.0 - self.unattended) / LAPSE_INTERVAL - self.unattended / RETURN_TIME
-        # A hand moves the rudder at its usual rate, and sooner the farther the rudder is from its law.
-        rate = np.clip(self._moves * (1.0 + (self.off / scatter) ** 2), 0.02, 0.5)
-        by_moves = np.where(moved, np.log(0.02 / rate), -np.log1p(-rate))
-        odds = np.log(before / (1.0 - before)) + np.clip(by_moves, -3.0, 3.0)
+        stays = self._log_survival(self._still + 1.0) - self._log_survival(self._still)
+        moves = np.log(UNATTENDED_MOVES / np.clip(-np.expm1(stays), UNATTENDED_MOVES, 1.0))
+        odds = np.log(before / (1.0 - before)) + np.where(moved, moves, np.minimum(-stays, MOST_EVIDENCE))
         self.unattended = np.clip(1.0 / (1.0 + np.exp(-odds)), 2e-3, 0.999)
-        self._moves += (1.0 - self.unattended) * (moved - self._moves) / HELM_MEMORY
+        ended = moved & (self._still > 1.0)
+        off = np.log(np.maximum(self._still, 1.0)) - self._still_mean
+        share = np.where(ended, (1.0 - self.unattended) / HELM_MOVES, 0.0)
+        self._still_mean += share * off
+        self._still_variance += share * (off**2 - self._still_variance)
+        self._still = np.where(moved, 0.0, self._still + 1.0)
+        self._held = np.where(moved, rudder, self._held)
+
+    def _log_survival(self, still: np.ndarray) -> np.ndarray:
+        """Logarithm of the chance that a hand leaves the rudder still for a time [s]."""
+        off = np.log(np.maximum(still, 0.5)) - self._still_mean
+        return np.asarray(log_ndtr(-off / np.sqrt(self._still_variance)))
 
     def _learn(self, seen: np.ndarray, off: np.ndarray, weight: np.ndarray) -> None:
         """One step of the Kalman filters; what is done while nobody steers teaches nothing."""
@@ -101,7 +115,7 @@ class Helmsmen:
         trim, by_y, by_psi, by_r = np.moveaxis(self.gains[np.arange(self.count), self._best], -1, 0)
         heading = np.maximum(by_psi, 0.05)
         return {
-            "since": self.delay + 0.5 / np.clip(self._moves, 0.02, 0.5), "trim": trim, "line": np.zeros(self.count),
+            "since": self.delay + 0.5 * np.exp(self._still_mean), "trim": trim, "line": np.zeros(self.count),
             "reach": by_y / self.length / heading, "by_psi": heading,
             "by_r": by_r * self.length / np.maximum(u, 0.1), "most": self.limit,
         }  # fmt: skip

@@ -62,7 +62,7 @@ class BridgeStatus:
             return NOT_AVAILABLE
         if self.level:
             return self.level.words
-        return WATCH if math.isfinite(self.forecast.last_chance) else CLEAR
+        return CLEAR if self.forecast.clear else WATCH
 
     @property
     def headline(self) -> str:
