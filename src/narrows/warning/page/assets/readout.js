@@ -55,7 +55,7 @@ function contact(write, forecast) {
   const met = run && run.contact !== null;
   write("contact", met ? seconds(run.contact) : none);
   write("contact-side", met ? `to ${run.side}` : "");
-  write("unattended", percent(forecast?.unattended));
+  write("nobody", percent(forecast?.nobody));
 }
 
 function chance(find, write, forecast, level) {
@@ -70,7 +70,7 @@ function rudder(find, write, forecast) {
   const place = (angle) => RAIL * Math.max(-1, Math.min(1, (angle ?? 0) / (limit ?? 1)));
   const danger = forecast && forecast.last_chance !== null;
   write("escape", danger ? forecast.escape.words : forecast ? "nothing" : UNKNOWN);
-  write("leaves", danger ? `leaves ${metres(forecast.escape.clearance)}` : "");
+  write("leaves", danger ? `: keeps ${metres(forecast.escape.clearance)} clear` : "");
   write("rudder", sided(forecast?.rudder));
   write("limit-port", sided(limit === null ? null : -limit));
   write("limit-starboard", sided(limit));
