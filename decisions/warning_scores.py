@@ -40,8 +40,8 @@ OTHERS = (
     Physics("a current with shear", shear=0.5), Physics("hands of other kinds", other_hands=True),
 )  # fmt: skip
 RULE, CURVED = "time to act and the hand: the package's rule", "curved by the rate of turn"
-SUDDEN = 60.0
-"""In which a cause is sudden: the last chance of no ship in this canal is sure to be farther off [s]."""
+MINUTE, GEAR_TIME, TURNED = 60.0, 15.0, np.radians(10.0)
+"""In which "clear" is wrong; in which a gear goes from one side to the other [s]; a turn of the rudder."""
 
 
 def by_time(time: np.ndarray) -> np.ndarray:
@@ -93,7 +93,7 @@ def watch(number: int, folder: Path | None) -> Watch:
     runs, averts, gains = [], [], []
     before = np.arange(0.0, BEFORE + EVERY, EVERY)
     weights = np.diff(ndtr(np.log(np.maximum(before, 1e-9) / MEDIAN) / (np.log(LATE / MEDIAN) / 1.645)), prepend=0.0)
-    for seed, run in kept_runs(physics, number, range(1 if number else PARTS), folder):
+    for seed, run in kept_runs(physics, number, range(1 if number else PARTS), folder, quiet=not number):
         struck = np.ceil(run["struck"][run["met"]])
         which = np.repeat(np.arange(len(struck)), len(before))
         for found, kept in zip(
@@ -206,7 +206,7 @@ def of_levels(known: Watch) -> str:
 
 
 def of_others(known: Watch, folder: Path | None) -> str:
-    """Averted in truths of other kinds, at the thresholds of the known one."""
+    """Averted in truths of other kinds [%], at the thresholds of the known one; of these only lapses are sailed."""
     rows = []
     chosen = [(name, threshold_at(known.runs, name, rate)) for name in (RULE, CURVED) for rate in RATES]
     for number, physics in enumerate((KNOWN, *OTHERS)):
@@ -214,7 +214,7 @@ def of_others(known: Watch, folder: Path | None) -> str:
         cells = []
         for name, threshold in chosen:
             found = score(other, name, (threshold, threshold))
-            cells.append(f"{percent(found.averted)}, {found.false:.0f} false")
+            cells.append(percent(found.averted))
         rows.append((physics.words, f"{other.contacts}", *cells, percent(bound(other))))
     heads = "contacts", "rule at 10", "rule at 2", "curved at 10", "curved at 2", "bound"
     return markdown(("truth", *heads), rows)
@@ -222,24 +222,28 @@ def of_others(known: Watch, folder: Path | None) -> str:
 
 def of_clear(known: Watch) -> str:
     """How often "clear" was shown within a minute before the last chance went, and why."""
-    gone, clear, sudden, shown, ticks = 0, 0, 0, 0, 0
+    gone, causes, shown, ticks = 0, [], 0, 0
     for run in known.runs:
         calm = np.isinf(run["last_chance"]) & (run["as_is"] <= CLEAR_SHARE)
         shown, ticks = shown + int(calm[:, normal(run)].sum()), ticks + calm[:, normal(run)].size
-        before = int(SUDDEN / EVERY)
         t = FROM + EVERY * np.arange(len(calm))
         goes = (run["last_chance"][1:] < 0) & (run["last_chance"][:-1] >= 0) & (t[1:, None] < run["struck"])
         for place, ship in np.argwhere(goes):
-            last = np.flatnonzero(calm[max(place + 1 - before, 0) : place + 1, ship])
+            minute = slice(max(place + 1 - int(MINUTE / EVERY), 0), place + 1)
             gone += 1
-            if len(last):
-                clear += 1
-                sudden += t[max(place + 1 - before, 0) + last[-1]] <= run["when"][ship] + SUDDEN / 3
+            if calm[minute, ship].any():
+                causes.append(sudden(run, ship, float(t[minute][calm[minute, ship]][-1]), float(t[place + 1])))
     return (
-        f'The last chance went {gone} times. "Clear" was shown within 60 s before in {clear}; in {sudden} of these a '
-        f'wrong order or a growing bank was less than 20 s old then. A ship without a lapse is "clear" in '
-        f"{100 * shown / ticks:.0f} % of the time."
+        f'The last chance went {gone} times. "Clear" was shown within 60 s before in {len(causes)}; in '
+        f"{sum(causes)} of these the rudder was turned by more than 10 degrees, or the bank grew, in these 60 s. "
+        f'A ship without a lapse is "clear" in {100 * shown / ticks:.0f} % of the time.'
     )
+
+
+def sudden(run: Run, ship: int, clear: float, gone: float) -> bool:
+    """Whether the rudder was turned, or a lapse began, from a little before the status was clear."""
+    rudder = run["seen"][max(int(clear - GEAR_TIME), 0) : int(gone) + 1, 4, ship]
+    return bool(np.ptp(rudder) > TURNED or clear - GEAR_TIME <= run["when"][ship] <= gone)
 
 
 def text(folder: Path | None = None) -> str:

@@ -15,12 +15,14 @@ SENSORS = (Gnss(), Gyro(), RateOfTurn(), Log(), RudderIndicator())
 ABREAST, MEMBERS = 128, 96
 FROM, EVERY, BEFORE, ESCAPED = 120, 2, 300, 180
 """From when on it is forecast, between two forecasts; what is looked at before a contact and after an alert [s]."""
+AROUND = 120, 900
+"""What is forecast before and after a lapse begins [s]."""
 STATE = ("x", "y", "cos_psi", "sin_psi", "u", "v", "r", "rudder", "order", "t")
 Run = dict[str, np.ndarray]
 
 
-def watched(physics: Physics, seed: int, count: int = ABREAST, members: int = MEMBERS) -> Run:
-    """Transits of ships, and what is forecast of them, (times, ships)."""
+def watched(physics: Physics, seed: int, quiet: bool, count: int = ABREAST, members: int = MEMBERS) -> Run:
+    """Transits of ships, and what is forecast about their lapses, and where wanted all the time of the others."""
     estimator = Estimator(modelled(), SENSORS, waterway=waterway())
     ships, filters = departing(physics, count, seed).fresh(seed + 1), FiltersAbreast(estimator, count)
     hands, sensors = Hands(ships, physics.abrupt), SensorErrors(filters, seed + 1)
@@ -35,7 +37,9 @@ def watched(physics: Physics, seed: int, count: int = ABREAST, members: int = ME
             filters.begin(readings, np.arange(count))
         seen[t] = forecasts.observe(filters.mean, now)
         if t >= FROM and (t - FROM) % EVERY == 0:
-            told.append(forecasts.columns(filters.normal(), now, ships.alive))
+            since = t - ships.own["when"]
+            looked = np.where(ships.own["lapse"], (since > -AROUND[0]) & (since < AROUND[1]), quiet)
+            told.append(forecasts.columns(filters.normal(), now, ships.alive & looked))
         before, states[t] = now, np.stack([ships.state[name] for name in STATE])
         hands.steer(t)
         ships.step()
@@ -87,7 +91,9 @@ def _escape(ships: Ships, law: dict[str, float], limit: float) -> None:
     state["order"] = np.clip(-law["by_psi"] * (ships.psi - course) - turn, -limit, limit)
 
 
-def kept_runs(physics: Physics, number: int, parts: range, folder: Path | None) -> Iterator[tuple[int, Run]]:
+def kept_runs(
+    physics: Physics, number: int, parts: range, folder: Path | None, quiet: bool
+) -> Iterator[tuple[int, Run]]:
     """Runs of a kind with their seeds; those that are kept in the folder are not sailed again."""
     for part in parts:
         path, seed = folder / f"{number}-{part:03d}.npz" if folder else None, 1000 * number + part
@@ -95,7 +101,7 @@ def kept_runs(physics: Physics, number: int, parts: range, folder: Path | None) 
             with np.load(path) as kept:
                 yield seed, dict(kept)
             continue
-        run = watched(physics, seed)
+        run = watched(physics, seed, quiet)
         if path:
             path.parent.mkdir(parents=True, exist_ok=True)
             unfinished = path.with_suffix(".part.npz")
