@@ -7,11 +7,12 @@ calm hour are left out too. The estimator knows the ships by fixes, compass, rat
 
 After an alert a person takes a log-normal time to react (median 10 s, 95 % under 25 s) and then steers the escape in
 the true simulation. Averted is a contact that does not happen then. False is an alert in a transit without a lapse
-that no contact follows within 300 s. A threshold is the lowest at which so many false alerts come in 100 hours, found
-in one half of the transits and used in the other, both ways round. Intervals hold 90 % of draws of the contacts with
-replacement. The bound is an alert at the first second of every lapse, and none else.
+that no contact follows within 300 s; needless is one whose advice the hand is following already. A threshold is the
+lowest at which so many false alerts come in 100 hours, found in one half of the transits and used in the other, both
+ways round. Intervals hold 90 % of draws of the contacts with replacement. The bound is an alert at the first second of
+every lapse, and none else. With --others come truths of other kinds, of which only the lapses are sailed.
 
-python decisions/warning_scores.py [--write] [--kept FOLDER]
+python decisions/warning_scores.py [--write] [--others] [--kept FOLDER]
 """
 
 import sys
@@ -23,25 +24,27 @@ import numpy as np
 from pages import markdown, publish
 from scipy.special import ndtr
 from watched.runs import BEFORE, EVERY, FROM, Run, averted, kept_runs
-from watched.truths import DEPTH, Physics
+from watched.truths import DEPTH, LENGTH, Physics, modelled
 
 from narrows.warning.alerts.alert import Thresholds
-from narrows.warning.settings import ATTENDED_SHARE, CLEAR_SHARE
+from narrows.warning.forecasting.escapes import escape_numbers
+from narrows.warning.settings import ATTENDED_SHARE, CLEAR_SHARE, NEAR_MISS
 from narrows.warning.transit_scores import alert_spells
 
 RATES, DRAWS, WITHIN = (10.0, 2.0), 1000, (0.05, 0.95)
 """False alerts in 100 hours; draws of an interval."""
 MEDIAN, LATE = 10.0, 25.0
 """Of the reaction [s]: half are faster, and 95 %."""
-KNOWN, PARTS = Physics("the model, its coefficients drawn from their covariance"), 3
+KNOWN, PARTS = Physics("the model, its coefficients drawn from their covariance"), 1
 OTHERS = (
     Physics("hands that change lines abruptly", abrupt=True), Physics("banks by distance", form="distance"),
     Physics("coefficients twice as far off", spread=2.0), Physics("a tenth less water", depth=0.9 * DEPTH),
     Physics("a current with shear", shear=0.5), Physics("hands of other kinds", other_hands=True),
 )  # fmt: skip
 RULE, CURVED = "time to act and the hand: the package's rule", "curved by the rate of turn"
-MINUTE, GEAR_TIME, TURNED = 60.0, 15.0, np.radians(10.0)
-"""In which "clear" is wrong; in which a gear goes from one side to the other [s]; a turn of the rudder."""
+MINUTE, LATELY, GEAR_TIME, TURNED, DOING = 60.0, 90.0, 15.0, np.radians(10.0), np.radians(10.0)
+"""In which "clear" is wrong; since a lapse began; in which a gear goes from one side to the other [s]; a turn of the
+rudder, and how near it is to what is advised where that is done already."""
 
 
 def by_time(time: np.ndarray) -> np.ndarray:
@@ -69,10 +72,23 @@ def spells(run: Run, number: np.ndarray, threshold: float, which: np.ndarray) ->
     return raised
 
 
-def false_alerts(run: Run, number: np.ndarray, threshold: float, which: np.ndarray) -> int:
-    starts = spells(run, number, threshold, which)
-    struck = run["struck"]
-    return sum(not struck[ship] - BEFORE <= start < struck[ship] for ship, own in starts.items() for start in own)
+def false_alerts(run: Run, number: np.ndarray, threshold: float, which: np.ndarray) -> np.ndarray:
+    """How many alerts no contact follows: false ones, and needless ones, whose advice is done already."""
+    struck, starts = run["struck"], spells(run, number, threshold, which)
+    found = [
+        (int(start), ship) for ship, own in starts.items() for start in own
+        if not struck[ship] - BEFORE <= start < struck[ship]
+    ]  # fmt: skip
+    done = sum(bool(abs(run["seen"][t, 4, ship] - advice(*run["seen"][t, :4, ship])) < DOING) for t, ship in found)
+    return np.array([len(found) - done, done])
+
+
+def advice(y: float, psi: float, turn: float, u: float) -> float:
+    """The rudder that the escape orders [rad]."""
+    limit = modelled().configuration.gear.limit
+    law = escape_numbers(0.0, LENGTH, limit)
+    course = np.clip(-y * law["reach"], -law["approach"], law["approach"])
+    return float(np.clip(-law["by_psi"] * (psi - course) - law["by_r"] * turn / max(u, 0.1), -limit, limit))
 
 
 class Watch(NamedTuple):
@@ -127,7 +143,7 @@ def threshold_at(runs: list[Run], name: str, rate: float, half: int | None = Non
     first, last = 0, len(levels) - 1
     while first < last:
         middle = (first + last) // 2
-        few = sum(false_alerts(run, number, levels[middle], which) for run, number, which in parts) <= most
+        few = sum(false_alerts(run, number, levels[middle], which)[0] for run, number, which in parts) <= most
         first, last = (first, middle) if few else (middle + 1, last)
     return float(levels[first]) * 1.0001
 
@@ -136,12 +152,12 @@ class Score(NamedTuple):
     averted: np.ndarray  # (contacts,) Share of the reactions [1]
     gained: np.ndarray  # (contacts,) [m]
     left: np.ndarray  # (contacts,) To act by the forecast when it was raised; 0 where it was not [s]
-    false: float  # In 100 hours
+    false: np.ndarray  # In 100 hours, and needless ones
 
 
 def score(known: Watch, name: str, thresholds: tuple[float, float]) -> Score:
     """What alerts at a threshold of each half achieve."""
-    averts, gains, left, false = [], [], [], 0
+    averts, gains, left, false = [], [], [], np.zeros(2)
     for run, share, gained in zip(known.runs, known.averted, known.gained, strict=True):
         number, met = predictors(run)[name], run["met"]
         warned = np.full(len(met), np.inf)
@@ -190,10 +206,16 @@ def of_predictors(known: Watch) -> str:
         )
         rows.append((
             name, percent(many.averted), percent(few.averted), f"{many.gained.mean():.0f}",
-            f"{np.median(many.left):.0f}", f"{many.false:.0f}, {few.false:.0f}",
+            f"{np.median(many.left):.0f}", "; ".join(f"{one.false[0]:.0f}, {one.false[1]:.0f}" for one in (many, few)),
         ))  # fmt: skip
-    rows.append(("bound: each lapse is seen at once", *(2 * (percent(bound(known)),)), "", "", "0, 0"))
-    heads = "averted at 10 [%]", "averted at 2 [%]", "water gained [m]", "left to act [s]", "false, as it came"
+    rows.append(("bound: each lapse is seen at once", *(2 * (percent(bound(known)),)), "", "", ""))
+    heads = (
+        "averted at 10 [%]",
+        "averted at 2 [%]",
+        "water gained [m]",
+        "left to act [s]",
+        "false, needless in 100 h at 10; at 2",
+    )
     return markdown(("predictor", *heads), rows)
 
 
@@ -201,8 +223,16 @@ def of_levels(known: Watch) -> str:
     rows = []
     for level, time in vars(Thresholds()).items():
         found = score(known, RULE, (1.0 / time, 1.0 / time))
-        rows.append((level, percent(found.averted), f"{np.median(found.left):.0f}", f"{found.false:.0f}"))
-    return markdown(("level", "averted [%]", "left to act [s]", "false in 100 h"), rows)
+        rows.append(
+            (
+                level,
+                percent(found.averted),
+                f"{np.median(found.left):.0f}",
+                f"{found.false[0]:.0f}",
+                f"{found.false[1]:.0f}",
+            )
+        )
+    return markdown(("level", "averted [%]", "left to act [s]", "false in 100 h", "needless in 100 h"), rows)
 
 
 def of_others(known: Watch, folder: Path | None) -> str:
@@ -224,7 +254,7 @@ def of_clear(known: Watch) -> str:
     """How often "clear" was shown within a minute before the last chance went, and why."""
     gone, causes, shown, ticks = 0, [], 0, 0
     for run in known.runs:
-        calm = np.isinf(run["last_chance"]) & (run["as_is"] <= CLEAR_SHARE)
+        calm = np.isinf(run["last_chance"]) & (run["as_is"] <= CLEAR_SHARE) & (run["room"] >= NEAR_MISS)
         shown, ticks = shown + int(calm[:, normal(run)].sum()), ticks + calm[:, normal(run)].size
         t = FROM + EVERY * np.arange(len(calm))
         goes = (run["last_chance"][1:] < 0) & (run["last_chance"][:-1] >= 0) & (t[1:, None] < run["struck"])
@@ -235,26 +265,28 @@ def of_clear(known: Watch) -> str:
                 causes.append(sudden(run, ship, float(t[minute][calm[minute, ship]][-1]), float(t[place + 1])))
     return (
         f'The last chance went {gone} times. "Clear" was shown within 60 s before in {len(causes)}; in '
-        f"{sum(causes)} of these the rudder was turned by more than 10 degrees, or the bank grew, in these 60 s. "
+        f"{sum(causes)} of these the rudder was turned by more than 10 degrees then, or a lapse (a wrong order, a bank "
+        f"that grows up to fourfold) had begun within 90 s. "
         f'A ship without a lapse is "clear" in {100 * shown / ticks:.0f} % of the time.'
     )
 
 
 def sudden(run: Run, ship: int, clear: float, gone: float) -> bool:
-    """Whether the rudder was turned, or a lapse began, from a little before the status was clear."""
+    """Whether the rudder was turned since a little before the status was clear, or a lapse had begun lately."""
     rudder = run["seen"][max(int(clear - GEAR_TIME), 0) : int(gone) + 1, 4, ship]
-    return bool(np.ptp(rudder) > TURNED or clear - GEAR_TIME <= run["when"][ship] <= gone)
+    return bool(np.ptp(rudder) > TURNED or 0.0 <= gone - run["when"][ship] <= LATELY)
 
 
-def text(folder: Path | None = None) -> str:
+def text(folder: Path | None = None, others: bool = False) -> str:
     known = watch(0, folder)
     counted = f"{known.contacts} contacts in {sum(len(run['struck']) for run in known.runs)} transits of an hour."
-    return "\n\n".join(
-        [counted, of_predictors(known), "The levels as they are:", of_levels(known), of_clear(known),
-         "Truths of other kinds, at the thresholds of the first row:", of_others(known, folder)]
-    )  # fmt: skip
+    parts = [counted, of_predictors(known), "The levels as they are:", of_levels(known), of_clear(known)]
+    if others:
+        parts += ["Truths of other kinds, at the thresholds of the first row:", of_others(known, folder)]
+    return "\n\n".join(parts)
 
 
 if __name__ == "__main__":
     asked = dict(zip(sys.argv[1:], sys.argv[2:], strict=False))
-    publish(__file__, "warning.md", text(Path(asked["--kept"]) if "--kept" in asked else None))
+    kept = Path(asked["--kept"]) if "--kept" in asked else None
+    publish(__file__, "warning.md", text(kept, "--others" in sys.argv))

@@ -5,12 +5,13 @@ import json
 import math
 import socket
 from collections.abc import Iterator
+from dataclasses import replace
 from http.client import HTTPConnection
 from pathlib import Path
 
 import numpy as np
 import pytest
-from shown_page import ALARM, BANK, HANDSHAKE, SHIP, Watched, asked, estimate, forecast, soon
+from shown_page import ALARM, BANK, HANDSHAKE, NOW, SHIP, Watched, asked, estimate, forecast, soon
 from transit import canal
 
 import narrows as nw
@@ -67,6 +68,9 @@ def test_a_doubt_is_told_beside_the_headline() -> None:
 def test_nothing_is_clear_while_a_last_chance_or_a_contact_comes() -> None:
     words = [Watched().status(forecast(*told)).word for told in ((), (100.0, 46.0))]
     assert words == ["clear", "watch"]
+    assert Watched().status(replace(forecast(), as_is=0.02)).word == "watch"
+    assert Watched().status(forecast(), now=NOW | {"y": 110.0}).word == "watch"  # 18 m to starboard
+    assert Watched().status(forecast(), now=NOW | {"y": 105.0}).word == "clear"
 
 
 def test_water_to_both_sides_is_that_of_geometry() -> None:

@@ -9,6 +9,7 @@ from narrows.estimation.estimate import Estimate
 from narrows.ship.particulars import Ship, half_swept
 from narrows.warning.alerts.alert import ANY_SENSOR, HOLDS, LOG_LATE, SHIP_OR_WATER, SITUATIONS, Alert, Priority
 from narrows.warning.forecasting.forecast import BankForecast
+from narrows.warning.settings import NEAR_MISS
 from narrows.waterway.waterway import Waterway
 
 NOT_AVAILABLE, CLEAR, WATCH = "not available", "clear", "watch"
@@ -57,12 +58,12 @@ class BridgeStatus:
 
     @property
     def word(self) -> str:
-        """In a word: never ``clear`` where nothing can be forecast, or while a last chance counts down."""
+        """In a word: never ``clear`` without a forecast, while a last chance counts down, or in a near miss."""
         if self.forecast is None:
             return NOT_AVAILABLE
         if self.level:
             return self.level.words
-        return CLEAR if self.forecast.clear else WATCH
+        return CLEAR if self.forecast.clear and self.clearance >= NEAR_MISS else WATCH
 
     @property
     def headline(self) -> str:
