@@ -1,7 +1,6 @@
 """narrows: from captive model tests to a closed-form bank-effect model that says how far it can be trusted.
 
-The public names are listed in ``__init__.pyi``; each loads when it is first asked for, so that importing the
-package costs next to nothing.
+The public names are listed in ``__init__.pyi``; each loads at its first use, so that importing the package is fast.
 """
 
 from typing import Any

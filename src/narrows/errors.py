@@ -1,4 +1,4 @@
-"""What goes wrong with a user's input, in one sentence with the place and the remedy."""
+"""Errors of user input: one sentence with the place and the remedy."""
 
 import os
 import platform
@@ -14,11 +14,11 @@ from reprlib import Repr
 
 UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\ud800-\udfff]")
 LONGEST_SENTENCE = 2000
-# Characters of what another library said, or of a value, that a sentence repeats.
+# Longest quotation of another library's message, or of a value [characters].
 LONGEST = 200
-# Likeness of two public names below which the one is not offered for the other [1].
+# Least similarity of two public names for a suggestion [1].
 NAMES_ALIKE = 0.8
-# Functions of ours by what verbs of the command line and other libraries call the same.
+# Functions here by the names in the command line and other libraries.
 FUNCTIONS = {
     "identify": ("fit", "regress"), "read_captive": ("read_csv", "read_table", "read_excel"), "load_model": ("load",),
     "simulate": ("sail", "run", "integrate"), "scale_model": ("scale",), "plan_tests": ("plan",),
@@ -50,13 +50,13 @@ OTHER_FUNCTIONS = {
 class InputError(ValueError):
     """Bad input: the message is one sentence that names the place and the remedy.
 
-    The command line prints it on stderr and leaves with exit code 2.
+    The command line prints it on stderr and exits with code 2.
 
     Parameters
     ----------
     sentence : str
-        What to say; a line break in it, out of a cell or a name, becomes a blank, what does not print is spelled out,
-        and the middle of what is very long is left out.
+        The message; a line break from a cell or a name becomes a blank, unprintable characters are escaped, and the
+        middle of a very long one is left out.
     """
 
     def __init__(self, sentence: str) -> None:
@@ -80,12 +80,12 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
 
 
 def same_function(name: str) -> str | None:
-    """Return the function of the package that means what is called so elsewhere."""
+    """Return this package's function for another library's name."""
     return next((ours for ours, theirs in FUNCTIONS.items() if name in theirs), None)
 
 
 def public_name(name: str, known: Iterable[str]) -> str:
-    """Return what to write for a name that the package does not have, as the end of a sentence."""
+    """Return the replacement for an unknown name, as the end of a sentence."""
     known = sorted(known)
     if meant := next((ours for ours, theirs in OTHER_FUNCTIONS.items() if name in theirs), ""):
         return f"; write {meant}"
@@ -94,12 +94,12 @@ def public_name(name: str, known: Iterable[str]) -> str:
 
 
 def shown(value: object) -> str:
-    """Return a value as it is written, cut short where it is long."""
-    if isinstance(value, float):  # NumPy's among them, which would say of what kind they are
+    """Return a value as written, shortened if it is long."""
+    if isinstance(value, float):  # Includes NumPy's numbers, whose repr would add the type
         return float.__repr__(value)
     try:
         if isinstance(value, int):
-            str(value)  # Python does not write out integers of more than 4300 digits; since 3.14 reprlib hides that.
+            str(value)  # Python does not print integers of more than 4300 digits; since 3.14 reprlib hides that
         return _SHORT.repr(value)
     except ValueError:
         return f"a {type(value).__name__} too long to show"
@@ -110,7 +110,7 @@ _SHORT.maxstring = _SHORT.maxother = _SHORT.maxlong = 60
 
 
 def reason(error: BaseException) -> str:
-    """Return what an error of another library says, in one short line."""
+    """Return another library's error message in one short line."""
     text = (error.strerror if isinstance(error, OSError) else None) or str(error)
     if isinstance(error, MemoryError):
         text = "too large for this computer's memory"
@@ -121,7 +121,7 @@ def reason(error: BaseException) -> str:
 
 @contextmanager
 def needs(extra: str, what: str) -> Iterator[None]:
-    """Turn a library that is not installed into one sentence with the command that installs it."""
+    """Turn a missing library into one sentence with the command that installs it."""
     try:
         yield
     except ImportError as error:
@@ -133,7 +133,7 @@ def needs(extra: str, what: str) -> Iterator[None]:
 def libraries_of(extra: str) -> list[str]:
     try:
         lines = requires("narrows") or []
-    except PackageNotFoundError:  # It runs out of a folder.
+    except PackageNotFoundError:  # It runs from a folder
         return []
     return [line.split(";")[0].strip() for line in lines if re.search(f";.*extra == ['\"]{extra}['\"]", line)]
 
@@ -143,7 +143,7 @@ def show_versions() -> None:
     found = {"narrows": version_of("narrows"), "python": platform.python_version(), "system": platform.platform()}
     try:
         lines = requires("narrows") or []
-    except PackageNotFoundError:  # It runs out of a folder.
+    except PackageNotFoundError:  # It runs from a folder
         lines = []
     found |= {name: version_of(name) for name in sorted({re.split(r"[^\w.-]", line)[0] for line in lines})}
     width = max(map(len, found))
@@ -158,7 +158,7 @@ def version_of(library: str) -> str:
 
 
 def installing(libraries: Iterable[str]) -> str:
-    """Return the command that adds libraries to the Python that runs, be the package installed or a checkout."""
+    """Return the command that installs libraries for the running Python, for a package or a checkout."""
     python = min(sys.executable, os.path.relpath(sys.executable), key=len)
     return f"{python} -m pip install {' '.join(map(repr, libraries))}"
 

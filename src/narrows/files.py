@@ -1,4 +1,4 @@
-"""Files: written whole or not at all, in the form that the suffix says; read or refused in one sentence."""
+"""Files: written whole or not at all, in the format of the suffix; read or refused in one sentence."""
 
 import os
 import re
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.figure import Figure
 
-# What ``/dev/stdout`` and the like lead to: something that this process has open already.
+# Target of ``/dev/stdout`` and the like: a file that this process has open already.
 DESCRIPTOR = re.compile(r"/(?:dev|proc/self)/fd/(\d+)")
 MOST_LINKS = 40
 PICTURES = (".png", ".svg", ".pdf")
@@ -41,7 +41,7 @@ def write_whole(path: str | Path, content: str | bytes) -> None:
 
 
 def is_stream(path: str | Path) -> bool:
-    """Say whether what is written to a path flows on, as into a device, a FIFO or ``/dev/stdout``."""
+    """Return whether a path is a stream: a device, a FIFO or ``/dev/stdout``."""
     try:
         if _descriptor(path) is not None:
             return True
@@ -53,19 +53,19 @@ def is_stream(path: str | Path) -> bool:
 
 @contextmanager
 def reading(path: str | Path, kind: str) -> Iterator[None]:
-    """Turn whatever the reader of a format throws into one sentence."""
+    """Turn any error of a format's reader into one sentence."""
     try:
         yield
     except InputError:
         raise
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({reason(error)}); check the path") from None
-    except Exception as error:  # Readers of formats raise nearly anything on what is none.
+    except Exception as error:  # Readers raise many kinds of errors on files of another format
         raise InputError(f"{path}: is not {kind} ({reason(error)}); mend it there") from None
 
 
 def form_of(path: str | Path, forms: tuple[str, ...]) -> str:
-    """Return which form a file is to have: what its suffix says, or the first into a device without one."""
+    """Return the format of a file by its suffix, or the first one for a device without one."""
     suffix = Path(path).suffix.lower() or (forms[0] if is_stream(path) else "")
     if suffix not in forms:
         raise InputError(f"{path}: cannot write a {suffix[1:] or 'nameless'} file here; name it {', '.join(forms)}")
@@ -95,7 +95,7 @@ def matlab_of(columns: Mapping[str, Any]) -> bytes:
 
 
 def write_zarr(dataset: "xarray.Dataset", path: str | Path) -> None:
-    """Write a dataset as a folder of Zarr, whole or not at all."""
+    """Write a dataset as a Zarr folder, whole or not at all."""
     target = Path(path)
     if target.exists() and not (target / "zarr.json").exists():
         raise InputError(f"{path}: is there and is no folder of Zarr; name another, or remove it")
@@ -123,7 +123,7 @@ def save_figure(figure: "Figure", path: str | Path) -> None:
 
 
 def _descriptor(path: str | Path) -> int | None:
-    """The number of the open file that a path leads to."""
+    """Number of the open file behind a path."""
     target = os.path.abspath(path)
     for _ in range(MOST_LINKS):
         if match := DESCRIPTOR.fullmatch(target.replace(f"/proc/{os.getpid()}/", "/proc/self/")):
@@ -137,8 +137,8 @@ def _descriptor(path: str | Path) -> int | None:
 def _pour(path: str | Path, data: bytes) -> None:
     number = _descriptor(path)
     if number is not None and sys.stdout is not None:
-        sys.stdout.flush()  # What was printed before comes before.
-    # Opened anew, a descriptor's file would be written from its beginning; a device is never made, only opened.
+        sys.stdout.flush()  # Earlier output comes first
+    # If reopened, a descriptor's file would be overwritten from its beginning; a device is never created, only opened.
     handle = os.open(path, os.O_WRONLY) if number is None else os.dup(number)
     with open(handle, "wb") as file:
         file.write(data)
@@ -169,7 +169,7 @@ def _known(path: Path) -> os.stat_result | None:
 
 
 def _resemble(path: Path, known: os.stat_result) -> None:
-    """Give a file the owner, as far as that is allowed, and the mode of the one that it replaces."""
+    """Give a file the owner, if allowed, and the mode of the one that it replaces."""
     with suppress(OSError, AttributeError):
         os.chown(path, known.st_uid, known.st_gid)
     path.chmod(stat.S_IMODE(known.st_mode))

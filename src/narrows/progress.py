@@ -1,4 +1,4 @@
-"""What is said while something takes long: bars, stages, and lines to whoever listens."""
+"""Progress of long operations: bars, stages, and log lines to listeners."""
 
 import logging
 from collections.abc import Callable, Iterator
@@ -6,10 +6,10 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import IO, Any
 
-# Bytes of a file that takes long to read.
+# Size of a file that takes long to read [bytes].
 LARGE = 20_000_000
 Listener = Callable[[str], None]
-# Who hears what takes long; the command line is one where somebody looks at it.
+# Listeners to long operations, such as the command line on a terminal.
 LISTENERS: list[Listener] = []
 
 
@@ -24,7 +24,7 @@ class _Lines(logging.Handler):
 
 @contextmanager
 def listening(listener: Listener, wanted: bool = True) -> Iterator[None]:
-    """Hear what takes long: what the package logs, and bars beside it."""
+    """Listen to long operations: log lines of the package, with bars."""
     if not wanted:
         yield
         return
@@ -43,7 +43,7 @@ def listening(listener: Listener, wanted: bool = True) -> Iterator[None]:
 
 @contextmanager
 def bar(total: int, shown: bool, what: str = "voyages") -> Iterator[Callable[[int], None]]:
-    """Show how many are done, if wanted."""
+    """Show a bar of finished items, if wanted."""
     if not shown:
         yield lambda done: None
         return
@@ -52,13 +52,13 @@ def bar(total: int, shown: bool, what: str = "voyages") -> Iterator[Callable[[in
 
 
 def is_shown() -> bool:
-    """Return whether somebody looks: a listener, or a bar that was asked for."""
+    """Return whether progress is visible: a listener, or a requested bar."""
     return bool(LISTENERS or _DISPLAYS)
 
 
 @contextmanager
 def opened(path: Path) -> Iterator[IO[bytes]]:
-    """Open a file, with a bar of the bytes that were read where it is large and somebody listens."""
+    """Open a file, with a bar of the bytes read if it is large and there is a listener."""
     with path.open("rb") as file:
         size = path.stat().st_size
         if not LISTENERS or size < LARGE:
@@ -70,31 +70,31 @@ def opened(path: Path) -> Iterator[IO[bytes]]:
 
 @contextmanager
 def stage(what: str) -> Iterator[None]:
-    """Show what is being done, where somebody listens."""
+    """Show the current stage, if there is a listener."""
     with _task(what, None) if LISTENERS else nullcontext():
         yield
 
 
 @contextmanager
 def counted(path: Path, rows: int) -> Iterator[Callable[[int], None]]:
-    """Show how many rows of a file were read, where it is large and somebody listens."""
+    """Show how many rows of a file were read, if it is large and there is a listener."""
     with bar(rows, _is_long(path), f"reading {path.name}") as advance:
         yield advance
 
 
 def file_stage(what: str, path: Path | None) -> AbstractContextManager[None]:
-    """Show what is being done with a file, where it is large and somebody listens."""
+    """Show the current stage of a file, if it is large and there is a listener."""
     return stage(f"{what} {path.name}") if path and _is_long(path) else nullcontext()
 
 
 def _is_long(path: Path) -> bool:
-    """Whether a file takes long to read, and somebody listens."""
+    """Return whether a file takes long to read and there is a listener."""
     return bool(LISTENERS) and path.is_file() and path.stat().st_size >= LARGE
 
 
 @contextmanager
 def _task(what: str, total: int | None) -> Iterator[tuple[Any, Any]]:
-    """A line of the one display that a terminal has room for; who begins the display ends it."""
+    """A line of the terminal's one display; whoever starts the display ends it."""
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
     if _DISPLAYS:

@@ -1,4 +1,4 @@
-"""The command line: one thin command a verb, a file for those that belong together."""
+"""The command line: one thin command per verb, related verbs in one file."""
 
 from narrows.cli import envelopes, fits, learning, models, voyages, watching
 from narrows.cli.app import app, main

@@ -1,4 +1,4 @@
-"""The application, and how it leaves: exit code 0; 1 where it ran and says no; 2 for bad input."""
+"""The application and its exit codes: 0 for success; 1 for a negative result; 2 for bad input."""
 
 import os
 import sys
@@ -10,7 +10,7 @@ import click
 from narrows.errors import InputError, near_miss, reason, shown
 from narrows.progress import listening
 
-# Verbs in the order in which one uses them; a verb of none of these groups comes last.
+# Verbs in the order of use; a verb in none of these groups comes last.
 GROUPS = {
     "Start": ("demo", "reproduce"),
     "Tests and models": ("estimate", "ships", "plan", "identify", "explain", "scale"),
@@ -18,7 +18,7 @@ GROUPS = {
     "On board": ("envelope", "learn", "monitor"),
     "Other programs": ("export",),
 }
-# What a verb is called elsewhere.
+# Names of verbs in other programs.
 ELSEWHERE = {
     "identify": ("fit", "regress", "train"), "simulate": ("run", "sail", "voyage"), "map": ("sweep", "ensemble"),
     "envelope": ("safe", "chart", "limits"), "trials": ("manoeuvre", "zigzag", "turn"), "monitor": ("watch", "serve"),
@@ -29,7 +29,7 @@ SHELLS = ("bash", "zsh", "fish")
 
 
 class Verbs(click.Group):
-    """The verbs in groups, and near names answered with the right one."""
+    """The verbs in groups; near names are answered with the right one."""
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         word = args[0]
@@ -95,7 +95,7 @@ def main() -> NoReturn:
     arguments = [word for word in sys.argv[1:] if word not in ("--debug", "--verbose")]
     try:
         code = _run(arguments)
-        sys.stdout.flush()  # What cannot be written is said here, and not by Python when it ends.
+        sys.stdout.flush()  # An unwritable output is reported here, not by Python at its end
     except BrokenPipeError:
         _silence()
         raise SystemExit(1) from None
@@ -121,7 +121,7 @@ def _run(arguments: list[str]) -> int:
 
 
 def _sentence(error: Exception) -> str:
-    """What to say of an error that is no fault of the program, nothing of one that is."""
+    """Return the message for an error outside the program, nothing for a fault of the program."""
     if isinstance(error, InputError):
         return str(error)
     if hasattr(error, "format_message"):
@@ -133,7 +133,7 @@ def _sentence(error: Exception) -> str:
 
 
 def _silence() -> None:
-    """Nobody hears standard output any more, Python neither when it ends."""
+    """Close standard output that nobody reads any more, also for Python's end."""
     with suppress(OSError, ValueError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 

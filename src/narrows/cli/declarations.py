@@ -23,7 +23,7 @@ class Option:
             self.attributes["callback"] = lambda context, parameter, value: callback(value)
 
     def parameter(self, name: str, kind: Any, default: Any) -> click.Parameter:
-        """Return what click takes for it: kind is the type, a union with None or a list of many included."""
+        """Return click's parameter: kind is the type, including a union with None or a list of many."""
         names = self.names or (f"--{name.replace('_', '-')}",)
         typed: dict[str, Any] = {"is_flag": True} if kind is bool else {"type": TYPES[_single(kind)]}
         if default is Parameter.empty:
@@ -52,7 +52,7 @@ def _single(kind: Any) -> type:
 
 
 def command(function: Callable[..., Any], name: str | None, example: str) -> click.Command:
-    """Return the verb of a function; a parameter that is a dataclass stands for an option for each field."""
+    """Return the verb of a function; a dataclass parameter becomes one option per field."""
     hints = get_type_hints(function, include_extras=True)
     groups = {own: hints[own] for own in signature(function).parameters if is_dataclass(hints[own])}
 

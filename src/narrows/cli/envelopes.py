@@ -1,4 +1,4 @@
-"""``envelope``: how fast and how far off the middle a ship is still in hand."""
+"""``envelope``: how fast, and how far off the centreline, a ship stays controllable."""
 
 import sys
 from dataclasses import dataclass
@@ -29,12 +29,12 @@ class GridOptions:
 
     @property
     def offsets(self) -> "np.ndarray | None":
-        """From the middle [m], where they are given."""
+        """Offsets from the centreline [m], if given."""
         return None if self.y is None else numbers("--y", self.y)
 
     @property
     def speeds(self) -> "np.ndarray | None":
-        """Through the water [m/s], where they are given."""
+        """Speeds through the water [m/s], if given."""
         return None if self.speed is None else speeds("--speed", self.speed)
 
 
@@ -106,7 +106,7 @@ class CaseOptions:
     seed: Annotated[int, Option(help="Of the samples.")] = 0
 
 
-# With a rudder and banks, of which nothing was tested: what the chart says of it is said so.
+# A ship with a rudder and banks, but untested: the chart says so.
 DEMO_SHIP = "estimated_kcs"
 
 

@@ -1,4 +1,4 @@
-"""``identify``, ``demo``, ``explain`` and ``plan``: tests in, models and what is known of them out; tests to make."""
+"""``identify``, ``demo``, ``explain`` and ``plan``: models and their uncertainty from tests; tests to make."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -98,7 +98,7 @@ def demo(
 ) -> None:
     """Identify the bundled tests, and write a report.
 
-    The first are simulated tests of the DTC, whose bank is known; then measured ones of the KCS at three depths.
+    The first are simulated tests of the DTC with a known bank; then measured ones of the KCS at three depths.
     """
     from narrows.captive.measured import measured_tests
     from narrows.identification.conditions import identify_conditions
@@ -156,7 +156,7 @@ def explain(
 def publish(
     fits: dict[str, "Fit"], title: str, delivery: ModelDelivery, first: Mapping[str, "Fit"] = MappingProxyType({})
 ) -> None:
-    """Save, report and print fits; those that come first are not saved."""
+    """Save, report and print fits; earlier ones are not saved."""
     from narrows.identification.bank_answer import answer_of
 
     every = {**first, **fits}
@@ -175,7 +175,7 @@ def publish(
 
 
 def _save(fit: "Fit", output: Path | None, label: str) -> Path | None:
-    """Write a model where one is asked for, with the label of its condition in its name; return where."""
+    """Write a model if requested, with the label of its condition in its name; return its path."""
     if output is None:
         return None
     path = output_of(output, label) if label else output
@@ -202,7 +202,7 @@ def reproduce(
 ) -> None:
     """Reproduce every table and figure of the 2025 paper.
 
-    Numbers of this package stand beside those of the paper.
+    Numbers of this package are listed with those of the paper.
     """
     from narrows.report.reproduction import write_reproduction
     from narrows.studies.mikkelsen2025 import reproduce as made
@@ -252,7 +252,7 @@ class AimOptions:
     criterion: Annotated[str, Option(help="'c': sum of the variances; 'd': determinant.")] = "c"
 
     def options(self, terms: "TermTable") -> dict[str, Any]:
-        """What ``plan_tests`` is told of it."""
+        """Options of ``plan_tests``."""
         from narrows.identification.run_errors import run_errors_of
 
         targets = tuple(filter(None, self.targets.split(",")))

@@ -1,4 +1,4 @@
-"""``learn``: a model that knows more, from what the ship itself did."""
+"""``learn``: improve a model from the ship's own records."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     )
     from narrows.model.model import Model
 
-# Of what is printed as JSON; null where it was not asked for.
+# Parts of the JSON output; null if not requested.
 PARTS = ("log", "truth", "steady", "envelope", "plan", "foresight")
 PILOT_PAGES = (".html", ".pdf", ".svg", ".png")
 
@@ -138,7 +138,7 @@ def _check(
 def _learn(
     model: "Model", logs: list[Path], logged: LogOptions, ahead: ForesightOptions, delivery: ModelDelivery
 ) -> bool:
-    """Learn from logs; return whether they tell."""
+    """Learn from logs; return whether they carry information."""
     from narrows.logbook import learn as learned
 
     log = _read(logs, logged, ahead)
@@ -159,7 +159,7 @@ def _doubts(model: "Model", log: "ShipLog | StreamedLog") -> tuple[str, ...]:
 
 
 def _read(logs: list[Path], logged: LogOptions, ahead: ForesightOptions) -> "ShipLog | StreamedLog":
-    """Logs in memory, or read from disk again and again where one is large."""
+    """Logs in memory, or read from disk at each pass if one is large."""
     from narrows.logbook import read_log, stream_log
     from narrows.progress import LARGE
     from narrows.waterway import read_waterway

@@ -1,4 +1,4 @@
-"""``scale``, ``export``, ``ships`` and ``estimate``: models, ready or scaled, into files."""
+"""``scale``, ``export``, ``ships`` and ``estimate``: scale, export, list and estimate models."""
 
 from dataclasses import dataclass
 from inspect import signature
@@ -39,7 +39,7 @@ def scale(
 ) -> None:
     """Scale a model to another length by Froude's law.
 
-    It reports what does not scale.
+    It reports the effects that do not scale.
 
     MODEL is a model file, or the name of a published model.
     """
@@ -83,7 +83,7 @@ def export(
 ) -> None:
     """Export a model: C, C++, JavaScript, MATLAB, FMU and more.
 
-    The file has the equations of the simulation.
+    The file contains the equations of the simulation.
 
     MODEL is a model file, or the name of a published model.
     """
@@ -112,7 +112,7 @@ def export(
 
 
 def _helm(model: "Model", hold: float | None, speed: str | None, way: "Waterway | None") -> Any:
-    """The regulator that goes into the file."""
+    """Regulator for the exported file."""
     if hold is None:
         if speed is not None:
             raise InputError("--helm-speed serves the helm that --hold asks for; add --hold, or leave it out")
@@ -146,7 +146,7 @@ def estimate(
 ) -> None:
     """Estimate a model from the main dimensions of a ship.
 
-    Its spread is the error of the formulas on known ships.
+    Its uncertainty is the error of the formulas on known ships.
     """
     from narrows.empirical.main_dimensions import estimate_model
     from narrows.model.model_file import save_model
@@ -170,7 +170,7 @@ def estimate(
 
 @verb("narrows ships")
 def ships(json: AsJson = False) -> None:
-    """List ready ships: each name replaces a model file."""
+    """List the available ships: each name replaces a model file."""
     from narrows.empirical.fleet import ready_ships
     from narrows.report.printed_tables import print_ships
 

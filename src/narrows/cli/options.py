@@ -1,4 +1,4 @@
-"""Arguments and options that verbs share, and how they write: folders, names of files, JSON."""
+"""Arguments, options and output functions that verbs share: folders, file names, JSON."""
 
 import re
 from collections.abc import Callable, Iterable
@@ -19,17 +19,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# What a file's name cannot hold, written as addresses write it.
+# Characters that a file name cannot hold, percent-encoded as in addresses.
 NOT_IN_NAMES = str.maketrans({character: f"%{ord(character):02X}" for character in "/\\\0%"})
 DATASETS = (".nc", ".zarr", ".csv", ".parquet", ".mat", ".json")
 TRACKS = (*DATASETS, ".geojson", ".kml")
 TABLES = (".csv", ".parquet", ".mat", ".json")
-# Suffixes of what verbs write; the first is what a device without one gets.
+# Suffixes of the verbs' files; the first is used for a device without one.
 MODELS, PAGES, WATERWAYS = (".toml",), (".html", ".htm"), (".geojson", ".json")
 
 
 def named(forms: tuple[str, ...]) -> Callable[[Path | None], Path | None]:
-    """Return what refuses a file's name before anything is computed for it."""
+    """Return a check that refuses a file name before any computation."""
 
     def checked(path: Path | None) -> Path | None:
         if path is not None:
@@ -40,7 +40,7 @@ def named(forms: tuple[str, ...]) -> Callable[[Path | None], Path | None]:
 
 
 def say_written(paths: Iterable[Path | None], json: bool = False) -> None:
-    """Print what was written where; nothing beside JSON, nor of what flows on."""
+    """Print which files were written; nothing with JSON output or for streams."""
     files = [path for path in paths if path is not None]
     if not json and not any(map(is_stream, files)):
         for path in files:
@@ -55,7 +55,7 @@ def folder(path: Path) -> None:
 
 
 def output_of(path: Path, label: str) -> Path:
-    """Return where a condition's own file goes: its label is added to the name, and all share a device."""
+    """Return the file of a condition: its label is added to the name; a device is shared by all."""
     if is_stream(path):
         return path
     if not path.name:
@@ -122,7 +122,7 @@ Function = TypeVar("Function", bound=Callable[..., None])
 
 
 def verb(example: str, name: str | None = None) -> Callable[[Function], Function]:
-    """Register a function as a verb; a parameter that is a dataclass stands for an option for each field."""
+    """Register a function as a verb; a dataclass parameter becomes one option per field."""
 
     def registered(function: Function) -> Function:
         app.add_command(command(function, name, example))
@@ -131,12 +131,12 @@ def verb(example: str, name: str | None = None) -> Callable[[Function], Function
     return registered
 
 
-# Of a speed as written, in m/s.
+# Units of a written speed, in m/s.
 SPEED_UNITS = {
     "": 1.0, "m/s": 1.0, "mps": 1.0, **dict.fromkeys(("kn", "kt", "kts", "knot", "knots"), KNOT),
     **dict.fromkeys(("km/h", "kmh", "kph"), 1 / 3.6),
 }  # fmt: skip
-# Values of a range.
+# Largest number of values in a range.
 MOST = 1_000_000
 UNIT = re.compile(rf"(?:{'|'.join(sorted(filter(None, SPEED_UNITS), key=len, reverse=True))})?\s*$", re.IGNORECASE)
 
@@ -159,7 +159,7 @@ def numbers(option: str, text: str, such_as: str = "0.5, or 0.5,1,2, or -2.5:2.5
 
 
 def speeds(option: str, text: str) -> np.ndarray:
-    """Read speeds [m/s]: as numbers, each with its unit or all without: ``4.1m/s``, ``8kn,9kn``, ``4kn:12kn:17``."""
+    """Read speeds [m/s]: as numbers, all with a unit or all without: ``4.1m/s``, ``8kn,9kn``, ``4kn:12kn:17``."""
     between = ":" if ":" in text else ","
     words = text.split(between)
     carry = words[:2] if between == ":" else words

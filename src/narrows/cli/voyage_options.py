@@ -36,7 +36,7 @@ class StartOptions:
 
     @property
     def u(self) -> float | None:
-        """Surge velocity [m/s], where it is given."""
+        """Surge velocity [m/s], if given."""
         return None if self.speed is None else read_speed("--speed", self.speed)
 
     def values(self) -> dict[str, float]:
@@ -63,7 +63,7 @@ class HelmOptions:
     ] = None
 
     def of(self, model: "Model", u: float, x: float, way: "Waterway | None") -> Any:
-        """Return the helm for the model's own canal, or for the section of a waterway where the ship starts."""
+        """Return the helm for the model's own canal, or for the section of a waterway at the ship's start."""
         if self.controller is not None:
             check_choice("--controller", self.controller, HELMS)
         if self.hold is None:
@@ -91,7 +91,7 @@ def _track_pilot(model: "Model", hold: float, u: float, x: float, way: "Waterway
     canal = way.canal(x)
     canal = canal if canal.depth else replace(canal, depth=model.configuration.canal.depth)
     there = replace(model, configuration=replace(model.configuration, canal=canal))
-    # That section counts from its middle, the voyage from the line.
+    # Offsets in that section count from its middle, those of the voyage from the line.
     return replace(track_pilot(there, hold - float(way.section(x).middle), u), y=hold)
 
 
@@ -147,7 +147,7 @@ class VariedOptions:
 
     @property
     def u(self) -> "np.ndarray | None":
-        """Surge velocities [m/s], where they are given."""
+        """Surge velocities [m/s], if given."""
         return None if self.speed is None else speeds("--speed", self.speed)
 
     def values(self, usual: "VoyageDefaults", offsets: int) -> dict[str, Any]:

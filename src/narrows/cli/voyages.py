@@ -33,7 +33,7 @@ from narrows.cli.voyage_options import (
 )
 from narrows.errors import InputError
 
-# Of a map, where none are given.
+# Default number of offsets in a map.
 OFFSETS = 101
 
 
@@ -137,7 +137,7 @@ def trials(
     say_written((output, plot), json)
 
 
-# How far off a bank of a chart is looked for [m].
+# Search distance for a bank in a chart [m].
 REACH = 1000.0
 
 
@@ -193,7 +193,7 @@ def waterway(
 
 
 def _check_together(file: Path | None, line: Path | None, width: float | None, reach: float) -> None:
-    """Raise where arguments contradict each other."""
+    """Raise if arguments contradict each other."""
     if file is not None and width is not None:
         raise InputError("--width makes a waterway along --line alone; leave it out, or the file")
     if file is not None and file.suffix == ".000" and line is None:

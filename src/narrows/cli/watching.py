@@ -1,4 +1,4 @@
-"""``monitor``: from what a bridge tells to alerts of the banks."""
+"""``monitor``: alerts of bank effects from a ship's own readings."""
 
 import math
 import signal
@@ -24,10 +24,10 @@ if TYPE_CHECKING:
     from narrows.warning.monitoring.bridge_status import BridgeStatus
     from narrows.warning.monitoring.watched_transit import WatchedTransit
 
-# Seconds between lines where nothing changes.
+# Seconds between lines without changes.
 SAID_EVERY = 10
 COLOURS = {"caution": "yellow", "warning": "yellow", "alarm": "red", "emergency alarm": "magenta"}
-# With which kernels are compiled [m/s].
+# Speed for compiling the kernels [m/s].
 USUAL_SPEED = 4.0
 
 
@@ -236,7 +236,7 @@ def _watched(monitored: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outle
 
 @contextmanager
 def _ended_by_sigterm() -> Iterator[None]:
-    """Let SIGTERM end the watch as Ctrl-C does: pages and servers are told."""
+    """Let SIGTERM end the watch like Ctrl-C, with notice to pages and servers."""
 
     def end(number: int, frame: object) -> None:
         raise KeyboardInterrupt
@@ -343,7 +343,7 @@ def _read(lines: Iterable[str], typed: "SimpleQueue[str]") -> None:
 
 
 def _commands(key: str, t: float, monitored: "BridgeMonitor") -> list[bytes]:
-    """Sentences of a key: for each alert of which its command can be."""
+    """Sentences of a key: for each alert that accepts its command."""
     from narrows.warning.alerts.alert import Command
     from narrows.warning.alerts.alert_sentences import acn
 

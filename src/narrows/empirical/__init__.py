@@ -1,4 +1,4 @@
-"""A ship without a towing tank: models from main dimensions, and a fleet of ready ships."""
+"""Ships without towing-tank tests: models from main dimensions, and a fleet of available ships."""
 
 import lazy_loader
 

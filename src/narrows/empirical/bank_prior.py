@@ -1,9 +1,9 @@
-"""The bank's coefficients of a ship without tests: their distribution over ships and depths that were tested.
+"""Bank coefficients of an untested ship: their distribution over tested ships and depths.
 
 Each row is a model of the paper's form (delta) of one ship at one depth. The distribution is normal, with mean and
 standard deviation of the rows; that of a further ship is wider by the error of the mean. Norrbin's (1974) formula is
-printed with several meanings of its distance and is not used; nor are Ch'ng et al. (1993) and Vantorre et al. (2003),
-whose coefficients no two sources give.
+not used because its distance is printed with several meanings, nor are Ch'ng et al. (1993) and Vantorre et al. (2003),
+because no two sources agree on their coefficients.
 """
 
 import math
@@ -37,7 +37,7 @@ BANK_EVIDENCE = (
 
 
 def bank_prior() -> dict[str, Spread]:
-    """Return suction and cushion of a ship whose banks were not tested, ``Y_bank`` and ``N_bank``."""
+    """Return suction and cushion of a ship without bank tests, ``Y_bank`` and ``N_bank``."""
     widened = math.sqrt(1 + 1 / len(BANK_EVIDENCE))
     columns = {
         "Y_bank": [row.suction for row in BANK_EVIDENCE],
@@ -50,6 +50,6 @@ def bank_prior() -> dict[str, Spread]:
 
 
 def tested_widths() -> tuple[float, float]:
-    """Return the least and the largest W/B of the evidence [1]."""
+    """Return the smallest and the largest W/B of the evidence [1]."""
     widths = [row.width_to_beam for row in BANK_EVIDENCE]
     return min(widths), max(widths)

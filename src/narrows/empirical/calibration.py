@@ -1,9 +1,9 @@
-"""Estimates of primes from formulas, with the spread that known ships show: weighted mean, bias, moderated variance.
+"""Estimates of primes from formulas, with their errors on known ships: weighted mean, bias, moderated variance.
 
-Errors are those of logarithms for coefficients whose sign is known, and plain ones for the others. The mean of the
-formulas weighs each by its mean squared error. Variances of few ships are shrunk to that of the whole group, as
-Smyth (2004) moderates variances of few replicates; what follows from few ships has the tails of Student's t, and its
-standard deviation is widened so that 95 % intervals of a normal distribution hold 95 %.
+Errors are those of logarithms for coefficients of known sign, and absolute ones for the others. The mean of the
+formulas weighs each by its mean squared error. Variances of few ships are shrunk to that of the whole group, as Smyth
+(2004) moderates variances of few replicates. Few ships give the tails of Student's t, and the standard deviation is
+widened so that 95 % intervals of a normal distribution cover 95 %.
 """
 
 import math
@@ -17,18 +17,18 @@ from scipy.stats import norm, t
 from narrows.empirical.formulas import FORMULAS, Formula, Hull, depth_factor
 from narrows.empirical.known_ships import KNOWN_SHIPS, KnownShip
 
-# Coefficients whose sign is known: their errors are factors.
+# Coefficients of known sign: their errors are factors.
 SIGNED = ("X_mx", "X_my", "N_jz", "Y_v", "Y_r", "N_v", "N_r", "Y_vvv", "Y_vrr", "N_vvr", "N_rrr")
 COEFFICIENTS = tuple(dict.fromkeys(formula.coefficient for formula in FORMULAS))
 
-PRIOR_SHIPS = 3.0  # Ships that the belief in no bias, and in the variance of the group, is worth
-SHALLOWEST_AS_DEEP = 2.0  # h/T from which tests serve as deep ones, taken there by the depth laws
-LEAST_ERROR = 0.1  # Of a formula: no weight grows without limit where few ships agree by chance
+PRIOR_SHIPS = 3.0  # Weight of the priors of no bias and of the group variance [ships]
+SHALLOWEST_AS_DEEP = 2.0  # h/T above which tests count as deep, after correction by the depth laws
+LEAST_ERROR = 0.1  # Least error of a formula: limits its weight where few ships agree by chance
 
 
 @dataclass(frozen=True)
 class Spread:
-    """A coefficient of a ship: its prime, and the standard deviation of it."""
+    """A prime of a ship, and its standard deviation."""
 
     value: float
     std: float
@@ -39,7 +39,7 @@ class _Errors:
     """Errors of the formulas of one coefficient on the known ships."""
 
     formulas: tuple[Formula, ...]
-    scale: float  # 1 for logarithms; the usual size of the coefficient for plain errors
+    scale: float  # 1 for logarithms; the usual size of the coefficient for absolute errors
     errors: np.ndarray  # (ships, formulas)
 
     @cached_property
@@ -58,13 +58,13 @@ class _Errors:
 
     @property
     def squares(self) -> float:
-        """Sum of squares about the bias, over the scale."""
+        """Sum of squares about the bias, relative to the scale."""
         return float((((self.combined - self.bias) / self.scale) ** 2).sum())
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """What known ships show of the formulas' errors."""
+    """Errors of the formulas on known ships."""
 
     ships: tuple[KnownShip, ...] = KNOWN_SHIPS
 
@@ -74,7 +74,7 @@ class Calibration:
 
     @cached_property
     def group_variances(self) -> dict[bool, float]:
-        """Variance of the errors over their scales, of the signed coefficients and of the others."""
+        """Variance of the scaled errors, of the signed coefficients and of the others."""
         found = {}
         for signed in (True, False):
             group = [errors for name, errors in self.errors.items() if (name in SIGNED) == signed]
@@ -84,7 +84,7 @@ class Calibration:
 
     @cached_property
     def depth_variances(self) -> dict[str, float]:
-        """Variance of the logarithm of each signed coefficient per T/(h - T), beyond the depth laws."""
+        """Variance of the logarithm of each signed coefficient per T/(h - T), in addition to the depth laws."""
         squares: dict[str, list[float]] = {name: [] for name in SIGNED}
         for ship in self.ships:
             deepest = max(ship.primes)
@@ -94,14 +94,14 @@ class Calibration:
                     square = _depth_error(ship, name, ratio, deepest) ** 2 - noise
                     squares[name].append(max(square, 0.0) * (ratio - 1))
         known = [square for group in squares.values() for square in group]
-        usual = float(np.median(known)) if known else 0.0  # A few large ones are not all coefficients'
+        usual = float(np.median(known)) if known else 0.0  # Few large ones must not affect all coefficients
         return {
             name: (sum(group) + PRIOR_SHIPS * usual) / (len(group) + PRIOR_SHIPS) for name, group in squares.items()
         }
 
     @cached_property
     def correlation(self) -> np.ndarray:
-        """Correlation of the errors of the signed coefficients, shrunk towards none."""
+        """Correlation of the errors of the signed coefficients, shrunk towards zero."""
         table = np.zeros((len(self.ships), len(SIGNED)))
         for column, name in enumerate(SIGNED):
             errors = self.errors[name]
@@ -122,7 +122,7 @@ class Calibration:
         size = max(errors.scale, abs(mean)) if not signed else 1.0
         moderated = (errors.squares + PRIOR_SHIPS * self.group_variances[signed]) / degrees
         variance = moderated * size**2 * (1 + 1 / (count + PRIOR_SHIPS))
-        # The formulas' disagreement on this very hull counts too.
+        # The formulas' disagreement on this hull is added.
         variance += float(errors.weights @ (numbers - mean) ** 2)
         widened = math.sqrt(variance) * float(t.ppf(0.975, degrees) / norm.ppf(0.975))
         if not signed:
@@ -145,7 +145,7 @@ class Calibration:
 
 
 def _deep(ship: KnownShip, name: str) -> float | None:
-    """The prime in deep water, or of the deepest tests that serve as such."""
+    """The prime in deep water, or that of the deepest tests that count as deep."""
     ratio = max(ship.primes)
     if ratio < SHALLOWEST_AS_DEEP or name not in ship.primes[ratio]:
         return None
@@ -153,7 +153,7 @@ def _deep(ship: KnownShip, name: str) -> float | None:
 
 
 def _depth_error(ship: KnownShip, name: str, ratio: float, deepest: float) -> float:
-    """By how much the depth law misses the change between two depths of a ship, as a logarithm."""
+    """Error of the depth law for the change between two depths of a ship, as a logarithm."""
     measured = ship.primes[ratio][name] / ship.primes[deepest][name]
     law = depth_factor(name, ship.hull, ratio) / depth_factor(name, ship.hull, deepest)
     return math.log(measured / law)
@@ -172,13 +172,13 @@ class LeftOut:
 
     @property
     def held(self) -> bool:
-        """Whether the 95 % interval holds the prime, with the error of the tests."""
+        """Return whether the 95 % interval contains the prime, with the error of the tests."""
         std = math.hypot(self.estimate.std, self.known_error)
         return abs(self.known - self.estimate.value) <= float(norm.ppf(0.975)) * std
 
 
 def left_out(ships: Sequence[KnownShip] = KNOWN_SHIPS) -> list[LeftOut]:
-    """Estimate each known ship by the others."""
+    """Estimate each known ship from the others."""
     rows = []
     for ship in ships:
         others = Calibration(tuple(other for other in ships if other is not ship))

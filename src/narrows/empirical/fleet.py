@@ -1,4 +1,4 @@
-"""Ships that are ready to sail: models that papers printed, and estimates from the dimensions of well-known ships."""
+"""Available ships: published models, and estimates from the dimensions of well-known ships."""
 
 import os
 from collections.abc import Callable
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class EstimatedShip:
-    """A ship whose printed particulars make an estimate."""
+    """A ship with printed particulars for an estimate."""
 
     ship: Ship
     canal: Canal
@@ -68,19 +68,19 @@ def _ready_ships() -> dict[str, Callable[[], Model]]:
 
 
 def _estimate(row: EstimatedShip) -> Model:
-    from narrows.empirical.main_dimensions import estimate_model  # The statistics behind it load slowly.
+    from narrows.empirical.main_dimensions import estimate_model  # Its statistics load slowly
 
     return estimate_model(row.ship, row.canal, kind=row.kind, speed=row.speed)
 
 
 @overload
 def published() -> list[str]:
-    """List the names of the ships that are ready."""
+    """List the names of the available ships."""
 
 
 @overload
 def published(name: str) -> Model:
-    """Load a ready ship.
+    """Load an available ship.
 
     Parameters
     ----------
@@ -90,14 +90,14 @@ def published(name: str) -> Model:
 
 
 def published(name: str | None = None) -> "Model | list[str]":
-    """Load a ship that is ready to sail, or list their names.
+    """Load an available ship, or list their names.
 
-    The names begin with the paper whose coefficients they have, or with ``estimated``.
+    The names begin with the paper of their coefficients, or with ``estimated``.
 
     Parameters
     ----------
     name : str, optional
-        As in ``mikkelsen2025_dtc``; the names that there are unless given.
+        As in ``mikkelsen2025_dtc``; all names unless given.
 
     Returns
     -------
@@ -122,12 +122,12 @@ def model_named(name: str) -> Model:
 
 
 def ready_ships() -> "pd.DataFrame":
-    """List the ships that are ready: dimensions, source, and what is measured.
+    """List the available ships: dimensions, source, and measured parts.
 
     Returns
     -------
     DataFrame
-        A row a ship, by the name that ``published`` takes.
+        One row per ship, with the name for ``published``.
     """
     import pandas as pd
 

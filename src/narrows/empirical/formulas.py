@@ -1,7 +1,7 @@
 """Formulas of the literature for the primes of the MMG method from main dimensions, in deep water, at even keel.
 
 All primes follow Yasukawa and Yoshimura (2015): forces over 1/2 rho L d U^2, about midship, of the hull without rudder.
-A formula whose author uses 1/2 rho L^2 U^2, or counts the added mass in surge with Y_r, is converted in its row.
+Formulas that use 1/2 rho L^2 U^2, or include the added mass in surge in Y_r, are converted in their row.
 """
 
 import math
@@ -14,7 +14,7 @@ from narrows.quantities.names import Number
 
 @dataclass(frozen=True)
 class Hull:
-    """The ratios that the formulas take."""
+    """Ratios of a hull for the formulas."""
 
     length_to_beam: Number  # L/B
     beam_to_draft: Number  # B/T
@@ -37,14 +37,14 @@ class Hull:
         return 2 * self.fullness
 
 
-# Relative sizes of the ships behind the regressions, for the one sentence on ships outside of them.
+# Relative sizes of the ships behind the regressions, for the note on ships outside them.
 RANGES = {
     "length_to_beam": ("L/B", 5.0, 8.0),
     "beam_to_draft": ("B/T", 2.2, 4.5),
     "block_coefficient": ("C_B", 0.5, 0.87),
 }
 
-# How a formula was read.
+# How a formula was verified.
 AGREE, ALONE = "independent transcriptions agree", "unverified: one transcription"
 
 
@@ -52,14 +52,14 @@ AGREE, ALONE = "independent transcriptions agree", "unverified: one transcriptio
 class Formula:
     """One formula for one coefficient."""
 
-    coefficient: str  # As in the table of terms, or a particular of propeller or rudder
+    coefficient: str  # Name in the table of terms, or a particular of propeller or rudder
     source: str
     law: Callable[[Hull], Number]
-    read: str = AGREE  # How it was read, and which reading was taken where transcriptions disagree
+    read: str = AGREE  # How it was verified, and the reading used if transcriptions disagree
 
     @property
     def verified(self) -> bool:
-        """Whether two independent transcriptions agree, or printed data decided between them."""
+        """True if two independent transcriptions agree, or printed data decided between them."""
         return not self.read.startswith("unverified")
 
 
@@ -128,7 +128,7 @@ def _aspect(hull: Hull) -> Number:
 INOUE_YAW = "the square of the aspect ratio is added; one of six transcriptions subtracts it, against KVLCC2"
 WITH_SURGE = "the author counts the added mass in surge with Y_r"
 
-# One row a formula; those of one coefficient stand together.
+# One row per formula; those of one coefficient are adjacent.
 FORMULAS = (
     Formula("X_mx", CLARKE, lambda hull: SURGE_SHARE * hull.mass),
     Formula("X_my", ZHOU, _zhou_sway, "four transcriptions agree; one leaves out C_B in the last term"),
@@ -176,7 +176,7 @@ FORMULAS = (
     Formula("N_rrr", YOSHIMURA, lambda hull: 0.25 * hull.fullness - 0.056),
 )  # fmt: skip
 
-# How primes grow from deep water to h/T, by coefficient; those that are not here stay.
+# Growth of primes from deep water to h/T, by coefficient; missing ones are constant.
 LI_WU = "Li and Wu (1990); unverified: the KCS decides 0.0129 against the 0.129 of the one transcription"
 
 
@@ -195,6 +195,6 @@ DEPTH_LAWS: dict[str, Callable[[Hull, Number], Number]] = {
 
 
 def depth_factor(coefficient: str, hull: Hull, depth_to_draft: float) -> float:
-    """Return the factor of a prime over deep water [1]."""
+    """Return the factor of a prime relative to deep water [1]."""
     law = DEPTH_LAWS.get(coefficient)
     return float(law(hull, depth_to_draft)) if law and math.isfinite(depth_to_draft) else 1.0

@@ -1,8 +1,8 @@
-"""Ships whose derivatives are known, by which the formulas are judged: primes over 1/2 rho L d, about midship.
+"""Ships with known derivatives, for calibrating the formulas: primes over 1/2 rho L d, about midship.
 
-Derivatives printed over 1/2 rho L^2 are multiplied by L/T. Where a model counts the added mass in surge with the
-turning force, or the mass with everything, these are taken out. Where tests had the rudder on, its share amidships is
-taken out by its own printed slopes, a flow straightening of 0.4 and a lever of 0.8 L, usual of single-screw ships.
+Derivatives printed over 1/2 rho L^2 are multiplied by L/T. If a model includes the added mass in surge in the turning
+force, or the mass in everything, these are removed. If tests had the rudder on, its share amidships is removed by its
+own printed slopes, a flow straightening of 0.4 and a lever of 0.8 L, usual for single-screw ships.
 """
 
 import math
@@ -19,22 +19,22 @@ class KnownShip:
     name: str
     source: str
     hull: Hull
-    primes: Mapping[float, Mapping[str, float]]  # By h/T; infinite in deep water
-    # Standard errors of the primes over their sizes, where the tests gave them
+    primes: Mapping[float, Mapping[str, float]]  # Primes by h/T; infinite in deep water
+    # Relative standard errors of the primes, if the tests gave them
     errors: Mapping[float, Mapping[str, float]] = field(default_factory=dict)
 
     def relative_error(self, name: str, ratio: float) -> float:
-        """Standard error of a prime over its size [1]."""
+        """Relative standard error of a prime [1]."""
         return self.errors.get(ratio, {}).get(name, 0.0)
 
 
 def _over_draft(length: float, draft: float, printed: Mapping[str, float]) -> dict[str, float]:
-    """Primes over 1/2 rho L d of those over 1/2 rho L^2."""
+    """Convert primes over 1/2 rho L^2 to primes over 1/2 rho L d."""
     return {name: value * length / draft for name, value in printed.items()}
 
 
 def _without_rudder(primes: Mapping[str, float], force: float, moment: float) -> dict[str, float]:
-    """Take out the rudder amidships, by its force and moment per radian."""
+    """Remove the rudder amidships, by its force and moment per radian."""
     bare = dict(primes)
     for name, slope in (("Y", force), ("N", moment)):
         bare[f"{name}_v"] += STRAIGHTENING * slope
@@ -69,7 +69,7 @@ S175 = KnownShip(
 )  # fmt: skip
 
 # The printed Y_r and N_r are less m' and m' x_G' (0.00798, -0.023), X_vr is more by m'. Y_vvr and N_vvr are left out:
-# the polynomial has no terms of v r r, whose part they hold.
+# the polynomial has no terms in v r r, whose effect they contain.
 _MARINER = _over_draft(160.93, 7.47, {
     "X_mx": 0.00042, "X_my": 0.00748, "N_jz": 0.000438,
     "Y_v": -0.0116, "Y_r": -0.00499 + 0.00798 + 0.00042, "N_v": -0.00264, "N_r": -0.00166 - 0.00798 * 0.023,
@@ -115,7 +115,7 @@ KCS_MASS, KCS_LEVER = 0.1823, -0.0139
 
 
 def _kcs(sway: float, yaw: float, drift: tuple[float, float], turning: tuple[float, float]) -> dict[str, float]:
-    """Primes of the coefficients over the same scales that the package identifies with the terms ``crossflow``."""
+    """Primes of the package's fit with the terms ``crossflow``, over the same scales."""
     surge = SURGE_SHARE * KCS_MASS
     return {
         "X_my": sway - KCS_MASS, "N_jz": yaw - 0.01195, "Y_v": -drift[0], "N_v": -drift[1],

@@ -1,4 +1,4 @@
-"""A model from main dimensions: hull, propeller and rudder by formulas, banks by other ships, spread calibrated."""
+"""A model from main dimensions: hull, propeller and rudder by formulas, banks from other ships, calibrated errors."""
 
 import math
 from collections.abc import Mapping
@@ -37,19 +37,19 @@ TABLE = "mmg+delta"
 SEA = Water(1025.0)
 GYRATION = 0.25  # Radius of gyration over L, Yasukawa and Yoshimura (2015) for KVLCC2; 0.25 to 0.27 is usual
 
-# Relative standard deviations of what no known ship calibrates, by the differences between the formulas and KVLCC2,
-# S-175 and between the formulas themselves.
-RUDDER_SHARE = 0.20  # Force of the rudder as a whole: wake, slipstream, straightening
-INCREASE_SHARE = 0.10  # 1 + a_H apart from it
+# Relative standard deviations of parts that no known ship calibrates, from the differences between the formulas, KVLCC2
+# and S-175.
+RUDDER_SHARE = 0.20  # Whole rudder force: wake, slipstream, straightening
+INCREASE_SHARE = 0.10  # 1 + a_H in addition
 RESISTANCE_SHARE = 0.30
 THRUST_SHARE = 0.06
 
-# What a ship is, at most and at least.
+# Limits of a ship's dimensions.
 LONGEST = 500.0  # [m]
 SHAPES = {"L/B": (2.5, 15.0), "B/T": (1.2, 15.0), "block coefficient": (0.3, 1.0)}
 
-FASTEST_FROUDE = 0.25  # Of the tests behind the formulas
-SHALLOWEST, DEEPEST = 1.2, 1e3  # h/T of the calibration; deep water is any
+FASTEST_FROUDE = 0.25  # Largest Froude number of the tests behind the formulas
+SHALLOWEST, DEEPEST = 1.2, 1e3  # h/T of the calibration; beyond it the water is deep
 BANK_VERDICT = "estimated from other ships"
 NEEDED = ("length", "beam", "draft", "block_coefficient")
 
@@ -59,37 +59,37 @@ def estimate_model(
     speed: float | None = None, propeller: Propeller | None = None, rudder: Rudder | None = None,
     steering: SteeringGear | None = None,
 ) -> Model:  # fmt: skip
-    """Estimate the model of a ship from its main dimensions, with the spread that the formulas show on known ships.
+    """Estimate the model of a ship from its main dimensions, with the errors of the formulas on known ships.
 
-    The terms are those of the MMG standard method with the paper's bank term. The covariance holds the errors of the
-    formulas on ships whose derivatives are known, and their disagreement; the bank's coefficients are those of the
-    ships that were tested along banks. ``model.notes`` says what was filled in.
+    The terms are those of the MMG standard method with the paper's bank term. The covariance contains the errors of the
+    formulas on ships with known derivatives, and their disagreement; the bank's coefficients are those of ships tested
+    along banks. ``model.notes`` lists the assumed values.
 
     Parameters
     ----------
     ship : Ship or mapping
-        length, beam, draft [m] and block_coefficient; a mapping may lack beam, draft and block_coefficient where the
-        kind of ship is given.
+        length, beam, draft [m] and block_coefficient; a mapping may lack beam, draft and block_coefficient if ``kind``
+        is given.
     canal : Canal
-        Where it sails; the derivatives are estimated for its depth, or for deep water.
+        The canal; the derivatives are estimated for its depth, or for deep water.
     water : Water
-        Sea water unless given.
+        Default: sea water.
     kind : str, optional
-        container, tanker, bulk, general, inland or convoy: gives usual values of what is missing.
+        container, tanker, bulk, general, inland or convoy: gives usual values for missing ones.
     speed : float [m/s], optional
-        Service speed that the propeller's revolutions are balanced for; usual for the kind unless given.
+        Service speed for the propeller's revolutions; usual for the kind unless given.
     propeller, rudder, steering : Propeller, Rudder, SteeringGear, optional
-        Estimated where not given; the gear is the rules' then.
+        Estimated if not given; the default gear is that of the rules.
 
     Returns
     -------
     Model
-        As every other, with covariance.
+        With covariance.
 
     Raises
     ------
     InputError
-        If a dimension is missing or makes no ship, or the ship does not fit in the canal.
+        If a dimension is missing or unrealistic, or the ship does not fit in the canal.
 
     Examples
     --------
@@ -111,7 +111,7 @@ def estimated(
     ship: Ship | Mapping[str, Any], canal: Canal, water: Water, kind: str | None, speed: float | None,
     propeller: Propeller | None, rudder: Rudder | None, steering: SteeringGear | None, calibration: Calibration,
 ) -> Model:  # fmt: skip
-    """Estimate with a calibration of one's choice, as with a ship left out."""
+    """Estimate with a given calibration, for leaving a ship out."""
     known, filled = _completed(ship, kind)
     usual, usual_words = _type_of(known, kind)
     hull = hull_of(known)
@@ -146,14 +146,14 @@ def estimated(
 
 
 def hull_of(ship: Ship) -> Hull:
-    """Return the ratios that the formulas take."""
+    """Return the ratios of a hull for the formulas."""
     return Hull(
         ship.length / ship.beam, ship.beam / ship.draft, ship.block_coefficient, (ship.x_g or 0.0) / ship.length
     )
 
 
 def _completed(ship: Ship | Mapping[str, Any], kind: str | None) -> tuple[Ship, list[str]]:
-    """Return the ship with what its kind usually has in place of what is missing, and what that was."""
+    """Return the ship with usual values of its kind for missing ones, and a list of these."""
     if kind is not None:
         check_choice("kind", kind, SHIP_TYPES)
     if isinstance(ship, Ship):
@@ -190,7 +190,7 @@ def _usual_dimension(name: str, given: Mapping[str, Any], usual: ShipType) -> fl
 
 
 def _check_shape(ship: Ship) -> None:
-    """Raise where the dimensions make no ship: a wrong unit, or two of them exchanged."""
+    """Raise if the dimensions are no ship's: a wrong unit, or two of them exchanged."""
     if ship.length > LONGEST:
         raise InputError(f"a length of {ship.length:g} m is over {LONGEST:g} m, and no ship's; give metres, not feet")
     ratios = (ship.length / ship.beam, ship.beam / ship.draft, ship.block_coefficient)
@@ -251,7 +251,7 @@ def _assembled(spreads: Mapping[str, Spread], hull: Hull, correlation: np.ndarra
 
 
 def _sentences(ship: Ship, filled: list[str], parts: list[str], usual: str, service: float, hull: Hull) -> list[str]:
-    """Say what the model was estimated from and what was filled in."""
+    """Describe the basis of the estimate and the assumed values."""
     sentences = [
         f"The model is estimated from main dimensions ({ship.length:.4g} x {ship.beam:.4g} x {ship.draft:.4g} m, block "
         f"coefficient {ship.block_coefficient:.3g}), not from tests of this ship."

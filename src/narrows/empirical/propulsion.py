@@ -10,30 +10,30 @@ from narrows.quantities.names import GRAVITY
 from narrows.ship.actuators import Propeller, Rudder
 from narrows.ship.particulars import Ship, Water
 
-VISCOSITY = 1.19e-6  # Kinematic, of sea water at 15 degrees [m2/s]
+VISCOSITY = 1.19e-6  # Kinematic viscosity of sea water at 15 degrees [m2/s]
 ALLOWANCE = 0.0004  # Correlation allowance and residual resistance over the wetted surface [1]
-# C_1 that follows Hirano's (1980) exp(-4 beta_P^2) where the ship drifts by 0.4 rad at its propeller, as in a turn.
+# C_1 that matches Hirano's (1980) exp(-4 beta_P^2) at a drift of 0.4 rad at the propeller, as in a turn.
 WAKE_RATE = 1.6
-LARGEST_FROUDE = 0.35  # Beyond it waves govern the resistance, which is not estimated
+LARGEST_FROUDE = 0.35  # Beyond it wave resistance dominates, which is not estimated
 
 
 @dataclass(frozen=True)
 class ShipType:
-    """What is usual of a type of ship, for what its owner does not give."""
+    """Usual values of a type of ship."""
 
     words: str
     block_coefficient: float
     length_to_beam: float
     beam_to_draft: float
     froude: float  # Service speed over (g L)^(1/2)
-    propeller: float  # Diameter over draft
-    rudder_area: float  # Over length times draft
+    propeller: float  # Propeller diameter over draft
+    rudder_area: float  # Rudder area over length times draft
     thrust: tuple[float, float, float]  # K_T = k_0 + k_1 J + k_2 J^2
 
 
-# K_T of KVLCC2 for full ships, of S-175 for slender ones; sizes as of KVLCC2, KCS, DTC and S-175.
+# K_T of KVLCC2 for full ships, of S-175 for slender ones; sizes of KVLCC2, KCS, DTC and S-175.
 FULL, SLENDER = (0.2931, -0.2753, -0.1385), (0.527, -0.455, 0.0)
-ASPECT_RATIO = 1.8  # Of a rudder: its height squared over its area
+ASPECT_RATIO = 1.8  # Height squared over area of a rudder
 
 SHIP_TYPES = MappingProxyType({
     "container": ShipType("container ship", 0.65, 7.0, 3.3, 0.20, 0.62, 0.018, SLENDER),
@@ -46,7 +46,7 @@ SHIP_TYPES = MappingProxyType({
 
 
 def service_speed(ship: Ship, usual: ShipType) -> float:
-    """Return the speed that the propeller is turned for [m/s]."""
+    """Return the design speed of the propeller [m/s]."""
     return usual.froude * math.sqrt(GRAVITY * ship.length)
 
 
@@ -100,7 +100,7 @@ def estimated_rudder(ship: Ship, hull: Hull, usual: ShipType, propeller: Propell
 
 
 def estimated_propeller(ship: Ship, hull: Hull, usual: ShipType, water: Water, speed: float) -> Propeller:
-    """Return a propeller of usual size, turned so that its thrust balances the resistance at a speed."""
+    """Return a propeller of usual size, with revolutions whose thrust balances the resistance at a speed."""
     thinned = 1 / (1 - wake(hull))
     shaped = Propeller(
         usual.propeller * ship.draft, 0.0, wake(hull), *usual.thrust,

@@ -1,4 +1,4 @@
-"""Optimal experiment design: the runs that a tank should make next to identify the bank."""
+"""Optimal experiment design: the next runs of a tank to identify the bank."""
 
 from narrows.experiment_design.candidates import Tank as Tank
 from narrows.experiment_design.candidates import candidates as candidates

@@ -10,42 +10,43 @@ from narrows.captive.synthetic import HarmonicRun, Run, StraightRun
 from narrows.errors import InputError
 from narrows.ship.particulars import Configuration, half_swept
 
-# Speeds over the root of g L where none are asked for: slow ships, as in canals.
+# Default speeds over the root of g L: slow ships, as in canals.
 FROUDE = (0.08, 0.12, 0.16)
-# Of the room between hull and wall that a run may use.
+# Offsets and amplitudes as shares of the distance between hull and wall.
 OFFSETS, AMPLITUDES = (0.0, 0.35, 0.7), (0.3, 0.6, 1.0)
 CYCLES = (2, 3, 5)
 STRAIGHT_DRIFTS = (0.0, 6.0)
 # Starboard and port: each run off the centreline may be mirrored.
 SIDES = (1, -1)
 SAMPLES = 100
-# Of the room that the clearance leaves, where no reach is asked for.
+# Default share of the distance that the clearance leaves.
 UNASKED = 0.75
-# A run's steady motion over the ship's length; and more than any tank has of anything, in SI.
+# Steady motion of a run over the ship's length; and a limit above any tank's data, in SI.
 RUN_LENGTHS, MOST = 10.0, 1e5
-# Speed over the root of g L beyond which no ship in a canal goes; and samples that a run may have.
+# Largest speed over the root of g L of a ship in a canal; largest number of samples in a run.
 MOST_FROUDE, MOST_SAMPLES = 0.4, 100_000
 
 
 @dataclass(frozen=True)
 class Tank:
-    """What a towing tank can do.
+    """Limits of a towing tank.
 
     Parameters
     ----------
     run_length : float [m], optional
-        Of steady motion in one run; ten ship lengths unless given.
+        Steady motion in one run; ten ship lengths unless given.
     clearance : float [1]
-        Least distance from the hull's side to a wall, over the beam: nearer, every form of the bank term is in doubt.
+        Least distance from the hull's side to a wall, over the beam: closer to it, every form of the bank term is
+        uncertain.
     heading : float [deg]
         Largest heading in a yaw test, and drift angle in a sway test.
     speeds : sequence of float [m/s]
-        To run at; three slow ones by the ship's length unless given.
+        Speeds of runs; three slow ones by the ship's length unless given.
     depths : sequence of float [m]
-        To run at; the canal's own unless given.
+        Depths of runs; the canal's own unless given.
     reach : float, optional
-        Farthest offset of midship from the centreline [m]; three quarters of what the clearance allows unless given:
-        close to a wall every form of the bank errs most.
+        Largest offset of midship from the centreline [m]; default: three quarters of the limit by the clearance, since
+        every form of the bank errs most close to a wall.
 
     Raises
     ------
@@ -73,12 +74,12 @@ class Tank:
                 raise InputError(f"tank: {name} = {value} must be positive, and of a tank's size")
 
     def length_for(self, configuration: Configuration) -> float:
-        """Return how much steady motion a run has [m].
+        """Return the length of steady motion in a run [m].
 
         Parameters
         ----------
         configuration : Configuration
-            Gives the ship's length.
+            Configuration with the ship's length.
         """
         return RUN_LENGTHS * configuration.ship.length if self.run_length is None else self.run_length
 
@@ -145,7 +146,7 @@ def _at(depth: float | None) -> str:
 
 
 def _fits(run: Run, configuration: Configuration, tank: Tank) -> bool:
-    """Whether the corners of the hull stay clear of the walls all along."""
+    """Return whether the corners of the hull stay clear of the walls."""
     columns = run.columns(SAMPLES / run.duration)
     ship = configuration.ship
     reach = np.abs(columns["y"]) + half_swept(ship, columns["psi"])

@@ -1,4 +1,4 @@
-"""Fisher information of a run before it is made: its columns as a few rows for each force, with run errors."""
+"""Fisher information of a planned run: its columns as a few rows for each force, with run errors."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -24,33 +24,33 @@ from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration
 from narrows.terms.term import TermTable
 
-# Of sampling [Hz]; what a run tells depends on its noise per time, not on how often it is sampled.
+# Sampling rate [Hz]; a run's information depends on its noise per time, not on its sampling rate.
 RATE = 5.0
 
-# Of harmonic runs, of steady ones to starboard and of those to port: made on days of their own, often.
+# Zero offsets: of harmonic runs, of steady ones to starboard and to port, often made on different days.
 ZEROS = 3
 
-# The forces that a motion at a depth is expected to have, to which gains are proportional.
+# Expected forces of a motion at a depth, to which gain errors are proportional.
 Forces = Callable[[Motion, float | None], Mapping[str, np.ndarray]]
 
 
 @dataclass(frozen=True)
 class PlannedRun:
-    """The second level of a run: ``y = D theta + error`` in a few rows for each force."""
+    """Summary of a run: ``y = D theta + error`` in a few rows for each force."""
 
     d: np.ndarray  # (forces, q, p) Columns of the parameters
     one: np.ndarray  # (forces, q) Column of a constant force
     v: np.ndarray  # (forces, q, q) Covariance of the rows; ones on the diagonal of empty ones
-    zero: int  # Which zero it has: 0 of harmonic runs, 1 of steady ones to starboard, 2 of those to port
+    zero: int  # Index of its zero: 0 for harmonic runs, 1 for steady ones to starboard, 2 to port
 
     @cached_property
     def plain(self) -> tuple[np.ndarray, np.ndarray]:
-        """D'D and D'VD, (p, p) each, of which the covariance of least squares is made."""
+        """D'D and D'VD, (p, p) each, for the covariance of least squares."""
         return np.einsum("fqi,fqj->ij", self.d, self.d), np.einsum("fqi,fqr,frj->ij", self.d, self.v, self.d)
 
     @cached_property
     def information(self) -> np.ndarray:
-        """Information (p + zeros, p + zeros), the zeros of each force and kind of run being unknown too."""
+        """Information (p + zeros, p + zeros), with unknown zeros of each force and kind of run."""
         beside = zero_columns(self.one, np.arange(len(self.one)), np.full(len(self.one), self.zero))
         columns = np.concatenate([self.d, beside], axis=2)
         white = np.linalg.solve(np.linalg.cholesky(self.v), columns)
@@ -58,7 +58,7 @@ class PlannedRun:
 
 
 def zero_columns(one: np.ndarray, force: np.ndarray, zero: np.ndarray) -> np.ndarray:
-    """Return columns of the zeros, (blocks, q, forces x zeros), of blocks of the second level."""
+    """Return columns of the zeros, (blocks, q, forces x zeros), for blocks of run summaries."""
     # one (blocks, q); force, zero (blocks,)
     count = int(force.max()) + 1
     chosen = np.arange(count * ZEROS) == (force * ZEROS + zero)[:, None]
@@ -66,7 +66,7 @@ def zero_columns(one: np.ndarray, force: np.ndarray, zero: np.ndarray) -> np.nda
 
 
 def zero_of(steady: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """Return which zero runs have, as in ``PlannedRun``."""
+    """Return the index of each run's zero, as in ``PlannedRun``."""
     # steady (runs,); offset (runs,) [m]
     return np.asarray(np.where(steady, np.where(offset >= 0, 1, 2), 0))
 
@@ -75,7 +75,7 @@ def planned_run(
     run: Run, configuration: Configuration, terms: TermTable, forces: Forces, level: Mapping[str, float],
     noise: Mapping[str, float] = FORCE_NOISE, correlation_time: float = 0.5, errors: RunErrors | None = None,
 ) -> PlannedRun:  # fmt: skip
-    """Work out what one run would tell."""
+    """Compute the information of one run."""
     # level [N, N, N m]; noise [N, N, N m]; correlation_time [s]
     errors = errors or RunErrors()
     columns = run.columns(RATE)
@@ -110,12 +110,12 @@ def planned_run(
     return PlannedRun(d, one, v, int(zero))
 
 
-# Of the largest eigenvalue of scaled products: below it a direction holds rounding.
+# Share of the largest eigenvalue of scaled products: below it a direction is rounding.
 DIRECTION = 1e-9
 
 
 def roots(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Factor stacks of products, H = R'R: R (m, k, k), its inverse from the left for H z = g, and which rows live."""
+    """Factor stacks of products, H = R'R: R (m, k, k), its left inverse for H z = g, and which rows have data."""
     # gram (m, k, k)
     size = np.sqrt(np.maximum(np.diagonal(gram, axis1=1, axis2=2), 0.0))
     full, size = size > 0, np.where(size > 0, size, 1.0)
@@ -123,13 +123,13 @@ def roots(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     live = values > DIRECTION * np.maximum(values[:, -1:], 1e-300)
     root = np.sqrt(np.where(live, values, 0.0))
     back = np.where(live, 1 / np.where(live, root, 1.0), 0.0)
-    turned = np.swapaxes(vectors, 1, 2) * full[:, None, :]  # an empty column stays empty, rounding and all
+    turned = np.swapaxes(vectors, 1, 2) * full[:, None, :]  # an empty column stays exactly zero
     return root[:, :, None] * turned * size[:, None, :], back[:, :, None] * turned / size[:, None, :], live
 
 
 def inflation(runs: Sequence[PlannedRun], known: np.ndarray | None = None) -> np.ndarray:
-    """Variance inflation of each parameter under some runs, (p,); infinite where they do not determine it."""
-    # known (p + zeros, p + zeros): of tests that were made before
+    """Variance inflation of each parameter under some runs, (p,); infinite if they do not determine it."""
+    # known (p + zeros, p + zeros): information of earlier tests
     gram = np.sum([run.plain[0] for run in runs], axis=0)
     if known is not None:
         gram = gram + known[: len(gram), : len(gram)]
@@ -138,7 +138,7 @@ def inflation(runs: Sequence[PlannedRun], known: np.ndarray | None = None) -> np
 
 
 def pseudo_inverse(h: np.ndarray, empty: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Return the inverse of symmetric matrices (..., p, p) over what has data, and which parameters that determines."""
+    """Return the inverse of symmetric matrices (..., p, p) over columns with data; which parameters it determines."""
     # h (..., p, p)
     size = np.sqrt(np.maximum(np.diagonal(h, axis1=-2, axis2=-1), 0.0))
     full = size**2 > empty
@@ -153,21 +153,21 @@ def pseudo_inverse(h: np.ndarray, empty: float = 0.0) -> tuple[np.ndarray, np.nd
     return product / outer, known & full
 
 
-# The best few of many runs for some coefficients, whatever the form of the bank: greedy choice, then exchanges.
+# The best few of many runs for some coefficients under any form of the bank: greedy choice, then exchanges.
 CRITERIA = ("c", "d")
 
 ROUNDS = 20
 
-# Over the largest information of each parameter: stands for what is known of it before any test, next to nothing.
+# Prior information relative to the largest of each parameter: almost none.
 RIDGE = 1e-9
 
-# Share of the spread within which runs are as good as one another: while a parameter is unknown, rounding over the
-# ridge moves the spread by about 1e-5 of it.
+# Relative difference of the criterion within which runs count as equal: while a parameter is unknown, rounding over the
+# ridge moves the criterion by about 1e-5.
 TIE = 1e-4
 
 
 def spread(information: np.ndarray, targets: Sequence[int], criterion: str) -> np.ndarray:
-    """Return what is to be made small, for each of a stack of information matrices, under the worst form."""
+    """Return the criterion to minimise, for each of a stack of information matrices, under the worst form."""
     # information (..., forms, p, p)
     covariance = np.linalg.inv(information)[..., np.array(targets)[:, None], np.array(targets)]
     if criterion == "c":
@@ -176,9 +176,8 @@ def spread(information: np.ndarray, targets: Sequence[int], criterion: str) -> n
 
 
 def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[int], criterion: str = "c") -> list[int]:
-    """Choose runs, each at most once: the order is that of their use."""
-    # runs (n, forms, p, p); known (forms, p, p)
-    # Fedorov (1972), Theory of optimal experiments: the exchange.
+    """Choose runs, each at most once, in the order of their use."""
+    # runs (n, forms, p, p); known (forms, p, p). Fedorov (1972), Theory of optimal experiments: the exchange.
     scale = np.sqrt(np.diagonal(runs, axis1=2, axis2=3).max(axis=0, initial=0.0))
     scale[scale == 0] = 1.0
     outer = scale[:, :, None] * scale[:, None, :]
@@ -204,7 +203,7 @@ def _best(runs: np.ndarray, so_far: np.ndarray, taken: list[int], targets: Seque
 
 
 def _least(information: np.ndarray, targets: Sequence[int], criterion: str) -> int:
-    """The least spread; among those that differ by rounding the least determinant, and then the first."""
+    """The smallest criterion; among near-equals the smallest determinant, then the first."""
     worth = spread(information, targets, criterion)
     tied = np.flatnonzero(worth <= worth.min() + TIE * (worth.min() if criterion == "c" else 1.0))
     volume = spread(information[tied], targets, "d")
@@ -214,7 +213,7 @@ def _least(information: np.ndarray, targets: Sequence[int], criterion: str) -> i
 def _in_order(
     runs: np.ndarray, base: np.ndarray, chosen: list[int], targets: Sequence[int], criterion: str
 ) -> list[int]:
-    """Put first what helps most by itself."""
+    """Order the runs by their own benefit."""
     left = list(chosen)
     order: list[int] = []
     while left:
@@ -223,7 +222,7 @@ def _in_order(
     return order
 
 
-# Scales over their priors' that a fit to well-made tests finds, at the median.
+# Median ratio of fitted run-error scales to their priors, for good tests.
 TYPICAL = 0.7
 
 
@@ -231,7 +230,7 @@ def expected_std(
     runs: Sequence[Run], truth: Model, terms: TermTable, noise: Mapping[str, float], correlation_time: float,
     errors: RunErrors, made: Fit | None = None,
 ) -> dict[str, float]:  # fmt: skip
-    """Standard error of each coefficient after some runs, and after those that were made before."""
+    """Standard error of each coefficient after some runs, with earlier tests."""
     tests = twin(truth, tuple(runs), {}, rate=RATE)
     equations, _ = accumulate(tests, terms)
     if made is not None:
@@ -254,18 +253,18 @@ def expected_std(
 
 
 def half_width(std: float) -> float:
-    """Half of the 95 % interval that a standard error makes."""
+    """Half width of the 95 % interval from a standard error."""
     return HALF * std
 
 
 def _tied(terms: TermTable) -> bool:
-    """Whether surge shares a coefficient with sway or yaw."""
+    """Return whether surge shares a coefficient with sway or yaw."""
     surge = {term.name for term in terms.surge}
     return any(len(surge & set(tie)) == 1 for tie in terms.ties)
 
 
 def _joined(made: NormalEquations, planned: NormalEquations) -> NormalEquations:
-    """Sums of tests that were made and of planned ones."""
+    """Sums of the information of earlier and of planned tests."""
     names = set(planned.moved) & set(made.moved)
     return NormalEquations(
         planned.columns,

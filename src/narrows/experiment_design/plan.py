@@ -42,45 +42,46 @@ from narrows.terms.term import TermTable
 if TYPE_CHECKING:
     import pandas as pd
 
-# Of the rows of a plan.
+# Units of the rows of a plan.
 UNITS = {
     "offset": "m", "amplitude": "m", "period": "s", "speed": "m/s", "drift_deg": "deg", "depth": "m", "duration": "s",
 }  # fmt: skip
 
-# Runs after which the standard errors of a plan are worked out, at most.
+# Largest number of runs after which standard errors are computed.
 MOST_STEPS = 24
 
-# Straight runs that a plan for the bank begins with.
+# Number of straight runs at the start of a plan for the bank.
 SEPARATING = 4
 
-# Of the bank, that a plan does for beside that of the terms.
+# Further forms of the bank for which a plan must work.
 OTHER_FORMS = ("distance", "tapered")
 
 
 @dataclass(frozen=True, repr=False)
 class Plan(Tabulated):
-    """Runs to make, and what they would tell.
+    """Planned runs and their expected information.
 
     Parameters
     ----------
     runs : tuple of Run
-        In the order in which they help.
+        Runs in the order of their benefit.
     targets : tuple of str
-        The coefficients that they are chosen for.
+        Target coefficients.
     std : mapping of str to array (runs,)
-        Predicted standard error of each of them after each run, in the coefficient's unit; infinite before it is known.
+        Predicted standard error of each of them after each run, in the coefficient's unit; infinite before it is
+        determined.
     inflation : mapping of str to float [1]
         Variance inflation of each target's column under all runs.
     reach : mapping of str to float
-        Half of the 95 % interval that a fit to all runs will give each of them, in the coefficient's unit.
+        Half of the 95 % interval of each of them in a fit to all runs, in the coefficient's unit.
     usual : mapping of str to float
         Predicted standard errors of the best plan of as many harmonic runs about the centreline.
     usual_inflation : mapping of str to float [1]
         Variance inflation under that plan.
     considered : int
-        How many runs there were to choose from.
+        Number of candidate runs.
     notes : tuple of str
-        Noise and length of a run, that the standard errors rest on.
+        Assumed noise and length of a run.
     """
 
     runs: tuple[Run, ...]
@@ -98,11 +99,11 @@ class Plan(Tabulated):
 
     @property
     def determined(self) -> bool:
-        """Whether the runs determine every target at all."""
+        """True if the runs determine every target."""
         return all(np.isfinite(self.std[name][-1]) for name in self.targets)
 
     def summary(self) -> str:
-        """Say what is gained, for each target: a line each."""
+        """Return the gain for each target, one line each."""
         unknown = [name for name in self.targets if not np.isfinite(self.std[name][-1])]
         gains = tuple(
             f"{name}: standard error {self.std[name][-1]:.2g}, interval +- {self.reach[name]:.2g} with these runs (VIF "
@@ -116,7 +117,7 @@ class Plan(Tabulated):
         return "\n".join((*gains, *lost))
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name: what ``plan --json`` prints."""
+        """Return everything by name, as ``plan --json`` prints it."""
         return {
             "runs": self.rows(),
             "targets": {
@@ -135,12 +136,12 @@ class Plan(Tabulated):
         }
 
     def rows(self) -> list[dict[str, Any]]:
-        """One row a run, with the standard errors once it is made."""
+        """One row per run, with the standard errors after it."""
         errors = [{f"std {name}": float(self.std[name][i]) for name in self.targets} for i in range(len(self.runs))]
         return [_row(run) | after for run, after in zip(self.runs, errors, strict=True)]
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the runs as a table, headed with units: a row each, with the standard errors once it is made."""
+        """Return the runs as a table with units: one row each, with the standard errors after it."""
         import pandas as pd
 
         headers = {name: f"{name.removesuffix('_deg')} [{unit}]" for name, unit in UNITS.items()}
@@ -158,35 +159,35 @@ def plan_tests(
     targets: Sequence[str] = (), criterion: str = "c", noise: Mapping[str, float] = FORCE_NOISE,
     correlation_time: float = 0.5, after: Any = None, errors: RunErrors | None = None,
 ) -> Plan:  # fmt: skip
-    """Choose the runs that make some coefficients best known, all others being unknown too.
+    """Choose runs that minimise the uncertainty of some coefficients, with all others unknown too.
 
-    Runs differ by gain, zero and form, as ``identify`` takes it; a zero that all runs share is unknown too; and what is
-    best is best under the worst of several forms of the bank. A plan for the bank begins with straight runs, mirrored
-    to both sides: no hull that changes with the period or the speed takes their place.
+    Runs differ by gain, zero and form, as in ``identify``; a zero shared by all runs is unknown too. The choice is the
+    best under the worst of several forms of the bank. A plan for the bank begins with straight runs, mirrored to both
+    sides: a hull force that changes with the period or the speed cannot imitate them.
 
     Parameters
     ----------
     configuration : str, Path, Configuration or mapping
-        Ship, canal and water: a ship file, what was read from it, or its sections as mappings.
+        Ship, canal and water: a ship file, its configuration, or its sections as mappings.
     runs : int
-        How many.
+        Number of runs.
     tank : Tank, optional
-        What the tank can do.
+        Limits of the tank.
     terms : TermTable
-        The terms that are to be identified.
+        Terms to identify.
     targets : sequence of str
-        The coefficients that matter; those of the bank unless given.
+        Target coefficients; those of the bank unless given.
     criterion : str
         ``c``: the sum of their variances, each over that of the best single run for it; ``d``: the determinant of
         their covariance.
     noise : mapping of str to float [N, N, N m]
         Standard deviation of each force.
     correlation_time : float [s]
-        Of the noise.
+        Correlation time of the noise.
     after : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset, optional
-        Tests that were made already; speeds and offsets stay within theirs where the tank asks for no others.
+        Earlier tests; speeds and offsets stay within theirs unless the tank sets others.
     errors : RunErrors, optional
-        By how much runs differ beyond their noise; those of ``identify`` unless given.
+        Differences between runs beyond their noise; those of ``identify`` unless given.
 
     Returns
     -------
@@ -196,7 +197,7 @@ def plan_tests(
     Raises
     ------
     InputError
-        If there is no run to choose, a target is unknown, or the terms ask for what the ship file lacks.
+        If there is no candidate run, a target is unknown, or the terms need a quantity that the ship file lacks.
     """
     tank = tank or Tank()
     _check(runs, criterion, terms, noise, tank)
@@ -216,13 +217,13 @@ def plan_tests(
     adds = np.array([[run.information for run in forms] for forms in told])
     known = known_information(made, adds.shape[1:])
     index = [slots(terms)[name] for name in names]
-    parameters = sorted(set(index))  # tied coefficients are one
+    parameters = sorted(set(index))  # tied coefficients are equal
     best = _separating(offered, adds, known, min(runs, SEPARATING) * bool(_bank(terms) & set(names)), parameters)
     rest = np.setdiff1d(np.arange(len(offered)), best)
     more = choose(adds[rest], known + adds[best].sum(axis=0), runs - len(best), parameters, criterion)
     best = [*best, *rest[more].tolist()]
     centred = [i for i, run in enumerate(offered) if isinstance(run, HarmonicRun) and run.offset == 0]
-    # In a tank without room for harmonic runs there is nothing else to compare the plan with.
+    # A tank too small for harmonic runs offers no other plan for comparison.
     usual = [centred[i] for i in choose(adds[centred], known, len(best), parameters, criterion)] or best
     assumed = (_truth(configuration), terms, noise, correlation_time, errors, made[0] if made else None)
     std = _std_after_each(best, offered, told, known[0], index, names, assumed)
@@ -242,7 +243,7 @@ def plan_tests(
 
 
 def _std_after_each(best: list[int], *known: Any) -> list[dict[str, float]]:
-    """Standard errors after each run; of long plans after some, those between as after the next of these."""
+    """Standard errors after each run; in long plans after some, repeated for the runs before."""
     after = np.unique(np.linspace(1, len(best), min(len(best), MOST_STEPS)).astype(int))
     found = {int(count): _std(best[:count], *known) for count in after}
     return [found[int(after[np.searchsorted(after, k + 1)])] for k in range(len(best))]
@@ -252,7 +253,7 @@ def _std(
     chosen: list[int], offered: list[Run], told: list[list[PlannedRun]], known: np.ndarray, index: list[int],
     names: tuple[str, ...], assumed: tuple[Any, ...],
 ) -> dict[str, float]:  # fmt: skip
-    """Standard error of each target after some runs; infinite where they do not determine it."""
+    """Standard error of each target after some runs; infinite if they do not determine it."""
     found = expected_std([offered[i] for i in chosen], *assumed)
     lost = ~np.isfinite(inflation([told[i][0] for i in chosen], known)[index])
     return {name: float("inf") if gone else found[name] for name, gone in zip(names, lost, strict=True)}
@@ -265,7 +266,7 @@ def _bank(terms: TermTable) -> set[str]:
 def _separating(
     offered: list[Run], adds: np.ndarray, known: np.ndarray, count: int, parameters: list[int]
 ) -> list[int]:
-    """Straight runs at the highest speed, each mirrored: they part the bank from hulls that change with the period."""
+    """Straight runs at the highest speed, each mirrored: they separate the bank from period-dependent hull forces."""
     steady = {_path(run): i for i, run in enumerate(offered) if isinstance(run, StraightRun)}
     fastest = max((speed for _, _, speed, _ in steady), default=0.0)
     half = {path: i for path, i in steady.items() if path[0] > 0 and path[2] == fastest}
@@ -280,7 +281,7 @@ def _path(run: StraightRun) -> tuple[float, ...]:
 
 
 def _forms(terms: TermTable) -> list[TermTable]:
-    """The terms, and the same with other forms of the bank: a plan must do under each."""
+    """The terms, and the same with other forms of the bank: a plan must work under each."""
     if sum(term.from_bank for term in terms.terms) != 2 or terms.feels_depth:
         return [terms]
     return [terms, *(with_bank(terms, form) for form in OTHER_FORMS)]
@@ -327,7 +328,7 @@ def _targets(terms: TermTable, targets: Sequence[str]) -> tuple[str, ...]:
 
 # About what forces a run would have: errors of gain and zero are shares of them.
 def expected_forces(configuration: Configuration) -> Forces:
-    """Return about what forces a motion would have: those of the published model by Froude's law."""
+    """Return approximate forces of a motion: those of the published model by Froude's law."""
     model = _truth(configuration)
     return lambda motion, _: model.forces(motion)
 
@@ -338,7 +339,7 @@ def _truth(configuration: Configuration) -> Model:
 
 
 def usual_forces(offered: list[Run], forces: Forces) -> dict[str, float]:
-    """Return the root mean square of each force over the runs on offer [N, N, N m]."""
+    """Return the root mean square of each force over the candidate runs [N, N, N m]."""
     squares = [
         {
             force: float(np.mean(np.square(values)))
@@ -349,13 +350,13 @@ def usual_forces(offered: list[Run], forces: Forces) -> dict[str, float]:
     return {force: float(np.sqrt(np.mean([square[force] for square in squares]))) for force in squares[0]}
 
 
-# What tests that were made tell a plan: their information, and which speeds and offsets were tried.
-# Highest speed over lowest, less one, within which tests were at one speed.
+# Earlier tests in a plan: their information, and the tested speeds and offsets. Ratio of highest to lowest speed, less
+# one, within which tests count as one speed.
 ALIKE = 0.05
 
 
 def within_tested(tank: Tank, tested: DataRange | None) -> tuple[Tank, tuple[str, ...]]:
-    """Return a tank at the speeds and offsets that were tested, where none were asked for."""
+    """Return a tank limited to the tested speeds and offsets, unless others were set."""
     notes = []
     if tested is not None and tested.speed is not None and not tank.speeds:
         low, high = tested.speed
@@ -369,7 +370,7 @@ def within_tested(tank: Tank, tested: DataRange | None) -> tuple[Tank, tuple[str
 
 
 def known_information(made: list[Fit], shape: tuple[int, ...]) -> np.ndarray:
-    """Return the information of tests that were made, of each table, (tables, p + zeros, p + zeros)."""
+    """Return the information of earlier tests, of each table, (tables, p + zeros, p + zeros)."""
     information = np.zeros(shape)
     for i, fit in enumerate(made):
         zero = zero_of(fit.motions.steady, fit.motions.features["side"])

@@ -1,4 +1,4 @@
-"""Standard manoeuvres, and what is read off them: turning circles, zigzags."""
+"""Standard manoeuvres and their measures: turning circles, zigzags."""
 
 from narrows.manoeuvres.manoeuvring_trials import Trials as Trials
 from narrows.manoeuvres.manoeuvring_trials import Turning as Turning

@@ -1,4 +1,4 @@
-"""The trials that ships are judged by: turning circles and zigzags in open water, and what is read off them."""
+"""Standard manoeuvring trials: turning circles and zigzags in open water, and their measures."""
 
 import math
 from dataclasses import dataclass
@@ -19,35 +19,35 @@ if TYPE_CHECKING:
 
 STEPS_A_LENGTH = 120
 
-# Below this [m] a hull is taken for a model's.
+# Length [m] below which a hull counts as a model.
 MODEL_LENGTH = 30.0
 
-# Ship lengths at the approach speed that a trial lasts.
+# Duration of a trial, in ship lengths at the approach speed.
 TURNING_LENGTHS, ZIGZAG_LENGTHS = 40.0, 40.0
 
-# Rudder angles below this [deg] were meant in radians.
+# Rudder angles below this [deg] were probably given in radians.
 LEAST_RUDDER_DEG = 1.0
 
-# What trials are read for: a turning circle's advance and diameter, a zigzag's overshoots.
+# Measures of trials: a turning circle's advance and diameter, a zigzag's overshoots.
 QUARTER, HALF = np.pi / 2, np.pi
 
 
 @dataclass(frozen=True, repr=False)
 class Turning(Shown):
-    """A turning circle, from where the rudder was ordered: what ``turning_circle`` returns.
+    """A turning circle, measured from the rudder order; the result of ``turning_circle``.
 
     Parameters
     ----------
     advance : float [m]
-        Along the first course when the heading has changed by 90 degrees.
+        Distance along the first course at a heading change of 90 degrees.
     transfer : float [m]
-        Across it, then.
+        Distance across it, then.
     tactical_diameter : float [m]
-        Across it when the heading has changed by 180 degrees.
+        Distance across it at a heading change of 180 degrees.
     voyage : Voyage
         The circle itself.
     notes : tuple of str
-        What was assumed.
+        Assumptions.
     """
 
     advance: float
@@ -63,9 +63,9 @@ class Turning(Shown):
         Parameters
         ----------
         voyage : Voyage
-            In open water, under a held rudder.
+            A voyage in open water under a constant rudder.
         notes : tuple of str
-            What was assumed.
+            Assumptions.
 
         Raises
         ------
@@ -83,7 +83,7 @@ class Turning(Shown):
         return cls(float(along[0]), float(across[0]), float(across[1]), voyage, notes)
 
     def summary(self) -> str:
-        """Say advance, transfer and tactical diameter in ship lengths and metres."""
+        """Describe advance, transfer and tactical diameter in ship lengths and metres."""
         measures = self.to_dict()
         parts = (
             f"{name.replace('_', ' ')} {measures[f'{name}_over_length']:.2f} L ({measures[name]:.4g} m)"
@@ -92,7 +92,7 @@ class Turning(Shown):
         return f"Rudder {math.degrees(self.voyage.rudder[-1]):+.3g} degrees: {', '.join(parts)}."
 
     def to_dict(self) -> dict[str, Any]:
-        """Give the measures by name, in metres and over the ship's length."""
+        """Return the measures by name, in metres and over the ship's length."""
         metres = {name: getattr(self, name) for name in ("advance", "transfer", "tactical_diameter")}
         return {**metres, **self.over_length()}
 
@@ -109,16 +109,16 @@ class Turning(Shown):
 
 @dataclass(frozen=True, repr=False)
 class ZigzagTest(Shown):
-    """A zigzag and its overshoots: what ``zigzag`` returns.
+    """A zigzag and its overshoots; the result of ``zigzag``.
 
     Parameters
     ----------
     overshoots_deg : tuple of float [deg]
-        How far the heading went on after each order that reversed the rudder.
+        Further heading change after each order that reversed the rudder.
     voyage : Voyage
         The zigzag itself.
     notes : tuple of str
-        What was assumed.
+        Assumptions.
     """
 
     overshoots_deg: tuple[float, ...]
@@ -126,11 +126,11 @@ class ZigzagTest(Shown):
     notes: tuple[str, ...] = ()
 
     def summary(self) -> str:
-        """Say the overshoots."""
+        """Return the overshoots in words."""
         return f"Zigzag: overshoots {', '.join(f'{angle:.1f}' for angle in self.overshoots_deg)} degrees."
 
     def to_dict(self) -> dict[str, Any]:
-        """Give the overshoots by name."""
+        """Return the overshoots by name."""
         return {"overshoots_deg": list(self.overshoots_deg)}
 
 
@@ -141,15 +141,15 @@ class Trials(Shown):
     Parameters
     ----------
     model : Model
-        In open water.
+        Model in open water.
     speed : float [m/s]
-        Of the approach.
+        Speed of the approach.
     turning : dict of str to Turning
-        By the order, as in ``+35``.
+        Turning circles by order, as in ``+35``.
     zigzags : dict of str to ZigzagTest
-        By rudder and heading, as in ``+10/10``.
+        Zigzags by rudder and heading, as in ``+10/10``.
     notes : tuple of str
-        What was assumed.
+        Assumptions.
     """
 
     model: Model
@@ -162,7 +162,7 @@ class Trials(Shown):
         return f"<Trials of {self.model.configuration.ship.name or 'a ship'} at {self.speed:g} m/s>"
 
     def summary(self) -> str:
-        """Say what was measured of each manoeuvre: a line each."""
+        """Return the measures of each manoeuvre, one line each."""
         circles = [
             f"Rudder {order} degrees: advance {measures['advance_over_length']:.2f} L, tactical diameter "
             f"{measures['tactical_diameter_over_length']:.2f} L."
@@ -175,7 +175,7 @@ class Trials(Shown):
         return "\n".join(circles + zigzags)
 
     def to_dict(self) -> dict[str, Any]:
-        """Give the results by name, as ``trials --json`` prints them: lengths over the ship's, degrees."""
+        """Return the results by name, as ``trials --json`` prints them: lengths over the ship's, degrees."""
         return {
             "speed": self.speed,
             "turning": self._circles(),
@@ -185,7 +185,7 @@ class Trials(Shown):
         }
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the measures as a table: a row for each manoeuvre and measure."""
+        """Return the measures as a table: one row for each manoeuvre and measure."""
         import pandas as pd
 
         circles = [
@@ -208,16 +208,16 @@ class Trials(Shown):
 
 
 def turning_circle(model: Model, rudder: float = 35.0, speed: float | None = None) -> Turning:
-    """Sail a turning circle in open water.
+    """Simulate a turning circle in open water.
 
     Parameters
     ----------
     model : Model
-        With the terms of a rudder; those of the banks are left out.
+        A model with the terms of a rudder; those of the banks are left out.
     rudder : float [deg]
-        Its angle, positive where it turns the bow to starboard.
+        Angle, positive if it turns the bow to starboard.
     speed : float [m/s], optional
-        Of the approach; one that suits the ship unless given.
+        Speed of the approach; default: one that suits the ship.
 
     Raises
     ------
@@ -232,18 +232,18 @@ def turning_circle(model: Model, rudder: float = 35.0, speed: float | None = Non
 
 
 def zigzag(model: Model, rudder: float = 10.0, heading: float = 10.0, speed: float | None = None) -> ZigzagTest:
-    """Sail a zigzag in open water, the rudder first to starboard.
+    """Simulate a zigzag in open water, the rudder first to starboard.
 
     Parameters
     ----------
     model : Model
-        With the terms of a rudder; those of the banks are left out.
+        A model with the terms of a rudder; those of the banks are left out.
     rudder : float [deg]
-        Its angle; first to port where it is negative.
+        Angle; negative for a first order to port.
     heading : float [deg]
-        Change of heading at which the rudder is reversed.
+        Heading change at which the rudder is reversed.
     speed : float [m/s], optional
-        Of the approach; one that suits the ship unless given.
+        Speed of the approach; default: one that suits the ship.
 
     Raises
     ------
@@ -261,22 +261,22 @@ def sail_trials(
     model: Model, speed: float | None = None, turn_deg: float = 35.0,
     zigzags: tuple[tuple[float, float], ...] = ((10, 10), (20, 20)), dt: float | None = None,
 ) -> Trials:  # fmt: skip
-    """Sail turning circles and zigzags in open water, each to either side.
+    """Simulate turning circles and zigzags in open water, each to either side.
 
-    The speed is free where the model knows what resists its change, and held where it does not.
+    The speed is free if the model has a surge inertia, and constant otherwise.
 
     Parameters
     ----------
     model : Model
-        With the terms of a rudder; those of the banks are left out.
+        A model with the terms of a rudder; those of the banks are left out.
     speed : float [m/s], optional
-        Of the approach; one that suits the ship unless given.
+        Speed of the approach; default: one that suits the ship.
     turn_deg : float [deg]
-        Rudder of the circles.
+        Rudder angle of the circles.
     zigzags : pairs of float [deg]
-        Rudder and heading.
+        Rudder angle and heading change.
     dt : float [s], optional
-        Step; a hundred and twentieth of the time for a ship length unless given.
+        Step; default: a hundred and twentieth of the time for a ship length.
 
     Raises
     ------
@@ -358,14 +358,14 @@ def parse_zigzags(text: str) -> tuple[tuple[float, float], ...]:
 
 
 def overshoots(voyage: Voyage, zigzag: Zigzag) -> tuple[float, ...]:
-    """Return how far the heading went on after each order that reversed the rudder [rad].
+    """Return the further heading change after each order that reversed the rudder [rad].
 
     Parameters
     ----------
     voyage : Voyage
-        In open water, under the zigzag.
+        A voyage in open water under the zigzag.
     zigzag : Zigzag
-        Its order.
+        The zigzag's order.
 
     Raises
     ------

@@ -1,1 +1,1 @@
-"""A model and its file, and what becomes of it at another size, depth or rudder."""
+"""A model, its file, and its transfer to another size, depth or rudder."""

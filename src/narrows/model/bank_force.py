@@ -1,4 +1,4 @@
-"""The force of the banks in any section of water, with its uncertainty: what exported files compute."""
+"""The force of the banks in any section of water, with its uncertainty; exported files compute the same."""
 
 from dataclasses import dataclass
 from functools import reduce
@@ -20,23 +20,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class BankForce(Shown):
-    """The force of the banks on a ship; arrays where arrays were asked for.
+    """The force of the banks on a ship; arrays for array inputs.
 
     Parameters
     ----------
     Y : number [N]
         Sway force, positive to starboard.
     N : number [N m]
-        Yaw moment about midship, positive where it turns the bow to starboard.
+        Yaw moment about midship, positive if it turns the bow to starboard.
     Y_deviation : number [N]
-        Standard deviation of ``Y`` from the uncertainty of the coefficients; NaN where the model has none.
+        Standard deviation of ``Y`` from the uncertainty of the coefficients; NaN without a covariance.
     N_deviation : number [N m]
-        Likewise of ``N``.
+        Standard deviation of ``N``.
     beyond : number
-        0 where the tests of the model covered the question; else a sum of 1 speed, 2 offset, 4 heading, 16 width,
-        32 depth.
+        0 if the tests of the model covered the input; else a sum of 1 speed, 2 offset, 4 heading, 16 width, 32 depth.
     notes : tuple of str
-        What the tests do not settle or did not cover.
+        Limits of the tests: coefficients they do not determine, ranges they did not cover.
     """
 
     Y: Number
@@ -51,19 +50,19 @@ class BankForce(Shown):
         return {name: getattr(self, name) for name in ("Y", "N", "Y_deviation", "N_deviation", "beyond")}
 
     def summary(self) -> str:
-        """Say force and moment with their deviations."""
+        """Describe force and moment with their deviations."""
         parts = [("Y", self.Y, self.Y_deviation, "N"), ("N", self.N, self.N_deviation, "N m")]
         lines = [f"{name} {_shown(value)} {unit}, {_doubt(deviation, unit)}." for name, value, deviation, unit in parts]
         return "\n".join([*lines, *self.notes])
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give a row for each question."""
+        """Return one row per input."""
         import pandas as pd
 
         return pd.DataFrame({name: np.ravel(value) for name, value in self._numbers.items()})
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name."""
+        """Return everything by name."""
         rows = {name: np.asarray(value).tolist() for name, value in self._numbers.items()}
         return {**rows, "notes": list(self.notes), "summary": self.summary()}
 
@@ -82,10 +81,10 @@ def bank_force(
     model: Model, y: Number, psi: Number, u: Number, *, starboard: Number | None = None, port: Number | None = None,
     depth: Number | None = None, slope_starboard: Number = 0.0, slope_port: Number = 0.0,
 ) -> BankForce:  # fmt: skip
-    """Evaluate the force of the banks on a ship, with standard deviations and whether the tests covered the question.
+    """Evaluate the force of the banks on a ship, with standard deviations and a flag for untested inputs.
 
-    It is the function that ``narrows export bank-force`` writes for simulators. A sloped bank acts like the wall that
-    leaves the same section of water. Numbers may be arrays of one shape.
+    ``narrows export bank-force`` writes the same function for simulators. A sloped bank acts like the wall that gives
+    the same section of water. Numbers may be arrays of one shape.
 
     Parameters
     ----------
@@ -102,12 +101,12 @@ def bank_force(
     depth : number, optional [m]
         Water depth; that of the model's canal unless given.
     slope_starboard, slope_port : number [1]
-        Distance that a bank recedes for each metre that it rises; 0 of a wall.
+        Horizontal distance per metre of height of a bank; 0 for a wall.
 
     Raises
     ------
     InputError
-        If the model has no bank force, its bank terms need a depth, or the banks leave no water.
+        If the model has no bank force, its bank terms need a depth, or no water is left between the banks.
 
     Examples
     --------

@@ -1,4 +1,4 @@
-"""What the data behind a model covered, and the one rule of what lies outside of it."""
+"""Ranges covered by a model's data, and the one rule for values outside."""
 
 import math
 from collections.abc import Mapping
@@ -10,24 +10,24 @@ import numpy as np
 from narrows.quantities.names import Number
 
 Range = tuple[float, float]
-# Of the larger end of a range, by which a value may leave it and still count as covered: a depth or a speed is no
-# better known.
+# Tolerance relative to the larger end of a range, within which a value still counts as covered: the accuracy of a depth
+# or a speed.
 SLACK = 0.01
 
 
 class Measure(NamedTuple):
-    words: str  # What it is
-    unit: str  # To print it in; nothing where it has none
-    scale: float = 1.0  # How many of that unit one of its own is [1]
-    short: str = ""  # In lists of what is beyond the data
-    bit: int = 0  # In the sum of them
+    words: str  # Name in words
+    unit: str  # Unit in print; empty for none
+    scale: float = 1.0  # Factor from the unit of the data to that unit [1]
+    short: str = ""  # Short name in lists of untested quantities
+    bit: int = 0  # Bit in the sum of them
 
     def shown(self, low: float, high: float) -> str:
         ends = dict.fromkeys(f"{self.scale * end:.3g}" for end in (low, high))
         return " ".join([" to ".join(ends), self.unit]).rstrip()
 
 
-# Every range, as sentences speak of it.
+# Every range, with its words for sentences.
 MEASURES = {
     "speed": Measure("surge velocity", "m/s", 1.0, "speed", 1),
     "abs_y": Measure("offset from the centreline", "m", 1.0, "offset", 2),
@@ -40,7 +40,7 @@ MEASURES = {
 
 @dataclass(frozen=True)
 class DataRange:
-    """The ranges that the data covered; None where they did not say.
+    """Ranges covered by the data; None if unknown.
 
     Parameters
     ----------
@@ -49,9 +49,9 @@ class DataRange:
     abs_y : pair of float [m]
         Distance off the centreline.
     abs_psi : pair of float [rad]
-        Size of the heading.
+        Absolute heading.
     abs_r : pair of float [rad/s]
-        Size of the yaw rate.
+        Absolute yaw rate.
     depth_to_draft : pair of float [1]
         h/T.
     width_to_beam : pair of float [1]
@@ -66,34 +66,34 @@ class DataRange:
     width_to_beam: Range | None = None
 
     def outside(self, name: str, values: Number) -> Number:
-        """Return whether values lie outside of what the data covered, for each; False where that is not known.
+        """Return whether each value lies outside the range of the data; False if the range is unknown.
 
         Parameters
         ----------
         name : str
             ``speed``, ``abs_y``, ``abs_psi``, ``abs_r``, ``depth_to_draft`` or ``width_to_beam``.
         values : number
-            In its unit.
+            Values in its unit.
         """
         low, high = getattr(self, name) or (-np.inf, np.inf)
         slack = SLACK * max(abs(low), abs(high))
         return np.logical_or(values < low - slack, values > high + slack)
 
     def covers(self, name: str, values: Number) -> Number:
-        """Return whether the data covered values, for each; False where that is not known.
+        """Return whether the data covered each value; False if the range is unknown.
 
         Parameters
         ----------
         name : str
             As for ``outside``.
         values : number
-            In its unit.
+            Values in its unit.
         """
         return np.logical_and(getattr(self, name) is not None, np.logical_not(self.outside(name, values)))
 
 
 def sum_beyond(known: DataRange, asked: Mapping[str, Number]) -> Number:
-    """Return in what a question goes beyond the data, as a sum of the bits of ``MEASURES``."""
+    """Return the quantities outside the data, as a sum of the bits of ``MEASURES``."""
     bits: Number = 0
     for name, values in asked.items():
         bits = bits + MEASURES[name].bit * np.asarray(known.outside(name, values), int)
@@ -103,7 +103,7 @@ def sum_beyond(known: DataRange, asked: Mapping[str, Number]) -> Number:
 def extrapolation(
     known: DataRange, asked: Mapping[str, Number], measures: Mapping[str, Measure] = MEASURES, unknown: bool = False
 ) -> tuple[str, ...]:
-    """Say in what a question goes beyond the data, a sentence each."""
+    """Return one sentence for each quantity outside the data."""
     sentences = []
     for name, values in ((name, np.asarray(value, float)) for name, value in asked.items()):
         covered, measure = getattr(known, name), measures[name]

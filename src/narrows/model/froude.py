@@ -1,4 +1,4 @@
-"""Models at another scale by Froude's law, and what does not go with it."""
+"""Models at another scale by Froude's law, and the effects that do not scale."""
 
 import re
 from collections.abc import Mapping
@@ -22,24 +22,24 @@ from narrows.terms.term import ScaleEffect, Term
 if TYPE_CHECKING:
     import pandas as pd
 
-# Length [m] that no ship has.
+# Length greater than any ship's [m].
 LONGEST = 1e4
 
 
 @dataclass(frozen=True, repr=False)
 class Scaled(Shown):
-    """A model at another scale, and what does not go with it.
+    """A model at another scale, and the effects that do not scale.
 
     Parameters
     ----------
     model : Model
         The model at the new scale.
     original : Model
-        The model as it was.
+        The model at the original scale.
     ratio : float [1]
         New length over old.
     notes : tuple of str
-        What does not scale, and where the new place leaves what the data covered.
+        Effects that do not scale, and quantities outside the tested range in the new water.
     """
 
     model: Model
@@ -51,21 +51,21 @@ class Scaled(Shown):
         return f"<Scaled model of {self.model.configuration.ship.name or 'a ship'}: {self.summary()}>"
 
     def speed(self, speed: float) -> float:
-        """Return the speed at the new scale that has the Froude number of one at the old [m/s].
+        """Return the speed at the new scale with the Froude number of one at the old [m/s].
 
         Parameters
         ----------
         speed : float [m/s]
-            At the old scale.
+            Speed at the old scale.
         """
         return float(speed * self.ratio**0.5)
 
     def summary(self) -> str:
-        """Say what lengths, speeds and times were multiplied by."""
+        """Return the factors of lengths, speeds and times."""
         return f"Lengths times {self.ratio:.4g}, speeds and times times {self.speed(1.0):.4g} (Froude)."
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name: what ``scale --json`` prints."""
+        """Return everything by name, as ``scale --json`` prints it."""
         old, terms = self.original.coefficients, self.original.terms
         return {
             "ratio": self.ratio,
@@ -80,7 +80,7 @@ class Scaled(Shown):
         }
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the coefficients as a table: a row each, with old and new value and unit."""
+        """Return the coefficients as a table: one row each, with old and new value and unit."""
         import pandas as pd
 
         return pd.DataFrame.from_dict(self.to_dict()["coefficients"], orient="index").rename_axis("coefficient")
@@ -88,18 +88,18 @@ class Scaled(Shown):
 
 @dataclass(frozen=True)
 class Friction:
-    """What is needed to scale the friction of a hull by the line of the ITTC.
+    """Data for scaling the friction of a hull by the line of the ITTC.
 
     Parameters
     ----------
     wetted_surface : float [m2]
-        Of the hull at the old scale.
+        Area of the hull at the old scale.
     form_factor : float [1]
-        k of the form.
+        Form factor k.
     speed : float [m/s]
-        At the old scale, that the line is taken at.
+        Speed at the old scale at which the line is evaluated.
     viscosity : pair of float [m2/s]
-        Kinematic, of the water at the old scale and at the new.
+        Kinematic viscosity of the water at the old scale and at the new.
 
     Raises
     ------
@@ -131,19 +131,19 @@ def scale_model(
 ) -> Scaled:  # fmt: skip
     """Scale a model to another length by Froude's law.
 
-    Masses go with the cube of the ratio of lengths and with the density, times with its root. A scale in the ship's
-    name, as in ``1:52.667``, becomes that of the new ship.
+    Masses scale with the cube of the length ratio and with the density, times with the root of the length ratio. A
+    scale in the ship's name, as in ``1:52.667``, becomes that of the new ship.
 
     Parameters
     ----------
     model : Model
         The model.
     length : float [m]
-        Between perpendiculars, of the new ship.
+        Length between perpendiculars of the new ship.
     density : float [kg/m3], optional
-        Of the new water; as it was unless given.
+        Density of the new water; unchanged unless given.
     width, depth : float [m], optional
-        Of the new canal; those of the tests at the new scale unless given.
+        Dimensions of the new canal; those of the tests at the new scale unless given.
     friction : Friction, optional
         Scale the friction in the resistance by the line of the ITTC instead of by Froude's law.
 
@@ -180,9 +180,9 @@ def scale_model(
 
 @dataclass(frozen=True)
 class Units:
-    mass: float  # One unit of mass [kg]
-    length: float  # One unit of length [m]
-    time: float  # One unit of time [s]
+    mass: float  # Unit of mass [kg]
+    length: float  # Unit of length [m]
+    time: float  # Unit of time [s]
 
     def factor(self, dimension: Dimension) -> float:
         return float(self.mass**dimension.mass * self.length**dimension.length * self.time**dimension.time)
@@ -205,7 +205,7 @@ def _scaled_range(covered: DataRange, units: Units) -> DataRange:
 def _with_friction(
     model: Model, friction: Friction, configuration: Configuration, scaled: Mapping[str, float]
 ) -> dict[str, float]:
-    """The resistance with the form's friction taken off at the old scale and put on at the new."""
+    """The resistance with the friction of the old scale replaced by that of the new."""
     terms = _holding(model, ScaleEffect.FRICTION)
     if not terms:
         raise InputError("the model has no resistance to scale the friction of; leave the form factor out")
@@ -224,14 +224,14 @@ def _with_friction(
 
 
 def _line(friction: Friction, setting: Configuration, viscosity: float, old: Configuration) -> float:
-    """Frictional resistance over the square of the speed, by the line, where the hull is as long as there [kg/m]."""
+    """Frictional resistance over the square of the speed, by the line, for the hull at that length [kg/m]."""
     ratio, length = setting.ship.length / old.ship.length, setting.ship.length
     coefficient = (1 + friction.form_factor) * ittc57(friction.speed * ratio**0.5 * length / viscosity)
     return 0.5 * setting.water.density * friction.wetted_surface * ratio**2 * coefficient
 
 
 def _of_square(term: Term, setting: Configuration) -> float:
-    """Resistance over the square of the speed, per unit of a coefficient [kg/m and what the coefficient has less]."""
+    """Resistance over the square of the speed, per unit of a coefficient [kg/m over the coefficient's unit]."""
     return -float(term.column({**setting.values(), **Motion.at(u=1.0).values()}))
 
 
@@ -265,7 +265,7 @@ def _scale_notes(model: Model, friction: Friction | None) -> tuple[str, ...]:
 
 
 def _place_notes(model: Model, configuration: Configuration) -> tuple[str, ...]:
-    """Where the new canal leaves what the data covered, in ratios that do not depend on the scale."""
+    """Notes on the new canal outside the tested range, in ratios that do not depend on the scale."""
     notes = []
     old, ship = model.configuration, configuration.ship
     wide, was = configuration.canal.width / ship.beam, old.canal.width / old.ship.beam
@@ -286,7 +286,7 @@ def _place_notes(model: Model, configuration: Configuration) -> tuple[str, ...]:
     return tuple(notes)
 
 
-# Models without dimensions: every factor comes from the dimension of its term.
+# Nondimensional models: every factor comes from the dimension of its term.
 System = Literal["prime1", "prime2", "bis"]
 
 SYSTEMS = get_args(System)
@@ -308,7 +308,7 @@ def units_of(configuration: Configuration, system: System, speed: float | None =
 
 
 def nondimensional(model: Model, system: System = "prime2", speed: float | None = None) -> dict[str, float]:
-    """Return a model's coefficients without dimensions.
+    """Return a model's nondimensional coefficients.
 
     Parameters
     ----------
@@ -317,7 +317,7 @@ def nondimensional(model: Model, system: System = "prime2", speed: float | None 
     system : str
         ``prime1``, ``prime2`` or ``bis``.
     speed : float [m/s], optional
-        For the prime systems.
+        Speed for the prime systems.
 
     Raises
     ------
@@ -331,18 +331,18 @@ def nondimensional(model: Model, system: System = "prime2", speed: float | None 
 def dimensional(
     numbers: Mapping[str, float], model: Model, system: System = "prime2", speed: float | None = None
 ) -> Model:
-    """Return a model with coefficients that are given without dimensions.
+    """Return a model from nondimensional coefficients.
 
     Parameters
     ----------
     numbers : mapping of str to float [1]
         The coefficients.
     model : Model
-        Gives the ship, the terms and all else; its own coefficients go.
+        Model with the ship, the terms and all else; its own coefficients are replaced.
     system : str
         ``prime1``, ``prime2`` or ``bis``.
     speed : float [m/s], optional
-        For the prime systems.
+        Speed for the prime systems.
 
     Raises
     ------
@@ -355,15 +355,15 @@ def dimensional(
     return replace(model, coefficients=known | unknown, covariance=None)
 
 
-# The scale in a ship's name, as in ``KCS 1:52.667``: true at every size that the ship is brought to.
+# Scale in a ship's name, as in ``KCS 1:52.667``, valid for every size of the ship.
 SCALE = re.compile(r"\b1:(?P<smaller>\d+(\.\d+)?)\b|\b(?P<larger>\d+(\.\d+)?):1\b|\bat full scale\b")
 
-# Within which of 1 a scale is full.
+# Tolerance around 1 within which a scale is full.
 EQUAL = 5e-3
 
 
 def name_at_scale(name: str, ratio: float) -> str:
-    """Return a ship's name after its lengths were multiplied; a name without a scale stays what it is."""
+    """Return a ship's name after scaling its lengths; a name without a scale stays unchanged."""
     return SCALE.sub(lambda known: _in_words(_scale(known) / ratio), name)
 
 

@@ -1,9 +1,9 @@
-"""Mass and inertia of a ship, given or estimated, and what deep water adds to them."""
+"""Mass and inertia of a ship, given or estimated, and its added mass in deep water."""
 
 from narrows.physics.inertia import clarke_sway, clarke_yaw
 from narrows.ship.particulars import Configuration
 
-# Radius of gyration over length of a ship that does not give its inertia, at least.
+# Least radius of gyration over length, for a ship without a given inertia.
 SLENDEREST = 0.2
 
 
@@ -14,12 +14,12 @@ def displacement(configuration: Configuration) -> float:
 
 
 def ship_mass(configuration: Configuration) -> float:
-    """Return the mass of a ship, by its displacement where it is not given [kg]."""
+    """Return the mass of a ship, estimated from its displacement if not given [kg]."""
     return configuration.ship.mass or displacement(configuration)
 
 
 def ship_inertia(configuration: Configuration) -> float:
-    """Return the yaw inertia of a ship, of the slenderest one where it is not given [kg m2]."""
+    """Return the yaw inertia of a ship, with the least radius of gyration if not given [kg m2]."""
     ship = configuration.ship
     return ship.inertia or ship_mass(configuration) * (SLENDEREST * ship.length) ** 2
 

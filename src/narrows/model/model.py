@@ -1,4 +1,4 @@
-"""A model: a ship in a canal, a table of terms, their coefficients, and how far they can be trusted."""
+"""A model: a ship in a canal, a table of terms, their coefficients, and their uncertainty."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -28,10 +28,10 @@ from narrows.terms.term import Term, TermTable
 if TYPE_CHECKING:
     import pandas as pd
 
-# How a note begins that says so of the bank's coefficients of a model.
+# Start of a note on uncertain bank coefficients of a model.
 UNSETTLED = "What the banks do is not settled by the tests"
 
-# The verdict that needs no word, and how the one begins that is no adjective.
+# The verdict that needs no note, and the start of the one that is no adjective.
 SETTLED, ALONE = "identified", "rests"
 
 NO_SUCTION = "The model's coefficients of the bank are 0: the banks of a canal end a voyage, and do nothing before."
@@ -40,16 +40,16 @@ NO_SUCTION = "The model's coefficients of the bank are 0: the banks of a canal e
 def _is_finite(value: object) -> bool:
     try:
         return not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
-    except OverflowError:  # An integer of more digits than floats have.
+    except OverflowError:  # An integer with more digits than a float
         return False
 
 
-# What the rooms above do with a model, as its methods: by the public face, which loads a room when it is asked for.
+# Functions of higher packages as methods of a model, through the public module, which loads them on demand.
 class Operations(Shown):
-    """Simulation, derivatives and equations of a model, by methods."""
+    """Simulation, derivatives and equations of a model, as methods."""
 
     def derivative(self, state: Any, **given: Any) -> np.ndarray:
-        """Return the rates of x, y, psi, u, v, r of the free ship, (6,...), as the engine has them."""
+        """Return the rates of x, y, psi, u, v, r of the free ship, (6,...), from the engine."""
         # state [m]
         model: Any = self
         return narrows.derivative(model, state, **given)
@@ -73,18 +73,18 @@ class Operations(Shown):
         return narrows.simulate(model, *start, **given)
 
     def scale(self, length: float, **given: Any) -> "narrows.Scaled":
-        """Scale the model by Froude's law: a ``Scaled``, with the new model and what does not scale."""
+        """Scale the model by Froude's law: a ``Scaled`` with the new model and the effects that do not scale."""
         # length [m]
         model: Any = self
         return narrows.scale_model(model, length, **given)
 
     def export(self, path: str | Path, **options: Any) -> Any:
-        """Write the model in another language, by the suffix of its file, as ``nw.export.write`` does."""
+        """Write the model in another language, chosen by the file's suffix, as ``nw.export.write``."""
         model: Any = self
         return narrows.export.write(model, path, **options)
 
     def with_canal(self, **changes: float) -> Any:
-        """Return the model in another canal, its coefficients as they are: ``nw.at_depth`` corrects those for depth."""
+        """Return the model in another canal with the same coefficients; ``nw.at_depth`` corrects them for depth."""
         # **changes [m]
         model: Any = self
         canal = model.configuration.canal
@@ -93,7 +93,7 @@ class Operations(Shown):
         return replace(model, configuration=replace(model.configuration, canal=replace(canal, **changes)))
 
     def latex(self, numbers: bool = False, forces: Sequence[str] = ("X", "Y", "N")) -> str:
-        """Write the equations of the forces in LaTeX, a line a force."""
+        """Write the equations of the forces in LaTeX, one line per force."""
         model: Any = self
         coefficients = model.coefficients if numbers else None
         return narrows.latex(model.terms, coefficients, forces)
@@ -101,7 +101,7 @@ class Operations(Shown):
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            """``to_c``, ``to_fmu`` ..., and every public function that takes a model first."""
+            """Methods ``to_c``, ``to_fmu`` ..., and every public function that takes a model first."""
             if name.startswith("to_") and name[3:] in narrows.export.LANGUAGES:
                 return partial(narrows.export.to_language, self, name[3:])
             ours = same_function(name) or name
@@ -113,7 +113,7 @@ class Operations(Shown):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Model(Configured, Operations):
-    """A bank-effect model: what a fit gives and what simulation takes.
+    """A bank-effect model: the result of a fit and the input of simulation.
 
     Parameters
     ----------
@@ -124,18 +124,18 @@ class Model(Configured, Operations):
     coefficients : mapping of str to float
         One value for each term, in the term's own SI unit.
     covariance : array (n, n), optional
-        Of the coefficients, in the order of ``terms.names``.
+        Covariance of the coefficients, in the order of ``terms.names``.
     data_range : DataRange
-        What the data covered.
+        Tested range of the data.
     source : Source
-        Where the numbers come from.
+        Origin of the numbers.
     verdicts : mapping of str to str
-        How far its tests can be trusted with each coefficient, in a word or two; empty where no fit made it.
+        How well the tests determine each coefficient, in a word or two; empty without a fit.
 
     Raises
     ------
     InputError
-        If a coefficient is missing, unknown or not finite, or a verdict is of none.
+        If a coefficient is missing, unknown or not finite, or a verdict is unknown.
     """
 
     configuration: Configuration
@@ -166,7 +166,7 @@ class Model(Configured, Operations):
         return f"<Model of {ship}: {len(self.coefficients)} coefficients of the terms {self.terms.name}>"
 
     def __eq__(self, other: object) -> bool:
-        """Whether another model has the same ship, terms and numbers, of the same source."""
+        """Return whether another model has the same ship, terms, numbers and source."""
         if not isinstance(other, Model):
             return NotImplemented
         return all(np.array_equal(getattr(self, own.name), getattr(other, own.name)) for own in fields(self))
@@ -181,18 +181,18 @@ class Model(Configured, Operations):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What to say first: what it was estimated from, and what is open of the banks."""
+        """Main notes: the data of an estimate, and uncertain bank coefficients."""
         return tuple(filter(None, (self.source.estimate, *self.bank_notes)))
 
     def summary(self) -> str:
-        """Say whose model it is, of which terms, and where its numbers come from."""
+        """Describe the ship, the terms and the origin of the numbers."""
         source = f"; {self.source.text}" if self.source.text else ""
         return (
             f"{self.configuration.summary()}.\n{len(self.terms)} coefficients of the terms {self.terms.name}{source}."
         )
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the coefficients as a table: a row each, with value, std, unit and verdict."""
+        """Return the coefficients as a table: one row each, with value, std, unit and verdict."""
         import pandas as pd
 
         names = list(self.terms.names)
@@ -215,33 +215,34 @@ class Model(Configured, Operations):
             The file.
         terms : TermTable, optional
             One's own table, where the file was made with one.
+        The user's own table, if the file was made with one.
         """
         return narrows.load_model(path, terms)
 
     @classmethod
     def from_dict(cls, tables: Mapping[str, Any], terms: TermTable | None = None) -> "Model":
-        """Return the model of what ``to_dict`` gave.
+        """Return the model from the result of ``to_dict``.
 
         Parameters
         ----------
         tables : mapping of str to mapping
             The sections of a model file.
         terms : TermTable, optional
-            One's own table, where the model was made with one.
+            The user's own table, if the model was made with one.
         """
         return cls(**fields_of(tables, terms))
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name: the sections of the model file."""
+        """Return everything by name: the sections of the model file."""
         return sections_of(**{own.name: getattr(self, own.name) for own in fields(self)})
 
     def save(self, path: str | Path) -> None:
-        """Write it as a model file, which ``load_model`` reads to the last bit.
+        """Write it as a model file; ``load_model`` restores it to the last bit.
 
         Parameters
         ----------
         path : str or Path
-            Where to.
+            Output file.
 
         Raises
         ------
@@ -273,19 +274,19 @@ class Model(Configured, Operations):
         Parameters
         ----------
         motion : Motion, optional
-            Floats or columns; its quantities may be given by name instead: y, psi, u, v, r, udot ...
+            Floats or columns; alternatively its quantities are given by name: y, psi, u, v, r, udot ...
         rudder : number [rad], optional
-            Its angle, positive where it turns the bow to starboard, floats or columns; amidships unless given.
+            Angle, positive if it turns the bow to starboard, floats or columns; amidships unless given.
         revolutions : number [1/s], optional
-            Of the propeller; those of the setting unless given.
+            Propeller revolutions; those of the configuration unless given.
         **others : number
-            Quantities of the motion where none is given, and positions of other actuators that the terms ask for, by
-            name and in their units; at rest unless given.
+            Quantities of the motion if none is given, and positions of other actuators of the terms, by name and in
+            their units; at rest unless given.
 
         Raises
         ------
         InputError
-            If a term needs a particular that the setting does not give, or there is no such actuator.
+            If a term needs a particular that the configuration lacks, or there is no such actuator.
         """
         if motion is None:
             named = {name: others.pop(name) for name in ("psi", *MOTION) if name in others}
@@ -296,14 +297,14 @@ class Model(Configured, Operations):
         return {force: self._sum(terms, values) for force, terms in self.terms.forces.items()}
 
     def resistance(self, u: float, **positions: Number) -> float:
-        """Return what the water and the actuators hold a ship back with straight ahead in the middle [N].
+        """Return the resistance of water and actuators straight ahead on the centreline [N].
 
         Parameters
         ----------
         u : float [m/s]
             Surge velocity.
         **positions : number
-            Of actuators, as in ``forces``.
+            Positions of actuators, as in ``forces``.
 
         Raises
         ------
@@ -313,7 +314,7 @@ class Model(Configured, Operations):
         return -float(self.forces(Motion.at(u=u), **positions)["X"])
 
     def bank_forces(self, motion: Motion) -> dict[str, Number]:
-        """Evaluate the part of each force that the banks make [N, N, N m].
+        """Evaluate the bank's part of each force [N, N, N m].
 
         Parameters
         ----------
@@ -328,17 +329,17 @@ class Model(Configured, Operations):
 
     @property
     def feels_bank(self) -> bool:
-        """Whether the banks make a force: whether it has terms of the bank, and one of them counts for something."""
+        """Return whether it has a bank force: terms of the bank, not all zero."""
         return any(term.from_bank and self.coefficients[term.name] for term in self.terms.terms)
 
     @property
     def bank_note(self) -> str:
-        """What to say first to whoever asks about a canal; nothing where the model feels the banks."""
+        """First note for questions about a canal; nothing if the model has a bank force."""
         return "" if self.feels_bank else self.terms.bank_note or NO_SUCTION
 
     @property
     def trust_note(self) -> str:
-        """What to say first of the bank's coefficients where their tests do not settle them; nothing where they do."""
+        """First note on bank coefficients that the tests do not determine; nothing otherwise."""
         doubted = [
             f"{term.name} {'' if verdict.startswith(ALONE) else 'is '}{verdict}"
             for term in self.terms.terms
@@ -349,11 +350,11 @@ class Model(Configured, Operations):
 
     @property
     def bank_notes(self) -> tuple[str, ...]:
-        """What to say first of the banks: that it feels none, or that its tests do not settle what they do."""
+        """First notes on the banks: no bank force, or bank coefficients that the tests do not determine."""
         return tuple(note for note in (self.bank_note, self.trust_note) if note)
 
     def in_open_water(self) -> "Model":
-        """Return the model without the terms of the banks; itself where it has none."""
+        """Return the model without the terms of the banks; itself if it has none."""
         if not self.terms.feels_bank:
             return self
         terms = without_bank(self.terms)
@@ -383,12 +384,12 @@ class Model(Configured, Operations):
 
     @property
     def surge_inertia(self) -> float:
-        """What the terms resist a surge acceleration with [kg]."""
+        """Inertia of the terms against a surge acceleration [kg]."""
         values = self._values(Motion.at(u=1.0, udot=1.0), {actuator.name: 0.0 for actuator in self.terms.actuators})
         still = {**values, "udot": 0.0}
         slopes = ((term.name, term.column(values) - term.column(still)) for term in self.terms.surge)
         return -float(sum(self.coefficients[name] * slope for name, slope in slopes))
 
     def _sum(self, terms: tuple[Term, ...] | list[Term], values: Mapping[str, Number]) -> Number:
-        # Not by sum(): from Python 3.12 it compensates floats but not columns, which then differ by a rounding.
+        # Not by sum(): from Python 3.12 it compensates floats but not columns, so that they would differ by a rounding.
         return reduce(add, (self.coefficients[term.name] * term.column(values) for term in terms), 0.0)

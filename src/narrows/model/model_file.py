@@ -1,4 +1,4 @@
-"""Model files: TOML that gives back the same forces to the last bit."""
+"""Model files: TOML that reproduces the forces to the last bit."""
 
 import json
 import re
@@ -19,14 +19,14 @@ def save_model(model: Model, path: str | Path) -> None:
     Parameters
     ----------
     model : Model
-        What to write.
+        The model.
     path : str or Path
-        Where to.
+        Output file.
 
     Raises
     ------
     InputError
-        If the file is none of TOML by its suffix, or cannot be written.
+        If the suffix is not that of TOML, or the file cannot be written.
     """
     form_of(path, (".toml",))
     write_whole(path, to_toml(model.to_dict()))
@@ -47,14 +47,14 @@ def _key(name: str) -> str:
 
 def _value(value: Any, indent: str = "") -> str:
     if isinstance(value, str):
-        # JSON escapes what TOML does, but for the control character DEL.
+        # JSON escapes the same characters as TOML, except the control character DEL.
         return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
     if isinstance(value, list | tuple):
         inner = indent + "    "
         return "[\n" + "".join(f"{inner}{_value(one, inner)},\n" for one in value) + f"{indent}]" if value else "[]"
     if not isinstance(value, bool | int | float):
         raise TypeError(f"{type(value).__name__} has no form in TOML")
-    return str(value).lower()  # true, nan and 1e+16 are lower case in both; str gives every digit of a float.
+    return str(value).lower()  # true, nan and 1e+16 are lower case in both; str gives every digit of a float
 
 
 def load_model(path: str | Path, terms: TermTable | None = None) -> Model:
@@ -65,12 +65,12 @@ def load_model(path: str | Path, terms: TermTable | None = None) -> Model:
     path : str or Path
         The file.
     terms : TermTable, optional
-        The user's own table, where the file was made with one.
+        The user's own table, if the file was made with one.
 
     Returns
     -------
     Model
-        The same as was saved.
+        The same as the saved model.
 
     Raises
     ------

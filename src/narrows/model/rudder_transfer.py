@@ -1,4 +1,4 @@
-"""A rudder for a hull that was tested without one: that of another, whose coefficients go with any size."""
+"""A rudder for a hull tested without one: that of another ship, whose coefficients do not depend on size."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -12,18 +12,17 @@ from narrows.terms.term import TermKind, TermTable
 
 
 def borrow_rudder(model: Model, lender: Model) -> Model:
-    """Return a model with the rudder of another.
+    """Return a model with the rudder of another ship.
 
-    The coefficients of a rudder are over the area L T/100 and the length, so they hold for a hull with as large a
-    rudder for its size, behind a propeller as loaded. What is known of their errors goes along where the model's own
-    are known.
+    The coefficients of a rudder are relative to the area L T/100 and the length. So they hold for a hull with the same
+    relative rudder area and the same propeller loading. Their covariance is added if the model has one.
 
     Parameters
     ----------
     model : Model
-        Without a rudder.
+        A model without a rudder.
     lender : Model
-        With the terms of ``steered``: ``a_helm``, ``b_helm`` and ``c_helm``.
+        A model with the terms of ``steered``: ``a_helm``, ``b_helm`` and ``c_helm``.
 
     Raises
     ------
@@ -55,12 +54,12 @@ def _rudder(terms: TermTable) -> list[str]:
 
 
 def _helm(terms: TermTable) -> list[str]:
-    """What the terms of a rudder are called in a table."""
+    """Names of a rudder's terms in a table."""
     return [term.name for helm in helm_terms(terms).values() for term in helm]
 
 
 def _joined(model: Model, lender: Model, names: tuple[str, ...], lent: Mapping[str, str]) -> np.ndarray | None:
-    """Both covariances, the two models' errors independent; None unless both are known."""
+    """Both covariances, with independent errors; None unless both are known."""
     if model.covariance is None or lender.covariance is None:
         return None
     joined = np.zeros((len(names), len(names)))

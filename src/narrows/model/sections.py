@@ -1,4 +1,4 @@
-"""The sections of a model file, and the fields of a model that they are."""
+"""The sections of a model file and the corresponding fields of a model."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -21,21 +21,21 @@ REQUIRED = (*PARTS, "terms", "coefficients")
 OPTIONAL = ("covariance", "data_range", "source", "verdicts")
 
 
-# Where numbers come from.
+# Origin of the numbers.
 @dataclass(frozen=True)
 class Source:
-    """Where numbers come from.
+    """Origin of the numbers.
 
     Parameters
     ----------
     text : str
-        A citation, or how they were made.
+        A citation, or the method.
     table : str
         File name of the table of tests.
     sha256 : str
         Hash of that file.
     estimate : str
-        What the model was estimated from, in sentences, where no test of the ship made it.
+        Data behind an estimated model, in sentences, if the ship was not tested.
     """
 
     text: str = ""
@@ -48,7 +48,7 @@ def sections_of(
     configuration: Configuration, terms: TermTable, coefficients: Mapping[str, float], covariance: np.ndarray | None,
     data_range: DataRange, source: Source, verdicts: Mapping[str, str],
 ) -> dict[str, Any]:  # fmt: skip
-    """Return the sections of the file of a model, of its fields."""
+    """Return the sections of a model file from the model's fields."""
     parts = {**{name: getattr(configuration, name) for name in PARTS}, **configuration.parts}
     tables: dict[str, Any] = {name: _without_none(asdict(part)) for name, part in parts.items()}
     lists = {force: [term.name for term in group] for force, group in terms.forces.items()}

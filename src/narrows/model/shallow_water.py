@@ -1,4 +1,4 @@
-"""A model of one depth taken to another: the few corrections there are, and what they leave out."""
+"""A model at another depth: the available corrections, and effects they ignore."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ from narrows.terms.term import DepthLaw
 if TYPE_CHECKING:
     import pandas as pd
 
-# h/T below which the corrections miss what was measured: the force of drift by half, on the KCS at 1.2.
+# h/T below which the corrections contradict measurements: the drift force by half, for the KCS at 1.2.
 SHALLOWEST = 1.5
 # A depth [m] at which every factor is 1.
 DEEP = 1e9
@@ -24,16 +24,16 @@ DEEP = 1e9
 
 @dataclass(frozen=True, repr=False)
 class DepthCorrected(Shown):
-    """A model taken to another depth.
+    """A model corrected for another depth.
 
     Parameters
     ----------
     model : Model
-        With the corrected coefficients and the new depth.
+        Model with the corrected coefficients and the new depth.
     factors : mapping of str to float [1]
-        By which each corrected coefficient was multiplied.
+        Factors of the corrected coefficients.
     notes : tuple of str
-        What was not corrected, and what is not verified.
+        Uncorrected effects, and unverified corrections.
     """
 
     model: Model
@@ -44,14 +44,14 @@ class DepthCorrected(Shown):
         return f"<Model taken to another depth: {self.summary()}>"
 
     def summary(self) -> str:
-        """Say what was multiplied by what."""
+        """List the factors."""
         configuration = self.model.configuration
         grown = ", ".join(f"{name} times {factor:.3g}" for name, factor in self.factors.items())
         ratio = (configuration.canal.depth or DEEP) / configuration.ship.draft
         return f"Taken to h/T = {ratio:.3g}: {grown or 'nothing was corrected'}."
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name."""
+        """Return everything by name."""
         return {
             "depth": self.model.configuration.canal.depth,
             "factors": dict(self.factors),
@@ -61,7 +61,7 @@ class DepthCorrected(Shown):
         }
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the coefficients as a table: a row each, with its factor and its new value."""
+        """Return the coefficients as a table: one row each, with its factor and its new value."""
         import pandas as pd
 
         rows = {name: (self.factors.get(name, 1.0), value) for name, value in self.model.coefficients.items()}
@@ -69,28 +69,28 @@ class DepthCorrected(Shown):
 
 
 def factor_at(law: DepthLaw, configuration: Configuration, depth: float) -> float:
-    """Return the factor of a coefficient over deep water at a depth [1]."""
+    """Return the factor of a coefficient relative to deep water at a depth [1]."""
     values = {**configuration.values(), "depth": depth}
     return float(law.factor(*[values[word] for word in asked_by(law.factor)]))
 
 
 def at_depth(model: Model, depth: float) -> DepthCorrected:
-    """Take a model to another depth by Kijima's corrections.
+    """Correct a model for another depth by Kijima's formulas.
 
-    Where the tests' own depth is not known they count as deep. Tests at the depth itself are better: the corrections
-    know a few of the hull's coefficients and nothing of the bank.
+    Tests of unknown depth count as deep. Tests at the depth itself are better: the formulas correct some of the hull's
+    coefficients and none of the bank.
 
     Parameters
     ----------
     model : Model
-        Of one depth.
+        Model for one depth.
     depth : float [m]
-        The new one.
+        New depth.
 
     Raises
     ------
     InputError
-        If the depth leaves no water under the keel.
+        If no water is left under the keel.
     """
     old = model.configuration
     if not depth > old.ship.draft:

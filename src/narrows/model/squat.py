@@ -1,4 +1,4 @@
-"""Squat formulas in one table, with what each gives and where it holds, and a choice among them."""
+"""Squat formulas in one table, each with its kind of sinkage and range of validity, and a choice among them."""
 
 import inspect
 from collections.abc import Callable, Mapping
@@ -27,13 +27,13 @@ class SquatFormula:
     Parameters
     ----------
     function : callable
-        Its arguments are names of the vocabulary.
+        Function; its arguments are names of the vocabulary.
     gives : str
-        Which sinkage: ``midship``, ``bow``, ``largest`` or ``mean``.
+        Kind of sinkage: ``midship``, ``bow``, ``largest`` or ``mean``.
     status : str
-        How sure the formula is.
+        Reliability of the formula.
     limits : mapping of str to pair of float [1]
-        Where it holds: depth Froude number ``froude``, ``blockage``, ``depth_to_draft``, ``block_coefficient``.
+        Range of validity: depth Froude number ``froude``, ``blockage``, ``depth_to_draft``, ``block_coefficient``.
     """
 
     function: Callable[..., Number]
@@ -43,7 +43,7 @@ class SquatFormula:
 
     @property
     def source(self) -> str:
-        """Where it is from."""
+        """Its source."""
         text = inspect.cleandoc(self.function.__doc__ or "").partition("Source:")[2]
         return " ".join(text.partition("\n\n")[0].split()).rstrip(".")
 
@@ -55,20 +55,20 @@ class SquatFormula:
         configuration : Configuration
             Ship and canal; the depth must be given.
         speed : float [m/s]
-            Through the water.
+            Speed through the water.
         """
         values = {**configuration.values(), "u": speed}
         return float(self.function(*[values[name] for name in asked_by(self.function)]))
 
     def outside(self, configuration: Configuration, speed: float) -> tuple[str, ...]:
-        """Say where a ship is beyond what the formula holds for.
+        """Describe where a ship is outside the formula's range.
 
         Parameters
         ----------
         configuration : Configuration
             Ship and canal; the depth must be given.
         speed : float [m/s]
-            Through the water.
+            Speed through the water.
         """
         values = ratios(configuration, speed)
         return tuple(
@@ -94,7 +94,7 @@ SQUAT = {
 
 @dataclass(frozen=True, repr=False)
 class Squat(Shown):
-    """A sinkage and what it rests on.
+    """A sinkage and its formula.
 
     Parameters
     ----------
@@ -105,9 +105,9 @@ class Squat(Shown):
     gives : str
         Which sinkage it is.
     critical_speed : float [m/s]
-        At which the canal chokes.
+        Speed at which the canal chokes.
     notes : tuple of str
-        Where the formula is used outside of what it holds for, or is not verified.
+        Uses outside the formula's range, or an unverified formula.
     """
 
     sinkage: float
@@ -120,26 +120,26 @@ class Squat(Shown):
         return f"<Squat: {self.summary()}>"
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give it as a table of one row, by the formula's name."""
+        """Return it as a table of one row, by the formula's name."""
         import pandas as pd
 
         row = {"formula": self.formula, "gives": self.gives, "sinkage": self.sinkage}
         return pd.DataFrame([row | {"critical_speed": self.critical_speed}]).set_index("formula")
 
     def summary(self) -> str:
-        """Say the sinkage, its formula and where the canal chokes."""
+        """Describe the sinkage, its formula and the critical speed."""
         return (
             f"The {self.gives} sinkage is {self.sinkage:.3g} m by {self.formula}; the canal chokes at "
             f"{self.critical_speed:.3g} m/s."
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name."""
+        """Return everything by name."""
         return {**asdict(self), "notes": list(self.notes), "summary": self.summary()}
 
 
 def ratios(configuration: Configuration, speed: float) -> dict[str, float]:
-    """Return what validity is stated in: froude, blockage, depth_to_draft, block_coefficient [1]."""
+    """Return the quantities of validity ranges: froude, blockage, depth_to_draft, block_coefficient [1]."""
     ship, canal = configuration.ship, configuration.canal
     if canal.depth is None:
         raise InputError("[canal] depth is not given, and squat needs it; add it in metres")
@@ -171,7 +171,7 @@ def choke_speed(ship: Configured | Configuration) -> float:
 
 
 def configuration_of(ship: Configured | Configuration) -> Configuration:
-    """Return ship and canal of a model or the like; what is that already as it is."""
+    """Return ship and canal of a model or the like; a configuration is returned unchanged."""
     if isinstance(ship, Configured):
         return ship.configuration
     if not isinstance(ship, Configuration):
@@ -180,11 +180,11 @@ def configuration_of(ship: Configured | Configuration) -> Configuration:
 
 
 def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship", formula: str | None = None) -> Squat:
-    """Estimate how far a ship sinks at a speed.
+    """Estimate the sinkage of a ship at a speed.
 
-    The first formula of ``SQUAT`` that gives the wanted sinkage and holds here is taken; if none holds, the first that
-    gives it, with notes. Where continuity and energy in one dimension give a larger mean, as close to the critical
-    speed, the mean is taken.
+    It uses the first formula of ``SQUAT`` that gives the requested sinkage and is valid here; if none is valid, the
+    first that gives it, with notes. If one-dimensional continuity and energy give a larger mean, as near the critical
+    speed, the mean is used.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
     gives : str
         ``midship``, ``bow`` or ``largest``.
     formula : str, optional
-        Take this one.
+        Formula to use instead.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The water that a ship's speed leaves it: return flow, sinkage of bow and stern, and the speed that ends it."""
+"""Water around a moving ship: return flow, sinkage of bow and stern, and the speed that chokes the section."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -8,25 +8,26 @@ import numpy as np
 from narrows.physics import squat_formulas as formulas
 from narrows.quantities.names import Number
 
-# A speed that no ship has [m/s]: nothing bounds it.
+# Speed without limit, above that of any ship [m/s].
 BOUNDLESS = 1000.0
 
 
 class WaterUnderWay(NamedTuple):
-    return_flow: Number  # Of the water past the ship, against it [m/s]
-    sinkage: Number  # Mean [m]
-    bow: Number  # Water left under it [m]
-    stern: Number  # Water left under it [m]
+    return_flow: Number  # Speed of the water past the ship, against its course [m/s]
+    sinkage: Number  # Mean sinkage [m]
+    bow: Number  # Clearance under the bow [m]
+    stern: Number  # Clearance under the stern [m]
 
 
 class SpeedsAfloat(NamedTuple):
-    touching: Number  # At which the deeper end touches the bottom; ``BOUNDLESS`` where none does [m/s]
-    choking: Number  # At which the return flow is critical (Schijf) [m/s]
+    touching: Number  # Speed at which the deeper end touches the bottom; ``BOUNDLESS`` if none [m/s]
+    choking: Number  # Speed at which the return flow is critical (Schijf) [m/s]
 
 
 def water_under_way(values: Mapping[str, Number], speed: Number) -> WaterUnderWay:
-    """Return the water of ships by particulars and section, below the speed that chokes it; NaN from there on."""
-    # One-dimensional continuity and energy; the slender ship without banks where that gives more, as in wide water.
+    """Return the water around ships by particulars and section, below the choking speed; NaN above it."""
+    # One-dimensional continuity and energy; the slender-body formula without banks if that gives more, as in wide
+    # water.
     ship = {name: values[name] for name in ("length", "beam", "draft", "block_coefficient")}
     section = {name: values[name] for name in ("beam", "draft", "width", "depth")}
     fast, slow = np.abs(speed), np.abs(speed) < formulas.critical_speed(**section)
@@ -57,5 +58,5 @@ def speeds_afloat(values: Mapping[str, Number]) -> SpeedsAfloat:
 
 
 def is_full(block_coefficient: Number) -> Number:
-    """Whether a ship sinks most at the bow; a fine one does at the stern."""
+    """Return whether a ship sinks most at the bow; a fine one does at the stern."""
     return np.asarray(block_coefficient) >= formulas.TRIMLESS

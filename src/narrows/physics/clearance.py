@@ -1,4 +1,4 @@
-"""Distances to the banks, and the pressure difference between the sides of the ship that they cause."""
+"""Distances to the banks, and the pressure difference that they cause between the sides of the ship."""
 
 import math
 
@@ -31,8 +31,8 @@ def delta(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
 def taper(y: Number, width: Number) -> Number:
     """Boundary-layer taper near a wall [1], ``1/2 - 1/2 tanh(5 (|y| - 2.5))`` for a canal 7 m wide.
 
-    The paper gives its two numbers for that tank alone; here they scale with the width, so that a
-    geosim of the tank tapers at the same relative place.
+    The paper gives its two numbers for that tank alone; here they scale with the width, so that a geosim of the tank
+    has its taper at the same relative place.
 
     Source: Mikkelsen et al. (2025), red curve of fig. (Delta_fun).
     """
@@ -66,8 +66,8 @@ def shallow_bank_distance(
 def critical_bank_distance(y: Number, cos_psi: Number, u: Number, width: Number, beam: Number, depth: Number) -> Number:
     """Bank parameter y_B over (1 - F^2)^(1/2), growing towards the critical depth Froude number F = u/(g h)^(1/2) [1].
 
-    Tuck's number F^2/(1 - F^2)^(1/2) times y_B, once the force's own u^2 has taken the F^2. It means nothing at
-    F = 1 and beyond.
+    Tuck's number F^2/(1 - F^2)^(1/2) times y_B, without the F^2 that the force's own u^2 contains. It is invalid for F
+    >= 1.
 
     Source: form of Tuck (1966) as Lataire (2014) uses it.
     """
@@ -75,9 +75,9 @@ def critical_bank_distance(y: Number, cos_psi: Number, u: Number, width: Number,
 
 
 def keel_gap_delta(y: Number, cos_psi: Number, width: Number, beam: Number, draft: Number, depth: Number) -> Number:
-    """Pressure difference delta [1] of a hull as wide as blocks the same share of the depth, B -> B T/h.
+    """Pressure difference delta [1] of a hull that blocks the same share of the depth, B -> B T/h.
 
-    The paper lets all water pass beside the hull; this lets it pass below too, and is the paper's at T = h.
+    In the paper all water passes beside the hull; here some passes below it. At T = h both agree.
 
     Source: ours.
     """
@@ -95,7 +95,7 @@ def suction(
 ) -> Number:  # fmt: skip
     """Sway force of the bank [N] per unit coefficient and pressure parameter.
 
-    The paper leaves u_w open: here it is the surge velocity through the water.
+    The paper does not define u_w: here it is the surge velocity through the water.
 
     Source: Mikkelsen et al. (2025), eq. (bank_sway_w_assum), for delta.
     """

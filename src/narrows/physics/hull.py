@@ -6,7 +6,7 @@ from narrows.quantities.names import Number
 
 
 def speed(u: Number, v: Number) -> Number:
-    """Whole speed through the water [m/s], (u^2 + v^2)^(1/2). Source: definition."""
+    """Total speed through the water [m/s], (u^2 + v^2)^(1/2). Source: definition."""
     return (u * u + v * v) ** 0.5
 
 
@@ -18,7 +18,7 @@ def drift(u: Number, v: Number) -> Number:
 
 
 def scale_force(length: Number, draft: Number, density: Number) -> Number:
-    """What makes the method's forces numbers [kg/m], 1/2 rho L d. Source: Yasukawa and Yoshimura (2015)."""
+    """Force scale of the method [kg/m], 1/2 rho L d. Source: Yasukawa and Yoshimura (2015)."""
     return 0.5 * density * length * draft
 
 

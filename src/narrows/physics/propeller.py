@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from narrows.physics.hull import drift, speed
 from narrows.quantities.names import Number
 
-# An angle [rad] too small to have a side.
+# An angle [rad] that counts as zero, without a side.
 NOTHING = 1e-9
 
 
 @dataclass(frozen=True)
 class PropellerQuantities:
-    """What a propeller's force depends on."""
+    """Inputs of a propeller's force."""
 
     u: Number
     v: Number
@@ -32,7 +32,7 @@ class PropellerQuantities:
 
 
 def inflow(at: PropellerQuantities) -> Number:
-    """Velocity of the water along the propeller [m/s], u (1 - w_P), the wake thinner the more the ship turns.
+    """Velocity of the water along the propeller [m/s], u (1 - w_P); the wake decreases in a turn.
 
     ``(1 - w_P)/(1 - w_P0) = 1 + (1 - exp(-C_1 |beta_P|)) (C_2 - 1)``, C_2 by the side of beta_P = beta - x_P' r'.
 
@@ -48,7 +48,7 @@ def angle_to_propeller(at: PropellerQuantities) -> Number:
 
 
 def wake_share(at: PropellerQuantities) -> Number:
-    """Inflow of a hard turn over inflow straight [1], C_2 by the side. Source: Yasukawa and Yoshimura (2015)."""
+    """Wake ratio of a hard turn to straight running [1], C_2 by the side. Source: Yasukawa and Yoshimura (2015)."""
     angle = angle_to_propeller(at)
     middle = (at.propeller_wake_starboard + at.propeller_wake_port) / 2
     half = (at.propeller_wake_starboard - at.propeller_wake_port) / 2
@@ -58,11 +58,11 @@ def wake_share(at: PropellerQuantities) -> Number:
 def loading(at: PropellerQuantities) -> Number:
     """Thrust over density and the square of the diameter [m2/s2], K_T n^2 D^2 with K_T = k_0 + k_1 J + k_2 J^2.
 
-    The curve is of tests ahead: revolutions astern count as those of a stopped propeller.
+    The curve is from tests ahead: revolutions astern count as zero.
 
     Source: Yasukawa and Yoshimura (2015).
     """
-    # Written without J, which is infinite where the propeller stands still.
+    # Written without J, which is infinite at a stopped propeller.
     tip, coming = (at.revolutions + abs(at.revolutions)) / 2 * at.propeller_diameter, inflow(at)
     return at.propeller_thrust_0 * tip * tip + coming * (at.propeller_thrust_1 * tip + at.propeller_thrust_2 * coming)
 

@@ -1,8 +1,8 @@
 """The rudder: its normal force is 1/2 rho A U_R (u_R sin delta - v_R cos delta), as in the MMG standard method.
 
-The terms ``helm_*`` are what turning it adds to the force on a hull whose tests had it amidships. The area stands as
-L T/100, and lift, wake, slipstream and the hull's share are in the coefficients, so these hold for the propeller
-loading of the tests. The terms ``rudder_*`` are the whole method, in the slipstream of the propeller.
+The terms ``helm_*`` are the force of turning the rudder, added to a hull tested with it amidships. The area is L T/100,
+and lift, wake, slipstream and the hull's share are in the coefficients, so these hold for the propeller loading of the
+tests. The terms ``rudder_*`` are the whole method, in the slipstream of the propeller.
 """
 
 import math
@@ -12,7 +12,7 @@ from narrows.physics.hull import drift, speed
 from narrows.physics.propeller import PropellerQuantities, inflow, loading
 from narrows.quantities.names import Number
 
-# Of the rudder, over length times draft [1].
+# Reference area of the rudder, over length times draft [1].
 REFERENCE_AREA = 0.01
 
 
@@ -43,7 +43,7 @@ def helm_sway(
     u: Number, v: Number, r: Number, cos_rudder: Number, sin_rudder: Number,
     length: Number, draft: Number, flow_straightening: Number, density: Number,
 ) -> Number:  # fmt: skip
-    """Sway force [N] that turning the rudder adds, per unit.
+    """Sway force [N] of turning the rudder, per unit.
 
     Source: form of Yasukawa and Yoshimura (2015), less its value amidships.
     """
@@ -56,7 +56,7 @@ def helm_yaw(
     u: Number, v: Number, r: Number, cos_rudder: Number, sin_rudder: Number,
     length: Number, draft: Number, flow_straightening: Number, density: Number,
 ) -> Number:  # fmt: skip
-    """Yaw moment [N m] that turning the rudder adds, per unit.
+    """Yaw moment [N m] of turning the rudder, per unit.
 
     Source: form of Yasukawa and Yoshimura (2015), less its value amidships.
     """
@@ -65,7 +65,7 @@ def helm_yaw(
 
 @dataclass(frozen=True)
 class RudderQuantities(PropellerQuantities):
-    """What the force of a rudder in a propeller's slipstream depends on."""
+    """Inputs of a rudder's force in a propeller's slipstream."""
 
     rudder_wake_ratio: Number
     rudder_slipstream: Number
@@ -87,7 +87,7 @@ def along(at: RudderQuantities) -> Number:
     Source: Yasukawa and Yoshimura (2015).
     """
     coming = inflow(at)
-    # A propeller that drags slows its slipstream down, to nothing at most.
+    # A propeller with negative thrust slows its slipstream down, to zero at most.
     pushed = coming * coming + 8 / math.pi * loading(at)
     slipstream = ((pushed + abs(pushed)) / 2) ** 0.5
     inside = coming + at.rudder_slipstream * (slipstream - coming)

@@ -4,9 +4,9 @@ import numpy as np
 
 from narrows.quantities.names import GRAVITY, KNOT, Number
 
-# Of beam times draft, where a ship's midship section is not known [1].
+# Midship section over beam times draft, if unknown [1].
 MIDSHIP_SECTION = 0.98
-# Block coefficient [1] of a ship whose bow and stern sink alike: a fuller one sinks most at the bow.
+# Block coefficient [1] of a ship without trim: a fuller one sinks most at the bow.
 TRIMLESS = 0.7
 
 
@@ -114,7 +114,7 @@ def continuity(u: Number, beam: Number, draft: Number, width: Number, depth: Num
 
 
 def deeper_end(block_coefficient: Number) -> Number:
-    """Sinkage of the end that sinks most over the mean sinkage [1]: the bow of a full ship, the stern of a fine one.
+    """Sinkage of the deeper end over the mean sinkage [1]: the bow of a full ship, the stern of a fine one.
 
     Source: Barrass (2004), from memory, not verified; within 2 % of the measured mean of the KCS (``measured_squat``).
     """
@@ -122,17 +122,17 @@ def deeper_end(block_coefficient: Number) -> Number:
 
 
 def other_end(block_coefficient: Number) -> Number:
-    """Sinkage of the end that sinks least over the mean sinkage [1]. Source: as for ``deeper_end``."""
+    """Sinkage of the other end over the mean sinkage [1]. Source: as for ``deeper_end``."""
     return 2 - deeper_end(block_coefficient)
 
 
 def _fullness(block_coefficient: Number) -> Number:
-    """Block coefficient over that of a ship that does not trim [1], as far as ships were tested."""
+    """Block coefficient over that of a ship without trim [1], limited to tested ships."""
     return np.clip(block_coefficient - TRIMLESS, -0.15, 0.15)
 
 
 def speed_that_sinks(sinkage: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:
-    """Speed through the water [m/s] with a mean sinkage [m] in a canal; infinite where the canal chokes before.
+    """Speed through the water [m/s] for a mean sinkage [m] in a canal; infinite if the canal chokes before.
 
     Source: Schijf (1949), the equations of ``water_past_the_ship`` solved for the speed.
     """
@@ -145,6 +145,6 @@ def speed_that_sinks(sinkage: Number, beam: Number, draft: Number, width: Number
 def speed_that_sinks_midship(
     sinkage: Number, length: Number, beam: Number, draft: Number, block_coefficient: Number, depth: Number
 ) -> Number:
-    """Speed through the water [m/s] with a midship sinkage [m] without banks. Source: ``tuck_midship``, inverted."""
+    """Speed through the water [m/s] for a midship sinkage [m] without banks. Source: ``tuck_midship``, inverted."""
     tuck = sinkage / (1.4 * _slender(length, beam, draft, block_coefficient))
     return (GRAVITY * depth * 2 / (1 + (1 + 4 / tuck**2) ** 0.5)) ** 0.5

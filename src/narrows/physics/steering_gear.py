@@ -5,7 +5,7 @@ from typing import Any
 
 from narrows.quantities.names import Number
 
-# Times shorter than this are none [s]: it keeps quotients of two times finite where both are 0.
+# Shortest time constant [s]; shorter ones count as zero. It keeps quotients of two times finite if both are 0.
 NO_TIME = 1e-12
 
 Functions = Mapping[str, Callable[..., Any]]
@@ -15,18 +15,18 @@ def gear_motion(
     order: Number, position: Number, stages: Sequence[Number], gear: Mapping[str, Number], dt: Number,
     functions: Functions, put: Callable[[str, Any], Any] = lambda name, value: value,
 ) -> tuple[Any, list[Any]]:  # fmt: skip
-    """Return how far a gear moves its actuator in a step [rad], and the stages of its dead time afterwards.
+    """Return the motion of an actuator in a step [rad], and the new stages of its dead time.
 
     Source: the exponential of a first-order lag; tanks in series for the dead time, Levenspiel (1999), Chemical
     Reaction Engineering, chapter 14.
 
     ``gear`` has ``dead_time``, ``lag`` [s], ``dead_band`` and ``rate``; ``functions`` are minimum, maximum, choice and
-    exp of whatever the numbers are; ``put`` keeps what is used more than once.
+    exp for the type of number; ``put`` stores values that are used more than once.
     """
-    # The dead time is a chain of equal first-order stages. A stage passes on a share of what reaches it; where the step
-    # is longer than its part of the dead time it passes on all of it, weighed between start and end of the step. Either
-    # way a ramp comes late by exactly the dead time, whatever the step, and no memory of past orders is kept, whose
-    # length would depend on it.
+    # The dead time is a chain of equal first-order stages. A stage passes on a share of its input; if the step is
+    # longer than its part of the dead time it passes on all of it, weighted between start and end of the step. So a
+    # ramp is late by exactly the dead time for any step, and no memory of past orders is needed, whose length would
+    # depend on it.
     least, greatest = functions["minimum"], functions["maximum"]
     passing = put("passing", len(stages) * dt)
     share = put("share", passing / greatest(greatest(gear["dead_time"], passing), NO_TIME))

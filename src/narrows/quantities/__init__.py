@@ -1,1 +1,1 @@
-"""Names, units, dimensions and constants: the vocabulary of everything else."""
+"""Names, units, dimensions and constants: the shared vocabulary."""

@@ -1,4 +1,4 @@
-"""What physics and control laws may do beside sums, products, powers and ``abs()``, on floats, columns and symbols."""
+"""Functions for physics and control laws besides sums, products, powers and ``abs()``: floats, columns, symbols."""
 
 from collections.abc import Callable
 from typing import Any
@@ -27,7 +27,7 @@ def maximum(one: Number, other: Number) -> Number:
 
 
 def clip(value: Number, most: Number) -> Number:
-    """Return a number brought to between ``-most`` and ``most``."""
+    """Return a number clipped to between ``-most`` and ``most``."""
     return minimum(maximum(value, -most), most)
 
 
@@ -42,7 +42,7 @@ def angle(cosine: Number, sine: Number) -> Number:
 
 
 def _evaluated(name: str, *values: Number) -> Number:
-    """By the value that knows how it is to be done (a placeholder that is being recorded), or by NumPy."""
+    """Evaluate by the value's own method (a recording placeholder), or by NumPy."""
     for value in values:
         apply = getattr(value, "apply_function", None)
         if apply is not None:

@@ -8,7 +8,7 @@ from narrows.errors import InputError
 
 
 class Dimension(NamedTuple):
-    """What a coefficient is measured in.
+    """Physical dimension of a coefficient.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ KG_PER_M = Dimension(1, -1)
 KG_PER_S = Dimension(1, 0, -1)
 KG_M_PER_S = Dimension(1, 1, -1)
 KG_M2_PER_S = Dimension(1, 2, -1)
-# Exponents of what units are written with.
+# Exponents of the base units.
 BASE = {
     "1": (0, 0, 0), "rad": (0, 0, 0), "deg": (0, 0, 0), "kg": (1, 0, 0), "m": (0, 1, 0), "s": (0, 0, 1),
     "N": (1, 1, -2),
@@ -50,7 +50,7 @@ BASE = {
 
 @cache
 def dimension_of(unit: str) -> Dimension:
-    """Return the dimension of a unit as the vocabulary writes it: ``kg m2``, ``rad/s``, ``1``."""
+    """Return the dimension of a unit in the vocabulary's spelling: ``kg m2``, ``rad/s``, ``1``."""
     above, _, below = unit.partition("/")
     parts = [(word, 1) for word in above.split()] + [(word, -1) for word in below.split()]
     total = NUMBER

@@ -1,18 +1,18 @@
-"""Every quantity that physics, tables and files speak of: one name, one unit, one meaning."""
+"""Every quantity of physics, tables and files: one name, one unit, one meaning."""
 
 import inspect
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-# A float, a NumPy array or a symbol: whatever knows arithmetic and ``abs()``.
+# A float, a NumPy array or a symbol: any type with arithmetic and ``abs()``.
 Number = Any
 
 
 class Quantity(NamedTuple):
-    """What a name stands for."""
+    """Unit and meaning of a name."""
 
-    unit: str  # In SI
-    meaning: str  # In words
+    unit: str  # SI unit
+    meaning: str  # Meaning in words
 
 
 MOTION = {
@@ -51,23 +51,22 @@ FORCES = {
     "N": Quantity("N m", "yaw moment about midship, positive bow to starboard"),
 }
 
-# What the function of any term may ask for; actuators bring what is theirs.
+# Possible inputs of any term; actuators add their own.
 REGRESSOR_INPUTS = MOTION | PARTICULARS
 
 
 def asked_by(function: Callable[..., Number]) -> tuple[str, ...]:
-    """Return the names of the quantities that a function takes, in its order."""
+    """Return the names of a function's arguments, in order."""
     stated: tuple[str, ...] | None = getattr(function, "inputs", None)
     return tuple(inspect.signature(function).parameters) if stated is None else stated
 
 
 def name_of(function: Callable[..., Number]) -> str:
-    """Return what a function is called in print."""
+    """Return the printed name of a function."""
     return str(getattr(function, "name", "") or getattr(function, "__name__", type(function).__name__))
 
 
-# Constants of nature and of units.
-# Of the earth [m/s2].
+# Constants of nature and of units. Gravity of the earth [m/s2].
 GRAVITY = 9.81
 
 # One nautical mile an hour [m/s].

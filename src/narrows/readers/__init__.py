@@ -1,1 +1,1 @@
-"""Tables in: text in any dialect, Parquet, Excel, MATLAB, data frames; headers with units, columns by other names."""
+"""Readers of tables: text in any dialect, Parquet, Excel, MATLAB, data frames; units and other names in headers."""

@@ -1,4 +1,4 @@
-"""Cells of a table: numbers and words, or what is wrong with one in a sentence with file, row, column and remedy."""
+"""Cells of a table: numbers and words, or one sentence of error with file, row, column and remedy."""
 
 import hashlib
 import math
@@ -32,7 +32,7 @@ def check_once(columns: list[Column], headers: list[str], known: Iterable[str], 
             both = [c.header for c in columns if c.quantity == name]
             raise InputError(f"{table}: columns {both[0]!r} and {both[1]!r} are both {name}; keep one")
     for header in headers:
-        # Of two columns with one header, pandas calls the second `header.1`.
+        # If two columns share a header, pandas calls the second `header.1`.
         twin = re.sub(r"\.\d+$", "", header)
         if twin != header and any(column.header == twin for column in columns):
             raise InputError(f"{table}: columns {twin!r} and {header!r} are both {twin}; keep one")
@@ -40,7 +40,7 @@ def check_once(columns: list[Column], headers: list[str], known: Iterable[str], 
 
 def numbers(frame: pd.DataFrame, header: str, table: str, blanks: bool = False) -> np.ndarray:
     values = floats(frame[header])
-    # NaN is not below either.
+    # NaN is not below it either.
     wrong = ~(np.abs(values) < LARGEST)
     if blanks:
         wrong &= ~_blank(frame[header])
@@ -59,7 +59,7 @@ def _blank(column: pd.Series) -> np.ndarray:
 
 
 def floats(column: pd.Series) -> np.ndarray:
-    """A column as floats, not a number where it holds dates, lists or integers without end."""
+    """Return a column as floats, NaN for dates, lists or huge integers."""
     if column.dtype.kind in "mM":
         return np.full(len(column), np.nan)
     try:
@@ -87,7 +87,7 @@ def as_sheet(table: object) -> Sheet:
         frame = _as_frame(table)
     except InputError:
         raise
-    except Exception as error:  # Libraries of tables raise nearly anything on columns that are none.
+    except Exception as error:  # Libraries of tables raise many kinds of errors on bad columns
         raise InputError(f"{name_of(table)}: makes no table ({reason(error)}); give a DataFrame") from None
     frame = frame.set_axis([str(header) for header in frame.columns], axis="columns")
     frame.index = pd.RangeIndex(-FIRST_ROW, len(frame) - FIRST_ROW)
@@ -106,7 +106,7 @@ def sha256_of_frame(frame: pd.DataFrame) -> str:
 
 def _as_frame(table: Any) -> pd.DataFrame:
     if isinstance(table, pd.DataFrame):
-        # An index with names is columns like any others.
+        # An index with names becomes ordinary columns.
         return table.reset_index(drop=table.index.names == [None])
     if hasattr(table, "data_vars"):
         frame: pd.DataFrame = table.to_dataframe().reset_index()

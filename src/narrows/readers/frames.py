@@ -20,8 +20,8 @@ STREAMED = (*TEXT, ".parquet")
 
 
 class Sheet(NamedTuple):
-    frame: pd.DataFrame  # Its index counts the rows of the file, less ``FIRST_ROW``
-    notes: tuple[str, ...] = ()  # What there is to say of the file
+    frame: pd.DataFrame  # Its index is the row number in the file, less ``FIRST_ROW``
+    notes: tuple[str, ...] = ()  # Notes on the file
 
 
 def read_frame(path: Path) -> Sheet:
@@ -29,7 +29,7 @@ def read_frame(path: Path) -> Sheet:
         **dict.fromkeys(TEXT, _read_text), ".parquet": _read_parquet, ".xlsx": _read_excel, ".mat": _read_mat,
     }  # fmt: skip
     reader = readers[_suffix(path, READABLE)]
-    with file_stage("reading", path) if reader is not _read_text else nullcontext():  # whose bytes are counted
+    with file_stage("reading", path) if reader is not _read_text else nullcontext():  # File with counted bytes
         sheet: Sheet = guarded(path, lambda: reader(path))
     return sheet
 
@@ -52,7 +52,7 @@ def notes_of(path: Path) -> tuple[str, ...]:
 
 def _parquet_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
     first = 0
-    # Buffers that are filled ahead stay until the file is closed: memory would grow with it.
+    # Without pre_buffer=False, buffers remain until the file is closed: memory would grow with it.
     with _parquet().ParquetFile(path, pre_buffer=False) as file, counted(path, file.metadata.num_rows) as advance:
         for batch in file.iter_batches(batch_size=rows):
             frame = batch.to_pandas(ignore_metadata=True)
@@ -76,7 +76,7 @@ def guarded(path: Path, read: Callable[[], Any]) -> Any:
         raise InputError(f"{path}: there is no such file; check the path") from None
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
-    except Exception as error:  # Readers of formats raise nearly anything on what is none.
+    except Exception as error:  # Readers raise many kinds of errors on files of another format
         raise InputError(
             f"{path}: is not a readable {path.suffix[1:]} table ({reason(error)}); export it again"
         ) from None
@@ -94,7 +94,7 @@ def _parquet() -> Any:
 
 
 def _read_parquet(path: Path) -> Sheet:
-    """A column that pandas saved as its index is a column like any other."""
+    """Read Parquet; a column that pandas saved as its index becomes an ordinary column."""
     return Sheet(_parquet().read_table(path).to_pandas(ignore_metadata=True))
 
 
@@ -140,22 +140,22 @@ def _read_mat(path: Path) -> Sheet:
     return Sheet(pd.DataFrame(loaded))
 
 
-# What a .mat file must be before SciPy may read it: its reader ends the whole process on types that it does not know.
+# Checks of a .mat file before SciPy reads it: SciPy's reader ends the whole process on unknown types.
 HEADER = 128
 MATRIX, COMPRESSED = 14, 15
-# Types of numbers and of characters.
+# Type codes of numbers and of characters.
 NUMBERS = (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 16, 17, 18)
-# Types of the first three elements of a matrix.
+# Type codes of the first three elements of a matrix.
 FLAGS, SHAPE, NAME = 6, (5, 6), (1, 16)
 CHARACTERS, SPARSE, OPAQUE = 4, 5, 17
-# Elements of a matrix by its class, where all of them are numbers; an imaginary part is one more.
+# Number of elements of a matrix by its class, if all are numbers; an imaginary part is one more.
 PARTS = {CHARACTERS: 4, SPARSE: 6, **dict.fromkeys(range(6, 16), 4)}
 
 
 def check_elements(content: bytes) -> None:
-    """Raise where a file is of MATLAB 5 to 7.2 and one of its elements is none."""
+    """Raise if a MATLAB file of version 5 to 7.2 has an invalid element."""
     if len(content) < HEADER or 0 in content[:4] or content[124:128] not in (b"\0\1IM", b"\1\0MI"):
-        return  # Of another version, whose readers are safe.
+        return  # Readers of other versions are safe
     _check(memoryview(content)[HEADER:], "<" if content[126:128] == b"IM" else ">", 0)
 
 
@@ -171,7 +171,7 @@ def _check(data: memoryview, order: str, depth: int) -> None:
 
 
 def _check_matrix(body: memoryview, order: str) -> None:
-    """Look at the first parts of a matrix, and whether plain numbers and words have all of theirs."""
+    """Check the first parts of a matrix, and that plain numbers and words are complete."""
     parts = list(_elements(body, order))
     if len(parts) < 3 or parts[0][0] != FLAGS or len(parts[0][1]) != 8:
         raise ValueError("a matrix does not begin as one")
@@ -195,7 +195,7 @@ def _elements(data: memoryview, order: str) -> Iterator[tuple[int, memoryview]]:
 
 
 def _tag(data: memoryview, order: str) -> tuple[int, int, int]:
-    """Type, where the data start, and their length."""
+    """Return type, start of the data, and their length."""
     if len(data) < 8:
         raise ValueError("an element is cut short")
     first, second = struct.unpack(f"{order}II", data[:8])

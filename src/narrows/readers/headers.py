@@ -1,4 +1,4 @@
-"""Headers: which column is which quantity, in which unit, and what one of it is in SI; units by name."""
+"""Headers: the quantity of a column, its unit, and the factor to SI; units by name."""
 
 import math
 import re
@@ -40,14 +40,14 @@ SUFFIXES = (
 class Vocabulary(NamedTuple):
     quantities: Mapping[str, Quantity]  # Columns of numbers
     labels: tuple[str, ...] = ()  # Columns of words
-    blanks: bool = False  # Whether a cell of numbers may be empty
+    blanks: bool = False  # True if a cell of numbers may be empty
 
 
 class Column(NamedTuple):
-    header: str  # As in the table
-    quantity: str  # Of the vocabulary
-    scale: float  # How many SI units one of it is [1]
-    stated: bool  # Whether the header carries a unit
+    header: str  # Text in the table
+    quantity: str  # Name in the vocabulary
+    scale: float  # Factor to SI [1]
+    stated: bool  # True if the header has a unit
 
 
 def parse_header(header: str, known: Mapping[str, Quantity]) -> Column | None:
@@ -67,7 +67,7 @@ def recognised_in(frame: "pd.DataFrame", known: Mapping[str, Quantity], table: s
 
 
 def unit_of(header: str) -> str:
-    """Return the unit that any header carries, be it of a quantity or not; empty where it carries none."""
+    """Return the unit of any header, of a quantity or not; empty if it has none."""
     if match := re.search(r"(?:\[([^\]]*)\]|\(([^)]*)\))\s*$", header):
         return (match[1] or match[2] or "").strip()
     name, _, suffix = header.strip().rpartition("_")
@@ -94,17 +94,17 @@ def _scale(header: str, unit: str, si: str) -> float:
 
 
 def is_unit(word: str) -> bool:
-    """Say whether a word, without brackets, is a unit of anything."""
+    """Return whether a word, without brackets, is a unit."""
     named = any(character.isalpha() or character == "°" for character in word)
     return named and (word in TEMPERATURES or unit_named(word) is not None)
 
 
-# Units that tables have and that no factor brings to SI.
+# Units in tables without a factor to SI.
 TEMPERATURES = ("°C", "degC", "°F", "degF")
 
 
 class Unit(NamedTuple):
-    """How many SI units one of it is, and its powers of metre, kilogram, second, ampere and kelvin."""
+    """Factor to SI, and powers of metre, kilogram, second, ampere and kelvin."""
 
     scale: float
     powers: tuple[int, ...] = (0, 0, 0, 0, 0)
@@ -114,7 +114,8 @@ _LENGTH, _MASS, _TIME = (1, 0, 0, 0, 0), (0, 1, 0, 0, 0), (0, 0, 1, 0, 0)
 _SPEED, _FORCE, _PRESSURE, _POWER = (1, 0, -1, 0, 0), (1, 1, -2, 0, 0), (-1, 1, -2, 0, 0), (2, 1, -3, 0, 0)
 _RATE, _ANGULAR_ACCELERATION, _MOMENT = (0, 0, -1, 0, 0), (0, 0, -2, 0, 0), (2, 1, -2, 0, 0)
 _FOOT, _MILE, _POUND, _GRAVITY = 0.3048, 1609.344, 0.45359237, 9.80665
-# Angles have no dimension. One revolution counts as 1 in rpm and rps, as propellers do, but as 2 pi in "revolution".
+# Angles are dimensionless. One revolution counts as 1 in rpm and rps, as usual for propellers, but as 2 pi in
+# "revolution".
 SYMBOLS = {
     "m": Unit(1, _LENGTH), "g": Unit(1e-3, _MASS), "s": Unit(1, _TIME), "N": Unit(1, _FORCE), "Pa": Unit(1, _PRESSURE),
     "J": Unit(1, _MOMENT), "W": Unit(1, _POWER), "Hz": Unit(1, _RATE), "rad": Unit(1), "A": Unit(1, (0, 0, 0, 1, 0)),
@@ -162,9 +163,9 @@ WORDS = {
 
 @cache
 def unit_named(text: str) -> Unit | None:
-    """Return a unit by how headers write it, ``m/s2``, ``kN m`` or ``deg/s^2``; None where it is unknown.
+    """Return a unit from its spelling in headers, ``m/s2``, ``kN m`` or ``deg/s^2``; None if it is unknown.
 
-    The units here are those of ships and of model basins. pint, where it is installed, knows the others.
+    The units here are those of ships and of model basins. pint adds the others if it is installed.
     """
     return _product(text) or _by_pint(text)
 
@@ -207,7 +208,7 @@ def _by_pint(text: str) -> Unit | None:
         one = _registry()(re.sub(r"([a-z])(\d)", r"\1^\2", text).replace("°", "deg")).to_base_units()
         powers = dict(one.dimensionality)
         base = [powers.pop(f"[{name}]", 0) for name in ("length", "mass", "time", "current", "temperature")]
-    except Exception:  # It is absent, or raises nearly anything on what is no unit.
+    except Exception:  # It is absent, or raises one of many errors on other words
         return None
     return None if powers else Unit(float(one.magnitude), tuple(base))
 

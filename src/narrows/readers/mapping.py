@@ -1,4 +1,4 @@
-"""A laboratory's own names, units and signs, brought to the documented columns."""
+"""A laboratory's own names, units and signs, converted to the documented columns."""
 
 import re
 from collections.abc import Iterable, Mapping
@@ -13,11 +13,11 @@ from narrows.readers import cells
 from narrows.readers.headers import Vocabulary, parse_header, unit_of
 from narrows.ship.ship_file import check_table, load_toml
 
-# Which way a quantity counts here, and the other way.
+# Positive direction of a quantity here, and the opposite.
 WAYS = {
     "forward": "aft", "starboard": "port", "down": "up", "clockwise": "counter-clockwise",
 }  # fmt: skip
-# Which way each quantity is positive here; a rudder by the side to which it turns the bow.
+# Positive direction of each quantity here; a rudder by the side to which it turns the bow.
 COUNTED = {
     **dict.fromkeys(("x", "u", "udot", "X", "u_ground", "x_rate"), ("forward",)),
     **dict.fromkeys(("y", "v", "vdot", "Y", "v_ground", "y_rate"), ("starboard",)),
@@ -29,14 +29,14 @@ COUNTED = {
 
 @dataclass(frozen=True)
 class ColumnMapping:
-    """How a laboratory's columns are read as the documented ones."""
+    """Conversion of a laboratory's columns to the documented ones."""
 
-    # Headers of the table by the documented names; an empty one where a column of that name is none
+    # Headers of the table by the documented names; empty to ignore a column of that name
     columns: Mapping[str, str] = field(default_factory=dict)
-    units: Mapping[str, str] = field(default_factory=dict)  # Of columns whose headers do not say it
-    # Which way a column counts: ``port``, ``aft``, ``up``, ``counter-clockwise`` turn its sign
+    units: Mapping[str, str] = field(default_factory=dict)  # Units of columns whose headers lack them
+    # Positive direction of a column: ``port``, ``aft``, ``up``, ``counter-clockwise`` reverse its sign
     positive: Mapping[str, str] = field(default_factory=dict)
-    name: str = "the mapping"  # Of the file
+    name: str = "the mapping"  # Name of the file
 
     def __post_init__(self) -> None:
         for section in fields(self)[:3]:
@@ -65,7 +65,7 @@ class ColumnMapping:
             notes.append(f"{name} is {header!r}{way}")
         others = [
             header for header, quantity in headers.items()
-            # A column that is not read must not pass for one that is, nor one that is mapped to nothing for itself.
+            # An ignored column must not be read under its own name.
             if header not in sources.values() and quantity not in sources and self.columns.get(quantity or "") != ""
         ]  # fmt: skip
         note = (f"by {self.name}: {'; '.join(notes)}",) if notes else ()
@@ -90,7 +90,7 @@ class ColumnMapping:
         if asked is None:
             matching = [header for header, quantity in headers.items() if quantity == name]
         else:
-            # A row of units may have been put to the name.
+            # A row of units may have been appended to the name.
             matching = [asked] if asked in headers else [header for header in headers if _bare(header) == asked.strip()]
         if not matching:
             raise InputError(

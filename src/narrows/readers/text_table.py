@@ -1,4 +1,4 @@
-"""Tables of text, whole or in chunks, by the dialect that was found."""
+"""Tables of text, whole or in chunks, in the detected dialect."""
 
 import codecs
 import csv
@@ -18,22 +18,22 @@ from narrows.progress import opened
 from narrows.readers.headers import is_unit
 from narrows.readers.settings import BLOCK, DIALECT_BYTES, DIALECT_ROWS, FULL_SHARE, UNIT_SHARE
 
-# What editors call the row under a header: the index of a frame counts from there.
+# Row number below a header in an editor: the index of a frame counts from there.
 FIRST_ROW = 2
-# Before a line that is a comment or empty.
+# Start of a comment line or an empty line.
 BROKEN = re.compile(rb"\n[ \t]*[#%\r\n]")
 
 
 class Head(NamedTuple):
-    headers: tuple[str, ...]  # One for each column, with the unit where a row of units stands under them
-    first: int  # The line, or row of a sheet, with which the data begin, counted from 1
-    notes: tuple[str, ...]  # What there is to say of it
+    headers: tuple[str, ...]  # One per column, with the unit if a row of units follows
+    first: int  # Line, or row of a sheet, where the data begin, counted from 1
+    notes: tuple[str, ...]  # Notes on it
 
 
 class Dialect(NamedTuple):
-    encoding: str  # Of its text
-    separator: str  # Of cells; a blank stands for any white space
-    decimal: str  # Point or comma
+    encoding: str  # Encoding of the text
+    separator: str  # Cell separator; a blank stands for any white space
+    decimal: str  # Decimal point or comma
     head: Head  # Header and first row
 
 
@@ -62,7 +62,7 @@ def text_chunks(path: Path, dialect: Dialect, rows: int) -> Iterator[pd.DataFram
 
 def _options(dialect: Dialect) -> dict[str, Any]:
     separator = r"\s+" if dialect.separator == " " else dialect.separator
-    # An encoding that is wrong far down must not end in a traceback, nor make two names one.
+    # An encoding error far down must not end in a traceback, nor give two columns one name.
     return {
         "sep": separator, "decimal": dialect.decimal, "encoding": dialect.encoding,
         "encoding_errors": "backslashreplace", "header": None, "names": list(dialect.head.headers),
@@ -71,7 +71,7 @@ def _options(dialect: Dialect) -> dict[str, Any]:
 
 
 def _counted(frame: pd.DataFrame, first: int) -> pd.DataFrame:
-    """Rows by their lines; pandas takes a surplus of cells for names of rows."""
+    """Rows by line number; pandas would take extra cells for row names."""
     if not isinstance(frame.index, pd.RangeIndex):
         raise InputError(f"row {first + FIRST_ROW} has more cells than the header; give each column one header")
     frame.index = pd.RangeIndex(first, first + len(frame))
@@ -79,7 +79,7 @@ def _counted(frame: pd.DataFrame, first: int) -> pd.DataFrame:
 
 
 def _with_commas(frame: pd.DataFrame, dialect: Dialect) -> pd.DataFrame:
-    """Make numbers of cells with a comma in columns that hold a word too, which pandas leaves as they are."""
+    """Convert decimal commas in columns that also hold words, which pandas leaves unchanged."""
     if dialect.decimal == ",":
         for header in frame.columns:
             if not pd.api.types.is_numeric_dtype(frame[header]):
@@ -91,7 +91,7 @@ def _with_commas(frame: pd.DataFrame, dialect: Dialect) -> pd.DataFrame:
 
 
 def _is_broken(path: Path, dialect: Dialect) -> bool:
-    """Whether comments or empty lines may stand among the rows, so that lines must be looked at one by one."""
+    """Return whether comments or empty lines may stand among the rows, so that lines are checked one by one."""
     if dialect.encoding == "utf-16":
         return True
     with path.open("rb") as file:
@@ -117,7 +117,7 @@ def _from_lines(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.D
             frame = _counted(
                 _with_commas(pd.read_csv(StringIO("".join(line for _, line in lines)), **options), dialect), 0
             )
-            if len(frame) == len(lines):  # Else a cell in quotes holds lines.
+            if len(frame) == len(lines):  # Otherwise a cell in quotes spans lines
                 frame.index = pd.Index(np.array([number for number, _ in lines]) - FIRST_ROW)
             yield frame
 
@@ -134,7 +134,7 @@ def is_number(cell: str, decimal: str = ".") -> bool:
 
 
 def width_of(rows: Sequence[Row]) -> int:
-    """Return how many cells most of the later rows have."""
+    """Return the number of cells in most of the later rows."""
     return Counter(len(row) for row in rows[len(rows) // 2 :]).most_common(1)[0][0]
 
 
@@ -146,7 +146,7 @@ def head_of(rows: Sequence[Row], lines: Sequence[int], decimal: str = ".", remar
     first = is_data.index(True) if True in is_data else len(rows)
     named = [i for i in range(first) if texts[i] and len(_trimmed(rows[i], width)) == width]
     while len(named) > 1 and named[-1] - named[0] >= len(named):
-        named.pop(0)  # Only rows that stand together, directly above the numbers.
+        named.pop(0)  # Only adjacent rows directly above the numbers
     if not named or named[-1] != first - 1:
         return _without_header(rows, lines, texts, first, width, remark)
     top = named[0]
@@ -160,8 +160,8 @@ def head_of(rows: Sequence[Row], lines: Sequence[int], decimal: str = ".", remar
 def _without_header(
     rows: Sequence[Row], lines: Sequence[int], texts: Sequence[bool], first: int, width: int, remark: Row
 ) -> Head:
-    """Take the comment above the rows for header, or number them, unless a header of another length is there."""
-    if first == len(rows):  # There are no numbers at all.
+    """Use the comment above the rows as header, or number the columns, unless a header of another length exists."""
+    if first == len(rows):  # There are no numbers at all
         return Head(_headers(rows[0], ()), lines[0] + 1, ())
     if len(remark) == width:
         return Head(_headers(remark, ()), lines[first], ())
@@ -182,7 +182,7 @@ def _filled(row: Row) -> int:
 
 
 def _trimmed(row: Row, width: int) -> Row:
-    """A row without the empty cells at its end that no column has."""
+    """Return a row without trailing empty cells that no column has."""
     return row[:width] if not any(cell.strip() for cell in row[width:]) else row
 
 
@@ -197,7 +197,7 @@ def _bare(cell: str) -> str:
 
 
 def _headers(names: Row, units: Row) -> tuple[str, ...]:
-    """Names with their units, each once; a second of one name is told apart as pandas does."""
+    """Names with their units; duplicates are numbered as in pandas."""
     known: Counter[str] = Counter()
     headers = []
     for i, name in enumerate(names):
@@ -213,9 +213,9 @@ def seen(row: Row) -> str:
     return ", ".join(shown(cell.strip()) for cell in row[:5]) + (", ..." if len(row) > 5 else "")
 
 
-# What may part cells; blanks are any white space.
+# Cell separators; blanks are any white space.
 SEPARATORS = {";": "semicolons", "\t": "tabs", ",": "commas", "|": "bars", " ": "blanks"}
-# With which a comment begins.
+# First characters of a comment.
 REMARKS = ("#", "%")
 
 MARKS = {
@@ -226,10 +226,10 @@ LINE = re.compile(r"\r\n|\n|\r")
 
 
 class Split(NamedTuple):
-    separator: str  # Of cells
+    separator: str  # Cell separator
     rows: list[list[str]]  # The cells
-    decimal: str  # Point or comma, whichever makes more cells numbers
-    score: float  # Share of the later cells that are numbers in rows of one width [1]
+    decimal: str  # Decimal point or comma, whichever makes more cells numbers
+    score: float  # Share of numeric cells among the later rows of one width [1]
 
 
 def dialect_of(path: Path) -> Dialect:
@@ -258,7 +258,7 @@ def _sample(path: Path) -> tuple[str, list[tuple[int, str]]]:
 
 
 def _encoding(raw: bytes) -> str:
-    """By its mark, else UTF-8 where it is that, else the Latin of measuring computers."""
+    """Encoding by its byte-order mark, else UTF-8 if valid, else the Latin encoding of measuring computers."""
     for mark, encoding in MARKS.items():
         if raw.startswith(mark):
             return encoding
@@ -270,7 +270,7 @@ def _encoding(raw: bytes) -> str:
 
 
 def _best(lines: list[str]) -> Split:
-    """Part the lines at what makes most cells numbers; where there are none, at what makes most cells."""
+    """Split the lines by the separator that gives most numbers; without numbers, by the one that gives most cells."""
     splits = [_split(lines, separator) for separator in SEPARATORS]
     best = max(splits, key=lambda split: (round(split.score, 3), split.separator != " ", width_of(split.rows)))
     if width_of(best.rows) < 2:
@@ -290,13 +290,13 @@ def _split(lines: list[str], separator: str) -> Split:
         decimal: sum(is_number(cell, decimal) for row in later if len(row) == width for cell in row)
         for decimal in (".", ",")
     }
-    # Whole numbers read either way; a point is usual.
+    # Whole numbers allow either; a point is usual.
     decimal = "," if counts[","] > counts["."] else "."
     return Split(separator, rows, decimal, counts[decimal] / (width * len(later)))
 
 
 def _check_decimals(rows: list[list[str]], lines: list[int]) -> None:
-    """Raise where one column writes its decimals with commas here and with points there."""
+    """Raise if one column has both decimal commas and decimal points."""
     for column in zip_longest(*rows, fillvalue=""):
         commas, points = (
             [i for i, cell in enumerate(column) if mark in cell and is_number(cell, mark)] for mark in (",", ".")
@@ -315,7 +315,7 @@ def cells_of(lines: Sequence[str], separator: str) -> Iterator[list[str]]:
 
 
 def _remark(numbered: list[tuple[int, str]], split: Split) -> list[str]:
-    """Cells of the last comment above the first line that is none, as NumPy writes headers."""
+    """Cells of the last comment above the first other line, as NumPy writes headers."""
     above: list[str] = []
     for _, line in numbered:
         if not line.lstrip().startswith(REMARKS):

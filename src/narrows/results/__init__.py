@@ -1,4 +1,4 @@
-"""What every result can do: say what it is, go into files, draw itself, answer to names of other libraries."""
+"""Results: summary, files, plots, and names of other libraries."""
 
 from narrows.results.saving import plain as plain
 from narrows.results.saving import save_dataset as save_dataset

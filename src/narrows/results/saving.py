@@ -1,4 +1,4 @@
-"""What goes into files, by suffix: tables, datasets, tracks, pictures."""
+"""Files of results, by suffix: tables, datasets, tracks, figures."""
 
 import json
 import math
@@ -14,16 +14,16 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray
 
-# Makes what goes into a file, or writes a folder itself.
+# Makes a file's content, or writes a folder itself.
 Form = Callable[[], str | bytes | None]
-# Gives what is said of a table, by name.
+# Returns the descriptions of a table, by name.
 Words = Callable[[], dict[str, str]]
-# Suffixes by what libraries call the form, as in ``to_netcdf``.
+# Suffixes by the libraries' names of formats, as in ``to_netcdf``.
 FORMS = {"netcdf": ".nc", "parquet": ".parquet", "zarr": ".zarr", "mat": ".mat", "geojson": ".geojson", "kml": ".kml"}
 
 
 def save_dataset(dataset: "xarray.Dataset", path: str | Path) -> None:
-    """Write a dataset in the form that the suffix says, whole or not at all."""
+    """Write a dataset in the format of the suffix, whole or not at all."""
     forms = _dataset_forms(dataset, path) | {".json": lambda: to_json(_as_mapping(dataset))}
     write(forms, path)
 
@@ -35,7 +35,7 @@ def write(forms: Mapping[str, Form], path: str | Path) -> None:
 
 
 def forms_of(result: Any, path: str | Path) -> dict[str, Form]:
-    """Return what a result can be written as, by suffix; the first is what a device gets."""
+    """Return a result's formats by suffix; the first is used for a device."""
     forms: dict[str, Form] = {}
     if hasattr(result, "dataset"):
         forms |= _dataset_forms(result.dataset(), path)
@@ -97,13 +97,13 @@ def _column(array: "xarray.DataArray") -> dict[str, Any]:
 
 
 def csv_of(frame: Any, **options: Any) -> str:
-    """Return a table as text; rows that have no names are not numbered."""
+    """Return a table as text; unnamed rows are not numbered."""
     return str(frame.to_csv(**{"index": frame.index.names != [None], **options}))
 
 
-# The one way from a result to JSON.
+# The one conversion of results to JSON.
 def plain(value: Any) -> Any:
-    """Return a value as JSON can hold it: None for NaN and infinity, lists for arrays."""
+    """Return a value that JSON supports: None for NaN and infinity, lists for arrays."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if value is None or isinstance(value, str | bool | int):
@@ -118,5 +118,5 @@ def plain(value: Any) -> Any:
 
 
 def to_json(value: Any) -> str:
-    """Write a value, or what a result's ``to_dict`` gives, as JSON."""
+    """Write a value, or a result's ``to_dict()``, as JSON."""
     return json.dumps(plain(value), indent=2, allow_nan=False)

@@ -1,4 +1,4 @@
-"""What every result can do."""
+"""Base classes of results."""
 
 import re
 from collections.abc import Iterator
@@ -19,20 +19,20 @@ if TYPE_CHECKING:
 
 @runtime_checkable
 class Result(Protocol):
-    """What a fit, a voyage, a plan, a safe envelope and every other result can do.
+    """The common interface of a fit, a voyage, a plan, a safe envelope and every other result.
 
-    Results whose data make a table have ``to_dataframe()`` too, those of several dimensions ``dataset()``.
+    Results with rows also have ``to_dataframe()``, those of several dimensions ``dataset()``.
     """
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What to know before the result is used, each a sentence: assumptions, data left, what was not corrected."""
+        """Notes before use, one sentence each: assumptions, omitted data, uncorrected effects."""
 
     def summary(self) -> str:
-        """Say what was found, a line for each sentence."""
+        """Return the findings, one line per sentence."""
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name, as the verb's ``--json`` prints it; see the folder ``schemas``."""
+        """Return everything by name, as the verb's ``--json`` prints it; see the folder ``schemas``."""
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw it.
@@ -40,21 +40,21 @@ class Result(Protocol):
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Where to; a figure of its own unless given.
+            Axes to draw on; a new figure unless given.
         """
 
     def save(self, path: str | Path) -> None:
-        """Write it in the form that the suffix says.
+        """Write it in the format of the suffix.
 
         Parameters
         ----------
         path : str or Path
-            Where to.
+            Output file.
         """
 
 
 def table_has(name: str) -> bool:
-    """Return whether data frames do what is called so."""
+    """Return whether data frames have a method of this name."""
     import pandas as pd
 
     return hasattr(pd.DataFrame, name)
@@ -69,7 +69,7 @@ def _given_or_written(content: str | bytes | None, path: str | Path | None) -> A
 
 
 def other_names(thing: Any) -> list[str]:
-    """Return the names of other libraries that a thing answers to."""
+    """Return the names of other libraries that an object supports."""
     known = _known(thing)
     return [
         name.removesuffix(CALL) for ours, theirs in SAME.items() if ours.removesuffix(CALL) in known for name in theirs
@@ -81,7 +81,7 @@ def _known(thing: Any) -> set[str]:
 
 
 def answer(thing: Any, name: str) -> Any:
-    """Return what a thing has under another name, by what that is called elsewhere."""
+    """Return an object's value under another library's name."""
     known = _known(thing)
     for ours, theirs in SAME.items():
         attribute = ours.removesuffix(CALL)
@@ -98,11 +98,11 @@ def answer(thing: Any, name: str) -> Any:
     raise AttributeError(f"a {type(thing).__name__} has no {name!r}{why}; write {remedy}", name=None, obj=None)
 
 
-# What a thing says of itself.
+# Summary of an object.
 class Described:
-    """Something that says in a line what it is, in a notebook in more, and answers to names of elsewhere.
+    """An object with a one-line summary, a longer one in a notebook, and names of other libraries.
 
-    It has ``summary()``; ``to_dataframe()`` and ``notes`` where there is something to put there.
+    It has ``summary()``, and ``to_dataframe()`` and ``notes`` if applicable.
     """
 
     def __repr__(self) -> str:
@@ -119,14 +119,14 @@ class Described:
         table = said.to_dataframe().to_html(max_rows=30) if hasattr(said, "to_dataframe") else ""
         return f"<p>{lines}</p>{table}" + (f"<ul>{notes}</ul>" if notes else "")
 
-    if not TYPE_CHECKING:  # What is checked is the attributes that there are.
+    if not TYPE_CHECKING:  # Type checkers see the real attributes only
 
         def __getattr__(self, name: str) -> Any:
             return answer(self, name)
 
 
 class Shown(Described):
-    """A result that draws itself, goes into files and shows itself in a notebook."""
+    """A result with a plot, files and a notebook view."""
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw it, as a Matplotlib figure.
@@ -134,29 +134,29 @@ class Shown(Described):
         Parameters
         ----------
         ax : matplotlib Axes, optional
-            Where to draw what has one panel, or its main one; a figure of its own unless given.
+            Axes for a figure of one panel, or for its main one; a new figure unless given.
 
         Raises
         ------
         InputError
-            If nothing is drawn of its kind, or axes are given and it has several panels, none of them the main one.
+            If its kind has no figure, or axes are given and it has several panels without a main one.
         """
         return narrows.report.figure_of(self, ax)
 
     def save(self, path: str | Path) -> None:
-        """Write it in the form that the suffix says, whole or not at all.
+        """Write it in the format of the suffix, whole or not at all.
 
         Parameters
         ----------
         path : str or Path
-            Where to: ``.json``, ``.png``, ``.svg`` or ``.pdf``; ``.csv``, ``.parquet`` and ``.mat`` where it makes a
-            table, ``.nc`` and ``.zarr`` where it has several dimensions, ``.geojson`` and ``.kml`` where it is a track
-            on the map. A device without a suffix gets the dataset, or else the table.
+            Output file: ``.json``, ``.png``, ``.svg`` or ``.pdf``; ``.csv``, ``.parquet`` and ``.mat`` for a table,
+            ``.nc`` and ``.zarr`` for several dimensions, ``.geojson`` and ``.kml`` for a track on the map. A device
+            without a suffix gets the dataset, or else the table.
 
         Raises
         ------
         InputError
-            If there is no such form, or the file cannot be written.
+            If there is no such format, or the file cannot be written.
         """
         write(forms_of(self, path), path)
 
@@ -166,9 +166,9 @@ class Shown(Described):
         Parameters
         ----------
         path : str or Path, optional
-            Where to; returned as text unless given.
+            Output file; returned as text unless given.
         **options : Any
-            As of a data frame's ``to_csv``: ``sep``, ``index``, ``decimal`` ...
+            Options of a data frame's ``to_csv``: ``sep``, ``index``, ``decimal`` ...
 
         Raises
         ------
@@ -185,7 +185,7 @@ class Shown(Described):
         Parameters
         ----------
         path : str or Path, optional
-            Where to; returned as text unless given.
+            Output file; returned as text unless given.
 
         Raises
         ------
@@ -197,7 +197,7 @@ class Shown(Described):
         return text
 
     def to_xarray(self) -> "xarray.Dataset":
-        """Give the data as an xarray Dataset."""
+        """Return the data as an xarray Dataset."""
         result: Any = self
         data: xarray.Dataset = result.dataset() if hasattr(result, "dataset") else result.to_dataframe().to_xarray()
         return data
@@ -214,15 +214,15 @@ class Shown(Described):
 
 
 def shortened(text: str, most: int = 120) -> str:
-    """Return the first line of a text, cut where it is long."""
+    """Return the first line of a text, shortened if it is long."""
     line = text.partition("\n")[0].rstrip(".")
     return line if len(line) <= most else f"{line[: most - 3]}..."
 
 
-# What other libraries call the same things: names that are answered, and names for which there is another way.
+# Names in other libraries: aliases, and names with another solution here.
 CALL = "()"
 
-# Names of ours by what is called the same elsewhere; brackets after whatever is called.
+# Names here by other libraries' names; brackets mark methods.
 SAME = {
     "coefficients": ("params", "coef_", "coef"),
     "std": ("bse", "stderr", "standard_errors", "std_errors"),
@@ -242,7 +242,7 @@ SAME = {
     "length": ("L", "Lpp"), "beam": ("B",), "draft": ("T",), "block_coefficient": ("Cb",),
 }  # fmt: skip
 
-# What does not mean the same, and what is written here instead.
+# Names with another meaning, and what to use here instead.
 ANOTHER = {
     **dict.fromkeys(("success", "status", "message"), ("outcome",)),
     **dict.fromkeys(("show", "figure"), ("plot()",)),
@@ -263,21 +263,21 @@ ANOTHER = {
     "predict": ("forces(u=..., y=...)",), "scale_to": ("scale(length)",),
     "derivatives": ("nw.nondimensional(model)",), "width": ("section(s).width",), "length": ("line.length",),
     "tests": ("test(name)",), "speed": ("u",),
-    "popt": ("coefficients",),  # SciPy's is an array; ours go by name
+    "popt": ("coefficients",),  # SciPy's is an array; these go by name
 }  # fmt: skip
 
-# Why a thing has no such number.
+# Reasons why an object lacks such a number.
 WHY = {
     **dict.fromkeys(("pvalues", "tvalues", "zvalues"), "rows of one run share its errors, and such tests assume none"),
     **dict.fromkeys(("aic", "bic", "llf"), "rows of one run are not independent"),
 }
 
 
-# A result whose data are rows of a table.
+# A result of table rows.
 class Tabulated(Shown):
-    """A result whose data are rows: what it does not do itself, the data frame of its rows does.
+    """A result of rows: the data frame of its rows provides all further methods.
 
-    What reads tables by Arrow (Polars, DuckDB, Altair) reads it as one.
+    Libraries that read tables by Arrow (Polars, DuckDB, Altair) read it as one.
     """
 
     def __iter__(self) -> Iterator[Any]:

@@ -1,4 +1,4 @@
-"""Steady courses with the best estimate of the coefficients, which a pilot without other knowledge assumes."""
+"""Steady courses with the best estimate of the coefficients, as a pilot assumes without further information."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,22 +19,22 @@ Columns = dict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class BestEstimateCourses:
-    """Courses at offsets and speeds, and on the middle beside them."""
+    """Courses at offsets and speeds, and on the middle."""
 
-    ship: SimulatedShip  # With its most likely coefficients
-    offsets: np.ndarray  # (offsets,) To starboard of the middle [m]
-    speeds: np.ndarray  # (speeds,) Through the water [m/s]
+    ship: SimulatedShip  # Ship with the best estimate of the coefficients
+    offsets: np.ndarray  # (offsets,) Offsets to starboard of the middle [m]
+    speeds: np.ndarray  # (speeds,) Speeds through the water [m/s]
     heave: np.ndarray  # (speeds,) Midship sinkage [m]
     bend: Bend = STRAIGHT
 
     @cached_property
     def places(self) -> np.ndarray:
-        """The offsets, and the middle as the last [m]."""
+        """The offsets, with the middle as the last [m]."""
         return np.append(self.offsets, 0.0)
 
     @cached_property
     def values(self) -> Columns:
-        """Numbers of the ship, and what goes with the speed, a column each: places by speeds, row by row."""
+        """Numbers of the ship, and those that depend on speed, one column each: places by speeds, row by row."""
         offset = xr.DataArray(self.places, dims="place")
         asked = {"y": offset, "u": self.speeds, "heave": xr.DataArray(self.heave, dims="u")}
         grid = grid_of(self.ship.model, with_propulsion(self.ship.model, asked), 0, 0)
@@ -47,7 +47,7 @@ class BestEstimateCourses:
 
     @cached_property
     def course(self) -> Columns:
-        """y [m], u, v [m/s], rudder [rad], and what else moves; NaN where no rudder holds the ship."""
+        """y [m], u, v [m/s], rudder [rad], and other moving quantities; NaN if no rudder angle holds the ship."""
         values = {**self.values, **self.bend.values(self.values["y"])}
         v, rudder = solved(self.ship, values, self.values["y"].size, 1)
         within = np.abs(rudder) <= self.ship.model.configuration.gear.limit
@@ -63,7 +63,7 @@ class BestEstimateCourses:
         return dict(zip(("rudder", "psi", "v"), np.moveaxis(self.filled(course), -1, 0), strict=True))
 
     def filled(self, columns: np.ndarray) -> np.ndarray:
-        """Return columns at offsets and speeds, (offsets, speeds, n); where one is NaN, that of the nearest place."""
+        """Return columns at offsets and speeds, (offsets, speeds, n); NaN is replaced by the nearest place's value."""
         # columns (places x speeds, n)
         table = columns.reshape(len(self.places), len(self.speeds), -1)
         known = np.isfinite(table).all(axis=-1)
@@ -74,7 +74,7 @@ class BestEstimateCourses:
         return np.asarray(table[nearest, np.arange(len(self.speeds))])
 
     def on_the_centreline(self) -> Iterator[tuple[float, dict[str, float]]]:
-        """Yield each speed [m/s] with what goes with it: heave [m], revolutions [1/s]."""
+        """Yield each speed [m/s] with the dependent quantities: heave [m], revolutions [1/s]."""
         felt = [name for name in ("heave", "revolutions") if name in self.values]
         for index, speed in enumerate(self.speeds):
             yield float(speed), {name: float(self.values[name][index]) for name in felt}

@@ -1,4 +1,4 @@
-"""What a safe envelope rests on and leaves out: the attributes that travel with its data into file and chart."""
+"""Assumptions and limits of a safe envelope: attributes that accompany its data into file and chart."""
 
 from dataclasses import replace
 from typing import Any
@@ -29,7 +29,7 @@ def with_caveats(found: SafeEnvelope, request: EnvelopeRequest, under: Keel, sam
         *((SQUARED,) if found.speed_free else ()),
         *exceeded_rules(found.data, rules, SURE_SHARE),
     )
-    # [m/s] and [m], as far as the tests say.
+    # [m/s] and [m], if the tests give them.
     ranges = {"tested_speed": model.data_range.speed, "tested_offset": model.data_range.abs_y}
     rests_on = {
         "setting": ", in ".join(
@@ -78,7 +78,7 @@ def _propulsion(model: Model, most: float | None) -> str:
     return f"the speed is held: {turning}, up to {most:g} revolutions a second"
 
 
-# Where an answer of ours is bolder than a rule from outside, and why.
+# Cases in which the model allows more than an outside rule, and the reason.
 WHY_WIDER = (
     "those widths have room for a hand at the wheel, for wind and for current; the pilot of these trials knows offset, "
     "heading and drift exactly, and feels no more than the weather above"
@@ -89,7 +89,7 @@ WHY_FASTER = "those limits guard banks and traffic too, which is not asked here"
 
 
 def exceeded_rules(data: xr.Dataset, rules: OutsideRules, share: float) -> tuple[str, ...]:
-    """Say where the model has a ship safe beyond what a rule allows, and why, a sentence each."""
+    """Return one sentence for each rule that the model exceeds, with the reason."""
     data = data.transpose("y", "u", ...)
     safe = ((data["held"] >= share) & data["clear"]).to_numpy()
     if not safe.any():
@@ -99,7 +99,7 @@ def exceeded_rules(data: xr.Dataset, rules: OutsideRules, share: float) -> tuple
 
 
 def _wider(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> str:
-    """The rules of widths beyond which a place is safe, each at the speeds where it is most so."""
+    """The rules of widths that are exceeded, each at the speeds of the largest excess."""
     y, knots = data["y"].to_numpy(), data["u"].to_numpy() / KNOT
     worst: dict[str, tuple[float, str]] = {}
     for row in rows:
@@ -121,7 +121,7 @@ def _wider(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> st
 
 
 def _harder(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> str:
-    """The rule of rudders, where more is kept on in half of the cases."""
+    """The rule of rudders, if half of the cases need more."""
     most = float(np.degrees(np.abs(data["rudder"].to_numpy()[safe]).max()))
     rules = [row for row in rows if row["rudder"] is not None and most > row["rudder"]]
     listed = " and ".join(f"{row['rule']} ({row['rudder']:g} instead of {most:.0f} degrees)" for row in rules)
@@ -129,15 +129,14 @@ def _harder(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> s
 
 
 def _faster(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> str:
-    """The speed limits over which a speed is safe."""
+    """The exceeded speed limits."""
     fastest = float(data["u"].to_numpy()[safe.any(axis=0)].max()) / KNOT
     over = [row for row in rows if row["speed_limit"] is not None and fastest > row["speed_limit"]]
     listed = ", ".join(f"{row['rule']} ({row['speed_limit']:.1f} knots)" for row in over)
     return f"By the model safe to {fastest:.1f} knots, over the limits of {listed}: {WHY_FASTER}." if over else ""
 
 
-# What of an envelope lies within the tests behind its model.
-# How ranges of the data are spoken of on a bridge.
+# Parts of an envelope inside the tested range. Wording of ranges for the bridge.
 IN_KNOTS = {**MEASURES, "speed": Measure("speed", "knots", 1 / KNOT)}
 SPOKEN = {"speed": "speed", "abs_y": "offset", "depth_to_draft": "h/T", "width_to_beam": "W/B"}
 NO_BANK = "no term of this model feels a bank (fit tests near a bank with --terms paper, or take a model that has one)"
@@ -145,9 +144,8 @@ UNKNOWN = "the file does not give the ranges that its tests covered in"
 
 
 def data_coverage(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> np.ndarray:
-    """Return which offsets and speeds the tests covered, (offsets, speeds); none where that is not known."""
-    # offsets (n,) [m]; speeds (m,) [m/s]
-    # A place nearer to the middle than the tests were is inside.
+    """Return which offsets and speeds the tests covered, (offsets, speeds); none if unknown."""
+    # offsets (n,) [m]; speeds (m,) [m/s]. A place nearer to the middle than the tests counts as covered.
     known = _to_the_middle(model)
     near, fast = known.covers("abs_y", np.abs(offsets)), known.covers("speed", speeds)
     return np.asarray(model.feels_bank & np.asarray(near)[:, None] & np.asarray(fast)[None])
@@ -165,7 +163,7 @@ def beyond_tests(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> tuple
 
 
 def untested_reasons(model: Model) -> str:
-    """Say why the answer is the model's guess: no bank, ranges that are not known, a section that was not tested."""
+    """Return the reasons why the result is extrapolated: no bank, unknown ranges, an untested section."""
     known, words = model.data_range, []
     if not model.feels_bank:
         words.append(NO_BANK)
@@ -182,7 +180,7 @@ def untested_reasons(model: Model) -> str:
 
 
 def left_out(model: Model) -> str:
-    """Say, in sentences, what is not known of the model and therefore not counted in its answer."""
+    """Return, in sentences, uncertainties that the result does not include."""
     lines = [model.trust_note]
     banks = [term.name for term in model.terms.terms if term.from_bank]
     if banks and not model.verdicts:

@@ -14,73 +14,73 @@ from narrows.ship.particulars import Configuration
 if TYPE_CHECKING:
     import pandas as pd
 
-# Kinds of bank that rules tell apart; a wall is steep.
+# Kinds of bank in rules; a wall is steep.
 BANKS = ("gentle", "sloping", "steep")
-# How sure the numbers of a rule are.
+# Reliability of the numbers of a rule.
 READ, REMEMBERED = "read by us", "from memory, not read by us"
-# Kilometres an hour in one metre a second, and metres in one foot.
+# Kilometres per hour in one metre per second, and metres in one foot.
 HOUR, FOOT = 3.6, 0.3048
 
 
 @dataclass(frozen=True)
 class Passage:
-    length: float  # Of the ship [m]
-    beam: float  # Of the ship [m]
-    draft: float  # Of the ship [m]
-    width: float  # From bank to bank, where the keel meets them [m]
-    depth: float | None  # Of the water; None where it is not known [m]
+    length: float  # Length of the ship [m]
+    beam: float  # Beam of the ship [m]
+    draft: float  # Draft of the ship [m]
+    width: float  # Width from bank to bank, where the keel meets them [m]
+    depth: float | None  # Depth of the water; None if unknown [m]
     bank: str  # Gentle, sloping or steep
 
 
 @dataclass(frozen=True)
 class Lane:
-    """What a rule for the width of a channel asks for, in beams, over a range of speeds."""
+    """Required channel width of a rule [beams], over a range of speeds."""
 
-    slowest: float  # Between which it holds [knots]
-    fastest: float  # Between which it holds [knots]
-    lane: float  # Width of the lane that the ship keeps to [1]
-    clearance: Mapping[str, float]  # From the lane to either bank, by its kind [1]
+    slowest: float  # Lowest speed of the rule [knots]
+    fastest: float  # Highest speed of the rule [knots]
+    lane: float  # Width of the manoeuvring lane [1]
+    clearance: Mapping[str, float]  # Clearance from the lane to either bank, by its kind [1]
 
 
 def shallow_lane(passage: Passage) -> float:
-    """Return what shallow water adds to a lane [1]: 0.2 B below h/T = 1.5, 0.4 B below 1.15."""
+    """Return the additional lane width in shallow water [1]: 0.2 B below h/T = 1.5, 0.4 B below 1.15."""
     ratio = math.inf if passage.depth is None else round(passage.depth / passage.draft, 2)
     return 0.4 if ratio < 1.15 else 0.2 if ratio < 1.5 else 0.0
 
 
 @dataclass(frozen=True)
 class ChannelRule:
-    name: str  # As the table and the chart call it
-    asks: str  # What it looks at
-    says: str  # What it says, in words
-    source: str  # Where it is from
-    standing: str = READ  # Whether its numbers were read by us, and which were not
-    lanes: tuple[Lane, ...] = ()  # Widths that a rule of widths asks for
-    deepens: Callable[[Passage], float] = lambda passage: 0.0  # Beams to add to a lane, by the passage
-    speed: Callable[[Passage], float] | None = None  # [m/s] limit; NaN where it is for other ships
-    rudder_deg: float | None = field(default=None)  # The most rudder to be kept on, where it is a rule of rudders [deg]
+    name: str  # Name in the table and the chart
+    asks: str  # Its criterion
+    says: str  # The rule in words
+    source: str  # Its source
+    standing: str = READ  # Whether its numbers were read in the source, and which were not
+    lanes: tuple[Lane, ...] = ()  # Required widths, for a rule of widths
+    deepens: Callable[[Passage], float] = lambda passage: 0.0  # Additional beams of a lane, by the passage
+    speed: Callable[[Passage], float] | None = None  # [m/s] limit; NaN for other ships
+    rudder_deg: float | None = field(default=None)  # Largest steady rudder, for a rule of rudders [deg]
 
 
 def asked_width(rule: ChannelRule, lane: Lane, passage: Passage) -> float:
-    """Return the width of water that a rule asks for [m]: lane and both clearances."""
+    """Return the water width required by a rule [m]: lane and both clearances."""
     return passage.beam * (lane.lane + rule.deepens(passage) + 2 * lane.clearance[passage.bank])
 
 
 def kiel(passage: Passage) -> float:
-    """Return the speed [m/s] in the Kiel Canal; NaN for a ship that is too large for it."""
+    """Return the speed limit [m/s] in the Kiel Canal; NaN for a ship that is too large for it."""
     if passage.length > 235.5 or passage.beam > 32.5:
         return math.nan
     return (12 if passage.draft > 8.5 else 15) / HOUR
 
 
 def panama(passage: Passage) -> float:
-    """Return the speed [m/s] of 1933 in the Panama Canal, by the width of the reach and, in the cut, the length."""
+    """Return the speed limit of 1933 [m/s] in the Panama Canal, by width of the reach and, in the cut, length."""
     reaches = {1000: 15.0, 800: 12.0, 500: 10.0}
     cut = 6.0 if passage.length >= 250 * FOOT else 8.0
     return next((knots for feet, knots in reaches.items() if passage.width >= feet * FOOT), cut) * KNOT
 
 
-# From a lane to a bank [beams], at under 8, 8 to 12 and over 12 knots.
+# Clearance from a lane to a bank [beams], at under 8, 8 to 12 and over 12 knots.
 PIANC_CLEARANCE = {"gentle": (0.0, 0.1, 0.2), "sloping": (0.3, 0.5, 0.7), "steep": (0.5, 1.0, 1.3)}
 
 PIANC = ChannelRule(
@@ -159,7 +159,7 @@ CHANNEL_RULES = (
     ),
 )
 
-# What the rules of designers and canals leave a ship in a section of water, to stand beside an answer of our own.
+# Limits from rules of designers and canals for a ship in a section of water, for comparison.
 OF_OTHER_WATERS = (
     "a speed limit is that of its canal, for all that is at stake there (banks, traffic, convoys), and is shown for "
     "comparison"
@@ -170,7 +170,7 @@ NOT_ASKED = "a rule of widths has room for one ship in good weather, without cro
 
 @dataclass(frozen=True, repr=False)
 class OutsideRules(Shown):
-    """What rules from outside leave a ship in a section of water.
+    """Limits from outside rules for a ship in a section of water.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ class OutsideRules(Shown):
     port, starboard : float [m]
         Where its keel meets the banks, from the middle.
     choke : float [m/s]
-        Speed at which the canal is choked; infinite where the depth is not known.
+        Speed at which the canal is choked; infinite if the depth is unknown.
     """
 
     passage: Passage
@@ -188,34 +188,34 @@ class OutsideRules(Shown):
     choke: float
 
     def summary(self) -> str:
-        """Say what each rule leaves, a line for each."""
+        """Return the limits of each rule, one line each."""
         return "\n".join(_line(row) for row in self.rows())
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the rules are, and which of their numbers were not read."""
+        """The rules, and which of their numbers were not read in the source."""
         doubts = [f"{rule.name}: {rule.standing}" for rule in CHANNEL_RULES if rule.standing != READ]
         return (f"banks taken as {self.passage.bank}", NOT_ASKED, OF_OTHER_WATERS, *doubts)
 
     def rows(self) -> list[dict[str, Any]]:
-        """Give a row a rule, and a range of speeds: offsets [m], width asked for [m], speeds [knots], rudder [deg].
+        """Return one row per rule and range of speeds: offsets [m], required width [m], speeds [knots], rudder [deg].
 
-        Offsets are None where the rule asks for more water than there is, and where it is none of widths.
+        Offsets are None if the rule requires more water than there is, and for other rules than those of widths.
         """
         return [row for rule in CHANNEL_RULES for row in self._rows(rule)]
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name."""
+        """Return everything by name."""
         return {"summary": self.summary(), "bank": self.passage.bank, "rules": self.rows(), "notes": list(self.notes)}
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the rows as a table."""
+        """Return the rows as a table."""
         import pandas as pd
 
         return pd.DataFrame(self.rows())
 
     def attributes(self) -> dict[str, float | str]:
-        """Give what it was made from as attributes of a dataset, for ``rules_of``."""
+        """Return the inputs as attributes of a dataset, for ``rules_of``."""
         deep = math.nan if self.passage.depth is None else self.passage.depth
         return {**asdict(self.passage), "depth": deep, "wall_port": self.port, "wall_starboard": self.starboard,
                 "choke": self.choke}  # fmt: skip
@@ -250,10 +250,10 @@ class OutsideRules(Shown):
 def outside_rules(
     configuration: Configuration, bank: str = "steep", walls: tuple[float, float] | None = None
 ) -> OutsideRules:
-    """Say what rules of designers and canals leave a ship in a section of water.
+    """Return the limits from design and canal rules for a ship in a section of water.
 
-    How far off the middle a rule lets a ship go is not in the rules: it is what is left of the water beside the lane
-    and the clearance to either bank that they ask for. The rules and their sources are in ``CHANNEL_RULES``.
+    Rules do not contain the largest offset: it is the water left by the lane and the required clearance to either bank.
+    The rules and their sources are in ``CHANNEL_RULES``.
 
     Parameters
     ----------
@@ -262,7 +262,7 @@ def outside_rules(
     bank : str
         Kind of bank: ``gentle``, ``sloping`` or ``steep``; the walls of a canal are steep.
     walls : pair of float [m], optional
-        Where the keel meets the banks, to port and to starboard of the middle; the walls of the canal unless given.
+        Where the keel meets the banks, to port and to starboard of the middle; default: the walls of the canal.
 
     Raises
     ------

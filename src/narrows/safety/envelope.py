@@ -1,4 +1,4 @@
-"""The safe envelope: how fast, and how far off the middle of a canal, a ship is still in hand."""
+"""The safe envelope: how fast, and how far off the centreline, a ship stays controllable."""
 
 import math
 from collections.abc import Callable
@@ -31,39 +31,40 @@ def safe_envelope(
 ) -> SafeEnvelope:  # fmt: skip
     """Find the speeds and offsets at which a ship stays controllable in its canal.
 
-    At each offset and speed the steady course is sought that holds it: rudder, heading and drift in balance. The ship
-    is safe there where that course leaves a reserve of rudder, one pilot with the real gear, who does not know the
-    coefficients, holds it against disturbances, the keel is clear and the canal is not choked. Beside that stands where
-    a pilot who knows them would. Coefficients are drawn from the covariance of the fit.
+    At each offset and speed it computes the steady course: rudder, heading and drift in equilibrium. The ship is safe
+    there if that course leaves a reserve of rudder, a pilot with the real gear and without the true coefficients holds
+    it against disturbances, the keel is clear and the canal is not choked. The result also shows where a pilot with the
+    true coefficients holds it. Coefficients are drawn from the covariance of the fit.
 
     Parameters
     ----------
     model : Model
-        Of the ship at its own size, with the terms of a rudder.
+        A model at the ship's own size, with the terms of a rudder.
     y : array (offsets,) [m], optional
-        To starboard of the middle; as far as half a beam from either bank unless given.
+        Offsets to starboard of the middle; default: up to half a beam from either bank.
     u : array (speeds,) [m/s], optional
-        Through the water; to a little over the speed that chokes the canal unless given.
+        Speeds through the water; default: to a little over the choking speed.
     disturbance : Disturbance, optional
-        What throws the ship off.
+        Initial deviations and gusts.
     reserve : float [1]
-        Of the rudder, to be left on the steady course.
+        Share of the rudder left on the steady course.
     keel : float [m], optional
         Least clearance under the keel; a twentieth of the draft unless given.
     most_revolutions : float [1/s], optional
-        Of the engine, where the model has a propeller: faster than that it cannot go, and what a kick ahead with it
-        saves of the rudder is told.
+        Limit of the engine, for a model with a propeller: it limits the speed, and the result shows how much rudder a
+        kick ahead saves.
     samples : int, optional
-        Of coefficients and disturbances; unless given as many as settle the edge to a step of the offsets and speeds.
+        Number of samples of coefficients and disturbances; default: enough to determine the edge to a step of the
+        offsets and speeds.
     seed : int
         Seed of the samples.
     walls : pair of float [m], optional
-        Where its keel meets the banks, to port and to starboard of the middle; the walls of the canal unless given.
+        Where the keel meets the banks, to port and to starboard of the middle; default: the walls of the canal.
     bank : str
-        Kind of bank, for the rules from outside that the answer stands beside: ``gentle``, ``sloping`` or ``steep``.
+        Kind of bank for the comparison with outside rules: ``gentle``, ``sloping`` or ``steep``.
     controller : str
-        Who does not know the coefficients: ``regulator``, the best that is offered; ``track``, that of earlier
-        versions; ``human``, a hand at the wheel with its delay, whole degrees and a cap.
+        Pilot without the true coefficients: ``regulator``, the best available; ``track``, that of earlier versions;
+        ``human``, a helmsman with delay, whole degrees and a limit.
     curvature : float [1/m]
         Of the middle of the canal, to starboard: in a bend the steady turn leaves the reserve, and trials sail it.
     current : float [m/s]
@@ -76,7 +77,7 @@ def safe_envelope(
     Raises
     ------
     InputError
-        If the model has no rudder, nothing says how fast, a number is out of range, or a bank or pilot is unknown.
+        If the model has no rudder, no speed is known, a number is out of range, or a bank or pilot is unknown.
     """
     check_rudder(model)
     check_workers(workers)
@@ -103,10 +104,10 @@ def safe_envelope(
 
 @dataclass(frozen=True)
 class Bounds:
-    under: Keel  # Water under the keel at each speed
-    driven: np.ndarray  # (speeds,) Whether the engine turns the propeller as fast as the speed asks
-    clear: np.ndarray  # (speeds,) The same, and whether the keel is clear and the canal not choked
-    tested: np.ndarray  # (offsets, speeds) Whether the tests covered it
+    under: Keel  # Clearance under the keel at each speed
+    driven: np.ndarray  # (speeds,) True if the engine reaches the required revolutions
+    clear: np.ndarray  # (speeds,) True if in addition the keel is clear and the canal not choked
+    tested: np.ndarray  # (offsets, speeds) True if the tests covered it
 
     def columns(self) -> dict[str, tuple[object, ...]]:
         return {
@@ -126,7 +127,7 @@ def bounds_of(request: EnvelopeRequest) -> Bounds:
 
 
 def _driven(model: Model, speeds: np.ndarray, most: float | None) -> np.ndarray:
-    """Whether the engine turns the propeller as fast as each speed asks; true where nothing says how fast it turns."""
+    """Return whether the engine reaches the revolutions of each speed; true if its limit is unknown."""
     if most is None:
         return np.ones(len(speeds), bool)
     if not model.terms.propelled:
@@ -138,7 +139,7 @@ def _driven(model: Model, speeds: np.ndarray, most: float | None) -> np.ndarray:
 
 
 def rudder_of_propeller_burst(request: EnvelopeRequest, under: Keel) -> xr.DataArray:
-    """Return the steady rudder with the engine at its most, over offsets and speeds [rad]."""
+    """Return the steady rudder with the engine at its limit, over offsets and speeds [rad]."""
     asked = {"u": request.speeds, "heave": xr.DataArray(under.midship, dims="u"), "y": request.offsets}
     grid = grid_of(request.model, {**asked, "revolutions": request.most_revolutions}, 0, 0)
     values, shape = grid.flat(slice(0, grid.sizes[grid.axis]))
@@ -147,7 +148,7 @@ def rudder_of_propeller_burst(request: EnvelopeRequest, under: Keel) -> xr.DataA
 
 
 def choose_pilot(request: EnvelopeRequest, bounds: Bounds, seed: int, workers: int | None) -> ChosenPilot:
-    """Choose the tuning of a pilot that holds most samples at a few of the offsets and speeds asked about."""
+    """Choose the tuning of a pilot that holds most samples at a few of the requested offsets and speeds."""
     pilot = PILOTS[request.pilot]
     if len(pilot.tunings) == 1:
         return ChosenPilot(pilot, pilot.tunings[0])
@@ -170,7 +171,7 @@ def choose_pilot(request: EnvelopeRequest, bounds: Bounds, seed: int, workers: i
 
 
 def _spread(size: int, most: int) -> np.ndarray:
-    """At most so many places of a row, evenly, none at its ends where there are more."""
+    """At most so many places of a row, evenly spaced, without its ends if there are more."""
     if size <= most:
         return np.arange(size)
     return np.unique(np.round((np.arange(most) + 0.5) * size / most - 0.5).astype(int))
@@ -181,7 +182,7 @@ Trial = Callable[..., xr.Dataset]
 
 
 def settled_trials(try_more: Trial, samples: int | None, seed: int, limit: float, clear: np.ndarray) -> xr.Dataset:
-    """Return trials of so many samples, or of twice as many again and again until the edge is settled."""
+    """Return trials of so many samples, or doubled until the edge is determined."""
     # limit [rad]; clear (offsets, speeds)
     if samples is not None:
         return try_more(samples=samples, seed=seed)
@@ -197,8 +198,7 @@ def settled_trials(try_more: Trial, samples: int | None, seed: int, limit: float
 
 
 def controllable_fraction(tried: xr.Dataset, limit: float) -> xr.Dataset:
-    # tried [rad]; limit [rad]
-    # A sample without a course counts as beyond hard over, on the side of the others.
+    # tried [rad]; limit [rad]. A sample without a course counts as beyond hard over, on the side of the others.
     found, holds = np.isfinite(tried["rudder"]), np.abs(tried["rudder"]) <= limit
     shares = {"found": found.mean("sample"), "holds": holds.mean("sample")}
     for name in ("held", "known"):
@@ -212,13 +212,13 @@ def safely(tried: xr.Dataset, limit: float, name: str) -> xr.DataArray:
 
 
 def best_estimate_fraction(tried: xr.Dataset, limit: float) -> dict[str, xr.DataArray]:
-    """Return what the ship of the most likely coefficients says, over y and u: ``certain``, ``rudder_likely``."""
+    """Return the results for the best estimate, over y and u: ``certain``, ``rudder_likely``."""
     share = safely(tried, limit, "known").mean("sample").assign_attrs(units="1")
     return {"certain": share, "rudder_likely": tried["rudder"].isel(sample=0).assign_attrs(units="rad")}
 
 
 def _counted(name: str, counted: xr.DataArray) -> dict[str, xr.DataArray]:
-    """The share of the samples in which something holds, and its interval for so many of them."""
+    """Share of the samples that satisfy a condition, and its confidence interval."""
     share = counted.mean("sample")
     low, high = (share.copy(data=end) for end in share_interval(share.to_numpy(), counted.sizes["sample"]))
     return {name: share, f"{name}_low": low, f"{name}_high": high}
@@ -242,12 +242,12 @@ def _quantile(values: xr.DataArray, share: float, method: str) -> xr.DataArray:
     return quantiles.assign_attrs(units="rad")
 
 
-# Standard deviations either way, 95 % of a normal distribution.
+# Standard deviations of a two-sided 95 % interval of a normal distribution.
 SURE = 1.959964
 
 
 def share_interval(share: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the 95 % interval of a share that was counted, low and high [1]."""
+    """Return the 95 % interval of a counted share, low and high [1]."""
     # Wilson (1927), Probable inference, the law of succession, and statistical inference.
     square = SURE**2 / count
     middle = (share + square / 2) / (1 + square)
@@ -256,7 +256,7 @@ def share_interval(share: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarra
 
 
 def is_settled(low: np.ndarray, high: np.ndarray, share: float, clear: np.ndarray) -> bool:
-    """Say whether the edge of what is safe is known to a step of the grid."""
+    """Return whether the edge of the safe area is known to a step of the grid."""
     # low, high (offsets, speeds); clear (offsets, speeds)
     sure, perhaps = (low >= share) & clear, (high >= share) & clear
     near = sure.copy()

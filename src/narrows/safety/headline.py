@@ -1,4 +1,4 @@
-"""Where a ship is safe, in a sentence or three that no caveat is left out of."""
+"""Summary of where a ship is safe, in one to three sentences with all caveats."""
 
 import math
 
@@ -14,13 +14,13 @@ NOWHERE = (
 
 
 def headline(data: xr.Dataset, share: float) -> str:
-    # The offsets and speeds are those of the largest block of the grid in which every place is safe. First comes in
-    # what the section was not tested; with what is safe, where a pilot who knew the ship would hold it.
+    # The offsets and speeds are those of the largest block of the grid in which every place is safe. First come the
+    # untested quantities of the section; with the safe area, where a pilot with the true coefficients would hold it.
     data = data.transpose("y", "u", ...)
     y, u = data["y"].to_numpy(), data["u"].to_numpy()
     by_model = ((data["held"] >= share) & data["clear"]).to_numpy()
     block, section = largest_rectangle(by_model & data["tested"].to_numpy(), y, u), data.attrs["untested"]
-    # The first sentence of an estimate says that it is one.
+    # The first sentence of an estimated model says that it is one.
     estimate = data.attrs.get("estimate", "")
     guess = [f"{estimate.partition('. ')[0].removesuffix('.')}."] if estimate else []
     guess += [f"Not tested, so what follows is the model's guess: {section}."] if section else []
@@ -49,7 +49,7 @@ def _nowhere(data: xr.Dataset, by_model: np.ndarray) -> str:
 
 
 def _best(data: xr.Dataset) -> xr.Dataset | None:
-    """The place where most cases are held, of those that keel, canal and engine allow."""
+    """The place with the largest share of held cases, among those that keel, canal and engine allow."""
     held = data["held"].where(data["clear"], -1.0).transpose("y", "u").to_numpy()
     place = np.unravel_index(held.argmax(), held.shape)
     return None if held[place] < 0 else data.isel(y=int(place[0]), u=int(place[1]))
@@ -79,7 +79,7 @@ def _limits(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> str:
 
 
 def _known(data: xr.Dataset, share: float, block: tuple[slice, slice] | None) -> list[str]:
-    """Where a pilot who knew the ship would hold it, where that is elsewhere than what is safe."""
+    """Where a pilot with the true coefficients would hold it, if that exceeds the safe area."""
     if bool((data["known"] == data["held"]).all()):
         return []
     allowed = (data["tested"] & data["clear"]).to_numpy()
@@ -102,7 +102,7 @@ def _between(speeds: np.ndarray, offsets: tuple[float, float]) -> str:
 
 
 def _offsets(data: xr.Dataset, block: tuple[slice, slice], share: float, name: str = "held") -> tuple[float, float]:
-    """The outermost offsets at which every speed of a block is held, straight between those of the grid."""
+    """The outermost offsets at which every speed of a block is held, linear between those of the grid."""
     y, first, last = data["y"].to_numpy(), block[0].start, block[0].stop - 1
     low, high = [], []
     for held in data[name].to_numpy()[:, block[1]].T:
@@ -124,7 +124,7 @@ def _doubt(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> list[s
     return [f"{count}, for certain {_between(u[sure[1]] / KNOT, tuple(y[sure[0]][[0, -1]]))}."]
 
 
-# What ends the range in which a ship is safe, in words.
+# Limits of the safe range, in words.
 CHOKED, AGROUND, ENGINE = "the canal chokes", "the keel", "the engine"
 NONE, RUDDER, UPSET = "no rudder holds it", "the rudder", "what throws it off"
 KNOWLEDGE, PILOT, TESTS, RANGE = "what the tests know", "the pilot", "the tests end", "faster was not asked"
@@ -159,7 +159,7 @@ def cause(here: xr.Dataset, share: float, limit: float) -> str:
 
 
 def first_run(safe: np.ndarray) -> tuple[int, int] | None:
-    """Return the first and the last place of the first run of true; None where nothing is."""
+    """Return the first and the last place of the first run of true; None if there is none."""
     if not safe.any():
         return None
     first = int(safe.argmax())
@@ -168,7 +168,7 @@ def first_run(safe: np.ndarray) -> tuple[int, int] | None:
 
 
 def largest_rectangle(safe: np.ndarray, y: np.ndarray, u: np.ndarray) -> tuple[slice, slice] | None:
-    """Return the block of offsets and speeds of the largest area in which everything is safe; None where nothing is."""
+    """Return the offsets and speeds of the largest block in which everything is safe; None if there is none."""
     # safe (offsets, speeds)
     wide, high = (np.gradient(values) if len(values) > 1 else np.ones(1) for values in (y, u))
     area, block = 0.0, None
@@ -189,7 +189,7 @@ def _runs(held: np.ndarray) -> list[tuple[int, int]]:
 
 
 def crossing(y: np.ndarray, share: np.ndarray, inside: int, outside: int, least: float) -> float:
-    """Return the offset between two places where a share falls to its least, straight between them."""
+    """Return the offset between two places where a share falls to its least, by linear interpolation."""
     # y (n,) [m]; share (n,)
     if share[outside] >= least:
         return float(y[inside])

@@ -28,15 +28,15 @@ from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
 
 KEPT = ("rudder", "held", "known")
-# What the columns call what throws a ship off, the numbers of the pilot, and the gains of one who knows it.
+# Names of the columns: disturbances, numbers of the pilot, gains of one with the true coefficients.
 OFF, BY, KNOWING = "off_{}".format, "pilot_{}".format, "knowing_{}".format
 Columns = Mapping[str, Any]
 
 
 @dataclass(frozen=True)
 class ChosenPilot:
-    pilot: Pilot  # Who is tried
-    tuning: Any  # One of its own
+    pilot: Pilot  # The tested pilot
+    tuning: Any  # One of its tunings
 
 
 USUAL = ChosenPilot(PILOTS["regulator"], PILOTS["regulator"].tunings[0])
@@ -48,11 +48,10 @@ def trials(
     workers: int | None = None, progress: bool = False,
 ) -> xr.Dataset:  # fmt: skip
     """Hold a ship at offsets and speeds against disturbances, with coefficients drawn from their covariance."""
-    # y (offsets,) [m]; u (speeds,) [m/s]; heave (speeds,) [m]; walls [m]
-    # Every sample starts from the steady course that its own coefficients ask for, and is thrown off it. A ship is
-    # held where it touches no bank, stays within 85 degrees of the canal, and is back within half a beam of its line
-    # for the last three ship lengths of the trial. That is tried twice: by one pilot, who is made for the most likely
-    # coefficients, and by one who knows those that were drawn.
+    # y (offsets,) [m]; u (speeds,) [m/s]; heave (speeds,) [m]; walls [m]. Every sample starts from the steady course of
+    # its own coefficients, plus a disturbance. A ship is held if it touches no bank, stays within 85 degrees of the
+    # canal, and is back within half a beam of its line for the last three ship lengths of the trial. There are two
+    # pilots: one designed for the best estimate of the coefficients, and one with the drawn coefficients.
     if samples * len(y) * len(u) > MOST_TRIALS:
         points = samples * len(y) * len(u)
         raise InputError(f"{points} points are more than {MOST_TRIALS}; take fewer samples, offsets or speeds")
@@ -61,7 +60,7 @@ def trials(
     numbers = chosen.pilot.numbers(
         BestEstimateCourses(ship, np.asarray(y), np.asarray(u), np.asarray(heave), bend), chosen.tuning
     )
-    # Off to the other side on the other side of the middle: a canal that mirrors itself gets an answer that does.
+    # Disturbances change side with the offset, so that a symmetric canal gets a symmetric result.
     side = xr.DataArray(np.where(np.asarray(y) < 0, -1.0, 1.0), dims="y")
     extra = {OFF(name): side * column for name, column in thrown.items()}
     extra |= {BY(name): xr.DataArray(table, dims=("y", "u")) for name, table in numbers.items()}
@@ -91,7 +90,7 @@ def _tried(trial: "_Trial", whole: Grid, progress: bool) -> dict[str, np.ndarray
 
 
 def _knowing(ship: SimulatedShip, grid: Grid, bend: Bend, workers: int | None) -> dict[str, xr.DataArray]:
-    """Gains of a regulator for each offset and sample, made for the middle one of the speeds."""
+    """Gains of a regulator for each offset and sample, designed for the middle speed."""
     at = grid.sizes["u"] // 2
     values = {name: value.isel(u=at, drop=True) if "u" in value.dims else value for name, value in grid.values.items()}
     one = Grid(values, {name: size for name, size in grid.sizes.items() if name != "u"})
@@ -121,7 +120,7 @@ class _Trial:
     def sailed(self, values: Columns, count: int) -> dict[str, np.ndarray]:
         course = {n: v for n, v in values.items() if not n.startswith((OFF(""), BY(""), KNOWING("")))}
         v, rudder = solved(self.ship, {**course, **self.bend.values(course["y"])}, count, self.workers)
-        found = np.abs(rudder) <= self.ship.model.configuration.gear.limit  # false where there is none
+        found = np.abs(rudder) <= self.ship.model.configuration.gear.limit  # false if there is none
         held = {"y": course["y"], "u": np.broadcast_to(course["u"], count), "v": np.where(found, v, 0.0)}
         held |= {"rudder": np.where(found, rudder, 0.0), "psi": -np.arctan(held["v"] / held["u"])}
         pace = np.hypot(held["u"], held["v"]) + self.bend.current
@@ -135,7 +134,7 @@ class _Trial:
         if KNOWING("y") in values:
             gains = [np.broadcast_to(values[KNOWING(name)], count) for name in FELT]
             made = found & np.isfinite(gains).all(axis=0) & ~one
-            # Its law takes the course at the speed that it is made for, and the sway velocity goes with the speed.
+            # The law takes the course at its design speed, and the sway velocity scales with the speed.
             made_for = float(np.ravel(values[KNOWING("made_for")])[0])
             at_that_speed = {**held, "v": held["v"] * made_for / held["u"]}
             gains = [np.where(made, gain, 1.0) for gain in gains]
@@ -153,7 +152,7 @@ class _Sail:
     count: int
 
     def held(self, law: ControlLaw, sailed: np.ndarray) -> np.ndarray:
-        """Whether each is held; where nothing is sailed, no steps are taken and it is not."""
+        """Return whether each is held; excluded trials take no steps and are not held."""
         ship, start, walls = self.trial.ship, self.start, self.trial.walls
         hull = ship.model.configuration.ship
         pace = hull.length / (STEPS_A_LENGTH * np.asarray(self.held_course["u"]))
@@ -195,11 +194,11 @@ REACH, MARGIN = 5.0, 1.5
 
 @dataclass(frozen=True)
 class DeviationRecorder:
-    """Any control law that remembers how far off a line the ship was from a time on."""
+    """Any control law that records the late deviation of the ship from its line."""
 
-    law: ControlLaw  # That steers
+    law: ControlLaw  # Control law
     y: Any  # The line [m]
-    late_from: Any  # From when it counts [s]
+    late_from: Any  # Start of the record [s]
 
     def parameters(self) -> Mapping[str, Any]:
         return {**self.law.parameters(), "judged_y": self.y, "late_from": self.late_from}

@@ -1,4 +1,4 @@
-"""Pilots of the envelope, by name; none knows the coefficients of the drawn ship."""
+"""Pilots of the envelope, by name; none has the coefficients of the drawn ship."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -18,13 +18,13 @@ from narrows.safety.best_estimate_courses import BestEstimateCourses
 from narrows.simulation.controllers import EARLY, Autopilot, ControlLaw, Named
 from narrows.simulation.ship import SimulatedShip
 
-# What a pilot goes by, by name: arrays over offsets and speeds, or columns of them.
+# Numbers of a pilot by name: arrays over offsets and speeds, or columns of them.
 Numbers = dict[str, np.ndarray]
 
-# Rudder [rad] of a sensible helm by hand for half a beam off, a heading off [rad] and a yaw rate in ship lengths.
+# Gains of manual steering: rudder [rad] for half a beam off, a heading deviation [rad] and a yaw rate in ship lengths.
 SENSIBLE = (0.56, 8.0, 7.7)
 
-# Times of a ship length in which a helm by hand trims as much as it orders at once.
+# Times of a ship length in which manual trim reaches the size of the immediate order.
 TRIMMED = 10.0
 
 # y [m] and u [m/s] of each trial, and what holds the drawn ship there: rudder, psi [rad], v [m/s], and the yaw rate of
@@ -34,29 +34,29 @@ Course = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class Pilot:
-    """Who is tried: made for the most likely coefficients, one for all samples."""
+    """A pilot designed for the best estimate of the coefficients, the same for all samples."""
 
-    words: str  # Who it is, as a sentence of the answer has it
-    tunings: tuple[Any, ...]  # What may be chosen of it by trials; the usual one first
-    # Gives what it goes by at offsets and speeds, of the most likely courses and a tuning
+    words: str  # Description for the result's sentence
+    tunings: tuple[Any, ...]  # Tunings that trials may choose from; the default first
+    # Returns its numbers at offsets and speeds, from the best-estimate courses and a tuning
     numbers: Callable[[BestEstimateCourses, Any], Numbers]
-    # Gives the law of many trials, of the ship, what it goes by in each, and the course of each
+    # Returns the law of many trials, from the ship, its numbers in each, and the course of each
     law: Callable[[SimulatedShip, Numbers, Course], ControlLaw]
 
 
 def _regulator_numbers(courses: BestEstimateCourses, tuning: RegulatorWeights) -> Numbers:
-    """Gains, and rudder, heading and drift of the most likely course."""
+    """Gains, and rudder, heading and drift of the best-estimate course."""
     gains = courses.filled(stacked_gains(courses.ship, courses.values, courses.course, tuning))
     return {**{f"by_{name}": gains[..., i] for i, name in enumerate(FELT)}, **courses.held()}
 
 
 def _regulator(ship: SimulatedShip, numbers: Numbers, course: Course) -> ControlLaw:
-    """The regulator; of the drawn ship only y and u are used."""
+    """The regulator; from the drawn ship it uses only y and u."""
     return regulator_of(ship, [numbers[f"by_{name}"] for name in FELT], {**numbers, "y": course["y"]}, course["u"])
 
 
 def _track_numbers(courses: BestEstimateCourses, tuning: None) -> Numbers:
-    """Gains, one set a speed."""
+    """Gains, one set per speed."""
     rows = [track_gains(courses.ship, speed, **felt) for speed, felt in courses.on_the_centreline()]
     gains = np.broadcast_to(np.array(rows), (len(courses.offsets), len(rows), len(TRACKED)))
     return {f"by_{name}": gains[..., index] for index, name in enumerate(TRACKED)}
@@ -71,7 +71,7 @@ def _track_pilot(ship: SimulatedShip, numbers: Numbers, course: Course) -> Contr
 
 
 def _hand_numbers(courses: BestEstimateCourses, share: float) -> Numbers:
-    """A share of sensible gains, and rudder and heading of the most likely course."""
+    """A share of the manual gains, and rudder and heading of the best-estimate course."""
     hull, held = courses.ship.model.configuration.ship, courses.held()
     time = hull.length / np.broadcast_to(courses.speeds, held["rudder"].shape)
     by_y, by_psi, by_r = (share * gain for gain in SENSIBLE)
@@ -80,23 +80,23 @@ def _hand_numbers(courses: BestEstimateCourses, share: float) -> Numbers:
 
 
 def _hand(ship: SimulatedShip, numbers: Numbers, course: Course) -> ControlLaw:
-    """The helmsman; of the drawn ship only y is used."""
+    """The helmsman; from the drawn ship it uses only y."""
     gains = numbers["by_y"], numbers["by_psi"], numbers["by_r"]
     rudder = numbers["rudder"] + numbers["by_r"] * course["r"]
     return Helmsman(course["y"], gains, numbers["by_trim"], rudder, numbers["psi"])
 
 
-# Regulators that trust the bank of the most likely coefficients, beside the usual one.
+# Regulators that rely on the best-estimate bank force, besides the default one.
 TIGHTER = tuple(RegulatorWeights(offset, bank=1.0) for offset in (1 / 4, 1 / 8, 1 / 16))
 
-# A human at the wheel, as a control law: what is seen becomes an order late, in whole degrees, up to a cap.
-# From a look to the next, and from an order to its being heard [s].
+# A helmsman as a control law: observations become delayed orders, in whole degrees, up to a limit. Time between
+# observations, and from an order to its execution [s].
 DELAY = 3.0
 
-# The most rudder that is ordered [deg].
+# Largest ordered rudder [deg].
 CAP_DEG = 20.0
 
-# Pilots by name, the usual one first.
+# Pilots by name, the default first.
 PILOTS = {
     "regulator": Pilot(
         "a regulator made for the most likely coefficients, as tight as holds most",
@@ -124,7 +124,7 @@ def regulator_of(ship: SimulatedShip, gains: list[Any], held: Mapping[str, Any],
     return Regulator((line,), made_for, LEAD_TIME * time, USUAL.unwinding_time * time)
 
 
-# Degrees, of which whole ones are made up.
+# Powers of two that make up whole degrees.
 BITS = (32, 16, 8, 4, 2, 1)
 
 DEGREE = math.pi / 180
@@ -132,17 +132,17 @@ DEGREE = math.pi / 180
 
 @dataclass(frozen=True, repr=False)
 class Helmsman(Described):
-    """A helm by hand: a look every few seconds, an order in whole degrees, heard at the next, up to a cap."""
+    """A helmsman: an observation every few seconds, an order in whole degrees, executed at the next, up to a limit."""
 
-    # The order is in proportion to what is off, about a trim that follows slowly where the ship stays off its line.
+    # The order is proportional to the deviations, about a trim that slowly integrates the offset.
 
     y: Any  # Offset to hold [m]
-    gains: tuple[Any, Any, Any]  # Rudder for offset, heading and yaw rate off [rad/m, 1, s]
-    trim: Any = 0.0  # Rate of the trim for an offset [rad/(m s)]
-    rudder: Any = 0.0  # That are thought to hold it there [rad, rad]
-    psi: Any = 0.0  # That are thought to hold it there [rad, rad]
-    delay: float = DELAY  # Between looks, and from an order to its being heard [s]
-    cap_deg: float = CAP_DEG  # The most rudder that is ordered, to 63 [deg]
+    gains: tuple[Any, Any, Any]  # Rudder per deviation of offset, heading and yaw rate [rad/m, 1, s]
+    trim: Any = 0.0  # Rate of the trim per offset [rad/(m s)]
+    rudder: Any = 0.0  # Assumed steady rudder there [rad]
+    psi: Any = 0.0  # Assumed steady heading there [rad]
+    delay: float = DELAY  # Time between observations, and from an order to its execution [s]
+    cap_deg: float = CAP_DEG  # Largest ordered rudder, to 63 [deg]
 
     def __post_init__(self) -> None:
         if len(self.gains) != 3:
@@ -156,21 +156,21 @@ class Helmsman(Described):
             )
 
     def summary(self) -> str:
-        """Say what it holds, and how."""
+        """Describe the offset and the gains."""
         return f"y = {self.y}, a look every {self.delay:g} s, whole degrees to {self.cap_deg:g}"
 
     def parameters(self) -> Mapping[str, Any]:
-        """Return what is held, the gains, the delay and the cap."""
+        """Return the offset, the gains, the delay and the limit."""
         held = {"held_y": self.y, "held_psi": self.psi, "held_rudder": self.rudder, "by_trim": self.trim}
         gains = dict(zip(("by_y", "by_psi", "by_r"), self.gains, strict=True))
         return {**held, **gains, "delay": self.delay, "cap": self.cap_deg * DEGREE}
 
     def memory(self, start: Named) -> Named:
-        """Return the trim, the time of the next look, the order that was given, and the one that is heard."""
+        """Return the trim, the time of the next observation, the last order, and the executed one."""
         return {"trimmed": 0.0, "next_look": 0.0, "given": start["rudder"], "heard": start["rudder"]}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the order that is heard, and what is kept in mind."""
+        """Return the executed order, and the new memory."""
         off = at.y - at.held_y
         wanted = at.held_rudder + at.trimmed - (at.by_y * off + at.by_psi * (at.psi - at.held_psi) + at.by_r * at.r)
         looks = at.t + EARLY * at.dt - at.next_look
@@ -185,7 +185,7 @@ class Helmsman(Described):
 
 
 def whole_degrees(angle: Any) -> Any:
-    """Return an angle in whole degrees, in arithmetic; halves go outward [rad]."""
+    """Return an angle in whole degrees, by arithmetic; halves are rounded away from zero [rad]."""
     # angle [rad]
     left, made = abs(angle) / DEGREE + 0.5, 0.0
     for bit in BITS:

@@ -1,4 +1,4 @@
-"""What is asked of a safe envelope: which ship, offsets and speeds, against what, and how much is to be left."""
+"""Inputs of a safe envelope: ship, offsets, speeds, disturbances, reserves."""
 
 import math
 from dataclasses import dataclass
@@ -13,33 +13,33 @@ from narrows.quantities.names import AIR_DENSITY, Number
 from narrows.safety.channel_rules import BANKS
 from narrows.safety.settings import FASTEST, KEEL_SHARE, OFFSETS, SLOWEST, SPEEDS
 
-# Where a keel meets the banks [m]: to port and to starboard of the middle.
+# Positions where a keel meets the banks [m]: to port and to starboard of the middle.
 Walls = tuple[float, float]
 
 
 @dataclass(frozen=True)
 class Disturbance:
-    """What throws a ship off.
+    """Disturbances of a ship on its course.
 
     Parameters
     ----------
     heading_deg : float [deg]
-        Heading off at the start: standard deviation of normal samples.
+        Heading deviation at the start: standard deviation of normal samples.
     offset : float [m]
-        Off the line at the start: likewise.
+        Offset from the line at the start: likewise.
     gust : float [N]
-        Sway force from the start on, to starboard or to port by even odds.
+        Sway force from the start on, to starboard or to port with equal probability.
     gust_lever : float [m]
-        Of that force, forward of midship.
+        Lever of that force, forward of midship.
     gust_time : float [s]
-        How long it lasts.
+        Its duration.
     wind : float [m/s], optional
-        That the gust comes from, for words alone.
+        Wind behind the gust, for the description only.
 
     Raises
     ------
     InputError
-        If a number is negative (but the lever), or not finite.
+        If a number is negative (except the lever), or not finite.
     """
 
     heading_deg: float = 2.0
@@ -58,7 +58,7 @@ class Disturbance:
 
     @property
     def words(self) -> str:
-        """What it is, as a pilot would say it."""
+        """Description for a pilot."""
         parts = [f"heading off by {self.heading_deg:g} deg"] if self.heading_deg else []
         parts += [f"offset by {self.offset:g} m"] if self.offset else []
         begin = f" at the start {' and '.join(parts)} (standard deviation)" if parts else " nothing off at the start"
@@ -68,12 +68,12 @@ class Disturbance:
         return f"a gust of {strength} on the beam for {self.gust_time:g} s, from either side;{begin}"
 
     def drawn(self, samples: int, seed: int) -> dict[str, xr.DataArray]:
-        """Draw disturbances along a dimension ``sample``: psi [rad], y [m], Y [N], N [N m] off.
+        """Draw disturbances along a dimension ``sample``: deviations psi [rad], y [m], Y [N], N [N m].
 
         Parameters
         ----------
         samples : int
-            How many.
+            Number of samples.
         seed : int
             Seed of the samples.
 
@@ -127,21 +127,21 @@ STRAIGHT = Bend()
 
 @dataclass(frozen=True)
 class EnvelopeRequest:
-    model: Model  # Of the ship in its canal
-    offsets: np.ndarray  # (offsets,) To starboard of the middle [m]
-    speeds: np.ndarray  # (speeds,) Through the water [m/s]
-    disturbance: Disturbance  # What throws the ship off
-    reserve: float  # Of the rudder, to be left on the steady course [1]
-    clearance: float  # To be left under the keel [m]
-    most_revolutions: float | None  # Of the engine [1/s]
-    walls: Walls  # Where the keel meets the banks, to port and to starboard of the middle [m]
-    bank: str = "steep"  # Kind of bank, for the rules from outside
-    pilot: str = "regulator"  # Who is tried
+    model: Model  # Model of the ship in its canal
+    offsets: np.ndarray  # (offsets,) Offsets to starboard of the middle [m]
+    speeds: np.ndarray  # (speeds,) Speeds through the water [m/s]
+    disturbance: Disturbance  # Initial deviations and gusts
+    reserve: float  # Share of the rudder left on the steady course [1]
+    clearance: float  # Least clearance under the keel [m]
+    most_revolutions: float | None  # Limit of the engine [1/s]
+    walls: Walls  # Positions where the keel meets the banks, to port and to starboard of the middle [m]
+    bank: str = "steep"  # Kind of bank, for outside rules
+    pilot: str = "regulator"  # Name of the tested pilot
     bend: Bend = STRAIGHT
 
     @property
     def rudder_limit(self) -> float:
-        """The most rudder [rad] of a steady course that leaves the reserve."""
+        """Largest rudder [rad] of a steady course that leaves the reserve."""
         return (1 - self.reserve) * self.model.configuration.gear.limit
 
 
@@ -150,7 +150,7 @@ def envelope_request(
     keel: float | None, most_revolutions: float | None, walls: Walls | None, bank: str = "steep",
     pilot: str = "regulator", bend: Bend = STRAIGHT,
 ) -> EnvelopeRequest:  # fmt: skip
-    """Return what is asked, with what suits the ship and its canal where nothing is given."""
+    """Return the request, with defaults for the ship and its canal."""
     # y (offsets,) [m]; u (speeds,) [m/s]; keel [m]; most_revolutions [1/s]; walls [m]
     check_choice("bank", bank, BANKS)
     ship, canal = model.configuration.ship, model.configuration.canal
@@ -224,9 +224,9 @@ def _check_bend(bend: Bend, room: Walls, speeds: np.ndarray) -> None:
 @dataclass(frozen=True)
 class Keel:
     midship: np.ndarray  # (speeds,) Sinkage midship; 0 without a depth or in a choked canal [m]
-    clearance: np.ndarray  # (speeds,) Least water under the hull; NaN without a depth or in a choked canal [m]
-    choke: float  # The speed at which the canal is choked; infinite where the depth is not known [m/s]
-    notes: tuple[str, ...]  # What the formulas are used beyond
+    clearance: np.ndarray  # (speeds,) Least clearance under the hull; NaN without a depth or in a choked canal [m]
+    choke: float  # Choking speed; infinite if the depth is unknown [m/s]
+    notes: tuple[str, ...]  # Uses of the formulas outside their ranges
 
 
 def keel_at(model: Model, speeds: np.ndarray) -> Keel:
@@ -246,7 +246,7 @@ def keel_at(model: Model, speeds: np.ndarray) -> Keel:
 
 
 def _without_numbers(note: str) -> str:
-    """A warning of one speed as one of all: 'blockage 0.24 is outside 0 to 0.03' without its own value."""
+    """A warning without values, the same for all speeds: 'blockage 0.24 is outside 0 to 0.03' without the first."""
     words = note.split()
     if "outside" not in words:
         return note
@@ -260,11 +260,11 @@ def wind_force(speed: float, area: float, coefficient: float = 1.0) -> float:
     Parameters
     ----------
     speed : float [m/s]
-        Of the wind.
+        Wind speed.
     area : float [m2]
-        Lateral, above the water.
+        Lateral area above the water.
     coefficient : float [1]
-        Of the side.
+        Drag coefficient of the side.
 
     Raises
     ------

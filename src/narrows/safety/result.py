@@ -1,4 +1,4 @@
-"""The answer to where a ship is safe: speeds by offset, offsets by speed, and what limits them."""
+"""The safe envelope as a result: speeds by offset, offsets by speed, and their limits."""
 
 import math
 from dataclasses import dataclass
@@ -16,13 +16,13 @@ from narrows.safety.settings import LEAST_ANGLE, SAME_ANGLE, SURE_SHARE
 if TYPE_CHECKING:
     import pandas as pd
 
-# Shares of the cases that must be safe: half of them, and the nineteen of twenty in which a place is called safe.
+# Shares of the cases: the median, and the 95 % that make a place safe.
 MEDIAN = 0.5
 
 
 @dataclass(frozen=True, repr=False)
 class SafeEnvelope(Shown):
-    """Where a ship is safe, and what the answer rests on.
+    """The safe area of a ship, with its assumptions.
 
     Parameters
     ----------
@@ -48,17 +48,17 @@ class SafeEnvelope(Shown):
         return f"<SafeEnvelope of {self.description}>"
 
     def dataset(self) -> xr.Dataset:
-        """Give the answer over offsets and speeds, with units."""
+        """Return the result over offsets and speeds, with units."""
         return self.data
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the answer as a table: a row an offset, with rudder [deg], speeds [knots] and what limits them."""
+        """Return the result as a table: one row per offset, with rudder [deg], speeds [knots] and limits."""
         import pandas as pd
 
         return pd.DataFrame(self.offset_rows()).set_index("offset")
 
     def to_dict(self) -> dict[str, Any]:
-        """Give the whole answer in metres, knots and degrees: what ``envelope --json`` prints."""
+        """Return the whole result in metres, knots and degrees, as ``envelope --json`` prints it."""
         return {
             "summary": self.summary(),
             "setting": self.description,
@@ -79,130 +79,130 @@ class SafeEnvelope(Shown):
 
     @property
     def weather(self) -> str:
-        """What throws the ship off, in words."""
+        """Disturbances in words."""
         return str(self.data.attrs["weather"])
 
     @property
     def untested(self) -> str:
-        """Why the answer is the model's guess: no bank, unknown ranges, an untested section; else nothing."""
+        """Reasons why the result is extrapolated: no bank, unknown ranges, an untested section; else empty."""
         return str(self.data.attrs["untested"])
 
     @property
     def trust(self) -> str:
-        """What is not known of the model and not counted in the answer, in sentences; nothing where all is known."""
+        """Uncertainties that the result does not include, in sentences; empty if there are none."""
         return str(self.data.attrs.get("trust", ""))
 
     @property
     def pilot(self) -> str:
-        """Who is tried, in words."""
+        """The pilot in words."""
         return str(self.data.attrs["pilot_words"])
 
     @property
     def samples(self) -> int:
-        """How many cases were tried at each offset and speed."""
+        """Number of cases at each offset and speed."""
         return int(self.data.attrs["samples"])
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the answer rests on, and what it leaves out."""
+        """Assumptions and limits of the result."""
         return tuple(str(self.data.attrs["notes"]).splitlines())
 
     @property
     def walls(self) -> tuple[float, float]:
-        """Where its keel meets the banks [m], to port and to starboard of the middle."""
+        """Positions where the keel meets the banks [m], to port and to starboard of the middle."""
         return float(self.data.attrs["wall_port"]), float(self.data.attrs["wall_starboard"])
 
     @property
     def rules(self) -> OutsideRules:
-        """What rules of designers and canals leave the same ship in the same section."""
+        """Limits from design and canal rules for the same ship in the same section."""
         return rules_of(self.data.attrs)
 
     def noting(self, note: str) -> "SafeEnvelope":
-        """Return the answer with a note before its own.
+        """Return the result with a further first note.
 
         Parameters
         ----------
         note : str
-            In one line.
+            Note in one line.
         """
         return SafeEnvelope(self.data.assign_attrs(notes="\n".join((note, *self.notes))))
 
     def by_model(self, share: float = SURE_SHARE) -> xr.DataArray:
-        """Say where the model has it safe, tested or not: keel clear, and held in at least a share of the samples.
+        """Return where the model has it safe, tested or not: keel clear, and held in at least a share of the samples.
 
         Parameters
         ----------
         share : float [1]
-            Seed of the samples.
+            Least share of the samples.
         """
         return (self.data["held"] >= share) & self.data["clear"]
 
     def by_some_helm(self, share: float = SURE_SHARE) -> xr.DataArray:
-        """Say where some helm has it safe, tested or not: keel clear, and held by one who knows the coefficients.
+        """Return where some helm has it safe, tested or not: keel clear, and held with the true coefficients.
 
         Parameters
         ----------
         share : float [1]
-            Seed of the samples.
+            Least share of the samples.
         """
         return (self.data["known"] >= share) & self.data["clear"]
 
     def safe(self, share: float = SURE_SHARE) -> xr.DataArray:
-        """Say at which offsets and speeds it is safe: by the model, and within the speeds and offsets of its tests.
+        """Return at which offsets and speeds it is safe: by the model, and within the tested range.
 
         Parameters
         ----------
         share : float [1]
-            Seed of the samples.
+            Least share of the samples.
         """
         return self.by_model(share) & self.data["tested"]
 
     def highest_speed(self, share: float = SURE_SHARE) -> xr.DataArray:
-        """Return the highest safe speed at each offset [m/s], NaN where there is none.
+        """Return the highest safe speed at each offset [m/s], NaN if there is none.
 
-        It is the top of the lowest range of safe speeds: no faster one is counted across a gap.
+        It is the top of the lowest range of safe speeds, without a gap.
 
         Parameters
         ----------
         share : float [1]
-            Seed of the samples.
+            Least share of the samples.
         """
         return self._speeds(share, 1)
 
     def lowest_speed(self, share: float = SURE_SHARE) -> xr.DataArray:
-        """Return the lowest safe speed at each offset [m/s], NaN where there is none: below it gusts may win.
+        """Return the lowest safe speed at each offset [m/s], NaN if there is none: below it gusts may win.
 
         Parameters
         ----------
         share : float [1]
-            Seed of the samples.
+            Least share of the samples.
         """
         return self._speeds(share, 0)
 
     def limited_by(self, share: float = SURE_SHARE) -> list[str]:
-        """Say what ends the range of safe speeds at each offset.
+        """Return the limit of the safe speeds at each offset.
 
         Parameters
         ----------
         share : float [1]
-            Seed of the samples.
+            Least share of the samples.
         """
         return [self._reason(index, ends, share) for index, ends in enumerate(self._ends(share))]
 
     def safest_offset(self, share: float = SURE_SHARE) -> xr.DataArray:
-        """Return at each speed the safe offset [m] that needs the least rudder, NaN where there is none.
+        """Return at each speed the safe offset [m] with the least rudder, NaN if there is none.
 
-        Of offsets that need the same, it is the one nearest to the middle.
+        Among equals it is the one nearest to the middle.
 
         Parameters
         ----------
         share : float [1]
-            Seed of the samples.
+            Least share of the samples.
         """
         need = self.data["rudder_95"].where(self.safe(share), np.inf).transpose("u", "y").to_numpy()
         offsets, (port, starboard) = self.data["y"].to_numpy(), self.walls
         aside = np.abs(offsets - (starboard - port) / 2)
-        # Of offsets that need the same rudder, the one nearest to the middle.
+        # Among offsets with equal rudder, the one nearest to the middle.
         nearest = [np.where(row <= row.min() + LEAST_ANGLE, aside, np.inf).argmin() for row in need]
         safest = [
             float(offsets[at]) if np.isfinite(row).any() else math.nan for row, at in zip(need, nearest, strict=True)
@@ -211,17 +211,17 @@ class SafeEnvelope(Shown):
 
     @property
     def speed_free(self) -> bool:
-        """Whether the rudder that holds it is the same at every speed, as where all forces go with its square."""
+        """True if the steady rudder is the same at every speed, as if all forces are proportional to its square."""
         rudder = self.data["rudder"].transpose("y", "u").to_numpy()
         telling = rudder[np.isfinite(rudder).all(axis=1) & (np.abs(rudder) > LEAST_ANGLE).all(axis=1)]
         return rudder.shape[1] > 1 and len(telling) > 0 and bool(np.ptp(telling, axis=1).max() < SAME_ANGLE)
 
     def summary(self) -> str:
-        """Say from where to where it is safe and what ends that, and what the tests do not settle of the banks."""
+        """Describe the safe range, its limits, and uncertain bank coefficients."""
         return f"{headline(self.data, SURE_SHARE)} {self.trust}".strip()
 
     def offset_rows(self) -> list[dict[str, Any]]:
-        """Give a row an offset: rudder [deg], speeds between which it is safe [knots], and what limits them."""
+        """Return one row per offset: rudder [deg], range of safe speeds [knots], and their limits."""
         top, likely, bottom = self.highest_speed(), self.highest_speed(MEDIAN), self.lowest_speed()
         helm = self._tops((self.by_some_helm() & self.data["tested"]).transpose("y", "u").to_numpy())
         return [
@@ -237,7 +237,7 @@ class SafeEnvelope(Shown):
         ]
 
     def _rudder(self, index: int, best: float, even: float) -> dict[str, float]:
-        """The rudder at an offset, at the highest speed that is safe there, or likely, or else the lowest."""
+        """The rudder at an offset, at the highest safe speed, or the highest likely one, or else the lowest."""
         at = best if math.isfinite(best) else even if math.isfinite(even) else float(self.data["u"][0])
         here = self.data.isel(y=index).sel(u=at)
         kick = {"rudder_kick": math.degrees(here["rudder_kick"])} if "rudder_kick" in here else {}
@@ -248,7 +248,7 @@ class SafeEnvelope(Shown):
         }  # fmt: skip
 
     def speed_rows(self) -> list[dict[str, Any]]:
-        """Give a row a speed [knots]: clearance under the keel [m], and the safest offset [m]."""
+        """Return one row per speed [knots]: clearance under the keel [m], and the safest offset [m]."""
         best = self.safest_offset()
         return [
             {

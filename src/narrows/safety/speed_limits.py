@@ -43,27 +43,27 @@ def speed_limits(
     model: Model, waterway: "Waterway", places: Sequence[float], *, y: float = 0.0, reserve: float = RESERVE,
     **envelope: Any,
 ) -> list[tuple[float, float]]:  # fmt: skip
-    """Find the highest safe speed of some sections of a waterway, as a governor of the speed takes them.
+    """Find the highest safe speed of some sections of a waterway, for a speed governor.
 
     Parameters
     ----------
     model : Model
-        Of the ship at its own size, with the terms of a rudder.
+        A model at the ship's own size, with the terms of a rudder.
     waterway : Waterway
-        Where it is.
+        The waterway.
     places : sequence of float [m]
-        Along it, rising: each section is taken to go on to the next.
+        Places along it, rising; each section is assumed constant to the next.
     y : float [m]
-        To starboard of the line.
+        Offset to starboard of the line.
     reserve : float [1]
         Of the rudder, to be left on the steady course, in a bend on the steady turn, by 95 % of the samples.
     **envelope : Any
-        As for ``safe_envelope``.
+        Options of ``safe_envelope``.
 
     Returns
     -------
     list of pairs (x [m], speed [m/s])
-        Through the water.
+        Speeds through the water.
 
     Raises
     ------

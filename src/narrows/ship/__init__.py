@@ -1,1 +1,1 @@
-"""The ship, what drives and steers it, how it moves, the canal it is in, and the file that says so."""
+"""The ship, its actuators, its motion, its canal, and the ship file."""

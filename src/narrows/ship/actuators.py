@@ -1,4 +1,4 @@
-"""What drives and steers a ship: propeller, rudder, steering gear, and the actuators that they make."""
+"""Propeller, rudder, steering gear, and the actuators that they form."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping
@@ -15,15 +15,15 @@ from narrows.ship.checks import check_fields
 
 @dataclass(frozen=True)
 class Part:
-    """A section of a ship file that belongs to an actuator; subclasses are frozen dataclasses of its numbers."""
+    """A section of a ship file for an actuator; subclasses are frozen dataclasses of its numbers."""
 
-    # What the section is called, and what the names of its numbers begin with.
+    # Name of the section, and prefix of the names of its numbers.
     SECTION: ClassVar[str] = ""
-    # What the actuator's position is called; a number of that name says where it is unless it is moved.
+    # Name of the actuator's position; a number of that name is its position unless it is moved.
     POSITION: ClassVar[str] = ""
     # Unit and meaning of each number.
     NUMBERS: ClassVar[Mapping[str, Quantity]] = {}
-    # Whether terms may ask for its numbers.
+    # True if terms may use its numbers.
     ASKED: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
@@ -31,15 +31,15 @@ class Part:
 
     @classmethod
     def known_as(cls, number: str) -> str:
-        """Return what terms call a number of the section."""
+        """Return the name in the terms of a number of the section."""
         return number if number == cls.POSITION else f"{cls.SECTION}_{number}"
 
     def values(self) -> dict[str, float]:
-        """Every number by the name that terms and the equations of motion call it."""
+        """Every number by its name in the terms and the equations of motion."""
         return {self.known_as(entry.name): getattr(self, entry.name) for entry in fields(self)}
 
     def scaled(self, factor: Callable[[Dimension], float]) -> Self:
-        """Return the same at another size: each number by the dimension of its unit."""
+        """Return the section at another size: each number scales by the dimension of its unit."""
         changed: dict[str, Any] = {
             name: getattr(self, name) * factor(dimension)
             for name, quantity in self.NUMBERS.items()
@@ -50,24 +50,24 @@ class Part:
 
 @dataclass(frozen=True)
 class Propeller(Part):
-    """A propeller, as the MMG standard method asks for it.
+    """A propeller of the MMG standard method.
 
     Parameters
     ----------
     diameter : float [m]
         D_P.
     revolutions : float [1/s]
-        n, held.
+        n, constant.
     wake : float [1]
         Wake fraction straight ahead, w_P0.
     thrust_0, thrust_1, thrust_2 : float [1]
         K_T = k_0 + k_1 J + k_2 J^2.
     position : float [1]
-        Forward of midship over L, x_P'.
+        Position forward of midship over L, x_P'.
     wake_rate : float [1]
-        How soon the wake thins as the ship turns, C_1.
+        Rate of the wake's decrease in a turn, C_1.
     wake_starboard, wake_port : float [1]
-        Inflow turning over inflow straight, C_2, in a turn to starboard (beta_P > 0, flow from port) and to port.
+        Wake ratio of turning to straight running, C_2, in a turn to starboard (beta_P > 0, flow from port) and to port.
 
     Raises
     ------
@@ -104,7 +104,7 @@ class Propeller(Part):
 
 @dataclass(frozen=True)
 class Rudder(Part):
-    """A rudder, as the MMG standard method asks for it.
+    """A rudder of the MMG standard method.
 
     Parameters
     ----------
@@ -113,13 +113,13 @@ class Rudder(Part):
     lift : float [1]
         Slope of the lift, f_alpha.
     wake_ratio : float [1]
-        Inflow over that of the propeller, epsilon.
+        Inflow relative to that of the propeller, epsilon.
     slipstream : float [1]
-        How far the slipstream is sped up, kappa.
+        Acceleration of the slipstream, kappa.
     in_slipstream : float [1]
         Propeller diameter over rudder height, eta.
     position : float [1]
-        Effective place over L, l_R'.
+        Effective position over L, l_R'.
     straightening_starboard, straightening_port : float [1]
         gamma_R in a turn to starboard (beta_R > 0, flow from port) and to port.
 
@@ -154,9 +154,9 @@ class Rudder(Part):
 
 @dataclass(frozen=True)
 class SteeringGear(Part):
-    """What turns the rudder; unless said otherwise as slow as the rules allow a ship.
+    """A steering gear; the default is as slow as the rules allow.
 
-    The gear hears an order after the dead time, moves the rudder towards it by a first-order lag no faster than its
+    The gear executes an order after the dead time, moves the rudder towards it by a first-order lag no faster than its
     rate, and stays still while the rudder is within the dead band of the order.
 
     Parameters
@@ -164,15 +164,15 @@ class SteeringGear(Part):
     limit_deg : float [deg]
         Largest rudder angle.
     rate_deg : float [deg/s]
-        Of the rudder, with both pumps.
+        Rate of the rudder, with both pumps.
     dead_time : float [s]
-        From an order to the first motion of the rudder.
+        Time from an order to the first motion of the rudder.
     lag : float [s]
-        Time constant of the servo: the rudder turns at what is left to the order, over this time.
+        Time constant of the servo: the rudder's rate is the remaining angle over this time.
     dead_band_deg : float [deg]
-        Difference of order and rudder that moves nothing.
+        Largest difference of order and rudder that causes no motion.
     pumps : int
-        Running, 1 or 2: one alone turns the rudder half as fast.
+        Running pumps, 1 or 2: one alone turns the rudder half as fast.
 
     Raises
     ------
@@ -206,7 +206,7 @@ class SteeringGear(Part):
 
     @classmethod
     def known_as(cls, number: str) -> str:
-        """Return the key itself: terms ask for neither.
+        """Return the key itself: terms use neither.
 
         Parameters
         ----------
@@ -222,17 +222,17 @@ class SteeringGear(Part):
 
     @property
     def rate(self) -> float:
-        """Rate of the rudder with the pumps that run [rad/s]."""
+        """Rate of the rudder with the running pumps [rad/s]."""
         return math.radians(self.rate_deg) * self.pumps / 2
 
     @property
     def delay(self) -> float:
-        """Dead time and lag together [s]: how late a slow order is followed."""
+        """Dead time and lag together [s]: the delay of a slow order."""
         return self.dead_time + self.lag
 
     @property
     def follows_at_once(self) -> bool:
-        """Whether nothing but limit and rate is between an order and the rudder."""
+        """True if only limit and rate act between an order and the rudder."""
         return not (self.dead_time or self.lag or self.dead_band_deg)
 
     def values(self) -> dict[str, float]:
@@ -243,14 +243,14 @@ class SteeringGear(Part):
 
 @dataclass(frozen=True)
 class Actuator:
-    """What moves at a command."""
+    """An actuator."""
 
-    name: str  # Of its position: the column of a table of tests, the argument of ``forces`` and ``simulate``
-    unit: str  # Of its position, in SI
-    meaning: str  # Of its position, in words
-    angle: bool = False  # Whether it enters the terms by its cosine and sine, ``cos_<name>`` and ``sin_<name>``
-    rest: float | None = None  # Its position where nothing is said of it; None where it must be said
-    parts: tuple[type[Part], ...] = ()  # The sections of a ship file that give it, each a subclass of ``Part``
+    name: str  # Name of its position: the column of a table of tests, the argument of ``forces`` and ``simulate``
+    unit: str  # SI unit of its position
+    meaning: str  # Meaning of its position
+    angle: bool = False  # True if it enters the terms by its cosine and sine, ``cos_<name>`` and ``sin_<name>``
+    rest: float | None = None  # Default position; None if it must be given
+    parts: tuple[type[Part], ...] = ()  # Its sections of a ship file, each a subclass of ``Part``
 
     def __post_init__(self) -> None:
         taken = {**REGRESSOR_INPUTS, **FORCES, "psi": None, "t": None}
@@ -263,7 +263,7 @@ class Actuator:
 
     @property
     def controls(self) -> dict[str, Quantity]:
-        """How its position enters the terms: what they ask for, with its unit and meaning."""
+        """Quantities of the terms for its position, with unit and meaning."""
         if not self.angle:
             return {self.name: Quantity(self.unit, self.meaning)}
         first, _, rest = self.meaning.partition(",")
@@ -274,7 +274,7 @@ class Actuator:
 
     @property
     def particulars(self) -> dict[str, Quantity]:
-        """What its sections of a ship file give to the terms."""
+        """Particulars of the terms from its sections of a ship file."""
         return {
             part.known_as(number): quantity
             for part in self.parts
@@ -285,17 +285,17 @@ class Actuator:
 
     @property
     def quantities(self) -> dict[str, Quantity]:
-        """All that terms may ask of it."""
+        """All its quantities for terms."""
         return self.controls | self.particulars
 
     def placed(self, position: Number) -> dict[str, Number]:
-        """Return a position as the terms ask for it."""
+        """Return a position as quantities of the terms."""
         if not self.angle:
             return {self.name: position}
         return {f"cos_{self.name}": np.cos(position), f"sin_{self.name}": np.sin(position)}
 
     def at_rest(self) -> dict[str, Number]:
-        """Its position as the terms ask for it, where nothing is said of it; nothing where it must be said."""
+        """Its default position as quantities of the terms; empty if it must be given."""
         return {} if self.rest is None else self.placed(self.rest)
 
 
@@ -306,7 +306,7 @@ RUDDER = Actuator(
 
 PROPELLER = Actuator("revolutions", "1/s", "propeller revolutions n", parts=(Propeller,))
 
-# The actuators that come with the package, in the order in which they are listed.
+# Actuators of the package, in order.
 STANDARD = (RUDDER, PROPELLER)
 
 
@@ -318,14 +318,14 @@ def particulars_with(actuators: Iterable[Actuator] = ()) -> dict[str, Quantity]:
     }
 
 
-# An actuator: what moves at a command, and all that tables of tests, terms, files and scaling ask of it. Its position
-# is a quantity of its own, called as the actuator is. It enters the terms as it is, or where it is an angle as its
-# cosine and sine; ``<name>_limit`` and ``<name>_rate`` are its largest size and its fastest change.
+# An actuator moves at a command; this class holds what tables of tests, terms, files and scaling need. Its position is
+# a quantity with the actuator's name. It enters the terms directly, or as cosine and sine if it is an angle;
+# ``<name>_limit`` and ``<name>_rate`` are its largest size and its fastest change.
 ENDS = ("limit", "rate")
 
 
 def places_of(actuators: Iterable[Actuator]) -> dict[str, str]:
-    """Return the section and key that give each number of actuators in a file."""
+    """Return the section and key of each number of actuators in a file."""
     return {
         part.known_as(number): f"[{part.SECTION}] {number}"
         for actuator in actuators
@@ -335,5 +335,5 @@ def places_of(actuators: Iterable[Actuator]) -> dict[str, str]:
 
 
 def free(names: Iterable[str]) -> dict[str, float]:
-    """Return the limit and rate of actuators that have none."""
+    """Return infinite limits and rates for actuators without any."""
     return {f"{name}_{end}": math.inf for name in names for end in ENDS}

@@ -1,4 +1,4 @@
-"""What particulars must be: each rule stands once, for numbers in files and for columns of an ensemble alike."""
+"""Rules of particulars: one definition each, for numbers in files and for columns of an ensemble."""
 
 import math
 import operator
@@ -10,9 +10,9 @@ import numpy as np
 from narrows.errors import InputError, shown
 from narrows.quantities.names import Number
 
-# Between these every size of a ship, its water and its parts is, and every product of them is a number.
+# Range of every size of a ship, its water and its parts; products of them stay finite.
 SMALLEST, LARGEST = 1e-12, 1e20
-# Where a file gives what is not the ship's own.
+# Sections of a file for quantities that are not the ship's own.
 SECTIONS = {"width": "canal", "depth": "canal", "density": "water"}
 POSITIVE = (
     "length", "beam", "draft", "block_coefficient", "mass", "inertia", "flow_straightening", "width", "depth",
@@ -21,15 +21,15 @@ POSITIVE = (
 )  # fmt: skip
 
 
-# K_T is a parabola of tests ahead: with the sign of the revolutions changed it would push the ship ahead.
+# K_T is a parabola from tests ahead: with the sign of the revolutions changed it would push the ship ahead.
 AHEAD_ONLY = "the thrust of this propeller is known ahead only, so that it cannot turn astern; give 0 (stopped) or more"
 
 
 class Rule(NamedTuple):
-    asks: tuple[str, ...]  # Their names
-    # Whether it is so, of numbers or of columns in the order of the names; false of what is no number
+    asks: tuple[str, ...]  # Names of the particulars
+    # Returns True if the rule holds, for numbers or for columns in the order of the names; False for NaN
     right: Callable[..., Any]
-    sentence: str  # What is said where it is not, with the places and values of the particulars in it
+    sentence: str  # Message of a broken rule, with the places and values of the particulars
 
 
 def _positive(name: str) -> tuple[Rule, Rule]:
@@ -40,7 +40,7 @@ def _positive(name: str) -> tuple[Rule, Rule]:
     )
 
 
-# Every rule beside that each is a finite number.
+# Every rule in addition to finiteness.
 RULES = (
     *(rule for name in POSITIVE for rule in _positive(name)),
     Rule(
@@ -70,7 +70,7 @@ RULES = (
 
 
 def check_particulars(values: Mapping[str, Number], places: Mapping[str, str] | None = None) -> None:
-    """Raise where particulars break a rule, be they numbers or columns."""
+    """Raise if particulars break a rule; numbers or columns."""
     known = {name: value for name, value in values.items() if value is not None}
     places = {name: place_of(name) for name in known} | dict(places or {})
     for name, value in known.items():
@@ -81,7 +81,7 @@ def check_particulars(values: Mapping[str, Number], places: Mapping[str, str] | 
 
 
 def check_ahead(revolutions: Number | None) -> None:
-    """Raise where a propeller turns astern, for which it has no thrust."""
+    """Raise if a propeller turns astern, for which the method has no thrust."""
     if revolutions is not None and np.any(np.asarray(revolutions) < 0):
         raise InputError(f"revolutions = {float(np.min(revolutions)):g} 1/s: {AHEAD_ONLY}")
 
@@ -92,12 +92,12 @@ def check_rule(rule: Rule, values: Mapping[str, Number], places: Mapping[str, st
 
 
 def place_of(name: str) -> str:
-    """Return the section and key that give a particular of ship, canal or water in a file."""
+    """Return the section and key of a particular of ship, canal or water in a file."""
     return f"[{SECTIONS.get(name, 'ship')}] {name}"
 
 
 def check_number(location: str, value: object) -> None:
-    """Raise where a value is no finite number, or a column of values holds one that is not."""
+    """Raise if a value, or one of a column, is not a finite number."""
     if hasattr(value, "dims"):
         asked = {"": value}
         _check(np.isfinite(value), "{} is not a finite number; give it in SI units", asked, {"": location})  # type: ignore[call-overload]
@@ -110,10 +110,10 @@ def check_number(location: str, value: object) -> None:
 
 
 def is_finite(value: object) -> bool:
-    """Say whether a value is a finite number that a float can hold."""
+    """Return whether a value is a finite number within the range of a float."""
     try:
         return not isinstance(value, bool) and isinstance(value, int | float) and math.isfinite(value)
-    except OverflowError:  # An integer of more digits than floats have.
+    except OverflowError:  # An integer with more digits than a float
         return False
 
 
@@ -128,7 +128,7 @@ def _check(right: Any, sentence: str, values: Mapping[str, Any], places: Mapping
 
 
 def _first(wrong: Any) -> dict[str, int]:
-    """The place of the first hit, by dimension."""
+    """Index of the first hit, by dimension."""
     places = np.unravel_index(int(np.argmax(wrong.to_numpy())), wrong.shape)
     return {str(name): int(index) for name, index in zip(wrong.dims, places, strict=True)}
 
@@ -140,7 +140,7 @@ def _picked(value: Any, at: Mapping[str, int]) -> Any:
 
 
 def check_fields(part: object, names: Mapping[str, str], section: str) -> None:
-    """Raise where the numbers of a section of a ship file are columns, not finite or break a rule."""
+    """Raise if the numbers of a section of a ship file are columns, not finite or break a rule."""
     values = {name: getattr(part, key) for key, name in names.items()}
     places = {name: f"[{section}] {key}" for key, name in names.items()}
     for name, value in values.items():

@@ -1,4 +1,4 @@
-"""How the ship moves, as floats, columns or symbols."""
+"""The motion of a ship, as floats, columns or symbols."""
 
 import math
 from dataclasses import dataclass, fields
@@ -13,12 +13,12 @@ from narrows.quantities.names import Number
 class Motion:
     """Pose, velocity and acceleration in the paper's axes.
 
-    x runs along the canal, y to starboard of the centreline; psi and r turn clockwise seen from above.
+    x runs along the canal, y to starboard of the centreline; psi and r are clockwise seen from above.
 
     Parameters
     ----------
     x, y : number [m]
-        Midship in the canal.
+        Position of midship in the canal.
     cos_psi, sin_psi : number [1]
         Cosine and sine of the heading.
     u, v : number [m/s]
@@ -47,7 +47,7 @@ class Motion:
 
     @classmethod
     def at(cls, psi: Number = 0.0, **rest: Number) -> "Motion":
-        """Make a Motion of a heading instead of its cosine and sine.
+        """Return a Motion from a heading instead of its cosine and sine.
 
         Parameters
         ----------
@@ -60,5 +60,5 @@ class Motion:
         return cls(cos_psi=of.cos(psi), sin_psi=of.sin(psi), **rest)
 
     def values(self) -> dict[str, Number]:
-        """Every field by its name, as the arguments that terms ask for."""
+        """Every field by its name, for the arguments of terms."""
         return {f.name: getattr(self, f.name) for f in fields(self)}

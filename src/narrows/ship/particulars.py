@@ -1,4 +1,4 @@
-"""The ship, the canal with its section, and the water: frozen, in SI, checked when made."""
+"""The ship, the canal with its section, and the water: frozen, in SI, checked at creation."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -20,7 +20,7 @@ class Ship(Described):
     Parameters
     ----------
     length : float [m]
-        Between perpendiculars.
+        Length between perpendiculars.
     beam : float [m]
         Moulded beam.
     draft : float [m]
@@ -32,11 +32,12 @@ class Ship(Described):
     inertia : float [kg m2], optional
         Yaw moment of inertia about midship.
     x_g : float [m], optional
-        Centre of gravity, forward of midship.
+        Position of the centre of gravity, forward of midship.
     flow_straightening : float [1], optional
-        Flow across the rudder over that across the stern, over the rudder's flow along; for terms of the rudder.
+        Ratio of the flow across the rudder to that across the stern, over the rudder's flow along; for terms of the
+        rudder.
     name : str, optional
-        What the ship is called in reports.
+        Name in reports.
 
     Raises
     ------
@@ -60,16 +61,16 @@ class Ship(Described):
             raise InputError(f"[ship] name = {shown(self.name)} must be a word; put it in quotes")
 
     def summary(self) -> str:
-        """Say name, size and fullness."""
+        """Describe name, size and fullness."""
         return f"{self.in_words}, block coefficient {self.block_coefficient:.4g}"
 
     def to_dict(self) -> dict[str, Any]:
-        """Give what is known by name, as in a ship file."""
+        """Return the known values by name, as in a ship file."""
         return _known(self)
 
     @property
     def in_words(self) -> str:
-        """Name and size, as titles and answers give them."""
+        """Name and size for titles and messages."""
         return f"{self.name}, {self.length:.4g} x {self.beam:.4g} x {self.draft:.4g} m"
 
 
@@ -80,7 +81,7 @@ class Canal:
     Parameters
     ----------
     width : float [m]
-        From wall to wall.
+        Distance from wall to wall.
     depth : float [m], optional
         Water depth.
 
@@ -98,14 +99,14 @@ class Canal:
 
     @property
     def in_words(self) -> str:
-        """Width and depth, as titles and answers give them."""
+        """Width and depth for titles and messages."""
         deep = "of unknown depth" if self.depth is None else f"{self.depth:.4g} m deep"
         return f"a canal {self.width:.4g} m wide, {deep}"
 
 
 @dataclass(frozen=True)
 class Water:
-    """The water; fresh unless said otherwise.
+    """The water; the default is fresh.
 
     Parameters
     ----------
@@ -124,32 +125,32 @@ class Water:
         check_fields(self, {"density": "density"}, "water")
 
 
-# As slow as the rules allow.
+# Default gear: as slow as the rules allow.
 RULE_GEAR = SteeringGear()
 
 
 @dataclass(frozen=True, repr=False)
 class Configuration(Described):
-    """A ship in its canal and water: everything about a test but the motion.
+    """A ship in its canal and water: all data of a test except the motion.
 
     Parameters
     ----------
     ship : Ship
         The hull.
     canal : Canal
-        The banks, and the depth where it is one number.
+        The banks, and the depth if it is constant.
     water : Water
         The water.
     depths : mapping of str to float [m], optional
-        Water depth of each condition of a table that holds several.
+        Water depth of each condition of a table with several.
     steering : SteeringGear, optional
-        What turns the rudder; ``gear`` is the rules' where it is not given.
+        Steering gear; the default ``gear`` is that of the rules.
     propeller : Propeller, optional
         For terms of the MMG standard method.
     rudder : Rudder, optional
-        Likewise.
+        For terms of the MMG standard method.
     others : tuple of Part
-        The sections of actuators of one's own.
+        The user's own actuator sections.
 
     Raises
     ------
@@ -177,24 +178,24 @@ class Configuration(Described):
             check_particulars({"draft": draft, "depth": depth}, {"depth": f"[depths] {label}"})
 
     def summary(self) -> str:
-        """Say ship, canal, and what drives and steers it."""
+        """Describe ship, canal, propeller, rudder and gear."""
         driven = f"; with {', '.join(self.parts)}" if self.parts else ""
         return f"{self.ship.in_words}, in {self.canal.in_words}{driven}"
 
     def to_dict(self) -> dict[str, Any]:
-        """Give what is known by section and name, as in a ship file."""
+        """Return the known values by section and name, as in a ship file."""
         depths = {"depths": dict(self.depths)} if self.depths else {}
         sections = {"ship": self.ship, "canal": self.canal, "water": self.water, **self.parts}
         return {name: _known(part) for name, part in sections.items()} | depths
 
     @property
     def gear(self) -> SteeringGear:
-        """What turns the rudder: as given, or as slow as the rules allow."""
+        """The steering gear: as given, or as slow as the rules allow."""
         return self.steering or RULE_GEAR
 
     @property
     def parts(self) -> dict[str, Part]:
-        """What is given of actuators, by its section."""
+        """Sections of the actuators."""
         return {part.SECTION: part for part in self._given}
 
     @property
@@ -217,10 +218,10 @@ class Configuration(Described):
         return replace(self, **fixed, others=tuple(new.values()))
 
     def values(self) -> dict[str, float]:
-        """Every particular by its name, as the arguments that terms ask for.
+        """Every particular by its name, for the arguments of terms.
 
-        Of every actuator also ``<name>_limit`` and ``<name>_rate``, without end where nothing is said of them, and the
-        position that its section gives.
+        For every actuator this includes ``<name>_limit`` and ``<name>_rate``, infinite if unknown, and the position
+        from its section.
         """
         plain = (self.ship, self.canal, self.water)
         named = {name: value for part in plain for name, value in asdict(part).items()}
@@ -236,7 +237,7 @@ def _known(part: Any) -> dict[str, Any]:
 
 
 class Configured:
-    """What has a configuration, with its parts at hand."""
+    """An object with a configuration, and shortcuts to its parts."""
 
     configuration: Configuration
 
@@ -247,7 +248,7 @@ class Configured:
 
     @property
     def canal(self) -> Canal:
-        """The banks, and the depth where it is one number."""
+        """The banks, and the depth if it is constant."""
         return self.configuration.canal
 
     @property
@@ -260,23 +261,22 @@ Point = tuple[float, float]
 
 
 def equivalent_wall(profile: Sequence[Point], depth: float) -> float:
-    """Return how far from the origin a vertical wall leaves the same cross-section of water [m].
+    """Return the distance of a vertical wall that gives the same cross-section of water [m].
 
-    The water between the origin and the last point is as wide as it is; what the bank takes from its section is taken
-    from its width.
+    The water from the origin to the last point keeps its area; the bank's area in it reduces the width.
 
     Parameters
     ----------
     profile : sequence of (m, m)
-        Points of the bank: distance from the origin and height above the bottom, outward from the toe. The last
-        point stands for a wall or for where the slope leaves the water.
+        Points of the bank: distance from the origin and height above the bottom, outward from the toe. The last point
+        is a wall or the end of the slope at the water surface.
     depth : float [m]
-        Of the water.
+        Depth of the water.
 
     Raises
     ------
     InputError
-        If the points do not go outward, or the bank leaves no water.
+        If the points do not go outward, or no water is left.
     """
     if not depth > 0:
         raise InputError(f"a depth of {depth} m is no water; give it in metres")
@@ -292,7 +292,7 @@ def equivalent_wall(profile: Sequence[Point], depth: float) -> float:
 
 
 def keel_wall(profile: Sequence[Point], clearance: float) -> float:
-    """Return how far from the origin a keel meets a bank [m]: where the bank is as high as the water under it."""
+    """Return the distance at which a keel meets a bank [m]: the bank is as high as the clearance there."""
     # profile (m, m); clearance [m]
     for (start, low), (stop, high) in pairwise(profile):
         if high >= clearance:
@@ -312,7 +312,7 @@ def _below(before: Point, after: Point, depth: float) -> float:
     return wet * (min(low, high) + depth) / 2 + (stop - start - wet) * depth
 
 
-# How much room a hull takes across its way.
+# Width that a hull sweeps across its path.
 def half_swept(ship: Ship, heading: np.ndarray | float) -> np.ndarray:
-    """Return how far to either side of midship the corners of a hull are [m]."""
+    """Return the distance of a hull's corners to either side of midship [m]."""
     return np.asarray(ship.length / 2 * np.abs(np.sin(heading)) + ship.beam / 2 * np.cos(heading))

@@ -11,16 +11,16 @@ from narrows.files import reading
 from narrows.ship.actuators import STANDARD, Actuator, Part
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
 
-# Sections that every file is read for; made of their defaults where they are absent.
+# Sections of every configuration; defaults are used if they are absent.
 NEEDED = {"ship": Ship, "canal": Canal, "water": Water}
-# Keys as earlier files spell them.
+# Spellings of keys in earlier files.
 RENAMED = {"rudder": {"race": "slipstream", "in_race": "in_slipstream"}}
-# A ship file, its sections as mappings, or what was read from it.
+# A ship file, its sections as mappings, or its configuration.
 ShipSource = str | Path | Configuration | Mapping[str, Any]
 
 
 def ship_from(source: ShipSource, actuators: Iterable[Actuator] = ()) -> Configuration:
-    """Return ship, canal and water of whatever tells them."""
+    """Return ship, canal and water from any of these sources."""
     if isinstance(source, Configuration):
         return source
     if isinstance(source, Mapping):
@@ -31,7 +31,7 @@ def ship_from(source: ShipSource, actuators: Iterable[Actuator] = ()) -> Configu
 
 
 def ship_file_of(source: ShipSource) -> str:
-    """Return the file that tells of a ship, for sentences; nothing where it is none."""
+    """Return the file of a ship, for messages; empty for none."""
     return str(source) if isinstance(source, str | Path) else ""
 
 
@@ -43,7 +43,7 @@ def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configura
     path : str or Path
         The file.
     actuators : iterable of Actuator
-        Of one's own, whose sections the file may have.
+        The user's own actuators, whose sections the file may have.
 
     Returns
     -------
@@ -59,7 +59,7 @@ def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configura
 
 
 def actuator_sections(actuators: Iterable[Actuator] = ()) -> dict[str, type[Part]]:
-    """Return what makes each section of a file that belongs to an actuator."""
+    """Return the class of each section of a file that belongs to an actuator."""
     return {part.SECTION: part for actuator in (*STANDARD, *actuators) for part in actuator.parts}
 
 
@@ -87,7 +87,7 @@ def configuration_from(tables: Mapping[str, Any], file: str, actuators: Iterable
 
 
 def check_table(name: str, table: object, file: str) -> None:
-    """Raise where what should be a section of a file is a bare value."""
+    """Raise if a bare value stands in place of a section."""
     if not isinstance(table, Mapping):
         raise InputError(f"{file}: {name} = {shown(table)} must be a section; write [{name}] and its keys under it")
 

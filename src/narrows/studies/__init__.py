@@ -1,1 +1,1 @@
-"""Published cases made again, ours beside their own numbers."""
+"""Reproductions of published cases, with the printed numbers."""

@@ -1,4 +1,4 @@
-"""Mikkelsen et al. (2025) made again: its tests, coefficients, shares, voyages and switch, ours beside its own."""
+"""Reproduction of Mikkelsen et al. (2025): tests, coefficients, shares, voyages, switch, and the printed numbers."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -25,19 +25,18 @@ SHARES = (
     *(0.239, 0.002, 0.087, 0.243, 0.132, 0.015, 0.283),
     *(0.040, 0.255, 0.235, 0.128, 0.026, 0.248, 0.069),
 )
-# Table (significance_test) of the paper, of surge, sway and yaw.
+# Table (significance_test) of the paper: surge, sway and yaw.
 PRINTED_SHARES = dict(zip(published("mikkelsen2025_dtc").terms.names, SHARES, strict=True))
 # Start [m] beyond which the paper's ship grounds on the near bank, "approximately".
 PRINTED_SWITCH = 2.0
-# How near to it [m] is the same in its one digit.
+# Tolerance of that one digit [m].
 PRINTED_DIGIT = 0.05
-# The paper's constant surge force [N]; and a mass in surge [kg] for it to act on, which the paper does not have: it is
-# near what straight runs of the same hull give, and at the speed where force and resistance balance it does not
-# matter.
+# The paper's constant surge force [N]; and an assumed mass in surge [kg], which the paper lacks: it is near that of
+# straight runs of the same hull, and has no effect at the speed where force and resistance balance.
 SURGE_FORCE, SURGE_MASS = 12.6, 300.0
 # Displacement of the model [kg] at its scale, for the reading with Coriolis.
 MASS = 245.0
-# Of a voyage at most [s].
+# Longest duration of a voyage [s].
 DURATION = 120.0
 STARTS = np.linspace(0.1, 2.5, 241)
 SHOWN_STARTS = (0.1, 0.5, 0.9, 1.3, 1.7, 2.1, 2.5)
@@ -45,35 +44,35 @@ SHOWN_STARTS = (0.1, 0.5, 0.9, 1.3, 1.7, 2.1, 2.5)
 
 @dataclass(frozen=True, repr=False)
 class Reproduction(Shown):
-    """The paper's coefficients taken as the truth: what tests of its kinds give back, and how its ship sails."""
+    """The paper's coefficients as the truth: identification from tests of its kinds, and voyages of its ship."""
 
     truth: Model  # The model as printed
-    fit: Fit  # What synthetic tests of the paper's kinds give
-    voyages: dict[float, Voyage]  # From starts to starboard [m], contact by the hull's corners
+    fit: Fit  # Fit to synthetic tests of the paper's kinds
+    voyages: dict[float, Voyage]  # Voyages by start to starboard [m], contact by the hull's corners
     readings: dict[str, Any]  # Voyages from ``STARTS`` under each reading of contact, with a Coriolis term and without
 
     def __repr__(self) -> str:
         return f"<Reproduction of Mikkelsen et al. (2025): {self.agreement}>"
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the coefficients as a table: a row each, as printed and as identified again."""
+        """Return the coefficients as a table: one row each, as printed and as identified again."""
         import pandas as pd
 
         return pd.DataFrame([self._coefficient(name) for name in self.truth.terms.names]).set_index("name")
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What tests of this kind could not pin down."""
+        """Coefficients that tests of this kind do not determine."""
         return tuple(v.sentence(name) for name, v in self.fit.verdicts.items() if v.status != "identified")
 
     @cached_property
     def switches(self) -> dict[str, float | None]:
-        """The start beyond which the ship grounds on the near bank [m], by reading; None where there is none."""
+        """The start beyond which the ship grounds on the near bank [m], by reading; None if there is none."""
         return {name: switch_of(voyages) for name, voyages in self.readings.items()}
 
     @property
     def agreement(self) -> str:
-        """Which readings switch where the paper does, to its one digit."""
+        """Readings whose switch agrees with the paper's one digit."""
         near = [s for s, at in self.switches.items() if at is not None and abs(at - PRINTED_SWITCH) < PRINTED_DIGIT]
         which = ", ".join(near) or "None of these readings"
         return (
@@ -104,12 +103,12 @@ class Reproduction(Shown):
         return bank_stiffness(self.truth.configuration)
 
     def summary(self) -> str:
-        """Say from where the ship grounds on the near bank, a line for each reading."""
+        """Describe from which start the ship grounds on the near bank, one line per reading."""
         where = {name: "nowhere" if y is None else f"from y(0) = {y:.2f} m" for name, y in self.switches.items()}
         return "\n".join(f"grounds on the near bank {at}: {name}" for name, at in where.items())
 
     def to_dict(self) -> dict[str, Any]:
-        """Give every number of the comparison by name, the paper's under ``printed``."""
+        """Return every number of the comparison by name, the paper's under ``printed``."""
         return {
             "coefficients": [self._coefficient(name) for name in self.truth.terms.names],
             "shapley": [{"name": n, "printed": PRINTED_SHARES[n], "ours": ours} for n, ours in self.shares.items()],
@@ -133,7 +132,7 @@ class Reproduction(Shown):
 
 
 def reproduce(progress: Callable[[str], None] = lambda _: None) -> Reproduction:
-    """Run the paper's tests on its own coefficients, identify them, and sail its voyages."""
+    """Run the paper's tests on its own coefficients, identify them, and simulate its voyages."""
     # Mikkelsen, Enevoldsen, Jensen, Jeppesen, Galeazzi, Papageorgiou (2025), Closed form modelling and identification
     # of banking effects in confined waters.
     truth = published("mikkelsen2025_dtc")
@@ -144,12 +143,12 @@ def reproduce(progress: Callable[[str], None] = lambda _: None) -> Reproduction:
 
 
 def sailed(model: Model, y: float) -> Voyage:
-    """Sail as the paper does: 1 m/s, a constant surge force, the speed free (the mass in surge is ours)."""
+    """Simulate as the paper: 1 m/s, a constant surge force, free speed (with an assumed mass in surge)."""
     return simulate(model, y, 1.0, DURATION, surge="free", surge_inertia=SURGE_MASS, X=SURGE_FORCE)
 
 
 def grounding_readings(model: Model) -> dict[str, Any]:
-    """Sail from every start under each reading of contact, with Coriolis and without."""
+    """Simulate from every start under each reading of contact, with Coriolis and without."""
     ship = replace(model.configuration.ship, mass=MASS)
     heavy = replace(model, configuration=replace(model.configuration, ship=ship))
     common: dict[str, Any] = {"y": STARTS, "duration": DURATION, "surge": "free", "X": SURGE_FORCE}
@@ -163,7 +162,7 @@ def grounding_readings(model: Model) -> dict[str, Any]:
 
 
 def switch_of(voyages: Any) -> float | None:
-    """Return the smallest start beyond which every ship grounds to starboard [m], None where there is none."""
+    """Return the smallest start beyond which every ship grounds to starboard [m], None if there is none."""
     elsewhere = np.flatnonzero(voyages["side"].to_numpy() <= 0)
     first = int(elsewhere[-1]) + 1 if elsewhere.size else 0
     return float(voyages["y"][first]) if first < voyages.sizes["y"] else None

@@ -12,7 +12,7 @@ from narrows.quantities.dimensions import NUMBER
 from narrows.quantities.names import Number
 from narrows.terms.term import DEPTH, NONNEGATIVE, Term, TermKind, TermTable
 
-# What the name of a table says where it has the terms of a rudder.
+# Suffix of the name of a table with the terms of a rudder.
 WITH_HELM = "helm"
 HELM_SOURCE = "form of Yasukawa and Yoshimura (2015)"
 
@@ -23,7 +23,7 @@ def _row(letter: str, regressor: Callable[..., Number]) -> tuple[Term, ...]:
 
 
 def helm_terms(table: TermTable) -> dict[str, tuple[Term, ...]]:
-    """Return the terms of a rudder as a table would call them: those of surge, sway and yaw."""
+    """Return the terms of a rudder with a table's names: those of surge, sway and yaw."""
     surge, sway, yaw = table.letters
     return {
         "surge": _row(surge, rudder.helm_surge),
@@ -40,7 +40,7 @@ def with_helm(table: TermTable, name: str = "") -> TermTable:
     table : TermTable
         The table.
     name : str
-        Of the new table; ``table+helm`` unless given.
+        Name of the new table; ``table+helm`` unless given.
 
     Raises
     ------
@@ -52,19 +52,19 @@ def with_helm(table: TermTable, name: str = "") -> TermTable:
     return table.with_terms(name or f"{table.name}+{WITH_HELM}", **helm_terms(table))
 
 
-# What the name of a table says where it has these terms.
+# Suffix of the name of a table with these terms.
 WITH_ASYMMETRY = "asymmetry"
 ASYMMETRY_SOURCE = "Y_0' and N_0' of polynomial manoeuvring models, as in Abkowitz (1964)"
 
 
 def asymmetry_names(table: TermTable) -> tuple[str, str]:
-    """Return what a table calls the coefficients of the sway force and of the yaw moment."""
+    """Return a table's names for the constant sway force and yaw moment."""
     _, sway, yaw = table.letters
     return f"{sway}_0", f"{yaw}_0"
 
 
 def with_asymmetry(table: TermTable) -> TermTable:
-    """Return a table with a constant sway force and yaw moment, which grow with the speed squared."""
+    """Return a table with a constant sway force and yaw moment, proportional to the speed squared."""
     sway, yaw = asymmetry_names(table)
     if sway in table.names:
         raise InputError(f"the terms {table.name!r} have an asymmetry; leave +{WITH_ASYMMETRY} out")
@@ -75,14 +75,14 @@ def with_asymmetry(table: TermTable) -> TermTable:
     )
 
 
-# Between a name and a depth in metres: ``b_v@0.41``, ``paper@0.246,0.41``.
+# Separator between a name and a depth in metres: ``b_v@0.41``, ``paper@0.246,0.41``.
 AT = "@"
 
 
 def pooled(table: TermTable, depths: Sequence[float]) -> TermTable:
-    """Return a table whose hull terms have a coefficient for each of some depths."""
-    # Between depths a coefficient is linear, beyond them it stays. Terms of the bank are left as they are: shared, or
-    # as their own form changes with depth.
+    """Return a table with one coefficient per depth for each hull term."""
+    # Between depths a coefficient is linear, beyond them constant. Terms of the bank are unchanged: shared, or with
+    # their own dependence on depth.
     knots = sorted(set(depths))
     if len(knots) < 2 or not knots[0] > 0:
         raise InputError(f"hulls of their own at each depth need two depths or more; there are {len(knots)}")
@@ -112,7 +112,7 @@ def _at_each(term: Term, knots: list[float]) -> list[Term]:
 
 
 def _near(term: Term, knots: list[float], i: int) -> Callable[..., Number]:
-    """The regressor times how near the depth is to one of the knots: 1 at it, 0 at its neighbours."""
+    """The regressor times a hat function of depth: 1 at its knot, 0 at the neighbours."""
     asks = tuple(dict.fromkeys((*term.inputs, DEPTH)))
     depth_at, count = asks.index(DEPTH), len(term.inputs)
 

@@ -13,7 +13,7 @@ from narrows.terms.additions import WITH_ASYMMETRY, WITH_HELM
 from narrows.terms.regressors import Composed
 from narrows.terms.term import LETTERS, ScaleEffect, Term, TermKind, TermTable
 
-# What the name of a table says where it has no terms of the bank.
+# Suffix of the name of a table without terms of the bank.
 OPEN_WATER = "open_water"
 PUBLISHED, REFITTED, OURS = "published", "form of another, coefficients refitted", "ours"
 
@@ -28,10 +28,10 @@ class BankForm(Described):
         As in ``paper+keel_gap``.
     parameters : mapping of str to callable
         What makes the pressure differ, by the coefficients' ending: ``bank`` for b_bank and c_bank.
-    source : str
+    Pressure parameters, by the coefficients' ending: ``bank`` for b_bank and c_bank.
         Where it is from.
     validity : str
-        Where it means something.
+        Range of validity.
     status : str
         ``published``, ``form of another, coefficients refitted`` or ``ours``.
     """
@@ -43,17 +43,17 @@ class BankForm(Described):
     status: str
 
     def summary(self) -> str:
-        """Say its name, its standing and where it is from."""
+        """Describe its name, status and source."""
         return f"{self.name}, {self.status}: {self.source}"
 
     @property
     def sway(self) -> tuple[Term, ...]:
-        """The terms of the sway force, as the paper calls them."""
+        """Terms of the sway force, with the paper's names."""
         return self.terms(LETTERS[1], suction)
 
     @property
     def yaw(self) -> tuple[Term, ...]:
-        """The terms of the yaw moment, as the paper calls them."""
+        """Terms of the yaw moment, with the paper's names."""
         return self.terms(LETTERS[2], cushion)
 
     def terms(self, letter: str, law: Callable[..., Number]) -> tuple[Term, ...]:
@@ -62,7 +62,7 @@ class BankForm(Described):
         Parameters
         ----------
         letter : str
-            What the names of its coefficients begin with.
+            First letter of the names of its coefficients.
         law : callable
             ``suction`` or ``cushion``.
         """
@@ -133,11 +133,11 @@ def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTab
     Parameters
     ----------
     table : TermTable
-        The table; its own bank terms go.
+        The table; its own bank terms are replaced.
     form : str or BankForm
         One of ``FORMS``, or your own.
     name : str
-        Of the new table; ``table+form`` unless given.
+        Name of the new table; ``table+form`` unless given.
 
     Raises
     ------
@@ -155,7 +155,7 @@ def without_bank(table: TermTable) -> TermTable:
 
 
 def _base(table: TermTable) -> str:
-    """The name of a table without that of its form of the bank."""
+    """The name of a table without its form of the bank."""
     base, *additions = table.name.split("+")
     return "+".join([base, *(word for word in additions if word in (WITH_HELM, WITH_ASYMMETRY))])
 

@@ -10,10 +10,10 @@ from narrows.quantities.names import Number, asked_by, name_of
 
 @dataclass(frozen=True)
 class Composed:
-    """A law whose first argument is what another function gives."""
+    """A law whose first argument is the result of another function."""
 
-    law: Callable[..., Number]  # Of that result, then of names of the vocabulary
-    parameter: Callable[..., Number]  # Of names of the vocabulary
+    law: Callable[..., Number]  # Function of that result, then of names of the vocabulary
+    parameter: Callable[..., Number]  # Function of names of the vocabulary
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
@@ -28,16 +28,16 @@ class Composed:
         return self.of(self.parameter(*[at[name] for name in asked_by(self.parameter)]), at)
 
     def of(self, result: Number, at: Mapping[str, Number]) -> Number:
-        """Evaluate it, of what its parameter gives."""
+        """Evaluate it with a given result of its parameter."""
         return self.law(result, *[at[name] for name in asked_by(self.law)[1:]])
 
 
 @dataclass(frozen=True)
 class Grouped:
-    """A function that takes its quantities together, as one object."""
+    """A function of several quantities as one object."""
 
-    function: Callable[[Any], Number]  # Of that object
-    quantities: type  # A dataclass, its fields names of the vocabulary
+    function: Callable[[Any], Number]  # Function of that object
+    quantities: type  # Dataclass whose fields are names of the vocabulary
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:

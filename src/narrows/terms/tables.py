@@ -28,7 +28,7 @@ from narrows.terms.term import (
 
 __all__ = ["BARE", "BASES", "CROSSFLOW", "MIXED", "MMG", "PAPER", "SPEED", "STEERED", "TAPERED", "table_named"]
 
-# The paper's table of terms, and those of the hull that data have asked for beside it.
+# The paper's table of terms, and further hull terms that data required.
 USUAL = "the usual 3-DOF models, as in Fossen (2011), section 6.5"
 
 INERTIA, RESISTANCE, DAMPING, LIFT, CROSS = (
@@ -65,12 +65,11 @@ YAW = (
     *FORMS["delta"].yaw,
 )
 
-# The paper states a_udot, b_vdot, c_rdot >= 0 in the text and leaves them out of its optimisation problem;
-# they are masses and inertias, so the table has them.
-# The terms of Mikkelsen et al. (2025).
+# The paper states a_udot, b_vdot, c_rdot >= 0 in the text and leaves them out of its optimisation problem; they are
+# masses and inertias, so the table has them. The terms of Mikkelsen et al. (2025).
 PAPER = TermTable("paper", SURGE, SWAY, YAW, ties=(("b_rdot", "c_vdot"),))
 
-# The paper's terms and, beside its linear damping, the parts that grow with the speed: u v and u r.
+# The paper's terms with its linear damping and additional speed-dependent parts: u v and u r.
 MIXED = PAPER.with_terms(
     "mixed",
     sway=[
@@ -83,10 +82,10 @@ MIXED = PAPER.with_terms(
     ],
 )
 
-# The paper's terms with u v and u r in place of v and r: at one speed the same, at several the hull's lift.
+# The paper's terms with u v and u r in place of v and r: the same at one speed, the hull's lift at several.
 SPEED = MIXED.without("speed", lambda term: term.scale_effect is TEST_SPEED)
 
-# Terms of the usual 3-DOF models: those of ``speed``, and the crossflow's mixed ones; v v, v r and r r in surge.
+# Terms of the usual 3-DOF models: those of ``speed``, mixed crossflow terms, and v v, v r and r r in surge.
 CROSSFLOW = SPEED.with_terms(
     "crossflow",
     surge=[
@@ -122,10 +121,10 @@ TURNING_POWERS = (
     ("v", (1, 0)), ("r", (0, 1)), ("vvv", (3, 0)), ("vvr", (2, 1)), ("vrr", (1, 2)), ("rrr", (0, 3)),
 )  # fmt: skip
 
-# The powers of what a bluff section drags.
+# Powers of the drag of a bluff section.
 CROSSFLOW_DRAG = (3, 0)
 
-# Of the derivatives that are known to grow as the water gets shallow.
+# Depth laws of the derivatives that grow in shallow water.
 DEPTH_LAWS = {"Y_v": DRIFT_FORCE, "N_v": DRIFT_MOMENT, "N_r": YAW_MOMENT}
 
 WAKE = ScaleEffect.WAKE
@@ -153,7 +152,8 @@ def _rudder(name: str, symbol: str, force: Callable[[RudderQuantities], Number])
 
 THRUST = Grouped(propeller.thrust, PropellerQuantities)
 
-# The MMG standard method, in open water: a hull by its primes, a propeller, a rudder in its slipstream.
+# The MMG standard method in open water: a hull with nondimensional derivatives, a propeller, a rudder in its
+# slipstream.
 MMG = TermTable(
     "mmg",
     surge=(
@@ -188,7 +188,7 @@ MMG = TermTable(
 # The tables by name; ``speed+keel_gap`` is the table ``speed`` with another form of the bank term.
 BASES = {**BARE, "steered": STEERED, "mmg": MMG}
 
-# What a table may have beside a form of the bank.
+# Additions to a table besides a form of the bank.
 ADDED: dict[str, Callable[[TermTable], TermTable]] = {WITH_HELM: with_helm, WITH_ASYMMETRY: with_asymmetry}
 
 # Other names for some of them.

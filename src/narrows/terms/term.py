@@ -1,4 +1,4 @@
-"""A model as one table of terms, from which columns, constraints, ties, dimensions and equations come."""
+"""A model as one table of terms: the source of columns, constraints, ties, dimensions and equations."""
 
 import re
 from collections.abc import Callable, Iterable, Mapping
@@ -24,15 +24,15 @@ FREE: Bound = (float("-inf"), float("inf"))
 
 NONNEGATIVE: Bound = (0.0, float("inf"))
 
-# What says where the banks are, and how deep the water is.
+# Quantities that describe the banks and the water depth.
 BANKS, DEPTH = "width", "depth"
 
-# Of a coefficient: nothing that Python keeps for itself, and no blank.
+# Valid names of a coefficient: not reserved by Python, and without blanks.
 NAME = re.compile(r"(?!__)\S+")
 
 ARITHMETIC = "arithmetic, abs() and minimum, maximum, clip and choice of narrows.quantities.arithmetic"
 
-# What a regressor may write instead of functions, by their names.
+# Replacements for functions in a regressor, by name.
 INSTEAD = {
     "sin cos tan": "sin_psi and cos_psi (quantities, as y and u are) for sine and cosine of the heading, and "
     "v / (u**2 + v**2) ** 0.5 for the sine of the drift angle",
@@ -46,13 +46,13 @@ INSTEAD = {
 
 BRANCH = "choice(v, a, b) for a where v is over 0 and b elsewhere, instead of an if"
 
-# What the names of the paper's coefficients begin with, by force.
+# First letters of the paper's coefficients, by force.
 LETTERS = ("a", "b", "c")
 
 
-# What is known of a term beside its regressor: what it describes, how it changes with depth, what does not scale.
+# Properties of a term besides its regressor: its kind, its depth law, its scale effects.
 class TermKind(StrEnum):
-    """What a term describes."""
+    """Kind of a term."""
 
     INERTIA = "inertia"
     RESISTANCE = "resistance"
@@ -68,7 +68,7 @@ class TermKind(StrEnum):
 
 
 class ScaleEffect(StrEnum):
-    """What of a coefficient does not follow Froude's law."""
+    """Effect by which a coefficient deviates from Froude's law."""
 
     FRICTION = "friction"
     CROSSFLOW_DRAG = "drag of crossflow"
@@ -79,10 +79,10 @@ class ScaleEffect(StrEnum):
 
 @dataclass(frozen=True)
 class DepthLaw:
-    """How a coefficient grows over deep water."""
+    """Growth of a coefficient relative to deep water."""
 
-    factor: Callable[..., Number]  # Of names of the ship's particulars and ``depth``; 1 in deep water
-    verified: bool = True  # Whether it was read in its source
+    factor: Callable[..., Number]  # Function of names of the ship's particulars and ``depth``; 1 in deep water
+    verified: bool = True  # True if it was read in its source
 
 
 @dataclass(frozen=True, repr=False)
@@ -92,33 +92,33 @@ class Term(Described):
     Parameters
     ----------
     name : str
-        Of the coefficient, as in ``b_vdot``.
+        Name of the coefficient, as in ``b_vdot``.
     symbol : str
         The coefficient in LaTeX.
     regressor : callable
         A function of arithmetic, ``abs()`` and the functions of ``quantities.arithmetic``; its arguments are names of
-        the vocabulary, and by them the term says what it needs. One made of others says it by an attribute ``inputs``,
-        in the order of its arguments.
+        the vocabulary and define the inputs of the term. A composed one lists them in an attribute ``inputs``, in the
+        order of its arguments.
     dimension : Dimension
-        Of the coefficient.
+        Dimension of the coefficient.
     bound : tuple of float
         Lowest and highest value of the coefficient, in its own unit.
     kind : TermKind
-        What it describes.
+        Kind of the term.
     source : str
-        Where the term is from.
+        Source of the term.
     depth_law : DepthLaw, optional
-        How the coefficient grows over deep water, where a law for it is known.
+        Growth of the coefficient relative to deep water, if known.
     scale_effect : ScaleEffect, optional
-        What of the coefficient does not follow Froude's law.
+        Effect by which the coefficient deviates from Froude's law.
     actuator : Actuator, optional
-        One of your own, whose quantities the regressor asks for beside those of the vocabulary.
+        The user's own actuator, whose quantities the regressor uses besides those of the vocabulary.
 
     Raises
     ------
     InputError
-        If the name cannot be one, the regressor asks for a quantity that the vocabulary does not have, or for the
-        canal's width and the kind is not ``bank``.
+        If the name is invalid, or the regressor uses a quantity outside the vocabulary, or the canal's width although
+        its kind is not ``bank``.
     """
 
     name: str
@@ -143,12 +143,12 @@ class Term(Described):
             raise InputError(f"term {self.name}: it asks for the canal's {BANKS}; give it kind=TermKind.BANK")
 
     def summary(self) -> str:
-        """Say the name, what it describes, its unit and what it asks for."""
+        """Describe the name, kind, unit and inputs."""
         return f"{self.name} [{self.dimension.unit}], {self.kind.value}, of {', '.join(self.inputs)}"
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
-        """The quantities that the regressor asks for."""
+        """Inputs of the regressor."""
         return asked_by(self.regressor)
 
     @property
@@ -164,22 +164,22 @@ class Term(Described):
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
-        """Unit and meaning of what the regressor asks for."""
+        """Unit and meaning of the regressor's inputs."""
         return {word: self._vocabulary[word] for word in self.inputs}
 
     @cached_property
     def actuators(self) -> tuple[Actuator, ...]:
-        """The actuators whose quantities the regressor asks for."""
+        """Actuators whose quantities the regressor uses."""
         return tuple(one for one in self._known if not set(self.inputs).isdisjoint(one.quantities))
 
     @property
     def from_bank(self) -> bool:
-        """Whether the banks make the force."""
+        """True for a term of the banks."""
         return self.kind == TermKind.BANK
 
     @property
     def feels_depth(self) -> bool:
-        """Whether it asks for the depth of the water."""
+        """True if it uses the water depth."""
         return DEPTH in self.inputs
 
     def column(self, values: Mapping[str, Number]) -> Number:
@@ -188,31 +188,31 @@ class Term(Described):
         Parameters
         ----------
         values : mapping of str to number
-            The quantities by name; more than needed is welcome.
+            The quantities by name; further ones are ignored.
         """
         return self.regressor(*[values[name] for name in self.inputs])
 
 
 @dataclass(frozen=True, repr=False)
 class TermTable(Described):
-    """The terms of surge force, sway force and yaw moment, and which coefficients are one and the same.
+    """The terms of surge force, sway force and yaw moment, and which coefficients are equal.
 
     Parameters
     ----------
     name : str
-        What model files call the table.
+        Name of the table in model files.
     surge, sway, yaw : tuple of Term
         The terms of X [N], Y [N] and N [N m].
     ties : tuple of pairs of str
         Coefficients held equal.
     letters : tuple of str
-        What names of coefficients in X, Y and N begin with.
+        First letters of the coefficients in X, Y and N.
 
     Raises
     ------
     InputError
-        If there are no terms, two terms or two actuators share a name, a term is called as a force is, or a tie
-        names no term.
+        If there are no terms, two terms or two actuators share a name, a term has the name of a force, or a tie names
+        no term.
     """
 
     name: str
@@ -243,12 +243,12 @@ class TermTable(Described):
         return f"<TermTable {self.name}: {len(self.names)} terms>"
 
     def summary(self) -> str:
-        """Say how many terms each force has, and what they ask for."""
+        """Describe the number of terms of each force, and their inputs."""
         counts = ", ".join(f"{len(terms)} of {force}" for force, terms in self.forces.items())
         return f"The terms {self.name}: {counts}; they ask for {', '.join(self.inputs)}."
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the terms as a table: a row each, with force, kind, unit, bounds, what it asks for and source."""
+        """Return the terms as a table: one row each, with force, kind, unit, bounds, inputs and source."""
         import pandas as pd
 
         rows = [
@@ -263,7 +263,7 @@ class TermTable(Described):
 
     @cached_property
     def forces(self) -> dict[str, tuple[Term, ...]]:
-        """The terms by the force that they add to."""
+        """The terms by force."""
         return dict(zip(FORCES, (self.surge, self.sway, self.yaw), strict=True))
 
     @property
@@ -278,19 +278,19 @@ class TermTable(Described):
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """The quantities that the terms ask for between them."""
+        """Inputs of all terms."""
         return tuple(dict.fromkeys(word for term in self.terms for word in term.inputs))
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
-        """Unit and meaning of what the terms ask for between them, in the order of the vocabulary."""
+        """Unit and meaning of the inputs of all terms, in the order of the vocabulary."""
         asked = {word: quantity for term in self.terms for word, quantity in term.quantities.items()}
         movers = [word for actuator in self.actuators for word in actuator.quantities]
         return {word: asked[word] for word in (*REGRESSOR_INPUTS, *movers) if word in asked}
 
     @cached_property
     def actuators(self) -> tuple[Actuator, ...]:
-        """The actuators that the terms ask for: those of the package first, then others as the terms name them."""
+        """Actuators of the terms: those of the package first, then others in the order of the terms."""
         asked = dict.fromkeys(actuator for term in self.terms for actuator in term.actuators)
         return (
             *(actuator for actuator in STANDARD if actuator in asked),
@@ -299,23 +299,23 @@ class TermTable(Described):
 
     @property
     def propelled(self) -> bool:
-        """Whether a propeller makes some of the force."""
+        """True if a term is of the propeller."""
         return PROPELLER in self.actuators
 
     @property
     def feels_bank(self) -> bool:
-        """Whether the banks make some of the force."""
+        """True if a term is of the banks."""
         return any(term.from_bank for term in self.terms)
 
     @property
     def bank_note(self) -> str:
-        """What to say to whoever asks about a canal where no term is of the bank; nothing where one is."""
+        """Note for questions about a canal if no term is of the bank; nothing otherwise."""
         told = f"The terms {self.name!r} feel no bank: the banks of a canal end a voyage, and do nothing before"
         return "" if self.feels_bank else f"{told}; a name like mmg+delta gives them a form of it."
 
     @property
     def feels_depth(self) -> bool:
-        """Whether a term asks for the depth of the water."""
+        """True if a term uses the water depth."""
         return any(term.feels_depth for term in self.terms)
 
     def __getitem__(self, name: str) -> Term:
@@ -328,14 +328,14 @@ class TermTable(Described):
     def with_terms(
         self, name: str, surge: Iterable[Term] = (), sway: Iterable[Term] = (), yaw: Iterable[Term] = ()
     ) -> "TermTable":
-        """Return the table with terms added, or replaced where the name is already there.
+        """Return the table with terms added, or replaced if the name exists.
 
         Parameters
         ----------
         name : str
-            Of the new table.
+            Name of the new table.
         surge, sway, yaw : iterable of Term
-            What to add to X, Y and N.
+            Terms to add to X, Y and N.
         """
         return replace(
             self,
@@ -346,14 +346,14 @@ class TermTable(Described):
         )
 
     def without(self, name: str, leave: Callable[[Term], bool]) -> "TermTable":
-        """Return the table without some terms, and without the ties of those.
+        """Return the table without some terms and their ties.
 
         Parameters
         ----------
         name : str
-            Of the new table.
+            Name of the new table.
         leave : callable
-            Says of a term whether to leave it out.
+            Returns True for a term to leave out.
         """
         surge, sway, yaw = (tuple(term for term in terms if not leave(term)) for terms in self.forces.values())
         kept = {term.name for term in (*surge, *sway, *yaw)}
@@ -362,7 +362,7 @@ class TermTable(Described):
 
 
 def uncompiled(term: Term, error: Exception) -> InputError:
-    """Return what to say where a regressor does more than arithmetic: what to write instead."""
+    """Return the message for a regressor beyond arithmetic: what to write instead."""
     used = getattr(getattr(term.regressor, "__code__", None), "co_names", ())
     instead = [remedy for words, remedy in INSTEAD.items() if set(words.split()) & set(used)]
     if "compares" in str(error) or "branches" in str(error) or "ambiguous" in str(error):

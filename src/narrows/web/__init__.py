@@ -1,4 +1,4 @@
-"""What pages in a browser share: scripts and styles as text, served as they are or set into a page."""
+"""Shared scripts and styles of browser pages, as text."""
 
 import re
 from importlib.resources import files
@@ -7,10 +7,10 @@ EXPORT = re.compile(r"^export (?=(?:async )?function|const|let|class)", re.MULTI
 
 
 def asset(name: str) -> str:
-    """Return a script or a style as it is."""
+    """Return a script or a style unchanged."""
     return files(__package__).joinpath(name).read_text(encoding="utf-8")
 
 
 def without_exports(text: str) -> str:
-    """Return a script as it stands in another one."""
+    """Return a script for inclusion in another one."""
     return EXPORT.sub("", text)

@@ -1,1 +1,1 @@
-"""Sentences of NMEA 0183: checksums first, then the kept parsers; from recordings and from a ship's own network."""
+"""NMEA 0183 sentences, from recordings and from a ship's network: checksums first, then established parsers."""

@@ -1,4 +1,4 @@
-"""Sentences as they are understood, one after the other; what cannot be is counted, and so are other ships."""
+"""Decoding of sentences one after the other; invalid ones and other ships are counted."""
 
 from collections import Counter, OrderedDict
 from collections.abc import Iterable, Iterator
@@ -24,14 +24,14 @@ class Hearing:
         self._fragments = AisFragments(self.faults)
 
     def told(self, sentence: Sentence, t: float = 0.0) -> Telling | None:
-        """Return what a sentence tells; None where it tells nothing here, or cannot be understood."""
+        """Return the values of a sentence; None if it has none for this package, or is invalid."""
         ais = sentence.kind.endswith(("VDO", "VDM"))
         parts = self._fragments.whole(sentence.text, t) if ais else (sentence.text,)
         if parts is None:
             return None
         try:
             told = told_by(parts, sentence.kind, self.mmsi)
-        except Exception:  # The parsers raise nearly anything on fields that are none.
+        except Exception:  # The parsers raise many kinds of errors on bad fields
             self.faults["that cannot be understood"] += 1
             return None
         if told is not None and sentence.kind.endswith("VDM") and not told.values:
@@ -49,17 +49,17 @@ Key = tuple[bytes, bytes, bytes, bytes]
 
 
 class Waiting(NamedTuple):
-    """A message whose parts are not all there."""
+    """An incomplete message."""
 
-    t: float  # When the last part came [s]
-    parts: tuple[bytes, ...]  # So far; empty where two ships used one number at once, so that neither's can be told
+    t: float  # Time of the last part [s]
+    parts: tuple[bytes, ...]  # Parts so far; empty if two ships used one number at once
 
 
 class AisFragments:
     """Joins the parts of AIS messages, in the order in which they come."""
 
-    # Parts carry no name of their ship, but a number from 0 to 9 that ships share. Parts that come out of order, too
-    # late, or while another message of that number and channel is open, are given up, all of them.
+    # Parts do not name their ship; they carry a number from 0 to 9 that ships share. Parts that come out of order, too
+    # late, or while another message of that number and channel is open are all discarded.
 
     def __init__(self, faults: Counter[str]) -> None:
         self.faults = faults
@@ -92,13 +92,13 @@ class AisFragments:
         return None
 
     def _give_up(self, key: Key, waiting: Waiting | None, t: float) -> None:
-        """Count the parts that are there and this one; nothing of that number is believed until it has been silent."""
+        """Count these parts as lost; the number is not used until it has been silent."""
         self.faults[GIVEN_UP] += 1 + (len(waiting.parts) if waiting else 0)
         if waiting is not None:
             self._open[key] = Waiting(t, ())
 
     def _forget(self, t: float) -> None:
-        """Give up what waits for too long; where the time went back, everything."""
+        """Discard parts that wait too long; if time goes back, all of them."""
         while self._open:
             key, oldest = next(iter(self._open.items()))
             if 0.0 <= t - oldest.t <= PART_WAIT and len(self._open) <= MOST_OPEN:
@@ -112,8 +112,8 @@ EPOCH = date(1970, 1, 1)
 
 
 class Entry(NamedTuple):
-    t: float  # Since the recording began [s]
-    told: Telling  # What
+    t: float  # Time since the start of the recording [s]
+    told: Telling  # Decoded values
 
 
 class Clock:
@@ -143,7 +143,7 @@ class Clock:
 
     @property
     def started(self) -> datetime | None:
-        """Date and time at which t is 0; None where only the time of the day is known."""
+        """Date and time at which t is 0; None if only the time of day is known."""
         dated = self.begin is not None and (self.logged or self.day is not None)
         return datetime.fromtimestamp(self.begin or 0.0, UTC) if dated else None
 
@@ -155,7 +155,7 @@ class Clock:
         return now - self.begin
 
     def _by_clock(self, told: Telling) -> float | None:
-        """Seconds since 1970, or since midnight of a day that nothing tells, of the clock inside a sentence."""
+        """Seconds since 1970, or since midnight of an unknown day, from the clock inside a sentence."""
         if told.clock is None:
             return None
         at = told.clock
@@ -169,6 +169,6 @@ class Clock:
 
 
 def _between(before: float, now: float, waiting: list[Telling]) -> Iterator[Entry]:
-    """Sentences without a clock, evenly between those with one."""
+    """Times of sentences without a clock, evenly between those with one."""
     step = max(now - before, 0.0) / (len(waiting) + 1)
     yield from (Entry(before + step * place, one) for place, one in enumerate(waiting, 1))

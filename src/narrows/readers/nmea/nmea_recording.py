@@ -1,4 +1,4 @@
-"""A recording of NMEA 0183: its sentences with their times, and whom to believe of those who tell the same."""
+"""A recording of NMEA 0183: its sentences with times, and the choice among several sources of one quantity."""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
@@ -110,7 +110,7 @@ class NmeaTable(Recording):
 
 
 def _frame(entries: list[Entry], sources: Sources, first: int) -> pd.DataFrame:
-    """A row a sentence; what is told by a source that is not chosen is passed over."""
+    """One row per sentence; values of sources that were not chosen are skipped."""
     cells: dict[str, list[tuple[int, float]]] = {}
     for row, (t, told) in enumerate(entries):
         for about, values in told.values.items():

@@ -1,4 +1,4 @@
-"""Sentences of NMEA 0183: found in lines, checked, read in SI into the documented columns by pynmeagps and pyais."""
+"""Sentences of NMEA 0183: found in lines, checked, decoded to the documented SI columns by pynmeagps and pyais."""
 
 import math
 import re
@@ -13,13 +13,13 @@ from typing import Any, NamedTuple
 from narrows.quantities.names import KNOT
 from narrows.readers.headers import DEGREE
 
-# Of the wind, by the letter of its unit.
+# Units of wind speed by letter.
 SPEEDS = {"N": KNOT, "K": 1 / 3.6, "M": 1.0, "S": 1609.344 / 3600}
-# Types of AIS messages that say where a ship is and how it moves, and how it is loaded (ITU-R M.1371).
+# AIS message types with position and motion, and with the ship's loading (ITU-R M.1371).
 AIS_POSITIONS, AIS_VOYAGE = (1, 2, 3, 18), 5
-# By which AIS says that it has none; its other such numbers lie beyond ``LARGEST``.
+# AIS values for "not available"; other such values lie beyond ``LARGEST``.
 NO_SPEED, NO_COURSE = 102.3, 360.0
-# Of numbers as sentences write them: what is larger, or is no number, is not told.
+# Largest valid numbers in sentences: larger ones are ignored.
 LARGEST = {
     "longitude": 180.0, "latitude": 90.0, "heading": 360.0, "course_over_ground": 360.0, "speed_over_ground": 102.3,
     "r": 720.0, "rudder": 90.0, "revolutions": 6000.0, "u": 102.3, "v": 102.3, "u_ground": 102.3, "v_ground": 102.3,
@@ -27,18 +27,18 @@ LARGEST = {
 }  # fmt: skip
 
 Values = dict[str, float]
-# By what it is about (``SOURCES``): columns in SI.
+# Values by group (``SOURCES``): columns in SI.
 Tellings = Mapping[str, Values]
 
 
 class Telling(NamedTuple):
-    values: Tellings  # By what it is about: columns, none where it has nothing to tell
-    source: str  # Who tells it, as in ``GPGGA``
-    clock: time | None = None  # Of the day, UTC
-    day: date | None = None  # Of that
+    values: Tellings  # Columns by group; empty if it has no value
+    source: str  # Talker and type, as in ``GPGGA``
+    clock: time | None = None  # Time of day, UTC
+    day: date | None = None  # Date of that time
 
 
-# What is measured, and by which types of sentences, the best first.
+# Measured groups, and the types of sentences that give them, the best first.
 SOURCES = {
     "position": ("GGA", "GNS", "RMC", "GLL", "VDO", "VDM"),
     "speed over ground": ("VTG", "RMC", "VDO", "VDM"),
@@ -51,7 +51,7 @@ SOURCES = {
     "wind as felt on board": ("MWV",),
     "wind": ("MWD",),
 }
-# What is told of the ship and not measured: its draft; and what its echo sounder tells.
+# Groups that are not measured by a navigation sensor: the ship's draft, and the echo sounder's depth.
 PARTICULARS, WATER_DEPTH = "particulars", "depth of water"
 
 
@@ -78,15 +78,15 @@ def _day(message: Any, kind: str) -> date | None:
 
 Reader = Callable[[Any], Tellings]
 
-# Of GGA, a fix by satellites: not 6 (dead reckoning), 7 (by hand), 8 (a simulator).
+# Valid fix qualities of GGA: not 6 (dead reckoning), 7 (manual), 8 (simulator).
 FIXES = (1, 2, 3, 4, 5, 9)
-# Of RMC, GLL, VTG and GNS, a letter for each system: dead reckoning, by hand, simulator, none.
+# Invalid mode letters of RMC, GLL, VTG and GNS: dead reckoning, manual, simulator, none.
 NO_FIXES = "EMSN"
-MOST_HDOP = 5.0  # [1] of a fix that can be used beside a bank
+MOST_HDOP = 5.0  # [1] largest HDOP of a fix that is usable near a bank
 
 
 def _only(**numbers: Any) -> Values:
-    """Those that are numbers that can be: an empty field is a word without letters, and parsers let NaN pass."""
+    """Return the valid numbers: an empty field is an empty word, and parsers accept NaN."""
     return {
         name: float(value)
         for name, value in numbers.items()
@@ -112,7 +112,7 @@ def _gga(message: Any) -> Tellings:
 
 
 def _is_sharp(message: Any) -> bool:
-    """Whether the satellites stand well; true where that is not told."""
+    """Return whether the satellite geometry is good; true if unknown."""
     hdop = getattr(message, "HDOP", None)
     return not isinstance(hdop, int | float) or hdop <= MOST_HDOP
 
@@ -156,7 +156,7 @@ def _ths(message: Any) -> Tellings:
 
 
 def _hdg(message: Any) -> Tellings:
-    """True where the variation is told too."""
+    """Return true heading if the variation is given too."""
     if not isinstance(message.variation, int | float):
         return {}
     parts = ((message.variation, message.variationEW), (message.deviation, message.deviationEW))
@@ -169,7 +169,7 @@ def _rot(message: Any) -> Tellings:
 
 
 def _rsa(message: Any) -> Tellings:
-    """Of the starboard rudder, or the only one; negative where the bow turns to port, as here."""
+    """Angle of the starboard rudder, or the only one; negative if it turns the bow to port, as here."""
     told = message.stbdstatus == "A"
     return {"rudder": _scaled(_only(rudder=message.stbdangle), DEGREE)} if told else {}
 
@@ -192,7 +192,7 @@ def _vbw(message: Any) -> Tellings:
 
 
 def _dpt(message: Any) -> Tellings:
-    """Of all the water where the transducer is told from the surface, of that under the keel where it is from there."""
+    """Depth of water if the transducer's offset refers to the surface, clearance if it refers to the keel."""
     told = _only(depth=message.depth, offset=message.offset)
     if len(told) < 2 or told["depth"] < 0 or not told["offset"]:
         return {}
@@ -221,7 +221,7 @@ READ: Mapping[str, Reader] = {
 
 
 def _ais(parts: Sequence[bytes], kind: str, mmsi: int | None) -> Telling | None:
-    """The ship's own reports, or those of one ship that others heard."""
+    """The ship's own reports, or those of one ship received from others."""
     import pyais
 
     message = pyais.decode(*parts)
@@ -232,7 +232,7 @@ def _ais(parts: Sequence[bytes], kind: str, mmsi: int | None) -> Telling | None:
 
 def _of_ais(kind: int, report: Mapping[str, Any]) -> Tellings:
     if kind == AIS_VOYAGE:
-        return {PARTICULARS: _only(draft=report["draught"] or None)}  # 0 is how it says that it has none.
+        return {PARTICULARS: _only(draft=report["draught"] or None)}  # 0 means not available
     return _position_report(report) if kind in AIS_POSITIONS else {}
 
 
@@ -244,27 +244,27 @@ def _position_report(report: Mapping[str, Any]) -> Tellings:
         "speed over ground": ({} if speed >= NO_SPEED else _scaled(_only(speed_over_ground=speed), KNOT))
         | ({} if course >= NO_COURSE else _course(course)),
         "heading": _scaled(_only(heading=report["heading"]), DEGREE),
-        # Codes beyond all numbers say that it turns, not how fast.
+        # Codes beyond all numbers give the direction of a turn without its rate.
         "yaw rate": {} if isinstance(turn, Enum) else _scaled(_only(r=turn), DEGREE / 60),
     }
 
 
 SENTENCE = re.compile(rb"[$!]([A-Z][A-Z0-9]{4,}),([^*$!\r\n]*)(\*[0-9A-Fa-f]{2})?")
-# A block before the sentence, with the time of the logger [s] or [ms] since 1970.
+# A block before the sentence with the logger's time [s] or [ms] since 1970.
 TAG = re.compile(rb"\\(?:[^\\]*,)?c:(\d{10,13})(?:[,*][^\\]*)?\\")
 ISO = re.compile(rb"(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:[.,]\d+)?)(Z|[+-]\d\d:?\d\d)?")
 EPOCH = re.compile(rb"(?<![\d.])(1\d{9}(?:\.\d+)?)(?![\d.])")
 REMARK = b"#"
-# Beyond this a time since 1970 is in milliseconds.
+# Larger times since 1970 are in milliseconds.
 MILLISECONDS = 1e11
 
 
 class Sentence(NamedTuple):
-    """One sentence whose checksum is right."""
+    """One sentence with a valid checksum."""
 
     text: bytes  # From ``$`` or ``!`` to the checksum
     kind: str  # Talker and type, as in ``GPGGA``
-    logged: float | None  # Since 1970 when the logger wrote it down, where it says so [s]
+    logged: float | None  # Logger's time since 1970, if given [s]
 
 
 def sentences(lines: Iterable[bytes], faults: Counter[str]) -> Iterator[Sentence]:
@@ -285,7 +285,7 @@ def sentences(lines: Iterable[bytes], faults: Counter[str]) -> Iterator[Sentence
 
 
 def checksum(body: bytes) -> int:
-    """Return the checksum of what stands between ``$`` and ``*`` (IEC 61162-1)."""
+    """Return the checksum of the text between ``$`` and ``*`` (IEC 61162-1)."""
     return reduce(xor, body, 0)
 
 
