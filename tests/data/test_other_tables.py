@@ -112,7 +112,12 @@ def test_kcs_through_the_command_line(kcs_fits: dict[int, nw.Fit], cli) -> None:
         fit, shown = kcs_fits[clearance], conditions[label]
         assert {name: own["value"] for name, own in shown["coefficients"].items()} == dict(fit.coefficients)
         assert shown["coefficients"]["a_udot"]["verdict"] == "not excited"
+        assert shown["coefficients"]["a_udot"]["determined"] is False
         assert shown["coefficients"]["b_bank"]["verdict"] != "identified"
+        assert set(shown["coefficients"]["b_bank"]) >= {"value", "std", "ci95", "unit", "determined"}
+        assert set(shown["fit"]["Y"]) >= {"r2", "rmse", "r2_left_out"}
+        assert set(shown["diagnostics"]["Y"]) >= {"rank", "columns", "condition", "vif"}
+        assert set(shown["shapley"]) == {"mse", "mean_abs", "lmg"}
         top = max(shown["by_speed"], key=lambda own: own["speed"])
         assert 219 <= top["diagnostics"]["Y"]["vif"]["b_bank"] <= 329
         assert top["diagnostics"]["Y"]["rank"] == 7

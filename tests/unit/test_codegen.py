@@ -80,7 +80,7 @@ def test_the_rates_are_those_of_the_straight_canal_in_one_that_does_not_change()
 
 def test_accelerations_enter_linearly() -> None:
     table = nw.PAPER.with_terms("bad", yaw=[nw.Term("c_bad", "c", lambda vdot, rdot: vdot * rdot, dim.NUMBER)])
-    forces = {term.name: force for force, terms in table.forces.items() for term in terms}
+    forces = tuple((term.name, force) for force, terms in table.forces.items() for term in terms)
     with pytest.raises(nw.InputError, match="term c_bad: an acceleration must enter linearly"):
         trace(tape_of_terms(table), forces, "held", coriolis=False)
 

@@ -150,21 +150,3 @@ def test_a_regressor_with_an_unknown_word_is_refused() -> None:
         nw.Term("b_x", "b_x", lambda speed: speed, nw.Dimension())
     with pytest.raises(nw.InputError, match="did you mean 'heave'"):
         nw.Term("b_x", "b_x", lambda heav: heav, nw.Dimension())
-
-
-def test_json_of_several_conditions(cli) -> None:
-    import json
-
-    from narrows.captive.measured import measured_files
-
-    table, ship = measured_files("kcs")
-    code, out, _ = cli("identify", table, "--ship", ship, "--json")
-    assert code == 0
-    shown = json.loads(out)["conditions"]
-    assert set(shown) == {"C0101A01", "C0101A02", "C0101A03"}
-    one = shown["C0101A01"]
-    assert set(one["coefficients"]["b_bank"]) >= {"value", "std", "ci95", "unit", "determined"}
-    assert set(one["fit"]["Y"]) >= {"r2", "rmse", "r2_left_out"}
-    assert set(one["diagnostics"]["Y"]) >= {"rank", "columns", "condition", "vif"}
-    assert set(one["shapley"]) == {"mse", "mean_abs", "lmg"}
-    assert one["coefficients"]["a_udot"]["determined"] is False

@@ -112,7 +112,7 @@ def test_intervals_cover_the_truth(time: float) -> None:
     """Also of b_v and c_r, which are at their bounds."""
     truth = nw.published("mikkelsen2025_dtc").with_coefficients(b_v=0.0, c_r=0.0)
     held = []
-    for seed in range(100):
+    for seed in range(40):
         tests = nw.twin(truth, many_runs(16), rate=4.0, seed=seed, correlation_time=time)
         errors = nw.RunErrors(0, 0, 0) if time == 0 else nw.RunErrors()
         intervals = nw.identify(tests, errors=errors).intervals

@@ -44,7 +44,7 @@ RESERVED = {
 TEMPORARY = re.compile(r"__.*|[kt]\d+|coefficient_\d+|abs|exp|root|power|constants|minimum|maximum|choice|angle")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FreeMotion:
     # The acceleration ``i`` is the sum over ``basis`` of ``gains[i]`` times it, plus ``pushes[i]`` times the inputs.
 
@@ -66,8 +66,11 @@ def symbol(name: str) -> Expr:
     return sympy.Symbol(name, real=True, positive=positive)
 
 
-def trace(tape: Tape, forces: Mapping[str, str], surge: Surge, coriolis: bool) -> FreeMotion:
-    """Solve the equation of motion for the accelerations."""
+# What steers, where, and how contact is found do not change these equations: systems of one table share them.
+@lru_cache(maxsize=32)
+def trace(tape: Tape, force_of: tuple[tuple[str, str], ...], surge: Surge, coriolis: bool) -> FreeMotion:
+    """Solve the equation of motion for the accelerations; ``force_of`` pairs each term with its force."""
+    forces = dict(force_of)
     freedoms = tuple(FORCES) if surge == "free" else ("Y", "N")
     names = _coefficient_symbols(tape)
     regressors = _regressors(tape, forces, freedoms)

@@ -6,7 +6,7 @@ is a waterway with a constant section. Every engine prints these lines.
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 
 import sympy
 
@@ -50,15 +50,14 @@ class Rates:
     pushed: bool = False  # True if external forces act
 
     @cached_property
-    def _parts(self) -> tuple[Constants, tuple[Expr, ...]]:
-        constants = Constants({s for name, s in self.motion.names.items() if name not in self.moving})
-        pushed = {f: symbol(INPUTS[f]) for f in self.motion.freedoms} if self.pushed else {}
-        return constants, _derivatives(self.motion, constants.lift, pushed)
-
-    @property
     def constants(self) -> Constants:
         """Quantities that stay constant through a voyage, by their names in the lines."""
-        return self._parts[0]
+        constants = self._parts[0]
+        return Constants(constants.parameters, dict(constants.table))  # Exports lift more into their own.
+
+    @property
+    def _parts(self) -> tuple[Constants, tuple[Expr, ...], tuple[list[Assignment], list[Expr]]]:
+        return _rate_lines(self.motion, self.moving, self.pushed)
 
     @property
     def parameters(self) -> dict[str, Expr]:
@@ -70,10 +69,10 @@ class Rates:
     def derivatives(self) -> tuple[Expr, ...]:
         return self._parts[1]
 
-    @cached_property
+    @property
     def lines(self) -> tuple[list[Assignment], list[Expr]]:
         """The rates as straight lines with their results."""
-        return straight_lines(self.derivatives)
+        return self._parts[2]
 
     def depend_on(self, name: str) -> bool:
         return any(symbol(name) in rate.free_symbols for rate in self.derivatives)
@@ -87,6 +86,17 @@ class Rates:
         lines = Lines()
         names = {*STATE, *self.moving}
         return lines, self.written(lines, "", {name: real(name) for name in names})
+
+
+@lru_cache(maxsize=32)
+def _rate_lines(
+    motion: FreeMotion, moving: tuple[str, ...], is_pushed: bool
+) -> tuple[Constants, tuple[Expr, ...], tuple[list[Assignment], list[Expr]]]:
+    """Constants, derivatives of the state, and those as straight lines: the same for every law and contact."""
+    constants = Constants({s for name, s in motion.names.items() if name not in moving})
+    pushed = {f: symbol(INPUTS[f]) for f in motion.freedoms} if is_pushed else {}
+    derivatives = _derivatives(motion, constants.lift, pushed)
+    return constants, derivatives, straight_lines(derivatives)
 
 
 def _derivatives(motion: FreeMotion, lift: Callable[[Expr], Expr], pushes: Mapping[str, Expr]) -> tuple[Expr, ...]:

@@ -42,12 +42,15 @@ class System:
         return tape_of_terms(self.table)
 
     @cached_property
+    def _forces(self) -> tuple[tuple[str, str], ...]:
+        return tuple((term.name, force) for force, terms in self.table.forces.items() for term in terms)
+
+    @cached_property
     def rates(self) -> "Rates":
         from narrows.codegen.free_motion import trace
         from narrows.codegen.step import Rates
 
-        forces = {term.name: force for force, terms in self.table.forces.items() for term in terms}
-        motion = trace(self.tape, forces, self.surge, self.coriolis)
+        motion = trace(self.tape, self._forces, self.surge, self.coriolis)
         return Rates(motion, self.choices.moving, self.choices.pushed != "never")
 
     @cached_property
@@ -84,8 +87,7 @@ class System:
         law = self.choices.law
         told = (law.tape.text, law.memory, law.ordered) if law else ()
         choices = (self.choices.contact, self.choices.waterway, self.choices.pushed, self.choices.bottom, told)
-        forces = [(term.name, force) for force, terms in self.table.forces.items() for term in terms]
-        return (self.tape.text, forces, self.surge, self.coriolis, *choices)
+        return (self.tape.text, self._forces, self.surge, self.coriolis, *choices)
 
     def constants(self, values: Mapping[str, Number]) -> dict[str, Number]:
         scalar = all(np.size(values.get(name, 0.0)) == 1 for name in self.parameters)
