@@ -74,7 +74,7 @@ def _documented(header: str, known: Mapping[str, Quantity]) -> str:
         return header
     try:
         column = parse_header(header, known)
-    except InputError:  # Of a unit that is none: its reader says so.
+    except InputError:  # An unknown unit: its reader raises.
         return header
     return column.quantity if column else ""
 

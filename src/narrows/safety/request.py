@@ -99,7 +99,7 @@ class Disturbance:
 class Bend:
     """A bend of the canal whose curvature does not change, and the water that flows along it."""
 
-    curvature: float = 0.0  # Of the middle, to starboard [1/m]
+    curvature: float = 0.0  # Curvature of the middle, to starboard [1/m]
     current: float = 0.0  # Along it, with the ship [m/s]
 
     def path_curvature(self, y: Number) -> Number:

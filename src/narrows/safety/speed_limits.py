@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class Reach:
     model: Model  # In the section there
-    middle: float  # Of that section, to starboard of the line [m]
+    middle: float  # Middle of that section, to starboard of the line [m]
     asked: dict[str, Any]  # What ``safe_envelope`` is asked beside offsets and speeds
 
 

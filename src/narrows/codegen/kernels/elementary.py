@@ -6,12 +6,12 @@ from math import factorial, radians
 from typing import NamedTuple
 
 SINE_TERMS = 11
-"""Of the series of sine and cosine: to the last place up to a quarter turn, and no rudder turns further."""
+"""Terms of the series of sine and cosine: exact to the last place up to a quarter turn, enough for any rudder."""
 ANGLE_TERMS = 12
-"""Of the polynomial for arctan t/t up to an eighth of half a turn."""
+"""Terms of the polynomial for arctan t/t up to an eighth of half a turn."""
 
 NUMBER = {"float64": "{}".format, "float32": "real({})".format}
-"""How a number is written in each precision: a literal is a double, and a call of ``real`` is dear to compile."""
+"""Spelling of a number in each precision: a literal is a double, and calls of ``real`` compile slowly."""
 CAST = re.compile(r"real\(([0-9.e+-]+)\)")
 
 HEADER = '''"""Made by narrows {version} from a table of terms: made again where it is missing, so do not edit."""

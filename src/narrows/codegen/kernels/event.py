@@ -18,11 +18,11 @@ numbers ran out."""
 GROUNDED, OUTSIDE, ASTERN, PASSED, SHALLOW = 1, 3, 4, 5, 7
 """What ends a voyage where no room is left: a bank, the limit of heading, an end of the waterway, too little water."""
 TOO_FAST = 1e-6
-"""How near to the speed that touches or chokes a voyage ends by it [m/s]."""
+"""Tolerance of the speed at which a ship touches the bottom or chokes the section [m/s]."""
 MOST_TRIES, HALVE_EACH = 600, 8
 SHORTEST = 0.1
 AIM = 0.8
-"""Of what a step may take of the room: what the next one aims at."""
+"""Share of the available clearance that the next step aims at."""
 
 
 def begin(book: StepState, length: float, count: float, rest: float) -> None:

@@ -7,17 +7,17 @@ from narrows.waterway.room import ROW, advanced_along
 
 Array = Any
 Filled = Any
-"""An array that is written to."""
+"""An output array."""
 CELL_ENTRIES = 16
-"""Numbers a cell of the table."""
+"""Numbers per cell of the table."""
 CURVATURE, KEEL_STARBOARD, KEEL_PORT = 6, 12, 14
 """Their columns."""
 SECTION = 7
-"""Numbers a section: along the line; starboard, port, depth, curvature, keel_starboard, keel_port."""
+"""Numbers per section: along the line; starboard, port, depth, curvature, keel_starboard, keel_port."""
 MOST_EXTENT = 1e9
-"""Of a place along the line [m]."""
+"""Largest place along the line [m]."""
 FAR_WIDTHS = 100.0
-"""How many widths beyond the ends the line goes straight on."""
+"""Length of the straight extension beyond the ends [widths]."""
 
 
 def fill_cells(sections: Array, count: int, nodes: int, table: Filled) -> float:

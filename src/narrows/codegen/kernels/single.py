@@ -27,13 +27,13 @@ from narrows.codegen.kernels.event import (
 from narrows.waterway.room import exact_room
 
 Array: TypeAlias = Any
-"""Numbers that are written to."""
+"""An output array."""
 Inputs: TypeAlias = Any
-"""What a caller may change."""
+"""Inputs that a caller may change."""
 Constants: TypeAlias = Any
-"""What stays the same through a voyage."""
+"""Constants of a voyage."""
 Place: TypeAlias = Any
-"""Where a ship sails."""
+"""The water."""
 
 if TYPE_CHECKING:
 
@@ -49,11 +49,11 @@ LEAVES = 0.0
 KEPT, COS, U, V, R = 7, 2, 4, 5, 6
 AFLOAT, DIVERGED, REFUSED = 0, 2, 6
 FAR = 1e9
-"""What is left to an end that a voyage cannot meet."""
+"""Margin to an end that a voyage cannot meet [m]."""
 MOST_STEPS = 1e9
 """Steps of a voyage, as ``simulation.settings`` has them."""
 TOLERANCE = 1e-9
-"""How near to contact an end is placed [m]."""
+"""Tolerance of the location of a contact [m]."""
 MOST_SPEED, MOST_RATE = 100.0, 10.0
 
 
