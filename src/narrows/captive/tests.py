@@ -323,8 +323,8 @@ class CaptiveTests(Configured, Tabular):
 
         Parameters
         ----------
-        Number of consecutive stretches of each test.
-            Into how many consecutive stretches each test is cut.
+        pieces : int
+            Number of consecutive stretches of each test.
         """
         cuts = list(self._cuts(pieces))
         particulars = self.configuration.values()

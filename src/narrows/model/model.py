@@ -214,8 +214,7 @@ class Model(Configured, Operations):
         path : str or Path
             The file.
         terms : TermTable, optional
-            One's own table, where the file was made with one.
-        The user's own table, if the file was made with one.
+            The user's own table, if the file was made with one.
         """
         return narrows.load_model(path, terms)
 

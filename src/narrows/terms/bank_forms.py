@@ -27,9 +27,9 @@ class BankForm(Described):
     name : str
         As in ``paper+keel_gap``.
     parameters : mapping of str to callable
-        What makes the pressure differ, by the coefficients' ending: ``bank`` for b_bank and c_bank.
-    Pressure parameters, by the coefficients' ending: ``bank`` for b_bank and c_bank.
-        Where it is from.
+        Pressure parameters, by the coefficients' ending: ``bank`` for b_bank and c_bank.
+    source : str
+        Its source.
     validity : str
         Range of validity.
     status : str

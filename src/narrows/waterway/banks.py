@@ -266,8 +266,7 @@ class Bank:
         s : array or float [m]
             Along the line.
         depth : array or float [m]
-            Of the water there.
-        Depth of the water there.
+            Depth of the water there.
         """
         return self._set_back(s, depth, equivalent_wall)
 

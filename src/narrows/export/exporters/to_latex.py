@@ -19,8 +19,8 @@ def write_latex(model: "Model", path: str | Path) -> None:
     ----------
     model : Model
         The ship in its canal.
-    Path, as in ``ship.tex``.
-        Where to, as in ``ship.tex``.
+    path : str or Path
+        Output file, as in ``ship.tex``.
 
     Raises
     ------
