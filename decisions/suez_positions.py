@@ -24,7 +24,7 @@ from narrows.terms.tables import table_named
 from narrows.warning.inputs.replay import by_second
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.waterway import Bank, Centreline, Waterway
-from narrows.waterway.projection import projected
+from narrows.waterway.map_lines import projected
 
 LENGTH, WIDTH, DEPTH = 399.94, 205.0, 24.0
 EVER_GIVEN, TRACK = "235", "Suez Passage track"

@@ -35,7 +35,7 @@ def motion(t: np.ndarray) -> dict[str, np.ndarray]:
 
 def antenna_on_earth(waterway: nw.Waterway, told: Told, antenna: tuple[float, float]) -> pd.DataFrame:
     """Longitude and latitude of an antenna, and the heading from north [deg], of a ship along a waterway."""
-    from narrows.waterway.projection import unprojected
+    from narrows.waterway.map_lines import unprojected
 
     positions, heading = waterway.to_map(told["x"], told["y"], told["psi"])
     ahead = np.stack([np.sin(heading), np.cos(heading)], axis=1)

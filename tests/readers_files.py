@@ -11,7 +11,7 @@ from narrows.captive.measured import measured_files
 from narrows.logbook import sensor_grade
 from narrows.logbook.transits.transit_twins import TransitTwin, transits_of
 from narrows.terms.tables import table_named
-from narrows.waterway.projection import unprojected
+from narrows.waterway.map_lines import unprojected
 from s57 import CANAL_BANK, DEPTH_AREA, Cell, Point
 from tables import frame_of
 

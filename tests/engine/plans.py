@@ -8,8 +8,7 @@ from arguments import uncertain
 
 import narrows as nw
 from narrows.control import PredictiveHelm
-from narrows.control.predictive.planner import RudderPlan
-from narrows.control.predictive.prediction_lanes import RudderTurning
+from narrows.control.predictive.planner import RudderPlan, RudderTurning
 from narrows.control.predictive.predictive_helm import VoyageOrders
 from narrows.control.predictive.push_estimate import no_push
 from narrows.simulation.ship import SimulatedShip

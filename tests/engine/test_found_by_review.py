@@ -15,7 +15,7 @@ from equations import Equations
 from public import kinds
 
 import narrows as nw
-from narrows.waterway.projection import projected
+from narrows.waterway.map_lines import projected
 
 OUTLINE = ((2.0, 0.0), (1.4, 0.286), (-2.0, 0.286), (-2.0, -0.286), (1.4, -0.286))
 TEN = math.radians(10)

@@ -6,7 +6,7 @@ from hypothesis import example, given
 from pyproj import Transformer
 from strategies import numbers
 
-from narrows.waterway.projection import projected, unprojected
+from narrows.waterway.map_lines import projected, unprojected
 
 QUARTER_MERIDIAN = 10_001_965.7293
 """From the equator to the pole of WGS84 [m]."""

@@ -13,7 +13,7 @@ from strategies import numbers
 
 import narrows as nw
 from narrows.waterway import Bank, Centreline, Waterway
-from narrows.waterway.projection import projected, unprojected
+from narrows.waterway.map_lines import projected, unprojected
 
 DTC = nw.published("mikkelsen2025_dtc")
 

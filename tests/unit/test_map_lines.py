@@ -11,7 +11,7 @@ import pytest
 
 import narrows as nw
 from narrows.waterway import Centreline
-from narrows.waterway.projection import unprojected
+from narrows.waterway.map_lines import unprojected
 
 ORIGIN = np.array([7.6, 52.0])
 NORTH = np.linspace(0.0, 4000.0, 41)
@@ -67,7 +67,7 @@ def check(waterway: nw.Waterway) -> None:
 
 
 def _about(place: np.ndarray, waterway: nw.Waterway) -> np.ndarray:
-    from narrows.waterway.projection import projected
+    from narrows.waterway.map_lines import projected
 
     return projected(unprojected(np.atleast_2d(place), np.array(waterway.origin)), ORIGIN)[0]
 

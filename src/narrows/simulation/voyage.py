@@ -206,7 +206,7 @@ class Voyage(Tabulated):
                 "a track on the map needs a waterway that knows where on earth it is (--waterway canal.geojson); "
                 "sail in one, or save the voyage as .csv or .nc"
             )
-        from narrows.waterway.projection import unprojected
+        from narrows.waterway.map_lines import unprojected
 
         positions, heading = self.waterway.to_map(self.x, self.y, self.psi)
         longitude, latitude = unprojected(positions, np.array(self.waterway.origin)).T

@@ -13,8 +13,7 @@ from narrows.errors import InputError, needs
 from narrows.waterway.banks import Bank, Normals, bank_from_points
 from narrows.waterway.centreline import Centreline
 from narrows.waterway.geojson import read_features
-from narrows.waterway.map_lines import gdal
-from narrows.waterway.projection import origin_of, projected
+from narrows.waterway.map_lines import gdal, origin_of, projected
 from narrows.waterway.waterway import Waterway
 
 # Distance greater than any waterway's width [m].

@@ -13,8 +13,18 @@ from narrows.files import form_of, reading, write_whole
 from narrows.ship.particulars import Point
 from narrows.waterway.banks import Bank, bank_from_points
 from narrows.waterway.centreline import FARTHEST, Centreline
-from narrows.waterway.map_lines import OTHERS, ROLES, Feature, into_degrees, middle_line, read_other, roles_by_place
-from narrows.waterway.projection import origin_of, projected, unprojected
+from narrows.waterway.map_lines import (
+    OTHERS,
+    ROLES,
+    Feature,
+    into_degrees,
+    middle_line,
+    origin_of,
+    projected,
+    read_other,
+    roles_by_place,
+    unprojected,
+)
 from narrows.waterway.waterway import Waterway
 
 # Largest distance between the bank of a bend and the line written for it [m].

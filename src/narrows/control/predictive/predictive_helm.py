@@ -12,8 +12,7 @@ import numpy as np
 from narrows.codegen.choices import STAGES
 from narrows.control.predictive.course_ahead import CourseAhead, weights_of
 from narrows.control.predictive.line_frame import FORCED, RUDDER, share_of, water_ahead
-from narrows.control.predictive.planner import Horizon, Planner, RudderPlan, horizon_of, planner_of
-from narrows.control.predictive.prediction_lanes import PredictionLanes
+from narrows.control.predictive.planner import Horizon, Planner, PredictionLanes, RudderPlan, horizon_of, planner_of
 from narrows.control.predictive.push_estimate import Push, no_push, updated_push
 from narrows.control.settings import EARLY, FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING
 from narrows.control.steady_course import check_inside, check_rudder, self_propulsion

@@ -10,7 +10,7 @@ from narrows.logbook.reading.log_rows import LogMapping, RawRecord
 from narrows.logbook.settings import HEADING_GAP
 from narrows.logbook.ship_record import SIGNALS, TURNING, ShipRecord, Signal
 from narrows.waterway import Waterway
-from narrows.waterway.projection import projected
+from narrows.waterway.map_lines import projected
 
 # Directions from north, for those from the axes of the record.
 BY_MAP = {"psi": "heading", "course": "course_over_ground", "wind_direction": "wind_from"}

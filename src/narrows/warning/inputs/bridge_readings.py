@@ -10,7 +10,7 @@ from narrows.errors import InputError
 from narrows.readers.nmea.nmea_hearing import Entry
 from narrows.readers.nmea.nmea_sentences import PARTICULARS, SOURCES, WATER_DEPTH, Values
 from narrows.warning.settings import SOURCE_SILENCE, WATERWAY_REACH
-from narrows.waterway.projection import projected
+from narrows.waterway.map_lines import projected
 from narrows.waterway.waterway import Waterway
 
 NOT_HERE = "that tell of a place off the waterway"

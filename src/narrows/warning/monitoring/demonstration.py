@@ -18,7 +18,7 @@ from narrows.simulation.voyage import Voyage, simulate
 from narrows.terms.tables import table_named
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.waterway import Bank, Centreline
-from narrows.waterway.projection import unprojected
+from narrows.waterway.map_lines import unprojected
 from narrows.waterway.waterway import Waterway
 
 # Of ship, canal and water [m]; of the ship [m/s]; held to starboard of the middle [m]: as the tests were, scaled.
