@@ -163,7 +163,8 @@ def built() -> dict[str, Built]:
         ),
         "Disturbance": Built(
             disturbed, enveloped,
-            {"heading_deg": 40.0, "offset": 1.6, "gust": 60.0, "gust_lever": 0.0, "gust_time": 1.0, "wind": 9.0},
+            {"heading_deg": 40.0, "offset": 1.6, "gust": 60.0, "gust_lever": 0.0, "gust_time": 1.0, "wind": 9.0,
+             "steady": 20.0},
         ),
         "Friction": Built(
             nw.Friction(2.8, 0.1, 1.0), lambda way: nw.scale_model(paper(), 300.0, friction=way).model.coefficients,

@@ -65,3 +65,16 @@ def test_an_exported_file_takes_them_for_a_stopped_propeller(tmp_path: Path) -> 
         inputs.revolutions = turns
         rates.append(ship.rates(state, inputs, constants))
     np.testing.assert_array_equal(*rates)
+
+
+def test_way_astern_is_noted_of_voyages_and_fleets() -> None:
+    """Banks and rudder of the published DTC are known ahead; a ship that comes to go astern is noted from there."""
+    model, told = nw.published("mikkelsen2025_dtc"), {"y": 0.2, "duration": 2.0, "dt": 0.1}
+    words = "way astern of -1 m/s is outside the data (ahead alone)"
+    assert words in nw.simulate(model, u=-1.0, **told).summary()
+    assert "astern" not in nw.simulate(model, u=1.0, **told).summary()
+    fleet = nw.ensemble(model, u=[1.0, -1.0], **told)
+    assert "50.0% of these voyages begin or end with a way astern outside the data (ahead alone)." in fleet.notes
+    backed = nw.simulate(KVLCC2, u=0.1, surge="free", contact="none", X=-2000.0, duration=20.0, dt=0.1)
+    assert backed.u[-1] < 0
+    assert "astern" in " ".join(backed.notes)

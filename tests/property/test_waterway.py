@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -310,3 +311,12 @@ def test_a_ship_that_does_not_fit_is_told_where() -> None:
         nw.simulate(DTC, waterway=Waterway(line, *banks))
     with pytest.raises(nw.InputError, match="m deep at 0 m"):
         nw.simulate(DTC, waterway=nw.straight_waterway(nw.Canal(7.0, 0.1), 500.0))
+
+
+@pytest.mark.parametrize("current", [np.array([0.5, 1.0]), (0.5, 1.0), "1", None])
+def test_a_current_is_one_number(current: Any) -> None:
+    straight = nw.straight_waterway(nw.Canal(100.0, 10.0), 1000.0)
+    with pytest.raises(nw.InputError, match="one number"):
+        straight.with_water(current=current)
+    with pytest.raises(nw.InputError, match="one number"):
+        straight.with_water(level=current)

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from narrows.safety import Disturbance
 
 
+# Speed of a gust of a minute over the mean of an hour [1], Durst (1960), from memory, not verified.
+GUST_FACTOR = 1.24
+
+
 @dataclass(frozen=True)
 class GridOptions:
     y: Annotated[
@@ -73,21 +77,25 @@ class SectionOptions:
 @dataclass(frozen=True)
 class WeatherOptions:
     heading_deg: Annotated[float, Option(help="Heading off at the start, standard deviation [deg].")] = 2.0
-    wind: Annotated[str, Option(help="Speed of a beam gust, from either side: 20m/s, 40kn.")] = "0m/s"
+    wind: Annotated[str, Option(help="Speed of a steady beam wind, from either side: 10m/s, 20kn.")] = "0m/s"
+    gusts: Annotated[float, Option(help="Speed of a gust over that of the wind [1]; 1 for none.")] = GUST_FACTOR
     windage: Annotated[float, Option(help="Lateral area above the water [m2], with --wind.")] = 0.0
-    gust_lever: Annotated[float, Option(help="Of the gust, forward of midship [m].")] = 0.0
+    gust_lever: Annotated[float, Option(help="Of wind and gust, forward of midship [m].")] = 0.0
     gust_time: Annotated[float, Option(help="How long the gust lasts [s].")] = 60.0
 
     def disturbance(self) -> "Disturbance":
         from narrows.safety import Disturbance, wind_force
 
-        gust = read_speed("--wind", self.wind)
-        if bool(gust) != bool(self.windage):
-            raise InputError("a gust needs both --wind and --windage; give both, or neither")
-        force = wind_force(gust, self.windage)
+        wind = read_speed("--wind", self.wind)
+        if bool(wind) != bool(self.windage):
+            raise InputError("wind needs both --wind and --windage; give both, or neither")
+        if not 1 <= self.gusts < 10:
+            raise InputError(f"--gusts {self.gusts:g}: a gust is as fast as the wind or faster; give 1 to 10")
+        steady = wind_force(wind, self.windage)
         return Disturbance(
-            self.heading_deg, gust=force, gust_lever=self.gust_lever, gust_time=self.gust_time, wind=gust or None
-        )
+            self.heading_deg, gust=(self.gusts**2 - 1) * steady, gust_lever=self.gust_lever, gust_time=self.gust_time,
+            wind=wind or None, steady=steady,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,9 @@ TIME, LENGTH, SHARE = "t", "step_length", "share"
 COUNTED = "counted_psi"
 MIDSHIP_LEAVES = 0.9
 
+# An external force from ``push_end`` on, by its name before it.
+AFTER = "{}_after".format
+
 Pushed = Literal["never", "always", "until"]
 
 

@@ -10,7 +10,7 @@ from functools import cached_property, lru_cache, partial
 
 import sympy
 
-from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS, COUNTED, LENGTH, SHARE, TIME, WATER, Actuated, Choices
+from narrows.codegen.choices import AFLOAT_SPEED, AFTER, COLUMNS, COUNTED, LENGTH, SHARE, TIME, WATER, Actuated, Choices
 from narrows.codegen.free_motion import (
     ACCELERATIONS,
     CORNERS,
@@ -246,11 +246,14 @@ def _controls(
 
 
 def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, Expr]:
-    """External forces, while the middle of the step lies before their end."""
+    """External forces: others from where the middle of the step lies beyond their end."""
     if choices.pushed != "until":
         return {}
     left = lines.put("push_left", real("push_end") - (z[TIME] + real(LENGTH) / 2))
-    return {name: lines.put(f"{name}_now", FUNCTIONS["choice"](left, real(name), 0)) for name in INPUTS.values()}
+    return {
+        name: lines.put(f"{name}_now", FUNCTIONS["choice"](left, real(name), real(AFTER(name))))
+        for name in INPUTS.values()
+    }
 
 
 def section_here(lines: Lines, rates: Rates, values: Mapping[str, Expr], tag: str) -> tuple[dict[str, Expr], Expr]:

@@ -26,6 +26,7 @@ class BestEstimateCourses:
     speeds: np.ndarray  # (speeds,) Speeds through the water [m/s]
     heave: np.ndarray  # (speeds,) Midship sinkage [m]
     bend: Bend = STRAIGHT
+    wind: tuple[float, float] = (0.0, 0.0)  # Sway force [N] and yaw moment [N m]
 
     @cached_property
     def places(self) -> np.ndarray:
@@ -48,7 +49,7 @@ class BestEstimateCourses:
     @cached_property
     def course(self) -> Columns:
         """y [m], u, v [m/s], rudder [rad], and other moving quantities; NaN if no rudder angle holds the ship."""
-        values = {**self.values, **self.bend.values(self.values["y"])}
+        values = {**self.values, **self.bend.values(self.values["y"]), "Y": self.wind[0], "N": self.wind[1]}
         v, rudder = solved(self.ship, values, self.values["y"].size, 1)
         within = np.abs(rudder) <= self.ship.model.configuration.gear.limit
         course = {name: self.values[name] for name in ("y", "u")}
@@ -67,8 +68,12 @@ class BestEstimateCourses:
         # columns (places x speeds, n)
         table = columns.reshape(len(self.places), len(self.speeds), -1)
         known = np.isfinite(table).all(axis=-1)
-        if not known.any(axis=0).all():
+        held = np.flatnonzero(known.any(axis=0))
+        if not held.size or (len(held) < len(self.speeds) and not any(self.wind)):
             raise InputError(IN_VAIN)
+        # In a wind that leaves no course at a speed, that of the nearest speed with one stands in.
+        instead = held[np.abs(self.speeds[:, None] - self.speeds[held]).argmin(axis=1)]
+        table, known = table[:, instead], known[:, instead]
         far = np.abs(self.places[:, None] - self.offsets[None, :])[:, :, None]
         nearest = np.where(known[:, None, :], far, np.inf).argmin(axis=0)
         return np.asarray(table[nearest, np.arange(len(self.speeds))])

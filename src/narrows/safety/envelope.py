@@ -143,7 +143,13 @@ def rudder_of_propeller_burst(request: EnvelopeRequest, under: Keel) -> xr.DataA
     asked = {"u": request.speeds, "heave": xr.DataArray(under.midship, dims="u"), "y": request.offsets}
     grid = grid_of(request.model, {**asked, "revolutions": request.most_revolutions}, 0, 0)
     values, shape = grid.flat(slice(0, grid.sizes[grid.axis]))
-    _, rudder = solved(SimulatedShip(request.model), {**values, **request.bend.values(values["y"])}, grid.vessels, 1)
+    ship, wind = SimulatedShip(request.model), request.disturbance.steady
+    sides = [
+        solved(ship, {**values, **request.bend.values(values["y"]), "Y": force,
+                      "N": request.disturbance.gust_lever * force}, grid.vessels, 1)[1]
+        for force in (wind, -wind)
+    ]  # fmt: skip
+    rudder = np.where(np.abs(sides[0]) >= np.abs(sides[1]), *sides)
     return xr.DataArray(rudder.reshape(shape), dims=list(grid.sizes), attrs={"units": "rad"}).transpose("y", "u")
 
 
@@ -214,7 +220,9 @@ def safely(tried: xr.Dataset, limit: float, name: str) -> xr.DataArray:
 def best_estimate_fraction(tried: xr.Dataset, limit: float) -> dict[str, xr.DataArray]:
     """Return the results for the best estimate, over y and u: ``certain``, ``rudder_likely``."""
     share = safely(tried, limit, "known").mean("sample").assign_attrs(units="1")
-    return {"certain": share, "rudder_likely": tried["rudder"].isel(sample=0).assign_attrs(units="rad")}
+    # A steady wind may blow from either side: the larger rudder counts, and none where one side has no course.
+    most, least = (getattr(tried["rudder"], of)("sample", skipna=False) for of in ("max", "min"))
+    return {"certain": share, "rudder_likely": xr.where(abs(most) >= abs(least), most, least).assign_attrs(units="rad")}
 
 
 def _counted(name: str, counted: xr.DataArray) -> dict[str, xr.DataArray]:

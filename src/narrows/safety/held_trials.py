@@ -2,12 +2,13 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from narrows.codegen.choices import AFTER
 from narrows.control.regulator_gains import RegulatorWeights, stacked_gains
 from narrows.control.regulator_law import FELT
 from narrows.control.steady_course import solved, with_propulsion
@@ -57,19 +58,36 @@ def trials(
         raise InputError(f"{points} points are more than {MOST_TRIALS}; take fewer samples, offsets or speeds")
     thrown = disturbance.drawn(samples, seed)
     ship, grid = SimulatedShip(model), _grid(model, y, u, heave, samples, seed)
-    numbers = chosen.pilot.numbers(
-        BestEstimateCourses(ship, np.asarray(y), np.asarray(u), np.asarray(heave), bend), chosen.tuning
-    )
     # Disturbances change side with the offset, so that a symmetric canal gets a symmetric result.
     side = xr.DataArray(np.where(np.asarray(y) < 0, -1.0, 1.0), dims="y")
+    blowing = {name: side * column for name, column in disturbance.blowing(samples, seed).items()}
+    grid = Grid({**grid.values, **blowing}, grid.sizes) if disturbance.steady else grid
     extra = {OFF(name): side * column for name, column in thrown.items()}
-    extra |= {BY(name): xr.DataArray(table, dims=("y", "u")) for name, table in numbers.items()}
+    courses = BestEstimateCourses(ship, np.asarray(y), np.asarray(u), np.asarray(heave), bend)
+    extra |= {BY(name): table for name, table in _numbers(chosen, courses, disturbance, blowing["Y"]).items()}
     extra |= _knowing(ship, grid, bend, workers) if knowing else {}
     trial = _Trial(ship, chosen.pilot, disturbance.gust_time, walls, bend, workers)
     kept = _tried(trial, Grid({**grid.values, **extra}, grid.sizes), progress)
     data = {name: (list(grid.sizes), column) for name, column in kept.items()}
     tried = xr.Dataset(data, coords={"y": y, "u": u}).transpose("y", "u", "sample")
     return tried.assign(held=tried["held"] > 0, known=tried["known"] > 0)
+
+
+def _numbers(
+    chosen: ChosenPilot, courses: BestEstimateCourses, disturbance: Disturbance, blowing: xr.DataArray
+) -> dict[str, xr.DataArray]:
+    """Numbers of the pilot at offsets and speeds; in a steady wind those of the side that it blows from."""
+
+    def of(force: float) -> dict[str, xr.DataArray]:
+        there = replace(courses, wind=(force, disturbance.gust_lever * force))
+        numbers = chosen.pilot.numbers(there, chosen.tuning)
+        return {name: xr.DataArray(table, dims=("y", "u")) for name, table in numbers.items()}
+
+    one = of(disturbance.steady)
+    if not disturbance.steady:
+        return one
+    other = of(-disturbance.steady)
+    return {name: xr.where(blowing > 0, one[name], other[name]) for name in one}
 
 
 def _grid(model: Model, y: np.ndarray, u: np.ndarray, heave: np.ndarray, samples: int, seed: int) -> Grid:
@@ -157,12 +175,15 @@ class _Sail:
         hull = ship.model.configuration.ship
         pace = hull.length / (STEPS_A_LENGTH * np.asarray(self.held_course["u"]))
         gusty = self.trial.gust_time if np.any(self.push["Y"]) else 0.0
+        wind = {name: np.asarray(start[name]) for name in self.push}
+        gust: dict[str, Any] = {AFTER(name): force for name, force in wind.items()}
+        gust |= {"X": 0.0, "push_end": gusty, **{name: wind[name] + force for name, force in self.push.items()}}
         steps = np.where(sailed, np.ceil(gusty / pace) + TRIAL_LENGTHS * STEPS_A_LENGTH, 0)
         recorder = DeviationRecorder(law, self.held_course["y"], (steps - BACK_LENGTHS * STEPS_A_LENGTH) * pace)
         steering = steering_of(recorder, ship.actuators)
         half = np.asarray(start["width"]) / 2
         inputs = {
-            **start, **({"X": 0.0, **self.push, "push_end": gusty} if gusty else {}),
+            **start, **(gust if gusty else {}),
             **{PARAMETER(name): value for name, value in recorder.parameters().items()},
             "wall_port": np.minimum(walls[0], half), "wall_starboard": np.minimum(walls[1], half),
         }  # fmt: skip

@@ -19,7 +19,7 @@ Walls = tuple[float, float]
 
 @dataclass(frozen=True)
 class Disturbance:
-    """Disturbances of a ship on its course.
+    """Disturbances of a ship on its course, and the steady wind on that course.
 
     Parameters
     ----------
@@ -34,7 +34,9 @@ class Disturbance:
     gust_time : float [s]
         Its duration.
     wind : float [m/s], optional
-        Wind behind the gust, for the description only.
+        Wind behind the forces, for the description only.
+    steady : float [N]
+        Sway force of a steady wind, with the same lever and from the same side as the gust, which adds to it.
 
     Raises
     ------
@@ -48,9 +50,10 @@ class Disturbance:
     gust_lever: float = 0.0
     gust_time: float = 60.0
     wind: float | None = None
+    steady: float = 0.0
 
     def __post_init__(self) -> None:
-        for name in ("heading_deg", "offset", "gust", "gust_time"):
+        for name in ("heading_deg", "offset", "gust", "gust_time", "steady"):
             if not 0 <= getattr(self, name) < math.inf:
                 raise InputError(f"a disturbance's {name} = {getattr(self, name)} must be a number from 0")
         if not math.isfinite(self.gust_lever):
@@ -62,10 +65,27 @@ class Disturbance:
         parts = [f"heading off by {self.heading_deg:g} deg"] if self.heading_deg else []
         parts += [f"offset by {self.offset:g} m"] if self.offset else []
         begin = f" at the start {' and '.join(parts)} (standard deviation)" if parts else " nothing off at the start"
-        if not self.gust:
+        if not self.gust and not self.steady:
             return f"no wind;{begin}"
-        strength = f"{self.gust / 1e3:.4g} kN" if self.wind is None else f"{self.wind:.3g} m/s"
-        return f"a gust of {strength} on the beam for {self.gust_time:g} s, from either side;{begin}"
+        force = f"{self.gust / 1e3:.4g} kN" if self.wind is None or self.steady else f"{self.wind:.3g} m/s"
+        gust = f"a gust of {force} on the beam for {self.gust_time:g} s" if self.gust else ""
+        force = f"{self.steady / 1e3:.4g} kN" if self.wind is None else f"{self.wind:.3g} m/s"
+        steady = f"a steady wind of {force} on the beam" if self.steady else ""
+        return f"{' and on top '.join(filter(None, (steady, gust)))}, from either side;{begin}"
+
+    def blowing(self, samples: int, seed: int) -> dict[str, xr.DataArray]:
+        """Draw the steady wind along a dimension ``sample``: Y [N], N [N m].
+
+        Parameters
+        ----------
+        samples : int
+            How many.
+        seed : int
+            Of the samples.
+        """
+        side = np.sign(np.random.default_rng((seed, 1)).standard_normal((3, samples))[2])
+        force = xr.DataArray(self.steady * side, dims="sample")
+        return {"Y": force, "N": self.gust_lever * force}
 
     def drawn(self, samples: int, seed: int) -> dict[str, xr.DataArray]:
         """Draw disturbances along a dimension ``sample``: deviations psi [rad], y [m], Y [N], N [N m].

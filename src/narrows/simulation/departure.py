@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from narrows.codegen.choices import COUNTED, stages_at
+from narrows.codegen.choices import AFTER, COUNTED, stages_at
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.kernels import event
 from narrows.errors import InputError, did_you_mean
@@ -67,7 +67,7 @@ def departure(
     channel = _channel(ship, values, waterway, numbers["x"])
     system = ship.system(waterway is not None, steering.law if steering else None, "until" if pushed else "never")
     inputs = {**values, **system.constants(values), **channel.inputs, **(steering.parameters if steering else {})}
-    inputs |= {**dict.fromkeys(INPUTS.values(), 0.0), "push_end": math.inf}
+    inputs |= {**dict.fromkeys((*INPUTS.values(), *map(AFTER, INPUTS.values())), 0.0), "push_end": math.inf}
     order = steering.asked.begin() if steering and steering.asked else None
     march = March(system.scalar, system.choices, inputs, channel, near_the_bank(values), order)
     start = _start(ship, system.choices.kept, steering, numbers)

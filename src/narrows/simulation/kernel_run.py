@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.codegen.cache import lacks_compiler
-from narrows.codegen.choices import COUNTED, LENGTH, SHARE, Pushed, stages_at
+from narrows.codegen.choices import AFTER, COUNTED, LENGTH, SHARE, Pushed, stages_at
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.kernels import event
 from narrows.codegen.run import PreparedRun, cores, prepare, step_counts
@@ -226,6 +226,7 @@ class KernelRun:
             actuator.name: values[actuator.name] for actuator in self.ship.actuators if actuator.name in values
         }
         ship = {**self.ship.values(**positions), **rest, **{INPUTS[name]: values[name] for name in PUSHED}}
+        ship |= {AFTER(INPUTS[name]): values.get(AFTER(name), 0.0) for name in PUSHED}
         channel = self.channel(ship)
         law = self.steering.parameters if self.steering else {}
         law = {name: ship.get(name, value) for name, value in law.items()}

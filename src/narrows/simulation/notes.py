@@ -10,6 +10,9 @@ from narrows.model.data_range import MEASURES, DataRange, Measure, extrapolation
 from narrows.model.model import Model
 from narrows.quantities.names import Number
 
+# Motion astern, if the model does not give the speeds of its tests: bank and rudder forces are known ahead only.
+ASTERN = Measure("way astern", "m/s")
+
 # A sentence on a measure: its words, the range of the data in words, a mask of values outside, the values.
 Sentence = Callable[[Measure, str, Any, Any], str]
 
@@ -38,3 +41,6 @@ def outside_notes(known: DataRange, moments: Sequence[Mapping[str, Any]], senten
         outside = reduce(np.logical_or, [known.outside(name, moment[name]) for moment in moments])
         if np.any(outside):
             yield sentence(MEASURES[name], MEASURES[name].shown(*getattr(known, name)), outside, values)
+    astern = reduce(np.logical_or, [moment["speed"] < 0 for moment in moments])
+    if known.speed is None and np.any(astern):
+        yield sentence(ASTERN, "ahead alone", astern, moments[0]["speed"])

@@ -75,6 +75,11 @@ class Waterway(Described):
     step: float | None = None
 
     def __post_init__(self) -> None:
+        for what in ("current", "level"):
+            if np.ndim(getattr(self, what)) or np.asarray(getattr(self, what)).dtype.kind not in "iuf":
+                raise InputError(
+                    f"{self.name}: the {what} is one number for the waterway; cut it into reaches where it changes"
+                )
         if not (abs(self.current) < FASTEST and abs(self.level) < DEEPEST):
             raise InputError(
                 f"{self.name}: a current of {self.current} m/s, a level of {self.level} m; give numbers of a waterway"
