@@ -57,6 +57,11 @@ class InputError(ValueError):
     sentence : str
         The message; a line break from a cell or a name becomes a blank, unprintable characters are escaped, and the
         middle of a very long one is left out.
+
+    Examples
+    --------
+    >>> issubclass(nw.InputError, ValueError)
+    True
     """
 
     def __init__(self, sentence: str) -> None:

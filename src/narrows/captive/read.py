@@ -60,6 +60,12 @@ def read_captive(
     ------
     InputError
         In one sentence with file, row, column and remedy.
+
+    Examples
+    --------
+    >>> table = tests.to_dataframe().rename(columns={"v": "Sway velocity [m/s]"})
+    >>> nw.read_captive(table, tests.configuration).rows == tests.rows
+    True
     """
     movers = tuple(actuators)
     configuration = ship_from(ship, movers)

@@ -82,6 +82,11 @@ def concat(tests: Sequence[CaptiveTests]) -> CaptiveTests:
     ------
     InputError
         If there are none, or their ships, canals or waters differ.
+
+    Examples
+    --------
+    >>> len(nw.concat([tests, tests])) == 2 * len(tests)
+    True
     """
     parts = list(tests)
     if not parts:

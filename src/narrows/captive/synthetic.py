@@ -51,6 +51,11 @@ class HarmonicRun:
     ------
     InputError
         If the kind is unknown, a number is not positive, or a yaw path is steeper than the speed allows.
+
+    Examples
+    --------
+    >>> nw.HarmonicRun("A", "yaw", 0.4, 12.0, 1.0, 1).period
+    12.0
     """
 
     name: str
@@ -182,6 +187,12 @@ def twin(
     ------
     InputError
         If there are no runs, or they are sampled too slowly.
+
+    Examples
+    --------
+    >>> twin = nw.twin(model, noise={}, rate=2.0)
+    >>> twin.rows > 100
+    True
     """
     if not runs or not min(run.duration for run in runs) * rate >= 2:
         raise InputError("the runs hold fewer than two rows; give a run, or sample faster")
@@ -259,6 +270,11 @@ class StraightRun:
     ------
     InputError
         If speed or duration are not positive, or it is towed sideways.
+
+    Examples
+    --------
+    >>> nw.StraightRun("A", 0.5).offset
+    0.5
     """
 
     name: str

@@ -149,6 +149,11 @@ class CaptiveTests(Configured, Tabular):
         Notes of the reader: rows left out, columns assumed.
     headers : Headers
         Headers of their table.
+
+    Examples
+    --------
+    >>> tests["v"].shape == (tests.rows,)
+    True
     """
 
     columns: Mapping[str, np.ndarray]

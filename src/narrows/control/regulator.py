@@ -129,6 +129,11 @@ def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
     ------
     InputError
         If no rudder angle holds it there, or no autopilot on the centreline.
+
+    Examples
+    --------
+    >>> nw.track_pilot(kcs, y=0.0, u=6.0).y
+    0.0
     """
     check_rudder(model)
     check_inside(y, model.configuration.canal.width, model.configuration.ship.beam)

@@ -62,6 +62,12 @@ def steady_course(
     ------
     InputError
         If the model has no terms of a rudder, a value does not fit, or an unknown is given.
+
+    Examples
+    --------
+    >>> course = nw.steady_course(kcs, y=20.0, u=6.0)
+    >>> bool(abs(course.rudder) < np.radians(35.0))
+    True
     """
     check_rudder(model)
     for name in ("x", "psi", "v", "r", RUDDER, "X"):
@@ -187,6 +193,12 @@ def self_propulsion(model: Model, u: float) -> float:
     ------
     InputError
         If the model has no propeller, or no revolutions reach the speed.
+
+    Examples
+    --------
+    >>> kvlcc2 = nw.published("yasukawa2015_kvlcc2")
+    >>> round(float(nw.self_propulsion(kvlcc2, u=1.0)), 1)
+    10.1
     """
     from scipy.optimize import brentq
 

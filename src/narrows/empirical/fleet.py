@@ -108,6 +108,11 @@ def published(name: str | None = None) -> "Model | list[str]":
     ------
     InputError
         If no such ship is known.
+
+    Examples
+    --------
+    >>> nw.published("mikkelsen2025_dtc").ship.name
+    'DTC 1:89.11'
     """
     ready = _ready_ships()
     if name is None:
@@ -128,6 +133,11 @@ def ready_ships() -> "pd.DataFrame":
     -------
     DataFrame
         One row per ship, with the name for ``published``.
+
+    Examples
+    --------
+    >>> "estimated_kcs" in nw.ready_ships().index
+    True
     """
     import pandas as pd
 

@@ -52,6 +52,11 @@ class Tank:
     ------
     InputError
         If a number is not positive.
+
+    Examples
+    --------
+    >>> nw.Tank(speeds=(0.6, 0.8)).speeds
+    (0.6, 0.8)
     """
 
     run_length: float | None = None

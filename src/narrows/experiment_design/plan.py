@@ -82,6 +82,12 @@ class Plan(Tabulated):
         Number of candidate runs.
     notes : tuple of str
         Assumed noise and length of a run.
+
+    Examples
+    --------
+    >>> plan = nw.plan_tests(model.configuration, 4)
+    >>> len(plan.runs)
+    4
     """
 
     runs: tuple[Run, ...]
@@ -198,6 +204,11 @@ def plan_tests(
     ------
     InputError
         If there is no candidate run, a target is unknown, or the terms need a quantity that the ship file lacks.
+
+    Examples
+    --------
+    >>> len(nw.plan_tests(model.configuration, 4).runs)
+    4
     """
     tank = tank or Tank()
     _check(runs, criterion, terms, noise, tank)

@@ -31,6 +31,11 @@ class Comparison(Shown):
         By the table's name.
     left_out : mapping of str to str
         Tables that were not fitted, and why.
+
+    Examples
+    --------
+    >>> sorted(nw.compare(tests, ("paper", "speed")).fits)
+    ['paper', 'speed']
     """
 
     fits: Mapping[str, Fit]
@@ -144,6 +149,11 @@ def compare(
     ------
     InputError
         Where no table could be fitted, or a table of tests has no ship.
+
+    Examples
+    --------
+    >>> sorted(nw.compare(tests, ("paper", "speed")).fits)
+    ['paper', 'speed']
     """
     tests = as_tests(tests, ship)
     fits, left_out = {}, {}

@@ -40,6 +40,11 @@ def identify_conditions(
     ------
     InputError
         Where there is no such condition, or a table has no ship.
+
+    Examples
+    --------
+    >>> sorted(nw.identify_conditions(tests))
+    ['C0101A01']
     """
     tests = as_tests(tests, ship)
     if options.get("pool") is not None and condition is None:

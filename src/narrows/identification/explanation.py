@@ -162,6 +162,11 @@ def explain(model: Model, tests: Any, tables: Sequence[str] = (), ship: ShipSour
     ------
     InputError
         Where the tests lack what the model's terms need, or are of several conditions.
+
+    Examples
+    --------
+    >>> sorted(nw.explain(model, tests, ("paper",)).scores)
+    ['N', 'X', 'Y']
     """
     tests = as_tests(tests, ship, model.configuration)
     fit = identify(tests, model.terms, pass_over="rudder")

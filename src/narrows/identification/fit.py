@@ -63,6 +63,11 @@ class Fit(Prediction):
         What the rows cover.
     errors : RunErrors
         By how much runs differ beyond the noise within them, before repeats are looked at.
+
+    Examples
+    --------
+    >>> fit.verdicts["b_bank"].status
+    'not separable'
     """
 
     tests: Tests

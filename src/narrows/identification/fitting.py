@@ -82,6 +82,12 @@ def identify(
     InputError
         Where an option is unknown, a table has no ship, the tests are of several conditions, or a rudder moves that no
         term has.
+
+    Examples
+    --------
+    >>> fit = nw.identify(tests)
+    >>> bool(fit["b_vdot"] > 0)
+    True
     """
     check_choice("split", split, get_args(Split))
     check_choice("balance", balance, get_args(Balance))

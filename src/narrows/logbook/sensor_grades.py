@@ -49,6 +49,11 @@ class SignalGrade:
     ------
     InputError
         Where a number is negative or not finite, or there is no noise or period at all.
+
+    Examples
+    --------
+    >>> nw.SignalGrade(noise=0.5, period=1.0).noise
+    0.5
     """
 
     noise: float
@@ -82,6 +87,11 @@ class SensorGrade(Described):
     ------
     InputError
         Where a name is no signal's.
+
+    Examples
+    --------
+    >>> nw.SensorGrade("tank", "", {"y": nw.SignalGrade(0.01)}).name
+    'tank'
     """
 
     name: str

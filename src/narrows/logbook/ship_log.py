@@ -34,6 +34,12 @@ class ShipLog(Shown):
     ------
     InputError
         Where two records share a name.
+
+    Examples
+    --------
+    >>> signal = nw.Signal(np.array([0.0, 1.0]), np.array([2.0, 3.0]))
+    >>> len(nw.ShipLog((nw.ShipRecord("A", {"u": signal}),)).records)
+    1
     """
 
     records: tuple[ShipRecord, ...]

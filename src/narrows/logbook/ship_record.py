@@ -30,6 +30,11 @@ class Signal:
     ------
     InputError
         Where the two are not of one length, or a number is not finite.
+
+    Examples
+    --------
+    >>> nw.Signal(np.array([0.0, 1.0]), np.array([2.0, 3.0])).values.tolist()
+    [2.0, 3.0]
     """
 
     t: np.ndarray
@@ -99,6 +104,12 @@ class ShipRecord:
     ------
     InputError
         Where a name is no signal's, what it names is none, or the antenna is not two numbers.
+
+    Examples
+    --------
+    >>> record = nw.ShipRecord("A", {"u": nw.Signal(np.array([0.0, 1.0]), np.array([2.0, 3.0]))})
+    >>> sorted(record.signals)
+    ['u']
     """
 
     name: str

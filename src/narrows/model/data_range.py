@@ -56,6 +56,11 @@ class DataRange:
         h/T.
     width_to_beam : pair of float [1]
         W/B.
+
+    Examples
+    --------
+    >>> bool(nw.DataRange(speed=(0.5, 1.0)).outside("speed", 1.2))
+    True
     """
 
     speed: Range | None = None

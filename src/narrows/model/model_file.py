@@ -27,6 +27,10 @@ def save_model(model: Model, path: str | Path) -> None:
     ------
     InputError
         If the suffix is not that of TOML, or the file cannot be written.
+
+    Examples
+    --------
+    >>> nw.save_model(model, "dtc.toml")
     """
     form_of(path, (".toml",))
     write_whole(path, to_toml(model.to_dict()))
@@ -76,6 +80,12 @@ def load_model(path: str | Path, terms: TermTable | None = None) -> Model:
     ------
     InputError
         If the file is absent, or a section, a key or a coefficient is missing or misspelt.
+
+    Examples
+    --------
+    >>> nw.save_model(model, "dtc.toml")
+    >>> nw.load_model("dtc.toml") == model
+    True
     """
     tables = load_toml(path)
     try:

@@ -34,6 +34,11 @@ class DepthCorrected(Shown):
         Factors of the corrected coefficients.
     notes : tuple of str
         Uncorrected effects, and unverified corrections.
+
+    Examples
+    --------
+    >>> sorted(nw.at_depth(kcs, 15.0).factors)[:1]
+    ['N_r']
     """
 
     model: Model
@@ -91,6 +96,12 @@ def at_depth(model: Model, depth: float) -> DepthCorrected:
     ------
     InputError
         If no water is left under the keel.
+
+    Examples
+    --------
+    >>> shallower = nw.at_depth(kcs, 15.0)
+    >>> shallower.model.canal.depth
+    15.0
     """
     old = model.configuration
     if not depth > old.ship.draft:

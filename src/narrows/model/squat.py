@@ -34,6 +34,11 @@ class SquatFormula:
         Reliability of the formula.
     limits : mapping of str to pair of float [1]
         Range of validity: depth Froude number ``froude``, ``blockage``, ``depth_to_draft``, ``block_coefficient``.
+
+    Examples
+    --------
+    >>> nw.SQUAT["huuska"].gives
+    'bow'
     """
 
     function: Callable[..., Number]
@@ -163,6 +168,11 @@ def choke_speed(ship: Configured | Configuration) -> float:
     ------
     InputError
         If the canal has no depth.
+
+    Examples
+    --------
+    >>> round(nw.choke_speed(kcs), 1)
+    8.6
     """
     configuration = configuration_of(ship)
     ratios(configuration, 0.0)
@@ -201,6 +211,11 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
     ------
     InputError
         If the depth is missing, the ship is as fast as the canal allows or faster, or a name is unknown.
+
+    Examples
+    --------
+    >>> print(nw.squat(kcs, u=5.0).summary())
+    The midship sinkage is 0.249 m by continuity; the canal chokes at 8.6 m/s.
     """
     if gives not in GIVES:
         raise InputError(f"no formula gives the {gives!r} sinkage; choose {', '.join(GIVES)}")

@@ -14,6 +14,11 @@ class Dimension(NamedTuple):
     ----------
     mass, length, time : int [1]
         Exponents of kg, m and s.
+
+    Examples
+    --------
+    >>> nw.Dimension(mass=1).unit
+    'kg'
     """
 
     mass: int = 0

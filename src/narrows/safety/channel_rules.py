@@ -180,6 +180,11 @@ class OutsideRules(Shown):
         Where its keel meets the banks, from the middle.
     choke : float [m/s]
         Speed at which the canal is choked; infinite if the depth is unknown.
+
+    Examples
+    --------
+    >>> nw.outside_rules(kcs.configuration).to_dataframe().empty
+    False
     """
 
     passage: Passage
@@ -268,6 +273,12 @@ def outside_rules(
     ------
     InputError
         If there is no such kind of bank.
+
+    Examples
+    --------
+    >>> rules = nw.outside_rules(kcs.configuration, bank="gentle")
+    >>> len(rules.to_dataframe()) > 2
+    True
     """
     check_choice("bank", bank, BANKS)
     ship, canal = configuration.ship, configuration.canal

@@ -42,6 +42,11 @@ class Disturbance:
     ------
     InputError
         If a number is negative (except the lever), or not finite.
+
+    Examples
+    --------
+    >>> nw.Disturbance(gust=300.0).gust
+    300.0
     """
 
     heading_deg: float = 2.0
@@ -290,6 +295,11 @@ def wind_force(speed: float, area: float, coefficient: float = 1.0) -> float:
     ------
     InputError
         If a number is negative or not finite.
+
+    Examples
+    --------
+    >>> round(nw.wind_force(speed=10.0, area=5.0, coefficient=1.0))
+    306
     """
     if not all(0 <= number < math.inf for number in (speed, area, coefficient)):
         raise InputError("a wind's speed, area and coefficient are numbers from 0; check them")

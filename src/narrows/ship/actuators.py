@@ -73,6 +73,11 @@ class Propeller(Part):
     ------
     InputError
         If a number is not finite, a size is not positive, or the wake is not a fraction.
+
+    Examples
+    --------
+    >>> nw.Propeller(6.0, 1.5, 0.3, 0.4, -0.4, 0.0).diameter
+    6.0
     """
 
     SECTION: ClassVar[str] = "propeller"
@@ -127,6 +132,11 @@ class Rudder(Part):
     ------
     InputError
         If a number is not finite, or a size is not positive.
+
+    Examples
+    --------
+    >>> nw.Rudder(40.0, 2.7, 1.0, 0.5, 0.7, -0.9, 0.4, 0.4).area
+    40.0
     """
 
     SECTION: ClassVar[str] = "rudder"
@@ -183,6 +193,11 @@ class SteeringGear(Part):
     References
     ----------
     SOLAS regulation II-1/29.3.2: from 35 degrees on one side to 30 on the other in 28 s.
+
+    Examples
+    --------
+    >>> nw.SteeringGear(35.0, 2.3).limit_deg
+    35.0
     """
 
     SECTION: ClassVar[str] = "steering"

@@ -31,6 +31,12 @@ class Motion:
         Yaw acceleration.
     heave : number [m]
         Midship sinkage, positive down.
+
+    Examples
+    --------
+    >>> motion = nw.Motion.at(y=0.5, psi=0.1, u=1.0)
+    >>> round(float(model.forces(motion)["N"]), 1)
+    -6.8
     """
 
     x: Number = 0.0

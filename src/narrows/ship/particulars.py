@@ -43,6 +43,11 @@ class Ship(Described):
     ------
     InputError
         If a particular is not a positive number or the block coefficient is over 1.
+
+    Examples
+    --------
+    >>> nw.Ship(length=230.0, beam=32.2, draft=10.8, block_coefficient=0.65).length
+    230.0
     """
 
     length: float
@@ -89,6 +94,11 @@ class Canal:
     ------
     InputError
         If a value is not a positive number.
+
+    Examples
+    --------
+    >>> nw.Canal(width=300.0, depth=16.0).in_words
+    'a canal 300 m wide, 16 m deep'
     """
 
     width: float
@@ -117,6 +127,11 @@ class Water:
     ------
     InputError
         If the density is not a positive number.
+
+    Examples
+    --------
+    >>> nw.Water(density=1025.0).density
+    1025.0
     """
 
     density: float = 1000.0
@@ -156,6 +171,12 @@ class Configuration(Described):
     ------
     InputError
         If the ship is wider than the canal or draws more than the depth, or a section is given twice.
+
+    Examples
+    --------
+    >>> configuration = nw.Configuration(nw.Ship(200.0, 30.0, 10.0, 0.65), nw.Canal(300.0, 15.0))
+    >>> configuration.canal.width
+    300.0
     """
 
     ship: Ship
@@ -277,6 +298,11 @@ def equivalent_wall(profile: Sequence[Point], depth: float) -> float:
     ------
     InputError
         If the points do not go outward, or no water is left.
+
+    Examples
+    --------
+    >>> round(nw.equivalent_wall([(10.0, 0.0), (20.0, 8.0)], depth=5.0), 2)
+    13.12
     """
     if not depth > 0:
         raise InputError(f"a depth of {depth} m is no water; give it in metres")

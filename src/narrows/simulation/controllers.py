@@ -117,6 +117,11 @@ class ConstantRudder(_WithoutMemory):
     ------
     InputError
         If it is not finite.
+
+    Examples
+    --------
+    >>> nw.simulate(kcs, u=6.0, duration=60.0, controller=nw.ConstantRudder(0.1)).grounded
+    False
     """
 
     rudder: Any
@@ -153,6 +158,12 @@ class RudderSchedule(_WithoutMemory):
     ------
     InputError
         If there is no pair, a number is not finite, or the times do not rise.
+
+    Examples
+    --------
+    >>> law = nw.RudderSchedule([(0.0, 0.1), (30.0, -0.1)])
+    >>> nw.simulate(kcs, u=6.0, duration=60.0, controller=law).grounded
+    False
     """
 
     pairs: Sequence[tuple[float, float]]
@@ -204,6 +215,12 @@ class Zigzag(_Law):
     References
     ----------
     ITTC (2017), Recommended procedure 7.5-04-02-01, Full scale manoeuvring trials.
+
+    Examples
+    --------
+    >>> law = nw.Zigzag(rudder=0.17, heading=0.17)
+    >>> nw.simulate(kcs.in_open_water(), u=6.0, duration=60.0, contact="none", controller=law).grounded
+    False
     """
 
     rudder: Any
@@ -265,6 +282,12 @@ class Autopilot(_WithoutMemory):
     ------
     InputError
         If there are not four gains, or a number is not finite.
+
+    Examples
+    --------
+    >>> pilot = nw.Autopilot(y=0.0, gains=(0.01, 2.0, 0.0, 50.0))
+    >>> nw.simulate(kcs, y=10.0, u=6.0, duration=60.0, controller=pilot).grounded
+    False
     """
 
     y: Any

@@ -55,6 +55,11 @@ def derivative(
     ------
     InputError
         If the state is not of six numbers, or an actuator is unknown.
+
+    Examples
+    --------
+    >>> nw.derivative(model, (0.0, 0.5, 0.0, 1.0, 0.0, 0.0)).shape
+    (6,)
     """
     ship = SimulatedShip(model, surge, surge_inertia, coriolis)
     check_positions(positions, ship)
@@ -92,6 +97,11 @@ def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
     ------
     InputError
         If the state is not of six numbers, the hull is in a bank, or an actuator is unknown.
+
+    Examples
+    --------
+    >>> round(float(nw.step(model, (0.0, 0.5, 0.0, 1.0, 0.0, 0.0), dt=0.1)[0]), 3)
+    0.1
     """
     numbers = state_of(state)
     options = {name: given.pop(name) for name in ("surge", "surge_inertia", "coriolis") if name in given}
@@ -137,6 +147,11 @@ class Jacobian(Shown):
         The state: x, y [m], psi [rad], u, v [m/s], r [rad/s].
     notes : tuple of str
         Uncertainties of the bank force.
+
+    Examples
+    --------
+    >>> nw.jacobian(model, y=0.5, u=1.0).A.shape
+    (6, 6)
     """
 
     A: np.ndarray
@@ -219,6 +234,11 @@ def jacobian(
     ------
     InputError
         If a number is not finite, or an actuator is unknown.
+
+    Examples
+    --------
+    >>> round(float(nw.jacobian(model, y=0.5, u=1.0).poles()[0].real), 3)
+    0.266
     """
     ship = SimulatedShip(model, surge, surge_inertia, coriolis)
     check_positions(positions, ship)

@@ -100,6 +100,12 @@ def ensemble(
     ------
     InputError
         If a name is unknown, a value does not fit, or a cluster has no store.
+
+    Examples
+    --------
+    >>> fleet = nw.ensemble(model, y=[0.2, 0.5], u=1.0)
+    >>> fleet.distance.values.round(1).tolist()
+    [20.2, 11.2]
     """
     check_workers(workers)
     check_waterway(waterway)

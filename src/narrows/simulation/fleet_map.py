@@ -18,6 +18,12 @@ class Fleet(xr.Dataset):  # type: ignore[misc]
 
     ``plot.scatter`` and the like are xarray's. A part of it (``isel``, ``where``) is a fleet without its model: its map
     has no title, and all of it is marked as untested.
+
+    Examples
+    --------
+    >>> fleet = nw.ensemble(model, y=[0.2, 0.5])
+    >>> fleet.grounded.values.tolist()
+    [True, True]
     """
 
     __slots__ = ("_model", "_waterway")

@@ -16,6 +16,11 @@ def grounding_distance(voyages: xr.Dataset) -> xr.DataArray:
     ----------
     voyages : Dataset
         From ``ensemble``.
+
+    Examples
+    --------
+    >>> float(nw.grounding_distance(nw.ensemble(model, y=[0.5], u=1.0))[0].round(1))
+    11.2
     """
     distance = voyages["distance"].where(voyages["outcome"] == Code.GROUNDED)
     return distance.assign_attrs(units="m", long_name="distance to grounding")
@@ -40,6 +45,12 @@ def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sam
     ------
     InputError
         If the voyages have no such dimension.
+
+    Examples
+    --------
+    >>> fleet = nw.ensemble(kcs, y=[0.0, 60.0], u=6.0, samples=4)
+    >>> nw.grounding_probability(fleet, 1000.0).dims
+    ('y',)
     """
     if over not in voyages.dims:
         raise InputError(

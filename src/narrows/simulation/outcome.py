@@ -65,6 +65,11 @@ class Outcome:
         step was too long.
     lengths : float [1]
         The distance in ship lengths.
+
+    Examples
+    --------
+    >>> nw.simulate(model, y=0.5, u=1.0).outcome.side
+    'port'
     """
 
     kind: str

@@ -47,6 +47,11 @@ class Sensitivities(Shown):
         Their values in the voyage.
     model : Model
         The ship.
+
+    Examples
+    --------
+    >>> nw.sensitivities(model, by=("y",), y=0.5, u=1.0, duration=1.0).voyage.grounded
+    False
     """
 
     voyage: Voyage
@@ -170,6 +175,12 @@ def sensitivities(
     ------
     InputError
         If the voyage is impossible, a name is unknown, or the controller is an object of Python.
+
+    Examples
+    --------
+    >>> slopes = nw.sensitivities(model, by=("y", "b_bank"), y=0.5, u=1.0, duration=1.0)
+    >>> slopes.voyage.grounded
+    False
     """
     if "at" in voyage:
         raise InputError("sensitivities come at the steps of the voyage; leave `at` out, and interpolate")

@@ -27,6 +27,11 @@ def bank_stiffness(configuration: Configuration) -> float:
     References
     ----------
     The derivative of Mikkelsen et al. (2025), eq. (Delta_1).
+
+    Examples
+    --------
+    >>> round(float(nw.bank_stiffness(model.configuration)), 3)
+    0.121
     """
     beam, width = configuration.ship.beam, configuration.canal.width
     return 8 * beam * width / (width - beam) ** 3
@@ -44,6 +49,11 @@ def eigenvalues(model: Model, bank: bool = True, **state: Any) -> np.ndarray:
     **state : float
         x, y [m], psi [rad], u, v [m/s], r [rad/s], rudder [rad], revolutions [1/s]. Default: on the centreline at 1
         m/s, rudder amidships, the model's propeller revolutions.
+
+    Examples
+    --------
+    >>> round(float(nw.eigenvalues(model, y=0.5, u=1.0).real.max()), 3)
+    0.266
     """
     return np.asarray(stability(model, bank, **state)["eigenvalue"].to_numpy().ravel())
 

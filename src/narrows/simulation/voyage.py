@@ -78,6 +78,12 @@ class Voyage(Tabulated):
         Points of the hull that meet a bank, forward and to starboard of midship.
     moved : mapping of Actuator to array (times,), optional
         Positions of other actuators with orders: revolutions [1/s].
+
+    Examples
+    --------
+    >>> voyage = nw.simulate(model, y=0.5, u=1.0)
+    >>> round(float(voyage.final.t), 2)
+    11.79
     """
 
     t: np.ndarray
@@ -284,6 +290,11 @@ def simulate(
     InputError
         If an input is not finite, the hull touches a bank at the start, surge lacks an inertia, or a controller has no
         rudder.
+
+    Examples
+    --------
+    >>> print(nw.simulate(model, y=0.5, u=1.0).outcome.ending)
+    Grounded to port after 11.79 s and 11.16 m along the canal, at 1.01 m/s, heading -27.1 deg.
     """
     check_waterway(waterway)
     times = None if at is None else check_times(at, duration)

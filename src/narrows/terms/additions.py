@@ -46,6 +46,11 @@ def with_helm(table: TermTable, name: str = "") -> TermTable:
     ------
     InputError
         If the table has a rudder.
+
+    Examples
+    --------
+    >>> nw.with_helm(nw.PAPER).actuators[0].name
+    'rudder'
     """
     if any(term.kind == TermKind.RUDDER for term in table.terms):
         raise InputError(f"the terms {table.name!r} have a rudder; leave +{WITH_HELM} out")

@@ -34,6 +34,11 @@ class BankForm(Described):
         Range of validity.
     status : str
         ``published``, ``form of another, coefficients refitted`` or ``ours``.
+
+    Examples
+    --------
+    >>> nw.FORMS["delta"].name
+    'delta'
     """
 
     name: str
@@ -143,6 +148,11 @@ def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTab
     ------
     InputError
         If there is no such form.
+
+    Examples
+    --------
+    >>> "b_bank" in nw.with_bank(nw.SPEED, "tuck").names
+    True
     """
     form = _form(form)
     kept = table.without(name or f"{_base(table)}+{form.name}", lambda term: term.from_bank)
@@ -178,6 +188,11 @@ def bank_only(form: str | BankForm) -> TermTable:
     ------
     InputError
         If there is no such form.
+
+    Examples
+    --------
+    >>> nw.bank_only("delta").names
+    ('b_bank', 'c_bank')
     """
     chosen = _form(form)
     return TermTable(f"bank only: {chosen.name}", (), chosen.sway, chosen.yaw)

@@ -52,7 +52,13 @@ LETTERS = ("a", "b", "c")
 
 # Properties of a term besides its regressor: its kind, its depth law, its scale effects.
 class TermKind(StrEnum):
-    """Kind of a term."""
+    """Kind of a term.
+
+    Examples
+    --------
+    >>> nw.PAPER["b_bank"].kind.name
+    'BANK'
+    """
 
     INERTIA = "inertia"
     RESISTANCE = "resistance"
@@ -119,6 +125,11 @@ class Term(Described):
     InputError
         If the name is invalid, or the regressor uses a quantity outside the vocabulary, or the canal's width although
         its kind is not ``bank``.
+
+    Examples
+    --------
+    >>> nw.PAPER["b_v"].dimension.unit
+    'kg/s'
     """
 
     name: str
@@ -213,6 +224,11 @@ class TermTable(Described):
     InputError
         If there are no terms, two terms or two actuators share a name, a term has the name of a force, or a tie names
         no term.
+
+    Examples
+    --------
+    >>> len(nw.PAPER.names)
+    17
     """
 
     name: str

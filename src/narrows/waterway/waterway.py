@@ -62,6 +62,11 @@ class Waterway(Described):
     InputError
         If a sloped bank has no depth, the line's radius is smaller than the banks' distance, or a depth is missing or
         not positive; the sentence names the place.
+
+    Examples
+    --------
+    >>> nw.straight_waterway(nw.Canal(300.0, 16.0), 5000.0).canal(100.0).width
+    300.0
     """
 
     line: Centreline
@@ -275,6 +280,12 @@ def straight_waterway(canal: Canal, length: float, heading: float = 0.0) -> Wate
     ------
     InputError
         If the length is not positive.
+
+    Examples
+    --------
+    >>> canal = nw.straight_waterway(nw.Canal(300.0, 16.0), 5000.0)
+    >>> print(canal.summary())
+    canal: 5000 m long, 300 m wide, 16 m deep, straight
     """
     if not length > 0:
         raise InputError(f"a waterway {length} m long is none; give its length in metres")

@@ -28,13 +28,18 @@ def measured_squat() -> "pd.DataFrame":
     -------
     DataFrame
         Columns ``u [m/s]``, ``y [m]`` from the tank's centreline, ``sinkage fore [mm]``, ``sinkage aft [mm]``.
+
+    Examples
+    --------
+    >>> len(nw.measured_squat()) > 10
+    True
     """
     import pandas as pd
 
     return pd.read_csv(Path(str(files("narrows") / "captive" / "measured")) / "lataire2009_squat.csv")
 
 
-def measured_tests(name: str = "kcs") -> "CaptiveTests":
+def measured_tests(name: str = "kcs", where: str | None = None) -> "CaptiveTests":
     """Read some bundled tests.
 
     Parameters
@@ -42,12 +47,19 @@ def measured_tests(name: str = "kcs") -> "CaptiveTests":
     name : str
         ``kcs``: harmonic sway and yaw of the KCS in a tank 7 m wide at three depths; ``lataire2009``: steady
         tests along sloped banks.
+    where : str, optional
+        Which rows to take, as in ``read_captive``.
 
     Raises
     ------
     InputError
         If there are no such tests.
+
+    Examples
+    --------
+    >>> sorted(nw.measured_tests("kcs").by_condition())
+    ['C0101A01', 'C0101A02', 'C0101A03']
     """
     from narrows.captive.read import read_captive
 
-    return read_captive(*measured_files(name))
+    return read_captive(*measured_files(name), where)

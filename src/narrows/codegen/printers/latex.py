@@ -70,6 +70,11 @@ def latex(
     ------
     InputError
         If a force does not exist, or a regressor does more than arithmetic.
+
+    Examples
+    --------
+    >>> print(nw.latex(nw.PAPER, forces=("X",)).count("="))
+    1
     """
     for force in forces:
         check_choice("force", force, FORCES)

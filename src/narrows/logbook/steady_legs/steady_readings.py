@@ -58,6 +58,11 @@ class ReadingErrors(Described):
     ------
     InputError
         Where one is negative or not finite, or that of the rudder, the drift or the heading is 0.
+
+    Examples
+    --------
+    >>> nw.ReadingErrors(rudder_deg=1.0).rudder_deg
+    1.0
     """
 
     y: float = 1.0
@@ -256,6 +261,11 @@ class SteadyConditions(Described):
     ------
     InputError
         Where a number is negative or not finite, or the time of a leg is 0.
+
+    Examples
+    --------
+    >>> nw.SteadyConditions(wind=2.0).wind
+    2.0
     """
 
     wind: float = 8.0

@@ -49,6 +49,11 @@ class TransitConditions(Described):
     ------
     InputError
         Where a number is negative or not finite, a time is 0, or a correlation is more than 1.
+
+    Examples
+    --------
+    >>> nw.TransitConditions(wind=2.0).wind
+    2.0
     """
 
     wind: float = 8.0
