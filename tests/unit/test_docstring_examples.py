@@ -21,7 +21,7 @@ MOST_WITHOUT = 46
 
 @pytest.fixture(scope="module")
 def names() -> dict[str, Any]:
-    """What the examples share: a published model with banks, a ready ship at full size, measured tests and their fit."""
+    """What the examples share: a model with banks, a ready ship at full size, measured tests and their fit."""
     tests = nw.measured_tests("kcs").by_condition()["C0101A01"]
     models = {"model": nw.published("mikkelsen2025_dtc"), "kcs": nw.published("estimated_kcs")}
     return {"nw": nw, "np": np, "tests": tests, "fit": nw.identify(tests), **models}
