@@ -49,7 +49,7 @@ def density(part: ForcePosterior, groups: Sequence[Sequence[int]]) -> float:
         seen = np.flatnonzero(np.isin(of_motion, group) & is_mean)
         logs = []
         for i, precision in zip(best, precisions, strict=True):
-            known = (part, posterior.parts[i], precision, posterior.log_scales[i])
+            known = (part, posterior.parts[i], precision, posterior.points[i])
             mean, spread, _ = without_rows(*known, own, np.searchsorted(own, seen))
             error, spread = rows.y[seen] - mean, 0.5 * (spread + spread.T)
             logs.append(-0.5 * (np.linalg.slogdet(2 * np.pi * spread)[1] + error @ np.linalg.solve(spread, error)))

@@ -105,15 +105,14 @@ def test_unit_of_a_column(factor: float, name: str) -> None:
     for coefficient in untied.names:
         unit = factor if coefficient == name else 1.0
         assert other.least_squares[coefficient] * unit == pytest.approx(one.least_squares[coefficient], rel=1e-6)
-        # Bounds are integrated by draws, which follow the last bits.
-        little = 0.1 * np.nan_to_num(one.std[coefficient])
+        little = 1e-3 * np.nan_to_num(one.std[coefficient])
         assert other.coefficients[coefficient] * unit == pytest.approx(
-            one.coefficients[coefficient], rel=0.02, abs=little
+            one.coefficients[coefficient], rel=1e-6, abs=little
         )
-        assert other.std[coefficient] * unit == pytest.approx(one.std[coefficient], rel=0.01, nan_ok=True)
+        assert other.std[coefficient] * unit == pytest.approx(one.std[coefficient], rel=1e-3, nan_ok=True)
         assert other.verdicts[coefficient].status == one.verdicts[coefficient].status
     for kind in ("mse", "mean_abs", "lmg"):
-        assert other.shapley(kind)[force] == pytest.approx(one.shapley(kind)[force], rel=0.02, abs=1e-12)
+        assert other.shapley(kind)[force] == pytest.approx(one.shapley(kind)[force], rel=1e-4, abs=1e-12)
 
 
 @given(factor=st.sampled_from([1e-8, 1e-3, 1e5]))

@@ -1,15 +1,19 @@
 """The mixed model against published fits, dense algebra, and twins whose errors are known."""
 
 import sys
+from dataclasses import replace
 from pathlib import Path
+from statistics import NormalDist
 
 import numpy as np
 import pytest
 
 import narrows as nw
 from narrows.captive.tests import CaptiveTests
-from narrows.identification.mixed_model import BlockErrors, MixedModel
+from narrows.identification.mixed_model import BlockErrors, Conditional, MixedModel
 from narrows.identification.motions import numbered
+from narrows.identification.scale_integration import integrate
+from narrows.identification.threads import one_thread
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "decisions"))
 from trust_kinds import honest, zero_of_a_day
@@ -25,7 +29,7 @@ DYESTUFF = np.array(
 
 
 def grouped(x: np.ndarray, y: np.ndarray, z: np.ndarray, noise: float) -> MixedModel:
-    """A model with one group of random effects, whose scale has the prior 1, and independent errors."""
+    """A model with one group of random effects, whose scale has the prior 50, and independent errors."""
     rows = len(y)
     nothing = np.zeros(1)
     errors = BlockErrors(
@@ -33,7 +37,7 @@ def grouped(x: np.ndarray, y: np.ndarray, z: np.ndarray, noise: float) -> MixedM
         np.array([4]),
     )  # fmt: skip
     group = np.full(z.shape[1], 5)
-    prior = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
+    prior = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 50.0])
     return MixedModel(np.column_stack([x, z]), y, x.shape[1], group, errors, prior, np.full(6, 1e9))
 
 
@@ -42,16 +46,18 @@ def test_dyestuff_as_lme4_prints_it() -> None:
     y = DYESTUFF.ravel()
     model = grouped(np.full((30, 1), 1000.0), y, np.kron(np.eye(6), np.ones((5, 1))), 49.51**2)
 
+    def coordinate(scale: float) -> np.ndarray:
+        """Where the half-normal prior of the batches' scale, here of 50, has it."""
+        return np.array([0.0, 0.0, 0.0, 0.0, 0.0, NormalDist().inv_cdf(2 * NormalDist().cdf(scale / 50) - 1)])
+
     def criterion(scale: float) -> float:
-        at = np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.log(scale)])
-        prior = np.log(scale) - 0.5 * scale**2  # half-normal, over the logarithm
-        others = -2.5  # priors of the five scales that are 0
+        z = coordinate(scale)
         constant = 29 * np.log(2 * np.pi) - 2 * np.log(1000.0)  # the column is 1000
-        return -2 * (model.at(at).log_density - prior - others) + constant
+        return -2 * (model.at(z).log_density + 0.5 * float(z @ z)) + constant
 
     assert criterion(42.00) == pytest.approx(319.65, abs=0.05)
     assert criterion(42.00) < min(criterion(38.0), criterion(46.0))
-    found = model.at(np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.log(42.00)]))
+    found = model.at(coordinate(42.00))
     assert 1000 * found.mean[0] == pytest.approx(1527.50, abs=0.01)
     assert 1000 * np.sqrt(found.covariance[0, 0]) == pytest.approx(19.38, abs=0.01)
 
@@ -91,6 +97,47 @@ def test_the_gradient_is_that_of_the_log_density(model: MixedModel) -> None:
         for e in np.eye(len(at))
     ]
     np.testing.assert_allclose(model.at(at, gradient=True).gradient, slopes, atol=1e-3)
+
+
+def test_points_about_the_modes_hold_the_posterior(model: MixedModel) -> None:
+    """Four times as many points give the same mean and width, and more than 30 % of the points count."""
+    found = one_thread(integrate)(model)
+    effective = 1 / (found.weights**2).sum() / len(found.weights)
+    assert effective > 0.3
+    dense = one_thread(integrate)(model, 512)
+    std = np.sqrt(np.diag(dense.covariance))
+    np.testing.assert_array_less(np.abs(found.mean - dense.mean) / std, 0.15)
+    np.testing.assert_allclose(np.sqrt(np.diag(found.covariance)), std, rtol=0.15)
+
+
+class TwoHills:
+    """A density of two normal hills, half each, of which the search finds the first."""
+
+    prior, learned, rivals = np.ones(2), np.arange(2), ()
+    centres, widths = np.array([[-1.0, 0.0], [2.0, 1.5]]), np.array([0.5, 0.4])
+
+    def at(self, z: np.ndarray, gradient: bool = False) -> Conditional:
+        apart = (z - self.centres) / self.widths[:, None]
+        logs = -0.5 * (apart**2).sum(axis=1) - 2 * np.log(self.widths)
+        total = float(np.logaddexp(*logs))
+        slope = -np.exp(logs - total) @ (apart / self.widths[:, None])
+        return Conditional(total, z, np.eye(2), slope)
+
+
+def test_a_second_mode_is_searched_for_where_one_point_outweighs_the_others() -> None:
+    found = integrate(TwoHills())  # type: ignore[arg-type]
+    np.testing.assert_allclose(found.weights @ found.points, TwoHills.centres.mean(axis=0), atol=0.1)
+
+
+def test_the_last_bits_of_the_data_do_not_move_estimates() -> None:
+    """Noise-free tests, each number of which is off by 1e-12 of itself."""
+    tests, _ = honest(np.random.default_rng(1), 0.0)
+    rng = np.random.default_rng(0)
+    columns = {n: c * (1 + 1e-12 * rng.standard_normal(len(c))) for n, c in tests.columns.items()}
+    one, other = nw.identify(tests), nw.identify(replace(tests, columns=columns))
+    for name, std in one.std.items():
+        assert other.coefficients[name] == pytest.approx(one.coefficients[name], abs=1e-3 * np.nan_to_num(std))
+        assert other.std[name] == pytest.approx(std, rel=1e-3, nan_ok=True)
 
 
 def test_a_shift_is_the_bias_that_the_effect_makes(fit: nw.Fit, model: MixedModel) -> None:

@@ -8,13 +8,13 @@ import numpy as np
 
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.interval import bounded_interval
-from narrows.identification.mixed_model import ScaleMixture
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.identification.regression.problem import Problem
 from narrows.identification.regression.solve import solve
 from narrows.identification.run_blocks import run_blocks
 from narrows.identification.run_errors import RunErrors
+from narrows.identification.scale_integration import ScaleMixture, integrate
 from narrows.identification.systematic_effects import Effect, assemble
 from narrows.identification.threads import one_thread
 from narrows.ship.particulars import Configuration
@@ -145,7 +145,7 @@ def _posterior(
     blocks = run_blocks(equations, motions, forces)
     rows = ForceRows(blocks, motions, problem, equations.columns)
     model, effects, unit = assemble(rows, errors, configuration)
-    return ForcePosterior(rows, effects, unit, model.posterior())
+    return ForcePosterior(rows, effects, unit, integrate(model))
 
 
 def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -235,5 +235,6 @@ def scales_of(part: ForcePosterior) -> Mapping[str, float]:
     """Size of each error as the tests show it: shares of the force, and multiples of the usual sizes."""
     names = ["gain", "form", "bank form", "scatter", *(f"zero of {force}" for force in part.rows.blocks.forces)]
     groups = dict.fromkeys(effect.group for effect in part.effects if effect.learned)
-    found = part.posterior.model.prior * np.exp(part.posterior.weights @ part.posterior.log_scales)
+    posterior = part.posterior
+    found = posterior.model.scales(posterior.weights @ posterior.points)[:-1]
     return dict(zip([*names, *groups], found.tolist(), strict=True))

@@ -105,19 +105,19 @@ def _without_each(part: ForcePosterior, draws: int = MOST_DRAWS) -> Iterator[tup
         own, mean = np.flatnonzero(of_motion == motion), np.flatnonzero((of_motion == motion) & is_mean)
         chosen = np.searchsorted(own, mean)
         predicted = [
-            (float(w), *without_rows(part, posterior.parts[i], precision, posterior.log_scales[i], own, chosen))
+            (float(w), *without_rows(part, posterior.parts[i], precision, posterior.points[i], own, chosen))
             for i, w, precision in zip(best, weights, precisions, strict=True)
         ]
         yield int(motion), mean, predicted
 
 
 def without_rows(
-    part: ForcePosterior, conditional: Conditional, precision: np.ndarray, log_scale: np.ndarray, own: np.ndarray,
+    part: ForcePosterior, conditional: Conditional, precision: np.ndarray, z: np.ndarray, own: np.ndarray,
     chosen: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:  # fmt: skip
     """Prediction of a motion's rows without it, the covariance of that, and covariances with and without it."""
     model = part.posterior.model
-    errors = model.covariance_of(log_scale, own)
+    errors = model.covariance_of(z, own)
     x = model.x[own]
     weighted = np.linalg.solve(errors, x)
     less = precision - x.T @ weighted

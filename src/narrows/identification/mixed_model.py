@@ -1,31 +1,23 @@
 """A linear mixed model: coefficients, random effects with learned scales, and errors that runs and motions share.
 
 ``y = X theta + Z b + e``: the effects b of a group have the variance of that group's scale squared, and the rows of a
-block (one motion and one force) share ``c I + a f f' + z 1 1'``: noise and form error, gain, zero. Log scales have
-priors; the posterior of the coefficients is averaged over them.
+block (one motion and one force) share ``c I + a f f' + z 1 1'``: noise and form error, gain, zero. Scales have half-t
+priors and are integrated over, in coordinates of which each is standard normal before the data.
 
 References
 ----------
 Henderson (1975), Best linear unbiased estimation and prediction under a selection model: the equations.
 Gelman (2006), Prior distributions for variance parameters in hierarchical models: half-t priors of scales.
-Ionides (2008), Truncated importance sampling: the weights.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
-LOWEST, HIGHEST = -5.0, 5.0  # of log scales over their priors
 # Of a coefficient's own information, added where rounding leaves columns that depend on each other.
 JITTERS = (0.0, 1e-10, 1e-8, 1e-6, 1e-4)
 SHAPES = 3  # of errors that all rows of a block share
-POINTS, SEED = 128, 26
-TAIL = 8.0  # degrees of freedom of the draws of log scales
-LEAST_CURVATURE = 0.3  # of the log density: a scale that the data do not determine is drawn within a factor of exp(1.8)
-APART, LESS_LIKELY = 1.0, 8.0  # log scales and log densities by which two modes are two and both count
-LARGE = 4.0  # log scale at which the search for a rival explanation begins
 RIDGE = 1e-6  # prior precision of a coefficient, over the force's level: so weak that it only keeps all finite
 
 
@@ -60,6 +52,11 @@ class MixedModel:
     taken: np.ndarray | None = None
 
     @cached_property
+    def learned(self) -> np.ndarray:
+        """Scales that are not said to be 0."""
+        return np.asarray(np.flatnonzero(self.prior > 0))
+
+    @cached_property
     def _joined(self) -> np.ndarray:
         return np.column_stack([self.x, self.y])
 
@@ -75,9 +72,9 @@ class MixedModel:
     def _sizes(self) -> np.ndarray:
         return np.diff(np.append(self.errors.starts, len(self.y)))
 
-    def at(self, log_scale: np.ndarray, gradient: bool = False) -> "Conditional":
-        """Solve for coefficients and effects at given scales, exp(log_scale) times their priors."""
-        scale = self.scales(log_scale)
+    def at(self, z: np.ndarray, gradient: bool = False) -> "Conditional":
+        """Solve for coefficients and effects at given coordinates of the scales."""
+        scale = self.scales(z)
         d, c = self._variances(scale)
         white, kernel, logdet = self._whitened(d, c)
         h = white.T @ white
@@ -85,13 +82,15 @@ class MixedModel:
         unit = np.concatenate([1 / np.sqrt(np.diag(h)[: self.fixed] + RIDGE), scale[self.group]])
         precision = np.concatenate([RIDGE * unit[: self.fixed] ** 2, np.ones(len(self.group))])
         m = h[:-1, :-1] * np.outer(unit, unit) + np.diag(precision)
-        m, lower = _factored(m)
-        inverse = np.linalg.inv(m) * np.outer(unit, unit)
+        lower = _factored(m)
+        inverse = _inverse(lower) * np.outer(unit, unit)
         beta = inverse @ h[:-1, -1]
-        quadratic = h[-1, -1] - beta @ h[:-1, -1]
+        # Residuals and effects, not a difference of large sums: that is rounding where columns depend on each other.
+        left = white[:, -1] - white[:, :-1] @ beta
+        quadratic = left @ left + float((precision * (beta / unit) ** 2).sum())
         logs = np.log(np.diag(lower)).sum() - np.log(unit[: self.fixed]).sum()
-        value = -0.5 * (logdet + quadratic) - logs + self._log_prior(log_scale)
-        slope = self._gradient(log_scale, scale, beta, inverse, kernel, c) if gradient else np.zeros(0)
+        value = -0.5 * (logdet + quadratic) - logs - 0.5 * float(z @ z)
+        slope = self._gradient(z, scale, beta, inverse, kernel, c) if gradient else np.zeros(0)
         return Conditional(value, beta, inverse, slope)
 
     def _whitened(self, d: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
@@ -116,17 +115,23 @@ class MixedModel:
         """The block of each row."""
         return np.repeat(np.arange(len(self.errors.starts)), self._sizes)
 
-    def covariance_of(self, log_scale: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    def covariance_of(self, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
         """Covariance of the errors of some rows, without effects."""
-        d, c = self._variances(self.scales(log_scale))
+        d, c = self._variances(self.scales(z))
         block = self._block[rows]
         w = self.errors.shapes[rows]
         same = block[:, None] == block
         return np.asarray(np.where(same, (w * d[block]) @ w.T, 0.0) + np.diag(c[block]))
 
-    def scales(self, log_scale: np.ndarray) -> np.ndarray:
-        """Every scale, and 1 for the effects whose scale is not learned."""
-        return np.append(self.prior * np.exp(log_scale), 1.0)
+    def scales(self, z: np.ndarray) -> np.ndarray:
+        """Every scale, the half-t quantile of the normal probability of z; 1 for effects whose scale is not learned."""
+        return np.append(self.prior * self._ratio(z), 1.0)
+
+    def _ratio(self, z: np.ndarray) -> np.ndarray:
+        """Every scale over its prior."""
+        from scipy import special
+
+        return np.asarray(-special.stdtrit(self.freedom, 0.5 * special.ndtr(-z)))
 
     def _variances(self, scale: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Variance of each shape (blocks, 3), and of each row by itself (blocks,)."""
@@ -136,22 +141,14 @@ class MixedModel:
         shapes = [scale[0] ** 2 / e.runs + 0.5 * form, bank, scale[e.zero_group] ** 2 / e.runs]
         return np.stack(shapes, axis=1), e.noise + form * e.form + scale[3] ** 2 * e.scatter
 
-    def _log_prior(self, log_scale: np.ndarray) -> float:
-        """Half-t of each scale, over its logarithm."""
-        ratio = np.exp(2 * log_scale)
-        # Of a scale that is said to be 0 this is a constant.
-        return float((log_scale - 0.5 * (self.freedom + 1) * np.log1p(ratio / self.freedom)).sum())
-
     def _gradient(
-        self, log_scale: np.ndarray, scale: np.ndarray, beta: np.ndarray, inverse: np.ndarray,
+        self, z: np.ndarray, scale: np.ndarray, beta: np.ndarray, inverse: np.ndarray,
         kernel: np.ndarray, c: np.ndarray,
     ) -> np.ndarray:  # fmt: skip
-        """Of the log posterior to each log scale: the identities of restricted maximum likelihood."""
-        ratio = np.exp(2 * log_scale)
-        slope = 1 - (self.freedom + 1) * ratio / (self.freedom + ratio)
+        """Of the log posterior to each coordinate: the identities of restricted maximum likelihood."""
         p, e = self.fixed, self.errors
         moment = (beta[p:] ** 2 + np.diag(inverse)[p:]) / scale[self.group] ** 2 - 1
-        slope += np.bincount(self.group, moment, len(slope) + 1)[:-1]
+        slope = np.bincount(self.group, moment, len(z) + 1)[:-1]  # to the logarithm of each scale
         w = e.shapes
         crossed, own = self._shape_products
         # B^-1 applied to all columns, and to the residual.
@@ -170,94 +167,37 @@ class MixedModel:
         slope[2] += (2 * scale[2] ** 2 * to_shape[:, 1])[e.is_mean].sum()
         slope[3] += (2 * scale[3] ** 2 * e.scatter * to_row).sum()
         np.add.at(slope, e.zero_group, 2 * scale[e.zero_group] ** 2 / e.runs * to_shape[:, 2])
-        return np.asarray(slope)
+        return np.asarray(slope * self._log_rate(z) - z)
 
-    @cached_property
-    def _learned(self) -> np.ndarray:
-        """Scales that are not said to be 0."""
-        return np.asarray(np.flatnonzero(self.prior > 0))
+    def _log_rate(self, z: np.ndarray) -> np.ndarray:
+        """Derivative of the logarithm of each scale to its coordinate: normal density over half-t density."""
+        from scipy import special
 
-    def modes(self) -> list[np.ndarray]:
-        """Log scales of the largest posterior density, from small effects and from each rival explanation."""
-        from scipy import optimize
-
-        minimize: Any = optimize.minimize
-
-        def descend(log_scale: np.ndarray) -> tuple[float, np.ndarray]:
-            at = self.at(log_scale, gradient=True)
-            return -at.log_density, -at.gradient
-
-        bounds = [(LOWEST, HIGHEST) if prior > 0 else (0.0, 0.0) for prior in self.prior]
-        small = np.where(self.prior > 0, -1.0, 0.0)
-        starts = [small, *(np.where(np.arange(len(small)) == scale, LARGE, small) for scale in self.rivals)]
-        options = {"maxiter": 100, "ftol": 1e-5}
-        found = [minimize(descend, at, jac=True, method="L-BFGS-B", bounds=bounds, options=options) for at in starts]
-        found.sort(key=lambda one: float(one.fun))
-        modes: list[np.ndarray] = []
-        for one in found:
-            near = any(np.abs(one.x - mode).max() < APART for mode in modes)
-            if not near and one.fun - found[0].fun < LESS_LIKELY:
-                modes.append(np.asarray(one.x))
-        return modes
-
-    def posterior(self, points: int = POINTS) -> "ScaleMixture":
-        """Average over the scales: weighted draws about each mode, from Student's t with mirror images."""
-        if not self._learned.size:
-            nothing = np.zeros(len(self.prior))
-            return ScaleMixture(self, nothing, nothing[None], np.ones(1), [self.at(nothing)])
-        rng = np.random.default_rng(SEED)
-        modes = self.modes()
-        spreads = [self._spread(mode) for mode in modes]
-        draws = []
-        for mode, (root, _) in zip(modes, spreads, strict=True):
-            half = rng.standard_normal((points // len(modes) // 2, len(root)))
-            half *= np.sqrt(TAIL / rng.chisquare(TAIL, (len(half), 1)))
-            moved = np.tile(mode, (2 * len(half), 1))
-            moved[:, self._learned] += np.vstack([half, -half]) @ root.T
-            draws.append(np.clip(moved, LOWEST, HIGHEST))
-        drawn = np.vstack(draws)
-        apart = [(drawn - mode)[:, self._learned] for mode in modes]
-        proposal = np.logaddexp.reduce([_log_t(a, *spread) for a, spread in zip(apart, spreads, strict=True)])
-        solved = [self.at(draw) for draw in drawn]
-        log_weight = np.array([one.log_density for one in solved]) - proposal
-        weight = np.exp(log_weight - log_weight.max())
-        weight = np.minimum(weight, np.sqrt(points) * weight.mean())
-        return ScaleMixture(self, modes[0], drawn, weight / weight.sum(), solved)
-
-    def _spread(self, mode: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Root of the covariance of the log scales, and its inverse: differences of the gradient at the mode."""
-        step, learned = 0.1, self._learned
-        base = self.at(mode, gradient=True).gradient
-        hessian = []
-        for i in learned:
-            moved = mode.copy()
-            moved[i] += step
-            hessian.append((base - self.at(moved, gradient=True).gradient)[learned] / step)
-        curvature = np.array(hessian)
-        values, vectors = np.linalg.eigh(0.5 * (curvature + curvature.T))
-        scale = 1 / np.sqrt(np.maximum(values, LEAST_CURVATURE))
-        # The symmetric root: it does not change with the signs and the order that a library gives eigenvectors.
-        return (vectors * scale) @ vectors.T, (vectors / scale) @ vectors.T
+        ratio, nu = self._ratio(z), self.freedom
+        log_t = special.gammaln(0.5 * (nu + 1)) - special.gammaln(0.5 * nu) - 0.5 * np.log(nu * np.pi)
+        log_t -= 0.5 * (nu + 1) * np.log1p(ratio**2 / nu)
+        return np.asarray(0.5 * np.exp(-0.5 * z**2 - 0.5 * np.log(2 * np.pi) - log_t) / ratio)
 
 
-def _log_t(apart: np.ndarray, root: np.ndarray, inverse: np.ndarray) -> np.ndarray:
-    """Log density of Student's t about a mode, up to a constant that all modes share."""
-    distance = ((apart @ inverse.T) ** 2).sum(axis=1)
-    return np.asarray(-0.5 * (TAIL + len(root)) * np.log1p(distance / TAIL) - np.linalg.slogdet(root)[1])
-
-
-def _factored(m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A matrix of unit diagonal and its Cholesky factor, with as little added to its diagonal as that needs."""
+def _factored(m: np.ndarray) -> np.ndarray:
+    """Cholesky factor of a matrix of unit diagonal, with as little added to its diagonal as that needs."""
     for jitter in JITTERS:
         try:
-            raised = m + jitter * np.eye(len(m))
-            return raised, np.linalg.cholesky(raised)
+            return np.linalg.cholesky(m + jitter * np.eye(len(m)))
         except np.linalg.LinAlgError:
             continue
     # Beyond that the matrix is rounding in some direction: there its eigenvalues are raised.
     values, vectors = np.linalg.eigh(m)
     raised = (vectors * np.maximum(values, JITTERS[-1])) @ vectors.T
-    return raised, np.linalg.cholesky(raised + JITTERS[1] * np.eye(len(m)))
+    return np.linalg.cholesky(raised + JITTERS[1] * np.eye(len(m)))
+
+
+def _inverse(lower: np.ndarray) -> np.ndarray:
+    """Inverse of a matrix by its Cholesky factor."""
+    from scipy.linalg import lapack
+
+    half = np.tril(lapack.dpotri(lower, lower=1)[0])
+    return np.asarray(half + np.tril(half, -1).T)
 
 
 @dataclass(frozen=True)
@@ -268,51 +208,3 @@ class Conditional:
     mean: np.ndarray  # (p + q,)
     covariance: np.ndarray  # (p + q, p + q)
     gradient: np.ndarray  # (scales,) of the log density; empty unless asked for
-
-
-@dataclass(frozen=True)
-class ScaleMixture:
-    """A mixture of Gaussians, one for each draw of the scales."""
-
-    model: MixedModel
-    mode: np.ndarray
-    log_scales: np.ndarray
-    weights: np.ndarray
-    parts: list[Conditional]
-
-    @cached_property
-    def _combined(self) -> np.ndarray:
-        """Coefficients of the best-fitting terms by coefficients and effects, (p, p + q)."""
-        p, taken = self.model.fixed, self.model.taken
-        return np.hstack([np.eye(p), np.zeros((p, len(self.model.group))) if taken is None else taken])
-
-    @cached_property
-    def means(self) -> np.ndarray:
-        """Coefficients of each draw, (draws, p)."""
-        return np.asarray(np.stack([part.mean for part in self.parts]) @ self._combined.T)
-
-    @cached_property
-    def covariances(self) -> np.ndarray:
-        """Covariance of each draw, (draws, p, p)."""
-        return np.stack([self._combined @ part.covariance @ self._combined.T for part in self.parts])
-
-    @cached_property
-    def mean(self) -> np.ndarray:
-        """Of the coefficients, (p,)."""
-        return np.asarray(self.weights @ self.means)
-
-    @cached_property
-    def covariance(self) -> np.ndarray:
-        """Of the coefficients, (p, p)."""
-        apart = self.means - self.mean
-        return np.asarray(np.einsum("d,dij->ij", self.weights, self.covariances) + (apart.T * self.weights) @ apart)
-
-    @cached_property
-    def shifts(self) -> np.ndarray:
-        """Bias of each coefficient by an effect of one that is there, (p, q)."""
-        p = self.model.fixed
-        shift = np.zeros((p, len(self.model.group)))
-        for weight, draw, part in zip(self.weights, self.log_scales, self.parts, strict=True):
-            scale = self.model.scales(draw)
-            shift -= weight * (self._combined @ part.covariance[:, p:]) / scale[self.model.group] ** 2
-        return shift

@@ -268,7 +268,7 @@ def assemble(
     group = np.array([places[effect.group] for effect in found.effects], int)
     prior = np.array([*runs, *[1.0] * len(groups)])
     freedom = np.array([USUAL_FREEDOM] * len(runs) + [FREEDOM.get(name, USUAL_FREEDOM) for name in groups])
-    rivals = tuple(places[name] for name in (SHAPE, BANK, TYPES, WITH_OFFSET, SETTLING) if name in places)
+    rivals = tuple(places[name] for name in (SHAPE, BANK, TYPES, WITH_OFFSET, SETTLING, CROSSTALK) if name in places)
     taken = _taken(rows, x, found.effects)
     model = MixedModel(x, rows.y, len(rows.slots), group, _block_errors(rows), prior, freedom, rivals, taken)
     return model, found.effects, unit

@@ -1,0 +1,208 @@
+"""Integration over the scales of a mixed model: importance sampling from densities that are fitted at its modes.
+
+About each mode the proposal is a split normal density: an axis has one width below the mode and another above. Points
+are a fixed Sobol sequence, so that the answer is a smooth function of the data.
+
+References
+----------
+Geweke (1989), Bayesian inference in econometric models using Monte Carlo integration: split normal densities.
+Raftery, Bao (2010), Estimating and projecting trends in HIV/AIDS generalized epidemics using incremental mixture
+    importance sampling: a mode is added where one point outweighs the others.
+Ionides (2008), Truncated importance sampling: the weights.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from narrows.identification.mixed_model import Conditional, MixedModel
+
+LOWEST, HIGHEST = -4.0, 6.0  # of the coordinates of scales, which are standard normal before the data
+POINTS, SEED = 128, 26
+SMALL, LARGE = -0.5, 3.0  # coordinates at which the search for a mode, and for a rival explanation, begins
+LEAST_CURVATURE = 0.5  # of the log density at a mode; 1 where the data do not determine a scale
+STEP = 0.1  # of the differences that give the curvature
+REACH = 2.0  # standard deviations at which widths are measured
+NARROW, WIDE = 0.5, 2.0  # widths over those of the curvature
+APART, LESS_LIKELY = 1.0, 8.0  # coordinates and log densities by which two modes are two and both count
+LEAST_SHARE = 0.2  # of the points, for each mode
+HEAVY = 0.15  # weight of one point at which another mode is searched for from there
+MOST_MODES = 5
+
+
+@dataclass(frozen=True)
+class SplitNormal:
+    """A density about a mode in the coordinates that are learned."""
+
+    mode: np.ndarray  # (d,)
+    root: np.ndarray  # (d, d) symmetric, of the inverse curvature
+    inverse: np.ndarray  # of the root
+    widths: np.ndarray  # (2, d) below and above the mode
+    log_size: float  # logarithm of the posterior's integral, about
+
+    def points(self, count: int) -> np.ndarray:
+        """Fixed points of low discrepancy, (count, d)."""
+        from scipy import special, stats
+
+        below, above = self.widths
+        sobol = stats.qmc.Sobol(len(self.mode), seed=SEED).random_base2(int(np.ceil(np.log2(count))))[:count]
+        u, total = np.clip(sobol, 1e-9, 1 - 1e-9), below + above
+        half = np.where(u * total < below, u * total / (2 * below), 1 - (1 - u) * total / (2 * above))
+        return np.asarray(self.mode + np.where(half < 0.5, below, above) * special.ndtri(half) @ self.root)
+
+    def log_density(self, at: np.ndarray) -> np.ndarray:
+        """Up to a constant that all modes share."""
+        x = (at - self.mode) @ self.inverse
+        return np.asarray(-0.5 * ((x / np.where(x < 0, *self.widths)) ** 2).sum(axis=1) - self._log_volume)
+
+    @property
+    def _log_volume(self) -> float:
+        return float(np.linalg.slogdet(self.root)[1] + np.log(self.widths.mean(axis=0)).sum())
+
+
+def integrate(model: MixedModel, points: int = POINTS) -> "ScaleMixture":
+    """Weigh points about every mode of the scales by the posterior over the proposal."""
+    if not model.learned.size:
+        nothing = np.zeros(len(model.prior))
+        return ScaleMixture(model, nothing, nothing[None], np.ones(1), [model.at(nothing)])
+    modes = search(model)
+    densities = [_fitted(model, mode) for mode in modes]
+    while True:
+        mixture = _weighed(model, densities, points)
+        heaviest = int(mixture.weights.argmax())
+        if mixture.weights[heaviest] < HEAVY or len(modes) == MOST_MODES:
+            return mixture
+        more = _distinct([*modes, _climb(model, mixture.points[heaviest])])
+        if len(more) == len(modes):
+            return mixture
+        densities.append(_fitted(model, more[-1]))
+        modes = more
+
+
+def _weighed(model: MixedModel, densities: list[SplitNormal], points: int) -> "ScaleMixture":
+    sizes = np.exp([one.log_size - max(d.log_size for d in densities) for one in densities])
+    share = np.maximum(sizes / sizes.sum(), LEAST_SHARE)
+    counts = np.ceil(points * share / share.sum()).astype(int)
+    drawn = np.vstack([one.points(count) for one, count in zip(densities, counts, strict=True)])
+    proposal = np.logaddexp.reduce(
+        [np.log(count) + one.log_density(drawn) for one, count in zip(densities, counts, strict=True)]
+    )
+    whole = np.zeros((len(drawn), len(model.prior)))
+    whole[:, model.learned] = np.clip(drawn, LOWEST, HIGHEST)
+    parts = [model.at(z) for z in whole]
+    log_weight = np.array([one.log_density for one in parts]) - proposal
+    weight = np.exp(log_weight - log_weight.max())
+    weight = np.minimum(weight, np.sqrt(points) * weight.mean())
+    mode = np.zeros(len(model.prior))
+    mode[model.learned] = densities[int(sizes.argmax())].mode
+    return ScaleMixture(model, mode, whole, weight / weight.sum(), parts)
+
+
+def search(model: MixedModel) -> list[np.ndarray]:
+    """Modes of the scales, from small effects and from each rival explanation."""
+    small = np.where(model.prior > 0, SMALL, 0.0)
+    starts = [small, *(np.where(np.arange(len(small)) == scale, LARGE, small) for scale in model.rivals)]
+    found = sorted((_climb(model, start) for start in starts), key=lambda one: -one[1])
+    return _distinct(found)
+
+
+def _climb(model: MixedModel, start: np.ndarray) -> tuple[np.ndarray, float]:
+    """The mode from a start on, and its log density."""
+    from scipy import optimize
+
+    minimize: Any = optimize.minimize
+
+    def descend(z: np.ndarray) -> tuple[float, np.ndarray]:
+        at = model.at(z, gradient=True)
+        return -at.log_density, -at.gradient
+
+    bounds = [(LOWEST, HIGHEST) if prior > 0 else (0.0, 0.0) for prior in model.prior]
+    options = {"maxiter": 100, "ftol": 1e-4}
+    found = minimize(descend, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options)
+    return np.asarray(found.x), -float(found.fun)
+
+
+def _distinct(found: list[tuple[np.ndarray, float]]) -> list[tuple[np.ndarray, float]]:
+    """Modes that are no neighbours of an earlier one, and not much less likely than the first."""
+    modes: list[tuple[np.ndarray, float]] = []
+    for at, value in found:
+        near = any(np.abs(at - mode).max() < APART for mode, _ in modes)
+        if not near and value > found[0][1] - LESS_LIKELY:
+            modes.append((at, value))
+    return modes
+
+
+def _fitted(model: MixedModel, found: tuple[np.ndarray, float]) -> SplitNormal:
+    """Split normal density: the curvature by differences of the gradient, widths by the log density to both sides."""
+    learned, mode = model.learned, found[0].copy()
+    slope = model.at(mode, gradient=True).gradient[learned]
+    moved = mode + STEP * np.eye(len(mode))[learned]
+    curvature = [(slope - model.at(z, gradient=True).gradient[learned]) / STEP for z in moved]
+    values, vectors = np.linalg.eigh(0.5 * (np.array(curvature) + np.transpose(curvature)))
+    values = np.maximum(values, LEAST_CURVATURE)
+    # A step of Newton, so that the mode does not depend on when the search stopped.
+    newton = (vectors / values) @ vectors.T @ slope
+    mode[learned] = np.clip(mode[learned] + newton, LOWEST, HIGHEST)
+    # The symmetric root: it does not change with the signs and the order that a library gives eigenvectors.
+    root, inverse = (vectors / np.sqrt(values)) @ vectors.T, (vectors * np.sqrt(values)) @ vectors.T
+    top = model.at(mode).log_density
+    widths = np.ones((2, len(learned)))
+    for side, sign in enumerate((-1.0, 1.0)):
+        for i in range(len(learned)):
+            z = mode.copy()
+            z[learned] += sign * REACH * root[i]
+            drop = max(top - model.at(z).log_density, 0.0)
+            widths[side, i] = REACH / np.sqrt(2 * drop + 1e-12)
+    widths = np.clip(widths, NARROW, WIDE)
+    size = top + np.linalg.slogdet(root)[1] + np.log(widths.mean(axis=0)).sum()
+    return SplitNormal(mode[learned], root, inverse, widths, float(size))
+
+
+@dataclass(frozen=True)
+class ScaleMixture:
+    """A mixture of Gaussians, one for each point of the scales."""
+
+    model: MixedModel
+    mode: np.ndarray
+    points: np.ndarray  # (draws, scales) coordinates
+    weights: np.ndarray
+    parts: list[Conditional]
+
+    @cached_property
+    def _combined(self) -> np.ndarray:
+        """Coefficients of the best-fitting terms by coefficients and effects, (p, p + q)."""
+        p, taken = self.model.fixed, self.model.taken
+        return np.hstack([np.eye(p), np.zeros((p, len(self.model.group))) if taken is None else taken])
+
+    @cached_property
+    def means(self) -> np.ndarray:
+        """Coefficients of each draw, (draws, p)."""
+        return np.asarray(np.stack([part.mean for part in self.parts]) @ self._combined.T)
+
+    @cached_property
+    def covariances(self) -> np.ndarray:
+        """Covariance of each draw, (draws, p, p)."""
+        return np.stack([self._combined @ part.covariance @ self._combined.T for part in self.parts])
+
+    @cached_property
+    def mean(self) -> np.ndarray:
+        """Of the coefficients, (p,)."""
+        return np.asarray(self.weights @ self.means)
+
+    @cached_property
+    def covariance(self) -> np.ndarray:
+        """Of the coefficients, (p, p)."""
+        apart = self.means - self.mean
+        return np.asarray(np.einsum("d,dij->ij", self.weights, self.covariances) + (apart.T * self.weights) @ apart)
+
+    @cached_property
+    def shifts(self) -> np.ndarray:
+        """Bias of each coefficient by an effect of one that is there, (p, q)."""
+        p = self.model.fixed
+        shift = np.zeros((p, len(self.model.group)))
+        for weight, draw, part in zip(self.weights, self.points, self.parts, strict=True):
+            scale = self.model.scales(draw)
+            shift -= weight * (self._combined @ part.covariance[:, p:]) / scale[self.model.group] ** 2
+        return shift
