@@ -114,7 +114,7 @@ class TwoHills:
     """A density of two normal hills, half each, of which the search finds the first."""
 
     prior, learned, rivals = np.ones(2), np.arange(2), ()
-    centres, widths = np.array([[-1.0, 0.0], [2.0, 1.5]]), np.array([0.5, 0.4])
+    centres, widths = np.array([[-1.0, 0.0], [0.6, 0.9]]), np.array([0.5, 0.4])
 
     def at(self, z: np.ndarray, gradient: bool = False) -> Conditional:
         apart = (z - self.centres) / self.widths[:, None]

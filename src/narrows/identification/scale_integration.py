@@ -70,9 +70,9 @@ def integrate(model: MixedModel, points: int = POINTS) -> "ScaleMixture":
     modes = search(model)
     densities = [_fitted(model, mode) for mode in modes]
     while True:
-        mixture = _weighed(model, densities, points)
-        heaviest = int(mixture.weights.argmax())
-        if mixture.weights[heaviest] < HEAVY or len(modes) == MOST_MODES:
+        mixture, weight = _weighed(model, densities, points)
+        heaviest = int(weight.argmax())
+        if weight[heaviest] < HEAVY or len(modes) == MOST_MODES:
             return mixture
         more = _distinct([*modes, _climb(model, mixture.points[heaviest])])
         if len(more) == len(modes):
@@ -81,7 +81,8 @@ def integrate(model: MixedModel, points: int = POINTS) -> "ScaleMixture":
         modes = more
 
 
-def _weighed(model: MixedModel, densities: list[SplitNormal], points: int) -> "ScaleMixture":
+def _weighed(model: MixedModel, densities: list[SplitNormal], points: int) -> tuple["ScaleMixture", np.ndarray]:
+    """The mixture, whose weights are truncated, and the weights before that."""
     sizes = np.exp([one.log_size - max(d.log_size for d in densities) for one in densities])
     share = np.maximum(sizes / sizes.sum(), LEAST_SHARE)
     counts = np.ceil(points * share / share.sum()).astype(int)
@@ -94,13 +95,14 @@ def _weighed(model: MixedModel, densities: list[SplitNormal], points: int) -> "S
     parts = [model.at(z) for z in whole]
     log_weight = np.array([one.log_density for one in parts]) - proposal
     weight = np.exp(log_weight - log_weight.max())
-    weight = np.minimum(weight, np.sqrt(points) * weight.mean())
+    weight /= weight.sum()
+    truncated = np.minimum(weight, np.sqrt(points) / len(weight))
     mode = np.zeros(len(model.prior))
     mode[model.learned] = densities[int(sizes.argmax())].mode
-    return ScaleMixture(model, mode, whole, weight / weight.sum(), parts)
+    return ScaleMixture(model, mode, whole, truncated / truncated.sum(), parts), weight
 
 
-def search(model: MixedModel) -> list[np.ndarray]:
+def search(model: MixedModel) -> list[tuple[np.ndarray, float]]:
     """Modes of the scales, from small effects and from each rival explanation."""
     small = np.where(model.prior > 0, SMALL, 0.0)
     starts = [small, *(np.where(np.arange(len(small)) == scale, LARGE, small) for scale in model.rivals)]
@@ -142,9 +144,10 @@ def _fitted(model: MixedModel, found: tuple[np.ndarray, float]) -> SplitNormal:
     curvature = [(slope - model.at(z, gradient=True).gradient[learned]) / STEP for z in moved]
     values, vectors = np.linalg.eigh(0.5 * (np.array(curvature) + np.transpose(curvature)))
     values = np.maximum(values, LEAST_CURVATURE)
-    # A step of Newton, so that the mode does not depend on when the search stopped.
-    newton = (vectors / values) @ vectors.T @ slope
-    mode[learned] = np.clip(mode[learned] + newton, LOWEST, HIGHEST)
+    # Steps of Newton, so that the mode does not depend on when the search stopped.
+    for _ in range(2):
+        mode[learned] = np.clip(mode[learned] + (vectors / values) @ vectors.T @ slope, LOWEST, HIGHEST)
+        slope = model.at(mode, gradient=True).gradient[learned]
     # The symmetric root: it does not change with the signs and the order that a library gives eigenvectors.
     root, inverse = (vectors / np.sqrt(values)) @ vectors.T, (vectors * np.sqrt(values)) @ vectors.T
     top = model.at(mode).log_density
