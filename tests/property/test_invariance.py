@@ -106,7 +106,7 @@ def test_unit_of_a_column(factor: float, name: str) -> None:
         unit = factor if coefficient == name else 1.0
         assert other.least_squares[coefficient] * unit == pytest.approx(one.least_squares[coefficient], rel=1e-6)
         std = one.std[coefficient]
-        assert other.std[coefficient] * unit == pytest.approx(std, rel=2e-3, nan_ok=True)
+        assert other.std[coefficient] * unit == pytest.approx(std, rel=5e-3, nan_ok=True)
         if std > 0:  # The value of one that is not excited is the prior's, in the unit of its empty column.
             assert other.coefficients[coefficient] * unit == pytest.approx(
                 one.coefficients[coefficient], abs=1e-3 * std
