@@ -34,7 +34,7 @@ from narrows.safety import MEDIAN, SURE_SHARE, OutsideRules, SafeEnvelope
 from narrows.safety.channel_rules import READ, REMEMBERED
 
 PALE, PALER = "#7FB8DA", "#D6E8F3"
-UNTESTED = ".."
+UNTESTED = "\\\\\\"
 # A4, landscape [in].
 PAGE = (11.7, 8.3)
 
@@ -68,11 +68,12 @@ def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> list[Any]:
     y, u = data["y"].to_numpy(), data["u"].to_numpy() / KNOT
     if len(y) > 1 and len(u) > 1:
         held = data["held"].to_numpy().T
-        known = data["known"].to_numpy().T
-        axes.contourf(y, u, known, levels=[SURE_SHARE, 1.01], colors=[PALER])
-        axes.contourf(y, u, held, levels=[SURE_SHARE, 1.01], colors=[PALE])
-        _line(axes, y, u, known, SURE_SHARE, "-", 0.9, BLUE)
-        _line(axes, y, u, held, SURE_SHARE, "-", 1.8)
+        _hatch(axes, y, u, np.where(data["clear"].to_numpy()[:, None], held, 0.0))
+        for name, colour, edge, width in (("known", PALER, BLUE, 0.9), ("held", PALE, BLACK, 1.8)):
+            share = np.where(_counted(envelope), data[name].to_numpy().T, 0.0)
+            if (share >= SURE_SHARE).any():
+                axes.contourf(y, u, share, levels=[SURE_SHARE, 1.01], colors=[colour])
+            _line(axes, y, u, share, SURE_SHARE, "-", width, edge)
         _line(axes, y, u, held, MEDIAN, "--", 1.0)
         for name in ("held_low", "held_high"):
             _line(axes, y, u, data[name].to_numpy().T, SURE_SHARE, ":", 1.0)
@@ -87,6 +88,20 @@ def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> list[Any]:
     return handles
 
 
+def _counted(envelope: SafeEnvelope) -> np.ndarray:
+    """Return the cells that may be drawn as safe, (speeds, offsets): tested, in a tested section, and clear."""
+    data = envelope.data.transpose("y", "u", ...)
+    return np.asarray(data["tested"].to_numpy().T & data["clear"].to_numpy()[:, None] & (not envelope.untested))
+
+
+def _hatch(axes: Axes, y: np.ndarray, u: np.ndarray, share: np.ndarray) -> None:
+    """Hatch what is safe by the model; the part that was tested is filled above it."""
+    if (share >= SURE_SHARE).any():
+        areas = axes.contourf(y, u, share, levels=[SURE_SHARE, 1.01], colors=["none"], hatches=[UNTESTED])
+        areas.set_edgecolor(PURPLE)
+        areas.set_linewidth(0.0)
+
+
 def _line(
     axes: Axes, y: np.ndarray, u: np.ndarray, share: np.ndarray, level: float, style: str, width: float,
     colour: str = BLACK,
@@ -96,7 +111,12 @@ def _line(
 
 
 def _draw_marks(axes: Axes, envelope: SafeEnvelope) -> None:
-    for safe, colour in ((envelope.by_some_helm(), PALER), (envelope.by_model(), PALE)):
+    counted = xr.DataArray(_counted(envelope).T, dims=("y", "u"))
+    for safe, colour in (
+        (envelope.by_model(), "none"),
+        (envelope.by_some_helm() & counted, PALER),
+        (envelope.by_model() & counted, PALE),
+    ):
         where = safe.stack(place=("y", "u"))
         safe = where[where.to_numpy()]
         axes.scatter(safe["y"], safe["u"] / KNOT, color=colour, edgecolor=BLACK, lw=0.6, s=40, zorder=3)
@@ -114,32 +134,23 @@ def _shade(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> 
     if not data["clear"].all():
         engine = ", engine" if "rudder_kick" in data else ""
         handles.append(Patch(facecolor="white", edgecolor=ORANGE, hatch="///", label=f"keel or choked canal{engine}"))
-    edges = (y[0] - _half(y), y[-1] + _half(y), u[0] - _half(u), u[-1] + _half(u))
-    for left, right, low, high in _untested(axes, envelope, *edges):
-        axes.fill_between(
-            (left, right), low, high, facecolor="none", edgecolor=PURPLE, hatch=UNTESTED, lw=0, zorder=2.6
-        )
+    _draw_ends_of_tests(axes, envelope, (y[0] - _half(y), y[-1] + _half(y)), (u[0] - _half(u), u[-1] + _half(u)))
     if envelope.untested or not data["tested"].all():
-        handles.append(Patch(facecolor="none", edgecolor=PURPLE, hatch=UNTESTED, label="not tested: the model's guess"))
+        words = "safe by the model, not tested"
+        handles.append(Patch(facecolor="none", edgecolor=PURPLE, hatch=UNTESTED, label=words))
     return handles
 
 
-Box = tuple[float, float, float, float]
-
-
-def _untested(axes: Axes, envelope: SafeEnvelope, left: float, right: float, low: float, high: float) -> list[Box]:
-    boxes: list[Box] = []
+def _draw_ends_of_tests(
+    axes: Axes, envelope: SafeEnvelope, offsets: tuple[float, float], speeds: tuple[float, float]
+) -> None:
     far = envelope.data.attrs.get("tested_offset", (0.0, np.inf))[1]
-    slow, fast = (end / KNOT for end in envelope.data.attrs.get("tested_speed", (0.0, np.inf)))
-    for edge, box in ((slow, (left, right, low, slow)), (fast, (left, right, fast, high))):
-        if low < edge < high:
-            axes.axhline(edge, color=PURPLE, lw=1.2)
-            boxes.append(box)
-    for edge, box in ((-far, (left, -far, low, high)), (far, (far, right, low, high))):
-        if left < edge < right:
+    for edge in envelope.data.attrs.get("tested_speed", ()):
+        if speeds[0] < edge / KNOT < speeds[1]:
+            axes.axhline(edge / KNOT, color=PURPLE, lw=1.2)
+    for edge in (-far, far):
+        if offsets[0] < edge < offsets[1]:
             axes.axvline(edge, color=PURPLE, lw=1.2)
-            boxes.append(box)
-    return [(left, right, low, high)] if envelope.untested or fast <= low or slow >= high else boxes
 
 
 def _bands(marked: np.ndarray, values: np.ndarray) -> list[tuple[float, float]]:

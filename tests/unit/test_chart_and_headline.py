@@ -1,0 +1,58 @@
+"""The chart of an envelope fills the cells that the headline calls safe: read from its pixels, cell by cell."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_rgb
+
+import narrows as nw
+from narrows.quantities.names import KNOT
+from narrows.report.envelope_chart import PALE, PALER
+
+Y, U = np.linspace(-90.0, 90.0, 7), np.linspace(3.0, 8.5, 6)
+
+
+@cache
+def asked() -> nw.SafeEnvelope:
+    model = nw.published("estimated_kcs")
+    every = dict.fromkeys(("abs_y", "depth_to_draft", "width_to_beam"), (0.0, 1e6))
+    known = replace(model.data_range, speed=(3.5, 6.0), **every)
+    return nw.safe_envelope(replace(model, covariance=None, data_range=known), Y, U, samples=10)
+
+
+def filled(envelope: nw.SafeEnvelope) -> np.ndarray:
+    """Whether pixels around each cell have a colour of safety, (offsets, speeds)."""
+    figure = envelope.plot()
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    pixels = np.asarray(canvas.buffer_rgba())[..., :3].astype(int)
+    axes = figure.axes[0]
+    colours = np.array([np.round(255 * np.array(to_rgb(colour))) for colour in (PALE, PALER)])
+
+    def at(y: float, u: float) -> bool:
+        x, up = axes.transData.transform((y, u / KNOT))
+        row, column = pixels.shape[0] - round(up), round(x)
+        around = pixels[max(row - 3, 0) : row + 4, max(column - 3, 0) : column + 4].reshape(-1, 3)
+        return bool((np.abs(around[:, None] - colours).max(axis=-1) <= 2).any())
+
+    return np.array([[at(y, u) for u in U] for y in Y])
+
+
+def test_the_filled_cells_are_the_safe_ones() -> None:
+    found = asked()
+    safe = found.safe().transpose("y", "u").to_numpy()
+    np.testing.assert_array_equal(filled(found), safe)
+    assert 0 < safe.sum() < found.by_model().sum()
+    speeds = U[safe.any(axis=0)] / KNOT
+    assert f"from {speeds[0]:.1f} to {speeds[-1]:.1f} knots" in found.summary()
+
+
+@pytest.mark.parametrize("name", ["untested", "tested"])
+def test_what_was_not_tested_is_never_filled(name: str) -> None:
+    """A section that was not tested, or no cell that was."""
+    data = asked().data
+    data = data.assign_attrs(untested="W/B 9") if name == "untested" else data.assign(tested=data["tested"] & False)
+    assert not filled(nw.SafeEnvelope(data)).any()
