@@ -1,0 +1,35 @@
+"""Words of the README and the docs: British spelling, and none of the turns that a reader has to read twice."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
+AMERICAN = r"\b(?:behavior|center|modeling|neighbor|analyze|color|gray|maneuver\w*|meters?|traveled|labeled)\b"
+# Turns that are not used, and in how many places they still stand: lower the number with each that goes.
+TURNS = {
+    r"\(ours\)": 0, r"\bwherefrom\b": 0, r"\bnineteen cases\b": 0, r"\bgoes by\b": 0, r"\bforetell\w*": 2,
+    r"\bas it stands\b": 1, r"\bbrought to\b": 2, r"\bheld to\b": 8, r"\bin doubt\b": 3,
+    r"\b(?:tests|data|runs|logs?|gauges?|rudders?) (?:say|tell|know|hear|feel|teach)s?\b": 4,
+}  # fmt: skip
+
+
+def found(pattern: str) -> list[str]:
+    """The lines of prose that have a pattern: code between backticks and fences is none."""
+    lines = []
+    for page in PAGES:
+        text = re.sub(r"```.*?```|`[^`]*`|^:::.*$|\{[^}]*\}", "", page.read_text(encoding="utf-8"), flags=re.S | re.M)
+        lines += [f"{page.name}: {line.strip()}" for line in text.splitlines() if re.search(pattern, line)]
+    return lines
+
+
+def test_spelling_is_british() -> None:
+    assert found(AMERICAN) == []
+
+
+@pytest.mark.parametrize("turn", TURNS)
+def test_turns_that_are_read_twice_grow_fewer(turn: str) -> None:
+    lines = found(turn)
+    assert len(lines) <= TURNS[turn], lines
