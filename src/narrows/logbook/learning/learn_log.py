@@ -4,34 +4,39 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from narrows.errors import InputError
+from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_fit import LogFit
 from narrows.logbook.learning.log_prior import Spread
 from narrows.logbook.learning.log_result import log_result
 from narrows.logbook.learning.log_source import LogSource
 from narrows.logbook.learning.posed_log import posed_log
-from narrows.logbook.learning.refined_search import refined_search
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import ShipLog
 from narrows.model.model import Model
+from narrows.progress import stage
 
 if TYPE_CHECKING:
     from narrows.waterway import Waterway
 
 SENSORS = "vdr"
+RUNS_AWAY = (
+    "the model cannot follow this log at all: its motion goes to infinity; look at signs and axes with `check_log`"
+)
 
 
 def learn(
     model: Model, log: Any, *, free: Sequence[str] = (), sensors: str | SensorGrade = SENSORS,
-    spread: Spread | None = None, gusts: bool | None = None, waterway: "Waterway | None" = None,
-    window: float | None = None, **choices: Any,
+    spread: Spread | None = None, gusts: bool | None = None, asymmetry: bool | None = None,
+    waterway: "Waterway | None" = None, **choices: Any,
 ) -> LogFit:  # fmt: skip
     """Learn from what a ship did under its own helm: zigzags, turning circles, transits of a canal.
 
-    Records are cut into windows, each sailed from a start of its own under the rudder that was recorded; coefficients,
-    starts, and what sensors, wind and gusts do to each record are most likely together. Where gusts act, the push of a
-    window is a number in a first-order chain, as strong and as long as the records make most likely, for a pilot
-    answers gusts, and taken as noise they would look like a bank. Motion tells of forces over inertia alone, so that
-    the prior of the inertia holds the rest.
+    A Kalman filter predicts each reading from the earlier ones under the recorded rudder; the coefficients maximise the
+    likelihood of its errors (innovations) and the prior. Gusts are first-order Gauss-Markov processes, as strong and as
+    long as the records make most likely; sensor errors, currents and a steady wind are estimated with the ship's state.
+    Where no gusts act, whole records are predicted from their start. Motion determines forces over inertia alone, so
+    that the prior of the inertia holds the rest. Ctrl-C ends the search and keeps what was found.
 
     Parameters
     ----------
@@ -48,11 +53,12 @@ def learn(
         Of a model that has no covariance: standard deviations over the size of coefficients, inertia held, or each in
         its own unit.
     gusts : bool, optional
-        Whether pushes with a memory act; in all but a basin, unless said otherwise.
+        Whether gusts act; in all but a basin, unless given.
+    asymmetry : bool, optional
+        Whether a constant sway force and yaw moment of the ship are learned, as its propeller or a rudder zero make
+        them; where no gusts act and ``free`` names nothing, unless given. They stay in the model.
     waterway : Waterway, optional
         Along which x and y are told; the one of the log, or else the model's own canal.
-    window : float, optional [s]
-        Length of a window; 3.5 times that of a ship length, or a tenth of it where gusts act.
     **choices : Any
         As for ``simulate``: surge, surge_inertia, coriolis.
 
@@ -67,11 +73,14 @@ def learn(
         Where the model has neither covariance nor spread, a name is unknown, or no record can be used.
     """
     posed = posed_log(
-        model, log, sensors, free=free, spread=spread, gusts=gusts, waterway=waterway, window=window, **choices
+        model, log, sensors, free=free, spread=spread, gusts=gusts, asymmetry=asymmetry, waterway=waterway, **choices
     )
     came_from = LogSource.of(posed.source.log, _name(posed.source.log), posed.source.assumptions.grade.name)
-    refined = refined_search(posed.problem, posed.source)
-    return log_result(model, posed.before, refined, posed.source, came_from, free)
+    with stage("fitting the records"):
+        found = search(posed.problem, posed.source)
+    if found is None:
+        raise InputError(RUNS_AWAY)
+    return log_result(posed, found, came_from, free)
 
 
 def _name(log: Any) -> str:

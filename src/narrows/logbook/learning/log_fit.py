@@ -8,7 +8,6 @@ import numpy as np
 
 from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, PRIOR, LearnedAnswer, LearnedCoefficient, pairs
 from narrows.logbook.learning.record_answers import RecordAnswer
-from narrows.logbook.shooting.noise_left import NoiseLeft
 from narrows.model.model import Model
 
 # What stands beside the label of this room where no bank is felt.
@@ -34,6 +33,14 @@ class Gusts:
     strength: float  # Over what gusts are taken to be before a log tells, in sway or in yaw, whichever is more [1]
 
 
+@dataclass(frozen=True)
+class SignalNoise:
+    """White noise of a signal."""
+
+    size: float  # Standard deviation of a reading [unit of the signal]
+    beyond: float  # Share of readings that count less as outliers [1]
+
+
 @dataclass(frozen=True, repr=False)
 class LogFit(LearnedAnswer):
     """What a log taught.
@@ -50,16 +57,14 @@ class LogFit(LearnedAnswer):
         What each record did.
     gusts : Gusts, optional
         None where none were looked for.
-    noise : mapping of str to NoiseLeft
-        What the model leaves of each signal, in its unit.
+    noise : mapping of str to SignalNoise
+        Of a reading of each signal, as the records make it most likely.
     disagreement : float [1]
         Square of how far the log moved the coefficients, over what was to be expected.
     freedom : int
         How many combinations of coefficients the log tells.
     probability : float [1]
         Of at least such a disagreement where log and prior speak of one ship.
-    widened : float [1]
-        Factor of standard errors for that disagreement (Birge).
     held : tuple of str
         Coefficients of inertia that the log left as they were: what holds the others, for motion tells ratios.
     about : tuple of str
@@ -73,11 +78,10 @@ class LogFit(LearnedAnswer):
     coefficients: Mapping[str, LearnedCoefficient]
     records: tuple[RecordAnswer, ...]
     gusts: Gusts | None
-    noise: Mapping[str, NoiseLeft]
+    noise: Mapping[str, SignalNoise]
     disagreement: float
     freedom: int
     probability: float
-    widened: float
     held: tuple[str, ...]
     about: tuple[str, ...]
     settled: bool
@@ -123,7 +127,7 @@ class LogFit(LearnedAnswer):
 
     @property
     def _doubts(self) -> tuple[str, ...]:
-        return (*self._search, *self._disagreement, *self._left, *self._pushed)
+        return (*self._search, *self._simpler, *self._disagreement, *self._left, *self._pushed)
 
     @property
     def _search(self) -> tuple[str, ...]:
@@ -148,8 +152,7 @@ class LogFit(LearnedAnswer):
         return (
             f"The log and what was known before disagree{named}: a sum of squares of {self.disagreement:.0f}, "
             f"{self.freedom} expected. One of them errs, their errors are larger than they say, the rudder or the yaw "
-            "rate of the log counts the other way, or the log is of another ship or draft: what the log tells is taken "
-            f"for {self.widened:.1f} times less sure.",
+            "rate of the log counts the other way, or the log is of another ship or draft.",
         )
 
     @property
@@ -178,6 +181,12 @@ class LogFit(LearnedAnswer):
         before, after = self.missed("psi")
         if len(self.records) < 2 or not np.isfinite([before, after]).all():
             return ""
+        if self.whole_missed:
+            before, after, nomoto = np.degrees(list(self.whole_missed.values()))
+            return (
+                f"Whole records under their recorded rudder, each left out in turn: heading missed by {after:.2g} deg, "
+                f"{before:.2g} deg by the model before, {nomoto:.2g} deg by a nonlinear Nomoto model."
+            )
         words = f"Forecasts over 3.5 ship lengths miss the heading by {np.degrees(after):.2g} deg"
         worse = ": the log made them no better" * (after >= before)
         return f"{words} on records that were left out, {np.degrees(before):.2g} deg before{worse}."
@@ -189,6 +198,27 @@ class LogFit(LearnedAnswer):
         return (
             f"Gusts of {self.gusts.sway:.2g} m/s2 and {self.gusts.yaw:.2g} rad/s2 that stay {self.gusts.memory:.0f} s "
             "act beside the model (standard deviations)."
+        )
+
+    @property
+    def whole_missed(self) -> dict[str, float]:
+        """Root mean square over whole records of the heading missed [rad], by model; empty where gusts act."""
+        rows = [record.whole for record in self.records if {"before", "after", "nomoto"} <= record.whole.keys()]
+        rows = [row for row in rows if np.isfinite(row["after"])]
+        if len(rows) < 2:
+            return {}
+        return {
+            name: float(np.sqrt(np.mean([row[name] ** 2 for row in rows]))) for name in ("before", "after", "nomoto")
+        }
+
+    @property
+    def _simpler(self) -> tuple[str, ...]:
+        told = self.whole_missed
+        if not told or told["after"] <= told["nomoto"]:
+            return ()
+        return (
+            "This model predicts the heading of left-out records worse than a nonlinear Nomoto model fitted to the "
+            "same records: do not rely on it for manoeuvres like these.",
         )
 
     def missed(self, state: str) -> tuple[float, float]:
@@ -210,14 +240,13 @@ class LogFit(LearnedAnswer):
             "summary": self.summary(),
             "tells": self.tells,
             "coefficients": [coefficient.to_dict() for coefficient in self.coefficients.values()],
-            "disagreement": {"sum": self.disagreement, "freedom": self.freedom, "probability": self.probability,
-                             "widened": self.widened},
+            "disagreement": {"sum": self.disagreement, "freedom": self.freedom, "probability": self.probability},
             "gusts": None if self.gusts is None else vars(self.gusts),
-            "noise": {name: {"size": left.size, "memory": left.memory, "outliers": left.beyond}
+            "noise": {name: {"size": left.size, "outliers": left.beyond}
                       for name, left in self.noise.items()},
             "records": [
                 {"name": r.name, "duration": r.duration, "windows": r.windows, "met": r.met, "zeros": r.zeros,
-                 "information": r.information, "moved": r.moved,
+                 "information": r.information, "moved": r.moved, "whole": dict(r.whole),
                  "missed": {name: {"before": old, "after": new} for name, (old, new) in r.missed.items()}}
                 for r in self.records
             ],

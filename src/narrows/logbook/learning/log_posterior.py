@@ -1,21 +1,15 @@
-"""What is known of all coefficients after a log: normal, by the information of the records and the prior."""
+"""What is known of all coefficients after a log: normal, with standard errors that the scatter of records decides."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.logbook.shooting.log_problem import CoefficientPrior
-from narrows.logbook.shooting.search_state import Found
+from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem
+from narrows.logbook.filtering.search import SearchResult
 from narrows.model.model import Model
 
-# Of a variance before, by which a log is to move a combination at least where it tells something.
-TOLD = 1e-3
-# Standard deviation of the share of how wide windows are left that moves the coefficients as it should: pilots see
-# more than a poor sensor does, and what they steer tells it. It errs alike in every record.
-OF_WIDTH = 0.5
-# Share of a variance.
-MOSTLY = 0.5
+TOLD = 1e-3  # of a variance before, by which a log is to move a combination that counts
+EXPECTED_SCATTER = 10  # records that the expected scatter of scores counts for, against that of the records
 
 
 @dataclass(frozen=True)
@@ -23,72 +17,65 @@ class LogPosterior:
     """Coefficients after a log."""
 
     values: np.ndarray  # (n,) All of them, in the order of the table
-    covariance: np.ndarray  # (n, n) Of them
-    # (p, p) Covariance of those that were solved for, in units of their standard deviations before [1]
-    scaled: np.ndarray
-    disagreement: float  # Square of how far the log moved them, over what was to be expected of it [1]
-    freedom: int  # How many combinations of them the log tells
-    widened: float  # Factor of standard errors for what the model gets wrong [1]
-    alike: np.ndarray  # (p,) Share of each variance that errs alike in every record [1]
+    covariance: np.ndarray  # (n, n)
+    scaled: np.ndarray  # (p, p) Of those that were estimated, in units of their standard deviations before [1]
+    disagreement: float  # Square of how far the log moved them, over what was expected of it [1]
+    freedom: int  # How many combinations of them the log determines
 
     @property
     def probability(self) -> float:
-        """Of at least such a disagreement where log and prior speak of one ship."""
+        """Of at least such a disagreement where log and prior are of one ship."""
         from scipy.stats import chi2
 
         return float(chi2.sf(self.disagreement, max(self.freedom, 1)))
 
 
-def log_posterior(
-    model: Model, before: np.ndarray, prior: CoefficientPrior, found: Found, gust_doubt: np.ndarray
-) -> LogPosterior:
-    """Return what is known after a log (Bayes; of coefficients that were held, that they may be wrong)."""
-    # before (n, n); gust_doubt (p, k)
-    # Birge (1932), The calculation of errors by the method of least squares, Phys. Rev. 40, for the factor by which
-    # errors are wider where a sum of squares is larger than expected.
-    disagreement, freedom = _disagreement(prior, found.information, found.scaled)
-    widened = float(np.sqrt(max(1.0, disagreement / max(freedom, 1))))
-    scaled = scaled_covariance(prior, found.information / widened**2) + gust_doubt @ gust_doubt.T
-    doubt = OF_WIDTH * (scaled * prior.moves) @ (found.slope * prior.moves)
-    left = np.sqrt(np.maximum(np.diag(np.linalg.inv(prior.precision)) - np.diag(scaled), 0.0))
-    doubt = np.clip(doubt, -left, left)  # Who has a log knows no less than who has none.
-    scaled = scaled + np.outer(doubt, doubt)
-    alike = doubt**2 / np.diag(scaled)
-    shift, known = prior.scale * found.scaled, scaled * np.outer(prior.scale, prior.scale)
+def log_posterior(model: Model, before: np.ndarray, found: SearchResult) -> LogPosterior:
+    """Return what is known after a log, from the covariance (n, n) before."""
+    problem, prior = found.problem, found.problem.prior
+    scaled = sandwich(problem, found)[: problem.count, : problem.count]
     weights = _weights(model, before, prior)
     places = [model.terms.names.index(name) for name in prior.names]
+    known = scaled * np.outer(prior.scale, prior.scale)
     covariance = before + weights @ (known - before[np.ix_(places, places)]) @ weights.T
-    values = np.array([model.coefficients[name] for name in model.terms.names]) + weights @ shift
-    return LogPosterior(values, (covariance + covariance.T) / 2, scaled, disagreement, freedom, widened, alike)
+    values = np.array([model.coefficients[name] for name in model.terms.names]) + weights @ (prior.scale * found.scaled)
+    disagreement = _disagreement(problem, found.information, found.scaled)
+    return LogPosterior(values, (covariance + covariance.T) / 2, scaled, *disagreement)
 
 
-def said_alike(names: Iterable[str], shares: Iterable[float]) -> tuple[str, ...]:
-    """Return what is said where more records of the kind would teach little more."""
-    stuck = [name for name, share in zip(names, shares, strict=True) if share > MOSTLY]
-    if not stuck:
-        return ()
-    return (
-        f"Most of what is left unknown of {', '.join(stuck)} errs alike in every record by these sensors: more of them "
-        "will sharpen it little, better sensors would.",
-    )
+def sandwich(problem: LogProblem, found: SearchResult) -> np.ndarray:
+    """Return the covariance of all unknowns, wider where the scores of records scatter more than expected, (P, P)."""
+    # White (1982), Econometrica 50, for the sandwich; Kauermann and Carroll (2001), J. Am. Stat. Assoc. 96, on its
+    # small samples: below some ten records the expected scatter has the larger weight.
+    covariance = posterior_covariance(problem, found.information)
+    count = len(found.records)
+    if count < 2:
+        return covariance
+    scores = np.stack([one.score for one in found.records])
+    centred = (scores - scores.mean(axis=0)) * problem.moves
+    scatter = centred.T @ centred * count / (count - 1)
+    root = np.linalg.cholesky(covariance + 1e-12 * np.eye(len(covariance)))
+    excess = root.T @ (scatter - found.information * np.outer(problem.moves, problem.moves)) @ root
+    sizes, axes = np.linalg.eigh(count / (count + EXPECTED_SCATTER) * (excess + excess.T) / 2)
+    wider = (axes * np.maximum(sizes, 0.0)) @ axes.T
+    return np.asarray(covariance + root @ wider @ root.T)
 
 
-def scaled_covariance(prior: CoefficientPrior, information: np.ndarray) -> np.ndarray:
-    """Return the covariance in units of the standard deviations before, (p, p)."""
-    # information (p, p)
-    moves, held = prior.moves, ~prior.moves
-    whole = information + prior.precision
+def posterior_covariance(problem: LogProblem, information: np.ndarray) -> np.ndarray:
+    """Return the covariance of all unknowns by information (P, P) and prior; those that are held may be wrong."""
+    moves, held = problem.moves, ~problem.moves
+    whole = information + problem.precision
     free = np.linalg.inv(whole[np.ix_(moves, moves)])
-    correlation = np.linalg.inv(prior.precision)
-    pulled = -free @ whole[np.ix_(moves, held)] @ correlation[np.ix_(held, held)]
-    covariance = correlation.copy()
+    before = np.linalg.inv(problem.precision)
+    pulled = -free @ whole[np.ix_(moves, held)] @ before[np.ix_(held, held)]
+    covariance = before.copy()
     covariance[np.ix_(moves, held)], covariance[np.ix_(held, moves)] = pulled, pulled.T
     covariance[np.ix_(moves, moves)] = free - pulled @ whole[np.ix_(held, moves)] @ free
-    return (covariance + covariance.T) / 2
+    return np.asarray((covariance + covariance.T) / 2)
 
 
 def _weights(model: Model, before: np.ndarray, prior: CoefficientPrior) -> np.ndarray:
-    """How every coefficient goes with those that were solved for: ties, and what the prior says of the others."""
+    """How every coefficient goes with those that were estimated: ties, and correlations of the prior."""
     names = model.terms.names
     places = [names.index(name) for name in prior.names]
     across = before[:, places] / prior.scale @ prior.precision / prior.scale
@@ -98,12 +85,14 @@ def _weights(model: Model, before: np.ndarray, prior: CoefficientPrior) -> np.nd
     return np.asarray(across)
 
 
-def _disagreement(prior: CoefficientPrior, information: np.ndarray, moved: np.ndarray) -> tuple[float, int]:
-    """Squares of how far the log moved combinations, over how far it was to move them, those that are held in doubt."""
-    moves = prior.moves
-    told = information[moves]
-    gain = np.linalg.inv((information + prior.precision)[np.ix_(moves, moves)])
-    expected = gain @ (told[:, moves] + told @ np.linalg.inv(prior.precision) @ told.T) @ gain
+def _disagreement(problem: LogProblem, whole: np.ndarray, moved: np.ndarray) -> tuple[float, int]:
+    """Squares of how far the log moved combinations, over how far it was to move them."""
+    count, moves = problem.count, problem.prior.moves
+    nuisance = np.linalg.solve((whole + problem.precision)[count:, count:], whole[count:, :count])
+    information = whole[:count, :count] - whole[:count, count:] @ nuisance
+    told, precision = information[moves], problem.prior.precision
+    gain = np.linalg.inv((information + precision)[np.ix_(moves, moves)])
+    expected = gain @ (told[:, moves] + told @ np.linalg.inv(precision) @ told.T) @ gain
     sizes, axes = np.linalg.eigh(expected)
     counted = sizes > TOLD
     return float(np.sum((axes.T @ moved[moves])[counted] ** 2 / sizes[counted])), int(counted.sum())

@@ -1,22 +1,22 @@
 """What a model says before a log is looked at: its coefficients' covariance, or a spread that is stated."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
 from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
-from narrows.logbook.shooting.chain_likelihood import USUAL_MEMORY
-from narrows.logbook.shooting.log_problem import STEADY, CoefficientPrior, LogProblem, PushInertia
-from narrows.logbook.shooting.predicted_signals import CURRENT_X, CURRENT_Y, ERROR, PREDICTED, RUDDER, RUDDER_OFFSET
-from narrows.logbook.shooting.push_chain import WindowChain
-from narrows.logbook.shooting.recorded_motion import RecordedMotion
+from narrows.logbook.filtering.gauss_markov import SWAY, YAW, Estimated, Process, StochasticModel
+from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem, PushInertia
+from narrows.logbook.filtering.predicted_signals import CURRENT_X, CURRENT_Y, ERROR, PREDICTED, RUDDER, RUDDER_OFFSET
+from narrows.logbook.filtering.recorded_motion import RecordedMotion
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES
 from narrows.ship.motion import Motion
 from narrows.simulation.ship import SimulatedShip
+from narrows.terms.asymmetry import asymmetry_names, with_asymmetry
 from narrows.terms.term import TermKind
 
 # Standard deviations of coefficients: over their size, or each in its own unit.
@@ -56,6 +56,34 @@ def _stated(model: Model, spread: Spread) -> np.ndarray:
         sizes = np.array([spread * abs(model.coefficients[name]) * (name not in held) for name in names])
     if not (np.isfinite(sizes).all() and (sizes >= 0).all() and sizes.any()):
         raise InputError(f"a spread of {spread} is none: give a share over 0, or standard deviations by coefficient")
+    return sizes
+
+
+def with_asymmetry_before(model: Model, covariance: np.ndarray, u: float) -> tuple[Model, np.ndarray]:
+    """Return a model with an asymmetry, and the covariance with a prior of it where there is none."""
+    # covariance (n, n); u [m/s]
+    old, names = model.terms.names, asymmetry_names(model.terms)
+    if names[0] not in old:
+        table = with_asymmetry(model.terms)
+        zeros = {**model.coefficients, **dict.fromkeys(names, 0.0)}
+        model = replace(model, terms=table, coefficients={name: zeros[name] for name in table.names}, covariance=None)
+    places, whole = [model.terms.names.index(name) for name in old], np.zeros((len(model.terms),) * 2)
+    whole[np.ix_(places, places)] = covariance
+    for name, size in zip(names, _turned_rudder(model, u), strict=True):
+        place = model.terms.names.index(name)
+        whole[place, place] = whole[place, place] or size**2
+    return model, whole
+
+
+def _turned_rudder(model: Model, u: float) -> list[float]:
+    """Asymmetries as large as what the rudder does at an angle of ``RUDDER_ZERO``."""
+    still = {**SimulatedShip(model).values(), **Motion.at(u=u).values()}
+    rudder = next(actuator for actuator in model.terms.actuators if actuator.name == RUDDER)
+    turned = {**still, **rudder.placed(RUDDER_ZERO)}
+    sizes = []
+    for name, terms in zip(asymmetry_names(model.terms), (model.terms.sway, model.terms.yaw), strict=True):
+        force = sum(model[t.name] * (t.column(turned) - t.column(still)) for t in terms if t.kind == TermKind.RUDDER)
+        sizes.append(abs(float(force / model.terms[name].column(still))))
     return sizes
 
 
@@ -116,28 +144,35 @@ def push_inertia(model: Model, prior: CoefficientPrior, u: float, surge_inertia:
     return PushInertia(held, moving)
 
 
-# What a fit takes for granted beside the model: how sensors err, whether gusts act, how long windows are.
-# Of windows that stand alone and of their steps, in times of a ship length.
-WINDOW, STEP = 3.5, 1 / 25
+# Length of a step, in times of a ship length; in a basin, where disturbances do not act within it.
+STEP, BASIN_STEP = 1 / 25, 1 / 25
 
-# Of windows that hang together.
-LINKED_WINDOW, LINKED_STEP = 1 / 10, 1 / 50
+# Steady push of a record.
+STEADY = "steady_{}".format
+
+# How long a gust stays before anything is known of it [s], and standard deviations of logarithms: of that, of how strong
+# gusts are, of noise; of the inverse hyperbolic tangent of the correlation between sway and yaw.
+USUAL_MEMORY, SPREAD_OF_MEMORY, SPREAD_OF_STRENGTH, SPREAD_OF_NOISE, SPREAD_OF_CORRELATION = 40.0, 1.0, 1.5, 0.3, 1.0
 
 # Standard deviations of accelerations before anything is known, over speed squared by length (and by length again for
 # yaw): of gusts, and of a push that stays.
 GUST, STEADY_PUSH = 0.005, 0.1
-
-# How much stronger pushes are than gusts usually are while another ship passes.
-IN_MEETINGS = 30.0
 
 # Standard deviation of a current that nothing is known of [m/s].
 SPREAD_OF_CURRENT = 0.3
 
 DEGREE = np.pi / 180
 
+# Standard deviation of an asymmetry, as the rudder angle that would hold it: ships steer straight with about a degree.
+RUDDER_ZERO = 1.0 * DEGREE
+
 # What a model leaves of places in a basin, in lengths of the ship, its memory counted; four times as much of angles,
 # five of yaw rates and twice as much of speeds, over those of the ship.
 USUALLY_LEFT = 0.015
+
+# How long a model's error in a basin stays, in times of a ship length; standard deviation of the logarithm of its size.
+BASIN_MEMORY, BASIN_SPREAD = 1.0, 2.0
+WANDER = 1
 
 # The noise that counts is what the model leaves of the records.
 BASIN = SensorGrade(
@@ -145,7 +180,7 @@ BASIN = SensorGrade(
     "a towing tank: no wind, no current, noise estimated from the records",
     {
         **{name: SignalGrade(1e-6) for name in PREDICTED},
-        RUDDER: SignalGrade(0.1 * DEGREE, zero=0.5 * DEGREE),
+        RUDDER: SignalGrade(1e-9, zero=0.1 * DEGREE),
     },
 )
 
@@ -157,30 +192,38 @@ class LogAssumptions:
     grade: SensorGrade  # Of the sensors
     gusts: bool  # Whether pushes with a memory act
     surge: str  # Whether the speed is integrated
-    window: float | None = None  # Of a window [s]
-    outlier: float = 4.0  # Residual over its noise beyond which a reading counts less [1]
     choices: Mapping[str, Any] = field(default_factory=dict)  # Further ones of the simulation
 
-    def lengths(self, length: float, u: float) -> tuple[float, float]:
-        """Return the lengths of windows and of steps [s]."""
-        # length [m]; u [m/s]
-        usual, step = (LINKED_WINDOW, LINKED_STEP) if self.gusts else (WINDOW, STEP)
-        window = self.window or usual * length / u
-        return window, float(f"{min(step * length / u, window / 5):.2g}")
+    def step(self, length: float, u: float) -> float:
+        """Return the length of a step [s]."""
+        return float(f"{(STEP if self.gusts else BASIN_STEP) * length / u:.2g}")
 
     def problem(
         self, motion: RecordedMotion, prior: CoefficientPrior, inertia: PushInertia, signals: set[str], u: float
     ) -> LogProblem:
-        """Return what is solved for."""
-        # u [m/s]
+        """Return what is estimated."""
         length = motion.model.configuration.ship.length
         noise, sizes = self._noise(signals, length, u), self._sizes(length, u)
-        chain = self._chain(signals, sizes, motion) if self.gusts else WindowChain()
-        zeros = self._zeros(signals, motion) | (
-            {STEADY(name): STEADY_PUSH * size for name, size in sizes.items()} if self.gusts else {}
-        )
-        met = chain.stronger(IN_MEETINGS)
-        return LogProblem(motion, prior, inertia, chain, met, zeros, noise, self.gusts, self.outlier)
+        gusts = [Process(name, name, GUST * size, USUAL_MEMORY) for name, size in sizes.items()] if self.gusts else []
+        processes = [*gusts, *self._errors(signals, motion, noise, length / u)]
+        if self.gusts:
+            processes += [Process(STEADY(n), n, STEADY_PUSH * size, np.inf) for n, size in sizes.items()]
+        names = tuple(one.name for one in gusts)
+        model = StochasticModel(tuple(processes), noise, self._estimated(names, noise, processes), gusts=names)
+        return LogProblem(motion, prior, inertia, model)
+
+    def _estimated(
+        self, gusts: tuple[str, ...], noise: Mapping[str, float], processes: list[Process]
+    ) -> tuple[Estimated, ...]:
+        """The numbers that records determine."""
+        basin = self.grade.name == BASIN.name
+        found = [Estimated("std", (name,), SPREAD_OF_STRENGTH) for name in gusts]
+        if gusts:
+            found += [Estimated("memory", gusts, SPREAD_OF_MEMORY), Estimated("correlation", (SWAY, YAW), SPREAD_OF_CORRELATION)]
+        if basin:
+            wander = [one.name for one in processes if one.name.endswith("_wander")]
+            found += [Estimated("std", (name,), BASIN_SPREAD) for name in wander]
+        return (*found, *(Estimated("noise", (name,), BASIN_SPREAD if basin else SPREAD_OF_NOISE) for name in noise))
 
     def _noise(self, signals: set[str], length: float, u: float) -> dict[str, float]:
         """Of the grade; in a basin what models usually leave, to begin with."""
@@ -190,11 +233,6 @@ class LogAssumptions:
         angle, rate = USUALLY_LEFT * 4, USUALLY_LEFT * 5 * u / length
         sizes = {"x": USUALLY_LEFT * length, "y": USUALLY_LEFT * length, "psi": angle, "course": angle, "r": rate}
         return {name: sizes.get(name, USUALLY_LEFT * 2 * u) for name in read}
-
-    @property
-    def least_noise(self) -> dict[str, float]:
-        """Noise of each signal at least, however little a model leaves of it."""
-        return {name: self._grade(name).noise for name in PREDICTED}
 
     def _grade(self, name: str) -> SignalGrade:
         """The grade of a signal; of one that the sensors are not said to have, that of the nearest."""
@@ -207,27 +245,28 @@ class LogAssumptions:
         along = {"X": u * u / length} if self.surge == "free" else {}
         return {**along, "Y": u * u / length, "N": (u / length) ** 2}
 
-    def _chain(self, signals: set[str], sizes: Mapping[str, float], motion: RecordedMotion) -> WindowChain:
-        window, _ = self.lengths(motion.model.configuration.ship.length, float(motion.choices["u"]))
-        items = [(name, GUST * size, USUAL_MEMORY) for name, size in sizes.items()]
+    def _errors(
+        self, signals: set[str], motion: RecordedMotion, noise: Mapping[str, float], lasting: float
+    ) -> list[Process]:
+        """Errors of sensors and of the rudder's indicator, and currents."""
+        found = []
         if RUDDER in signals:
-            rudder = self._grade(RUDDER)
-            items.append((RUDDER_OFFSET, rudder.noise * np.sqrt(rudder.period / window), 0.0))
-        for name in PREDICTED:
-            if name in signals and (grade := self._grade(name)).wander > 0:
-                items.append((ERROR(name), grade.wander, grade.memory))
-        names, std, memory = zip(*items, strict=True)
-        return WindowChain(names, np.array(std), np.array(memory))
-
-    def _zeros(self, signals: set[str], motion: RecordedMotion) -> dict[str, float]:
-        told = {ERROR(name): self._grade(name).zero for name in PREDICTED if name in signals and name != "x"}
-        told |= {RUDDER_OFFSET: self._grade(RUDDER).zero} if RUDDER in signals else {}
-        over_ground = signals & {"u_ground", "v_ground", "speed_over_ground", "course", "x"}
-        if over_ground and self.grade.name != BASIN.name:
-            told[CURRENT_X] = SPREAD_OF_CURRENT
+            rudder, step = self._grade(RUDDER), self.step(lasting, 1.0)
+            found += [Process("rudder_noise", RUDDER_OFFSET, rudder.noise * np.sqrt(rudder.period / step), 0.0)]
+            found += [Process(RUDDER_OFFSET, RUDDER_OFFSET, rudder.zero, np.inf)]
+        for name in noise:
+            grade = self._grade(name)
+            if self.grade.name == BASIN.name and WANDER:
+                found.append(Process(f"{name}_wander", ERROR(name), 3 * noise[name], BASIN_MEMORY * lasting))
+            elif grade.wander > 0 and self.grade.name != BASIN.name:
+                found.append(Process(f"{name}_wander", ERROR(name), grade.wander, grade.memory))
+            if name != "x":
+                found.append(Process(ERROR(name), ERROR(name), grade.zero, np.inf))
+        if signals & {"u_ground", "v_ground", "speed_over_ground", "course", "x"} and self.grade.name != BASIN.name:
+            found.append(Process(CURRENT_X, CURRENT_X, SPREAD_OF_CURRENT, np.inf))
             if not motion.model.feels_bank:
-                told[CURRENT_Y] = SPREAD_OF_CURRENT
-        return {name: size for name, size in told.items() if size > 0}
+                found.append(Process(CURRENT_Y, CURRENT_Y, SPREAD_OF_CURRENT, np.inf))
+        return [one for one in found if one.std > 0]
 
 
 # Of signals that a grade says nothing of.

@@ -1,68 +1,71 @@
 """From a search that is done to its answer."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from narrows.logbook.filtering.gauss_markov import SWAY, YAW
+from narrows.logbook.filtering.likelihood import RecordScore
+from narrows.logbook.filtering.log_problem import LogProblem
+from narrows.logbook.filtering.search import SearchResult
 from narrows.logbook.learned_coefficient import learned_coefficients, learned_model
-from narrows.logbook.learning.log_fit import Gusts, LogFit
-from narrows.logbook.learning.log_posterior import log_posterior, said_alike
+from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise
+from narrows.logbook.learning.log_posterior import log_posterior
 from narrows.logbook.learning.log_source import LogSource
-from narrows.logbook.learning.posed_log import GridSource
+from narrows.logbook.learning.posed_log import PosedLog
 from narrows.logbook.learning.record_answers import RecordAnswer, record_answers
-from narrows.logbook.learning.refined_search import Refined
-from narrows.logbook.shooting.log_problem import LogProblem
-from narrows.logbook.shooting.push_chain import SWAY, YAW
 from narrows.model.data_range import Range
 from narrows.model.model import Model
 from narrows.terms.term import TermKind
 
 
-def log_result(
-    model: Model, before: np.ndarray, refined: Refined, source: GridSource, log: LogSource, free: Sequence[str]
-) -> LogFit:  # fmt: skip
+def log_result(posed: PosedLog, found: SearchResult, log: LogSource, free: Sequence[str]) -> LogFit:
     """Return the answer of a search."""
-    # before (n, n)
-    found, prior = refined.found, replace(model, covariance=before)
-    after = log_posterior(model, before, refined.problem.prior, found, refined.gust_doubt)
+    source, prior = posed.source, replace(posed.model, covariance=posed.before)
+    after = log_posterior(posed.model, posed.before, found)
     learned = learned_coefficients(prior, after.values, after.covariance)
-    answers = record_answers(refined, source)
-    came = learned_model(prior, learned, after.covariance, "", *_ranges(refined))
-    stopped = (f"Interrupted: {len(found.told)} of {len(refined.states)} records were looked at.",)
-    alike = said_alike(refined.problem.prior.names, after.alike)
-    about = (*alike, *said_granted(refined.problem, free, answers), *source.left_out, *stopped * found.interrupted)
+    answers = record_answers(found, source)
+    came = learned_model(prior, learned, after.covariance, "", *_ranges(found.records))
+    stopped = (f"Interrupted: the answer is of {len(found.records)} records, after {found.steps} steps.",)
+    about = (*said_granted(found.problem, free, answers), *source.left_out, *stopped * found.interrupted)
     return LogFit(
-        replace(came, source=log.after(prior, len(answers))), prior, learned, answers,
-        _gusts(refined), refined.left, after.disagreement, after.freedom, after.probability,
-        after.widened, _inertia(model, refined), about, found.settled,
+        replace(came, source=log.after(prior, len(answers))), prior, learned, answers, _gusts(found), _noise(found),
+        after.disagreement, after.freedom, after.probability, _inertia(posed.model, found.problem), about,
+        found.converged,
     )  # fmt: skip
 
 
-def _inertia(model: Model, refined: Refined) -> tuple[str, ...]:
+def _inertia(model: Model, problem: LogProblem) -> tuple[str, ...]:
     """Coefficients of the inertia that the motion feels, one for each that are tied."""
     seconds = {second for _, second in model.terms.ties}
-    surge = refined.problem.motion.march.ship.surge
+    surge = problem.motion.march.ship.surge
     felt = [term for force, terms in model.terms.forces.items() if force != "X" or surge == "free" for term in terms]
     return tuple(term.name for term in felt if term.kind == TermKind.INERTIA and term.name not in seconds)
 
 
-def _ranges(refined: Refined) -> tuple[Range, Range]:
+def _ranges(records: Iterable[RecordScore]) -> tuple[Range, Range]:
     """Distances off the middle, and speeds."""
-    starts = np.concatenate([told.own.starts for told in refined.found.told])
-    offsets, speeds = np.abs(starts[:, 1]), np.abs(starts[:, 3])
-    return (float(offsets.min()), float(offsets.max())), (float(speeds.min()), float(speeds.max()))
+    ends = np.stack([one.ranges for one in records])
+    (near, far), (slow, fast) = zip(ends[:, 0].min(axis=0), ends[:, 1].max(axis=0), strict=True)
+    return (float(near), float(far)), (float(slow), float(fast))
 
 
-def _gusts(refined: Refined) -> Gusts | None:
-    chain = refined.problem.chain
-    if SWAY not in chain.names:
+def _gusts(found: SearchResult) -> Gusts | None:
+    problem = found.problem
+    model = problem.model.at(found.unknowns[problem.count :])
+    sizes = {one.name: one for one in model.processes}
+    if SWAY not in model.gusts:
         return None
-    sway, yaw = chain.names.index(SWAY), chain.names.index(YAW)
-    strength = float((chain.std / refined.usual.std)[[sway, yaw]].max())
-    return Gusts(
-        float(chain.std[sway]), float(chain.std[yaw]), float(chain.memory[sway]), float(chain.correlation), strength
-    )
+    usual = {one.name: one.std for one in problem.model.processes}
+    strength = max(sizes[name].std / usual[name] for name in (SWAY, YAW))
+    return Gusts(sizes[SWAY].std, sizes[YAW].std, sizes[SWAY].memory, model.correlation, float(strength))
+
+
+def _noise(found: SearchResult) -> dict[str, SignalNoise]:
+    noise = found.problem.model.at(found.unknowns[found.problem.count :]).noise
+    counts = {name: np.sum([one.outliers.get(name, (0, 0)) for one in found.records], axis=0) for name in noise}
+    return {name: SignalNoise(size, float(counts[name][0] / max(counts[name][1], 1))) for name, size in noise.items()}
 
 
 # What an answer takes for granted, in sentences that stand among its notes.
@@ -97,6 +100,6 @@ def _met(windows: int) -> tuple[str, ...]:
     if not windows:
         return ()
     return (
-        f"In {windows} windows another ship passed. What she pushed is left open, but not how it came and went "
-        "within a window: intervals hold somewhat less often than they say.",
+        f"In {windows} steps another ship passed: forces there are left open."
+        "",
     )

@@ -17,15 +17,16 @@ from narrows.logbook.learning.log_prior import (
     coefficient_prior,
     covariance_before,
     push_inertia,
+    with_asymmetry_before,
 )
 from narrows.logbook.reading.read_log import stream_log
 from narrows.logbook.sensor_grades import GRADES, SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord
-from narrows.logbook.shooting.log_problem import LogProblem
-from narrows.logbook.shooting.predicted_signals import RUDDER
-from narrows.logbook.shooting.record_grid import READ, RecordGrid, grid_of
-from narrows.logbook.shooting.recorded_motion import RecordedMotion
+from narrows.logbook.filtering.log_problem import LogProblem
+from narrows.logbook.filtering.predicted_signals import RUDDER
+from narrows.logbook.filtering.record_grid import READ, RecordGrid, grid_of
+from narrows.logbook.filtering.recorded_motion import RecordedMotion
 from narrows.model.model import Model
 from narrows.ship.particulars import Configuration
 
@@ -82,8 +83,8 @@ class GridSource:
                 f"record {record.name} is of a draft of {record.condition['draft']:.3g} m, the model of {draft:.3g} m: "
                 "what it tells is of another ship; leave it out, or give a model of that draft"
             )
-        window, step = self.assumptions.lengths(self.configuration.ship.length, speed_of(record))
-        return grid_of(record, step, window, self.usual)
+        step = self.assumptions.step(self.configuration.ship.length, speed_of(record))
+        return grid_of(record, step, step, self.usual)
 
 
 class PosedLog(NamedTuple):
@@ -92,11 +93,12 @@ class PosedLog(NamedTuple):
     problem: LogProblem  # With the prior
     source: GridSource  # The records, laid out
     before: np.ndarray  # (n, n) Covariance of all coefficients
+    model: Model  # With an asymmetry where one is learned
 
 
 def posed_log(
     model: Model, log: Any, sensors: str | SensorGrade, *, free: Sequence[str] = (), spread: Spread | None = None,
-    gusts: bool | None = None, waterway: "Waterway | None" = None, window: float | None = None, **choices: Any,
+    gusts: bool | None = None, asymmetry: bool | None = None, waterway: "Waterway | None" = None, **choices: Any,
 ) -> PosedLog:  # fmt: skip
     """Return a log as a problem."""
     records = _records(log, waterway)
@@ -105,14 +107,18 @@ def posed_log(
     grade = BASIN if sensors == BASIN.name else sensor_grade(sensors)
     gusty = grade.name != BASIN.name if gusts is None else gusts
     surge = choices.setdefault("surge", "free" if model.terms.propelled else "held")
-    assumptions = LogAssumptions(grade, gusty, surge, window)
+    assumptions = LogAssumptions(grade, gusty, surge)
     signals, u = _looked_at(records)
     before = covariance_before(model, spread)
+    steered = RUDDER in {own.name for own in model.terms.actuators}
+    if steered and (not gusty and not free if asymmetry is None else asymmetry):
+        model, before = with_asymmetry_before(model, before, u)
     prior = coefficient_prior(model, before, surge, _known(model, free))
     motion = _motion(model, signals, u, choices, waterway or getattr(records, "waterway", None), prior.members)
     inertia = push_inertia(model, prior, u, choices.get("surge_inertia"))
     problem = assumptions.problem(motion, prior, inertia, signals, u)
-    return PosedLog(problem, GridSource(records, assumptions, dict(motion.positions), model.configuration), before)
+    source = GridSource(records, assumptions, dict(motion.positions), model.configuration)
+    return PosedLog(problem, source, before, model)
 
 
 def _records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:

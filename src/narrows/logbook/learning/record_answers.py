@@ -1,4 +1,4 @@
-"""What each record did to the answer, and how well the model foretells it without having seen it."""
+"""What each record contributed, and how well the model predicts it from the other records."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -6,15 +6,24 @@ from itertools import pairwise
 
 import numpy as np
 
-from narrows.logbook.learning.log_posterior import scaled_covariance
-from narrows.logbook.learning.refined_search import Refined
-from narrows.logbook.shooting.log_problem import LogProblem
-from narrows.logbook.shooting.record_grid import RecordGrid
-from narrows.logbook.shooting.search_state import RecordTold
-from narrows.logbook.shooting.window_equations import Pushes, RecordUnknowns, drifting
+from narrows.logbook.filtering.gauss_markov import StochasticModel
+from narrows.logbook.filtering.likelihood import RecordScore
+from narrows.logbook.filtering.linear_record import INPUTS, Reference
+from narrows.logbook.filtering.log_problem import LogProblem
+from narrows.logbook.filtering.predicted_signals import CURRENT_X, CURRENT_Y, RUDDER_OFFSET
+from narrows.logbook.filtering.record_grid import RecordGrid
+from narrows.logbook.filtering.recorded_motion import CURRENT, PUSHES
+from narrows.logbook.filtering.search import FIRST_PASSES, RecordLikelihood, SearchResult
+from narrows.logbook.learning.log_posterior import posterior_covariance
+from narrows.logbook.learning.nomoto import fitted_nomoto, heading_record, nomoto_missed
 
-# Records whose forecasts are kept to be drawn.
-MOST_DRAWN = 4
+MOST_DRAWN = 4  # records whose forecasts are kept to be drawn
+AHEAD = 3.5  # times of a ship length that a forecast reaches
+STATES_JUDGED = {"y": 1, "psi": 2, "r": 5}  # places among the states
+MOST_COMPARED = 50  # records up to which whole records are predicted, and Nomoto models fitted
+# Standard deviations of a fitted start from the smoothed one: heading [rad], and speed, drift and turn over the ship's.
+START_FREE = np.array([0.01, 0.05, 0.05, 0.05])
+HEADING_READ = 0.01  # [rad] weight of a heading in that fit
 
 
 @dataclass(frozen=True)
@@ -22,9 +31,9 @@ class Forecast:
     """Pieces of a voyage, each begun anew."""
 
     t: np.ndarray  # (n,) Nodes of all pieces, the end of one and the begin of the next at the same time [s]
-    states: np.ndarray  # (n, 6) x, y, psi, u, v, r as foretold
+    states: np.ndarray  # (n, 6) x, y, psi, u, v, r as predicted
     ends: np.ndarray  # (pieces,) Where each piece ends
-    likely: np.ndarray  # (pieces, 6) Where the record makes it most likely that the ship was then
+    likely: np.ndarray  # (pieces, 6) The smoothed state of the record there
     rudder: np.ndarray  # (n,) As recorded, and its zero [rad]
 
 
@@ -34,43 +43,75 @@ class RecordAnswer:
 
     name: str  # Of the record
     duration: float  # How long [s]
-    windows: int  # Into how many it was cut
+    windows: int  # Steps of the filter
     met: int  # In how many of them another ship passed
-    zeros: dict[str, float]  # What was the same all through it, in SI; pushes as accelerations
+    zeros: dict[str, float]  # Constant errors and disturbances of the record, in SI; disturbances as accelerations
     information: dict[str, float]  # Share of what is known of each coefficient that is gone without the record [1]
     moved: dict[str, float]  # How far the record moves each coefficient
     # Root mean square of what forecasts over 3.5 ship lengths miss of y [m], psi [rad] and r [rad/s]: by the model
     # before, and by one that learned from all other records
     missed: dict[str, tuple[float, float]]
+    # Root mean square of what predictions of the whole record under its recorded rudder miss of the heading [rad], the
+    # start fitted: by the model ``before``, ``after`` the other records, and a nonlinear ``nomoto`` model of those;
+    # empty where gusts act
+    whole: Mapping[str, float] = field(default_factory=dict)
     forecasts: tuple[Forecast, Forecast] | None = None  # By those two models, where they are kept to be drawn
     # (array, array) Times [s] and readings of x, y, psi and r, where forecasts are kept
     measured: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
 
-def record_answers(refined: Refined, grids: Iterable[RecordGrid]) -> tuple[RecordAnswer, ...]:
-    """Return what each record did."""
-    pairs = zip(grids, refined.found.told, strict=False)
-    return tuple(_answer(refined, grid, told, number < MOST_DRAWN) for number, (grid, told) in enumerate(pairs))
+def record_answers(found: SearchResult, grids: Iterable[RecordGrid]) -> tuple[RecordAnswer, ...]:
+    """Return what each record contributed."""
+    whole = not found.problem.model.gusts and not found.interrupted and len(found.records) <= MOST_COMPARED
+    nomoto = _nomoto_missed(found, grids) if whole else []
+    pairs = enumerate(zip(grids, found.records, strict=False))
+    return tuple(
+        _answer(found, grid, one, number < MOST_DRAWN, nomoto[number] if whole else None)
+        for number, (grid, one) in pairs
+    )
 
 
-def _answer(refined: Refined, grid: RecordGrid, told: RecordTold, drawn: bool) -> RecordAnswer:
-    prior, found, problem = refined.problem.prior, refined.found, refined.problem
-    whole = np.diag(scaled_covariance(prior, found.information))
-    without = scaled_covariance(prior, found.information - told.information)
-    moved = np.where(prior.moves, without @ (found.pull_of(told) * prior.moves), 0.0)
-    gone = np.clip(1 - whole / np.diag(without), 0.0, 1.0)
-    before_it = np.zeros(len(moved))  # which is what is known without the only record, too
-    without_it = found.scaled - moved if len(found.told) > 1 else before_it
-    both = tuple(forecast(problem, at, grid, told.own) for at in (before_it, without_it))
-    before, after = (missed(each) for each in both)
+def _nomoto_missed(found: SearchResult, grids: Iterable[RecordGrid]) -> list[float]:
+    """Headings missed by Nomoto models, each fitted to all other records; to the only record itself."""
+    records = [heading_record(grid) for grid in grids]
+    known = [record for record in records if record is not None]
+    scales = found.problem.scales.states
+    missed = []
+    for record in records:
+        others = [other for other in known if other is not record] or known
+        missed.append(
+            np.nan if record is None else nomoto_missed(fitted_nomoto(others, scales[0] / scales[3]), record)
+        )
+    return missed
+
+
+def _answer(
+    found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool, nomoto: float | None
+) -> RecordAnswer:
+    problem, prior, count = found.problem, found.problem.prior, found.problem.count
+    after = posterior_covariance(problem, found.information)
+    without = posterior_covariance(problem, found.information - one.information)
+    moved = (without @ (one.score * problem.moves))[:count] * prior.moves
+    gone = np.clip(1 - np.diag(after) / np.diag(without), 0.0, 1.0)[:count]
+    path = one.path or RecordLikelihood(problem, grid).smoothed(found.unknowns, None, FIRST_PASSES)
+    assert path is not None
+    before_it = np.zeros(count)  # which is what is known without the only record, too
+    without_it = found.scaled - moved if len(found.records) > 1 else before_it
+    model = problem.model.at(found.unknowns[count:])
+    both = [forecast(problem, at, grid, path.reference, model) for at in (before_it, without_it)]
+    before, later = (missed(each) for each in both)
+    whole = {} if nomoto is None else {
+        "before": whole_missed(problem, before_it, grid, path.reference),
+        "after": whole_missed(problem, without_it, grid, path.reference), "nomoto": nomoto,
+    }  # fmt: skip
+    constant = [place for place, process in enumerate(model.processes) if np.isinf(process.memory)]
     return RecordAnswer(
         grid.record.name, float(grid.times[-1] - grid.times[0]), len(grid), int(grid.meetings.sum()),
-        dict(zip(problem.zeros, told.own.zeros.tolist(), strict=True)),
+        {model.processes[place].name: float(path.reference.processes[0, place]) for place in constant},
         dict(zip(prior.names, gone.tolist(), strict=True)),
         dict(zip(prior.names, (moved * prior.scale).tolist(), strict=True)),
-        {name: (before[name], after[name]) for name in STATES_JUDGED},
-        (both[0], both[1]) if drawn else None,
-        _measured(grid) if drawn else {},
+        {name: (before[name], later[name]) for name in STATES_JUDGED},
+        whole, (both[0], both[1]) if drawn else None, _measured(grid) if drawn else {},
     )  # fmt: skip
 
 
@@ -79,41 +120,63 @@ def _measured(grid: RecordGrid) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     return {name: (grid.times[grid.first[own.window]] + own.elapsed, own.values) for name, own in read.items()}
 
 
-# Forecasts of a record: begun now and then where the ship most likely was, sailed under the recorded rudder.
-# Times of a ship length that a forecast reaches.
-AHEAD = 3.5
+def forecast(
+    problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: Reference, model: StochasticModel
+) -> Forecast:
+    """Return forecasts of a record, begun now and then at the smoothed state, at scaled coefficients (p,).
 
-# Of what a forecast is judged by: places among the states.
-STATES_JUDGED = {"y": 1, "psi": 2, "r": 5}
-
-
-def forecast(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, own: RecordUnknowns) -> Forecast:
-    """Return forecasts of a record: what is steady of wind and errors is known, gusts are not."""
-    # scaled (p,)
-    speed = max(float(np.abs(own.starts[:, 3]).mean()), 1e-3)
-    reach = AHEAD * problem.motion.model.configuration.ship.length / speed
-    every = max(1, min(round(reach / grid.window), (len(grid) - 1) // 2))
+    Constant disturbances and errors of the record are known, gusts are not.
+    """
+    reach = AHEAD * problem.scales.states[0] / max(float(np.abs(path.states[:, 3]).mean()), 1e-3)
+    every = max(1, min(round(reach / grid.step), (len(grid) - 1) // 2))
     begun = np.arange(0, len(grid), every)
-    first = grid.first[begun]
-    still = RecordUnknowns(own.starts[begun[:-1]], 0 * own.chain[begun[:-1]], own.zeros)
-    pushes = Pushes.of(problem, scaled, still)
+    first, known = grid.first[begun], dict.fromkeys(INPUTS, 0.0)
+    for place, process in enumerate(model.processes):
+        if np.isinf(process.memory) and process.adds_to in known:
+            known[process.adds_to] += float(path.processes[0, place])
+    motion, inertia = problem.at(scaled)
+    pushes = np.tile(inertia * [known[name] for name in PUSHES], (len(begun) - 1, 1))
     with np.errstate(all="ignore"):  # A model before the log may run away.
-        states, _ = problem.at(scaled).sailed(
-            still.starts, pushes.forces, first, grid.times, grid.positions, pushes.rudder, pushes.current
-        )
+        states, _ = motion.of_records.sailed(
+            path.states[begun[:-1]], pushes, first, grid.times, grid.positions,
+            np.full(len(begun) - 1, known[RUDDER_OFFSET]), known[CURRENT_X],
+        )  # fmt: skip
     nodes = np.concatenate([np.arange(low, high + 1) for low, high in pairwise(first)])
     pieces = np.repeat(grid.times[first[:-1]], np.diff(first) + 1)
-    for state, place in drifting(problem):
-        states[:, state] += own.zeros[place] * (grid.times[nodes] - pieces)
-    offset = float(pushes.rudder[0]) if len(pushes.rudder) else 0.0
-    rudder = grid.positions.get("rudder", np.zeros(len(grid.times)))[nodes] + offset
+    if CURRENT not in problem.motion.directions:
+        states[:, :2] += np.outer(grid.times[nodes] - pieces, [known[CURRENT_X], known[CURRENT_Y]])
+    rudder = grid.positions.get("rudder", np.zeros(len(grid.times)))[nodes] + known[RUDDER_OFFSET]
     ends = first[1:] - first[0] + np.arange(len(first) - 1)
-    return Forecast(grid.times[nodes], states, ends, own.starts[begun[1:]], rudder)
+    return Forecast(grid.times[nodes], states, ends, path.states[begun[1:]], rudder)
 
 
 def missed(foretold: Forecast) -> dict[str, float]:
-    """Return the root mean square of the ends of forecasts less where the ship most likely was, by state."""
+    """Return the root mean square of the ends of forecasts less the smoothed states there."""
     with np.errstate(all="ignore"):  # What ran away is far off, and may be so without end.
         off = foretold.states[foretold.ends] - foretold.likely
         root = np.sqrt(np.mean(off**2, axis=0)) if len(off) else np.full(6, np.nan)
     return {name: float(root[place]) for name, place in STATES_JUDGED.items()}
+
+
+def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: Reference) -> float:
+    """Return the root mean square of headings missed over a whole record under its recorded rudder [rad].
+
+    Heading, speed, drift and yaw rate at its start are fitted, and nothing else.
+    """
+    from scipy.optimize import least_squares
+
+    if "psi" not in grid.readings:
+        return np.nan
+    motion, read, scales = problem.at(scaled)[0].of_records, grid.readings["psi"], problem.scales.states
+    ends, nodes = np.array([0, len(grid)]), np.arange(len(grid) + 1)
+
+    def left(start: np.ndarray) -> np.ndarray:
+        begun = path.states[0].copy()
+        begun[2:] += START_FREE * scales[2:] * start
+        with np.errstate(all="ignore"):
+            states, _ = motion.sailed(begun[None], np.zeros((1, 3)), ends, grid.times, grid.positions, np.zeros(1))
+        off = np.interp(read.window + read.share, nodes, states[:, 2]) - read.values
+        return np.append(np.nan_to_num(off / HEADING_READ, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3), start)
+
+    found = least_squares(left, np.zeros(4), max_nfev=15)
+    return float(HEADING_READ * np.sqrt(np.mean(found.fun[:-4] ** 2)))

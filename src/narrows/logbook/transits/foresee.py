@@ -10,8 +10,7 @@ from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, check_count
 from narrows.logbook import settings
 from narrows.logbook.learned_coefficient import learnable
-from narrows.logbook.learning.foretold import foretold_records
-from narrows.logbook.learning.log_posterior import said_alike
+from narrows.logbook.learning.foretold import expected_information
 from narrows.logbook.learning.posed_log import posed_log
 from narrows.logbook.sensor_grades import SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
@@ -49,8 +48,7 @@ def foresee(
     """Foretell how well transits will tell the bank's coefficients, before any is sailed.
 
     The ship of the most likely coefficients is sailed by a pilot whose aim wanders, in gusts, and recorded by the
-    sensors. What these records tell is what a fit to them would find where it is done: by the same equations, with the
-    same doubts of gusts and of what a pilot sees that sensors do not.
+    sensors. What these records tell is what a fit to them would find where it is done: the expected information of the same likelihood.
 
     Parameters
     ----------
@@ -101,7 +99,6 @@ def foresee(
     safe = safe_offset(_narrowest(model, waterway), plan.u, seed) if within is None else _within(within)
     kinds, reasons = _kinds(_Asked(plan, grade, names, counts, seed), safe)
     reasons += (NOWHERE.format(plan.u),) if within is None and not safe else ()
-    reasons += said_alike(*zip(*kinds[0].alike.items(), strict=True))
     return Foresight(kinds, safe_offset=safe, reasons=reasons, **told)
 
 
@@ -175,34 +172,23 @@ def excursions(safe: float, time: float) -> list[Excursion]:
 
 
 def _foreseen(asked: _Asked, excursion: Excursion) -> ForeseenTransit:
-    told = []
+    std = []
     with bar(settings.SIMULATED_TRANSITS, is_shown(), excursion.words) as done:
         for number in range(asked.seed, asked.seed + settings.SIMULATED_TRANSITS):
-            told.append(_foretold(asked, excursion, number))
+            std.append(_expected_std(asked, excursion, number))
             done(1)
-    std, alike = np.median([one.std for one in told], axis=0), np.median([one.alike for one in told], axis=0)
-    columns = dict(zip(asked.names, std.T, strict=True))
-    return ForeseenTransit(excursion, columns, dict(zip(asked.names, alike.tolist(), strict=True)))
+    return ForeseenTransit(excursion, dict(zip(asked.names, np.median(std, axis=0).T, strict=True)))
 
 
-class _Foretold(NamedTuple):
-    """Standard errors, (counts, names), and of the last ones, squared, what errs alike in every transit."""
-
-    std: list[list[float]]
-    alike: list[float]
-
-
-def _foretold(asked: _Asked, excursion: Excursion, number: int) -> _Foretold:
-    """What transits like one would tell, as a fit would find it."""
+def _expected_std(asked: _Asked, excursion: Excursion, number: int) -> list[list[float]]:
+    """Standard errors after transits like one, (counts, names)."""
     plan = asked.plan
     record = recorded(f"transit {number}", plan.sailed(excursion, number), asked.grade, number, current=0.0)
     posed = posed_log(plan.model, ShipLog((record,), plan.waterway), asked.grade, gusts=True)
-    push, solved = plan.conditions.gust_push(plan.model), posed.problem.prior.names
-    told = foretold_records(plan.model, posed, push @ push.T, plan.conditions.gust_time)
-    after = [told.after(count) for count in asked.transits]
-    std = [_std(plan.model, asked.names, np.sqrt(np.diag(one.covariance))) for one in after]
-    shares = dict(zip(solved, after[int(np.argmax(asked.transits))].alike.tolist(), strict=True))
-    return _Foretold([list(one.values()) for one in std], [shares.get(name, 0.0) for name in asked.names])
+    push = plan.conditions.gust_push(plan.model)
+    told = expected_information(plan.model, posed, push @ push.T, plan.conditions.gust_time)
+    after = [np.sqrt(np.diag(told.after(count).covariance)) for count in asked.transits]
+    return [list(_std(plan.model, asked.names, one).values()) for one in after]
 
 
 def _std(model: Model, names: Sequence[str], std: np.ndarray) -> dict[str, float]:

@@ -86,7 +86,6 @@ class ForeseenTransit:
 
     excursion: Excursion  # From the middle; the first kind of a foresight has none
     std: Mapping[str, np.ndarray]  # (transits,) Standard error of each target after so many, in the coefficient's unit
-    alike: Mapping[str, float]  # Of its square after the most, what errs alike in every transit [1]
 
 
 @dataclass(frozen=True, repr=False)
@@ -116,7 +115,7 @@ class Foresight(Shown):
     safe_offset : float [m]
         How far off the middle the safe envelope lets it go on purpose.
     reasons : tuple of str
-        Why nothing is foretold, why no excursion is among the kinds, what more transits would not sharpen.
+        Why nothing is foretold, why no excursion is among the kinds.
     """
 
     kinds: tuple[ForeseenTransit, ...]

@@ -49,15 +49,19 @@ class RecordGrid:
         """Length of a step [s]."""
         return float(self.times[1] - self.times[0])
 
-    @property
-    def window(self) -> float:
-        """Length of a window [s]."""
-        return float(self.times[self.first[1]] - self.times[self.first[0]])
+    @cached_property
+    def order(self) -> np.ndarray:
+        """Readings of all signals by the step that they lie in, (N,)."""
+        return np.argsort(self._steps, kind="stable")
 
     @cached_property
-    def rows(self) -> np.ndarray:
-        """The window of each node, the ends of windows included, (nodes + windows - 1,)."""
-        return np.repeat(np.arange(len(self)), np.diff(self.first) + 1)
+    def first_readings(self) -> np.ndarray:
+        """The first reading of each step in that order, (n + 1,)."""
+        return np.searchsorted(self._steps[self.order], np.arange(len(self) + 1))
+
+    @cached_property
+    def _steps(self) -> np.ndarray:
+        return np.concatenate([read.window for read in self.readings.values()])
 
 
 def grid_of(record: ShipRecord, step: float, window: float, usual: Mapping[str, float]) -> RecordGrid:
@@ -71,8 +75,8 @@ def grid_of(record: ShipRecord, step: float, window: float, usual: Mapping[str, 
     begun = max(min(s.t.min() for s in read.values()), max((s.t.min() for s in moved.values()), default=-np.inf))
     ended = min(max(s.t.max() for s in read.values()), min((s.t.max() for s in moved.values()), default=np.inf))
     count = int((ended - begun) / step + 1e-9)
-    each = max(2, round(window / step))
-    if count < 2 * each:
+    each = max(1, round(window / step))
+    if count < max(2 * each, 8):
         raise InputError(f"record {record.name} lasts {ended - begun:.0f} s, less than two windows; leave it out")
     times = begun + step * np.arange(count + 1)
     first = np.append(np.arange(0, count - each // 2, each), count)

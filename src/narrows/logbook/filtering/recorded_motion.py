@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import INPUTS as PUSHED
-from narrows.logbook.shooting.predicted_signals import RECORDED, RUDDER, RUDDER_OFFSET, RecordedHelm, unlimited
+from narrows.logbook.filtering.predicted_signals import RECORDED, RUDDER, RUDDER_OFFSET, RecordedHelm, unlimited
 from narrows.model.model import Model
 from narrows.simulation.sensitivities import TangentMarch
 from narrows.simulation.steering import PARAMETER

@@ -1,0 +1,1 @@
+"""A Kalman filter of records: its likelihood, scores and smoothed paths."""

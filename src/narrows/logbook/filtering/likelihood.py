@@ -1,0 +1,123 @@
+"""The likelihood of a record by the innovations of a Kalman filter, its score and information.
+
+Schweppe (1965), IEEE Trans. Inf. Theory 11, for the likelihood; Gupta and Mehra (1974), IEEE Trans. Autom. Control 19,
+for the information by the slopes of innovations and of their variances.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.logbook.filtering.first_guess import first_guess
+from narrows.logbook.filtering.linear_record import LinearRecord, Reference, linear_record, weights_of
+from narrows.logbook.filtering.log_problem import LogProblem
+from narrows.logbook.filtering.record_grid import RecordGrid
+
+DIFFERENCE = 1e-4  # standard deviations before records, for slopes
+LAGS = 400  # readings over which innovations may be correlated
+UNCORRELATED = 0.05  # correlation of innovations below which they count as independent
+
+
+@dataclass(frozen=True)
+class RecordPath:
+    """About what a record is linear, and how readings are weighed there."""
+
+    reference: Reference
+    weights: np.ndarray  # (N,) Of readings
+
+
+@dataclass(frozen=True)
+class RecordScore:
+    """What one record contributes."""
+
+    score: np.ndarray  # (P,) Slope of the log-likelihood
+    information: np.ndarray  # (P, P)
+    cost: float  # Minus twice the log-likelihood
+    autocovariance: np.ndarray  # (LAGS,) Products of normalised innovations of a signal, so many readings apart
+    ranges: np.ndarray  # (2, 2) Least distance off the middle and speed, and largest
+    outliers: Mapping[str, tuple[int, int]]  # Readings of each signal that count less, and all of them
+    path: RecordPath | None = None  # None in a long log
+
+
+@dataclass(frozen=True)
+class RecordLikelihood:
+    """One record at sets of unknowns: scaled coefficients, then the estimated numbers of the stochastic model."""
+
+    problem: LogProblem
+    grid: RecordGrid
+
+    def linear(self, unknowns: np.ndarray, reference: Reference) -> LinearRecord:
+        """Return the record about a reference path."""
+        problem, count = self.problem, self.problem.count
+        motion, inertia = problem.at(unknowns[:count])
+        model = problem.model.at(unknowns[count:])
+        return linear_record(self.grid, problem.scales, motion.of_records, inertia, model, reference)
+
+    def smoothed(self, unknowns: np.ndarray, reference: Reference | None, passes: int) -> RecordPath | None:
+        """Smooth the reference path, from the readings alone if there is none; None where the motion diverges."""
+        model = self.problem.model.at(unknowns[self.problem.count :])
+        if reference is None:
+            zeros = np.zeros((len(self.grid), len(model.processes)))
+            reference = Reference(first_guess(self.problem.motion, self.grid), zeros)
+        for _ in range(passes):
+            about = self.linear(unknowns, reference)
+            smooth = about.smoothed(model, weights_of(about, model))
+            if not np.isfinite(smooth).all():
+                return None
+            reference = Reference(reference.states + smooth[:, :6], smooth[:, 6:])
+        return RecordPath(reference, weights_of(self.linear(unknowns, reference), model))
+
+    def cost(self, unknowns: np.ndarray, path: RecordPath) -> float:
+        """Return minus twice the log-likelihood about a path."""
+        model = self.problem.model.at(unknowns[self.problem.count :])
+        about = self.linear(unknowns, path.reference).innovations(model, path.weights)
+        return about.cost / self.problem.correlated
+
+    def scored(self, unknowns: np.ndarray, path: RecordPath) -> RecordScore:
+        """Return score and information by differences about a path."""
+        problem, count = self.problem, self.problem.count
+        about = self.linear(unknowns, path.reference)
+        at = about.innovations(problem.model.at(unknowns[count:]), path.weights)
+        by_value, by_variance = np.zeros((2, len(unknowns), len(at.values)))
+        for place in np.flatnonzero(problem.moves):
+            moved = unknowns + DIFFERENCE * (np.arange(len(unknowns)) == place)
+            there = self.linear(moved, path.reference) if place < count else about
+            found = there.innovations(problem.model.at(moved[count:]), path.weights)
+            by_value[place] = (found.values - at.values) / DIFFERENCE
+            by_variance[place] = (found.variances - at.variances) / DIFFERENCE
+        e, s = at.values, at.variances
+        score = -by_value @ (e / s) - 0.5 * by_variance @ (1 / s - (e / s) ** 2)
+        information = (by_value / s) @ by_value.T + 0.5 * (by_variance / s**2) @ by_variance.T
+        share = 1 / problem.correlated
+        met = np.abs(path.reference.states[:, [1, 3]])
+        return RecordScore(
+            share * score, share * information, share * at.cost, self._autocovariance(e / np.sqrt(s)),
+            np.stack([met.min(axis=0), met.max(axis=0)]), self._outliers(path.weights), path,
+        )  # fmt: skip
+
+    def _outliers(self, weights: np.ndarray) -> dict[str, tuple[int, int]]:
+        less, start, found = np.empty(len(weights), bool), 0, {}
+        less[self.grid.order] = weights < 1.0
+        for name, read in self.grid.readings.items():
+            part = less[start : (start := start + len(read.values))]
+            found[name] = (int(part.sum()), len(part))
+        return found
+
+    def _autocovariance(self, normalised: np.ndarray) -> np.ndarray:
+        """Products of normalised innovations so many readings apart, over the signals."""
+        found, values, start = np.zeros(LAGS), np.empty(len(normalised)), 0
+        values[self.grid.order] = np.clip(normalised, -4.0, 4.0)
+        for read in self.grid.readings.values():
+            part = values[start : (start := start + len(read.values))]
+            for lag in range(min(LAGS, len(part))):
+                found[lag] += part[lag:] @ part[: len(part) - lag]
+        return found
+
+
+def readings_for_one(autocovariance: np.ndarray) -> float:
+    """Return how many readings there are for each independent one [1]."""
+    # Bayley and Hammersley (1946), The "effective" number of independent observations in an autocorrelated time series.
+    correlation = autocovariance / max(autocovariance[0], 1e-300)
+    below = np.flatnonzero(correlation < UNCORRELATED)
+    return 1.0 + 2.0 * float(correlation[1 : below[0] if below.size else None].sum())

@@ -1,0 +1,221 @@
+"""A record as a linear state-space model about a reference path, with the exact tangents of the engine."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from narrows.codegen.cache import compiled_loops
+from narrows.logbook.filtering import kalman_loops
+from narrows.logbook.filtering.gauss_markov import StochasticModel
+from narrows.logbook.filtering.predicted_signals import (
+    CURRENT_X,
+    CURRENT_Y,
+    PREDICTED,
+    RUDDER_OFFSET,
+    PredictedSignal,
+    SeenStates,
+)
+from narrows.logbook.filtering.record_grid import RecordGrid
+from narrows.logbook.filtering.recorded_motion import CURRENT, PUSHES, RecordedMotion
+
+INPUTS = (*PUSHES, RUDDER_OFFSET, CURRENT_X, CURRENT_Y)
+# Least standard deviation of a step, over lengths, radians and speeds of the ship: for rounding alone.
+LEAST = 1e-5 * np.array([1.0, 1.0, 0.3, 1.0, 1.0, 0.3])
+# How far a held speed walks in a second, over itself.
+SPEED_WALK = 2e-3
+# Standard deviation of a start about the first guess, over lengths, radians and speeds of the ship.
+START = np.array([0.1, 0.1, 0.2, 0.2, 0.2, 0.3])
+# How much stronger gusts are while another ship passes.
+IN_MEETINGS = 30.0
+USUAL, MET, LOOSE = 0, 1, 2
+# A residual over its noise beyond which a reading counts less (Huber).
+OUTLIER = 4.0
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A path about which a record is linear."""
+
+    states: np.ndarray  # (n, 6) x, y, psi, u, v, r at the start of each step
+    processes: np.ndarray  # (n, m)
+
+
+@dataclass(frozen=True)
+class Innovations:
+    """Readings less their predictions from earlier readings."""
+
+    values: np.ndarray  # (N,)
+    variances: np.ndarray  # (N,)
+
+    @property
+    def cost(self) -> float:
+        """Minus twice the logarithm of the likelihood, to a constant."""
+        with np.errstate(all="ignore"):
+            cost = float(np.sum(self.values**2 / self.variances + np.log(self.variances)))
+        return cost if np.isfinite(cost) else np.inf
+
+
+class Scales(NamedTuple):
+    """Of a ship, and whether it keeps its speed."""
+
+    states: np.ndarray  # (6,) Length, length, radian, speed, speed, speed over length
+    held: bool  # Whether the speed is held
+
+
+@dataclass(frozen=True)
+class LinearRecord:
+    """A record about a reference path."""
+
+    grid: RecordGrid
+    scales: Scales
+    slopes: np.ndarray  # (n, 6, 6 + inputs)
+    misses: np.ndarray  # (n, 6) Where a step of the reference ends, less where the next begins
+    drives: np.ndarray  # (m,) The input of each process, or -1
+    rows: np.ndarray  # (N, 6 + m) Slopes of readings
+    residual: np.ndarray  # (N,) Readings less those of the reference with no process
+    left: Mapping[str, np.ndarray]  # Readings less those of the reference, by signal
+
+    @cached_property
+    def kind(self) -> np.ndarray:
+        """What each step is, (n,)."""
+        met = self.grid.meetings | np.append(self.grid.meetings[1:], False)
+        return np.where(self.grid.whole, np.where(met, MET, USUAL), LOOSE)
+
+    def variances(self, model: StochasticModel, weights: np.ndarray) -> np.ndarray:
+        """Return the variances of readings, (N,)."""
+        parts = [model.noise[name] ** 2 / read.counted for name, read in self.grid.readings.items()]
+        return np.asarray(np.concatenate(parts)[self.grid.order] / weights)
+
+    def innovations(self, model: StochasticModel, weights: np.ndarray) -> Innovations:
+        """Filter the readings."""
+        return self._run(model, weights, 0)[0]
+
+    def smoothed(self, model: StochasticModel, weights: np.ndarray) -> np.ndarray:
+        """Filter the readings, and return the smoothed states off the reference with the processes, (n, 6 + m)."""
+        found, means, gains, covariances = self._run(model, weights, len(self.slopes))
+        kept = self._kinds(model)[0]
+        compiled_loops(kalman_loops).smooth(
+            self.slopes, self.drives, self.kind, kept, self.grid.first_readings, self.rows, found.values,
+            found.variances, gains, means, covariances,
+        )  # fmt: skip
+        return means
+
+    def _run(
+        self, model: StochasticModel, weights: np.ndarray, room: int
+    ) -> tuple[Innovations, np.ndarray, np.ndarray, np.ndarray]:
+        size, count = self.rows.shape[1], len(self.rows)
+        values, spread, gains = np.empty(count), np.empty(count), np.empty((count, size))
+        means, covariances = np.empty((room, size)), np.empty((room, size, size))
+        start, kind = np.zeros((size, size)), self.kind
+        start[range(6), range(6)] = (START * self.scales.states) ** 2
+        start[6:, 6:] = model.covariance(IN_MEETINGS if kind[0] == MET else 1.0)
+        compiled_loops(kalman_loops).filter_readings(
+            np.zeros(size), start, self.slopes, self.misses, self.drives, kind, *self._kinds(model),
+            self.grid.first_readings, self.rows, self.residual, self.variances(model, weights), values, spread, gains,
+            means, covariances,
+        )  # fmt: skip
+        return Innovations(values, spread), means, gains, covariances
+
+    def _kinds(self, model: StochasticModel) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """What is kept of processes, what is new, and the walk of states, by the kind of a step."""
+        step, scale = self.grid.step, self.scales.states
+        kept = model.kept(step)
+        gusty = np.array([one.name in model.gusts for one in model.processes], bool)
+        met = np.where(gusty, 0.0, kept)
+        usual = (LEAST * scale) ** 2
+        usual[3] += (SPEED_WALK * scale[3]) ** 2 * step * self.scales.held
+        return (
+            np.stack([kept, met, kept]),
+            np.stack([
+                model.covariance() * (1 - np.outer(kept, kept)),
+                model.covariance(IN_MEETINGS) * (1 - np.outer(met, met)),
+                model.covariance() * (1 - np.outer(kept, kept)),
+            ]),
+            np.stack([usual, usual, (START * scale) ** 2]),
+        )  # fmt: skip
+
+
+def linear_record(
+    grid: RecordGrid, scales: Scales, motion: RecordedMotion, inertia: np.ndarray, model: StochasticModel,
+    reference: Reference,
+) -> LinearRecord:  # fmt: skip
+    """Return a record about a reference path; motion is without slopes by coefficients."""
+    names = [one.adds_to for one in model.processes]
+    drives = np.array([INPUTS.index(name) if name in INPUTS else -1 for name in names], np.int64)
+    sums = {name: np.zeros(len(grid)) for name in (*INPUTS, *names)}
+    for place, name in enumerate(names):
+        sums[name] = sums[name] + reference.processes[:, place]
+    pushes = np.stack([sums[name] for name in PUSHES], axis=1) * inertia
+    known = CURRENT in motion.directions
+    current = float(sums[CURRENT_X][0]) if known else 0.0
+    with np.errstate(all="ignore"):
+        states, along = motion.sailed(
+            reference.states, pushes, grid.first, grid.times, grid.positions, sums[RUDDER_OFFSET], current
+        )
+    ends, slopes = states[1::2], _slopes(grid, motion, inertia, along[1::2])
+    if not known:
+        for place, name in enumerate((CURRENT_X, CURRENT_Y)):
+            ends[:, place] += sums[name] * np.diff(grid.times)
+    driven = np.einsum("nij,nj->ni", slopes[:, :, 6:], np.stack([sums[name] for name in INPUTS], axis=1))
+    misses = ends - np.append(reference.states[1:], ends[-1:], axis=0) - driven
+    rows, residual, left = [], [], {}
+    for name, read in grid.readings.items():
+        share, at = read.share[:, None], read.window
+        there = (1 - share) * reference.states[at] + share * ends[at]
+        errors = {key: value[at] for key, value in sums.items()}
+        seen = PREDICTED[name](SeenStates(there, np.zeros(1), errors, grid.record.antenna))
+        row = _rows(seen, slopes[at], share, drives, names)
+        left[name] = read.values - seen.value
+        rows.append(row)
+        residual.append(left[name] + np.einsum("ni,ni->n", row[:, 6:], reference.processes[at]))
+    return LinearRecord(
+        grid, scales, np.ascontiguousarray(slopes), misses, drives, np.concatenate(rows)[grid.order],
+        np.concatenate(residual)[grid.order], left,
+    )  # fmt: skip
+
+
+def _slopes(grid: RecordGrid, motion: RecordedMotion, inertia: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """Slopes of the ends of steps by states and inputs, (n, 6, 6 + inputs)."""
+    places = {name: place for place, name in enumerate(motion.directions)}
+    slopes, lasting = np.zeros((len(along), 6, 6 + len(INPUTS))), np.diff(grid.times)
+    slopes[:, :, :6] = along[:, :, :6]
+    for place, name in enumerate(PUSHES):
+        slopes[:, :, 6 + place] = along[:, :, places[name]] * inertia[place]
+    if RUDDER_OFFSET in places:
+        slopes[:, :, 6 + INPUTS.index(RUDDER_OFFSET)] = along[:, :, places[RUDDER_OFFSET]]
+    if CURRENT in places:
+        slopes[:, :, 6 + INPUTS.index(CURRENT_X)] = along[:, :, places[CURRENT]]
+    else:
+        slopes[:, 0, 6 + INPUTS.index(CURRENT_X)] = lasting
+        slopes[:, 1, 6 + INPUTS.index(CURRENT_Y)] = lasting
+    return slopes
+
+
+def _rows(
+    seen: PredictedSignal, slopes: np.ndarray, share: np.ndarray, drives: np.ndarray, names: list[str]
+) -> np.ndarray:
+    """Slopes of readings by states and processes at the start of their step."""
+    row = np.zeros((len(share), 6 + len(names)))
+    for state, slope in seen.by_state.items():
+        by = np.broadcast_to(slope, len(share))[:, None]
+        row[:, state] += (by * (1 - share))[:, 0]
+        row[:, :6] += by * share * slopes[:, state, :6]
+        for place, drive in enumerate(drives):
+            if drive >= 0:
+                row[:, 6 + place] += (by * share)[:, 0] * slopes[:, state, 6 + drive]
+    for place, name in enumerate(names):
+        if name in seen.by_error:
+            row[:, 6 + place] += seen.by_error[name]
+    return row
+
+
+def weights_of(record: LinearRecord, model: StochasticModel) -> np.ndarray:
+    """Weigh readings by what the reference leaves of them (Huber), (N,)."""
+    parts = []
+    for name, read in record.grid.readings.items():
+        size = np.abs(record.left[name]) / (model.noise[name] / np.sqrt(read.counted))
+        parts.append(np.minimum(1.0, OUTLIER / np.maximum(size, OUTLIER)))
+    return np.asarray(np.concatenate(parts)[record.grid.order])

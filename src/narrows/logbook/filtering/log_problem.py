@@ -1,0 +1,98 @@
+"""What a fit to records estimates, and what is known before: coefficients, disturbances, errors of sensors."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from narrows.logbook.filtering.gauss_markov import StochasticModel
+from narrows.logbook.filtering.linear_record import Scales
+from narrows.logbook.filtering.recorded_motion import RecordedMotion
+
+
+@dataclass(frozen=True)
+class CoefficientPrior:
+    """Normal prior of the coefficients, in units of their standard deviations."""
+
+    groups: tuple[tuple[str, ...], ...]  # Coefficients that are estimated; those of a group are one
+    mean: np.ndarray  # (p,) Of each group, in its own unit
+    scale: np.ndarray  # (p,) Its standard deviation
+    precision: np.ndarray  # (p, p) Inverse of the correlation [1]
+    bounds: np.ndarray  # (p, 2) Lowest and highest value, in its own unit
+    moves: np.ndarray  # (p,) Which may move; the posterior allows for errors of the others
+
+    @property
+    def members(self) -> tuple[str, ...]:
+        """Every coefficient of every group."""
+        return tuple(name for group in self.groups for name in group)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The first of each group."""
+        return tuple(group[0] for group in self.groups)
+
+    def values(self, scaled: np.ndarray) -> dict[str, float]:
+        """Return every coefficient by name, from scaled (p,)."""
+        numbers = (self.mean + self.scale * scaled).tolist()
+        return {name: value for group, value in zip(self.groups, numbers, strict=True) for name in group}
+
+    @property
+    def limits(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest in units of the standard deviations."""
+        low, high = ((end - self.mean) / self.scale for end in self.bounds.T)
+        return low, high
+
+
+@dataclass(frozen=True)
+class PushInertia:
+    """What resists accelerations of surge, sway and yaw: disturbances are accelerations."""
+
+    # Motion determines forces over inertia, so that with a disturbance in newtons the strength of gusts would fix what
+    # only mass can.
+
+    held: np.ndarray  # (3,) The part that does not change with the coefficients [kg, kg, kg m2]
+    by_coefficient: np.ndarray  # (3, p) Its slopes by the coefficients, each in its own unit
+
+    def at(self, values: np.ndarray) -> np.ndarray:
+        """Return it at values (p,) of the coefficients, (3,)."""
+        return np.asarray(self.held + self.by_coefficient @ values)
+
+
+@dataclass(frozen=True)
+class LogProblem:
+    """What is estimated, with what is known before."""
+
+    motion: RecordedMotion  # How the ship moves under its recorded rudder
+    prior: CoefficientPrior
+    inertia: PushInertia
+    model: StochasticModel
+    correlated: float = 1.0  # Readings for each independent one
+
+    @property
+    def count(self) -> int:
+        """How many coefficients."""
+        return len(self.prior.groups)
+
+    @cached_property
+    def scales(self) -> Scales:
+        """Of the ship's states."""
+        length, u = self.motion.model.configuration.ship.length, float(self.motion.choices["u"])
+        held = self.motion.march.ship.surge == "held"
+        return Scales(np.array([length, length, 1.0, u, u, u / length]), held)
+
+    @cached_property
+    def precision(self) -> np.ndarray:
+        """Of coefficients and estimated numbers of the stochastic model, before records."""
+        matrix = np.diag(np.concatenate([np.zeros(self.count), self.model.spreads**-2.0]))
+        matrix[: self.count, : self.count] = self.prior.precision
+        return matrix
+
+    @cached_property
+    def moves(self) -> np.ndarray:
+        """Which unknowns may move."""
+        return np.append(self.prior.moves, np.ones(len(self.model.estimated), bool))
+
+    def at(self, scaled: np.ndarray) -> tuple[RecordedMotion, np.ndarray]:
+        """Return the motion and the inertia at scaled coefficients (p,)."""
+        motion = self.motion.with_coefficients(self.prior.values(scaled))
+        return motion, self.inertia.at(self.prior.mean + self.prior.scale * scaled)

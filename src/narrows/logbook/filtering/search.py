@@ -1,0 +1,161 @@
+"""Fisher scoring over all records with a trust region: Levenberg's damping, within the bounds of the coefficients.
+
+Each record contributes a score and an information matrix; these add. A record is laid out when its turn comes.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from narrows.identification.regression.solve import solve
+from narrows.logbook.filtering.likelihood import RecordLikelihood, RecordPath, RecordScore, readings_for_one
+from narrows.logbook.filtering.log_problem import LogProblem
+from narrows.logbook.filtering.record_grid import RecordGrid
+from narrows.progress import bar, is_shown
+
+MOST_STEPS = 15
+ENOUGH = 0.1  # gain of minus twice the log-posterior by a step, below which the search is done
+PASSES, FIRST_PASSES = 1, 4  # smoothings of a reference path, and of the first one
+LONGEST_MOVE = 2.0  # standard deviations before records, in one step
+LEAST_GAIN = 0.1  # of the expected gain, that a step must bring
+# Damping over the information: at first, after a step that helped, after one that did not, and at most.
+FIRST, GENTLER, HARDER, MOST = 1e-3, 0.1, 10.0, 1e4
+KEPT_STEPS = 200_000  # steps of records whose paths are kept; a longer log smooths each path again and again
+RESTARTS = 3  # of the search with another number of correlated readings
+SETTLED = 1.2  # ratio of this number to the one before, below which it stays
+
+Grids = Iterable[RecordGrid]
+
+
+@dataclass(frozen=True)
+class SearchResult:
+    """The maximum of the posterior."""
+
+    problem: LogProblem
+    unknowns: np.ndarray  # (P,) Scaled coefficients, then the estimated numbers of the stochastic model
+    records: tuple[RecordScore, ...]
+    steps: int = 0
+    converged: bool = False
+    interrupted: bool = False
+
+    @property
+    def scaled(self) -> np.ndarray:
+        """The coefficients, (p,)."""
+        return self.unknowns[: self.problem.count]
+
+    @property
+    def information(self) -> np.ndarray:
+        """Of all records, (P, P)."""
+        return np.asarray(sum(one.information for one in self.records))
+
+    @property
+    def score(self) -> np.ndarray:
+        """Of all records, (P,)."""
+        return np.asarray(sum(one.score for one in self.records))
+
+
+def search(problem: LogProblem, grids: Grids, steps: int = MOST_STEPS) -> SearchResult | None:
+    """Maximise the posterior; None where the motion diverges from the start.
+
+    Where nothing disturbs the ship, what a model leaves of a record is correlated: the likelihood counts one reading of
+    so many that are correlated, as a composite likelihood does.
+    """
+    found = _maximum(problem, grids, np.zeros(len(problem.precision)), (), steps)
+    for _ in range(RESTARTS * (not problem.model.gusts)):
+        if found is None or found.interrupted:
+            break
+        counted = readings_for_one(np.sum([one.autocovariance for one in found.records], axis=0))
+        settled = max(counted / problem.correlated, problem.correlated / counted) < SETTLED
+        if settled:
+            break
+        problem = replace(problem, correlated=counted)
+        found = _maximum(problem, grids, found.unknowns, [one.path for one in found.records], steps) or found
+    return found
+
+
+def _maximum(
+    problem: LogProblem, grids: Grids, unknowns: np.ndarray, paths: Iterable[RecordPath | None], steps: int
+) -> SearchResult | None:
+    damping, found, paths = FIRST, None, list(paths)
+    for number in range(1, steps + 1):
+        after = scored(problem, grids, unknowns, paths, PASSES if found else FIRST_PASSES)
+        if after is None or (after.interrupted and found):
+            return found and replace(found, interrupted=after is not None)
+        found = replace(after, steps=number)
+        step, gain = _step(problem, found, 0.0)
+        if gain < ENOUGH or found.interrupted:
+            return replace(found, unknowns=unknowns + step, converged=gain < ENOUGH)
+        paths = [one.path for one in found.records]
+        try:
+            moved = _helpful(problem, found, grids, damping)
+        except KeyboardInterrupt:
+            return replace(found, interrupted=True)
+        if moved is None:
+            return found
+        unknowns, damping = unknowns + moved[0], moved[1] * GENTLER
+    return found
+
+
+def scored(
+    problem: LogProblem, grids: Grids, unknowns: np.ndarray, paths: list[RecordPath | None], passes: int
+) -> SearchResult | None:
+    """Smooth the path of every record and score it there; None where the motion diverges.
+
+    Interrupted by hand, it has the records that were done.
+    """
+    scores, steps, total = list[RecordScore](), 0, len(paths)
+    try:
+        with bar(total, is_shown(), "records") as done:
+            for number, grid in enumerate(grids):
+                likelihood, before = RecordLikelihood(problem, grid), paths[number] if number < len(paths) else None
+                path = likelihood.smoothed(unknowns, before and before.reference, passes if before else FIRST_PASSES)
+                if path is None:
+                    return None
+                one, steps = likelihood.scored(unknowns, path), steps + len(grid)
+                scores.append(one if steps <= KEPT_STEPS else replace(one, path=None))
+                done(1)
+    except KeyboardInterrupt:
+        if not scores:
+            raise
+        return SearchResult(problem, unknowns, tuple(scores), interrupted=True)
+    return SearchResult(problem, unknowns, tuple(scores))
+
+
+def _helpful(
+    problem: LogProblem, found: SearchResult, grids: Grids, damping: float
+) -> tuple[np.ndarray, float] | None:
+    """A step that gains enough of what it should about the same paths, and its damping; None where there is none."""
+
+    def cost(unknowns: np.ndarray) -> float:
+        parts = 0.0
+        for grid, one in zip(grids, found.records, strict=True):
+            likelihood = RecordLikelihood(problem, grid)
+            path = one.path or likelihood.smoothed(found.unknowns, None, FIRST_PASSES)
+            parts += likelihood.cost(unknowns, path) if path else np.inf
+        return parts + float(unknowns @ problem.precision @ unknowns)
+
+    here = sum(one.cost for one in found.records) + float(found.unknowns @ problem.precision @ found.unknowns)
+    while damping < MOST:
+        step, gain = _step(problem, found, damping)
+        if here - cost(found.unknowns + step) > LEAST_GAIN * gain:
+            return step, damping
+        damping = max(damping, FIRST) * HARDER
+    return None
+
+
+def _step(problem: LogProblem, found: SearchResult, damping: float) -> tuple[np.ndarray, float]:
+    """The best step within the bounds, and what it is expected to gain."""
+    moves, count = problem.moves, problem.count
+    right = (found.score - problem.precision @ found.unknowns)[moves]
+    matrix = (found.information + problem.precision)[np.ix_(moves, moves)]
+    damped = matrix + damping * np.diag(np.diag(matrix))
+    root = np.sqrt(np.diag(damped))
+    low, high = np.full(len(moves), -LONGEST_MOVE), np.full(len(moves), LONGEST_MOVE)
+    for ends, limit, pick in zip((low, high), problem.prior.limits, (np.maximum, np.minimum), strict=True):
+        ends[:count] = pick(ends[:count], limit - found.unknowns[:count])
+    low, high = np.minimum(low[moves] * root, 0.0), np.maximum(high[moves] * root, 0.0)
+    inside = solve(damped / np.outer(root, root), right / root, low, high).z / root
+    step = np.zeros(len(moves))
+    step[moves] = inside
+    return step, float(2 * right @ inside - inside @ matrix @ inside)
