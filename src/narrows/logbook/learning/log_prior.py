@@ -145,7 +145,7 @@ def push_inertia(model: Model, prior: CoefficientPrior, u: float, surge_inertia:
 
 
 # Length of a step, in times of a ship length; in a basin, where disturbances do not act within it.
-STEP, BASIN_STEP = 1 / 25, 1 / 25
+STEP, BASIN_STEP = 1 / 25, 1 / 15
 
 # Steady push of a record.
 STEADY = "steady_{}".format
@@ -170,9 +170,11 @@ RUDDER_ZERO = 1.0 * DEGREE
 # five of yaw rates and twice as much of speeds, over those of the ship.
 USUALLY_LEFT = 0.015
 
-# How long a model's error in a basin stays, in times of a ship length; standard deviation of the logarithm of its size.
-BASIN_MEMORY, BASIN_SPREAD = 1.0, 2.0
-WANDER = 1
+# Standard deviation of the logarithm of noise in a basin.
+BASIN_SPREAD = 2.0
+
+# Readings for each independent one where a model's own error is what is left, to begin with.
+USUALLY_CORRELATED = 60.0
 
 # The noise that counts is what the model leaves of the records.
 BASIN = SensorGrade(
@@ -210,7 +212,7 @@ class LogAssumptions:
             processes += [Process(STEADY(n), n, STEADY_PUSH * size, np.inf) for n, size in sizes.items()]
         names = tuple(one.name for one in gusts)
         model = StochasticModel(tuple(processes), noise, self._estimated(names, noise, processes), gusts=names)
-        return LogProblem(motion, prior, inertia, model)
+        return LogProblem(motion, prior, inertia, model, 1.0 if self.gusts else USUALLY_CORRELATED)
 
     def _estimated(
         self, gusts: tuple[str, ...], noise: Mapping[str, float], processes: list[Process]
@@ -220,9 +222,6 @@ class LogAssumptions:
         found = [Estimated("std", (name,), SPREAD_OF_STRENGTH) for name in gusts]
         if gusts:
             found += [Estimated("memory", gusts, SPREAD_OF_MEMORY), Estimated("correlation", (SWAY, YAW), SPREAD_OF_CORRELATION)]
-        if basin:
-            wander = [one.name for one in processes if one.name.endswith("_wander")]
-            found += [Estimated("std", (name,), BASIN_SPREAD) for name in wander]
         return (*found, *(Estimated("noise", (name,), BASIN_SPREAD if basin else SPREAD_OF_NOISE) for name in noise))
 
     def _noise(self, signals: set[str], length: float, u: float) -> dict[str, float]:
@@ -256,9 +255,7 @@ class LogAssumptions:
             found += [Process(RUDDER_OFFSET, RUDDER_OFFSET, rudder.zero, np.inf)]
         for name in noise:
             grade = self._grade(name)
-            if self.grade.name == BASIN.name and WANDER:
-                found.append(Process(f"{name}_wander", ERROR(name), 3 * noise[name], BASIN_MEMORY * lasting))
-            elif grade.wander > 0 and self.grade.name != BASIN.name:
+            if grade.wander > 0:
                 found.append(Process(f"{name}_wander", ERROR(name), grade.wander, grade.memory))
             if name != "x":
                 found.append(Process(ERROR(name), ERROR(name), grade.zero, np.inf))
