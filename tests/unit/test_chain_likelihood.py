@@ -5,12 +5,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from test_log_search import Searched, done
-
 from narrows.logbook.shooting import log_search, record_search
 from narrows.logbook.shooting.chain_likelihood import SLOPE_STEP, SPREAD_OF_STRENGTH, GustJudge, gust_doubt
 from narrows.logbook.shooting.log_search import evaluated
 from narrows.logbook.shooting.search_state import samples_of
+from test_log_search import Searched, done
 
 __all__ = ["done"]
 

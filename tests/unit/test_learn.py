@@ -6,17 +6,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-
-import narrows as nw
-from logs import D, kvlcc2, sensed, trial, zigzag
-from narrows.logbook.learning.log_source import LogSource
-from narrows.logbook.learning.posed_log import parts
 from narrows.logbook.shooting import log_search
 from narrows.logbook.shooting.bordered_band import BorderedBand
 from narrows.logbook.shooting.noise_left import memory_of
 from narrows.logbook.shooting.push_chain import WindowChain
 from narrows.logbook.shooting.record_grid import grid_of
 from narrows.logbook.shooting.record_search import record_best
+
+import narrows as nw
+from logs import D, kvlcc2, sensed, trial, zigzag
+from narrows.logbook.learning.log_source import LogSource
+from narrows.logbook.learning.posed_log import parts
 
 WRONG = {"N_v": 1.12, "Y_v": 0.9, "N_rudder": 0.93, "R_0": 1.1}
 MANOEUVRES = ("psi", "x", "y", "r", "rudder")

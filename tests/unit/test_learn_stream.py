@@ -5,10 +5,10 @@ from contextlib import contextmanager
 from weakref import WeakSet
 
 import pytest
+from narrows.logbook.shooting import log_search
 from test_learn import manoeuvred, mistaken
 
 import narrows as nw
-from narrows.logbook.shooting import log_search
 
 TOLD = {"sensors": "basin", "spread": 0.1}
 COUNT = 6

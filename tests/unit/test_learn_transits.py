@@ -5,14 +5,14 @@ from functools import cache
 
 import numpy as np
 import pytest
-
-import narrows as nw
-from narrows.logbook.sensor_grades import AIS, VDR, SensorGrade
 from narrows.logbook.shooting import search_state
 from narrows.logbook.shooting.log_problem import LogProblem
 from narrows.logbook.shooting.record_grid import grid_of
 from narrows.logbook.shooting.record_search import first_guess
 from narrows.logbook.shooting.recorded_motion import RecordedMotion
+
+import narrows as nw
+from narrows.logbook.sensor_grades import AIS, VDR, SensorGrade
 from narrows.logbook.transits.transit_twins import (
     SPEED,
     TransitTwin,

@@ -4,13 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from narrows.logbook.shooting.log_problem import CoefficientPrior
+from narrows.logbook.shooting.search_state import Found, RecordTold
 
 import narrows as nw
 from engine_models import steered
 from narrows.logbook.learning.log_posterior import log_posterior
 from narrows.logbook.learning.log_prior import coefficient_prior
-from narrows.logbook.shooting.log_problem import CoefficientPrior
-from narrows.logbook.shooting.search_state import Found, RecordTold
 
 FREE = frozenset(("b_bank", "c_bank", "b_uv"))
 

@@ -5,15 +5,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from narrows.logbook.learning.refined_search import Refined
+from narrows.logbook.shooting import log_search, record_search
+from narrows.logbook.shooting.log_search import evaluated, searched
+from narrows.logbook.shooting.search_state import Found
 from test_learn_transits import ship, twin
 
 import narrows as nw
 from narrows.logbook.learning import learn_log, refined_search
 from narrows.logbook.learning.posed_log import GridSource
-from narrows.logbook.learning.refined_search import Refined
-from narrows.logbook.shooting import log_search, record_search
-from narrows.logbook.shooting.log_search import evaluated, searched
-from narrows.logbook.shooting.search_state import Found
 
 pytestmark = pytest.mark.slow
 SHORT = 300.0

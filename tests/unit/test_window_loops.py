@@ -4,9 +4,9 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from narrows.logbook.shooting import window_loops
 
 from narrows.codegen.cache import compiled_loops
-from narrows.logbook.shooting import window_loops
 
 COMPILED = compiled_loops(window_loops)
 WINDOWS, LOCAL, WIDE, NODES, READ = 5, 8, 12, 3, 17

@@ -37,7 +37,6 @@ class StochasticModel:
     estimated: tuple[Estimated, ...] = ()
     correlation: float = 0.0  # Of gusts in sway and yaw [1]
     gusts: tuple[str, ...] = field(default=())  # Processes that are stronger in meetings
-    gains: tuple[float, ...] = ()  # Of the pilot: rudder, y, psi, v, r, scaled
 
     @property
     def spreads(self) -> np.ndarray:
@@ -47,20 +46,16 @@ class StochasticModel:
     def at(self, numbers: Sequence[float] | np.ndarray) -> "StochasticModel":
         """Return the model at estimated numbers, each 0 for its usual value."""
         processes, noise, correlation = {one.name: one for one in self.processes}, dict(self.noise), self.correlation
-        gains = list(self.gains)
         for (of, names, _), number in zip(self.estimated, np.asarray(numbers).tolist(), strict=True):
             if of == "correlation":
                 correlation = MOST_CORRELATION * math.tanh(number)
-            if of == 'gain':
-                gains[names[0]] += number * names[1]
-                continue
             factor = math.exp(np.clip(number, -20.0, 20.0))
             for name in names:
                 if of == "noise":
                     noise[name] *= factor
                 elif of in ("std", "memory"):
                     processes[name] = processes[name]._replace(**{of: getattr(processes[name], of) * factor})
-        return replace(self, processes=tuple(processes.values()), noise=noise, correlation=correlation, gains=tuple(gains))
+        return replace(self, processes=tuple(processes.values()), noise=noise, correlation=correlation)
 
     def covariance(self, stronger: float = 1.0) -> np.ndarray:
         """Return the stationary covariance of the processes, with stronger gusts, (m, m)."""

@@ -109,7 +109,9 @@ def scored(
         with bar(total, is_shown(), "records") as done:
             for number, grid in enumerate(grids):
                 likelihood, before = RecordLikelihood(problem, grid), paths[number] if number < len(paths) else None
-                path = likelihood.smoothed(unknowns, before and before.reference, passes if before else FIRST_PASSES)
+                path = likelihood.smoothed(
+                    unknowns, before.reference if before else None, passes if before else FIRST_PASSES
+                )
                 if path is None:
                     return None
                 one, steps = likelihood.scored(unknowns, path), steps + len(grid)
@@ -122,9 +124,7 @@ def scored(
     return SearchResult(problem, unknowns, tuple(scores))
 
 
-def _helpful(
-    problem: LogProblem, found: SearchResult, grids: Grids, damping: float
-) -> tuple[np.ndarray, float] | None:
+def _helpful(problem: LogProblem, found: SearchResult, grids: Grids, damping: float) -> tuple[np.ndarray, float] | None:
     """A step that gains enough of what it should about the same paths, and its damping; None where there is none."""
 
     def cost(unknowns: np.ndarray) -> float:

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
-from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
 from narrows.logbook.filtering.gauss_markov import SWAY, YAW, Estimated, Process, StochasticModel
 from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem, PushInertia
 from narrows.logbook.filtering.predicted_signals import CURRENT_X, CURRENT_Y, ERROR, PREDICTED, RUDDER, RUDDER_OFFSET
 from narrows.logbook.filtering.recorded_motion import RecordedMotion
+from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES
 from narrows.ship.motion import Motion
@@ -221,7 +221,10 @@ class LogAssumptions:
         basin = self.grade.name == BASIN.name
         found = [Estimated("std", (name,), SPREAD_OF_STRENGTH) for name in gusts]
         if gusts:
-            found += [Estimated("memory", gusts, SPREAD_OF_MEMORY), Estimated("correlation", (SWAY, YAW), SPREAD_OF_CORRELATION)]
+            found += [
+                Estimated("memory", gusts, SPREAD_OF_MEMORY),
+                Estimated("correlation", (SWAY, YAW), SPREAD_OF_CORRELATION),
+            ]
         return (*found, *(Estimated("noise", (name,), BASIN_SPREAD if basin else SPREAD_OF_NOISE) for name in noise))
 
     def _noise(self, signals: set[str], length: float, u: float) -> dict[str, float]:

@@ -99,7 +99,4 @@ def _ship_and_water(problem: LogProblem) -> tuple[str, ...]:
 def _met(windows: int) -> tuple[str, ...]:
     if not windows:
         return ()
-    return (
-        f"In {windows} steps another ship passed: forces there are left open."
-        "",
-    )
+    return (f"In {windows} steps another ship passed: forces there are left open.",)

@@ -10,6 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from narrows.errors import InputError, check_choice, did_you_mean
+from narrows.logbook.filtering.log_problem import LogProblem
+from narrows.logbook.filtering.predicted_signals import RUDDER
+from narrows.logbook.filtering.record_grid import READ, RecordGrid, grid_of
+from narrows.logbook.filtering.recorded_motion import RecordedMotion
 from narrows.logbook.learning.log_prior import (
     BASIN,
     LogAssumptions,
@@ -23,10 +27,6 @@ from narrows.logbook.reading.read_log import stream_log
 from narrows.logbook.sensor_grades import GRADES, SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord
-from narrows.logbook.filtering.log_problem import LogProblem
-from narrows.logbook.filtering.predicted_signals import RUDDER
-from narrows.logbook.filtering.record_grid import READ, RecordGrid, grid_of
-from narrows.logbook.filtering.recorded_motion import RecordedMotion
 from narrows.model.model import Model
 from narrows.ship.particulars import Configuration
 

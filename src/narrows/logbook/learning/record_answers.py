@@ -7,13 +7,13 @@ from itertools import pairwise
 import numpy as np
 
 from narrows.logbook.filtering.gauss_markov import StochasticModel
-from narrows.logbook.filtering.likelihood import RecordScore
+from narrows.logbook.filtering.likelihood import RecordLikelihood, RecordScore
 from narrows.logbook.filtering.linear_record import INPUTS, Reference
 from narrows.logbook.filtering.log_problem import LogProblem
 from narrows.logbook.filtering.predicted_signals import CURRENT_X, CURRENT_Y, RUDDER_OFFSET
 from narrows.logbook.filtering.record_grid import RecordGrid
 from narrows.logbook.filtering.recorded_motion import CURRENT, PUSHES
-from narrows.logbook.filtering.search import FIRST_PASSES, RecordLikelihood, SearchResult
+from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
 from narrows.logbook.learning.log_posterior import posterior_covariance
 from narrows.logbook.learning.nomoto import fitted_nomoto, heading_record, nomoto_missed
 
@@ -79,15 +79,11 @@ def _nomoto_missed(found: SearchResult, grids: Iterable[RecordGrid]) -> list[flo
     missed = []
     for record in records:
         others = [other for other in known if other is not record] or known
-        missed.append(
-            np.nan if record is None else nomoto_missed(fitted_nomoto(others, scales[0] / scales[3]), record)
-        )
+        missed.append(np.nan if record is None else nomoto_missed(fitted_nomoto(others, scales[0] / scales[3]), record))
     return missed
 
 
-def _answer(
-    found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool, nomoto: float | None
-) -> RecordAnswer:
+def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool, nomoto: float | None) -> RecordAnswer:
     problem, prior, count = found.problem, found.problem.prior, found.problem.count
     after = posterior_covariance(problem, found.information)
     without = posterior_covariance(problem, found.information - one.information)
