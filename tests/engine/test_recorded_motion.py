@@ -5,7 +5,7 @@ from math import pi
 import casadi
 import numpy as np
 import pytest
-from narrows.logbook.shooting.recorded_motion import RecordedMotion
+from narrows.logbook.filtering.recorded_motion import RecordedMotion
 
 import narrows as nw
 from narrows.physics.hull import drift

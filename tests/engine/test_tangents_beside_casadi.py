@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cases import steered, waterway_for
-from narrows.logbook.shooting.recorded_motion import RecordedMotion
+from narrows.logbook.filtering.recorded_motion import RecordedMotion
 
 import narrows as nw
 from narrows.quantities.names import FORCES

@@ -9,8 +9,7 @@ import pytest
 import narrows as nw
 from engine_models import steered
 from narrows.logbook import GRADES
-from narrows.logbook.learning.foretold import ForetoldRecords, foretold_records
-from narrows.logbook.learning.log_posterior import said_alike
+from narrows.logbook.learning.foretold import ExpectedInformation, expected_information
 from narrows.logbook.learning.posed_log import PosedLog, posed_log
 from narrows.logbook.transits.planned_transit import Excursion, PlannedTransit
 from narrows.logbook.transits.transit_twins import recorded
@@ -58,14 +57,11 @@ def posed(*seeds: int) -> PosedLog:
     return posed_log(ship(), nw.ShipLog(tuple(records)), OWN, gusts=True)
 
 
-def foretold(log: PosedLog) -> ForetoldRecords:
+def foretold(log: PosedLog) -> ExpectedInformation:
     push = BREEZE.gust_push(ship())
-    return foretold_records(ship(), log, push @ push.T, BREEZE.gust_time)
+    return expected_information(ship(), log, push @ push.T, BREEZE.gust_time)
 
 
-@pytest.mark.xfail(
-    reason="b_bank is promised 1.5 times as tight as fits find it: the forecast lacks what the records share"
-)
 def test_what_is_foretold_of_transits_is_what_fits_to_them_find() -> None:
     """Fits do not know the ship nor the gusts: their standard errors are those that are foretold, to a third."""
     ratios = []
@@ -87,37 +83,17 @@ def test_where_a_ship_is_along_her_canal_need_not_be_read() -> None:
 
 
 def test_one_transit_many_times_over_tells_as_much_as_so_many() -> None:
-    """Information and the slope of how wide windows are left, against a log in which it is three times."""
-    one, three = foretold(posed(4)).judge.found.repeated(3.0), foretold(posed(4, 4, 4)).judge.found
-    np.testing.assert_allclose(one.information, three.information, rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(one.slope, three.slope, rtol=1e-6, atol=1e-9)
+    one, three = foretold(posed(4)).after(3), foretold(posed(4, 4, 4)).after(3)
+    np.testing.assert_allclose(one.covariance, three.covariance, rtol=1e-6, atol=1e-12)
 
 
-def test_gusts_are_as_likely_by_one_transit_many_times_over_as_by_so_many() -> None:
-    one, three = foretold(posed(4)).judge, foretold(posed(4, 4, 4)).judge
-    beside = one.start + 0.1 * np.arange(len(one.start))
-    assert one.unlikely(beside, 3.0) - one.unlikely(one.start, 3.0) == pytest.approx(
-        three.unlikely(beside) - three.unlikely(three.start), rel=1e-9
-    )
-
-
-def test_where_more_transits_would_sharpen_little_it_is_said() -> None:
-    found = foreseen(within=0.0)
-    words = "errs alike in every record"
-    assert any(share > 0.5 for share in found.kinds[0].alike.values()) == (words in found.summary())
-    assert said_alike(("b_bank", "c_bank"), (0.6, 0.4))[0].startswith("Most of what is left unknown of b_bank errs")
-    assert said_alike(("b_bank",), (0.4,)) == ()
-
-
-@pytest.mark.xfail(reason="the error that transits share is too large beside what each adds, and says so too late")
 def test_more_transits_tell_more_and_excursions_more_than_routine() -> None:
     found = foreseen()
     for kind in found.kinds:
         for name in found.targets:
             first, later, last = kind.std[name]
             assert found.prior_std[name] > first > later
-            assert first > last
-            assert later > last or kind.alike[name] > 0.4  # What errs alike in every transit does not become less.
+            assert later > last
     assert found.best.excursion.offset == pytest.approx(0.3)
     assert "Most is gained by 0.3 m aside" in found.summary()
     assert "on twins only" in found.summary()

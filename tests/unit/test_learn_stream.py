@@ -5,10 +5,10 @@ from contextlib import contextmanager
 from weakref import WeakSet
 
 import pytest
-from narrows.logbook.shooting import log_search
 from test_learn import manoeuvred, mistaken
 
 import narrows as nw
+from narrows.logbook.filtering import search
 
 TOLD = {"sensors": "basin", "spread": 0.1}
 COUNT = 6
@@ -42,7 +42,7 @@ def test_records_of_a_stream_are_let_go_and_counted(monkeypatch: pytest.MonkeyPa
         bars.append([total])
         yield bars[-1].append
 
-    monkeypatch.setattr(log_search, "bar", counted)
+    monkeypatch.setattr(search, "bar", counted)
     assert len(nw.learn(mistaken(), stream, **TOLD).records) == COUNT
     assert stream.most <= 3
     assert bars

@@ -5,13 +5,11 @@ from functools import cache
 
 import numpy as np
 import pytest
-from narrows.logbook.shooting import search_state
-from narrows.logbook.shooting.log_problem import LogProblem
-from narrows.logbook.shooting.record_grid import grid_of
-from narrows.logbook.shooting.record_search import first_guess
-from narrows.logbook.shooting.recorded_motion import RecordedMotion
 
 import narrows as nw
+from narrows.logbook.filtering.first_guess import first_guess
+from narrows.logbook.filtering.record_grid import grid_of
+from narrows.logbook.filtering.recorded_motion import RecordedMotion
 from narrows.logbook.sensor_grades import AIS, VDR, SensorGrade
 from narrows.logbook.transits.transit_twins import (
     SPEED,
@@ -89,8 +87,8 @@ def test_in_bends_the_yaw_rate_counts_the_turning_of_the_line() -> None:
     )
     np.testing.assert_allclose(sailed[grid.first[1:] + np.arange(len(grid))], states[1:], atol=1e-6)
     silent = replace(record, signals={name: record[name] for name in ("x", "y", "psi", "rudder")})
-    guess = first_guess(LogProblem(motion, *2 * (None,)), grid_of(silent, 1.0, 10.0, {"rudder": 0.0}))  # type: ignore[arg-type]
-    np.testing.assert_allclose(guess.starts[:, 5], states[:-1, 5], atol=2e-5)
+    guess = first_guess(motion, grid_of(silent, 1.0, 10.0, {"rudder": 0.0}))
+    np.testing.assert_allclose(guess[:, 5], states[:-1, 5], atol=2e-5)
 
 
 @cache
@@ -127,7 +125,7 @@ def test_a_ship_that_passes_is_no_gust_where_the_log_marks_it() -> None:
     found = passed(marked=True)
     assert not found.pushed
     assert found.records[0].met > 0
-    assert any(f"In {found.records[0].met} windows another ship passed" in note for note in found.notes)
+    assert any(f"In {found.records[0].met} steps another ship passed" in note for note in found.notes)
     assert abs(found.coefficients["c_bank"].value - twin()[0]["c_bank"]) < 3.5 * found.std["c_bank"]
 
 
@@ -136,15 +134,6 @@ def test_a_ship_that_passes_unmarked_is_said() -> None:
     assert found.pushed
     assert found.records[0].met == 0
     assert "mark these times in the log (`meeting`)" in found.summary()
-
-
-def test_where_windows_have_no_slope_it_stays(monkeypatch: pytest.MonkeyPatch) -> None:
-    def unknown(*_: object) -> np.ndarray:
-        raise np.linalg.LinAlgError
-
-    monkeypatch.setattr(search_state, "_slope", unknown)
-    problem = LogProblem(*3 * (None,))  # type: ignore[arg-type]
-    np.testing.assert_array_equal(search_state.determinant_slope(problem, [], np.ones(4)), np.zeros((1, 4)))
 
 
 def test_what_is_marked_holds_until_it_is_marked_otherwise() -> None:

@@ -1,14 +1,14 @@
-"""What is known after a log: a sum of squares as expected of one ship, and wider errors where it is larger."""
-
-from dataclasses import replace
+"""What is known after a log: a sum of squares as expected of one ship, and wider errors where the scores of records scatter."""
 
 import numpy as np
 import pytest
-from narrows.logbook.shooting.log_problem import CoefficientPrior
-from narrows.logbook.shooting.search_state import Found, RecordTold
 
 import narrows as nw
 from engine_models import steered
+from narrows.logbook.filtering.gauss_markov import StochasticModel
+from narrows.logbook.filtering.likelihood import RecordScore
+from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem
+from narrows.logbook.filtering.search import SearchResult
 from narrows.logbook.learning.log_posterior import log_posterior
 from narrows.logbook.learning.log_prior import coefficient_prior
 
@@ -23,14 +23,14 @@ def ship() -> tuple[nw.Model, np.ndarray]:
     return model, mixed * np.outer(sizes, sizes)
 
 
-def sure(prior: CoefficientPrior) -> np.ndarray:
-    """No doubt of gusts."""
-    return np.zeros((len(prior.names), 0))
-
-
-def found(prior: CoefficientPrior, scaled: np.ndarray, information: np.ndarray) -> Found:
-    told = RecordTold(information, np.zeros(len(scaled)), 0.0, None)
-    return Found(scaled, (told,), 0.0)
+def found(prior: CoefficientPrior, scaled: np.ndarray, *informations: np.ndarray, scores: np.ndarray) -> SearchResult:
+    """Records of informations and scores."""
+    problem = LogProblem(None, prior, None, StochasticModel((), {}))  # type: ignore[arg-type]
+    ranges = np.zeros((2, 2))
+    records = (
+        RecordScore(score, one, 0.0, np.ones(1), ranges, {}) for one, score in zip(informations, scores, strict=True)
+    )
+    return SearchResult(problem, scaled, tuple(records))
 
 
 @pytest.mark.parametrize("free", [None, FREE], ids=["all free", "inertia held"])
@@ -47,67 +47,54 @@ def test_a_log_of_the_same_ship_moves_as_far_as_expected(free: frozenset[str] | 
         pull = information @ truth + np.linalg.cholesky(information) @ draw.normal(size=count)
         scaled = np.zeros(count)
         scaled[moves] = np.linalg.solve((information + prior.precision)[np.ix_(moves, moves)], pull[moves])
-        after = log_posterior(model, covariance, prior, found(prior, scaled, information), sure(prior))
+        after = log_posterior(model, covariance, found(prior, scaled, information, scores=np.zeros((1, count))))
         squares.append(after.disagreement / after.freedom)
     assert np.mean(squares) == pytest.approx(1.0, abs=0.1)
 
 
-def test_a_log_that_disagrees_is_taken_for_less_sure() -> None:
+def test_a_log_that_disagrees_is_unlikely() -> None:
     model, covariance = ship()
     prior = coefficient_prior(model, covariance, "held")
     count = len(prior.names)
     near, far = (
-        log_posterior(model, covariance, prior, found(prior, np.full(count, size), 50 * np.eye(count)), sure(prior))
+        log_posterior(
+            model, covariance, found(prior, np.full(count, size), 50 * np.eye(count), scores=np.zeros((1, count)))
+        )
         for size in (0.5, 5.0)
     )
-    assert near.widened == 1.0
-    assert far.widened == pytest.approx(np.sqrt(far.disagreement / far.freedom))
     assert far.probability < 1e-3 < near.probability
     place = model.terms.names.index("c_bank")
-    before, one, other = (matrix[place, place] for matrix in (covariance, near.covariance, far.covariance))
-    assert one < other < before
+    assert near.covariance[place, place] < covariance[place, place]
 
 
-def test_how_wide_windows_are_left_is_not_believed_to_the_end() -> None:
-    """By half of what it moves the coefficients: with more records alike this is what stays."""
+@pytest.mark.parametrize("count", [5, 40])
+def test_scores_that_scatter_more_than_expected_widen_the_answer(count: int) -> None:
+    """As White's sandwich where there are many; as far as expected, they change it by chance alone."""
     model, covariance = ship()
     prior = coefficient_prior(model, covariance, "held")
-    count = len(prior.names)
-    slope, information = np.linspace(-1.0, 1.0, count), 50 * np.eye(count)
-    without, *more = (
+    size, draw = len(prior.names), np.random.default_rng(2)
+    expected = 50.0 * np.eye(size)
+    once = draw.normal(size=(count, size)) * np.sqrt(50.0)
+    answers = [
         log_posterior(
-            model, covariance, prior, replace(found(prior, np.zeros(count), n * information), slope=own), sure(prior)
-        )
-        for n, own in ((1, 0.0), (1, slope), (400, 400 * slope))
+            model, covariance, found(prior, np.zeros(size), *[expected] * count, scores=factor * once)
+        ).scaled
+        for factor in (0.0, 1.0, 3.0)
+    ]
+    alone, usual, wide = (np.trace(answer) for answer in answers)
+    assert alone <= usual < wide
+    inverse = np.linalg.inv(count * expected + prior.precision)
+    np.testing.assert_allclose(answers[0], inverse, atol=1e-10)
+    centred = 3 * (once - once.mean(axis=0))
+    sandwich = inverse @ (prior.precision + centred.T @ centred * count / (count - 1)) @ inverse
+    assert (wide - alone) / (np.trace(sandwich) - alone) == pytest.approx(count / (count + 10), rel=0.25)
+
+
+def test_one_record_has_no_scatter() -> None:
+    model, covariance = ship()
+    prior = coefficient_prior(model, covariance, "held")
+    size = len(prior.names)
+    after = log_posterior(
+        model, covariance, found(prior, np.zeros(size), 50 * np.eye(size), scores=np.full((1, size), 9.0))
     )
-    by_it = 0.5 * (without.scaled * prior.moves) @ (slope * prior.moves)
-    np.testing.assert_allclose(more[0].scaled, without.scaled + np.outer(by_it, by_it))
-    assert not without.alike.any()
-    assert (more[1].alike[prior.moves] >= more[0].alike[prior.moves]).all()
-    assert np.diag(more[1].scaled).max() > 0.9 * by_it.max() ** 2
-
-
-def test_what_gusts_may_be_is_in_the_intervals() -> None:
-    """Of every coefficient, by how far it goes with them."""
-    model, covariance = ship()
-    prior = coefficient_prior(model, covariance, "held")
-    count = len(prior.names)
-    told, doubt = found(prior, np.zeros(count), 50 * np.eye(count)), np.linspace(0.0, 1.0, 2 * count).reshape(count, 2)
-    without, other = (log_posterior(model, covariance, prior, told, own) for own in (sure(prior), doubt))
-    np.testing.assert_allclose(other.scaled, without.scaled + doubt @ doubt.T)
-    assert not other.alike.any()
-
-
-def test_who_has_a_log_knows_no_less_than_who_has_none() -> None:
-    """However far the width of the windows may have led it: only where it led does the doubt of it end at the prior."""
-    model, covariance = ship()
-    prior = coefficient_prior(model, covariance, "held")
-    count = len(prior.names)
-    slope = np.where(np.array(prior.names) == "c_bank", 1e4, 0.0)
-    told = replace(found(prior, np.zeros(count), 50 * np.eye(count)), slope=slope)
-    after = log_posterior(model, covariance, prior, told, sure(prior))
-    before = np.linalg.inv(prior.precision)
-    assert np.all(np.diag(after.scaled) <= np.diag(before) + 1e-12)
-    place = prior.names.index("c_bank")
-    assert after.scaled[place, place] == pytest.approx(before[place, place])
-    assert np.linalg.eigvalsh(after.scaled).min() > 0
+    np.testing.assert_allclose(after.scaled, np.linalg.inv(50 * np.eye(size) + prior.precision), atol=1e-10)

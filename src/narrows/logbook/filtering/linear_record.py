@@ -14,11 +14,12 @@ from narrows.logbook.filtering.predicted_signals import (
     CURRENT_X,
     CURRENT_Y,
     PREDICTED,
+    RUDDER,
     RUDDER_OFFSET,
     PredictedSignal,
     SeenStates,
 )
-from narrows.logbook.filtering.record_grid import RecordGrid
+from narrows.logbook.filtering.record_grid import HELM, RecordGrid
 from narrows.logbook.filtering.recorded_motion import CURRENT, PUSHES, RecordedMotion
 
 INPUTS = (*PUSHES, RUDDER_OFFSET, CURRENT_X, CURRENT_Y)
@@ -166,7 +167,12 @@ def linear_record(
         share, at = read.share[:, None], read.window
         there = (1 - share) * reference.states[at] + share * ends[at]
         errors = {key: value[at] for key, value in sums.items()}
-        seen = PREDICTED[name](SeenStates(there, np.zeros(1), errors, grid.record.antenna))
+        states = SeenStates(there, np.zeros(1), errors, grid.record.antenna)
+        if name == HELM:
+            assert model.helm is not None
+            seen = model.helm.predicted(states, grid.positions[RUDDER][read.row])
+        else:
+            seen = PREDICTED[name](states)
         row = _rows(seen, slopes[at], share, drives, names)
         left[name] = read.values - seen.value
         rows.append(row)

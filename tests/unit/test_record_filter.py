@@ -1,0 +1,201 @@
+"""The Kalman filter of a record: against the dense normal distribution, its slopes against differences, its scores."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+import narrows as nw
+from narrows.codegen.cache import compiled_loops
+from narrows.logbook.filtering import kalman_loops
+from narrows.logbook.filtering.gauss_markov import SWAY, YAW, Estimated, Process, StochasticModel
+from narrows.logbook.filtering.likelihood import RecordLikelihood, readings_for_one
+from narrows.logbook.filtering.record_grid import HELM
+from narrows.logbook.learning.log_prior import LogAssumptions
+from narrows.logbook.learning.posed_log import PosedLog, posed_log
+from narrows.logbook.transits.transit_conditions import wandering
+from narrows.logbook.transits.transit_twins import recorded
+from narrows.simulation.controllers import Order
+from test_foresee import OWN, SPEED, posed, ship
+
+STEPS, INPUTS, READINGS = 5, 6, 3
+
+
+@dataclass(frozen=True)
+class System:
+    """A random linear system: six states and three processes, of which one drives sway and one the rudder."""
+
+    seed: int
+
+    @cached_property
+    def parts(self) -> dict[str, np.ndarray]:
+        draw = np.random.default_rng(self.seed)
+        roots = draw.normal(size=(3, 9, 9))
+        fresh = np.stack([root[:3, :3] @ root[:3, :3].T for root in roots[:2]])
+        return {
+            "covariance": roots[2] @ roots[2].T,
+            "slopes": 0.5 * draw.normal(size=(STEPS, 6, 6 + INPUTS)),
+            "misses": draw.normal(size=(STEPS, 6)),
+            "drives": np.array([1, -1, 3]),
+            "kind": np.array([0, 1, 0, 1, 0]),
+            "kept": draw.uniform(0.2, 1.0, (2, 3)),
+            "fresh": fresh,
+            "walk": draw.uniform(0.1, 1.0, (2, 6)),
+            "first": READINGS * np.arange(STEPS + 1),
+            "rows": draw.normal(size=(STEPS * READINGS, 9)),
+            "residual": draw.normal(size=STEPS * READINGS),
+            "variance": draw.uniform(0.5, 2.0, STEPS * READINGS),
+        }
+
+    @cached_property
+    def filtered(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Innovations, their variances, and smoothed means."""
+        p, count = self.parts, STEPS * READINGS
+        innovations, spread, gains = np.empty(count), np.empty(count), np.empty((count, 9))
+        means, covariances = np.empty((STEPS, 9)), np.empty((STEPS, 9, 9))
+        loops = compiled_loops(kalman_loops)
+        loops.filter_readings(np.zeros(9), *p.values(), innovations, spread, gains, means, covariances)
+        loops.smooth(
+            p["slopes"], p["drives"], p["kind"], p["kept"], p["first"], p["rows"], innovations, spread, gains, means,
+            covariances,
+        )  # fmt: skip
+        return innovations, spread, means
+
+    @cached_property
+    def dense(self) -> tuple[np.ndarray, np.ndarray]:
+        """Mean and covariance of the states of all steps, one after the other."""
+        p, mean, size = self.parts, np.zeros(9 * STEPS), 9 * STEPS
+        covariance = np.zeros((size, size))
+        covariance[:9, :9] = p["covariance"]
+        for k in range(STEPS - 1):
+            here, then, kind = slice(9 * k, 9 * k + 9), slice(9 * k + 9, 9 * k + 18), p["kind"][k]
+            moved = np.zeros((9, 9))
+            moved[:6, :6] = p["slopes"][k, :, :6]
+            moved[:6, 6], moved[:6, 8] = p["slopes"][k, :, 6 + 1], p["slopes"][k, :, 6 + 3]
+            moved[6:, 6:] = np.diag(p["kept"][kind])
+            noise = np.zeros((9, 9))
+            noise[:6, :6], noise[6:, 6:] = np.diag(p["walk"][kind]), p["fresh"][kind]
+            mean[then] = moved @ mean[here] + np.append(p["misses"][k], np.zeros(3))
+            covariance[then, : 9 * k + 9] = moved @ covariance[here, : 9 * k + 9]
+            covariance[: 9 * k + 9, then] = covariance[then, : 9 * k + 9].T
+            covariance[then, then] = moved @ covariance[here, here] @ moved.T + noise
+        return mean, covariance
+
+    @cached_property
+    def read(self) -> np.ndarray:
+        """Slopes of all readings by the states of all steps."""
+        rows = np.zeros((STEPS * READINGS, 9 * STEPS))
+        for place, row in enumerate(self.parts["rows"]):
+            step = place // READINGS
+            rows[place, 9 * step : 9 * step + 9] = row
+        return rows
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_likelihood_is_that_of_the_dense_normal_distribution(seed: int) -> None:
+    system = System(seed)
+    innovations, spread, _ = system.filtered
+    mean, covariance = system.dense
+    dense = multivariate_normal(
+        system.read @ mean, system.read @ covariance @ system.read.T + np.diag(system.parts["variance"])
+    )
+    ours = -0.5 * np.sum(innovations**2 / spread + np.log(2 * np.pi * spread))
+    assert ours == pytest.approx(dense.logpdf(system.parts["residual"]), rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_smoothed_states_are_the_conditional_mean(seed: int) -> None:
+    system = System(seed)
+    mean, covariance = system.dense
+    read, noise = system.read, np.diag(system.parts["variance"])
+    gain = np.linalg.solve(read @ covariance @ read.T + noise, read @ covariance).T
+    smoothed = mean + gain @ (system.parts["residual"] - read @ mean)
+    np.testing.assert_allclose(system.filtered[2].ravel(), smoothed, rtol=1e-7, atol=1e-9)
+
+
+def test_the_score_is_the_slope_of_the_likelihood() -> None:
+    """About a path, by central differences: coefficients, gusts, noise and the pilot's gains."""
+    log = posed(1)
+    (grid,) = log.source
+    likelihood, draw = RecordLikelihood(log.problem, grid), np.random.default_rng(0)
+    unknowns = 0.1 * draw.normal(size=len(log.problem.precision))
+    path = likelihood.smoothed(unknowns, None, 2)
+    assert path is not None
+    found = likelihood.scored(unknowns, path)
+    for place in np.flatnonzero(log.problem.moves):
+        step = 1e-3 * (np.arange(len(unknowns)) == place)
+        up, down = (likelihood.cost(unknowns + sign * step, path) for sign in (1, -1))
+        size = np.sqrt(found.information[place, place])
+        assert found.score[place] == pytest.approx((down - up) / 4e-3, rel=0.01, abs=0.02 * size)
+
+
+@dataclass(frozen=True)
+class Schedule:
+    """Rudder angles that answer nothing."""
+
+    seed: int
+
+    def begin(self) -> Order:
+        return lambda t, at: 0.03 * np.sin(0.6 * t + self.seed)
+
+
+def scheduled(seed: int) -> PosedLog:
+    """A record of the ship under rudder angles that answer nothing, in the gusts that the problem takes for usual."""
+    step, duration, draw = 0.2, 60.0, np.random.default_rng((seed, 1))
+    log = posed(1)
+    sizes = {one.name: one for one in log.problem.model.processes}
+    pushes = {}
+    for name, inertia in zip((SWAY, YAW), log.problem.inertia.at(log.problem.prior.mean)[1:], strict=True):
+        gust, steady = sizes[name], sizes[f"steady_{name}"]
+        series = wandering(gust.std, gust.memory, step, round(duration / step), draw)[:, 0]
+        series += 0.05 * steady.std * draw.standard_normal()
+        pushes[name] = list(zip((step * np.arange(len(series))).tolist(), (inertia * series).tolist(), strict=True))
+    voyage = nw.simulate(
+        ship(), u=SPEED, duration=duration, dt=0.1, controller=Schedule(seed), **pushes
+    )  # fmt: skip
+    exact = replace(OWN, signals={name: replace(one, zero=0.0) for name, one in OWN.signals.items()})
+    return posed_log(ship(), recorded(f"{seed}", voyage, exact, seed, current=0.0), OWN, gusts=True)
+
+
+def test_scores_at_the_truth_have_a_mean_of_zero(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where nothing but the ship answers: of coefficients, in units of what their scatter allows."""
+    monkeypatch.setattr(LogAssumptions, "joint", lambda *_: False)
+    scores, information = [], []
+    for seed in range(12):
+        log = scheduled(seed)
+        (grid,) = log.source
+        likelihood = RecordLikelihood(log.problem, grid)
+        path = likelihood.smoothed(np.zeros(len(log.problem.precision)), None, 3)
+        assert path is not None
+        found = likelihood.scored(np.zeros(len(log.problem.precision)), path)
+        scores.append(found.score)
+        information.append(np.diag(found.information))
+    names, moves = log.problem.prior.names, log.problem.moves[: log.problem.count]
+    of = [names.index(name) for name in ("b_bank", "c_bank") if moves[names.index(name)]]
+    normal = np.sum(scores, axis=0)[of] / np.sqrt(np.sum(information, axis=0)[of])
+    assert np.abs(normal).max() < 3.0
+
+
+def test_the_pilot_is_read_where_a_bank_is_felt() -> None:
+    assert HELM in posed(1).problem.model.noise
+    assert any(one.of == "gain" for one in posed(1).problem.model.estimated)
+
+
+def test_gusts_that_were_stationary_stay_so() -> None:
+    gusts = (Process(SWAY, SWAY, 1.0, 40.0), Process(YAW, YAW, 2.0, 40.0), Process("zero", "zero", 0.5, np.inf))
+    model = StochasticModel(gusts, {"y": 0.1}, (Estimated("correlation", (SWAY, YAW), 1.0),), gusts=(SWAY, YAW)).at([0.5])
+    kept = model.kept(10.0)
+    assert kept == pytest.approx([np.exp(-0.25), np.exp(-0.25), 1.0])
+    assert model.covariance()[0, 1] / 2.0 == pytest.approx(np.tanh(0.5), abs=0.01)
+    assert model.covariance(3.0)[0, 0] == pytest.approx(9.0)
+
+
+def test_readings_that_remember_count_less() -> None:
+    """An autoregression of the first order: as many for one as (1 + a) / (1 - a), of the part that is above noise."""
+    kept = 0.8
+    assert readings_for_one(1000 * kept ** np.arange(400.0)) == pytest.approx((1 + kept) / (1 - kept), rel=0.06)
+    assert readings_for_one(np.append(1000.0, np.zeros(399))) == 1.0
+
+
