@@ -3,12 +3,9 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-
-if TYPE_CHECKING:
-    from narrows.logbook.filtering.helm_law import HelmLaw
 
 SWAY, YAW = "Y", "N"
 MOST_CORRELATION = 0.995
@@ -26,7 +23,7 @@ class Process(NamedTuple):
 class Estimated(NamedTuple):
     """A number of the stochastic model that records determine, as a logarithm over its usual value."""
 
-    of: str  # std, memory, noise; correlation, by its inverse hyperbolic tangent; gain of the pilot, by its units
+    of: str  # std, memory, noise; or correlation, by its inverse hyperbolic tangent
     names: tuple[str, ...]  # Processes or signals that it belongs to
     spread: float  # Standard deviation before records
 
@@ -40,7 +37,6 @@ class StochasticModel:
     estimated: tuple[Estimated, ...] = ()
     correlation: float = 0.0  # Of gusts in sway and yaw [1]
     gusts: tuple[str, ...] = field(default=())  # Processes that are stronger in meetings
-    helm: "HelmLaw | None" = None  # How the pilot steers, where the rudder is an output
 
     @property
     def spreads(self) -> np.ndarray:
@@ -59,9 +55,7 @@ class StochasticModel:
                     noise[name] *= factor
                 elif of in ("std", "memory"):
                     processes[name] = processes[name]._replace(**{of: getattr(processes[name], of) * factor})
-        gains = [number for one, number in zip(self.estimated, numbers, strict=True) if one.of == "gain"]
-        helm = self.helm and self.helm.moved(np.array(gains))
-        return replace(self, processes=tuple(processes.values()), noise=noise, correlation=correlation, helm=helm)
+        return replace(self, processes=tuple(processes.values()), noise=noise, correlation=correlation)
 
     def covariance(self, stronger: float = 1.0) -> np.ndarray:
         """Return the stationary covariance of the processes, with stronger gusts, (m, m)."""

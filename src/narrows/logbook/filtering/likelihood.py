@@ -79,11 +79,10 @@ class RecordLikelihood:
         problem, count = self.problem, self.problem.count
         about = self.linear(unknowns, path.reference)
         at = about.innovations(problem.model.at(unknowns[count:]), path.weights)
-        relinearised = {*range(count), *(count + i for i, one in enumerate(problem.model.estimated) if one.of == "gain")}
         by_value, by_variance = np.zeros((2, len(unknowns), len(at.values)))
         for place in np.flatnonzero(problem.moves):
             moved = unknowns + DIFFERENCE * (np.arange(len(unknowns)) == place)
-            there = self.linear(moved, path.reference) if place in relinearised else about
+            there = self.linear(moved, path.reference) if place < count else about
             found = there.innovations(problem.model.at(moved[count:]), path.weights)
             by_value[place] = (found.values - at.values) / DIFFERENCE
             by_variance[place] = (found.variances - at.variances) / DIFFERENCE

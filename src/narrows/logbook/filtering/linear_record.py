@@ -14,12 +14,11 @@ from narrows.logbook.filtering.predicted_signals import (
     CURRENT_X,
     CURRENT_Y,
     PREDICTED,
-    RUDDER,
     RUDDER_OFFSET,
     PredictedSignal,
     SeenStates,
 )
-from narrows.logbook.filtering.record_grid import HELM, RecordGrid
+from narrows.logbook.filtering.record_grid import RecordGrid
 from narrows.logbook.filtering.recorded_motion import CURRENT, PUSHES, RecordedMotion
 
 INPUTS = (*PUSHES, RUDDER_OFFSET, CURRENT_X, CURRENT_Y)
@@ -32,7 +31,7 @@ START = np.array([0.1, 0.1, 0.2, 0.2, 0.2, 0.3])
 # How much stronger gusts are while another ship passes.
 IN_MEETINGS = 30.0
 USUAL, MET, LOOSE = 0, 1, 2
-# A residual over its noise beyond which a reading counts less (Huber).
+# A residual over its noise beyond which a reading counts less.
 OUTLIER = 4.0
 
 
@@ -167,12 +166,7 @@ def linear_record(
         share, at = read.share[:, None], read.window
         there = (1 - share) * reference.states[at] + share * ends[at]
         errors = {key: value[at] for key, value in sums.items()}
-        states = SeenStates(there, np.zeros(1), errors, grid.record.antenna)
-        if name == HELM:
-            assert model.helm is not None
-            seen = model.helm.predicted(states, grid.positions[RUDDER][read.row])
-        else:
-            seen = PREDICTED[name](states)
+        seen = PREDICTED[name](SeenStates(there, np.zeros(1), errors, grid.record.antenna))
         row = _rows(seen, slopes[at], share, drives, names)
         left[name] = read.values - seen.value
         rows.append(row)
@@ -219,9 +213,10 @@ def _rows(
 
 
 def weights_of(record: LinearRecord, model: StochasticModel) -> np.ndarray:
-    """Weigh readings by what the reference leaves of them (Huber), (N,)."""
+    """Weigh readings by what the reference leaves of them, (N,)."""
+    # A reading beyond the limit counts as one at the limit, so that no spike sets the noise that is estimated.
     parts = []
     for name, read in record.grid.readings.items():
         size = np.abs(record.left[name]) / (model.noise[name] / np.sqrt(read.counted))
-        parts.append(np.minimum(1.0, OUTLIER / np.maximum(size, OUTLIER)))
+        parts.append((OUTLIER / np.maximum(size, OUTLIER)) ** 2)
     return np.asarray(np.concatenate(parts)[record.grid.order])

@@ -11,8 +11,6 @@ from narrows.logbook.ship_record import MEETING, TURNING, ShipRecord, Signal
 
 # Signals that the motion is held to.
 READ = ("x", "y", "psi", "r", "u", "v", "u_ground", "v_ground", "speed_over_ground", "course")
-# The rudder at the end of each step, as a reading of the pilot's law.
-HELM = "helm"
 # Usual times between two values, over which nothing is drawn straight from one to the next.
 GAP = 3.0
 
@@ -66,9 +64,7 @@ class RecordGrid:
         return np.concatenate([read.window for read in self.readings.values()])
 
 
-def grid_of(
-    record: ShipRecord, step: float, window: float, usual: Mapping[str, float], helm: bool = False
-) -> RecordGrid:
+def grid_of(record: ShipRecord, step: float, window: float, usual: Mapping[str, float]) -> RecordGrid:
     """Return a record on even times."""
     # step [s]; window [s]
     # Values finer than a step are averaged over it, what is coarser stays where it is.
@@ -91,14 +87,7 @@ def grid_of(
     for signal in moved.values():
         whole &= _is_whole(signal, times[first], max(GAP * signal.step, step))
     readings = {name: _readings(name, signal, times, first, whole) for name, signal in read.items()}
-    if helm:
-        readings[HELM] = _steered(positions["rudder"], first, whole)
     return RecordGrid(record, times, first, whole, positions, readings, _meetings(record, times[first]))
-
-
-def _steered(rudder: np.ndarray, first: np.ndarray, whole: np.ndarray) -> Readings:
-    window, none = np.flatnonzero(whole), np.zeros(int(whole.sum()))
-    return Readings(rudder[first[window + 1]], window, first[window], none, none, none + 1.0)
 
 
 def _at_nodes(signal: Signal, times: np.ndarray) -> np.ndarray:

@@ -80,6 +80,8 @@ def learn(
         found = search(posed.problem, posed.source)
     if found is None:
         raise InputError(RUNS_AWAY)
+    if not found.records:
+        raise InputError(f"No record of this log can be used: {' '.join(posed.source.left_out)}".removesuffix("."))
     return log_result(posed, found, came_from, free)
 
 

@@ -8,10 +8,8 @@ import numpy as np
 
 from narrows.errors import InputError, did_you_mean
 from narrows.logbook.filtering.gauss_markov import SWAY, YAW, Estimated, Process, StochasticModel
-from narrows.logbook.filtering.helm_law import HelmLaw
 from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem, PushInertia
 from narrows.logbook.filtering.predicted_signals import CURRENT_X, CURRENT_Y, ERROR, PREDICTED, RUDDER, RUDDER_OFFSET
-from narrows.logbook.filtering.record_grid import HELM
 from narrows.logbook.filtering.recorded_motion import RecordedMotion
 from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
 from narrows.model.model import Model
@@ -172,10 +170,6 @@ RUDDER_ZERO = 1.0 * DEGREE
 # five of yaw rates and twice as much of speeds, over those of the ship.
 USUALLY_LEFT = 0.015
 
-# A pilot: what his law leaves of the rudder at a step, what a wandering aim makes of it, and how long [rad, rad, s]; its
-# mean [rad]; and the gains, over a rudder of one radian for a length, a radian and the ship's speed.
-HELM_NOISE, HELM_AIM, HELM_MEMORY, HELM_ZERO, SPREAD_OF_GAIN = 0.02, 0.02, 60.0, 0.1, 3.0
-
 # Standard deviation of the logarithm of noise in a basin.
 BASIN_SPREAD = 2.0
 
@@ -213,22 +207,15 @@ class LogAssumptions:
         length = motion.model.configuration.ship.length
         noise, sizes = self._noise(signals, length, u), self._sizes(length, u)
         gusts = [Process(name, name, GUST * size, USUAL_MEMORY) for name, size in sizes.items()] if self.gusts else []
-        helm = HelmLaw(np.array([1.0, 1 / length, 1.0, 1 / u, length / u]), np.zeros(5)) if self.joint(motion) else None
-        if helm:
-            noise[HELM] = HELM_NOISE
         processes = [*gusts, *self._errors(signals, motion, noise, length / u)]
         if self.gusts:
             processes += [Process(STEADY(n), n, STEADY_PUSH * size, np.inf) for n, size in sizes.items()]
         names = tuple(one.name for one in gusts)
-        model = StochasticModel(tuple(processes), noise, self._estimated(names, noise, helm is not None), gusts=names, helm=helm)
+        model = StochasticModel(tuple(processes), noise, self._estimated(names, noise, processes), gusts=names)
         return LogProblem(motion, prior, inertia, model, 1.0 if self.gusts else USUALLY_CORRELATED)
 
-    def joint(self, motion: RecordedMotion) -> bool:
-        """Whether the pilot is part of the model: in transits."""
-        return self.gusts and motion.model.feels_bank and RUDDER in motion.positions
-
     def _estimated(
-        self, gusts: tuple[str, ...], noise: Mapping[str, float], helm: bool
+        self, gusts: tuple[str, ...], noise: Mapping[str, float], processes: list[Process]
     ) -> tuple[Estimated, ...]:
         """The numbers that records determine."""
         basin = self.grade.name == BASIN.name
@@ -238,11 +225,7 @@ class LogAssumptions:
                 Estimated("memory", gusts, SPREAD_OF_MEMORY),
                 Estimated("correlation", (SWAY, YAW), SPREAD_OF_CORRELATION),
             ]
-        if helm:
-            found += [Estimated("gain", (name,), SPREAD_OF_GAIN) for name in ("rudder", "y", "psi", "v", "r")]
-            found += [Estimated("std", (HELM,), BASIN_SPREAD), Estimated("memory", (HELM,), SPREAD_OF_MEMORY)]
-        spreads = {name: BASIN_SPREAD if basin or name == HELM else SPREAD_OF_NOISE for name in noise}
-        return (*found, *(Estimated("noise", (name,), spread) for name, spread in spreads.items()))
+        return (*found, *(Estimated("noise", (name,), BASIN_SPREAD if basin else SPREAD_OF_NOISE) for name in noise))
 
     def _noise(self, signals: set[str], length: float, u: float) -> dict[str, float]:
         """Of the grade; in a basin what models usually leave, to begin with."""
@@ -273,10 +256,7 @@ class LogAssumptions:
             rudder, step = self._grade(RUDDER), self.step(lasting, 1.0)
             found += [Process("rudder_noise", RUDDER_OFFSET, rudder.noise * np.sqrt(rudder.period / step), 0.0)]
             found += [Process(RUDDER_OFFSET, RUDDER_OFFSET, rudder.zero, np.inf)]
-        if HELM in noise:
-            found += [Process(HELM, ERROR(HELM), HELM_AIM, HELM_MEMORY)]
-            found += [Process(ERROR(HELM), ERROR(HELM), HELM_ZERO, np.inf)]
-        for name in noise.keys() - {HELM}:
+        for name in noise:
             grade = self._grade(name)
             if grade.wander > 0:
                 found.append(Process(f"{name}_wander", ERROR(name), grade.wander, grade.memory))

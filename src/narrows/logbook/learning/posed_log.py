@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from narrows.errors import InputError, check_choice, did_you_mean
-from narrows.logbook.filtering.helm_law import fitted_helm
 from narrows.logbook.filtering.log_problem import LogProblem
 from narrows.logbook.filtering.predicted_signals import RUDDER
 from narrows.logbook.filtering.record_grid import READ, RecordGrid, grid_of
@@ -46,7 +45,6 @@ class GridSource:
     assumptions: LogAssumptions  # How long steps and windows are
     usual: dict[str, float]  # Actuators, each with where it is if nothing was recorded of it
     configuration: Configuration  # The ship and the water that the model is of
-    helm: bool = False  # Whether the rudder is an output, too
 
     def __iter__(self) -> Iterator[RecordGrid]:
         """The records."""
@@ -86,7 +84,7 @@ class GridSource:
                 "what it tells is of another ship; leave it out, or give a model of that draft"
             )
         step = self.assumptions.step(self.configuration.ship.length, speed_of(record))
-        return grid_of(record, step, step, self.usual, self.helm)
+        return grid_of(record, step, step, self.usual)
 
 
 class PosedLog(NamedTuple):
@@ -119,10 +117,7 @@ def posed_log(
     motion = _motion(model, signals, u, choices, waterway or getattr(records, "waterway", None), prior.members)
     inertia = push_inertia(model, prior, u, choices.get("surge_inertia"))
     problem = assumptions.problem(motion, prior, inertia, signals, u)
-    source = GridSource(records, assumptions, dict(motion.positions), model.configuration, assumptions.joint(motion))
-    if problem.model.helm:
-        helm = fitted_helm(problem.model.helm, motion, source)
-        problem = replace(problem, model=replace(problem.model, helm=helm))
+    source = GridSource(records, assumptions, dict(motion.positions), model.configuration)
     return PosedLog(problem, source, before, model)
 
 
