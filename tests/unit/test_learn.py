@@ -50,7 +50,11 @@ def learned() -> nw.LogFit:
 
 def test_a_ship_that_is_known_is_found_again() -> None:
     found = learned()
-    off = {name: (found.model[name] - kvlcc2().coefficients.get(name, 0.0)) / std for name, std in found.std.items() if std > 0}
+    off = {
+        name: (found.model[name] - kvlcc2().coefficients.get(name, 0.0)) / std
+        for name, std in found.std.items()
+        if std > 0
+    }
     assert max(map(abs, off.values())) < 3.5
     for name, factor in WRONG.items():
         assert abs(found.model[name] / kvlcc2()[name] - 1) < 0.5 * abs(factor - 1)
@@ -87,7 +91,7 @@ def test_the_log_of_another_ship_is_said_to_be_one_before_anything_is_learned(ra
 def test_the_answer_says_what_was_learned_and_what_holds_the_rest() -> None:
     found = learned()
     first = found.summary().splitlines()[0]
-    assert first.startswith("Learned from 3 records, 55 min: learned: R_0")
+    assert first.startswith("Learned from 3 records, 54.9 min: learned: R_0")
     assert "From the prior still: " in first
     assert any(note.startswith("Motion tells of forces over inertia: X_mass") for note in found.notes)
     assert "learned from 3 records of the ship itself" in found.model.source.text
@@ -115,7 +119,9 @@ def test_a_mirrored_ship_learns_the_mirrored_turns() -> None:
     one, other = (
         nw.learn(even, [each], sensors="basin", spread=0.1) for each in (records()[0], mirrored(records()[0]))
     )
-    np.testing.assert_allclose([one.model[n] for n in one.std], [other.model[n] for n in one.std], rtol=1e-6, atol=1e-9)
+    sides = {name: -1.0 if name in ("Y_0", "N_0") else 1.0 for name in one.std}
+    turned = [sides[name] * other.model[name] for name in one.std]
+    np.testing.assert_allclose([one.model[name] for name in one.std], turned, rtol=1e-5, atol=1e-7)
 
 
 def test_coefficients_that_are_held_stay_and_are_allowed_for() -> None:
@@ -124,7 +130,7 @@ def test_coefficients_that_are_held_stay_and_are_allowed_for() -> None:
     moved = {name for name in found.std if found.model[name] != mistaken()[name]}
     assert moved == set(free)
     alone = {name: 0.1 * abs(mistaken()[name]) for name in free}
-    blind = nw.learn(mistaken(), records(), sensors="basin", spread=alone)
+    blind = nw.learn(mistaken(), records(), sensors="basin", spread=alone, asymmetry=False)
     assert all(found.std[name] > blind.std[name] for name in free)
 
 
@@ -173,7 +179,7 @@ def test_a_long_record_is_taken_in_parts() -> None:
     [
         ({"spread": None}, "state a spread"), ({"spread": -1.0}, "is none"), ({"free": ("N_vv",)}, "did you mean"),
         ({"sensors": "gps"}, "sensors"), ({"spread": {"N_vv": 0.1}}, "did you mean"), ({"log": 3}, "is no log"),
-        ({"log": [of_manoeuvre(zigzag()).between(0, 60)]}, "less than two windows"),
+        ({"log": [of_manoeuvre(zigzag()).between(0, 5)]}, "no record of this log .* too short"),
         ({"log": [replace(zigzag(), signals={n: zigzag()[n] for n in ("x", "y", "psi")})]}, "holds no rudder"),
     ],
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""What is known after a log: a sum of squares as expected of one ship, and wider errors where the scores of records scatter."""
+"""What is known after a log: disagreement as expected of one ship, wider errors where scores of records scatter."""
 
 import numpy as np
 import pytest
@@ -76,9 +76,7 @@ def test_scores_that_scatter_more_than_expected_widen_the_answer(count: int) -> 
     expected = 50.0 * np.eye(size)
     once = draw.normal(size=(count, size)) * np.sqrt(50.0)
     answers = [
-        log_posterior(
-            model, covariance, found(prior, np.zeros(size), *[expected] * count, scores=factor * once)
-        ).scaled
+        log_posterior(model, covariance, found(prior, np.zeros(size), *[expected] * count, scores=factor * once)).scaled
         for factor in (0.0, 1.0, 3.0)
     ]
     alone, usual, wide = (np.trace(answer) for answer in answers)

@@ -6,19 +6,17 @@ from functools import cached_property
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
+from test_foresee import OWN, SPEED, posed, ship
 
 import narrows as nw
 from narrows.codegen.cache import compiled_loops
 from narrows.logbook.filtering import kalman_loops
 from narrows.logbook.filtering.gauss_markov import SWAY, YAW, Estimated, Process, StochasticModel
 from narrows.logbook.filtering.likelihood import RecordLikelihood, readings_for_one
-from narrows.logbook.filtering.record_grid import HELM
-from narrows.logbook.learning.log_prior import LogAssumptions
 from narrows.logbook.learning.posed_log import PosedLog, posed_log
 from narrows.logbook.transits.transit_conditions import wandering
 from narrows.logbook.transits.transit_twins import recorded
 from narrows.simulation.controllers import Order
-from test_foresee import OWN, SPEED, posed, ship
 
 STEPS, INPUTS, READINGS = 5, 6, 3
 
@@ -116,7 +114,7 @@ def test_smoothed_states_are_the_conditional_mean(seed: int) -> None:
 
 
 def test_the_score_is_the_slope_of_the_likelihood() -> None:
-    """About a path, by central differences: coefficients, gusts, noise and the pilot's gains."""
+    """About a path, by central differences: coefficients, gusts and noise."""
     log = posed(1)
     (grid,) = log.source
     likelihood, draw = RecordLikelihood(log.problem, grid), np.random.default_rng(0)
@@ -159,9 +157,8 @@ def scheduled(seed: int) -> PosedLog:
     return posed_log(ship(), recorded(f"{seed}", voyage, exact, seed, current=0.0), OWN, gusts=True)
 
 
-def test_scores_at_the_truth_have_a_mean_of_zero(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_scores_at_the_truth_have_a_mean_of_zero() -> None:
     """Where nothing but the ship answers: of coefficients, in units of what their scatter allows."""
-    monkeypatch.setattr(LogAssumptions, "joint", lambda *_: False)
     scores, information = [], []
     for seed in range(12):
         log = scheduled(seed)
@@ -178,14 +175,11 @@ def test_scores_at_the_truth_have_a_mean_of_zero(monkeypatch: pytest.MonkeyPatch
     assert np.abs(normal).max() < 3.0
 
 
-def test_the_pilot_is_read_where_a_bank_is_felt() -> None:
-    assert HELM in posed(1).problem.model.noise
-    assert any(one.of == "gain" for one in posed(1).problem.model.estimated)
-
-
 def test_gusts_that_were_stationary_stay_so() -> None:
     gusts = (Process(SWAY, SWAY, 1.0, 40.0), Process(YAW, YAW, 2.0, 40.0), Process("zero", "zero", 0.5, np.inf))
-    model = StochasticModel(gusts, {"y": 0.1}, (Estimated("correlation", (SWAY, YAW), 1.0),), gusts=(SWAY, YAW)).at([0.5])
+    model = StochasticModel(gusts, {"y": 0.1}, (Estimated("correlation", (SWAY, YAW), 1.0),), gusts=(SWAY, YAW)).at(
+        [0.5]
+    )
     kept = model.kept(10.0)
     assert kept == pytest.approx([np.exp(-0.25), np.exp(-0.25), 1.0])
     assert model.covariance()[0, 1] / 2.0 == pytest.approx(np.tanh(0.5), abs=0.01)
@@ -197,5 +191,3 @@ def test_readings_that_remember_count_less() -> None:
     kept = 0.8
     assert readings_for_one(1000 * kept ** np.arange(400.0)) == pytest.approx((1 + kept) / (1 - kept), rel=0.06)
     assert readings_for_one(np.append(1000.0, np.zeros(399))) == 1.0
-
-

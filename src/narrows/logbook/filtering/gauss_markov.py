@@ -1,4 +1,4 @@
-"""Disturbances and sensor errors as first-order Gauss-Markov processes, and which of their numbers records determine."""
+"""Disturbances and sensor errors as first-order Gauss-Markov processes, and what of them is estimated."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -86,7 +86,7 @@ class RecordLikelihood:
             found = there.innovations(problem.model.at(moved[count:]), path.weights)
             by_value[place] = (found.values - at.values) / DIFFERENCE
             by_variance[place] = (found.variances - at.variances) / DIFFERENCE
-        e, s = at.values, at.variances
+        e, s = at.values, np.abs(at.variances)  # Where the filter diverges the cost is infinite.
         score = -by_value @ (e / s) - 0.5 * by_variance @ (1 / s - (e / s) ** 2)
         information = (by_value / s) @ by_value.T + 0.5 * (by_variance / s**2) @ by_variance.T
         share = 1 / problem.correlated

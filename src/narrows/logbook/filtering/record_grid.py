@@ -77,7 +77,7 @@ def grid_of(record: ShipRecord, step: float, window: float, usual: Mapping[str, 
     count = int((ended - begun) / step + 1e-9)
     each = max(1, round(window / step))
     if count < max(2 * each, 8):
-        raise InputError(f"record {record.name} lasts {ended - begun:.0f} s, less than two windows; leave it out")
+        raise InputError(f"record {record.name} lasts {ended - begun:.0f} s, too short to learn from; leave it out")
     times = begun + step * np.arange(count + 1)
     first = np.append(np.arange(0, count - each // 2, each), count)
     positions = {

@@ -63,7 +63,7 @@ def search(problem: LogProblem, grids: Grids, steps: int = MOST_STEPS) -> Search
     """
     found = _maximum(problem, grids, np.zeros(len(problem.precision)), (), steps)
     for _ in range(RESTARTS * (not problem.model.gusts)):
-        if found is None or found.interrupted:
+        if found is None or found.interrupted or not found.records:
             break
         counted = readings_for_one(np.sum([one.autocovariance for one in found.records], axis=0))
         settled = max(counted / problem.correlated, problem.correlated / counted) < SETTLED
@@ -115,6 +115,8 @@ def scored(
                 if path is None:
                     return None
                 one, steps = likelihood.scored(unknowns, path), steps + len(grid)
+                if not np.isfinite(one.cost):
+                    return None
                 scores.append(one if steps <= KEPT_STEPS else replace(one, path=None))
                 done(1)
     except KeyboardInterrupt:

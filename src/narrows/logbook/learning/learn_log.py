@@ -81,7 +81,8 @@ def learn(
     if found is None:
         raise InputError(RUNS_AWAY)
     if not found.records:
-        raise InputError(f"No record of this log can be used: {' '.join(posed.source.left_out)}".removesuffix("."))
+        why = " ".join(posed.source.left_out).removesuffix(".") or "it has none"
+        raise InputError(f"no record of this log can be used: {why}")
     return log_result(posed, found, came_from, free)
 
 

@@ -127,7 +127,7 @@ class LogFit(LearnedAnswer):
 
     @property
     def _doubts(self) -> tuple[str, ...]:
-        return (*self._search, *self._simpler, *self._disagreement, *self._left, *self._pushed)
+        return (*self._disagreement, *self._search, *self._simpler, *self._left, *self._pushed)
 
     @property
     def _search(self) -> tuple[str, ...]:

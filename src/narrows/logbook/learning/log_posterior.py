@@ -33,9 +33,7 @@ class LogPosterior:
         return float(chi2.sf(self.disagreement, max(self.freedom, 1)))
 
 
-def log_posterior(
-    model: Model, before: np.ndarray, found: SearchResult, count: int | None = None
-) -> LogPosterior:
+def log_posterior(model: Model, before: np.ndarray, found: SearchResult, count: int | None = None) -> LogPosterior:
     """Return what is known after a log of so many records, from the covariance (n, n) before."""
     found = _less_informative(found, count or len(found.records))
     problem, prior = found.problem, found.problem.prior

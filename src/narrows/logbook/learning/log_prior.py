@@ -144,14 +144,14 @@ def push_inertia(model: Model, prior: CoefficientPrior, u: float, surge_inertia:
     return PushInertia(held, moving)
 
 
-# Length of a step, in times of a ship length; in a basin, where disturbances do not act within it.
-STEP, BASIN_STEP = 1 / 25, 1 / 15
+# Length of a step, in times of a ship length; in a basin, where the kinks of a rudder in a zigzag matter more.
+STEP, BASIN_STEP = 1 / 25, 1 / 40
 
 # Steady push of a record.
 STEADY = "steady_{}".format
 
-# How long a gust stays before anything is known of it [s], and standard deviations of logarithms: of that, of how strong
-# gusts are, of noise; of the inverse hyperbolic tangent of the correlation between sway and yaw.
+# How long a gust stays before anything is known of it [s], and standard deviations of logarithms: of that, of the
+# strength of gusts, of noise; of the inverse hyperbolic tangent of the correlation between sway and yaw.
 USUAL_MEMORY, SPREAD_OF_MEMORY, SPREAD_OF_STRENGTH, SPREAD_OF_NOISE, SPREAD_OF_CORRELATION = 40.0, 1.0, 1.5, 0.3, 1.0
 
 # Standard deviations of accelerations before anything is known, over speed squared by length (and by length again for

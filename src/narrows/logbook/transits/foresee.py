@@ -48,7 +48,7 @@ def foresee(
     """Foretell how well transits will tell the bank's coefficients, before any is sailed.
 
     The ship of the most likely coefficients is sailed by a pilot whose aim wanders, in gusts, and recorded by the
-    sensors. What these records tell is what a fit to them would find where it is done: the expected information of the same likelihood.
+    sensors. The standard errors follow from the expected information of the likelihood that ``learn`` maximises.
 
     Parameters
     ----------
