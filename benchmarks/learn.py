@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 from common import installed, interleaved, show, sizes
-from narrows.logbook.shooting.recorded_motion import RecordedMotion
 
 import narrows as nw
+from narrows.logbook.filtering.recorded_motion import RecordedMotion
 
 sys.path.append(str(Path(__file__).parents[1] / "decisions"))
 from kvlcc2_log import smoothed

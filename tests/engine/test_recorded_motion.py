@@ -5,9 +5,9 @@ from math import pi
 import casadi
 import numpy as np
 import pytest
-from narrows.logbook.filtering.recorded_motion import RecordedMotion
 
 import narrows as nw
+from narrows.logbook.filtering.recorded_motion import RecordedMotion
 from narrows.physics.hull import drift
 from narrows.physics.propeller import NOTHING
 

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 from cases import steered, waterway_for
-from narrows.logbook.filtering.recorded_motion import RecordedMotion
 
 import narrows as nw
+from narrows.logbook.filtering.recorded_motion import RecordedMotion
 from narrows.quantities.names import FORCES
 
 casadi = pytest.importorskip("casadi", reason="CasADi, the independent differentiation, is not installed")
