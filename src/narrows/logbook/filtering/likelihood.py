@@ -74,6 +74,7 @@ class RecordLikelihood:
         about = self.linear(unknowns, path.reference).innovations(model, path.weights)
         return about.cost / self.problem.correlated
 
+    @np.errstate(all="ignore")
     def scored(self, unknowns: np.ndarray, path: RecordPath) -> RecordScore:
         """Return score and information by differences about a path."""
         problem, count = self.problem, self.problem.count

@@ -138,6 +138,7 @@ class LinearRecord:
         )  # fmt: skip
 
 
+@np.errstate(all="ignore")  # A model that cannot follow the record may run away.
 def linear_record(
     grid: RecordGrid, scales: Scales, motion: RecordedMotion, inertia: np.ndarray, model: StochasticModel,
     reference: Reference,
@@ -151,10 +152,9 @@ def linear_record(
     pushes = np.stack([sums[name] for name in PUSHES], axis=1) * inertia
     known = CURRENT in motion.directions
     current = float(sums[CURRENT_X][0]) if known else 0.0
-    with np.errstate(all="ignore"):
-        states, along = motion.sailed(
-            reference.states, pushes, grid.first, grid.times, grid.positions, sums[RUDDER_OFFSET], current
-        )
+    states, along = motion.sailed(
+        reference.states, pushes, grid.first, grid.times, grid.positions, sums[RUDDER_OFFSET], current
+    )
     ends, slopes = states[1::2], _slopes(grid, motion, inertia, along[1::2])
     if not known:
         for place, name in enumerate((CURRENT_X, CURRENT_Y)):
@@ -212,6 +212,7 @@ def _rows(
     return row
 
 
+@np.errstate(all="ignore")
 def weights_of(record: LinearRecord, model: StochasticModel) -> np.ndarray:
     """Weigh readings by what the reference leaves of them, (N,)."""
     # A reading beyond the limit counts as one at the limit, so that no spike sets the noise that is estimated.
