@@ -16,7 +16,7 @@ from narrows.model.model import Model
 from narrows.quantities.names import FORCES
 from narrows.ship.motion import Motion
 from narrows.simulation.ship import SimulatedShip
-from narrows.terms.asymmetry import asymmetry_names, with_asymmetry
+from narrows.terms.additions import asymmetry_names, with_asymmetry
 from narrows.terms.term import TermKind
 
 # Standard deviations of coefficients: over their size, or each in its own unit.
