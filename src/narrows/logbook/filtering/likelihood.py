@@ -54,6 +54,7 @@ class RecordLikelihood:
         model = problem.model.at(unknowns[count:])
         return linear_record(self.grid, problem.scales, motion.of_records, inertia, model, reference)
 
+    @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
     def smoothed(self, unknowns: np.ndarray, reference: Reference | None, passes: int) -> RecordPath | None:
         """Smooth the reference path, from the readings alone if there is none; None where the motion diverges."""
         model = self.problem.model.at(unknowns[self.problem.count :])
@@ -68,6 +69,7 @@ class RecordLikelihood:
             reference = Reference(reference.states + smooth[:, :6], smooth[:, 6:])
         return RecordPath(reference, weights_of(self.linear(unknowns, reference), model))
 
+    @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
     def cost(self, unknowns: np.ndarray, path: RecordPath) -> float:
         """Return minus twice the log-likelihood about a path."""
         model = self.problem.model.at(unknowns[self.problem.count :])
