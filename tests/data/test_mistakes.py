@@ -91,7 +91,7 @@ def test_refused(case: str, way: str, frame: pd.DataFrame, tmp_path: Path) -> No
 @pytest.mark.parametrize("case", NAMED)
 def test_named_and_exit_code_1(case: str, frame: pd.DataFrame, tmp_path: Path, cli) -> None:
     spoil, sentence = NAMED[case]
-    tests = read(spoil(frame[frame.condition == "C0101A03"]), tmp_path)
+    tests = read(spoil(frame[frame.condition == "C0101A02"]), tmp_path)
     assert any(sentence in said for said in nw.identify(tests).implausible)
     code, out, _ = cli("identify", tmp_path / "t.csv", "--ship", tmp_path / "ship.toml")
     assert code == 1
