@@ -186,7 +186,7 @@ def test_a_probability_is_not_known_where_voyages_diverged() -> None:
 
 def test_a_fleet_that_feels_banks_is_not_in_open_water() -> None:
     for sail in (nw.simulate, nw.ensemble):
-        with pytest.raises(nw.InputError, match="feel the banks"):
+        with pytest.raises(nw.InputError, match="have a bank"):
             sail(paper(), y=0.5, contact="none")
 
 

@@ -174,5 +174,5 @@ def test_without_banks_a_canal_model_turns_in_open_water(dtc: nw.Model) -> None:
     for force, found in own.forces(motion).items():
         assert found == pytest.approx(dtc.forces(motion)[force] - bank[force])
     assert own.in_open_water() is own
-    with pytest.raises(nw.InputError, match="feel the banks"):
+    with pytest.raises(nw.InputError, match="have a bank"):
         nw.simulate(dtc, contact="none")

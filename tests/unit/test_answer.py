@@ -18,9 +18,7 @@ SEPARATING = (
       for p in (14.0, 23.0)),
     *(nw.StraightRun(f"straight{y}{u}", y, u, 20.0) for y in (-2.0, -1.0, 1.0, 1.5, 2.0) for u in (0.7, 1.0)),
 )  # fmt: skip
-NOTE = (
-    "What the banks do is not settled by the tests: b_bank is not separable from b_r, c_bank is not separable from c_r."
-)
+NOTE = "The tests do not determine the bank force: b_bank is not separable from b_r, c_bank is not separable from c_r."
 
 
 @pytest.fixture(scope="module")
@@ -121,7 +119,7 @@ def test_scaling_keeps_the_verdicts_and_the_envelope_repeats_them() -> None:
     tests = nw.read_captive(*measured_files("kcs"), "type in ('PMMY2', 'PMMPSI2') and abs(rud_given_deg) < 31")
     fit = nw.identify(tests.by_condition()["C0101A01"], "speed+helm")
     full = nw.scale_model(fit.model, 230.0, width=300.0, depth=16.2)
-    assert full.model.trust_note.startswith("What the banks do is not settled")
+    assert full.model.trust_note.startswith("The tests do not determine the bank force")
     assert full.notes[0] == full.model.trust_note
     answer = nw.safe_envelope(full.model, [0.0, 20.0], [4.0], samples=4)
     assert answer.summary().endswith(full.model.trust_note)

@@ -242,10 +242,10 @@ class TestWords:
         ("told", "words"),
         [
             ({"known": 0.99}, "the pilot"),
-            ({"certain": 1.0}, "what the tests know"),
+            ({"certain": 1.0}, "uncertain coefficients"),
             ({"rudder_likely": 0.5}, "the rudder"),
             ({"rudder_likely": math.nan}, "no rudder holds it"),
-            ({}, "what throws it off"),
+            ({}, "the disturbance"),
             ({"held": 0.96}, "the tests end"),
             ({"clear": False}, "the keel"),
             ({"clear": False, "clearance": math.nan}, "the canal chokes"),
@@ -262,12 +262,12 @@ class TestWords:
         data = found.data
         assert bool((data["known"] >= data["held"]).all())
         assert "The limit" in found.summary()
-        assert "A pilot who knew its coefficients would hold it" in found.summary()
+        assert "A pilot with the true coefficients would hold it" in found.summary()
         assert {PILOT, KNOWLEDGE} & set(found.limited_by())
         rows = found.offset_rows()
         assert all(row["known"] >= row["held"] for row in rows)
         words = [text.get_text() for text in found.plot().legends[0].get_texts()]
-        assert "by a pilot who knew the ship" in words
+        assert "by a pilot with the true coefficients" in words
         assert any(note.startswith("one pilot for all cases: a track pilot") for note in found.notes)
 
     def test_a_certain_ship_is_limited_by_its_rudder_and_not_by_who_knows_it(self) -> None:
@@ -275,7 +275,7 @@ class TestWords:
             certain(), np.array([0.0, 130.0]), np.array([5.0]), disturbance=Disturbance(0.0), samples=1
         )
         assert found.limited_by()[1] == RUDDER or "no rudder" in found.limited_by()[1]
-        assert "A pilot who knew" not in found.summary()
+        assert "A pilot with the true coefficients" not in found.summary()
 
     def test_a_hand_at_the_wheel_holds_no_more_than_the_best(self) -> None:
         asked = {"y": np.array([-5.0, 0.0, 5.0]), "u": np.array([5.0]), "samples": 200}

@@ -78,7 +78,7 @@ def test_a_fleet_draws_its_map() -> None:
     drawn, part = fleet.plot(), fleet.isel(u=0).plot()
     assert any("DTC" in text.get_text() for text in drawn.texts)
     assert not any("DTC" in text.get_text() for text in part.texts)
-    assert "not tested: the model's guess" in [text.get_text() for text in part.axes[0].get_legend().get_texts()]
+    assert "not tested: extrapolated" in [text.get_text() for text in part.axes[0].get_legend().get_texts()]
     assert fleet.plot.scatter is not None
 
 

@@ -36,7 +36,7 @@ class TestEnvelope:
     def test_without_a_bank_nothing_is_safe(self, found: nw.SafeEnvelope) -> None:
         assert not found.safe().any()
         assert found.summary().startswith("Not tested")
-        assert "no term of this model feels a bank" in found.untested
+        assert "this model has no bank term" in found.untested
 
     @pytest.mark.parametrize("name", ["speed", "abs_y"])
     def test_an_unknown_range_is_not_tested(self, with_bank: nw.Model, name: str) -> None:
@@ -70,7 +70,7 @@ def test_a_map_is_hatched_where_the_ranges_are_not_known(without_bank: nw.Model)
     voyages = nw.ensemble(without_bank, y=[0.0, 30.0], u=[3.0, 4.0], psi=0.05, duration=400.0, dt=1.0)
     figure = nw.report.map_figure(voyages, without_bank)
     words = [text.get_text() for axes in figure.axes if axes.get_legend() for text in axes.get_legend().get_texts()]
-    assert "not tested: the model's guess" in words
+    assert "not tested: extrapolated" in words
 
 
 def test_the_monitor_names_ranges_that_are_not_known(with_bank: nw.Model) -> None:

@@ -25,10 +25,10 @@ GUST_FACTOR = 1.24
 class GridOptions:
     y: Annotated[
         str | None,
-        Option(help="From the middle [m]: a number, a,b,c or from:to:count; bank to bank unless given."),
+        Option(help="Offsets from the middle [m]: a number, a,b,c or from:to:count; default: bank to bank."),
     ] = None
     speed: Annotated[
-        str | None, Option(help="Through the water: 8kn, 4kn:12kn:17, 4.1m/s; to choking unless given.")
+        str | None, Option(help="Speeds through the water: 8kn, 4kn:12kn:17, 4.1m/s; default: to choking.")
     ] = None
 
     @property
@@ -45,10 +45,10 @@ class GridOptions:
 @dataclass(frozen=True)
 class SectionOptions:
     waterway: Annotated[
-        Path | None, Option(help="GeoJSON of a waterway, whose section takes the place of the model's canal.")
+        Path | None, Option(help="GeoJSON of a waterway, whose section replaces the model's canal.")
     ] = None
-    at: Annotated[float, Option(help="Where along the waterway [m].")] = 0.0
-    level: Annotated[float, Option(help="Of its water over that of its depths [m].")] = 0.0
+    at: Annotated[float, Option(help="Place along the waterway [m].")] = 0.0
+    level: Annotated[float, Option(help="Water level above that of the depths [m].")] = 0.0
 
     def check(self) -> None:
         if self.waterway is None and (self.at or self.level):
@@ -76,12 +76,12 @@ class SectionOptions:
 
 @dataclass(frozen=True)
 class WeatherOptions:
-    heading_deg: Annotated[float, Option(help="Heading off at the start, standard deviation [deg].")] = 2.0
+    heading_deg: Annotated[float, Option(help="Heading error at the start, standard deviation [deg].")] = 2.0
     wind: Annotated[str, Option(help="Speed of a steady beam wind, from either side: 10m/s, 20kn.")] = "0m/s"
-    gusts: Annotated[float, Option(help="Speed of a gust over that of the wind [1]; 1 for none.")] = GUST_FACTOR
+    gusts: Annotated[float, Option(help="Ratio of gust to wind speed [1]; 1 for none.")] = GUST_FACTOR
     windage: Annotated[float, Option(help="Lateral area above the water [m2], with --wind.")] = 0.0
-    gust_lever: Annotated[float, Option(help="Of wind and gust, forward of midship [m].")] = 0.0
-    gust_time: Annotated[float, Option(help="How long the gust lasts [s].")] = 60.0
+    gust_lever: Annotated[float, Option(help="Lever of wind and gust, forward of midship [m].")] = 0.0
+    gust_time: Annotated[float, Option(help="Duration of the gust [s].")] = 60.0
 
     def disturbance(self) -> "Disturbance":
         from narrows.safety import Disturbance, wind_force
@@ -100,18 +100,20 @@ class WeatherOptions:
 
 @dataclass(frozen=True)
 class ReserveOptions:
-    reserve: Annotated[float, Option(help="Share of the rudder to be left on the steady course.")] = 1 / 3
-    keel: Annotated[float | None, Option(help="Least water under the keel [m]; a twentieth of the draft.")] = None
-    most_revolutions: Annotated[float | None, Option(help="Of the engine [1/s], for a model with a propeller.")] = None
+    reserve: Annotated[float, Option(help="Share of the rudder left on the steady course.")] = 1 / 3
+    keel: Annotated[
+        float | None, Option(help="Least clearance under the keel [m]; default: a twentieth of the draft.")
+    ] = None
+    most_revolutions: Annotated[float | None, Option(help="Limit of the engine [1/s], for a propeller.")] = None
 
 
 @dataclass(frozen=True)
 class CaseOptions:
     samples: Annotated[
         int | None,
-        Option(help="Of coefficients and disturbances; as many as settle the edge to a step unless given."),
+        Option(help="Number of samples; default: enough to determine the edge to a step."),
     ] = None
-    seed: Annotated[int, Option(help="Of the samples.")] = 0
+    seed: Annotated[int, Option(help="Seed of the samples.")] = 0
 
 
 # A ship with a rudder and banks, but untested: the chart says so.
@@ -127,15 +129,11 @@ def envelope(
     cases: CaseOptions,
     delivery: DatasetDelivery,
     controller: Annotated[
-        str, Option(help="Pilot that is tried, such as regulator or human; an unknown name lists all.")
+        str, Option(help="Pilot, such as regulator or human; an unknown name lists all.")
     ] = "regulator",
-    bank: Annotated[str, Option(help="Kind of bank, for the rules of designers: gentle, sloping or steep.")] = "steep",
-    rudder_of: Annotated[
-        str | None, Option(help="Model whose rudder this one borrows, where it has none of its own.")
-    ] = None,
-    demo: Annotated[
-        bool, Option("--demo", help="Of a ship that is ready: estimated_kcs, 230 m, in a canal of 300 x 16.2 m.")
-    ] = False,
+    bank: Annotated[str, Option(help="Kind of bank for design rules: gentle, sloping or steep.")] = "steep",
+    rudder_of: Annotated[str | None, Option(help="Model whose rudder is used if this one has none.")] = None,
+    demo: Annotated[bool, Option("--demo", help="Use estimated_kcs, 230 m, in a canal of 300 x 16.2 m.")] = False,
     model: Annotated[str | None, Argument(help="Model file, or the name of a ship; none with --demo.")] = None,
 ) -> None:
     """Find the safe speeds and offsets of a ship in a canal.
@@ -151,9 +149,7 @@ def envelope(
 
     section.check()
     if (model is None) != demo:
-        raise InputError(
-            "give a model file or the name of a ship (narrows ships lists them), or --demo for one of ours"
-        )
+        raise InputError("give a model file or the name of a ship (narrows ships lists them), or --demo for an example")
     disturbance, ship = weather.disturbance(), model_named(model or DEMO_SHIP)
     ship = borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
     ship, reach, where = section.placed(ship)

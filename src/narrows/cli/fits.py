@@ -42,19 +42,19 @@ SIMULATED_SPEEDS = (0.7, 1.0)  # [m/s]
 
 @dataclass(frozen=True)
 class FittingOptions:
-    split: Annotated[str, Option(help="Left out for checking: each 'test' in turn, or 'random' rows.")] = "test"
-    seed: Annotated[int, Option(help="Of the random split.")] = 0
+    split: Annotated[str, Option(help="Validation data: each 'test' in turn, or 'random' rows.")] = "test"
+    seed: Annotated[int, Option(help="Seed of the random split.")] = 0
     weights: Annotated[str, Option(help="'paper': plain sum of squares; 'variance': scaled.")] = "paper"
-    balance: Annotated[str, Option(help="What counts alike: 'tests', however long, or 'rows'.")] = "tests"
+    balance: Annotated[str, Option(help="Units of equal weight: 'tests' of any length, or 'rows'.")] = "tests"
     terms: TermsName = "paper"
     accelerations: Annotated[
-        str, Option(help="'checked': of the motion where the measured ones stray; 'motion'; 'measured'.")
+        str, Option(help="'checked': from the motion if the measured ones contradict it; 'motion'; 'measured'.")
     ] = "checked"
     run_errors: RunErrors = "0.02,0.02,0.02"
     pass_over: Annotated[
-        str, Option(help="'rudder': fit although it moves and no term has it; its force goes to other terms.")
+        str, Option(help="'rudder': fit although it moves without a rudder term; other terms absorb its force.")
     ] = ""
-    pool: Annotated[str | None, Option(help="'depth': hulls of their own at each depth, one bank.")] = None
+    pool: Annotated[str | None, Option(help="'depth': separate hull coefficients at each depth, one bank.")] = None
 
     def options(self) -> dict[str, Any]:
         from narrows.identification.run_errors import run_errors_of
@@ -219,20 +219,16 @@ def reproduce(
 
 @dataclass(frozen=True)
 class RunOptions:
-    runs: Annotated[int, Option(help="How many runs there is time for.")] = 12
-    run_length: Annotated[float | None, Option(help="Of steady motion in one run [m]; 10 ship lengths.")] = None
+    runs: Annotated[int, Option(help="Number of runs.")] = 12
+    run_length: Annotated[float | None, Option(help="Steady motion in one run [m]; 10 ship lengths.")] = None
     clearance: Annotated[float, Option(help="Least distance from the hull's side to a wall, in beams.")] = 1.5
     speed: Annotated[
         str | None,
-        Option(
-            help="To run at: 0.6m/s,0.9m/s or from:to:count; those tested before, or three slow ones, unless given."
-        ),
+        Option(help="Speeds: 0.6m/s,0.9m/s or from:to:count; default: those tested before, or three slow ones."),
     ] = None
-    depths: Annotated[
-        str | None, Option(help="To run at [m]: a,b,c or from:to:count; for terms that know the depth.")
-    ] = None
+    depths: Annotated[str | None, Option(help="Depths [m]: a,b,c or from:to:count; for terms with depth.")] = None
     reach: Annotated[
-        float | None, Option(help="Farthest offset from the centreline [m]; within what was tested unless given.")
+        float | None, Option(help="Largest offset from the centreline [m]; default: the tested range.")
     ] = None
 
     def tank(self) -> "Tank":
@@ -248,7 +244,7 @@ class RunOptions:
 class AimOptions:
     run_errors: RunErrors = "0.02,0.02,0.02"
     terms: TermsName = "paper"
-    targets: Annotated[str, Option(help="Coefficients that matter, a,b,c; the bank's unless given.")] = ""
+    targets: Annotated[str, Option(help="Target coefficients, a,b,c; default: the bank's.")] = ""
     criterion: Annotated[str, Option(help="'c': sum of the variances; 'd': determinant.")] = "c"
 
     def options(self, terms: "TermTable") -> dict[str, Any]:
@@ -267,7 +263,7 @@ def plan(
     aim: AimOptions,
     selection: SelectionOptions,
     delivery: TableDelivery,
-    after: Annotated[Path | None, Option(help="Captive tests that were made already.")] = None,
+    after: Annotated[Path | None, Option(help="Earlier captive tests.")] = None,
 ) -> None:
     """Choose captive tests that identify the bank."""
     from narrows.experiment_design import plan_tests

@@ -37,25 +37,25 @@ OptionalModel = Annotated[str | None, Argument(help="Model file; none for --demo
 
 @dataclass(frozen=True)
 class LogOptions:
-    free: Annotated[str, Option(help="Coefficients that may move: b_bank,c_bank; all unless given.")] = ""
-    sensors: Annotated[str, Option(help="How well a log was measured: rtk, vdr, ais, or basin.")] = "vdr"
-    spread: Annotated[
-        float | None, Option(help="Of coefficients that no fit made: standard deviation over their size.")
-    ] = None
+    free: Annotated[str, Option(help="Free coefficients: b_bank,c_bank; default: all.")] = ""
+    sensors: Annotated[str, Option(help="Measurement quality of a log: rtk, vdr, ais, or basin.")] = "vdr"
+    spread: Annotated[float | None, Option(help="Relative standard deviation of coefficients without a fit.")] = None
     mapping: Annotated[
-        Path | None, Option(help="TOML of the log's own names, units, signs and lateness; see docs/ship-log.md.")
+        Path | None, Option(help="TOML of the log's own names, units, signs and delays; see docs/ship-log.md.")
     ] = None
     unchecked: Annotated[
         bool, Option("--unchecked", help="Fit although the log's signs, units or clock look wrong.")
     ] = False
-    demo: Annotated[bool, Option("--demo", help="Fit twins of ten transits of a 400 m ship, the truth beside.")] = False
+    demo: Annotated[
+        bool, Option("--demo", help="Fit simulated twins of ten transits of a 400 m ship; compare with the truth.")
+    ] = False
 
 
 @dataclass(frozen=True)
 class LegOptions:
     steady: Annotated[
         Path | None,
-        Option(help="Steady legs off the middle: a table of y, u, rudder and drift or heading, a row a leg."),
+        Option(help="Steady legs off the middle: a table of y, u, rudder and drift or heading, one row per leg."),
     ] = None
     plan_steady: Annotated[
         Path | None,
@@ -63,11 +63,9 @@ class LegOptions:
             help="Plan steady legs and write the pilot's page: .html, .pdf, .svg or .png.", callback=named(PILOT_PAGES)
         ),
     ] = None
-    legs: Annotated[int, Option(help="How many legs to plan, an even number.")] = 4
-    y: Annotated[str | None, Option(help="Offsets [m] that may be held, to either side: a,b,c or from:to:count.")] = (
-        None
-    )
-    wind: Annotated[str, Option(help="Beam wind of one standard deviation: 8m/s, 16kn.")] = "8m/s"
+    legs: Annotated[int, Option(help="Number of legs to plan, even.")] = 4
+    y: Annotated[str | None, Option(help="Allowed offsets [m] to either side: a,b,c or from:to:count.")] = None
+    wind: Annotated[str, Option(help="Standard deviation of beam wind: 8m/s, 16kn.")] = "8m/s"
 
     def conditions(self) -> "SteadyConditions":
         from narrows.cli.options import speed
@@ -79,7 +77,7 @@ class LegOptions:
 @dataclass(frozen=True)
 class ForesightOptions:
     foresee: Annotated[
-        str | None, Option(help="Say how tight the bank's coefficients will get by transits, sensors rtk or vdr.")
+        str | None, Option(help="Predict the information on bank coefficients from transits, sensors rtk or vdr.")
     ] = None
     waterway: WaterwayFile = None
 
@@ -90,7 +88,7 @@ def learn(
     legs: LegOptions,
     ahead: ForesightOptions,
     delivery: ModelDelivery,
-    speed: Annotated[str | None, Option(help="Speeds that may be held, or that of transits: 8kn, 4.1m/s.")] = None,
+    speed: Annotated[str | None, Option(help="Allowed speeds, or that of transits: 8kn, 4.1m/s.")] = None,
     model: OptionalModel = None,
     logs: Logs = None,
 ) -> None:
@@ -166,7 +164,7 @@ def _read(logs: list[Path], logged: LogOptions, ahead: ForesightOptions) -> "Shi
 
     twice = next((log for place, log in enumerate(logs) if log in logs[:place]), None)
     if twice is not None:
-        raise InputError(f"{twice} is given twice: what it tells would count twice; give each log once")
+        raise InputError(f"{twice} is given twice and would count twice; give each log once")
     way = None if ahead.waterway is None else read_waterway(ahead.waterway)
     if len(logs) == 1 and logs[0].is_file() and logs[0].stat().st_size >= LARGE:
         return stream_log(logs[0], way, logged.mapping)

@@ -27,13 +27,21 @@ WHERE = f"File to write: {', '.join(_FIRST)} or {_LAST}."
 @verb("narrows scale mikkelsen2025_dtc --length 355 --density 1025 --depth 24 -o full.toml")
 def scale(
     model: ModelFile,
-    length: Annotated[float, Option(help="Between perpendiculars, of the new ship [m].")],
-    density: Annotated[float | None, Option(help="Of the new water [kg/m3]; as it was unless given.")] = None,
-    width: Annotated[float | None, Option(help="Of the new canal [m]; the tests' scaled unless given.")] = None,
-    depth: Annotated[float | None, Option(help="Of the new canal [m]; the tests' scaled unless given.")] = None,
-    form_factor: Annotated[float | None, Option(help="Scale friction by the ITTC's line with this k.")] = None,
-    wetted_surface: Annotated[float | None, Option(help="Of the old hull [m2], with --form-factor.")] = None,
-    at_speed: Annotated[str | None, Option(help="Of the old hull: 1.2m/s, 2kn; with --form-factor.")] = None,
+    length: Annotated[float, Option(help="Length between perpendiculars of the new ship [m].")],
+    density: Annotated[float | None, Option(help="Density of the new water [kg/m3]; default: unchanged.")] = None,
+    width: Annotated[
+        float | None, Option(help="Width of the new canal [m]; default: that of the tests, scaled.")
+    ] = None,
+    depth: Annotated[
+        float | None, Option(help="Depth of the new canal [m]; default: that of the tests, scaled.")
+    ] = None,
+    form_factor: Annotated[
+        float | None, Option(help="Scale friction by the ITTC line with this form factor k.")
+    ] = None,
+    wetted_surface: Annotated[
+        float | None, Option(help="Wetted surface of the old hull [m2], with --form-factor.")
+    ] = None,
+    at_speed: Annotated[str | None, Option(help="Speed of the old hull: 1.2m/s, 2kn; with --form-factor.")] = None,
     output: ModelOutput = None,
     json: AsJson = False,
 ) -> None:
@@ -74,10 +82,10 @@ def export(
     output: Annotated[Path, Option("--output", "-o", help=WHERE)],
     physics: PhysicsOptions,
     water: WaterOptions,
-    fmi: Annotated[int, Option(help="Of an FMU, the version of the standard: 2 or 3.")] = 2,
-    hold: Annotated[float | None, Option(help="Offset [m] that a helm in the file holds.")] = None,
+    fmi: Annotated[int, Option(help="FMI version of an FMU: 2 or 3.")] = 2,
+    hold: Annotated[float | None, Option(help="Offset [m] held by a helm in the file.")] = None,
     helm_speed: Annotated[
-        str | None, Option(help="Speed that the helm is made for: 4m/s, 8kn; as suits the ship unless given.")
+        str | None, Option(help="Design speed of the helm: 4m/s, 8kn; default: one that suits the ship.")
     ] = None,
     json: AsJson = False,
 ) -> None:
@@ -126,21 +134,21 @@ def _helm(model: "Model", hold: float | None, speed: str | None, way: "Waterway 
 
 @dataclass(frozen=True)
 class DimensionOptions:
-    length: Annotated[float, Option(help="Between perpendiculars [m].")]
-    width: Annotated[float, Option(help="Of the canal, from bank to bank [m].")]
-    depth: Annotated[float | None, Option(help="Of the canal [m]; deep water unless given.")] = None
-    beam: Annotated[float | None, Option(help="Of the ship [m]; usual for its --type unless given.")] = None
-    draft: Annotated[float | None, Option(help="Of the ship [m]; usual for its --type unless given.")] = None
+    length: Annotated[float, Option(help="Length between perpendiculars [m].")]
+    width: Annotated[float, Option(help="Width of the canal, from bank to bank [m].")]
+    depth: Annotated[float | None, Option(help="Depth of the canal [m]; default: deep water.")] = None
+    beam: Annotated[float | None, Option(help="Beam of the ship [m]; usual for its --type unless given.")] = None
+    draft: Annotated[float | None, Option(help="Draft of the ship [m]; usual for its --type unless given.")] = None
     block: Annotated[float | None, Option(help="Block coefficient; usual for its --type unless given.")] = None
-    density: Annotated[float, Option(help="Of the water [kg/m3].")] = 1025.0
-    name: Annotated[str, Option(help="Of the ship.")] = "ship"
+    density: Annotated[float, Option(help="Density of the water [kg/m3].")] = 1025.0
+    name: Annotated[str, Option(help="Name of the ship.")] = "ship"
 
 
 @verb("narrows estimate --length 366 --beam 51 --draft 15 --block 0.65 --width 300 --depth 18 -o ship.toml")
 def estimate(
     dimensions: DimensionOptions,
     kind: Annotated[str | None, Option("--type", help="container, tanker, bulk, general, inland or convoy.")] = None,
-    speed: Annotated[str | None, Option(help="Service speed: 12m/s, 16kn; usual for the type if left out.")] = None,
+    speed: Annotated[str | None, Option(help="Service speed: 12m/s, 16kn; default: usual for the type.")] = None,
     output: ModelOutput = None,
     json: AsJson = False,
 ) -> None:
@@ -176,7 +184,7 @@ def ships(json: AsJson = False) -> None:
 
     table = ready_ships()
     if json:
-        summary = f"{len(table)} ships; each name goes wherever a model file does"
+        summary = f"{len(table)} ships; each name replaces a model file"
         print_json({"ships": table.reset_index().to_dict("records"), "summary": summary, "notes": []})
         return
     print_ships(table)

@@ -75,11 +75,11 @@ ShipFile = Annotated[Path, Option("--ship", help="Ship file: TOML with [ship], [
 ModelFile = Annotated[str, Argument(help="Model file, or the name of a published model.")]
 
 WaterwayFile = Annotated[
-    Path | None, Option(help="GeoJSON to sail in instead of the model's canal; x, y, psi are to its line.")
+    Path | None, Option(help="GeoJSON of a waterway instead of the model's canal; x, y, psi are relative to its line.")
 ]
 
 TermsName = Annotated[str, Option(help="Table of terms: 'paper', 'crossflow', 'mmg', 'paper+keel_gap+helm', ...")]
-RunErrors = Annotated[str, Option(help="What runs differ by: gain, zero and form, as shares of the force.")]
+RunErrors = Annotated[str, Option(help="Differences between runs: gain, zero and form, as shares of the force.")]
 Plot = Annotated[Path | None, Option(help="Picture to write: PNG, SVG or PDF.", callback=named(PICTURES))]
 Report = Annotated[Path | None, Option(help="Self-contained HTML report to write.", callback=named(PAGES))]
 AsJson = Annotated[bool, Option("--json", help="Print JSON instead of tables.")]
@@ -109,13 +109,13 @@ WaterwayOutput = Annotated[Path | None, Option("--output", "-o", help="GeoJSON t
 @dataclass(frozen=True)
 class SelectionOptions:
     where: Annotated[
-        str | None, Option(help="Rows to take, as in 'u > 0.3 and abs(psi_deg) < 9'; on its headers too.")
+        str | None, Option(help="Selection of rows, as in 'u > 0.3 and abs(psi_deg) < 9', also by headers.")
     ] = None
     mapping: Annotated[
         Path | None,
         Option(help="TOML of the table's own names, units and signs: [columns], [units], [positive]."),
     ] = None
-    condition: Annotated[str | None, Option(help="Take this condition of the table alone.")] = None
+    condition: Annotated[str | None, Option(help="Use only this condition of the table.")] = None
 
 
 Function = TypeVar("Function", bound=Callable[..., None])

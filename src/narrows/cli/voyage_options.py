@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 HELMS = ("regulator", "predictive", "track")
 ContactKind = Annotated[
-    str, Option(help="What meets the bank: hull 'corners', 'midship' clearance, or 'none' in open water.")
+    str, Option(help="Contact with the bank: hull 'corners', 'midship' clearance, or 'none' in open water.")
 ]
 
 
@@ -27,7 +27,7 @@ class StartOptions:
     y: Annotated[float, Option(help="Start to starboard of the centreline [m].")] = 0.0
     speed: Annotated[
         str | None,
-        Option(help="Surge velocity: 1.2m/s, 8kn; m/s without a unit; as suits the ship unless given."),
+        Option(help="Surge velocity: 1.2m/s, 8kn; m/s without a unit; default: one that suits the ship."),
     ] = None
     psi_deg: Annotated[float, Option(help="Heading at the start [deg].")] = 0.0
     v: Annotated[str, Option(help="Sway velocity at the start, likewise.")] = "0m/s"
@@ -46,8 +46,8 @@ class StartOptions:
 
 @dataclass(frozen=True)
 class PushOptions:
-    surge_force: Annotated[float, Option("--X", help="Surge force from elsewhere [N].")] = 0.0
-    sway_force: Annotated[float, Option("--Y", help="Sway force from elsewhere [N].")] = 0.0
+    surge_force: Annotated[float, Option("--X", help="External surge force [N].")] = 0.0
+    sway_force: Annotated[float, Option("--Y", help="External sway force [N].")] = 0.0
     yaw_moment: Annotated[float, Option("--N", help="External yaw moment [N m].")] = 0.0
 
     def values(self) -> dict[str, float]:
@@ -56,10 +56,12 @@ class PushOptions:
 
 @dataclass(frozen=True)
 class HelmOptions:
-    rudder_deg: Annotated[float, Option(help="Rudder angle [deg], positive to starboard; if terms know it.")] = 0.0
-    hold: Annotated[float | None, Option(help="Offset that a helm holds [m], for models with a rudder.")] = None
+    rudder_deg: Annotated[
+        float, Option(help="Rudder angle [deg], positive to starboard; for models with a rudder.")
+    ] = 0.0
+    hold: Annotated[float | None, Option(help="Offset held by a helm [m], for models with a rudder.")] = None
     controller: Annotated[
-        str | None, Option(help="That helm: regulator, predictive, or track for the one without an integral.")
+        str | None, Option(help="Helm: regulator, predictive, or track for the one without an integral.")
     ] = None
 
     def of(self, model: "Model", u: float, x: float, way: "Waterway | None") -> Any:
@@ -98,27 +100,27 @@ def _track_pilot(model: "Model", hold: float, u: float, x: float, way: "Waterway
 @dataclass(frozen=True)
 class TimeOptions:
     duration: Annotated[
-        float | None, Option(help="Longest time of a voyage [s]; that of 15 ship lengths unless given.")
+        float | None, Option(help="Longest duration of a voyage [s]; default: the time of 15 ship lengths.")
     ] = None
-    dt: Annotated[float | None, Option(help="Time step [s]; a 200th of the time of a ship length unless given.")] = None
+    dt: Annotated[float | None, Option(help="Time step [s]; default: a 200th of the time of a ship length.")] = None
 
 
 @dataclass(frozen=True)
 class PhysicsOptions:
-    surge: Annotated[str, Option(help="'held': the speed stays; 'free': it is integrated.")] = "held"
+    surge: Annotated[str, Option(help="'held': constant speed; 'free': it is integrated.")] = "held"
     surge_inertia: Annotated[float | None, Option(help="Mass in surge with its added mass [kg], for 'free'.")] = None
     coriolis: Annotated[bool, Option("--coriolis", help="Add the rigid body's Coriolis force.")] = False
     contact: ContactKind = "corners"
     bottom: Annotated[
-        bool, Option("--bottom/--no-bottom", help="End the voyage where the ship touches bottom or chokes the section.")
+        bool, Option("--bottom/--no-bottom", help="End the voyage if the ship touches bottom or chokes the section.")
     ] = True
 
 
 @dataclass(frozen=True)
 class WaterOptions:
     waterway: WaterwayFile = None
-    current: Annotated[str, Option(help="Of the water along the waterway: 0.5m/s, 1kn.")] = "0m/s"
-    level: Annotated[float, Option(help="Of the water over that of the waterway's depths [m].")] = 0.0
+    current: Annotated[str, Option(help="Current along the waterway: 0.5m/s, 1kn.")] = "0m/s"
+    level: Annotated[float, Option(help="Water level above that of the waterway's depths [m].")] = 0.0
 
     def read(self) -> "Waterway | None":
         current = read_speed("--current", self.current)
@@ -139,10 +141,10 @@ class VariedOptions:
     ] = None
     speed: Annotated[
         str | None,
-        Option(help="Surge velocity: 8kn, 4kn:8kn:5, 1.2m/s; m/s without a unit; what suits the ship unless given."),
+        Option(help="Surge velocity: 8kn, 4kn:8kn:5, 1.2m/s; m/s without a unit; default: one that suits the ship."),
     ] = None
     psi_deg: Annotated[str, Option(help="Heading at the start [deg], likewise.")] = "0"
-    width: Annotated[str | None, Option(help="Canal width [m], likewise; the model's own unless given.")] = None
+    width: Annotated[str | None, Option(help="Canal width [m], likewise; default: the model's own.")] = None
     x: Annotated[str, Option(help="Start along the waterway [m], likewise.")] = "0"
 
     @property
@@ -166,9 +168,11 @@ class VariedOptions:
 
 @dataclass(frozen=True)
 class SampleOptions:
-    samples: Annotated[int, Option(help="Of the coefficients from the fit's covariance.")] = 0
-    within: Annotated[float | None, Option(help="With --samples: map the probability of grounding so near [m].")] = None
-    seed: Annotated[int, Option(help="Of the samples.")] = 0
+    samples: Annotated[int, Option(help="Number of coefficient samples from the fit's covariance.")] = 0
+    within: Annotated[
+        float | None, Option(help="With --samples: map the probability of grounding within this distance [m].")
+    ] = None
+    seed: Annotated[int, Option(help="Seed of the samples.")] = 0
 
     def __post_init__(self) -> None:
         if self.within is not None and not 0 < self.within < float("inf"):

@@ -107,10 +107,10 @@ def map_(
 @verb("narrows trials yasukawa2015_kvlcc2 --speed 1.179m/s --plot tracks.png")
 def trials(
     model: ModelFile,
-    speed: Annotated[str, Option(help="Of the approach: 1.2m/s, 8kn; m/s without a unit.")],
-    turn_deg: Annotated[float, Option(help="Rudder of the turning circles, to either side [deg].")] = 35.0,
+    speed: Annotated[str, Option(help="Approach speed: 1.2m/s, 8kn; m/s without a unit.")],
+    turn_deg: Annotated[float, Option(help="Rudder angle of the turning circles, to either side [deg].")] = 35.0,
     zigzags: Annotated[str, Option(help="Rudder/heading of the zigzags [deg], a/b,c/d.")] = "10/10,20/20",
-    dt: Annotated[float | None, Option(help="Time step [s]; a 120th of the time for a ship length.")] = None,
+    dt: Annotated[float | None, Option(help="Time step [s]; default: a 120th of the time of a ship length.")] = None,
     output: TableOutput = None,
     plot: Plot = None,
     json: AsJson = False,
@@ -151,10 +151,10 @@ def waterway(
         Path | None,
         Option(help="Centreline, through a chart or an area, or with --width: a map with one line, as it is sailed."),
     ] = None,
-    width: Annotated[float | None, Option(help="From bank to bank along --line [m].")] = None,
-    depth: Annotated[float | None, Option(help="Of the water [m], where the file gives none.")] = None,
-    reach: Annotated[float, Option(help="How far off a bank is looked for in a chart [m].")] = REACH,
-    draft: Annotated[float, Option(help="Of a ship [m]: the width is then where the keel has room.")] = 0.0,
+    width: Annotated[float | None, Option(help="Width from bank to bank along --line [m].")] = None,
+    depth: Annotated[float | None, Option(help="Water depth [m], if the file gives none.")] = None,
+    reach: Annotated[float, Option(help="Search distance for a bank in a chart [m].")] = REACH,
+    draft: Annotated[float, Option(help="Draft of a ship [m]: the width is then that available to the keel.")] = 0.0,
     output: WaterwayOutput = None,
     json: AsJson = False,
 ) -> None:

@@ -37,30 +37,33 @@ class InputOptions:
         list[str] | None,
         Option(help="udp://:10110, tcp://HOST:PORT, serial:///dev/ttyUSB0?baud=4800, ws://HOST:3000; again."),
     ] = None
-    replay: Annotated[Path | None, Option(help="A recording of NMEA 0183 to hear again.")] = None
+    replay: Annotated[Path | None, Option(help="A recording of NMEA 0183 to replay.")] = None
     score: Annotated[list[Path] | None, Option(help="A recording, each a transit, to score; again.")] = None
-    limit: Annotated[float, Option(help="Of --score: clearance that counts as contact [m].")] = 5.0
-    demo: Annotated[bool, Option("--demo", help="A simulated bridge: a mistake at the helm by a bank.")] = False
+    limit: Annotated[float, Option(help="With --score: clearance that counts as contact [m].")] = 5.0
+    demo: Annotated[bool, Option("--demo", help="A simulated bridge with a steering error near a bank.")] = False
     pace: Annotated[
         float | None,
-        Option(help="Of --replay and --demo: times real time; as fast as it goes, with --page real time."),
+        Option(
+            help="With --replay and --demo: factor on real time; default: as fast as possible, with --page real time."
+        ),
     ] = None
     commands_from: Annotated[
-        list[str] | None, Option(help="Host or device whose acknowledgements (ACN) are taken; none else; again.")
+        list[str] | None,
+        Option(help="Host or device whose acknowledgements (ACN) are accepted; default: none; repeatable."),
     ] = None
-    mmsi: Annotated[int | None, Option(help="Whose AIS reports to read; the ship's own unless given.")] = None
-    antenna: Annotated[str, Option(help="Of the position [m]: forward,starboard of midship.")] = "0,0"
+    mmsi: Annotated[int | None, Option(help="MMSI of the AIS reports to read; default: the ship's own.")] = None
+    antenna: Annotated[str, Option(help="Position of the antenna [m]: forward,starboard of midship.")] = "0,0"
 
 
 @dataclass(frozen=True)
 class AlertOptions:
-    log: Annotated[Path | None, Option(help="Log of alerts, on disk before they are sent: .db.")] = None
+    log: Annotated[Path | None, Option(help="Log of alerts, written before they are sent: .db.")] = None
     send: Annotated[
         list[str] | None,
         Option(help="ALF, ALC, HBT and ARC to udp://HOST:PORT; Signal K notifications to ws://HOST:3000; again."),
     ] = None
     recording: Annotated[
-        Path | None, Option(help="Write what --demo tells, for --replay: .nmea.", callback=named((".nmea",)))
+        Path | None, Option(help="Write the messages of --demo, for --replay: .nmea.", callback=named((".nmea",)))
     ] = None
 
 
@@ -71,7 +74,7 @@ LOOPBACK, PORT = "127.0.0.1", 8765
 class PageOptions:
     page: Annotated[bool, Option("--page", help="Show it in a browser too: prints the address.")] = False
     port: Annotated[int, Option(help="Of --page.", type=click.IntRange(0, 65_535))] = PORT
-    host: Annotated[str, Option(help="Of --page: this machine alone unless given; 0.0.0.0 for all who reach it.")] = (
+    host: Annotated[str, Option(help="With --page: network address; default: this machine alone; 0.0.0.0 for all.")] = (
         LOOPBACK
     )
 
@@ -84,7 +87,7 @@ def monitor(
     delivery: ReportDelivery,
     model: Annotated[str | None, Argument(help="Model file; none for --demo.", metavar="[MODEL]")] = None,
     waterway: WaterwayFile = None,
-    y: Annotated[float, Option(help="Line that a pilot who takes over brings the ship to [m].")] = 0.0,
+    y: Annotated[float, Option(help="Offset to which a pilot who takes over steers the ship [m].")] = 0.0,
 ) -> None:
     """Watch a ship beside the banks, and warn.
 
@@ -105,7 +108,7 @@ def monitor(
             monitored, ticks = _monitor_of(model or "", waterway, inputs, y, publisher), _heard(inputs, pace, stack)
         transit = _watched(monitored, ticks, outlets, delivery.json)
     if inputs.replay and not len(transit.columns["t"]):
-        raise InputError(f"{inputs.replay}: nothing in it can be understood; give a recording of NMEA 0183")
+        raise InputError(f"{inputs.replay}: it has no valid sentence; give a recording of NMEA 0183")
     _deliver(transit, delivery)
     raise SystemExit(int(not inputs.listen and transit.level.words not in ("none", "caution")))
 
@@ -116,9 +119,9 @@ def _check(inputs: InputOptions, alerts: AlertOptions, model: str | None, waterw
     if inputs.demo and (model or waterway):
         raise InputError("--demo has a ship and a canal of its own; leave MODEL and --waterway out")
     if not inputs.demo and not (model and waterway):
-        raise InputError("a bridge tells longitude and latitude: give MODEL and --waterway; --demo alone has its own")
+        raise InputError("a bridge gives longitude and latitude: give MODEL and --waterway; --demo alone has its own")
     if alerts.recording and not inputs.demo:
-        raise InputError("--recording writes what --demo tells; leave it out")
+        raise InputError("--recording writes the messages of --demo; leave it out")
     if inputs.pace is not None and not inputs.pace > 0:
         raise InputError(f"--pace {inputs.pace:g} is no pace; give times real time, over 0")
 
@@ -216,7 +219,7 @@ def _watched(monitored: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outle
     from narrows.progress import stage
     from narrows.warning.monitoring.watched_transit import TransitLog
 
-    with stage("compiling what is not compiled yet"):
+    with stage("compiling the missing parts"):
         monitored.prepare(USUAL_SPEED)
     if not json and sys.stdin.isatty():
         click.echo(HINT)

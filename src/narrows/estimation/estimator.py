@@ -108,7 +108,7 @@ class Estimator(Described):
     def notes(self) -> tuple[str, ...]:
         """Notes on validity before use."""
         model = self.filter.model
-        why = "The model has no covariance of its coefficients, so the estimate takes them for certain."
+        why = "The model has no covariance of its coefficients, so the estimate treats them as certain."
         return (*model.bank_notes, *((why,) if model.covariance is None else ()))
 
     def summary(self) -> str:

@@ -29,12 +29,12 @@ if TYPE_CHECKING:
     import pandas as pd
 
 # Start of a note on uncertain bank coefficients of a model.
-UNSETTLED = "What the banks do is not settled by the tests"
+UNSETTLED = "The tests do not determine the bank force"
 
 # The verdict that needs no note, and the start of the one that is no adjective.
 SETTLED, ALONE = "identified", "rests"
 
-NO_SUCTION = "The model's coefficients of the bank are 0: the banks of a canal end a voyage, and do nothing before."
+NO_SUCTION = "The model's bank coefficients are 0: the banks of a canal end a voyage without any force before."
 
 
 def _is_finite(value: object) -> bool:

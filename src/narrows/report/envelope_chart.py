@@ -162,8 +162,8 @@ def _bands(marked: np.ndarray, values: np.ndarray) -> list[tuple[float, float]]:
 
 def _speed_legend() -> list[Any]:
     return [
-        Patch(facecolor=PALE, edgecolor=BLACK, lw=1.7, label="safe in 19 cases of 20, by one pilot for all"),
-        Patch(facecolor=PALER, edgecolor=BLUE, lw=0.9, label="by a pilot who knew the ship"),
+        Patch(facecolor=PALE, edgecolor=BLACK, lw=1.7, label="safe with 95 % probability, same pilot for all cases"),
+        Patch(facecolor=PALER, edgecolor=BLUE, lw=0.9, label="by a pilot with the true coefficients"),
         Line2D([], [], color=BLACK, ls="--", lw=1.0, label="safe in half of the cases"),
         Patch(facecolor="white", edgecolor=GREY, lw=0.6, label="not safe"),
         Patch(facecolor=GREY, alpha=0.35, label="the ship's side would be in the bank"),
@@ -284,12 +284,12 @@ def _by_offset(envelope: SafeEnvelope) -> Table:
     for head in (
         "offset [m]",
         "rudder [deg]",
-        "19 of 20 within [deg]",
+        "95 % within [deg]",
         "held",
-        "by one who knows it",
+        "held, known ship",
         "safe [kn]",
-        "if it were known [kn]",
-        "in half the cases [kn]",
+        "safe, known ship [kn]",
+        "50 % of cases [kn]",
     ):
         table.add_column(head, justify="right")
     table.add_column("limited by", no_wrap=True)

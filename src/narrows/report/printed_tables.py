@@ -84,7 +84,7 @@ def print_ships(table: "pd.DataFrame") -> None:
     cells = ((str(name), *(_cell(row[column]) for column in SHIP_HEADS)) for name, row in table.iterrows())
     left = ("name", "ship", "measured")
     console.print(table_of(("name", *SHIP_HEADS.values()), cells, left=left, no_wrap=True))
-    console.print("Each name goes wherever a model file does; --json gives sources, rudder and banks of each.")
+    console.print("Each name replaces a model file; --json gives sources, rudder and banks of each.")
 
 
 STATIONS, CROSSINGS_SHOWN = 2001, 11

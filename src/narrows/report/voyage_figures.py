@@ -285,7 +285,7 @@ def _mark_tested(axes: Axes, quantity: xr.DataArray, model: Model | None) -> lis
         if name in tested:
             marked |= _hatch_beyond(axes, axis, tested[name])
     look: dict[str, Any] = {"facecolor": "none", "edgecolor": PURPLE, "hatch": ".."}
-    return [Patch(label="not tested: the model's guess", **look)] if marked else []
+    return [Patch(label="not tested: extrapolated", **look)] if marked else []
 
 
 def _hatch_beyond(axes: Axes, axis: int, covered: tuple[float, float]) -> bool:

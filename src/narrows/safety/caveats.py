@@ -139,7 +139,7 @@ def _faster(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> s
 # Parts of an envelope inside the tested range. Wording of ranges for the bridge.
 IN_KNOTS = {**MEASURES, "speed": Measure("speed", "knots", 1 / KNOT)}
 SPOKEN = {"speed": "speed", "abs_y": "offset", "depth_to_draft": "h/T", "width_to_beam": "W/B"}
-NO_BANK = "no term of this model feels a bank (fit tests near a bank with --terms paper, or take a model that has one)"
+NO_BANK = "this model has no bank term (fit tests near a bank with --terms paper, or take a model that has one)"
 UNKNOWN = "the file does not give the ranges that its tests covered in"
 
 

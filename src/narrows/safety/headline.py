@@ -8,8 +8,8 @@ import xarray as xr
 from narrows.quantities.names import KNOT
 
 NOWHERE = (
-    "At no offset and speed does a pilot who does not know the ship hold it in nineteen cases of twenty, with rudder "
-    "and keel in reserve"
+    "No offset and speed is safe with 95 % probability for a pilot without the true coefficients, given the reserves "
+    "of rudder and keel"
 )
 
 
@@ -23,11 +23,11 @@ def headline(data: xr.Dataset, share: float) -> str:
     # The first sentence of an estimated model says that it is one.
     estimate = data.attrs.get("estimate", "")
     guess = [f"{estimate.partition('. ')[0].removesuffix('.')}."] if estimate else []
-    guess += [f"Not tested, so what follows is the model's guess: {section}."] if section else []
+    guess += [f"Extrapolated, as the tests did not cover this: {section}."] if section else []
     if block is None:
         return " ".join([*guess, _nowhere(data, by_model), *_known(data, share, None), _way(data, share)])
     offsets, speeds = _offsets(data, block, share), u[block[1]] / KNOT
-    sentences = [*guess, f"Safe {_between(speeds, offsets)}, in nineteen cases of twenty.", _limits(data, share, block)]
+    sentences = [*guess, f"Safe {_between(speeds, offsets)}, with 95 % probability.", _limits(data, share, block)]
     wider = largest_rectangle(by_model, y, u)
     if wider is not None and wider != block:
         span = _between(u[wider[1]] / KNOT, tuple(y[wider[0]][[0, -1]]))
@@ -45,7 +45,7 @@ def _nowhere(data: xr.Dataset, by_model: np.ndarray) -> str:
     if best is None:
         return f"{NOWHERE}."
     place = f"{float(best['y']):+.1f} m and {float(best['u']) / KNOT:.1f} knots"
-    return f"{NOWHERE}: at best in {100 * float(best['held']):.0f} of a hundred, at {place}."
+    return f"{NOWHERE}: at best {100 * float(best['held']):.0f} % of the cases are held, at {place}."
 
 
 def _best(data: xr.Dataset) -> xr.Dataset | None:
@@ -86,11 +86,11 @@ def _known(data: xr.Dataset, share: float, block: tuple[slice, slice] | None) ->
     y, u = data["y"].to_numpy(), data["u"].to_numpy()
     known = largest_rectangle((data["known"] >= share).to_numpy() & allowed, y, u)
     if known is None:
-        return ["Nor would one who knew its coefficients."]
+        return ["A pilot with the true coefficients would not hold it either."]
     if known == block:
         return []
     span = _between(u[known[1]] / KNOT, _offsets(data, known, share, "known"))
-    return [f"A pilot who knew its coefficients would hold it {span}."]
+    return [f"A pilot with the true coefficients would hold it {span}."]
 
 
 def _between(speeds: np.ndarray, offsets: tuple[float, float]) -> str:
@@ -119,26 +119,26 @@ def _doubt(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> list[s
     if sure == perhaps or perhaps is None:
         return []
     if sure is None:
-        return [f"With {data.attrs['samples']} cases tried this is not certain anywhere; try more."]
-    count = f"{data.attrs['samples']} cases were tried: that leaves the edges open"
+        return [f"With {data.attrs['samples']} cases this is uncertain everywhere; use more samples."]
+    count = f"{data.attrs['samples']} cases leave the edges uncertain"
     return [f"{count}, for certain {_between(u[sure[1]] / KNOT, tuple(y[sure[0]][[0, -1]]))}."]
 
 
 # Limits of the safe range, in words.
 CHOKED, AGROUND, ENGINE = "the canal chokes", "the keel", "the engine"
-NONE, RUDDER, UPSET = "no rudder holds it", "the rudder", "what throws it off"
-KNOWLEDGE, PILOT, TESTS, RANGE = "what the tests know", "the pilot", "the tests end", "faster was not asked"
+NONE, RUDDER, UPSET = "no rudder holds it", "the rudder", "the disturbance"
+KNOWLEDGE, PILOT, TESTS, RANGE = "uncertain coefficients", "the pilot", "the tests end", "faster was not asked"
 
 AT_LENGTH = {
     CHOKED: "the choking of the canal",
     AGROUND: "the water under the keel",
     ENGINE: "the engine",
-    NONE: "the rudder, of which none is enough",
-    RUDDER: "the rudder, whose reserve is used up",
-    UPSET: "what throws the ship off, against which even the most likely ship is not held by one who knows it",
-    KNOWLEDGE: "what the tests know of the ship (the most likely one would be held)",
-    PILOT: "the pilot (one who knew the ship would hold it)",
-    TESTS: "the end of the tests",
+    NONE: "too little rudder",
+    RUDDER: "the reserve of rudder",
+    UPSET: "the disturbance, which not even a pilot with the true coefficients corrects",
+    KNOWLEDGE: "the uncertainty of the coefficients (the best-estimate ship would be held)",
+    PILOT: "the pilot (one with the true coefficients would hold it)",
+    TESTS: "the tested range",
     RANGE: "what was asked",
 }
 

@@ -38,7 +38,7 @@ class SimulatedShip:
         check_options(self.surge, self.surge_inertia, self.coriolis, self.contact)
         check_flag("bottom", self.bottom)
         if self.shape == OPEN and self.model.terms.feels_bank:
-            raise InputError("contact 'none' is open water, and these terms feel the banks; choose 'corners'")
+            raise InputError("contact 'none' is open water, and these terms have a bank; choose 'corners'")
         if self.model.terms.propelled and self.model.configuration.propeller is None:
             raise InputError("this model's terms need a propeller; give [propeller] in its file")
         if self.surge == "free" and not self.values()["surge_inertia"] + self.model.surge_inertia > 0:
