@@ -55,7 +55,7 @@ def test_what_is_left_is_said(dtc: nw.Model) -> None:
     assert set(moved.factors) == {"b_v", "c_v", "c_r"}
     assert "b_bank" in moved.notes[0]
     assert any("not verified" in said for said in moved.notes)
-    assert any("taken as deep" in said for said in moved.notes)
+    assert any("count as deep" in said for said in moved.notes)
     assert moved.model.coefficients["b_bank"] == dtc.coefficients["b_bank"]
     with pytest.raises(nw.InputError, match="no water under"):
         nw.at_depth(dtc, 0.1)

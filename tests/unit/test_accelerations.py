@@ -57,10 +57,10 @@ def test_steep_paths_hold_more_than_five_harmonics() -> None:
 
 def test_the_notes_name_what_strays_and_where() -> None:
     noisy = noisy_twin(0.1)
-    said = [note for note in nw.identify(noisy).notes if "strays" in note]
+    said = [note for note in nw.identify(noisy).notes if "differs from the motion" in note]
     assert [note.split()[1] for note in said] == ["vdot", "rdot"]
     assert all("taken from the motion" in note for note in said)
-    kept = [note for note in nw.identify(noisy, accelerations="measured").notes if "strays" in note]
+    kept = [note for note in nw.identify(noisy, accelerations="measured").notes if "differs from the motion" in note]
     assert all("draws their coefficients to 0" in note for note in kept)
     with pytest.raises(nw.InputError, match="accelerations = 'none'"):
         nw.identify(noisy, accelerations="none")
@@ -71,7 +71,7 @@ def test_one_test_whose_accelerometer_was_off_is_named() -> None:
     vdot = clean.columns["vdot"].copy()
     vdot[clean.starts[5] : clean.starts[6]] *= 1.2
     wrong = replace(clean, columns={**clean.columns, "vdot": vdot})
-    (said,) = (note for note in nw.identify(wrong).notes if "strays" in note)
+    (said,) = (note for note in nw.identify(wrong).notes if "differs from the motion" in note)
     assert f"in test {RUNS[5].name}:" in said
     np.testing.assert_allclose(with_accelerations(wrong).columns["vdot"], clean.columns["vdot"], atol=1e-6)
 

@@ -124,4 +124,4 @@ def test_scaling_keeps_the_verdicts_and_the_envelope_repeats_them() -> None:
     answer = nw.safe_envelope(full.model, [0.0, 20.0], [4.0], samples=4)
     assert answer.summary().endswith(full.model.trust_note)
     assert answer.to_dict()["notes"][0] == full.model.trust_note
-    assert "not settled" in envelope_chart(answer).get_suptitle()
+    assert "do not determine" in envelope_chart(answer).get_suptitle()

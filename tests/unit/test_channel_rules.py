@@ -167,7 +167,7 @@ def test_where_ours_is_bolder_a_note_says_so_and_why(certain: nw.Model) -> None:
     assert farthest > 70.0
     (wider,) = [note for note in answer.notes if note.startswith("Bolder than") and "m instead of" in note]
     assert "UFC 4-150-06 (+82 m instead of +95 m)" in wider
-    assert "those widths have room for a hand at the wheel" in wider
+    assert "those widths include manual steering" in wider
     (harder,) = [note for note in answer.notes if "degrees)" in note]
     assert "5 instead of" in harder
     (faster,) = [note for note in answer.notes if "over the limits of" in note]

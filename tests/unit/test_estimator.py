@@ -284,7 +284,7 @@ def test_a_jump_is_refused_and_said() -> None:
     one.update(0.2, gnss=(0.2, 0.4), rudder=0.0)
     jumped = one.update(0.4, gnss=(0.4, 1.4))
     assert jumped.refused == ("gnss",)
-    assert "The reading of gnss is too far from what was expected: refused." in jumped.notes
+    assert "The reading of gnss is too far from the prediction: refused." in jumped.notes
     assert abs(jumped["y"] - 0.4) < 0.05
     free = begin(refusing=0.0)
     free.update(0.2, gnss=(0.2, 0.4), rudder=0.0)
@@ -296,7 +296,7 @@ def test_sensors_that_agree_against_the_model_are_believed() -> None:
     one = begin()
     turned = one.update(0.2, gyro=0.05, rate_of_turn=0.25, rudder=0.0)
     assert turned.refused == ()
-    assert "The readings of gyro and rate_of_turn are not what the model expects: the model errs." in turned.notes
+    assert "The readings of gyro and rate_of_turn contradict the prediction: the model is wrong." in turned.notes
     assert turned["psi"] > 0.02
     odd = begin().update(0.2, gyro=3.0, rate_of_turn=-40.0, rudder=0.0)
     assert odd.refused == ("gyro", "rate_of_turn")

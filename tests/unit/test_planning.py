@@ -218,7 +218,7 @@ def test_what_no_run_determines_is_said(cli, tmp_path) -> None:
     terms = nw.with_bank(nw.PAPER, "distance_depth")
     plan = nw.plan_tests(SETTING, 4, tank=nw.Tank(speeds=(0.7,), depths=(0.3,)), terms=terms)
     assert not plan.determined
-    assert "No such runs determine" in plan.summary()
+    assert "These runs do not determine" in plan.summary()
     many = nw.plan_tests(SETTING, 10_000, tank=nw.Tank(speeds=(0.7,)))
     assert len(many.runs) == many.considered
 

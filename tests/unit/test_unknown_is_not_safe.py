@@ -35,7 +35,7 @@ def with_bank() -> nw.Model:
 class TestEnvelope:
     def test_without_a_bank_nothing_is_safe(self, found: nw.SafeEnvelope) -> None:
         assert not found.safe().any()
-        assert found.summary().startswith("Not tested")
+        assert found.summary().startswith("Extrapolated")
         assert "this model has no bank term" in found.untested
 
     @pytest.mark.parametrize("name", ["speed", "abs_y"])

@@ -171,8 +171,12 @@ def _strays(
 def _sentence(rate: str, names: tuple[str, ...], stray: np.ndarray, choice: str) -> str:
     far = np.flatnonzero(stray > settings.ACCELERATION_TOLERANCE)
     others = f" and {len(far) - 1} more" if len(far) > 1 else ""
-    done = "used as measured, which draws their coefficients to 0" if choice == "measured" else "taken from the motion"
+    done = (
+        "used as measured, which biases their coefficients towards 0"
+        if choice == "measured"
+        else "taken from the motion"
+    )
     return (
-        f"Measured {rate} strays from the motion by {np.nanmax(stray):.0%} of its size in test "
+        f"Measured {rate} differs from the motion by {np.nanmax(stray):.0%} of its size in test "
         f"{names[int(np.nanargmax(stray))]}{others}: it is {done}."
     )

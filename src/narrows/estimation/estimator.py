@@ -150,7 +150,7 @@ class Estimator(Described):
         notes = list(told.notes)
         gap = t - self._run.last.t if self._run else 0.0
         if abs(gap) > LONGEST_GAP:
-            what = f"Nothing came for {gap:.0f} s" if gap > 0.0 else f"The time went back by {-gap:.0f} s"
+            what = f"No reading for {gap:.0f} s" if gap > 0.0 else f"The time went back by {-gap:.0f} s"
             notes.append(f"{what}: the estimate begins anew.")
             self._begin_anew()
         if self._run is None:
@@ -295,11 +295,11 @@ class Estimator(Described):
         leaning = [name for result in results for name in result.suspects]
         suspects = tuple(dict.fromkeys([*(name for name in faults if name != MODEL), *leaning]))
         if refused:
-            notes.append(f"The reading of {' and '.join(refused)} is too far from what was expected: refused.")
+            notes.append(f"The reading of {' and '.join(refused)} is too far from the prediction: refused.")
         if surprising:
-            notes.append(f"The readings of {' and '.join(surprising)} are not what the model expects: the model errs.")
+            notes.append(f"The readings of {' and '.join(surprising)} contradict the prediction: the model is wrong.")
         if leaning:
-            notes.append(f"The readings of {' and '.join(leaning)} lean to one side: it drifts, or is led astray.")
+            notes.append(f"The readings of {' and '.join(leaning)} are biased: it drifts, or is spoofed.")
         if self._verdict:
             notes.append(self._verdict)
         if not faults:

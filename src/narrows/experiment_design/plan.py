@@ -119,7 +119,9 @@ class Plan(Tabulated):
             for name in self.targets
             if name not in unknown
         )
-        lost = (f"No such runs determine {', '.join(unknown)}: allow more depths, speeds or runs.",) * bool(unknown)
+        lost = (f"These runs do not determine {', '.join(unknown)}: allow more depths, speeds or runs.",) * bool(
+            unknown
+        )
         return "\n".join((*gains, *lost))
 
     def to_dict(self) -> dict[str, Any]:

@@ -247,12 +247,10 @@ def _scale_notes(model: Model, friction: Friction | None) -> tuple[str, ...]:
             "(give a form factor)."
         )
     if drags := _holding(model, ScaleEffect.CROSSFLOW_DRAG):
-        notes.append(
-            f"The drag of crossflow in {' and '.join(drags)} depends on the Reynolds number, which is not kept."
-        )
+        notes.append(f"The drag of crossflow in {' and '.join(drags)} depends on the Reynolds number, which differs.")
     if _holding(model, ScaleEffect.WAKE):
         notes.append(
-            "The wake of a ship is thinner than its model's, and its propeller is loaded less; both are kept here."
+            "A ship's wake is thinner than its model's, and its propeller is loaded less; neither is corrected here."
         )
     if (held := _holding(model, ScaleEffect.TEST_SPEED)) and (pair := model.data_range.speed):
         notes.append(
@@ -260,7 +258,7 @@ def _scale_notes(model: Model, friction: Friction | None) -> tuple[str, ...]:
             "far from that speed, scaled, they do not hold."
         )
     if _holding(model, ScaleEffect.BANK_SHAPE):
-        notes.append("The banks of the tests are the only shape that the coefficients know.")
+        notes.append("The coefficients are valid for the bank shape of the tests only.")
     return tuple(notes)
 
 

@@ -126,20 +126,20 @@ def at_depth(model: Model, depth: float) -> DepthCorrected:
 
 def _notes(model: Model, factors: Mapping[str, float], depth: float) -> tuple[str, ...]:
     kept = [term.name for term in (*model.terms.sway, *model.terms.yaw) if term.name not in factors]
-    notes = [f"Left as they were: {', '.join(kept)}."]
+    notes = [f"Not corrected: {', '.join(kept)}."]
     unverified = [term.name for term in model.terms.terms if term.depth_law and not term.depth_law.verified]
     if unverified:
         notes.append(f"The exponent for {', '.join(unverified)} is from memory, not verified.")
     if model.configuration.canal.depth is None:
-        notes.append("The depth of the tests is not known; they were taken as deep water.")
+        notes.append("The depth of the tests is unknown; they count as deep water.")
     deeper = [term.name for term in model.terms.terms if term.feels_depth]
     if deeper:
-        notes.append(f"The terms of {', '.join(deeper)} ask for the depth: tests at one depth do not determine them.")
+        notes.append(f"The terms of {', '.join(deeper)} depend on depth: tests at one depth do not determine them.")
     ratio = depth / model.configuration.ship.draft
     if ratio < SHALLOWEST:
         notes.append(
             f"h/T = {ratio:.2f} is below {SHALLOWEST}, where the factors grow without limit and none was measured."
         )
     if any(factor < 1 for factor in factors.values()) and depth < (model.configuration.canal.depth or DEEP):
-        notes.append("A factor below 1 in shallower water is outside of what the corrections were made for.")
+        notes.append("A factor below 1 in shallower water is outside the range of the corrections.")
     return tuple(notes)

@@ -234,6 +234,6 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
     notes = (*doubts, *chosen.outside(configuration, u))
     sinkage, mean = chosen.sinkage(configuration, u), SQUAT["continuity"].sinkage(configuration, u)
     if formula is None and mean > sinkage:
-        less = f"{name} gives less than the mean sinkage of this canal, which is taken"
+        less = f"{name} gives less than the mean sinkage of this canal, which is used instead"
         return Squat(mean, "continuity", gives, critical, (less,))
     return Squat(sinkage, name, gives, critical, notes)

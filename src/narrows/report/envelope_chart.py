@@ -167,8 +167,8 @@ def _speed_legend() -> list[Any]:
         Line2D([], [], color=BLACK, ls="--", lw=1.0, label="safe in half of the cases"),
         Patch(facecolor="white", edgecolor=GREY, lw=0.6, label="not safe"),
         Patch(facecolor=GREY, alpha=0.35, label="the ship's side would be in the bank"),
-        Line2D([], [], color=BLACK, ls=":", lw=1.0, label="how well the edge is known by the cases tried"),
-        Line2D([], [], color=PURPLE, lw=1.2, label="speeds and offsets of the tests end"),
+        Line2D([], [], color=BLACK, ls=":", lw=1.0, label="95 % interval of the edge"),
+        Line2D([], [], color=PURPLE, lw=1.2, label="end of the tested range"),
     ]
 
 

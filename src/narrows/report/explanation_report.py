@@ -34,7 +34,7 @@ def write_explanation(explanation: Explanation, path: str | Path, title: str) ->
         shapley=[(n, [shares[k][f][n] for k in KINDS]) for f in explanation.scores for n in shares[KINDS[0]][f]],
         compared=explanation.comparison.summary().splitlines(),
         left_out=explanation.comparison.left_out,
-        comparison=figure(comparison_figure(rows), "Errors of tables of terms, of the fit and on what was left out."),
+        comparison=figure(comparison_figure(rows), "Errors of tables of terms, of the fit and on left-out tests."),
         rows=[row | {"said": bank_said(row)} for row in rows],
         s=section("", explanation.fit, 0) | {"heading": f"A fit to these tests: {heading(explanation.fit, '')}"},
     )
@@ -82,7 +82,7 @@ def print_explanation(explanation: Explanation, label: str = "") -> None:
 
 def print_comparison(comparison: Comparison, console: Console | None = None) -> None:
     console = console or console_of()
-    title = "Tables of terms by their error (RMSE) on what was left out"
+    title = "Tables of terms by their error (RMSE) on left-out tests"
     table = Table(box=None, pad_edge=False, title=title, title_justify="left", title_style="bold")
     for header in ("terms", "force", "fit", "tests left out", "speeds left out", "not separable"):
         table.add_column(header, justify="left" if header in ("terms", "force") else "right")

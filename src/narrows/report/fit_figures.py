@@ -143,7 +143,9 @@ def delta_figure(configuration: Configuration, covered: Range | None) -> Figure:
     figure, axes = panels(1, 1, 3.0, Margins())
     panel = axes[0, 0]
     if covered:
-        panel.axvspan(-covered[1], covered[1], color=GREEN, alpha=0.15, label=f"data, |y| up to {covered[1]:.3g} m")
+        panel.axvspan(
+            -covered[1], covered[1], color=GREEN, alpha=0.15, label=f"tested range, |y| up to {covered[1]:.3g} m"
+        )
     panel.plot(y, delta(y, 1.0, width, beam), color=BLUE, label="delta")
     panel.plot(y, taper(y, width) * delta(y, 1.0, width, beam), color=ORANGE, linestyle="--", label="with taper")
     panel.set(ylim=(-4.5, 4.5), xlabel="offset y [m]", ylabel="delta [1]")
@@ -253,7 +255,7 @@ def influence_figure(fit: Fit) -> Figure:
     panel.set_xticks(range(len(told.names)), told.names, rotation=90)
     panel.set_yticks(range(len(shown)), [told.tests[i] for i in shown], fontsize=5.5)
     panel.set(xlabel="coefficient [-]", ylabel="test [-]")
-    figure.colorbar(image, ax=panel, label="share of what is known that goes with the test [1]", shrink=0.8)
+    figure.colorbar(image, ax=panel, label="share of the information from the test [1]", shrink=0.8)
     return figure
 
 

@@ -181,7 +181,7 @@ def _figures(fit: Fit) -> list[dict[str, str]]:
         figure(inflation_figure(fit), "Variance inflation over all rows and within each speed; dashed and "
                "dotted: the limits over all rows and within one speed."),
         figure(correlation_figure(fit), "Correlations between the columns of each force; grey: constant."),
-        figure(influence_figure(fit), "Share of what is known of each coefficient that goes with each test."),
+        figure(influence_figure(fit), "Share of each coefficient's information by test."),
         figure(shapley_figure(fit), "Shapley shares of the terms under three value functions."),
         *_of_delta(configuration.ship, configuration.canal.width, fit.data_range.abs_y),
     ]  # fmt: skip

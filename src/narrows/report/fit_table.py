@@ -37,7 +37,7 @@ def print_fit(
         return
     for sentence in answer.details:
         console.print(sentence)
-    console.print("What these tests do not determine", style="bold")
+    console.print("Not determined by these tests", style="bold")
     for name, verdict in fit.verdicts.items():
         if verdict.status != IDENTIFIED:
             console.print(f"- {verdict.sentence(name)}")

@@ -18,7 +18,7 @@ from narrows.report.terminal import print_result, table_of
 
 # Errors of forecasts: state, words, factor.
 MISSED = (("y", "offset [m]", 1.0), ("psi", "heading [deg]", 180 / np.pi), ("r", "yaw rate [deg/s]", 180 / np.pi))
-BESIDE = "Measured, and foretold every 3.5 ship lengths under the recorded rudder."
+BESIDE = "Measured, and predicted every 3.5 ship lengths with the recorded rudder."
 
 
 def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] | None = None) -> None:
@@ -90,7 +90,7 @@ def _draw_coefficients(axes: Axes, known: list[LearnedCoefficient]) -> None:
     for place, c in enumerate(known):
         moved = (c.value - c.prior) / c.prior_std
         axes.errorbar([moved], [place], xerr=[WIDE * c.left], fmt="o", color=BLUE, capsize=3, ms=4)
-    axes.set(yticks=np.arange(len(known)), xlabel="moved, in standard deviations before (grey: 95 % before)")
+    axes.set(yticks=np.arange(len(known)), xlabel="change, in prior standard deviations (grey: 95 % before)")
     axes.set_yticklabels([c.name for c in known])
 
 
@@ -98,7 +98,7 @@ def _draw_missed(axes: Axes, records: tuple[RecordAnswer, ...]) -> None:
     missed, places = np.degrees([record.missed["psi"] for record in records]), np.arange(len(records))
     for column, (colour, words) in enumerate(BY):
         axes.plot(missed[:, column], places, "o", color=colour, label=words, ms=4)
-    axes.set(yticks=places, xlabel="heading missed over 3.5 lengths [deg]")
+    axes.set(yticks=places, xlabel="heading error over 3.5 lengths [deg]")
     axes.set_yticklabels([record.name if len(records) <= MOST_ROWS else "" for record in records], fontsize=7)
     axes.set_xlim(left=0)
 

@@ -35,7 +35,7 @@ def print_plan(plan: Plan) -> None:
         for number, row in enumerate(rows, start=1)
     )
     console.print(table_of(heads, cells))
-    console.print(f"Chosen of {plan.considered} runs; the standard errors are those after each run.")
+    console.print(f"Chosen from {plan.considered} candidate runs; the standard errors are those after each run.")
     for sentence in (*plan.summary().splitlines(), *plan.notes):
         console.print(f"- {sentence}")
 

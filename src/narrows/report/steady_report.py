@@ -21,9 +21,7 @@ from narrows.safety import SURE_SHARE
 
 
 def write_steady_report(fit: SteadyFit, change: EnvelopeChange, path: str | Path) -> None:
-    caption = (
-        "Rudder that holds the ship by offset, before the legs and after; the bank's coefficients with 95 % intervals."
-    )
+    caption = "Steady rudder by offset, before and after the legs; the bank's coefficients with 95 % intervals."
     found = fit.to_dict()
     page = render(
         "steady.html.j2",

@@ -16,8 +16,8 @@ from narrows.safety.result import SafeEnvelope
 from narrows.safety.settings import SHIP_LENGTH, SURE_SHARE
 
 SQUARED = (
-    "every force of these terms goes with the square of the speed, so the rudder that holds the ship is the same at "
-    "any: what makes a fast ship harder to hold, beside squat and choking, is not in them"
+    "every force of these terms is proportional to the square of the speed, so the steady rudder is the same at any "
+    "speed: except for squat and choking, nothing makes a fast ship harder to hold"
 )
 
 
@@ -58,7 +58,7 @@ def envelope_notes(request: EnvelopeRequest, under: Keel) -> tuple[str, ...]:
     model, configuration = request.model, request.model.configuration
     notes = [*model.notes, *beyond_tests(model, request.offsets, request.speeds), *under.notes]
     if model.covariance is None:
-        notes.append("no covariance of the coefficients is known: the samples are of disturbances alone")
+        notes.append("the model has no covariance: the samples vary disturbances alone")
     if configuration.canal.depth is not None:
         notes.append(f"{request.clearance:.2g} m are to be left under the keel")
     notes.append(f"one pilot for all cases: {PILOTS[request.pilot].words}")
@@ -71,21 +71,21 @@ def envelope_notes(request: EnvelopeRequest, under: Keel) -> tuple[str, ...]:
 
 def _propulsion(model: Model, most: float | None) -> str:
     if not model.terms.propelled:
-        return "the speed is held: what the propeller can give is not asked"
-    turning = "the propeller turns as the speed asks straight ahead"
+        return "the speed is constant: the propeller's limit is ignored"
+    turning = "the propeller turns as needed straight ahead"
     if most is None:
-        return f"the speed is held: {turning}, however fast that is; give the engine's most revolutions to bound it"
-    return f"the speed is held: {turning}, up to {most:g} revolutions a second"
+        return f"the speed is constant: {turning}, without a limit; give the engine's most revolutions to set one"
+    return f"the speed is constant: {turning}, up to {most:g} revolutions a second"
 
 
 # Cases in which the model allows more than an outside rule, and the reason.
 WHY_WIDER = (
-    "those widths have room for a hand at the wheel, for wind and for current; the pilot of these trials knows offset, "
-    "heading and drift exactly, and feels no more than the weather above"
+    "those widths include manual steering, wind and current; the pilot of these trials has exact offset, heading and "
+    "drift, and only the weather above"
 )
 
-WHY_RUDDER = "here the steady rudder is to leave a reserve for the unforeseen, which is tried, and not to stay small"
-WHY_FASTER = "those limits guard banks and traffic too, which is not asked here"
+WHY_RUDDER = "here the steady rudder leaves a reserve, which the trials test, instead of staying small"
+WHY_FASTER = "those limits also protect banks and traffic, which is not examined here"
 
 
 def exceeded_rules(data: xr.Dataset, rules: OutsideRules, share: float) -> tuple[str, ...]:
@@ -140,7 +140,7 @@ def _faster(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> s
 IN_KNOTS = {**MEASURES, "speed": Measure("speed", "knots", 1 / KNOT)}
 SPOKEN = {"speed": "speed", "abs_y": "offset", "depth_to_draft": "h/T", "width_to_beam": "W/B"}
 NO_BANK = "this model has no bank term (fit tests near a bank with --terms paper, or take a model that has one)"
-UNKNOWN = "the file does not give the ranges that its tests covered in"
+UNKNOWN = "the file does not give the tested ranges of"
 
 
 def data_coverage(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> np.ndarray:

@@ -161,11 +161,10 @@ CHANNEL_RULES = (
 
 # Limits from rules of designers and canals for a ship in a section of water, for comparison.
 OF_OTHER_WATERS = (
-    "a speed limit is that of its canal, for all that is at stake there (banks, traffic, convoys), and is shown for "
-    "comparison"
+    "a speed limit is that of its own canal, for its banks, traffic and convoys, and is shown for comparison"
 )
 
-NOT_ASKED = "a rule of widths has room for one ship in good weather, without cross current; passing and bends ask more"
+NOT_ASKED = "a rule of widths is for one ship in good weather, without cross current; passing and bends need more"
 
 
 @dataclass(frozen=True, repr=False)

@@ -119,7 +119,7 @@ def _doubt(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> list[s
     if sure == perhaps or perhaps is None:
         return []
     if sure is None:
-        return [f"With {data.attrs['samples']} cases this is uncertain everywhere; use more samples."]
+        return [f"With {data.attrs['samples']} cases this is uncertain everywhere; try more."]
     count = f"{data.attrs['samples']} cases leave the edges uncertain"
     return [f"{count}, for certain {_between(u[sure[1]] / KNOT, tuple(y[sure[0]][[0, -1]]))}."]
 

@@ -99,17 +99,17 @@ CAP_DEG = 20.0
 # Pilots by name, the default first.
 PILOTS = {
     "regulator": Pilot(
-        "a regulator made for the most likely coefficients, as tight as holds most",
+        "a regulator designed for the best estimate of the coefficients, with the tuning that holds most cases",
         (USUAL, *TIGHTER), _regulator_numbers, _regulator,
     ),
     "track": Pilot(
-        "a track pilot without an integral, made on the centreline for the most likely coefficients, and told what "
-        "rudder holds the ship",
+        "a track pilot without an integral, designed on the centreline for the best estimate of the coefficients, with "
+        "the true steady rudder",
         (None,), _track_numbers, _track_pilot,
     ),
     "human": Pilot(
-        f"a hand at the wheel: a look every {DELAY:g} s, an order in whole degrees, heard {DELAY:g} s later, of "
-        f"{CAP_DEG:g} degrees at most",
+        f"a helmsman: a look every {DELAY:g} s, an order in whole degrees, executed {DELAY:g} s later, at most "
+        f"{CAP_DEG:g} degrees",
         (1.0, 0.5, 0.25, 0.125), _hand_numbers, _hand,
     ),
 }  # fmt: skip
