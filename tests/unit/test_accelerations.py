@@ -61,7 +61,7 @@ def test_the_notes_name_what_strays_and_where() -> None:
     assert [note.split()[1] for note in said] == ["vdot", "rdot"]
     assert all("taken from the motion" in note for note in said)
     kept = [note for note in nw.identify(noisy, accelerations="measured").notes if "differs from the motion" in note]
-    assert all("draws their coefficients to 0" in note for note in kept)
+    assert all("biases their coefficients towards 0" in note for note in kept)
     with pytest.raises(nw.InputError, match="accelerations = 'none'"):
         nw.identify(noisy, accelerations="none")
 
