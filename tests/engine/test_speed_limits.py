@@ -50,7 +50,7 @@ def test_no_place_is_refused(way: nw.Waterway) -> None:
 
 
 def test_a_model_of_unknown_ranges_has_no_limit(way: nw.Waterway) -> None:
-    with pytest.raises(nw.InputError, match="does not give the ranges"):
+    with pytest.raises(nw.InputError, match="does not give the tested ranges"):
         nw.speed_limits(unranged(), way, [0.5 * way.line.length], u=SPEEDS)
 
 

@@ -168,7 +168,7 @@ def test_it_scales_by_the_dimensions_of_its_numbers(length: float) -> None:
 
 
 def test_warnings_follow_from_its_rows(tug: nw.Model) -> None:
-    assert any("wake of a ship" in said for said in nw.scale_model(tug, 355.0).notes)
+    assert any("ship's wake" in said for said in nw.scale_model(tug, 355.0).notes)
     assert {"b_bow", "c_bow"} <= set(nw.at_depth(tug, 0.3).notes[0].rstrip(".").replace(",", "").split())
 
 

@@ -527,7 +527,7 @@ class TestCommand:
         nw.save_model(ship.with_coefficients(c_bank=20.0), tmp_path / "full.toml")
         code, out, _ = cli("envelope", tmp_path / "full.toml", "--y", "40,60", "--speed", "8kn", "--samples", "5")
         assert code == 1
-        assert "At no offset and speed" in out
+        assert "No offset and speed" in out
 
     @pytest.mark.parametrize(
         ("words", "error"),

@@ -83,7 +83,7 @@ def test_a_model_that_feels_no_bank_says_so(dtc: nw.Model, short: nw.CaptiveTest
     assert dtc.feels_bank
     assert dtc.bank_note == ""
     silent = dtc.with_coefficients(b_bank=0.0, c_bank=0.0)
-    assert "coefficients of the bank are 0" in silent.bank_note
+    assert "bank coefficients are 0" in silent.bank_note
     assert not silent.feels_bank
     assert "'paper+open_water' feel no bank" in dtc.in_open_water().bank_note
     assert "'mmg' feel no bank" in nw.published("yasukawa2015_kvlcc2").bank_note
@@ -119,7 +119,7 @@ def test_every_door_says_that_a_model_feels_no_bank(door: str, dtc: nw.Model, cl
     for said, own in ((True, model.with_coefficients(b_bank=0.0, c_bank=0.0)), (False, model)):
         own.save(tmp_path / "m.toml")
         notes = DOORS[door](tmp_path / "m.toml" if "map" in door or "name" in door else own, cli)
-        assert ("coefficients of the bank are 0" in str(notes)) is said
+        assert ("bank coefficients are 0" in str(notes)) is said
 
 
 def test_bank_terms_are_called_as_the_tables_others() -> None:
