@@ -24,7 +24,7 @@ MODEL = "mikkelsen2025_dtc"
 # A value of each option that is not its own.
 OTHERS = {
     "waterway": bent("steered"), "surge": "free", "surge_inertia": 300.0, "coriolis": True, "contact": "midship",
-    "fmi": 3, "u": 0.77, "dt": 0.03, "title": "another title",
+    "fmi": 3, "u": 0.77, "dt": 0.03, "title": "another title", "controller": nw.ConstantRudder(0.1),
 }  # fmt: skip
 
 

@@ -41,7 +41,7 @@ def law_of(pilot: Pilot, tuning: Any, places: Any) -> ControlLaw:
                pilot.numbers(courses(), tuning).items()}  # fmt: skip
     y, u = (one.ravel()[places] for one in np.meshgrid(OFFSETS, SPEEDS, indexing="ij"))
     held = {name: np.broadcast_to(table, (3, 2)).ravel()[places] for name, table in courses().held().items()}
-    return pilot.law(ship(), numbers, {"y": y, "u": u, **held})
+    return pilot.law(ship(), numbers, {"y": y, "u": u, "r": np.zeros_like(y), **held})
 
 
 def ordered(law: ControlLaw, motion: dict[str, Any]) -> list[np.ndarray]:

@@ -308,7 +308,6 @@ IGNORED = {
     "a push ahead where the speed is held": lambda: nw.simulate(paper(), duration=1.0, X=5.0),
     "its schedule": lambda: nw.simulate(paper(), duration=1.0, X=[(0.0, 5.0)]),
     "the same push on many": lambda: nw.ensemble(paper(), y=0.0, duration=1.0, X=5.0),
-    "a depth that no term feels": lambda: nw.ensemble(paper(), y=0.5, duration=1.0, depth=[0.3, 0.4]),
     "a sinkage that no term feels": lambda: nw.ensemble(
         in_open_water(), duration=1.0, contact="none", heave=[0.0, 0.1]
     ),

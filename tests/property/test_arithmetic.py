@@ -12,13 +12,14 @@ from strategies import STATES
 import narrows as nw
 from arithmetic import check_arithmetic, values_at
 from narrows.physics import clearance, damping, inertia
-from narrows.quantities.names import name_of
+from narrows.quantities.names import asked_by, name_of
 
 PHYSICS = [
     function
     for room in (clearance, damping, inertia)
     for function in vars(room).values()
     if callable(function) and getattr(function, "__module__", "") == room.__name__
+    and "pressure" not in asked_by(function)  # Fed by another function: the tables of terms hold both together.
 ]
 FORCES = ("X", "Y", "N")
 

@@ -10,7 +10,7 @@ from strategies import numbers
 
 import narrows as nw
 from narrows.model.data_range import MEASURES, DataRange, extrapolation
-from narrows.simulation.voyage import beyond_envelope
+from narrows.simulation.notes import measured, outside_notes
 
 SLACK = 0.01  # share of the largest tested value that is no extrapolation: the rounding of printed tables
 
@@ -68,7 +68,8 @@ def test_angles_are_spoken_of_in_degrees() -> None:
 def test_a_voyage_the_envelope_and_a_table_agree(speed: float) -> None:
     known = DataRange(speed=(0.8, 1.0))
     still = np.zeros(2)
-    voyage = beyond_envelope(known, {"t": still, "u": np.full(2, speed), "y": still, "psi": still, "r": still})
+    seen = measured({"u": np.full(2, speed), "y": still, "psi": still, "r": still}, {}, False)
+    voyage = list(outside_notes(known, [seen], lambda measure, covered, outside, values: measure.words))
     assert bool(voyage) == bool(extrapolation(known, {"speed": speed})) == bool(known.outside("speed", speed))
 
 
