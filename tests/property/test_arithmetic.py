@@ -18,7 +18,8 @@ PHYSICS = [
     function
     for room in (clearance, damping, inertia)
     for function in vars(room).values()
-    if callable(function) and getattr(function, "__module__", "") == room.__name__
+    if callable(function)
+    and getattr(function, "__module__", "") == room.__name__
     and "pressure" not in asked_by(function)  # Fed by another function: the tables of terms hold both together.
 ]
 FORCES = ("X", "Y", "N")

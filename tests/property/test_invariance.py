@@ -93,23 +93,26 @@ def test_unit_of_a_column(factor: float, name: str) -> None:
     """A regressor in another unit gives its coefficient in the inverse unit and changes nothing else."""
     term = nw.PAPER[name]
 
-    @wraps(term.regressor)
-    def rescaled(*values: float) -> float:
-        return factor * term.regressor(*values)
+    def in_unit(of: float) -> nw.Fit:
+        @wraps(term.regressor)
+        def rescaled(*values: float) -> float:
+            return of * term.regressor(*values)
 
-    own = nw.Term(name, term.symbol, rescaled, term.dimension, term.bound)
+        own = nw.Term(name, term.symbol, rescaled, term.dimension, term.bound)
+        return nw.identify(short_twin(), untied.with_terms("rescaled", **{place: [own]}))
+
     untied = nw.TermTable("untied", nw.PAPER.surge, nw.PAPER.sway, nw.PAPER.yaw)
     force = next(force for force, terms in untied.forces.items() if term in terms)
     place = {"X": "surge", "Y": "sway", "N": "yaw"}[force]
-    one, other = (nw.identify(short_twin(), t) for t in (untied, untied.with_terms("rescaled", **{place: [own]})))
+    one, other = in_unit(1.0), in_unit(factor)
     for coefficient in untied.names:
         unit = factor if coefficient == name else 1.0
         assert other.least_squares[coefficient] * unit == pytest.approx(one.least_squares[coefficient], rel=1e-6)
         std = one.std[coefficient]
-        assert other.std[coefficient] * unit == pytest.approx(std, rel=5e-3, nan_ok=True)
+        assert other.std[coefficient] * unit == pytest.approx(std, rel=1e-3, nan_ok=True)
         if std > 0:  # The value of one that is not excited is the prior's, in the unit of its empty column.
             assert other.coefficients[coefficient] * unit == pytest.approx(
-                one.coefficients[coefficient], abs=3e-3 * std
+                one.coefficients[coefficient], abs=1e-3 * std
             )
         assert other.verdicts[coefficient].status == one.verdicts[coefficient].status
     for kind in ("mse", "mean_abs", "lmg"):

@@ -18,7 +18,7 @@ RENAMED = {
     "forward component of speed vector": "u [m/s]", "transversal component of speed vector": "v [m/s]",
     "lateral position": "y [m]", "psi": "psi [deg]",
     "longitudinal force": "X [N]", "transversal force": "Y [N]", "yaw moment": "N [Nm]",
-    "bank name": "bank",
+    "bank name": "bank", "rudder angle": "rudder [deg]",
 }  # fmt: skip
 # Distance of the tank's wall from its centreline [m].
 WALL = 3.5
