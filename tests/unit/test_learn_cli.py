@@ -76,7 +76,7 @@ def test_what_is_doubtful_in_a_log_is_among_the_notes_of_what_it_taught(cli, fol
 def test_a_log_that_does_not_tell_is_exit_1(cli, folder: Path) -> None:
     code, out, _ = cli("learn", folder / "ship.toml", folder / "straight.csv", "--sensors", "basin", "--spread", "0.01")
     assert code == 1
-    assert out.startswith("Learned from 1 record, 14.9 min: nothing.")
+    assert out.startswith("Learned from 1 record, 15 min: nothing.")
 
 
 @pytest.mark.parametrize(
