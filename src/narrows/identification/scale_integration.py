@@ -7,7 +7,7 @@ References
 ----------
 Geweke (1989), Bayesian inference in econometric models using Monte Carlo integration: split normal densities.
 Raftery, Bao (2010), Estimating and projecting trends in HIV/AIDS generalized epidemics using incremental mixture
-    importance sampling: a mode is added where one point outweighs the others.
+importance sampling: a mode is added where one point outweighs the others.
 Ionides (2008), Truncated importance sampling: the weights.
 """
 

@@ -37,7 +37,7 @@ def heading_record(grid: RecordGrid) -> HeadingRecord | None:
 
 
 def headings(numbers: np.ndarray, record: HeadingRecord, start: np.ndarray) -> np.ndarray:
-    """Integrate rdot = a rudder + b + c r + d |r| r + e r^3 by Euler's method."""
+    """Integrate ``rdot = a rudder + b + c r + d |r| r + e r^3`` by Euler's method."""
     a, b, c, d, e = numbers
     psi, r, path = start[0], start[1], np.empty(len(record.rudder))
     for place, rudder in enumerate(record.rudder.tolist()):
