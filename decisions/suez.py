@@ -16,7 +16,7 @@ from pages import markdown, publish
 
 import narrows as nw
 from narrows.captive.measured import measured_files
-from narrows.physics.shallow_water import depth_froude
+from narrows.physics.squat_and_depth import depth_froude
 from narrows.quantities.names import KNOT
 from narrows.safety import SURE_SHARE
 from narrows.safety.headline import crossing

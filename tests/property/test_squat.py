@@ -10,7 +10,7 @@ from strategies import numbers
 
 import narrows as nw
 from narrows.model.squat import GIVES
-from narrows.physics import shallow_water as formulas
+from narrows.physics import squat_and_depth as formulas
 
 DTC = nw.Configuration(nw.Ship(355.0, 51.0, 14.5, 0.661), nw.Canal(205.0, 24.0), nw.Water(1025.0))
 KNOT = 1852 / 3600

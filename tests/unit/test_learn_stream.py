@@ -45,5 +45,6 @@ def test_records_of_a_stream_are_let_go_and_counted(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(search, "bar", counted)
     assert len(nw.learn(mistaken(), stream, **TOLD).records) == COUNT
     assert stream.most <= 3
-    assert bars
-    assert all(total == COUNT == sum(done) for total, *done in bars)
+    # A try with coefficients at which a record runs away stops before the last record.
+    assert all(sum(done) <= total == COUNT for total, *done in bars)
+    assert sum(bars[-1][1:]) == COUNT

@@ -178,7 +178,7 @@ class TestTrials:
                 there = {n: float(course[n]) for n in ("rudder", "psi", "v")}
                 # A drawn ship that no rudder holds there is not held, whoever steers.
                 steady = np.isfinite(list(there.values())).all()
-                law = chosen.pilot.law(ship, at, {"y": y, "u": 5.0, **there}) if steady else None
+                law = chosen.pilot.law(ship, at, {"y": y, "u": 5.0, "r": 0.0, **there}) if steady else None
                 signs = thrown if y < 0 else {n: -c for n, c in thrown.items()}
                 held = was_held(own, law, signs, y, 5.0, sample)
                 known = held or self.by_one_who_knows(own, signs, y, sample)

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from narrows.physics.shallow_water import kijima_drift_force, kijima_drift_moment, kijima_yaw_moment
+from narrows.physics.squat_and_depth import kijima_drift_force, kijima_drift_moment, kijima_yaw_moment
 from narrows.quantities.names import Number
 
 

@@ -339,7 +339,6 @@ def _targets(terms: TermTable, targets: Sequence[str]) -> tuple[str, ...]:
     return names
 
 
-# About what forces a run would have: errors of gain and zero are shares of them.
 def expected_forces(configuration: Configuration) -> Forces:
     """Return approximate forces of a motion: those of the published model by Froude's law."""
     model = _truth(configuration)
@@ -347,8 +346,8 @@ def expected_forces(configuration: Configuration) -> Forces:
 
 
 def _truth(configuration: Configuration) -> Model:
-    scaled = scale_model(published("mikkelsen2025_dtc"), configuration.ship.length).model
-    return replace(scaled, configuration=configuration)
+    published_model = published("mikkelsen2025_dtc")
+    return replace(scale_model(published_model, configuration.ship.length).model, configuration=configuration)
 
 
 def usual_forces(offered: list[Run], forces: Forces) -> dict[str, float]:
@@ -363,8 +362,7 @@ def usual_forces(offered: list[Run], forces: Forces) -> dict[str, float]:
     return {force: float(np.sqrt(np.mean([square[force] for square in squares]))) for force in squares[0]}
 
 
-# Earlier tests in a plan: their information, and the tested speeds and offsets. Ratio of highest to lowest speed, less
-# one, within which tests count as one speed.
+# Ratio of highest to lowest speed, less one, within which earlier tests count as one speed.
 ALIKE = 0.05
 
 

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from narrows.errors import InputError, did_you_mean, shown
-from narrows.physics import shallow_water as formulas
+from narrows.physics import squat_and_depth as formulas
 from narrows.quantities.names import Number, asked_by
 from narrows.results import Shown
 from narrows.ship.particulars import Configuration, Configured

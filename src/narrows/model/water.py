@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from narrows.physics import shallow_water as formulas
+from narrows.physics import squat_and_depth as formulas
 from narrows.quantities.names import Number
 
 # Speed without limit, above that of any ship [m/s].

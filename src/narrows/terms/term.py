@@ -9,7 +9,7 @@ from keyword import iskeyword
 from typing import TYPE_CHECKING
 
 from narrows.errors import InputError, did_you_mean, shown
-from narrows.physics import shallow_water
+from narrows.physics import squat_and_depth
 from narrows.quantities.dimensions import Dimension
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number, Quantity, asked_by
 from narrows.results import Described
@@ -393,8 +393,8 @@ def _merged(old: Iterable[Term], new: Iterable[Term]) -> tuple[Term, ...]:
     return tuple({term.name: term for term in (*old, *new)}.values())
 
 
-DRIFT_FORCE = DepthLaw(shallow_water.kijima_drift_force)
+DRIFT_FORCE = DepthLaw(squat_and_depth.kijima_drift_force)
 
-DRIFT_MOMENT = DepthLaw(shallow_water.kijima_drift_moment, verified=False)
+DRIFT_MOMENT = DepthLaw(squat_and_depth.kijima_drift_moment, verified=False)
 
-YAW_MOMENT = DepthLaw(shallow_water.kijima_yaw_moment)
+YAW_MOMENT = DepthLaw(squat_and_depth.kijima_yaw_moment)
