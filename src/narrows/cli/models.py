@@ -10,7 +10,7 @@ import click
 from narrows.cli.declarations import Argument, Option
 from narrows.cli.options import AsJson, ModelFile, ModelOutput, print_json, say_written, verb
 from narrows.cli.options import speed as read_speed
-from narrows.cli.voyage_options import PhysicsOptions, WaterOptions
+from narrows.cli.voyage_options import HelmOptions, PhysicsOptions, WaterOptions
 from narrows.errors import InputError, check_choice
 from narrows.export.exporters import EXPORTERS
 
@@ -125,11 +125,10 @@ def _helm(model: "Model", hold: float | None, speed: str | None, way: "Waterway 
         if speed is not None:
             raise InputError("--helm-speed serves the helm that --hold asks for; add --hold, or leave it out")
         return None
-    from narrows.control.regulator import regulator
     from narrows.simulation.departure import voyage_defaults
 
     u = voyage_defaults(model).speed if speed is None else read_speed("--helm-speed", speed)
-    return regulator(model, hold, float(u), waterway=way)
+    return HelmOptions(hold=hold).of(model, float(u), 0.0, way)
 
 
 @dataclass(frozen=True)

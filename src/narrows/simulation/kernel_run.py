@@ -40,9 +40,6 @@ OUTPUTS: dict[str, type] = {
 Result = dict[str, np.ndarray]
 
 
-COSINE = 2  # index of the cosine in the state
-
-
 @dataclass
 class ColumnRun:
     """Vessels in columns; a call integrates them all from the current ``start``."""
