@@ -142,3 +142,14 @@ def test_heading_and_degrees_are_noted_of_fleets_as_of_voyages() -> None:
     for words in ("heading", "(0 to 1 deg)", "yaw rate", "(0 to 0.01 deg/s)"):
         assert words in alone
         assert words in many
+
+
+@pytest.mark.parametrize("block_coefficient", [0.6, 0.85])
+def test_no_ship_is_clear_of_the_bottom_at_a_speed_that_touches_it_in_a_voyage(block_coefficient: float) -> None:
+    configuration = kcs(width=100.0, depth=12.0).configuration
+    configuration = replace(configuration, ship=replace(configuration.ship, block_coefficient=block_coefficient))
+    afloat = speeds_afloat(configuration.values())
+    assert afloat.touching < afloat.choking
+    assert nw.squat(configuration, 0.999 * float(afloat.touching), "largest").sinkage >= 0.99 * (
+        12.0 - configuration.ship.draft
+    )

@@ -5,7 +5,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
+import numpy as np
+
 from narrows.errors import InputError, did_you_mean, shown
+from narrows.model.water import water_under_way
 from narrows.physics import squat_and_depth as formulas
 from narrows.quantities.names import Number, asked_by
 from narrows.results import Shown
@@ -193,8 +196,8 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
     """Estimate the sinkage of a ship at a speed.
 
     It uses the first formula of ``SQUAT`` that gives the requested sinkage and is valid here; if none is valid, the
-    first that gives it, with notes. If one-dimensional continuity and energy give a larger mean, as near the critical
-    speed, the mean is used.
+    first that gives it, with notes. If the water of voyages (one-dimensional continuity and energy, with Barrass's
+    trim) gives more, as near the critical speed, that is used: no ship is clear here that touches in a voyage.
 
     Parameters
     ----------
@@ -232,8 +235,20 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
     chosen = SQUAT[name]
     doubts = [f"{name} is {chosen.status}"] if chosen.status == UNVERIFIED else []
     notes = (*doubts, *chosen.outside(configuration, u))
-    sinkage, mean = chosen.sinkage(configuration, u), SQUAT["continuity"].sinkage(configuration, u)
-    if formula is None and mean > sinkage:
-        less = f"{name} gives less than the mean sinkage of this canal, which is used instead"
-        return Squat(mean, "continuity", gives, critical, (less,))
+    sinkage, narrow = chosen.sinkage(configuration, u), float(_of_voyages(configuration, u)[gives])
+    if formula is None and narrow > sinkage:
+        less = f"{name} gives less than continuity and energy in this canal, which are used instead"
+        return Squat(narrow, "continuity", gives, critical, (less,))
     return Squat(sinkage, name, gives, critical, notes)
+
+
+def _of_voyages(configuration: Configuration, speed: float) -> dict[str, Number]:
+    """Sinkages by kind [m] in the water in which voyages sail: continuity, energy and trim."""
+    values = configuration.values()
+    water, still = water_under_way(values, speed), values["depth"] - values["draft"]
+    return {
+        "midship": water.sinkage,
+        # The trim of a fine ship lifts its bow, by a factor that is not verified: it is not counted on.
+        "bow": np.maximum(water.sinkage, still - water.bow),
+        "largest": still - np.minimum(water.bow, water.stern),
+    }
