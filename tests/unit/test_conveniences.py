@@ -213,7 +213,7 @@ def test_identify_reads_a_table(tmp_path) -> None:
     frame.to_parquet(tmp_path / "t.parquet")
     for table in (frame, tmp_path / "t.parquet", str(tmp_path / "t.parquet")):
         assert nw.identify(table, ship=DTC.configuration).coefficients == known
-    with pytest.raises(nw.InputError, match="does not say which ship it is of; give ship="):
+    with pytest.raises(nw.InputError, match="has no ship of its own; give ship="):
         nw.identify(frame)
     with pytest.raises(nw.InputError, match="have a ship already"):
         nw.identify(read, ship=DTC.configuration)

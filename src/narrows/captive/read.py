@@ -89,7 +89,7 @@ def as_tests(tests: Any, ship: ShipSource | None, usual: ShipSource | None = Non
         return tests
     known = usual if ship is None else ship
     if known is None:
-        raise InputError("a table does not say which ship it is of; give ship='ship.toml', or a Configuration")
+        raise InputError("a table has no ship of its own; give ship='ship.toml', or a Configuration")
     return read_captive(tests, known)
 
 

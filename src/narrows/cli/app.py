@@ -84,7 +84,7 @@ def _complete(context: click.Context, _: click.Parameter, shell: str | None) -> 
 )  # fmt: skip
 @click.pass_context
 def app(context: click.Context) -> None:
-    """From captive model tests to a closed-form bank-effect model that says how far it can be trusted."""
+    """Turn captive model tests into a closed-form bank-effect model, with the range in which to trust it."""
     if context.invoked_subcommand is None:
         click.echo(context.get_help())
 

@@ -66,7 +66,7 @@ def symbol(name: str) -> Expr:
     return sympy.Symbol(name, real=True, positive=positive)
 
 
-# What steers, where, and how contact is found do not change these equations: systems of one table share them.
+# Control, waterway and contact do not change these equations: systems of one table share them.
 @lru_cache(maxsize=32)
 def trace(tape: Tape, force_of: tuple[tuple[str, str], ...], surge: Surge, coriolis: bool) -> FreeMotion:
     """Solve the equation of motion for the accelerations; ``force_of`` pairs each term with its force."""

@@ -124,7 +124,7 @@ class Program:
         return tuple(sorted(used - made))
 
 
-# From formulas to straight lines: parts of parameters alone become constants, common subexpressions are written once.
+# Formulas become straight lines: parts of parameters alone are constants, common subexpressions are written once.
 @dataclass
 class Constants:
     """Expressions of parameters in the moving part, each under the name of a constant."""

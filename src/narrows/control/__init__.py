@@ -21,7 +21,7 @@ from narrows.control.steady_course import self_propulsion as self_propulsion
 from narrows.control.steady_course import steady_course as steady_course
 from narrows.errors import near_miss
 
-# What is written here for names of other libraries.
+# Names of other libraries, and the name here.
 ELSEWHERE = {
     "PredictiveHelm": ("mpc", "MPC", "nmpc"), "regulator, or nw.Autopilot": ("pid", "PID", "lqg", "pole_placement"),
     "nw.estimation.Estimator": ("kalman", "Kalman", "ekf", "ukf", "observer", "lqe"),

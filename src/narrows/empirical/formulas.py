@@ -44,7 +44,7 @@ RANGES = {
     "block_coefficient": ("C_B", 0.5, 0.87),
 }
 
-# How a formula was verified.
+# Verification of a formula.
 AGREE, ALONE = "independent transcriptions agree", "unverified: one transcription"
 
 
@@ -55,7 +55,7 @@ class Formula:
     coefficient: str  # Name in the table of terms, or a particular of propeller or rudder
     source: str
     law: Callable[[Hull], Number]
-    read: str = AGREE  # How it was verified, and the reading used if transcriptions disagree
+    read: str = AGREE  # Verification, and the reading used if transcriptions disagree
 
     @property
     def verified(self) -> bool:

@@ -169,7 +169,7 @@ class Estimator(Described):
         Returns
         -------
         EstimatedTrack
-            From the first time with enough readings to start.
+            Estimates from the first time with enough readings to start.
 
         Raises
         ------

@@ -314,5 +314,5 @@ def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndi
         if names.count(name) > 1:
             raise InputError(f"two sensors are called {name!r}; give one another name, as Gnss(name='gnss_aft')")
     if not names:
-        raise InputError("an estimator without a sensor knows nothing; give Gnss, Gyro and Log at least")
+        raise InputError("an estimator needs sensors; give Gnss, Gyro and Log at least")
     return dict(zip(names, measuring, strict=True)), indicators[0] if indicators else RudderIndicator(bias=0.0)

@@ -130,7 +130,7 @@ class Model(Configured, Operations):
     source : Source
         Origin of the numbers.
     verdicts : mapping of str to str
-        How well the tests determine each coefficient, in a word or two; empty without a fit.
+        Verdict on each coefficient, in a word or two; empty without a fit.
 
     Raises
     ------

@@ -111,7 +111,7 @@ class Squat(Shown):
     formula : str
         Its name in ``SQUAT``.
     gives : str
-        Which sinkage it is.
+        Kind of sinkage.
     critical_speed : float [m/s]
         Speed at which the canal chokes.
     notes : tuple of str

@@ -180,7 +180,7 @@ def _about(values: np.ndarray) -> tuple[float, float]:
 
 
 def print_log_fit(fit: LogFit, truth: Mapping[str, float] | None = None) -> None:
-    words = "what the log says"
+    words = "estimate from the log"
     heads = (*LEARNED_HEADS, words, *(("truth",) if truth else ()))
     rows = with_truth(learned_rows(fit.coefficients), truth)
     print_result(fit, table_of(heads, rows, left=("", "unit", words)))

@@ -52,7 +52,7 @@ def _coefficient(fit: Fit, name: str, printed: float) -> dict[str, str]:
 
 def _why(known: bool, inside: bool) -> str:
     if not known:
-        return "these tests cannot say; the paper's number is its solver's choice"
+        return "not identifiable from these tests; the paper's number is its solver's choice"
     return "" if inside else "outside the 95 % interval, as one in twenty is"
 
 

@@ -217,7 +217,7 @@ def map_figure(
     Parameters
     ----------
     voyages : Dataset
-        From ``ensemble``.
+        Result of ``ensemble``.
     model : Model, optional
         The ship and its tested range; without it all is marked as untested.
     within : float [m], optional

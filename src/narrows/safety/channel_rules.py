@@ -54,7 +54,7 @@ class ChannelRule:
     asks: str  # Its criterion
     says: str  # The rule in words
     source: str  # Its source
-    standing: str = READ  # Whether its numbers were read in the source, and which were not
+    standing: str = READ  # Verification: which numbers were read in the source
     lanes: tuple[Lane, ...] = ()  # Required widths, for a rule of widths
     deepens: Callable[[Passage], float] = lambda passage: 0.0  # Additional beams of a lane, by the passage
     speed: Callable[[Passage], float] | None = None  # [m/s] limit; NaN for other ships
@@ -176,7 +176,7 @@ class OutsideRules(Shown):
     passage : Passage
         Ship and section.
     port, starboard : float [m]
-        Where its keel meets the banks, from the middle.
+        Places where its keel meets the banks, from the middle.
     choke : float [m/s]
         Speed at which the canal is choked; infinite if the depth is unknown.
 
@@ -266,7 +266,7 @@ def outside_rules(
     bank : str
         Kind of bank: ``gentle``, ``sloping`` or ``steep``; the walls of a canal are steep.
     walls : pair of float [m], optional
-        Where the keel meets the banks, to port and to starboard of the middle; default: the walls of the canal.
+        Places where the keel meets the banks, to port and to starboard of the middle; default: the canal's walls.
 
     Raises
     ------

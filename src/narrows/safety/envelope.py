@@ -59,14 +59,14 @@ def safe_envelope(
     seed : int
         Seed of the samples.
     walls : pair of float [m], optional
-        Where the keel meets the banks, to port and to starboard of the middle; default: the walls of the canal.
+        Places where the keel meets the banks, to port and to starboard of the middle; default: the canal's walls.
     bank : str
         Kind of bank for the comparison with outside rules: ``gentle``, ``sloping`` or ``steep``.
     controller : str
         Pilot without the true coefficients: ``regulator``, the best available; ``track``, that of earlier versions;
         ``human``, a helmsman with delay, whole degrees and a limit.
     curvature : float [1/m]
-        Of the middle of the canal, to starboard: in a bend the steady turn leaves the reserve, and trials sail it.
+        Curvature of the canal, to starboard: in a bend the steady turn leaves the reserve, and trials sail it.
     current : float [m/s]
         Along the canal, with the ship.
     workers : int, optional
@@ -177,7 +177,7 @@ def choose_pilot(request: EnvelopeRequest, bounds: Bounds, seed: int, workers: i
 
 
 def _spread(size: int, most: int) -> np.ndarray:
-    """At most so many places of a row, evenly spaced, without its ends if there are more."""
+    """Return at most ``most`` places of a row, evenly spaced, without its ends if there are more."""
     if size <= most:
         return np.arange(size)
     return np.unique(np.round((np.arange(most) + 0.5) * size / most - 0.5).astype(int))

@@ -20,7 +20,7 @@ def headline(data: xr.Dataset, share: float) -> str:
     y, u = data["y"].to_numpy(), data["u"].to_numpy()
     by_model = ((data["held"] >= share) & data["clear"]).to_numpy()
     block, section = largest_rectangle(by_model & data["tested"].to_numpy(), y, u), data.attrs["untested"]
-    # The first sentence of an estimated model says that it is one.
+    # The first sentence of an estimated model names it as one.
     estimate = data.attrs.get("estimate", "")
     guess = [f"{estimate.partition('. ')[0].removesuffix('.')}."] if estimate else []
     guess += [f"Extrapolated, as the tests did not cover this: {section}."] if section else []
@@ -79,7 +79,7 @@ def _limits(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> str:
 
 
 def _known(data: xr.Dataset, share: float, block: tuple[slice, slice] | None) -> list[str]:
-    """Where a pilot with the true coefficients would hold it, if that exceeds the safe area."""
+    """Return where a pilot with the true coefficients would hold the ship, if that exceeds the safe area."""
     if bool((data["known"] == data["held"]).all()):
         return []
     allowed = (data["tested"] & data["clear"]).to_numpy()

@@ -84,9 +84,9 @@ class Disturbance:
         Parameters
         ----------
         samples : int
-            How many.
+            Number of samples.
         seed : int
-            Of the samples.
+            Seed of the samples.
         """
         side = np.sign(np.random.default_rng((seed, 1)).standard_normal((3, samples))[2])
         force = xr.DataArray(self.steady * side, dims="sample")
@@ -137,7 +137,7 @@ class Bend:
 
     @property
     def words(self) -> str:
-        """What it is, for the description; nothing where it is straight and still."""
+        """Words for the description; empty for a straight canal without current."""
         turn = f"a bend of {1 / abs(self.curvature):.4g} m radius to " if self.curvature else ""
         turn += ("starboard" if self.curvature > 0 else "port") if turn else ""
         flow = f"a current of {self.current:+.3g} m/s" if self.current else ""

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class Reach:
     model: Model  # In the section there
     middle: float  # Middle of that section, to starboard of the line [m]
-    asked: dict[str, Any]  # What ``safe_envelope`` is asked beside offsets and speeds
+    asked: dict[str, Any]  # Options of ``safe_envelope`` other than offsets and speeds
 
 
 def reach_at(model: Model, waterway: "Waterway", at: float) -> Reach:
@@ -56,7 +56,7 @@ def speed_limits(
     y : float [m]
         Offset to starboard of the line.
     reserve : float [1]
-        Of the rudder, to be left on the steady course, in a bend on the steady turn, by 95 % of the samples.
+        Rudder in reserve on the steady course (in a bend on the steady turn), for 95 % of the samples.
     **envelope : Any
         Options of ``safe_envelope``.
 

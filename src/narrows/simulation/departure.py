@@ -124,7 +124,7 @@ def check_irrelevant(ship: SimulatedShip, given: Mapping[str, Any]) -> None:
         is_zero = name in ("X", "rudder", "heave") and not np.any(value)
         if name not in relevant and not is_zero:
             remedy = "give surge='free', or leave it out" if name == "X" else "leave it out"
-            why = "the speed is held" if name == "X" else "no term of this model feels it"
+            why = "the speed is held" if name == "X" else "no term of this model depends on it"
             raise InputError(f"{name} changes nothing here: {why}; {remedy}")
 
 

@@ -96,7 +96,7 @@ class ColumnRun:
         return np.sort(np.concatenate([went, vessels[~clear][np.array(judged, bool)]]))
 
     def _clear(self, after: np.ndarray, room: Any, before: np.ndarray, vessels: np.ndarray) -> np.ndarray:
-        """Whether a step needs no look at its end."""
+        """Return whether a step is far from every contact, so that its end needs no check."""
         u, v, r = after[4:7]
         fast, turning = self.inputs["most_speed"], self.inputs["most_rate"]
         left = np.asarray(room)

@@ -15,7 +15,7 @@ def grounding_distance(voyages: xr.Dataset) -> xr.DataArray:
     Parameters
     ----------
     voyages : Dataset
-        From ``ensemble``.
+        Result of ``ensemble``.
 
     Examples
     --------
@@ -35,7 +35,7 @@ def grounding_probability(voyages: xr.Dataset, distance: float, over: str = "sam
     Parameters
     ----------
     voyages : Dataset
-        From ``ensemble`` with ``samples``.
+        Result of ``ensemble`` with ``samples``.
     distance : float [m]
         Distance along the canal.
     over : str

@@ -1,4 +1,4 @@
-"""How a voyage ends: a value with a sentence, never an exception."""
+"""Outcomes of a voyage: a value with a sentence, never an exception."""
 
 import json
 import math
@@ -44,7 +44,7 @@ SIDES = {Code.GROUNDED: {1: "starboard", -1: "port"}, Code.TOUCHED: {1: "bow", -
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a voyage ended.
+    """Outcome of a voyage.
 
     Parameters
     ----------

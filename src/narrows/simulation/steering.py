@@ -76,7 +76,7 @@ def _law(
 def water(name: str, x: Any) -> Any:
     """Return the water quantities of a control law at a place along the line."""
     # name [1/m]; x [m]
-    check_choice("what is seen of the water", name, [known.removeprefix(SEEN) for known in WATER])
+    check_choice("the observed section", name, [known.removeprefix(SEEN) for known in WATER])
     return x.apply_function(f"{SEEN}{name}", (x,))
 
 

@@ -69,7 +69,7 @@ class Voyage(Tabulated):
     rudder : array (times,) [rad]
         Angle of the rudder.
     outcome : Outcome
-        How it ended.
+        Outcome of the voyage.
     configuration : Configuration
         Ship and canal.
     waterway : Waterway, optional

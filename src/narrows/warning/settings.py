@@ -30,7 +30,7 @@ FAILING_SHARE = 0.05  # [1] of the samples: the last chance of the 95 % ship is 
 CLEAR_SHARE = 0.01  # [1] of the samples: "clear" where no more meet a bank with the rudder as it is
 RETURN_TIME = 60.0  # [s] mean time until somebody who let go of the helm takes it again without a warning
 # The helmsman
-HELM_DELAYS = (0, 4, 8, 12)  # [s] from what is seen to the rudder, of which the likeliest is taken
+HELM_DELAYS = (0, 4, 8, 12)  # [s] of reaction of the rudder; the most likely one is taken
 HELM_GAINS = (0.0, 0.5, 1.5, 1.0)  # before anything is learned: trim [rad], offset over length, heading, turn [1]
 HELM_GAINS_SIGMA = (0.1, 0.5, 1.0, 1.0)  # standard deviations of these
 HELM_MEMORY = 300.0  # [s] of what is learned
@@ -73,7 +73,7 @@ BLIND_AFTER = 10.0  # [s] a needed sensor that is silent this long ends the fore
 OTHER_SENSOR_SILENCE = 10.0  # [s] the same of a sensor that is not needed: a caution
 DOUBT_HOLD_TIME = 10.0  # [s] a refused or drifting sensor is shown this long
 NEAR_MISS = 20.0  # [m] less water beside the hull is a near miss, and never "clear"
-CONTACT_CLEARANCE = 5.0  # [m] counts as contact, as in scores: sensors know the place no better
+CONTACT_CLEARANCE = 5.0  # [m] counts as contact, as in scores: positions are no more accurate
 MOST_SECONDS = 86_400  # [s] of a watch that are kept: a day; the log of alerts has the rest
 MOST_ALERTS = 10_000  # changes of alerts that are kept of a watch
 # The page

@@ -24,7 +24,7 @@ from narrows.warning.settings import (
 if TYPE_CHECKING:
     import pandas as pd
 
-# Of predictors that know no model: clearance [m], time to contact on a curved track [s]: decisions/warning_scores.py.
+# Thresholds of predictors without a model: clearance [m], time to contact on a curved track [s], by warning_scores.py.
 CLEARANCE, CURVED = 20.0, 40.0
 LEVELS = ("caution", "warning", "alarm")
 PREDICTORS = (f"distance to the bank, {CLEARANCE:g} m", f"curved by the rate of turn, {CURVED:g} s", *LEVELS)
@@ -83,11 +83,11 @@ class TransitScores(Described):
 
 @dataclass(frozen=True, eq=False)
 class ScoredTransit:
-    name: str  # Of the recording
+    name: str  # Name of the recording
     t: np.ndarray  # (seconds,) Since the watch began [s]
     urgencies: np.ndarray  # (seconds, predictors) Over their thresholds; NaN without a forecast [1]
     clearance: np.ndarray  # (seconds,) Estimated, to the nearer bank; NaN where unknown [m]
-    last_chance: np.ndarray  # (seconds,) Of the 95 % ship; negative where it is gone [s]
+    last_chance: np.ndarray  # (seconds,) Last chance of the 95 % ship; negative where it has passed [s]
 
     def contact(self, limit: float) -> float:
         """Return when the clearance first was below a limit [s]; infinite where it never was."""

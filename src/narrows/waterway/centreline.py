@@ -180,7 +180,7 @@ class Centreline:
         s : array or float [m]
             Along the line.
         n : array or float [m]
-            To starboard of it.
+            Offset to starboard of it.
         """
         return self.pose(s, n)[0]
 
@@ -192,7 +192,7 @@ class Centreline:
         s : array or float [m]
             Along the line.
         n : array or float [m]
-            To starboard of it.
+            Offset to starboard of it.
         """
         s, n = np.broadcast_arrays(np.asarray(s, float), np.asarray(n, float))
 

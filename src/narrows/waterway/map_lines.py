@@ -209,7 +209,7 @@ def into_degrees(crs: str, path: str) -> Callable[[Mapping[str, Any]], dict[str,
 def roles_by_place(lines: Sequence[np.ndarray]) -> tuple[str, ...] | None:
     """Return the roles of two or three lines [m] by their position, None if it is ambiguous.
 
-    Of three, the one between the others is the centreline; the direction is that of the centreline, or of the first of
+    The middle one of three lines is the centreline; the direction is that of the centreline, or of the first of
     two banks.
     """
     if len(lines) == 2:

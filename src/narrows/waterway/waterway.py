@@ -213,7 +213,7 @@ class Waterway(Described):
         s : array or float [m]
             Along the line.
         n : array or float [m]
-            To starboard of the line.
+            Offset to starboard of the line.
         psi : array or float [rad]
             Heading to the line, positive to starboard.
         """

@@ -16,7 +16,7 @@ ON, BACK, FINISHED, CLOSED, LOST = -1, -2, 0, 1, 2
 """Sail on from here; go back to before the try and take a shorter one; the time is up; something is met here; the
 numbers ran out."""
 GROUNDED, OUTSIDE, ASTERN, PASSED, SHALLOW = 1, 3, 4, 5, 7
-"""What ends a voyage where no room is left: a bank, the limit of heading, an end of the waterway, too little water."""
+"""Contacts that end a voyage: a bank, the limit of heading, an end of the waterway, too little water."""
 TOO_FAST = 1e-6
 """Tolerance of the speed at which a ship touches the bottom or chokes the section [m/s]."""
 MOST_TRIES, HALVE_EACH = 600, 8

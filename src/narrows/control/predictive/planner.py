@@ -156,7 +156,7 @@ class Horizon:
 
 @dataclass(frozen=True)
 class Planner:
-    horizon: Horizon  # How far ahead
+    horizon: Horizon  # Prediction horizon
     lanes: PredictionLanes  # One lane per interval
     jacobians: JacobianBatch  # One point per interval
     water: WaterAhead  # The waterway

@@ -98,7 +98,7 @@ class NmeaTable(Recording):
         if not self.sources.chosen:
             ships = ", ".join(name for name, _ in self.hearing.ships.most_common(3))
             heard = f"; it heard the ships {ships} by AIS: say whose reports to read, mmsi=" if ships else ""
-            raise InputError(f"{self.path}: no sentence tells where this ship is or how it moves{heard}")
+            raise InputError(f"{self.path}: no sentence gives the position or motion of this ship{heard}")
 
     def notes(self) -> tuple[str, ...]:
         clock = self.clock

@@ -262,7 +262,7 @@ MILLISECONDS = 1e11
 class Sentence(NamedTuple):
     """One sentence with a valid checksum."""
 
-    text: bytes  # From ``$`` or ``!`` to the checksum
+    text: bytes  # Characters from ``$`` or ``!`` to the checksum
     kind: str  # Talker and type, as in ``GPGGA``
     logged: float | None  # Logger's time since 1970, if given [s]
 

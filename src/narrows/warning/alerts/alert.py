@@ -52,7 +52,7 @@ class AlertState(Enum):
 
 
 class Command(Enum):
-    """What a bridge asks for, by the letter of its sentence."""
+    """Commands of a bridge, by the letter of its sentence."""
 
     ACKNOWLEDGE = "A"
     REPEAT = "Q"
@@ -71,23 +71,23 @@ WAITING = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.RECTIFIED)
 
 @dataclass(frozen=True)
 class Alert:
-    identifier: int  # Of the situation
-    priority: Priority = Priority.NONE  # How urgent; of what is rectified, how urgent it was
+    identifier: int  # Number of the situation
+    priority: Priority = Priority.NONE  # Urgency; for a rectified alert the former urgency
     state: AlertState = AlertState.NORMAL  # Who has heard it
     text: str = ""  # A sentence
     changed: float = 0.0  # When priority, state or the number of repeats last changed [s]
-    instance: int = 0  # How often the situation came up
-    revision: int = 0  # How often it changed, from 1 to 99 and over again; 0 before
-    repeats: int = 0  # How often it sounded anew
+    instance: int = 0  # Count of occurrences of the situation
+    revision: int = 0  # Count of changes, from 1 to 99 and over again; 0 before
+    repeats: int = 0  # Count of repeated soundings
 
     @property
     def category(self) -> str:
-        """A: to be judged by the picture of this page; B: by what the alert tells."""
+        """A: to be judged by the picture of this page; B: by the text of the alert."""
         return "A" if self.identifier in (one.identifier for one in BANKS.values()) else "B"
 
     @property
     def sounds(self) -> bool:
-        """Whether it is to be heard: a caution is not."""
+        """Whether the alert sounds: a caution does not."""
         return self.state in SOUNDING and self.priority > Priority.CAUTION
 
     def conditioned(self, priority: Priority, text: str, t: float) -> "Alert":
@@ -116,7 +116,7 @@ class Alert:
             return self._changed(t, AlertState.NORMAL if gone else AlertState.ACKNOWLEDGED)
         if command is Command.SILENCE and self.sounds:
             return self._changed(t, AlertState.SILENCED)
-        # What has to be judged by its picture (category A) stays where the picture is, and so does an alarm.
+        # Alerts judged by their picture (category A) stay where the picture is, and so do alarms.
         transferable = self.category == "B" and self.priority < Priority.ALARM
         if command is Command.TRANSFER and transferable and self.state in (*SOUNDING, AlertState.SILENCED):
             return self._changed(t, AlertState.TRANSFERRED)
@@ -135,10 +135,10 @@ class Alert:
         return replace(self, **changes, **others)  # type: ignore[arg-type]
 
 
-# What there is to be alerted of: one alert a hazard, each with a life of its own.
+# Hazards: one alert each, with its own state.
 class Situation(NamedTuple):
     identifier: int  # In sentences; from 10000 on they are a maker's own
-    name: str  # Of it, in up to 16 letters
+    name: str  # Name of the hazard, in up to 16 letters
 
 
 BANKS = {"port": Situation(10110, "BANK TO PORT"), "starboard": Situation(10111, "BANK TO STBD")}
@@ -162,7 +162,7 @@ SITUATIONS = {
 
 # All alerts of a monitor: one a hazard, changed by conditions, by commands and by time.
 class Condition(NamedTuple):
-    priority: Priority  # How urgent it is
+    priority: Priority  # Urgency
     text: str  # A sentence
 
 

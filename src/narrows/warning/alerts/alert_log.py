@@ -34,9 +34,9 @@ class ChangedLog(InputError):
 
 
 class LogRow(NamedTuple):
-    number: int  # From 1 on
+    number: int  # Number of the entry, from 1 on
     written: float  # Since 1970 [s]
-    kind: str  # What it tells of: ``alert``, ``command``, ``status``
+    kind: str  # Kind: ``alert``, ``command``, ``status``
     content: str  # JSON
     hash: str  # SHA-256 of the hash before it and of all else
 
@@ -146,7 +146,7 @@ def _opened(path: Path) -> sqlite3.Connection:
         connection.execute("PRAGMA synchronous = FULL")
         connection.execute(TABLE)
     except sqlite3.Error:
-        connection.close()  # From Python 3.13 on one that is dropped open is warned of.
+        connection.close()  # Python 3.13 warns of a connection that is dropped open.
         raise
     return connection
 

@@ -29,11 +29,11 @@ from narrows.warning.settings import HEARTBEAT
 TALKER, MAKER = "II", "NRW"
 # Letters of the second sentence of an alert.
 LONGEST_TEXT = 40
-# Of a list, a sentence.
+# Entries of a list in one sentence.
 ENTRIES = 3
 RESERVED = re.compile(r"[\r\n$*,!\\^~]|[^\x20-\x7d]")
 
-# Of states. Makers' manuals contradict each other, so that they can be others.
+# Letters of states. Makers' manuals contradict each other, so they can be changed.
 LETTERS: Mapping[AlertState, str] = {
     AlertState.NORMAL: "N", AlertState.UNACKNOWLEDGED: "V", AlertState.SILENCED: "S", AlertState.ACKNOWLEDGED: "A",
     AlertState.RECTIFIED: "U", AlertState.TRANSFERRED: "O",
@@ -43,14 +43,14 @@ ACN = re.compile(rb"^\$[A-Z]{2}ACN,[^,]*,([A-Z]{0,3}),(\d{1,7}),(\d{1,6}),([AQOS
 
 
 class AlertCommand(NamedTuple):
-    identifier: int  # Which alert
-    instance: int  # Which alert
+    identifier: int  # Number of the alert
+    instance: int  # Instance of the alert
     command: Command  # What
 
 
 def alf(alert: Alert, since_1970: float, number: int, letters: Mapping[AlertState, str] = LETTERS) -> list[str]:
     name, text = SITUATIONS[alert.identifier].name, alert.text[:LONGEST_TEXT]
-    # What is not normal has a priority; what became normal tells the one that it had.
+    # An alert that is not normal has a priority; one that became normal keeps its last one.
     about = f"{_clock(since_1970)},{alert.category},{alert.priority.letter},{letters[alert.state]}"
     which = f"{MAKER},{alert.identifier},{alert.instance},{alert.revision},{alert.repeats}"
     return [
@@ -99,7 +99,7 @@ def _clock(since_1970: float) -> str:
 
 
 def _escaped(text: str) -> str:
-    """What a field cannot hold, as a circumflex and two digits."""
+    """Return a reserved character as a circumflex and two digits."""
     return RESERVED.sub(lambda match: "".join(f"^{byte:02X}" for byte in match[0].encode("latin-1", "replace")), text)
 
 

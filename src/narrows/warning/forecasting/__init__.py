@@ -1,1 +1,1 @@
-"""What a ship will do beside the banks: as the rudder is, with a pilot who takes over, and hard over either way."""
+"""Forecast a ship's motion near banks: with the rudder as it is, a pilot who takes over, and hard over either way."""

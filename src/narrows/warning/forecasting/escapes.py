@@ -19,11 +19,11 @@ REVOLUTIONS = "revolutions"
 
 
 class Manoeuvre(NamedTuple):
-    words: str  # What to do after the first order
+    words: str  # Order after the first one
     kick: float = 1.0  # Revolutions over those of now [1]
 
 
-# Of 37 manoeuvres (angles back to the line, gains, counter rudder alone) the best of each case saves less than half a
+# The best of 37 manoeuvres (angles back to the line, gains, counter rudder alone) in each case saves less than half a
 # percent of the contacts more than the first one here: decisions/warning_scores.py.
 STEADY = Manoeuvre("then steady parallel to the bank")
 KICK = Manoeuvre("kick ahead, then steady parallel to the bank", ENGINE_KICK)
@@ -38,7 +38,7 @@ class LineOfSight(Described):
     Fossen (2011), Handbook of Marine Craft Hydrodynamics and Motion Control, for guidance by line of sight.
     """
 
-    driven: bool = False  # Whether it orders revolutions too
+    driven: bool = False  # True where it also orders revolutions
 
     def parameters(self) -> Mapping[str, Any]:
         """Return its numbers as they are before they are loaded: all of them differ from lane to lane."""

@@ -1,4 +1,4 @@
-"""What is forecast: contact if nobody acts, the last chance to act, the manoeuvre to do now and what it leaves."""
+"""The forecast: contact if nobody acts, the last chance to act, the best manoeuvre now and its remaining risk."""
 
 import math
 from dataclasses import dataclass
@@ -32,9 +32,9 @@ class LikelyRun:
 class Escape:
     """The manoeuvre that keeps the most samples clear."""
 
-    then: str  # What to do after the first order
+    then: str  # Order after the first one
     order: float  # First order of the rudder [rad]
-    limit: float  # Of the gear [rad]
+    limit: float  # Limit of the gear [rad]
     clearance: float  # Least water beside the hull of the most likely ship [m]
 
     def words(self) -> str:
@@ -45,34 +45,34 @@ class Escape:
 
 
 class Tracks(NamedTuple):
-    """Where a ship may go, each pose along the waterway and off its line [m] and the heading to it [rad]."""
+    """Forecast tracks of a ship: each pose along the waterway and off its line [m], and the heading to it [rad]."""
 
-    times: np.ndarray  # (times,) From now on [s]
+    times: np.ndarray  # (times,) Times from now on [s]
     fan: np.ndarray  # (samples, some of the times, 3) The rudder as it is; after contact a sample stays
-    as_is: np.ndarray  # (times, 3) Of the most likely ship
-    escape: np.ndarray  # (times, 3) Of the same by the escape
+    as_is: np.ndarray  # (times, 3) Track of the most likely ship
+    escape: np.ndarray  # (times, 3) Track of the same ship with the escape
 
 
 @dataclass(frozen=True, repr=False)
 class BankForecast(Described):
     t: float  # When it was made [s]
     likely: LikelyRun  # The most likely run
-    last_chance: float  # Of the 95 % ship: infinite beyond what is tried, negative where it is gone [s]
+    last_chance: float  # Last chance of the 95 % ship: infinite beyond the horizon, negative where it has passed [s]
     failing: float  # Share of samples that meet a bank in spite of the best escape now [1]
     nobody: float  # Chance that a bank is met because nobody acts in time [1]
     unattended: float  # Chance that nobody is at the helm [1]
     soon: float  # Chance of contact within a minute, the rudder as it is [1]
     as_is: float  # The same within the horizon [1]
-    escape: Escape  # What to do now
+    escape: Escape  # Best manoeuvre now
     curved: float  # [s] to contact on a track curved by the yaw rate; infinite beyond the horizon
     rudder: float  # Now [rad]
     rudder_needed: float  # [rad] of the steady course here, by the estimated bank; infinite without one
-    rudder_limit: float  # Of the gear [rad]
-    tracks: Tracks | None = None  # To be drawn
+    rudder_limit: float  # Limit of the gear [rad]
+    tracks: Tracks | None = None  # Tracks for the page
 
     @property
     def gone(self) -> bool:
-        """Whether the last chance of the 95 % ship is gone."""
+        """Whether the last chance of the 95 % ship has passed."""
         return self.last_chance < 0.0
 
     @property
@@ -87,7 +87,7 @@ class BankForecast(Described):
 
     @property
     def side(self) -> str:
-        """To which the danger is; empty where there is none."""
+        """Side of the danger; empty where there is none."""
         return self.likely.side
 
     @property
@@ -116,7 +116,7 @@ class BankForecast(Described):
         )
 
     def words(self) -> str:
-        """Say what there is to be alerted of, in few words, the number first."""
+        """Text of the alert, in few words, the number first."""
         run = self.likely
         if not math.isfinite(self.last_chance):
             return f"No contact within {HORIZON:.0f} s, rudder as it is"

@@ -32,14 +32,14 @@ AFTER, ESCAPE_TIME = settings.HORIZON, settings.ESCAPE_TIME
 TAKEOVERS, CHANCES = np.array(settings.TAKEOVERS), np.array(settings.LIKELY_TAKEOVERS)
 # Times of the tracks that are drawn [s].
 TIMES = np.arange(5.0, AFTER + 1.0, 5.0)
-FAN_EVERY, FAN_MEMBERS = 2, 32  # Of these times, and samples, for the fan
+FAN_EVERY, FAN_MEMBERS = 2, 32  # Every second time, and the samples, of the fan
 UNCONTROLLED = (Case(AFTER), Case(AFTER, 0.0))
-# Of them: the rudder as it is; the helmsman steers as in the last minutes.
+# The first: the rudder as it is; the second: the helmsman steers as in the last minutes.
 AS_IS, HELMSMAN = 0, 1
 
 
 class Samples(NamedTuple):
-    states: np.ndarray  # (ships, states) Of the estimate
+    states: np.ndarray  # (ships, states) Mean of the estimate
     coefficients: np.ndarray  # (ships, coefficients) In the order of the model's table
 
 
@@ -183,14 +183,14 @@ class Forecaster:
 
 
 class JudgedFutures(NamedTuple):
-    """What becomes of ships abreast, (ships,...)."""
+    """Forecast outcomes of many ships, (ships,...)."""
 
-    contact: np.ndarray  # Of the most likely one as the rudder is; infinite where there is none [s]
-    side: np.ndarray  # Of that: negative to port
+    contact: np.ndarray  # Contact of the most likely ship, the rudder as it is; infinite where there is none [s]
+    side: np.ndarray  # Side of that contact: negative to port
     likely_chance: np.ndarray  # Its last chance; infinite beyond what is tried, negative where it is gone [s]
-    last_chance: np.ndarray  # Of the 95 % ship [s]
+    last_chance: np.ndarray  # Last chance of the 95 % ship [s]
     failing: np.ndarray  # (ships, manoeuvres, takeovers) Share of samples that meet a bank all the same [1]
-    best: np.ndarray  # Which manoeuvre
+    best: np.ndarray  # Index of the best manoeuvre
     nobody: np.ndarray  # Chance that nobody acts in time [1]
     soon: np.ndarray  # Chance of contact within a minute, the rudder as it is [1]
     as_is: np.ndarray  # The same within the horizon [1]
@@ -239,9 +239,9 @@ class Members:
 
     # The standard normal numbers stay the same: from one forecast to the next only the posterior changes.
 
-    filter: ShipFilter  # Of the estimator
-    count: int  # How many, an even number: half of them mirror the other half about the mean
-    seed: int  # Of the numbers
+    filter: ShipFilter  # Filter of the estimator
+    count: int  # Number of samples, even: half of them mirror the other half about the mean
+    seed: int  # Seed of the samples
 
     @cached_property
     def _normals(self) -> np.ndarray:
@@ -297,8 +297,8 @@ class BridgePredictor(NamedTuple):
     """Predictions of a bridge without a model; the banks continue as beside the ship, bent as the line is there."""
 
     hull: Ship  # Length and beam
-    half_width: float  # Of the water [m]
-    y: np.ndarray  # (n,) To starboard of the middle [m]
+    half_width: float  # Half width of the water [m]
+    y: np.ndarray  # (n,) Offset to starboard of the middle [m]
     psi: np.ndarray  # (n,) Heading, to the line [rad]
     u: np.ndarray  # (n,) Surge and sway velocity [m/s]
     v: np.ndarray  # (n,) Surge and sway velocity [m/s]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 RUDDER = "rudder"
-# How a lane ends in a bank, or across the canal, which is on the way there.
+# Outcomes of a lane in a bank, or across the canal, which is on the way there.
 MEETS = (Code.GROUNDED, Code.DIVERGED, Code.OUTSIDE)
 NEVER = 1e9
 
@@ -26,14 +26,14 @@ NEVER = 1e9
 class Case(NamedTuple):
     """One future: the rudder as it is until a time, then a manoeuvre, or the helmsman's own steering."""
 
-    duration: float  # How long it is looked at [s]
+    duration: float  # Length of the forecast [s]
     since: float = NEVER  # When the rudder is taken over [s]
     manoeuvre: Manoeuvre | None = None  # None: the helmsman steers as in the last minutes
 
 
 class FutureBlock(NamedTuple):
     cases: Sequence[Case]  # Each of every ship
-    ships: int  # How many
+    ships: int  # Number of ships
 
     @property
     def lanes(self) -> int:

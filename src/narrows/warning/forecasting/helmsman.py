@@ -1,4 +1,4 @@
-"""How the rudder is being used: the helmsman's law, learned as the ship sails, and the chance that nobody steers.
+"""The helmsman's control law, identified as the ship sails, and the probability that nobody steers.
 
 The law is linear in offset, heading and yaw rate, with a delay; a Kalman filter for each of some delays learns its
 gains. The helm is attended or not: a hidden semi-Markov model of two states. A hand moves the rudder after log-normal
@@ -39,10 +39,10 @@ class Helmsmen:
     def __init__(self, count: int, length: float) -> None:
         self.count, self.length = count, length
         shape = count, len(HELM_DELAYS), 4
-        self.gains = np.broadcast_to(np.array(HELM_GAINS), shape).copy()  # Of 1, offset, heading, yaw rate
+        self.gains = np.broadcast_to(np.array(HELM_GAINS), shape).copy()  # Gains of 1, offset, heading, yaw rate
         self._walk = np.diag(np.array(HELM_GAINS_SIGMA) ** 2) / HELM_MEMORY
         self._covariance = np.broadcast_to(np.diag(np.array(HELM_GAINS_SIGMA) ** 2), (*shape, 4)).copy()
-        self._squares = np.full(shape[:2], (2 * LEAST_HELM_SCATTER) ** 2)  # Of what the rudder was off the law
+        self._squares = np.full(shape[:2], (2 * LEAST_HELM_SCATTER) ** 2)  # Squared deviations from the law
         self._past: deque[np.ndarray] = deque(maxlen=max(HELM_DELAYS) + 1)
         self.unattended = np.full(count, 0.02)  # Chance that nobody steers [1]
         self.off = np.zeros(count)  # The rudder from the law's [rad]
@@ -51,11 +51,11 @@ class Helmsmen:
         self._still_mean = np.full(count, math.log(ORDER_INTERVAL))
         self._still_variance = np.full(count, ORDER_INTERVAL_SPREAD**2)
         self._still = np.zeros(count)  # Since the rudder last moved [s]
-        self._held: np.ndarray | None = None  # Where it has been since then [rad]
+        self._held: np.ndarray | None = None  # Its angle since then [rad]
 
     @property
     def delay(self) -> np.ndarray:
-        """Time from what is seen to the rudder, (count,) [s]."""
+        """Reaction time of the helmsman, (count,) [s]."""
         return np.asarray(np.array(HELM_DELAYS)[self._best])
 
     @property

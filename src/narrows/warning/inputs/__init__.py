@@ -1,1 +1,1 @@
-"""What a monitor hears: sentences and Signal K from the network, a serial line or a recording, second by second."""
+"""Inputs of the monitor: sentences and Signal K from the network, a serial line or a recording, second by second."""

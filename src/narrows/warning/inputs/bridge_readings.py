@@ -1,4 +1,4 @@
-"""From what was told in a second to readings of the estimator: along the waterway, from its line, in SI."""
+"""Convert the messages of one second to readings of the estimator: along the waterway, from its line, in SI."""
 
 import math
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ Reading = float | tuple[float, float]
 
 class Messages(NamedTuple):
     t: float  # Until when [s]
-    readings: dict[str, Reading]  # Of the last second, by the names of sensors and actuators
+    readings: dict[str, Reading]  # Readings of the last second, by the names of sensors and actuators
     ages: dict[str, float]  # By what was ever told: how long ago [s]
     faults: dict[str, int]  # Messages that were left out so far
     draft: float | None  # As the ship reports it [m]
@@ -31,7 +31,7 @@ class Tick(NamedTuple):
     """All that was told until a time, since the one before."""
 
     t: float  # Until when [s]
-    entries: Sequence[Entry]  # What was told, in order
+    entries: Sequence[Entry]  # Messages, in order
     faults: dict[str, int]  # Messages that were left out so far, by what is wrong with them
     commands: Sequence[bytes] = ()  # Sentences by which the bridge answers alerts (ACN)
 
@@ -119,7 +119,7 @@ class BridgeReadings:
 
 
 class SelectedSource(NamedTuple):
-    rank: int  # Of what it is, the best 0
+    rank: int  # Rank of the source, the best 0
     source: str  # Who
     t: float  # When it was heard last [s]
 

@@ -44,15 +44,15 @@ class Piece(NamedTuple):
     sender: str = ""  # Host or device that it is from
 
 
-# What came. Raises OSError where the connection broke.
+# Bytes that arrived. Raises OSError where the connection broke.
 Read = Callable[[], Piece]
 
 
 @dataclass(frozen=True)
 class Connection:
     address: str  # As the user wrote it
-    whole: bool  # Whether each piece that is read ends its last line
-    signal_k: bool  # Whether it speaks Signal K, and not NMEA 0183
+    whole: bool  # True where each piece that is read ends its last line
+    signal_k: bool  # True for Signal K, False for NMEA 0183
     opened: Callable[[], AbstractContextManager[Read]]  # Opens it; what that gives reads
 
     def pieces(self, stop: Event, broken: Callable[[str], None]) -> Iterator[Piece]:
@@ -106,7 +106,7 @@ class Listening:
         return dict(+total)
 
     def _arrivals(self, now: float) -> list[Arrival]:
-        """What came: all that the ship told of itself, and of the others as much as there is time for."""
+        """Return the messages that arrived: all of the own ship, and those of others as far as time allows."""
         arrivals = self.inbox.own()
         while time.monotonic() < now + AIS_TIME_SHARE * PERIOD and (other := self.inbox.other()):
             arrivals.append(other)
@@ -243,7 +243,7 @@ class SignalK:
             self.faults["of Signal K that cannot be understood"] += 1
 
     def _is_old(self, stamp: Any, since_1970: float) -> bool:
-        """Whether a time is not of now; what has none is taken as it comes."""
+        """Return whether a message is out of date; one without a time is not."""
         if stamp is None:
             return False
         at = datetime.fromisoformat(stamp)
@@ -273,7 +273,7 @@ def _can_be(value: Any, largest: float) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= largest
 
 
-# Where sentences come from while a ship sails: UDP, TCP, serial lines, Signal K; each opened anew when it breaks.
+# Sources of sentences while a ship sails: UDP, TCP, serial lines, Signal K; each is reopened when it breaks.
 DATAGRAM = 65_535
 BAUD = 4800
 SCHEMES = "udp://:10110, tcp://192.168.1.20:10110, serial:///dev/ttyUSB0?baud=38400 or ws://192.168.1.20:3000"

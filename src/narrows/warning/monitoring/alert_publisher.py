@@ -117,7 +117,7 @@ class SignalKSender:
                 pause = min(2 * pause, settings.LONGEST_PAUSE)
 
     def _changes(self) -> Iterator[str]:
-        """What to send on a new connection: now, and whenever there is something new in it; nothing in between."""
+        """Return the messages for a new connection: one now, and one whenever something changes."""
         sent: list[Any] = []
         while not self._stop.is_set() or self._values() != sent:
             with self._changed:

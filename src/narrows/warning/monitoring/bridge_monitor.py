@@ -53,13 +53,13 @@ def bridge_sensors(antenna: tuple[float, float] = (0.0, 0.0)) -> list[Any]:
 @dataclass
 class BridgeMonitor:
     model: Model  # The ship at its own size, with the terms of a rudder
-    waterway: Waterway  # Where it sails, that knows where on earth it is
+    waterway: Waterway  # Waterway with its place on earth
     line: float = 0.0  # That a pilot who takes over brings it to, to starboard of the waterway's line [m]
-    antenna: tuple[float, float] = (0.0, 0.0)  # Of the position: forward and to starboard of midship [m]
-    thresholds: Thresholds = field(default_factory=Thresholds)  # From when on a forecast is urgent
-    members: int = 1000  # Of the ensemble
+    antenna: tuple[float, float] = (0.0, 0.0)  # Place of the antenna: forward and to starboard of midship [m]
+    thresholds: Thresholds = field(default_factory=Thresholds)  # Times from which a forecast is urgent
+    members: int = 1000  # Size of the ensemble
     publisher: AlertPublisher = field(default_factory=AlertPublisher)  # Logs and sends alerts
-    live: bool = True  # Whether a forecast that takes longer than a second is out of date
+    live: bool = True  # True where a forecast that takes longer than a second is out of date
 
     def __post_init__(self) -> None:
         self.bridge = BridgeReadings(self.waterway, self.model.configuration.ship.draft)
@@ -131,9 +131,9 @@ class BridgeMonitor:
         self.helmsman.update(now["y"], now["psi"], now["r"] - float(bend) * now["u"], now["u"], rudder)
 
     def _forecast(self, heard: Messages, estimate: Estimate) -> tuple[BankForecast | None, str]:
-        """What will happen, or why that cannot be told."""
+        """Return the forecast, or the reason why there is none."""
         if not estimate.ready:
-            return None, estimate.notes[-1] if estimate.notes else "Nothing is known of the ship yet."
+            return None, estimate.notes[-1] if estimate.notes else "No estimate of the ship yet."
         if self._health.blind(heard):
             return None, "Too little has been told for too long."
         if not 0.0 <= estimate["x"] <= self.waterway.line.length:
@@ -160,7 +160,7 @@ class BridgeMonitor:
             conditions[SHIP_OR_WATER] = self._beyond.held(
                 heard.t, other_draft_or_depth(self.model, self.waterway, estimate, heard)
             )
-        if forecast:  # What is not available is not clear: without a forecast the alert stays what it was.
+        if forecast:  # No forecast is not a clear forecast: the alert stays as it was.
             side = forecast.side
             for name, bank in BANKS.items():
                 level = self._levels[name].update(heard.t, forecast if name == side else None)
@@ -170,7 +170,7 @@ class BridgeMonitor:
 
 
 def extrapolations(model: Model, waterway: Waterway, estimate: Estimate) -> tuple[str, ...]:
-    """Say what of here and now the model's tests did not cover."""
+    """Return the conditions here and now that the model's tests did not cover."""
     ship, now = model.configuration.ship, estimate.values
     here = waterway.section(min(max(now["x"], 0.0), waterway.line.length))
     asked = {"speed": now["u"], "abs_y": abs(now["y"] - float(here.middle)), "abs_psi": abs(now["psi"])}
@@ -190,12 +190,12 @@ def other_draft_or_depth(model: Model, waterway: Waterway, estimate: Estimate, h
     return Condition(Priority.CAUTION, " ".join(said)) if said else CALM
 
 
-# Whether the sensors can be believed: silences, jumps that were refused, drifts.
-# What a forecast cannot do without for long.
+# Health of the sensors: silences, rejected jumps, drifts.
+# Readings that a forecast needs.
 NEEDED = ("position", "heading", "rudder")
 
 
-# What each sensor of the estimator measures.
+# Quantity that each sensor of the estimator measures.
 MEASURES = {
     "gnss": "position", "course": "speed over ground", "gyro": "heading", "rate_of_turn": "yaw rate",
     "log": "speed through the water", GROUND_LOG: "speed over ground",
@@ -226,7 +226,7 @@ class SensorHealth:
         return max(self._needed(heard).values()) > settings.BLIND_AFTER
 
     def _needed(self, heard: Messages) -> dict[str, float]:
-        """How long ago each that is needed was told; of what never was, since the watch began."""
+        """Return the age of each necessary reading [s]; since the watch began, where there was none."""
         self._began = heard.t if self._began is None else self._began
         return {what: heard.ages.get(what, heard.t - self._began) for what in NEEDED}
 

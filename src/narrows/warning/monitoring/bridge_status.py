@@ -1,4 +1,4 @@
-"""What a monitor knows at a time: the ship, what will happen, the alerts; and what it does not know."""
+"""Status of the monitor at a time: the ship, the forecast, the alerts, and missing inputs."""
 
 import math
 from collections.abc import Mapping
@@ -37,28 +37,28 @@ class Clearances(NamedTuple):
 @dataclass(frozen=True)
 class BridgeStatus:
     t: float  # When [s]
-    estimate: Estimate  # Of the ship
-    forecast: BankForecast | None  # What will happen; none where it cannot be told
+    estimate: Estimate  # Estimate of the ship
+    forecast: BankForecast | None  # Forecast; none where inputs are missing
     alerts: tuple[Alert, ...]  # That are not normal, the most urgent first
     changed: tuple[Alert, ...]  # That changed now
-    clearances: Clearances  # Of the hull to the banks [m]
+    clearances: Clearances  # Clearances of the hull to the banks [m]
     faults: dict[str, int]  # Messages that were left out so far, by what is wrong with them
     why: str = ""  # Why there is no forecast; empty where there is one
-    limits: tuple[str, ...] = ()  # What of here and now the model's tests did not cover: a standing note
+    limits: tuple[str, ...] = ()  # Conditions that the model's tests did not cover: a standing note
 
     @property
     def clearance(self) -> float:
-        """Of the hull to the nearer bank [m]."""
+        """Clearance of the hull to the nearer bank [m]."""
         return min(self.clearances.port, self.clearances.starboard)
 
     @property
     def level(self) -> Priority:
-        """Of the most urgent alert whose condition holds."""
+        """Level of the most urgent alert whose condition holds."""
         return max((alert.priority for alert in self.alerts if alert.state in HOLDS), default=Priority.NONE)
 
     @property
     def word(self) -> str:
-        """In a word: never ``clear`` without a forecast, while a last chance counts down, or in a near miss."""
+        """One word: never ``clear`` without a forecast, while a last chance counts down, or in a near miss."""
         if self.forecast is None:
             return NOT_AVAILABLE
         if self.level:

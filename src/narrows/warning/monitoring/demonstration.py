@@ -21,11 +21,11 @@ from narrows.waterway import Bank, Centreline
 from narrows.waterway.map_lines import unprojected
 from narrows.waterway.waterway import Waterway
 
-# Of ship, canal and water [m]; of the ship [m/s]; held to starboard of the middle [m]: as the tests were, scaled.
+# Length of the ship, width and depth of the canal [m]; speed [m/s]; offset held [m]: as the tests, scaled.
 LENGTH, WIDTH, DEPTH, SPEED, LINE = 230.0, 368.0, 16.2, 4.2, 30.0
-# Of the bend [m], where it begins, and between the points of the line.
+# Radius and start of the bend, and distance between the points of the line [m].
 RADIUS, BEND, STEP = 5000.0, 2500.0, 20.0
-# Of the transit [s]; when the rudder is put over to the wrong side and forgotten, and when the bank recedes.
+# Length of the transit; times of the rudder on the wrong side, and of the receding bank [s].
 DURATION, MISTAKE, UPSET = 330.0, (40.0, 120.0), (40.0, 120.0)
 # The rudder's angle then [deg], and the moment of the upset, in degrees of rudder.
 WRONG, MOMENT = 27.0, 3.0
@@ -38,8 +38,8 @@ class MistakenHelm:
     """A pilot, but for a while in which the rudder is put over to the wrong side and forgotten."""
 
     pilot: Autopilot  # Who steers
-    away: tuple[float, float]  # From when to when not [s]
-    angle: float  # Of the rudder then [rad]
+    away: tuple[float, float]  # Start and end of his absence [s]
+    angle: float  # Angle of the rudder then [rad]
 
     def begin(self) -> Order:
         def order(t: float, state: VoyageState) -> float:
@@ -53,10 +53,10 @@ class MistakenHelm:
 
 @dataclass(frozen=True)
 class SimulatedBridge:
-    voyage: Voyage  # Of steps of a second, along a waterway
-    waterway: Waterway  # Along which, that knows where on earth it is
-    began: float  # Since 1970 [s]
-    seed: int = 0  # Of the sensors' noise
+    voyage: Voyage  # Voyage in steps of a second, along a waterway
+    waterway: Waterway  # Waterway with its place on earth
+    began: float  # Start, since 1970 [s]
+    seed: int = 0  # Seed of the sensors' noise
 
     def seconds(self) -> Iterator[tuple[float, list[str]]]:
         random, voyage = np.random.default_rng(self.seed), self.voyage
@@ -109,7 +109,7 @@ def demonstrated_canal() -> Waterway:
 
 
 def _moment(model: Model) -> float:
-    """Of the upset [N m], by the moment of the rudder."""
+    """Return the moment of the upset [N m], by the moment of the rudder."""
     from narrows.control.linearization import linearize
 
     linear = linearize(model, y=0.0, u=SPEED)

@@ -33,7 +33,7 @@ class AlertText:
 @dataclass(frozen=True, repr=False, eq=False)
 class WatchedTransit(Shown):
     ship: Ship  # Its hull
-    waterway: Waterway  # Where it was
+    waterway: Waterway  # Waterway of the transit
     # (seconds,) By ``COLUMNS``, in SI; NaN where it was not known: t since the watch began; contact of the most likely
     # run and last chance of the 95 % ship, infinite where there is none, 0 where it is gone
     columns: dict[str, np.ndarray]

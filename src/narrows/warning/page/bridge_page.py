@@ -110,7 +110,7 @@ Take = Callable[[str, Client], None]
 
 
 class Stream(NamedTuple):
-    path: str  # Where it is
+    path: str  # Path of the page
     clients: Clients  # Who are told
     take: Take  # Takes what they say
 
@@ -247,10 +247,10 @@ Answer = Callable[[str], None]
 
 
 class PageRequest(NamedTuple):
-    command: str  # Of ``COMMANDS``
-    identifier: int  # Of the alert, as it was seen
-    instance: int  # Of the alert, as it was seen
-    revision: int  # Of the alert, as it was seen
+    command: str  # One of ``COMMANDS``
+    identifier: int  # Number of the alert as displayed
+    instance: int  # Instance of the alert as displayed
+    revision: int  # Revision of the alert as displayed
 
 
 def request_of(text: str) -> PageRequest | None:
@@ -323,7 +323,7 @@ NO_ORIGIN = "A page of another server asks; open the monitor's own page."
 
 
 def _is_here(host: str) -> bool:
-    """Whether a host is a number or a name of this machine: a name of others may lead here without our knowledge."""
+    """Return whether a host is a number or a name of this machine: other names may be redirected here."""
     try:
         name = (urlsplit(f"//{host}").hostname or "").rstrip(".")
     except ValueError:

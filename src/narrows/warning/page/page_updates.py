@@ -13,7 +13,7 @@ from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_status import BridgeStatus, told
 from narrows.waterway.waterway import Waterway
 
-# What can be asked for on the page, as its messages say it.
+# Commands of the page, by the word in its messages.
 COMMANDS = {"acknowledge": Command.ACKNOWLEDGE, "silence": Command.SILENCE}
 
 
@@ -42,11 +42,11 @@ def packed(message: Mapping[str, Any]) -> str:
     return json.dumps(plain(message), separators=(",", ":"), allow_nan=False)
 
 
-# What the page draws: the ship, the banks about it, and where it may go, in metres east and north.
-# Of the ship, how much of the banks is drawn; and how far apart their points are [m].
+# The page draws the ship, the banks about it, and its forecast tracks, in metres east and north.
+# Length of bank drawn astern and ahead of the ship, and distance between points [m].
 ASTERN, AHEAD, EVERY = 800.0, 2400.0, 20.0
 SIDES = (-1, 1)
-# Of north, east [m] and heading [rad]: what is told of a place, and of a ship.
+# Columns of (north, east [m], heading [rad]) for a point, and for a pose.
 POINT, POSE = slice(2), slice(3)
 
 
@@ -107,5 +107,5 @@ def _fan(drawn: Mapping[str, np.ndarray], tracks: Tracks) -> dict[str, Any]:
 
 
 def _told(line: np.ndarray, part: slice) -> list[list[float]]:
-    """To a decimetre, and to a ten-thousandth of a radian."""
+    """Round to a decimetre and to a ten-thousandth of a radian."""
     return (np.round(line * [10.0, 10.0, 1e4]) / [10.0, 10.0, 1e4])[:, part].tolist()  # type: ignore[no-any-return]
