@@ -3,8 +3,9 @@
     python decisions/trust_campaign.py [--write] [--twins 10]
 
 Each row is of so many twins and of the coefficient that is misled most often: the share in which it is identified
-while its interval misses the truth, and the share in which this happens and no limit of it names the error with a size
-below the one that was put in. Twins of errors that go with y have no bank, on runs of the package's own plan.
+while its interval misses the truth, and the share in which this happens and its limits, or the tipping points of a bank
+that is not there, do not name the error with a size below the one that was put in. Twins of errors that go with y have
+no bank, on runs of the package's own plan.
 """
 
 import sys
@@ -20,7 +21,7 @@ import narrows as nw
 
 TWINS, FIRST, REACH, RUDDER = 10, 7000, 1.3, 0.75  # [m] where an error has its size; [N] per degree at 1 m/s
 MAIN = ("b_vdot", "b_v", "b_r", "c_rdot", "c_v", "c_r")
-HEADER = ("error, runs", "size", "identified and missed", "and not named by a limit")
+HEADER = ("error, runs", "size", "identified and missed", "and not named")
 Law = Callable[[Columns], Columns]
 Record = dict[str, np.ndarray]
 Spoil = Callable[[np.random.Generator, int, Record], Record]
@@ -112,18 +113,17 @@ def row(
             low, high = fit.intervals[one]
             if fit.verdicts[one].status == "identified" and not low <= truth[one] <= high:
                 missed[i] += 1 / twins
-                silent[i] += (not warned(fit, one, name, size)) / twins
+                silent[i] += (not warned(fit, one, name, size, truth[one])) / twins
     place = f"a plan of {count}" if count else "15 runs"
     word = (error.__doc__ or "").strip().rstrip(".")
     return (f"`{error.__name__}`: {word}, {place}", f"{size:g}", f"{missed.max():.0%}", f"{silent.max():.0%}")
 
 
-def warned(fit: nw.Fit, coefficient: str, name: str, size: float) -> bool:
-    """Whether the limits of a coefficient name the error, with a size below the one that was put in."""
+def warned(fit: nw.Fit, coefficient: str, name: str, size: float, truth: float) -> bool:
+    """Whether limits or tipping points of a coefficient name the error, with a size below the one that was put in."""
     scale = float(fit.motions.reach.max()) / REACH if "with y" in name else 1.0
-    return any(
-        effect.name.startswith(name) and told < size * scale for effect, told in fit.estimates.limits[coefficient]
-    )
+    told = (fit.estimates.limits if truth else fit.estimates.tipping)[coefficient]
+    return any(effect.name.startswith(name) and least < size * scale for effect, least in told)
 
 
 def text(twins: int = TWINS) -> str:

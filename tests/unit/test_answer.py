@@ -52,7 +52,7 @@ def test_runs_that_part_the_bank_are_not_asked_for_again(settled: nw.Fit, dtc: n
     answer = answer_of(settled)
     assert answer.settled
     assert answer.sentences[1].startswith("The tests identify the bank: b_bank 1.")
-    assert answer.details[0].startswith("b_bank would leave its interval with ")
+    assert answer.details[0].startswith("b_bank is off by a standard error with ")
     assert missing_runs(settled) == []
     assert settled.model.trust_note == ""
     low, high = settled.intervals["b_bank"]

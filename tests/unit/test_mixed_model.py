@@ -12,12 +12,12 @@ import narrows as nw
 from narrows.captive.tests import CaptiveTests
 from narrows.identification.mixed_model import BlockErrors, Conditional, MixedModel
 from narrows.identification.motions import numbered
-from narrows.identification.scale_integration import integrate
+from narrows.identification.scale_integration import ScaleMixture, integrate
 from narrows.identification.threads import one_thread
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "decisions"))
 from trust_kinds import honest, zero_of_a_day
-from trust_tank import DOZEN, NONE, Tank, law, measured, straight
+from trust_tank import BANK, DOZEN, FULL, HULL, NONE, Tank, law, measured, straight
 
 # Yield of dyestuff by batch, Davies and Goldsmith (1972), as in lme4's data set Dyestuff.
 DYESTUFF = np.array(
@@ -140,24 +140,34 @@ def test_the_last_bits_of_the_data_do_not_move_estimates() -> None:
         assert other.std[name] == pytest.approx(std, rel=1e-3, nan_ok=True)
 
 
-def test_a_shift_is_the_bias_that_the_effect_makes(fit: nw.Fit, model: MixedModel) -> None:
-    """An effect of one added to the forces moves the estimates, at given scales, by what its shift says."""
+def test_a_shift_is_what_an_effect_of_known_size_takes_from_the_estimates(fit: nw.Fit, model: MixedModel) -> None:
+    """At given scales: forces less the effect of one, and no column for it."""
     at = np.full(len(model.prior), -0.5)
     names = [effect.name for effect in fit.estimates.forces[-1].effects]
-    i = names.index("heading that goes with y")
-    moved = MixedModel(
-        model.x,
-        model.y + model.x[:, model.fixed + i],
-        model.fixed,
-        model.group,
-        model.errors,
-        model.prior,
-        model.freedom,
-    )
-    found = (moved.at(at).mean - model.at(at).mean)[: model.fixed]
-    covariance, scale = model.at(at).covariance, model.scales(at)[model.group]
-    expected = -covariance[: model.fixed, model.fixed + i] / scale[i] ** 2
-    np.testing.assert_allclose(found, expected, rtol=1e-4, atol=1e-8)
+    for name in ("heading that goes with y", "delay between clocks"):
+        i = names.index(name)
+        column = model.x[:, model.fixed + i]
+        x, group = np.delete(model.x, model.fixed + i, axis=1), np.delete(model.group, i)
+        absent, present = (replace(model, x=x, group=group, y=model.y - size * column, taken=None) for size in (0, 1))
+        expected = (present.at(at).mean - absent.at(at).mean)[: model.fixed]
+        part = ScaleMixture(replace(model, taken=None), at, at[None], np.ones(1), [model.at(at)])
+        np.testing.assert_allclose(part.shifts[:, i], expected, rtol=1e-4, atol=1e-6 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_delay_that_misleads_is_named_with_a_smaller_size(seed: int) -> None:
+    """Forces 0.15 s late: every coefficient that is identified and missed has a delay below that among its limits."""
+
+    def late(_: np.random.Generator, __: int, q: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+        return {**q, **{f: np.interp(q["t"] - 0.15, q["t"], q[f]) for f in "XYN"}}
+
+    found = nw.identify(measured(np.random.default_rng(7001 + seed), FULL, law(), Tank(gain=0.01, spoil=late)))
+    truth = {**HULL, **BANK}
+    for name in ("b_vdot", "b_v", "c_rdot"):
+        low, high = found.intervals[name]
+        limits = {effect.name: size for effect, size in found.estimates.limits[name]}
+        missed = found.verdicts[name].status == "identified" and not low <= truth[name] <= high
+        assert not missed or limits["delay between clocks"] < 0.15
 
 
 def reordered(tests: CaptiveTests, order: np.ndarray, names: tuple[str, ...] = ()) -> CaptiveTests:

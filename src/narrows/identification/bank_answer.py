@@ -87,10 +87,10 @@ class Answer:
         return "; ".join([f"{first}: {_values(self.preferred)}", *filter(None, more)]) + "."
 
     def _limits(self) -> str:
-        """Which error of a campaign would put each coefficient of the bank outside its interval."""
+        """Which errors of a campaign are as large as the standard error of each coefficient of the bank."""
         limits = {name: self.fit.verdicts[name].limits[:2] for name in bank_names(self.fit)}
-        parts = [f"{name} would leave its interval with {' or '.join(most)}" for name, most in limits.items() if most]
-        told = "; ".join(parts) or "No usual error of a campaign puts the bank's coefficients outside their intervals"
+        parts = [f"{name} is off by a standard error with {' or '.join(most)}" for name, most in limits.items() if most]
+        told = "; ".join(parts) or "No usual error of a campaign moves the bank's coefficients by a standard error"
         return f"{told}. No test shows a gain that all runs share."
 
     def _apart(self) -> list[str]:

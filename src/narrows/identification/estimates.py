@@ -73,9 +73,8 @@ class CoefficientEstimates:
 
     @cached_property
     def limits(self) -> dict[str, list[tuple[Effect, float]]]:
-        """Size of each shared error that moves a coefficient by its half width, the least unusual first."""
-        half = 0.5 * np.diff(self.ends, axis=1)[:, 0]
-        return self._sizes(np.where(half > 0, half, np.inf))
+        """Size of each shared error that moves a coefficient by its standard error, the least unusual first."""
+        return self._sizes(np.where(self.std > 0, self.std, np.inf))
 
     def _sizes(self, distance: np.ndarray) -> dict[str, list[tuple[Effect, float]]]:
         """Size of each shared error that moves each coefficient by a distance (n,)."""
@@ -86,7 +85,11 @@ class CoefficientEstimates:
                 slot = self.problem.slot[name]
                 if slot in part.slots and np.isfinite(distance[i]):
                     needed = distance[i] / np.maximum(shifts[part.slots.index(slot)], 1e-300)
-                    sizes = [(e, float(n * e.usual)) for e, n in zip(part.effects, needed, strict=True) if e.told]
+                    sizes = [
+                        (e, min(float(n * e.usual), e.linear))
+                        for e, n in zip(part.effects, needed, strict=True)
+                        if e.told
+                    ]
                     result[name] = sorted(
                         ((e, size) for e, size in sizes if size < e.most), key=lambda one: one[1] / one[0].usual
                     )

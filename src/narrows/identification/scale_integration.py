@@ -202,10 +202,11 @@ class ScaleMixture:
 
     @cached_property
     def shifts(self) -> np.ndarray:
-        """Bias of each coefficient by an effect of one that is there, (p, q)."""
+        """Change of each coefficient for a change of an effect by one, the effect being given: (p, q)."""
+        # Regression of coefficients on effects, so that data which contradict an effect of that size do not weaken it:
+        # it may be there and have been taken for others.
         p = self.model.fixed
         shift = np.zeros((p, len(self.model.group)))
-        for weight, draw, part in zip(self.weights, self.points, self.parts, strict=True):
-            scale = self.model.scales(draw)
-            shift -= weight * (self._combined @ part.covariance[:, p:]) / scale[self.model.group] ** 2
+        for weight, part in zip(self.weights, self.parts, strict=True):
+            shift += weight * (self._combined @ part.covariance[:, p:]) / np.diag(part.covariance)[p:]
         return shift

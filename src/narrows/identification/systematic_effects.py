@@ -49,8 +49,13 @@ RUDDER = 0.5 / 48 * 2.45 * 1.3 * DEGREE
 TYPICAL = 1.5
 # Singular value of columns of unit size, over the largest, below which they are one column.
 COLLINEAR = 1e-3
-# Sizes that no laboratory overlooks, by unit; of a force or a zero, the share of the force's level.
-MOST, MOST_FORCE = {"%": 50.0, "m": 0.3, "s": 3.0, "deg": 5.0, "cm/s": 10.0}, 0.3
+# Sizes that no laboratory overlooks, by unit; a force or a zero may be all of the measured force.
+MOST = {"%": 50.0, "m": 0.3, "s": 3.0, "deg": 5.0, "cm/s": 10.0}
+# Change of a force, over its level, beyond which late or turned forces no longer follow in proportion: on twins,
+# coefficients that the linear response leaves alone are then off (decisions/trust_campaign.py).
+LINEAR = 0.04
+CLOCKS, MOUNT = "delay between clocks", "compliance of the mount"
+BENT = (CLOCKS, MOUNT)
 
 
 @dataclass(frozen=True)
@@ -62,6 +67,7 @@ class Effect:
     usual: float  # size in that unit
     group: str
     most: float = np.inf  # size that no laboratory overlooks
+    linear: float = np.inf  # size up to which forces follow it in proportion
 
     @property
     def learned(self) -> bool:
@@ -92,15 +98,20 @@ class Effects:
             self._motion()
             self._gauges()
 
-    def add(
-        self, name: str, column: np.ndarray, usual: float, group: str, unit: str = "", most: float | None = None
-    ) -> None:
+    def add(self, name: str, column: np.ndarray, usual: float, group: str, unit: str = "") -> None:
         """Add an effect by the column of one unit of it; one without force is left out."""
-        most = MOST.get(unit.split(" ")[0], np.inf) if most is None else most
         usual *= self.share.get(group.split(" by ")[0], self.campaign)
         if usual > 0 and np.abs(column).max(initial=0.0) > 0:
-            self.effects.append(Effect(name, unit, usual, group, most))
+            whole = 1 / self._share(column)
+            most, linear = MOST.get(unit.split(" ")[0], whole), LINEAR * whole if name in BENT else np.inf
+            self.effects.append(Effect(name, unit, usual, group, most, linear))
             self.columns.append(column * usual)
+
+    def _share(self, column: np.ndarray) -> float:
+        """Largest root mean square of a column over the level of its force."""
+        rows = self.rows
+        parts = zip(column.reshape(rows.count, -1), rows.blocks.level, strict=True)
+        return float(max(rows.rms(part) / level for part, level in parts))
 
     def _hull(self) -> None:
         """Hull terms that change with speed, period and depth, in straight runs, or are of another form."""
@@ -181,11 +192,10 @@ class Effects:
         for f in self._lateral():
             force = rows.blocks.forces[f]
             unit = f"{'N m' if force == 'N' else 'N'} {place}"
+            usual = SIZES["force with y"] * rows.blocks.level[f]
             for name, (words, scale) in powers.items():
                 column = rows.of(f, rows.raw(f"column {name}") / (scale * rows.reach))
-                level = rows.blocks.level[f]
-                usual = SIZES["force with y"] * level
-                self.add(f"{words} in {force}", column, usual, WITH_OFFSET, unit, MOST_FORCE * level)
+                self.add(f"{words} in {force}", column, usual, WITH_OFFSET, unit)
         turned = (rows.shift("heading with y") + self._unexcited_sway(rows.raw("column y u2"))) / rows.reach
         self.add("heading that goes with y", turned * DEGREE, SIZES["heading with y"], WITH_OFFSET, f"deg {place}")
         across = turned / rows.all(rows.speed) * 0.01
@@ -222,10 +232,10 @@ class Effects:
         self.add("heading of straight runs by side", turned * side, SIZES["heading"] / 2, CAMPAIGN, "deg")
         self.add("offset of the rail", moved, SIZES["rail"], CAMPAIGN, "m")
         self.add("offset of straight runs by side", moved * side, SIZES["straight offset"], TYPES, "m")
-        self.add("delay between clocks", rows.rate(), SIZES["clock"], CLOCK, "s")
+        self.add(CLOCKS, rows.rate(), SIZES["clock"], CLOCK, "s")
         if "N" in rows.names:
             given = (rows.shift("mount") + self._unexcited_sway(rows.raw("N") * rows.speed**2)) * DEGREE / 20
-            self.add("compliance of the mount", given, SIZES["mount"], FIXED, "deg per 20 N m")
+            self.add(MOUNT, given, SIZES["mount"], FIXED, "deg per 20 N m")
 
     def _gauges(self) -> None:
         """Errors of the gauges that all runs share, and a side force of the hull."""
@@ -233,13 +243,11 @@ class Effects:
         fitted, early = rows.fitted(rows.blocks.columns), rows.fitted(rows.blocks.early)
         for f, (force, level) in enumerate(zip(rows.blocks.forces, rows.blocks.level, strict=True)):
             one, unit = rows.of(f, rows.raw(ONE)), "N m" if force == "N" else "N"
-            most = MOST_FORCE * level
-            self.add(f"zero of {force}", one, SIZES["common zero"] * level, CAMPAIGN, unit, most)
+            self.add(f"zero of {force}", one, SIZES["common zero"] * level, CAMPAIGN, unit)
             if rows.mixed:
                 still = rows.all(rows.steady)
-                straight = one * still
                 usual = SIZES["straight zero"] * level
-                self.add(f"zero of {force} in straight runs", straight, usual, STRAIGHT, unit, most)
+                self.add(f"zero of {force} in straight runs", one * still, usual, STRAIGHT, unit)
                 gain = rows.of(f, fitted[f]) * still / 100
                 self.add(f"gain of {force} in straight runs", gain, 100 * SIZES["type of run"], TYPES, "%")
             self.add(f"settling of {force}", rows.of(f, early[f]), SIZES["settling"], SETTLING)

@@ -38,7 +38,7 @@ class Verdict:
     tipping : tuple of str
         Errors of a campaign that would bring the interval to 0, the least unusual first, each with its size.
     limits : tuple of str
-        Errors of a campaign that would move the estimate by more than the half width of its interval.
+        Errors of a campaign that move the estimate by its standard error, or are too large to be sure that they do not.
     """
 
     status: str
@@ -60,7 +60,7 @@ class Verdict:
 
     def sentence(self, name: str) -> str:
         """Say it of a coefficient."""
-        limited = (f"off by more with {' or '.join(self.limits)}",) * bool(self.limits)
+        limited = (f"off by a standard error with {' or '.join(self.limits)}",) * bool(self.limits)
         tipped = (f"overturned by {' or '.join(self.tipping)}",) * bool(self.tipping)
         clauses = "; ".join((*self.reasons, *limited, *tipped))
         return f"{name} is {self.words}" + (f": {clauses}." if clauses else ".")
