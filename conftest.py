@@ -19,6 +19,7 @@ from sybil.parsers.myst import CodeBlockParser, PythonCodeBlockParser
 import console
 
 UNMATCHED = pytest.StashKey[set[str]]()
+PAGES = pytest.StashKey[dict[Any, list[Example]]]()
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -45,15 +46,11 @@ in_large_frame.__code__ = in_large_frame.__code__.replace(co_stacksize=1 << 16)
 
 @pytest.hookimpl(trylast=True)
 def pytest_runtest_setup(item: pytest.Item) -> None:
-    """Run the blocks of a page that stand before this one, where another worker has run them."""
-    if not isinstance(item, SybilItem):
-        return
-    page, seen = item.example.document, item.example.namespace["_seen"]
-    for other in (own.example for own in item.session.items if isinstance(own, SybilItem)):
-        if other.document is page and other.start < item.example.start and other.start not in seen:
-            seen.add(other.start)
-            other.evaluate()
-    seen.add(item.example.start)
+    """Run the blocks of a page that stand before this one."""
+    if isinstance(item, SybilItem):
+        for example in item.config.stash[PAGES][item.example.document]:
+            if example.start < item.example.start:
+                example.evaluate()
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -63,15 +60,27 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out tests that only the whole suite has; console blocks start processes and are slow tests."""
+    """Leave out tests that only the whole suite has; pages with consoles start processes and are slow tests."""
     mark_whole(config, items)
     if not os.environ.get("NARROWS_WHOLE"):
         left_out = [item for item in items if item.get_closest_marker("whole")]
         config.hook.pytest_deselected(items=left_out)
         items[:] = [item for item in items if item not in set(left_out)]
-    for item in items:
-        if isinstance(item, SybilItem) and item.example.region.evaluator is run_console:
-            item.add_marker(pytest.mark.slow)
+    join_pages(config, items)
+
+
+def join_pages(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Make a page one test, its last block: on two workers its blocks would run twice. The longest pages begin."""
+    blocks = [item for item in items if isinstance(item, SybilItem)]
+    config.stash[PAGES] = {}
+    for block in blocks:
+        config.stash[PAGES].setdefault(block.example.document, []).append(block.example)
+    last = {block.example.document: block for block in blocks}
+    for page, block in last.items():
+        if any(example.region.evaluator is run_console for example in config.stash[PAGES][page]):
+            block.add_marker(pytest.mark.slow)
+    pages = sorted(last.values(), key=lambda block: -len(config.stash[PAGES][block.example.document]))
+    items[:] = [*pages, *(item for item in items if not isinstance(item, SybilItem))]
 
 
 def mark_whole(config: pytest.Config, items: list[pytest.Item]) -> None:
@@ -107,7 +116,6 @@ def unmatched_patterns(pytestconfig: pytest.Config) -> set[str]:
 def enter(namespace: dict[str, Any]) -> None:
     """Open a page in a folder of its own: what it writes is not written into the tree."""
     namespace["_folder"], namespace["_before"] = TemporaryDirectory(prefix="narrows-page-"), Path.cwd()
-    namespace["_seen"] = set()
     console.fill(Path(namespace["_folder"].name))
     os.chdir(namespace["_folder"].name)
 
