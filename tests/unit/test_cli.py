@@ -184,3 +184,8 @@ def test_the_installed_command(good: Path, ship_file: Path, tmp_path: Path) -> N
     done = run("identify", tmp_path / "no.csv", "--ship", ship_file)
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr == f"narrows: {tmp_path / 'no.csv'}: there is no such file; check the path\n"
+
+
+def test_the_package_is_a_command_too() -> None:
+    done = subprocess.run([sys.executable, "-m", "narrows", "ships", "--json"], capture_output=True, check=True)
+    assert json.loads(done.stdout)
