@@ -27,7 +27,7 @@ from narrows.captive.measured import measured_files
 from narrows.codegen.run import PreparedRun
 from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import KernelRun
-from narrows.simulation.sensitivities import TangentMarch
+from narrows.simulation.sensitivities import TangentIntegrator
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of
 from narrows.waterway import Bank, Centreline, Waterway
@@ -217,11 +217,11 @@ def tangents(kcs: nw.Model) -> None:
     cost: dict[str, list[float]] = {}
     for name, model, told in (("bank and rudder", kcs, {}), ("MMG", KVLCC2, {"revolutions": 10.0, "contact": "none"})):
         names = (*START, *model.terms.names, "Y", "N")[:DIRECTIONS]
-        march = TangentMarch.of(model, names, {**start, **told, "N": 1.0})
-        march.slopes(times)
+        integrator = TangentIntegrator.of(model, names, {**start, **told, "N": 1.0})
+        integrator.slopes(times)
         for _ in range(ROUNDS):
             begun = time.process_time_ns()
-            march.slopes(times)
+            integrator.slopes(times)
             cost.setdefault(f"{name}, {len(names)} directions", []).append(
                 (time.process_time_ns() - begun) / (len(times) - 1) / 1e3
             )

@@ -64,18 +64,18 @@ def peer(model: nw.Model, updates: int) -> float:
     """filterpy's filter of the same ten states."""
     from filterpy.kalman import MerweScaledSigmaPoints, UnscentedKalmanFilter
 
-    from narrows.simulation.departure import departure
+    from narrows.simulation.initial_state import initial_state
 
     made = Estimator(model, SENSORS, coefficients="certain").filter
     start = {"x": 0.0, "y": OFFSET, "psi": 0.0, "u": SPEED, "v": 0.0, "r": 0.0, "rudder": 0.0}
-    march = departure(made.ship, None, start, None, False)[0]
+    integrator = initial_state(made.ship, None, start, None, False)[0]
     seen = np.zeros((5, len(made.states)))
     for number, name in enumerate(("x", "y", "psi", "r", "u")):
         seen[number, made.states.places[name]] = 1.0
 
     def moved(state: np.ndarray, dt: float) -> np.ndarray:
         x, y, psi, u, v, r, *others = state.tolist()
-        ended = march.stepped((x, y, np.cos(psi), np.sin(psi), u, v, r), dt)[0]
+        ended = integrator.stepped((x, y, np.cos(psi), np.sin(psi), u, v, r), dt)[0]
         return np.array([*ended[:2], np.arctan2(ended[3], ended[2]), *ended[4:7], *others])
 
     size = len(made.states)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 import narrows as nw
-from narrows.simulation.controllers import Asked
+from narrows.simulation.controllers import ExternalOrder
 from narrows.simulation.grid import sampled
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import SimulatedShip
@@ -41,7 +41,7 @@ class Fleet:
         columns |= {"sin_psi": np.sin(psi), "t": 0.0}
         self.state = {name: np.full(self.count, column, float) for name, column in columns.items()}
         ship = SimulatedShip(self.model)
-        run = KernelRun(ship, DT, DT, steering=steering_of(Asked(), ship.actuators), waterway=self.waterway)
+        run = KernelRun(ship, DT, DT, steering=steering_of(ExternalOrder(), ship.actuators), waterway=self.waterway)
         each = np.zeros(self.count)
         values = {**self.state, **self.truths, "psi": each, "X": each, "Y": each, "N": each, "push_end": np.inf}
         self.sailing = run.prepared({**values, PARAMETER("order"): each}, self.count, 1)

@@ -14,7 +14,7 @@ from narrows.control.regulator_law import HeldLine, Regulator
 from narrows.estimation.states import ProcessNoise
 from narrows.identification.conditions import bundled_ship
 from narrows.ship.particulars import half_swept
-from narrows.simulation.controllers import Asked
+from narrows.simulation.controllers import ExternalOrder
 from narrows.simulation.grid import sampled
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import SimulatedShip
@@ -133,7 +133,7 @@ class Ships:
         self.random, self.count = np.random.default_rng(seed), len(self.t)
         self.contact, self.least = np.full(self.count, np.inf), np.full(self.count, np.inf)
         self.ship = ship = SimulatedShip(model, "held")
-        run = KernelRun(ship, DT, DT, steering=steering_of(Asked(), ship.actuators), waterway=waterway())
+        run = KernelRun(ship, DT, DT, steering=steering_of(ExternalOrder(), ship.actuators), waterway=waterway())
         values = {**self.state, **self.coefficients, "psi": 0.0, "push_end": np.inf, PARAMETER("order"): self.order}
         values |= dict.fromkeys("XYN", np.zeros(self.count))
         self._sailing = run.prepared(values, self.count, 1)

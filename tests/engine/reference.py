@@ -89,7 +89,7 @@ class Reference:
     @cached_property
     def steps(self) -> list[Step]:
         """The steps up to where no hull could go on, and last the end of them, of no length."""
-        return list(self._march())
+        return list(self._integrator())
 
     @cached_property
     def _turning(self) -> Callable[[int, State], float]:
@@ -112,7 +112,7 @@ class Reference:
     def _time(self, number: int) -> float:
         return min(number * self.dt, self.duration)
 
-    def _march(self) -> Iterator[Step]:
+    def _integrator(self) -> Iterator[Step]:
         """March over as many steps at once as have one rate of the rudder, more and more as long as it stays."""
         state = np.array([self.start.get(name, 1.0 if name == "u" else 0.0) for name in STATE])
         number, stretch, turning = 0, 1, self._turning(0, state)

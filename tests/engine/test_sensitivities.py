@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from narrows.codegen.free_motion import INPUTS as PUSHES
-from narrows.simulation.sensitivities import TangentMarch
+from narrows.simulation.sensitivities import TangentIntegrator
 
 PILOT = nw.Autopilot(0.3, (0.15, 1.2, 0.4, 2.0), 0.01, 0.005, -0.01)
 STATES = ("x", "y", "psi", "u", "v", "r")
@@ -110,22 +110,22 @@ def functions(table: np.ndarray, row: int) -> dict[str, Any]:
     }
 
 
-def by_dual_numbers(march: TangentMarch, times: np.ndarray) -> np.ndarray:
+def by_dual_numbers(tangent: TangentIntegrator, times: np.ndarray) -> np.ndarray:
     """The printed step and the printed constants, run on dual numbers: (kept, by) at the end."""
     from narrows.codegen.choices import ROW
 
-    table = march.march.channel.water.table
-    system = march._system
+    table = tangent.integrator.channel.water.table
+    system = tangent._system
     scope = system._plain(functions(table, ROW))
-    unit = {name: np.array([float(name == other) for other in march.by]) for name in march.by}
-    none = np.zeros(len(march.by))
-    asked = {name: march._ship_values.get(name) or 0.0 for name in (*scope.PARAMETERS, *scope.STEP_INPUTS)}
+    unit = {name: np.array([float(name == other) for other in tangent.by]) for name in tangent.by}
+    none = np.zeros(len(tangent.by))
+    asked = {name: tangent._ship_values.get(name) or 0.0 for name in (*scope.PARAMETERS, *scope.STEP_INPUTS)}
     values = {
-        name: Dual(float(value), unit.get(name, none)) for name, value in asked.items() if name in march._ship_values
+        name: Dual(float(value), unit.get(name, none)) for name, value in asked.items() if name in tangent._ship_values
     }
-    for actuator in march.ship.actuators:
+    for actuator in tangent.ship.actuators:
         if actuator.angle and actuator.name in unit:
-            angle = march._position(actuator.name)
+            angle = tangent._position(actuator.name)
             values[f"cos_{actuator.name}"] = Dual(math.cos(angle), -math.sin(angle) * unit[actuator.name])
             values[f"sin_{actuator.name}"] = Dual(math.sin(angle), math.cos(angle) * unit[actuator.name])
     constants = dict(
@@ -138,11 +138,11 @@ def by_dual_numbers(march: TangentMarch, times: np.ndarray) -> np.ndarray:
     pushes = {f"{name}_in": unit.get(name, none) for name in "XYN"}
     laws = {f"law_{name}": slope for name, slope in unit.items()}
     slopes = {**pushes, **laws, **unit}
-    numbers = {name: march.march.inputs[name] for name in scope.STEP_INPUTS if name in march.march.inputs}
+    numbers = {name: tangent.integrator.inputs[name] for name in scope.STEP_INPUTS if name in tangent.integrator.inputs}
     inputs = {name: Dual(float(value), slopes.get(name, none)) for name, value in numbers.items()}
     inputs |= values | constants
-    inputs |= {f"{name}_in": Dual(float(march.schedules[name]), pushes[f"{name}_in"]) for name in "XYN"}
-    state = [Dual(value, slope) for value, slope in zip(march.start, march.start_slopes(), strict=True)]
+    inputs |= {f"{name}_in": Dual(float(tangent.schedules[name]), pushes[f"{name}_in"]) for name in "XYN"}
+    state = [Dual(value, slope) for value, slope in zip(tangent.start, tangent.start_slopes(), strict=True)]
     for length in np.diff(times):
         now = {**inputs, "step_length": Dual(float(length), none), "share": Dual(1.0, none)}
         state = [
@@ -183,9 +183,9 @@ def test_slopes_are_those_of_dual_numbers(name: str) -> None:
     model, told, by = CASES[name]
     voyage = {"y": 0.4, "u": 1.0, **told}
     found = nw.sensitivities(model, by, duration=2.5, dt=0.05, **voyage)
-    march = TangentMarch.of(model, by, voyage)
-    expected = by_dual_numbers(march, found.voyage.t)
-    kept = march.march.choices.kept
+    tangent = TangentIntegrator.of(model, by, voyage)
+    expected = by_dual_numbers(tangent, found.voyage.t)
+    kept = tangent.integrator.choices.kept
     for state in ("x", "y", "u", "v", "r"):
         size = np.abs(expected[kept.index(state)]).max() or 1.0
         np.testing.assert_allclose(
@@ -201,11 +201,13 @@ def test_the_tangent_sails_the_voyage(name: str) -> None:
     model, told, by = CASES[name]
     voyage = {"y": 0.4, "u": 1.0, **told}
     sailed = nw.simulate(model, **voyage, duration=2.5, dt=0.05)
-    march = TangentMarch.of(model, by, voyage)
-    pushed = dict(zip(PUSHES.values(), march._pushes(sailed.t).T, strict=True))
+    tangent = TangentIntegrator.of(model, by, voyage)
+    pushed = dict(zip(PUSHES.values(), tangent._pushes(sailed.t).T, strict=True))
     whole = np.array([0, len(sailed.t) - 1])
-    states, _ = march.segments(np.array([march.start]), march.start_slopes()[None], whole, pushed, np.diff(sailed.t))
-    kept = march.march.choices.kept
+    states, _ = tangent.segments(
+        np.array([tangent.start]), tangent.start_slopes()[None], whole, pushed, np.diff(sailed.t)
+    )
+    kept = tangent.integrator.choices.kept
     for column in ("x", "y", "u", "v", "r"):
         np.testing.assert_allclose(states[:, kept.index(column)], sailed[column], rtol=1e-10, atol=1e-12)
 

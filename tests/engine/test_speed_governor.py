@@ -7,7 +7,7 @@ from cases import steered, waterway_for
 
 import narrows as nw
 from narrows.control import SpeedGovernor, regulator, speed_governor
-from narrows.control.speed_governor import planned
+from narrows.control.speed_governor import planned_speed
 
 KVLCC2 = nw.published("yasukawa2015_kvlcc2")
 LIMITS = [(0.0, 1.0), (60.0, 0.7), (110.0, 0.85)]
@@ -43,7 +43,7 @@ def test_revolutions_are_a_column_of_the_voyage(governor: SpeedGovernor, voyage:
 def test_the_plan_is_the_fastest_that_keeps_limits_and_rate() -> None:
     places, speeds = zip(*LIMITS, strict=True)
     x = np.linspace(-20, 180, 2001)
-    u = np.array([planned(place, places, speeds, 0.01) for place in x])
+    u = np.array([planned_speed(place, places, speeds, 0.01) for place in x])
     most = np.select([x < 60, x < 110], [1.0, 0.7], 0.85)
     assert (u <= most + 1e-12).all()
     rate = np.gradient(u**2 / 2, x)
@@ -55,7 +55,7 @@ def test_the_plan_is_the_fastest_that_keeps_limits_and_rate() -> None:
 def test_the_plan_of_the_governor_is_that_at_its_points(governor: SpeedGovernor) -> None:
     places, speeds = zip(*LIMITS, strict=True)
     x = np.linspace(governor.x[0], governor.x[-1], 999)
-    plan = [planned(place, places, speeds, 0.005) for place in x]
+    plan = [planned_speed(place, places, speeds, 0.005) for place in x]
     np.testing.assert_allclose(np.interp(x, governor.x, governor.u), plan, rtol=0.003)
 
 

@@ -16,7 +16,7 @@ from exported import STEERED, TABLES, bent, model_of, speed_of, states
 import narrows as nw
 from narrows.codegen.choices import COLUMNS
 from narrows.simulation.channel import along_waterway
-from narrows.simulation.departure import POSE, departure
+from narrows.simulation.initial_state import POSE, initial_state
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of
 from narrows.waterway.room import exact_room
@@ -99,11 +99,11 @@ def test_steps_and_derivatives_in_a_waterway(ships: Any, name: str) -> None:
     for state in states(name, 5):
         x, y, cosine, sine, u, v, r, *_ = state
         start = {"x": x, "y": y, "psi": np.arctan2(sine, cosine), "u": u, "v": v, "r": r, "rudder": 0.0}
-        march, begun = departure(simulated, steering, start, bent(name), False)
-        after, room, lean = march.stepped(begun, 0.05)
+        integrator, begun = initial_state(simulated, steering, start, bent(name), False)
+        after, room, lean = integrator.stepped(begun, 0.05)
         close(ship.called("step", begun, len(begun) + 2, 0.05), [*after, room, lean], 1e-12)
         starboard, port = ship.called("clearance", begun, 2)
-        water, step = march.channel.water, 1 / march.inputs["cells_a_metre"]
+        water, step = integrator.channel.water, 1 / integrator.inputs["cells_a_metre"]
         nearer, leaning = exact_room(water.track.tolist(), step, *begun[:4], water.outline.tolist())
         close([min(starboard, port), port - starboard], [nearer, leaning], 1e-12)
         by_state = ship.called("by_state", begun, 36).reshape(6, 6)

@@ -11,7 +11,7 @@ from test_scripts import python_of
 
 import narrows as nw
 from narrows.simulation.controllers import CONTROLLERS
-from narrows.simulation.departure import departure
+from narrows.simulation.initial_state import initial_state
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of
 
@@ -31,7 +31,7 @@ def start_of(controller: Any, curved: bool) -> list[float]:
     ship = SimulatedShip(model_of(STEERED))
     start = {**dict.fromkeys(("x", "y", "psi", "u", "v", "r", "rudder"), 0.0), **START, "x": 5.0 if curved else 0.0}
     return list(
-        departure(ship, steering_of(controller, ship.actuators), start, bent(STEERED) if curved else None, False)[1]
+        initial_state(ship, steering_of(controller, ship.actuators), start, bent(STEERED) if curved else None, False)[1]
     )
 
 

@@ -176,7 +176,7 @@ class TestAutopilot:
 def voyage_of(
     model: nw.Model, thrown: dict, y: float, u: float, sample: int, time: float, pilot: str = "track"
 ) -> nw.Voyage:
-    """One trial by the voyage's own march: gust first, then without."""
+    """One trial by the voyage's own integrator: gust first, then without."""
     helm = nw.track_pilot(model, y, u) if pilot == "track" else nw.control.regulator(model, y, u)
     line = helm if pilot == "track" else helm.lines[0]
     dt = LENGTH / (STEPS_A_LENGTH * u)
@@ -212,7 +212,7 @@ class TestTrials:
     @pytest.mark.slow
     @pytest.mark.parametrize("pilot", ["track", "regulator"])
     def test_each_is_a_voyage_of_its_own(self, ship: nw.Model, pilot: str) -> None:
-        """Brute force: the same trials, one at a time, by another march in plain Python, judged by its columns."""
+        """Brute force: the same trials, one at a time, by another integrator in plain Python, judged by its columns."""
         gust = Disturbance(3.0, offset=2.0, gust=1.2e6, gust_lever=20.0, gust_time=90.0)
         offsets, samples = np.array([-70.0, 0.0, 85.0]), 4
         chosen = ChosenPilot(PILOTS[pilot], PILOTS[pilot].tunings[0])

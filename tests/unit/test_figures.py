@@ -11,7 +11,7 @@ from matplotlib.text import Text
 
 import narrows as nw
 from narrows.report.voyage_figures import hull, map_figure, voyage_figure
-from narrows.simulation.departure import voyage_defaults
+from narrows.simulation.initial_state import voyage_defaults
 from narrows.waterway import Bank, Centreline, Waterway
 from pictures import assert_readable
 

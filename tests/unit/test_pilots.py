@@ -143,7 +143,7 @@ class TestHelmsman:
 
 
 def was_held(model: nw.Model, law: object, thrown: dict, y: float, u: float, sample: int) -> bool:
-    """One trial by the voyage's own march, judged by its columns."""
+    """One trial by the voyage's own integrator, judged by its columns."""
     at = nw.steady_course(model, y=y, u=u)
     if not abs(float(at["rudder"])) <= model.configuration.gear.limit:
         return False

@@ -125,7 +125,7 @@ def _helm(model: "Model", hold: float | None, speed: str | None, way: "Waterway 
         if speed is not None:
             raise InputError("--helm-speed serves the helm that --hold asks for; add --hold, or leave it out")
         return None
-    from narrows.simulation.departure import voyage_defaults
+    from narrows.simulation.initial_state import voyage_defaults
 
     u = voyage_defaults(model).speed if speed is None else read_speed("--helm-speed", speed)
     return HelmOptions(hold=hold).of(model, float(u), 0.0, way)

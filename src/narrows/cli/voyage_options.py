@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from narrows.model.model import Model
-    from narrows.simulation.departure import VoyageDefaults
+    from narrows.simulation.initial_state import VoyageDefaults
     from narrows.waterway import Waterway
 
 HELMS = ("regulator", "predictive", "track")

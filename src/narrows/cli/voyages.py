@@ -55,7 +55,7 @@ def simulate(
     from math import radians
 
     from narrows.empirical.fleet import model_named
-    from narrows.simulation.departure import voyage_defaults
+    from narrows.simulation.initial_state import voyage_defaults
     from narrows.simulation.voyage import simulate as run
 
     chosen, waterway = model_named(model), water.read()
@@ -84,8 +84,8 @@ def map_(
     """
     from narrows.empirical.fleet import model_named
     from narrows.results import save_dataset
-    from narrows.simulation.departure import voyage_defaults
     from narrows.simulation.ensemble import ensemble
+    from narrows.simulation.initial_state import voyage_defaults
     from narrows.simulation.maps import map_summary
 
     chosen, waterway = model_named(model), water.read()

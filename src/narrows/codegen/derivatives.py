@@ -165,14 +165,14 @@ def coefficient_slopes(lines: Lines, rates: Rates, names: Sequence[str], values:
     where = {symbol(name): solved[state] for name, state in zip(ACCELERATIONS.values(), ("u", "v", "r"), strict=True)}
     where |= {symbol(name): value for name, value in values.items()}
     regressors = dict(zip(known, lines.inline("g_", *straight_lines(columns), where), strict=True))
-    rows = dict(zip(motion.freedoms, motion.pushes, strict=True))
+    rows = dict(zip(motion.components, motion.pushes, strict=True))
     entries = []
     for force in FORCES:
         for name in names:
             if name not in regressors or force not in rows:
                 entries.append(Integer(0))
                 continue
-            inverse = rates.constants.lift(rows[force][motion.freedoms.index(motion.regressors[name][0])])
+            inverse = rates.constants.lift(rows[force][motion.components.index(motion.regressors[name][0])])
             entries.append(inverse * regressors[name])
     return entries
 

@@ -49,7 +49,7 @@ class FreeMotion:
     # The acceleration ``i`` is the sum over ``basis`` of ``gains[i]`` times it, plus ``pushes[i]`` times the inputs.
 
     names: Mapping[str, Expr]  # Every coefficient, particular and input, by the caller's name
-    freedoms: tuple[str, ...]  # Forces whose accelerations are solved for
+    components: tuple[str, ...]  # Forces whose accelerations are solved for
     basis: tuple[Expr, ...]  # Functions of the state that the parameters multiply
     gains: tuple[tuple[Expr, ...], ...]  # One row per acceleration, one column per function of the basis
     pushes: tuple[tuple[Expr, ...], ...]  # Inverse of the mass matrix
@@ -71,21 +71,21 @@ def symbol(name: str) -> Expr:
 def trace(tape: Tape, force_of: tuple[tuple[str, str], ...], surge: Surge, coriolis: bool) -> FreeMotion:
     """Solve the equation of motion for the accelerations; ``force_of`` pairs each term with its force."""
     forces = dict(force_of)
-    freedoms = tuple(FORCES) if surge == "free" else ("Y", "N")
+    components = tuple(FORCES) if surge == "free" else ("Y", "N")
     names = _coefficient_symbols(tape)
-    regressors = _regressors(tape, forces, freedoms)
-    mass = _mass(regressors, names, freedoms)
-    columns = _columns(regressors, names, freedoms, coriolis)
+    regressors = _regressors(tape, forces, components)
+    mass = _mass(regressors, names, components)
+    columns = _columns(regressors, names, components, coriolis)
     if mass.det() == 0:
         raise InputError(
-            f"no term resists {' and '.join(_unresisted(mass, freedoms))}; add one of inertia to the table"
+            f"no term resists {' and '.join(_unresisted(mass, components))}; add one of inertia to the table"
         )
     inverse = mass.adjugate() / mass.det()
-    gains = [[(inverse[i, :] * column)[0] for column in columns.values()] for i in range(len(freedoms))]
+    gains = [[(inverse[i, :] * column)[0] for column in columns.values()] for i in range(len(components))]
     others = {*tape.inputs, "mass", SURGE_INERTIA, *INPUTS.values()} - {*STATE, *ACCELERATIONS.values()}
     return FreeMotion(
         names=names | {name: symbol(name) for name in sorted(others)},
-        freedoms=freedoms,
+        components=components,
         basis=tuple(columns),
         gains=tuple(map(tuple, gains)),
         pushes=tuple(map(tuple, inverse.tolist())),
@@ -103,12 +103,12 @@ def _coefficient_symbols(tape: Tape) -> dict[str, Expr]:
     return names
 
 
-def _regressors(tape: Tape, forces: Mapping[str, str], freedoms: Sequence[str]) -> dict[str, tuple[str, Expr]]:
+def _regressors(tape: Tape, forces: Mapping[str, str], components: Sequence[str]) -> dict[str, tuple[str, Expr]]:
     """Return the regressors of the solved forces; the other accelerations are zero."""
-    held = {name: 0 for force, name in ACCELERATIONS.items() if force not in freedoms}
+    held = {name: 0 for force, name in ACCELERATIONS.items() if force not in components}
     symbols = {name: held.get(name, symbol(name)) for name in tape.inputs}
     expressions = tape.replay(symbols, exact_number, symbolic_functions())
-    return {name: (forces[name], value) for name, value in expressions.items() if forces[name] in freedoms}
+    return {name: (forces[name], value) for name, value in expressions.items() if forces[name] in components}
 
 
 def symbolic_functions() -> dict[str, Expr]:
@@ -131,29 +131,29 @@ def exact_number(value: int | float) -> Expr:
     return sympy.Rational(above, below) if below.bit_length() <= 20 else sympy.Float(value)
 
 
-def _mass(regressors: Mapping[str, tuple[str, Expr]], names: Mapping[str, Expr], freedoms: Sequence[str]) -> Expr:
+def _mass(regressors: Mapping[str, tuple[str, Expr]], names: Mapping[str, Expr], components: Sequence[str]) -> Expr:
     import sympy
 
-    accelerations = [symbol(ACCELERATIONS[force]) for force in freedoms]
-    mass = sympy.zeros(len(freedoms))
+    accelerations = [symbol(ACCELERATIONS[force]) for force in components]
+    mass = sympy.zeros(len(components))
     for name, (force, regressor) in regressors.items():
         for column, acceleration in enumerate(accelerations):
             slope = sympy.sympify(regressor).diff(acceleration)
             if slope.free_symbols & set(accelerations):
                 raise InputError(f"term {name}: an acceleration must enter linearly; {acceleration} does not")
-            mass[freedoms.index(force), column] -= names[name] * slope
-    if "X" in freedoms:
+            mass[components.index(force), column] -= names[name] * slope
+    if "X" in components:
         mass[0, 0] += symbol(SURGE_INERTIA)
     return mass
 
 
-def _unresisted(mass: Expr, freedoms: Sequence[str]) -> list[str]:
-    accelerations = [ACCELERATIONS[force] for force in freedoms]
+def _unresisted(mass: Expr, components: Sequence[str]) -> list[str]:
+    accelerations = [ACCELERATIONS[force] for force in components]
     return [name for column, name in enumerate(accelerations) if not any(mass.col(column))] or accelerations
 
 
 def _columns(
-    regressors: Mapping[str, tuple[str, Expr]], names: Mapping[str, Expr], freedoms: Sequence[str], coriolis: bool
+    regressors: Mapping[str, tuple[str, Expr]], names: Mapping[str, Expr], components: Sequence[str], coriolis: bool
 ) -> dict[Expr, Expr]:
     """Each function of the state, and its factor in each force."""
     import sympy
@@ -166,10 +166,10 @@ def _columns(
     moving = [symbol(name) for name in STATE]
     columns: dict[Expr, Expr] = {}
     for force, factor, regressor in parts:
-        for addend in sympy.Add.make_args(regressor) if force in freedoms else ():
+        for addend in sympy.Add.make_args(regressor) if force in components else ():
             fixed, varying = addend.as_independent(*moving, as_Add=False)
-            column = columns.setdefault(varying, sympy.zeros(len(freedoms), 1))
-            column[freedoms.index(force)] += factor * fixed
+            column = columns.setdefault(varying, sympy.zeros(len(components), 1))
+            column[components.index(force)] += factor * fixed
     return {basis: column for basis, column in columns.items() if any(column)}
 
 

@@ -50,7 +50,7 @@ def greatest(*values: Expr) -> Expr:
 
 @dataclass
 class Lines:
-    """A program of assignments under construction."""
+    """A straight-line program under construction: assignments in order."""
 
     program: list[Assignment | None] = field(default_factory=list)  # In order
     _taken: set[str] = field(default_factory=set)

@@ -94,7 +94,7 @@ def _rate_lines(
 ) -> tuple[Constants, tuple[Expr, ...], tuple[list[Assignment], list[Expr]]]:
     """Constants, derivatives of the state, and those as straight lines: the same for every law and contact."""
     constants = Constants({s for name, s in motion.names.items() if name not in moving})
-    pushed = {f: symbol(INPUTS[f]) for f in motion.freedoms} if is_pushed else {}
+    pushed = {f: symbol(INPUTS[f]) for f in motion.components} if is_pushed else {}
     derivatives = _derivatives(motion, constants.lift, pushed)
     return constants, derivatives, straight_lines(derivatives)
 
@@ -103,9 +103,9 @@ def _derivatives(motion: FreeMotion, lift: Callable[[Expr], Expr], pushes: Mappi
     c, s, u, v, r = (symbol(name) for name in TURNED)
     basis = [lift(expression) for expression in motion.basis]
     accelerations = dict.fromkeys(ACCELERATIONS, sympy.Integer(0))
-    for force, gains, row in zip(motion.freedoms, motion.gains, motion.pushes, strict=True):
+    for force, gains, row in zip(motion.components, motion.gains, motion.pushes, strict=True):
         parts = [(lift(gain), function) for gain, function in zip(gains, basis, strict=True)]
-        pushed = sum((lift(part * pushes[f]) for f, part in zip(motion.freedoms, row, strict=True) if f in pushes), 0)
+        pushed = sum((lift(part * pushes[f]) for f, part in zip(motion.components, row, strict=True) if f in pushes), 0)
         accelerations[force] = _grouped(parts, (v, r)) + pushed
     return (u * c - v * s, u * s + v * c, -r * s, r * c, *accelerations.values())
 

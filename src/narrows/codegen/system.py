@@ -125,7 +125,7 @@ class System:
         return generated("kernel", (*self.key, precision), text)
 
     def tangent(self, moving: tuple[str, ...]) -> ModuleType:
-        """Return the module that integrates a voyage with its derivatives; its ``march`` compiles at its first call."""
+        """Return the module that integrates a voyage with derivatives; ``integrate`` compiles at its first call."""
 
         def text() -> str:
             from narrows.codegen.derivatives import tangent_text

@@ -29,10 +29,10 @@ from narrows.model.model import Model
 from narrows.results import Described
 from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import ControlLaw, Named
-from narrows.simulation.departure import departure
 from narrows.simulation.ensemble import ensemble
+from narrows.simulation.initial_state import initial_state
 from narrows.simulation.inputs import check_waterway, finite_numbers
-from narrows.simulation.march import March
+from narrows.simulation.integrator import VoyageIntegrator
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
 from narrows.simulation.voyage import Voyage, simulate
@@ -164,7 +164,7 @@ class ClosedLoop(Described):
         return tuple("psi" if name == "cos_psi" else name for name in kept if name not in LEFT_OUT)
 
     @cached_property
-    def _opened(self) -> March:
+    def _opened(self) -> VoyageIntegrator:
         if not isinstance(self.controller, ControlLaw):
             raise InputError(
                 f"a {type(self.controller).__name__} is no law in arithmetic, so its loop has no matrices; ask for "
@@ -173,20 +173,20 @@ class ClosedLoop(Described):
         ship = SimulatedShip(self.model)
         steering = steering_of(OpenedLaw(self.controller), ship.actuators)
         numbers = {"x": self.x, "y": self.y, "u": self.u, **self.course}
-        march, self.__dict__["_start"] = departure(ship, steering, numbers, self.waterway, False)
+        integrator, self.__dict__["_start"] = initial_state(ship, steering, numbers, self.waterway, False)
         # A dead band has no derivative: the loop is linearised for orders beyond it.
-        march.set(rudder_dead_band=0.0)
-        return march
+        integrator.set(rudder_dead_band=0.0)
+        return integrator
 
     def _stepped(self, state: np.ndarray, order: float) -> tuple[np.ndarray, float]:
         """Return the state a step later under an order, and the law's order."""
-        march = self._opened
-        values = dict(zip(march.choices.kept, self.__dict__["_start"], strict=True))
+        integrator = self._opened
+        values = dict(zip(integrator.choices.kept, self.__dict__["_start"], strict=True))
         values |= dict(zip(self.states, state, strict=True))
         values |= {"cos_psi": math.cos(values["psi"]), "sin_psi": math.sin(values["psi"])}
-        march.set(**{PARAMETER(ORDERED): order})
-        after, *_ = march.stepped(tuple(values[name] for name in march.choices.kept), self.dt)
-        later = dict(zip(march.choices.kept, after, strict=True))
+        integrator.set(**{PARAMETER(ORDERED): order})
+        after, *_ = integrator.stepped(tuple(values[name] for name in integrator.choices.kept), self.dt)
+        later = dict(zip(integrator.choices.kept, after, strict=True))
         later["psi"] = math.atan2(later["sin_psi"], later["cos_psi"])
         return np.array([later[name] for name in self.states]), later[MEMORY(ASKED)]
 
@@ -213,8 +213,8 @@ class ClosedLoop(Described):
     @cached_property
     def _matrices(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the same about the steady state of the loop, found by Newton's method."""
-        march = self._opened
-        begun = dict(zip(march.choices.kept, self.__dict__["_start"], strict=True), psi=self.course["psi"])
+        integrator = self._opened
+        begun = dict(zip(integrator.choices.kept, self.__dict__["_start"], strict=True), psi=self.course["psi"])
         state = np.array([begun[name] for name in self.states])
         for _ in range(NEWTON_ROUNDS):
             order = self._stepped(state, self.course["rudder"])[1]

@@ -32,7 +32,7 @@ from narrows.simulation.kernel_run import PUSH_END, KernelRun
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
 
-SEEN = ("y", "psi", "v", "r")
+STATES = ("y", "psi", "v", "r")
 
 
 class ScenePush(NamedTuple):
@@ -57,17 +57,17 @@ class SeenWithNoise:
     late: Any  # Time from which the offset counts [s]
 
     def parameters(self) -> Mapping[str, Any]:
-        return {**self.law.parameters(), **{f"noise_of_{n}": self.noise[n] for n in SEEN}, "late_from": self.late}
+        return {**self.law.parameters(), **{f"noise_of_{n}": self.noise[n] for n in STATES}, "late_from": self.late}
 
     def memory(self, start: Named) -> Named:
-        chaos = {f"chaos_{name}": 0.4 for name in SEEN}
+        chaos = {f"chaos_{name}": 0.4 for name in STATES}
         return {**self.law.memory(start), **chaos, "farthest": 0.0, "travel": 0.0, "was": start["rudder"]}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
         # The logistic map gives uncorrelated numbers from 0 to 1 of variance 1/8 by arithmetic alone. Ulam and von
         # Neumann (1947), Bulletin of the American Mathematical Society 53, 1120.
-        chaos = {name: getattr(at, f"chaos_{name}") for name in SEEN}
-        seen = {n: getattr(at, n) + getattr(at, f"noise_of_{n}") * 8**0.5 * (chaos[n] - 0.5) for n in SEEN}
+        chaos = {name: getattr(at, f"chaos_{name}") for name in STATES}
+        seen = {n: getattr(at, n) + getattr(at, f"noise_of_{n}") * 8**0.5 * (chaos[n] - 0.5) for n in STATES}
         orders, memory = self.law.orders(SimpleNamespace(**{**vars(at), **seen}))
         kept = {f"chaos_{name}": 4.0 * value * (1.0 - value) for name, value in chaos.items()}
         off = choice(at.t + at.dt / 2 - at.late_from, abs(at.y - at.held_y_0), 0.0)
@@ -136,7 +136,7 @@ class Flights:
         run = KernelRun(ship, FLIGHT_LENGTHS * self.time, self.step, steering=steering)
         prepared = run.prepared({**start, **turns, **forces, **drawn, **steering.parameters}, count, 1)
         kept = prepared.kernel.KEPT_NAMES
-        for name in SEEN:
+        for name in STATES:
             prepared.start[:, kept.index(MEMORY(f"chaos_{name}"))] = self._random.uniform(0.05, 0.95, count)
         return prepared
 

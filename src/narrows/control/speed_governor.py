@@ -161,7 +161,7 @@ def speed_governor(
             "its propeller stopped; give less, or leave it out"
         )
     x = _points(places, speeds, rate)
-    u = [planned(place, places, speeds, rate) for place in x]
+    u = [planned_speed(place, places, speeds, rate) for place in x]
     known = dict(zip(speeds, revolutions, strict=True))
     turns = [known[speed] if speed in known else self_propulsion(model, speed) for speed in u]
     most = ENGINE_RESERVE * max(revolutions) if most_revolutions is None else most_revolutions
@@ -178,7 +178,7 @@ def _checked(limits: Sequence[tuple[float, float]]) -> tuple[list[float], list[f
     return places, speeds
 
 
-def planned(x: float, places: Sequence[float], speeds: Sequence[float], rate: float) -> float:
+def planned_speed(x: float, places: Sequence[float], speeds: Sequence[float], rate: float) -> float:
     """Return the fastest speed at a place that keeps every limit [m/s]."""
     edges = [-math.inf, *places[1:], math.inf]
     away = [max(first - x, x - last, 0.0) for first, last in pairwise(edges)]
@@ -191,7 +191,7 @@ def _points(places: Sequence[float], speeds: Sequence[float], rate: float) -> li
     gaps = {(fast**2 - slow**2) / (2 * rate) for slow in speeds for fast in levels if fast >= slow}
     bends = sorted({edge + gap * way for edge in places for gap in gaps for way in (-1, 1)})
     points = [bends[0] - 1.0, *bends, bends[-1] + 1.0]
-    plan = [planned(x, places, speeds, rate) for x in points]
+    plan = [planned_speed(x, places, speeds, rate) for x in points]
     bent = []
     for i in range(1, len(points) - 1):
         (x0, x, x1), (u0, u, u1) = points[i - 1 : i + 2], plan[i - 1 : i + 2]

@@ -20,7 +20,7 @@ from narrows.physics.steering_gear import gear_motion
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.controllers import ControlLaw
 from narrows.simulation.grid import sampled
-from narrows.simulation.steering import SEEN
+from narrows.simulation.steering import WATER_PREFIX
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class _Fleet:
 
     def water(self, name: str, x: np.ndarray) -> np.ndarray:
         """Return the water quantities of a control law at places along it, by the names of ``steering.water``."""
-        return self.ahead.at(x)[WATER[f"{SEEN}{name}"]]
+        return self.ahead.at(x)[WATER[f"{WATER_PREFIX}{name}"]]
 
     def started(self, x: float, y: float, u: float, psi: float) -> np.ndarray:
         """Draw the initial states of the twins."""

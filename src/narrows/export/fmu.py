@@ -34,7 +34,7 @@ from narrows.export.passport import passport
 from narrows.export.rendering import OUTCOME_CODES, commented, filled, places_in, rendered
 from narrows.export.ship_files import c_text
 from narrows.model.model import Model
-from narrows.simulation.departure import voyage_defaults
+from narrows.simulation.initial_state import voyage_defaults
 
 # All files in an FMU have one time, so that writing it again gives the same file.
 SAME_TIME = (2000, 1, 1, 0, 0, 0)

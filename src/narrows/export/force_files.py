@@ -22,7 +22,7 @@ from narrows.model.data_range import MEASURES
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, MOTION
 from narrows.ship.checks import SMALLEST
-from narrows.simulation.departure import voyage_defaults
+from narrows.simulation.initial_state import voyage_defaults
 
 # Inputs from the caller: ship and water.
 ASKED = ("y", "cos_psi", "sin_psi", "u", "width", "depth")

@@ -28,7 +28,7 @@ from narrows.export.rendering import (
     translated,
     water_of,
 )
-from narrows.simulation.departure import voyage_defaults
+from narrows.simulation.initial_state import voyage_defaults
 
 
 def c_text(exported: ExportedShip) -> str:

@@ -10,7 +10,7 @@ from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.results import Shown
 from narrows.simulation.controllers import ConstantRudder, Zigzag
-from narrows.simulation.departure import voyage_defaults
+from narrows.simulation.initial_state import voyage_defaults
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.voyage import Voyage, simulate
 

@@ -307,7 +307,7 @@ def forms_figure(comparisons: Mapping[str, Comparison]) -> Figure:
 
 # Figures of captive tests: the towed motions and the measured forces. Up to so many tests are drawn against time, one
 # line each; more are drawn row by row.
-FEW = 4
+TIME_SERIES_MAX_TESTS = 4
 
 
 def motions_figure(tests: CaptiveTests) -> Figure:
@@ -326,7 +326,7 @@ def motions_figure(tests: CaptiveTests) -> Figure:
 
 
 def _timed(tests: CaptiveTests) -> bool:
-    return "t" in tests.columns and len(tests.names) <= FEW
+    return "t" in tests.columns and len(tests.names) <= TIME_SERIES_MAX_TESTS
 
 
 def _draw(panel, tests: CaptiveTests, name: str, scale: float) -> None:  # type: ignore[no-untyped-def]

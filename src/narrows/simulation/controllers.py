@@ -331,7 +331,7 @@ class Ordering:
         return self.order
 
 
-class Asked(_WithoutMemory):
+class ExternalOrder(_WithoutMemory):
     """The law of a controller of Python: its order is a number, set before each step."""
 
     def parameters(self) -> Mapping[str, Any]:

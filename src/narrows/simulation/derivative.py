@@ -13,7 +13,7 @@ from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, Number
 from narrows.results import Shown
-from narrows.simulation.departure import POSE, check_positions, departure
+from narrows.simulation.initial_state import POSE, check_positions, initial_state
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.ship import SimulatedShip
 
@@ -110,9 +110,9 @@ def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
     check_positions(given, ship)
     known = finite_numbers(**numbers, **given)
     finite_numbers(**pushes, dt=dt)
-    march, start = departure(ship, None, known, None, any(pushes.values()))
-    march.set(**pushes)
-    x, y, cosine, sine, *velocities = march.stepped(start, dt)[0][: len(STATE)]
+    integrator, start = initial_state(ship, None, known, None, any(pushes.values()))
+    integrator.set(**pushes)
+    x, y, cosine, sine, *velocities = integrator.stepped(start, dt)[0][: len(STATE)]
     before = start[STATE.index("cos_psi")], start[STATE.index("sin_psi")]
     turned = math.atan2(sine * before[0] - cosine * before[1], cosine * before[0] + sine * before[1])
     return np.array([x, y, known["psi"] + turned, *velocities])

@@ -14,9 +14,9 @@ from narrows.errors import InputError, check_choice, path_of
 from narrows.model.data_range import Measure
 from narrows.model.model import Model
 from narrows.progress import bar
-from narrows.simulation.departure import check_irrelevant, voyage_defaults
 from narrows.simulation.fleet_map import Fleet
 from narrows.simulation.grid import Grid, grid_of, with_values
+from narrows.simulation.initial_state import check_irrelevant, voyage_defaults
 from narrows.simulation.inputs import (
     Contact,
     Precision,

@@ -20,7 +20,7 @@ from narrows.model.water import is_full
 from narrows.simulation.channel import Channel, along_waterway, straight_channel
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, counted_heading
-from narrows.simulation.march import March, Row, near_the_bank
+from narrows.simulation.integrator import Row, VoyageIntegrator, near_the_bank
 from narrows.simulation.outcome import Code
 from narrows.simulation.settings import CONTACT_TOLERANCE, NEAR_THE_BANK
 from narrows.simulation.ship import SimulatedShip
@@ -115,29 +115,29 @@ class ColumnRun:
 
     def _judged(self, vessel: int, length: float) -> bool:
         """Take one step of one vessel as in a single voyage, and return whether it continues."""
-        march = self._march(vessel)
+        integrator = self._integrator(vessel)
         begun = tuple(self.end[vessel].tolist())
-        room, lean = march.room(begun)
+        room, lean = integrator.room(begun)
         if room <= 0 and begun[0] != self.channel.start:
-            self._over(vessel, march, event.CLOSED, lean)
+            self._over(vessel, integrator, event.CLOSED, lean)
             return False
         rows = [Row(0.0, begun)]
-        ended = march.sail(rows, length, length)
+        ended = integrator.integrate(rows, length, length)
         self.end[vessel] = rows[-1].state
         self.time[vessel] += rows[-1].t
         if ended is not None:
-            self._over(vessel, march, ended.outcome, ended.lean)
+            self._over(vessel, integrator, ended.outcome, ended.lean)
         return ended is None
 
-    def _march(self, vessel: int) -> March:
+    def _integrator(self, vessel: int) -> VoyageIntegrator:
         one = np.array([vessel])
         inputs = {name: float(np.ravel(self._own(name, value, one))[0]) for name, value in self.inputs.items()
                   if isinstance(value, int | float | np.ndarray | np.number)}  # fmt: skip
         near = near_the_bank({"width": inputs.get("width", 1.0)})
-        return March(self.system.scalar, self.system.choices, inputs, self.channel, near)
+        return VoyageIntegrator(self.system.scalar, self.system.choices, inputs, self.channel, near)
 
-    def _over(self, vessel: int, march: March, outcome: int, lean: float) -> None:
-        code = march.cause(outcome, tuple(self.end[vessel].tolist()))
+    def _over(self, vessel: int, integrator: VoyageIntegrator, outcome: int, lean: float) -> None:
+        code = integrator.cause(outcome, tuple(self.end[vessel].tolist()))
         self.codes[vessel] = code, np.sign(lean) if code == Code.GROUNDED else 0
 
 

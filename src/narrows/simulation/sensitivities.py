@@ -17,10 +17,10 @@ from narrows.codegen.tape import tape_of
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.results import Shown
-from narrows.simulation.departure import departure
+from narrows.simulation.initial_state import initial_state
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, finite_numbers, segments_of
-from narrows.simulation.march import March
+from narrows.simulation.integrator import VoyageIntegrator
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import MEMORY, PARAMETER, Steering, steering_of
 from narrows.simulation.voyage import Voyage, simulate
@@ -186,17 +186,17 @@ def sensitivities(
         raise InputError("sensitivities come at the steps of the voyage; leave `at` out, and interpolate")
     names = tuple(by) or model.terms.names
     sailed = simulate(model, y, u, duration, dt, **voyage)
-    march = TangentMarch.of(model, names, {"y": y, "u": float(sailed.u[0]), **voyage})
-    return Sensitivities(sailed, names, march.slopes(sailed.t), march.values, model)
+    integrator = TangentIntegrator.of(model, names, {"y": y, "u": float(sailed.u[0]), **voyage})
+    return Sensitivities(sailed, names, integrator.slopes(sailed.t), integrator.values, model)
 
 
 @dataclass(frozen=True)
-class TangentMarch:
-    """A march, and the derivatives of its start and of its inputs."""
+class TangentIntegrator:
+    """An integrator, and the derivatives of its start and of its inputs."""
 
     ship: SimulatedShip  # The ship
     steering: Steering | None  # Controller
-    march: March  # Inputs of the lines
+    integrator: VoyageIntegrator  # Inputs of the lines
     start: tuple[float, ...]  # Initial state
     numbers: Mapping[str, float]  # Pose, velocities and positions of actuators at the start
     schedules: Mapping[str, Any]  # External X, Y and N
@@ -204,7 +204,7 @@ class TangentMarch:
     waterway: bool  # True if the section of the water changes
 
     @classmethod
-    def of(cls, model: Model, by: Sequence[str], voyage: Mapping[str, Any]) -> "TangentMarch":
+    def of(cls, model: Model, by: Sequence[str], voyage: Mapping[str, Any]) -> "TangentIntegrator":
         rest = dict(voyage)
         ship = SimulatedShip(
             model,
@@ -219,10 +219,10 @@ class TangentMarch:
         schedules = {name: rest.pop(name, 0.0) for name in PUSHED}
         numbers = {**START, "rudder": 0.0, **finite_numbers(**rest)}
         pushed = any(name in by or np.any(schedule) for name, schedule in schedules.items())
-        march, start = departure(ship, steering, numbers, waterway, pushed)
-        return cls(ship, steering, march, start, numbers, schedules, tuple(by), waterway is not None)._checked()
+        integrator, start = initial_state(ship, steering, numbers, waterway, pushed)
+        return cls(ship, steering, integrator, start, numbers, schedules, tuple(by), waterway is not None)._checked()
 
-    def _checked(self) -> "TangentMarch":
+    def _checked(self) -> "TangentIntegrator":
         for name in self.by:
             if name not in self.values:
                 raise InputError(f"a voyage has no {name!r} to differentiate by{did_you_mean(name, list(self.values))}")
@@ -247,7 +247,7 @@ class TangentMarch:
             **{name: float(value) for name, value in particulars.items() if value is not None},
             **self.ship.model.coefficients,
             **{name: float(np.mean(_values(self.schedules[name]))) for name in PUSHED},
-            **({"current": float(self.march.inputs["current"])} if self.waterway else {}),
+            **({"current": float(self.integrator.inputs["current"])} if self.waterway else {}),
             **{name.removeprefix(PARAMETER("")): float(np.ravel(value)[0]) for name, value in law.items()},
         }
 
@@ -262,11 +262,11 @@ class TangentMarch:
 
     @cached_property
     def _system(self) -> System:
-        choices = self.march.choices
+        choices = self.integrator.choices
         return self.ship.system(choices.waterway, choices.law, choices.pushed)
 
     def _position(self, name: str) -> float:
-        kept = self.march.choices.kept
+        kept = self.integrator.choices.kept
         return self.start[kept.index(name)] if name in kept else float(self._ship_values.get(name) or 0.0)
 
     def _unit(self, name: str) -> np.ndarray:
@@ -276,15 +276,15 @@ class TangentMarch:
         """Return the derivatives of the initial state, (kept, by)."""
         cosine, sine = math.cos(self.numbers["psi"]), math.sin(self.numbers["psi"])
         turned = {"cos_psi": -sine, "sin_psi": cosine, COUNTED: 1.0}
-        slopes = {name: self._unit(name) for name in self.march.choices.kept}
+        slopes = {name: self._unit(name) for name in self.integrator.choices.kept}
         slopes |= {name: factor * self._unit("psi") for name, factor in turned.items()}
         slopes |= stages_at(self.ship.actuators, self._unit)
         slopes |= self._memory_slopes(slopes)
-        return np.array([slopes[name] for name in self.march.choices.kept])
+        return np.array([slopes[name] for name in self.integrator.choices.kept])
 
     def _memory_slopes(self, slopes: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
         """Return the derivatives of a law's initial memory, which may depend on the state."""
-        law = self.march.choices.law
+        law = self.integrator.choices.law
         if self.steering is None or law is None or not law.memory:
             return {}
         import sympy
@@ -295,7 +295,7 @@ class TangentMarch:
             dict(zip(names, names, strict=True)),
             "what a control law keeps",
         )
-        begun = dict(zip(self.march.choices.kept, self.start, strict=True))
+        begun = dict(zip(self.integrator.choices.kept, self.start, strict=True))
         symbols = {name: sympy.Symbol(name, real=True) for name in tape.inputs}
         here = {symbol: begun.get(name, 0.0) for name, symbol in symbols.items()}
         none = np.zeros(len(self.by))
@@ -312,7 +312,7 @@ class TangentMarch:
         """The derivatives of the moving inputs of the lines, by name, each (by,)."""
         parameters = {name: self._unit(name) for name in self.by}
         for actuator in self.ship.actuators:
-            if actuator.angle and actuator.name not in self.march.choices.kept:
+            if actuator.angle and actuator.name not in self.integrator.choices.kept:
                 angle = self._position(actuator.name)
                 parameters[f"cos_{actuator.name}"] = -math.sin(angle) * self._unit(actuator.name)
                 parameters[f"sin_{actuator.name}"] = math.cos(angle) * self._unit(actuator.name)
@@ -327,7 +327,7 @@ class TangentMarch:
         pushed = dict(zip(INPUTS.values(), self._pushes(times).T, strict=True))
         whole, lengths = np.array([0, len(times) - 1]), np.diff(times)
         kept, slopes = self.segments(np.array([self.start]), self.start_slopes()[None], whole, pushed, lengths)
-        names = self.march.choices.kept
+        names = self.integrator.choices.kept
         column = {name: slopes[:, i] for i, name in enumerate(names)}
         state = dict(zip(names, kept.T, strict=True))
         turned = state["cos_psi"][:, None] * column["sin_psi"] - state["sin_psi"][:, None] * column["cos_psi"]
@@ -340,7 +340,7 @@ class TangentMarch:
         """Integrate from several starts in one call; return states and derivatives at each sample of each."""
         # starts (segments, kept); start_slopes (segments, kept, by); first (segments + 1,); lengths (steps,) [s]
         moving, module = self.input_slopes, self._module
-        inputs = {LENGTH: 0.0, **self.march.inputs, **others}
+        inputs = {LENGTH: 0.0, **self.integrator.inputs, **others}
         values = np.array([float(inputs[name]) for name in module.INPUTS])
         along = np.array([moving.get(name, np.zeros(len(self.by))) for name in module.INPUTS[: module.MOVING]])
         known = [name for name in module.INPUTS if name in orders]
@@ -348,10 +348,10 @@ class TangentMarch:
         changing = np.array([orders[name] for name in known], float).reshape(len(known), len(lengths))
         count, by = len(lengths) + len(starts), len(self.by)
         states, slopes = np.empty((count, module.KEPT)), np.empty((count, module.KEPT, by))
-        module.march(
+        module.integrate(
             np.ascontiguousarray(starts, float), np.ascontiguousarray(start_slopes), np.asarray(first, np.int64),
             values, along.reshape(module.MOVING, by), places, np.ascontiguousarray(changing.T), lengths, 1,
-            self.march.channel.water.table, states, slopes,
+            self.integrator.channel.water.table, states, slopes,
         )  # fmt: skip
         return states, slopes
 

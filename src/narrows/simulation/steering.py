@@ -10,9 +10,9 @@ from narrows.codegen.tape import tape_of
 from narrows.errors import InputError, check_choice
 from narrows.quantities.arithmetic import angle
 from narrows.quantities.names import Number
-from narrows.simulation.controllers import Asked, ControlLaw, Controller, Named, Ordering
+from narrows.simulation.controllers import ControlLaw, Controller, ExternalOrder, Named, Ordering
 
-CURRENT, SEEN = "current", "water_"
+CURRENT, WATER_PREFIX = "current", "water_"
 # Names in the lines of a law's numbers and its memory.
 PARAMETER, MEMORY = "law_{}".format, "memory_{}".format
 
@@ -34,9 +34,9 @@ def steering_of(controller: Any, actuators: Sequence[Actuated]) -> Steering | No
     if isinstance(controller, ControlLaw):
         return _steering(controller, tuple(actuators), None)
     if isinstance(controller, Controller):
-        return _steering(Asked(), tuple(actuators), controller)
+        return _steering(ExternalOrder(), tuple(actuators), controller)
     if callable(controller) and not isinstance(controller, type):
-        return _steering(Asked(), tuple(actuators), Ordering(controller))
+        return _steering(ExternalOrder(), tuple(actuators), Ordering(controller))
     raise InputError(
         f"a {type(controller).__name__} is no controller: it has neither `orders` (a law in arithmetic) nor `begin`, "
         "and is no function of time and state"
@@ -76,8 +76,8 @@ def _law(
 def water(name: str, x: Any) -> Any:
     """Return the water quantities of a control law at a place along the line."""
     # name [1/m]; x [m]
-    check_choice("the observed section", name, [known.removeprefix(SEEN) for known in WATER])
-    return x.apply_function(f"{SEEN}{name}", (x,))
+    check_choice("the observed section", name, [known.removeprefix(WATER_PREFIX) for known in WATER])
+    return x.apply_function(f"{WATER_PREFIX}{name}", (x,))
 
 
 def _check_orders(what: str, orders: Named, memory: Named, kept: Sequence[str], actuators: Sequence[Actuated]) -> None:

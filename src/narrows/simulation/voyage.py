@@ -22,7 +22,7 @@ from narrows.ship.checks import check_ahead
 from narrows.ship.particulars import Configuration
 from narrows.simulation import outcome as end
 from narrows.simulation.channel import points_of
-from narrows.simulation.departure import check_irrelevant, check_positions, departure, voyage_defaults
+from narrows.simulation.initial_state import check_irrelevant, check_positions, initial_state, voyage_defaults
 from narrows.simulation.inputs import (
     Contact,
     Schedule,
@@ -33,7 +33,7 @@ from narrows.simulation.inputs import (
     finite_numbers,
     segments_of,
 )
-from narrows.simulation.march import March, Row, track_error
+from narrows.simulation.integrator import Row, VoyageIntegrator, track_error
 from narrows.simulation.notes import measured, outside_notes
 from narrows.simulation.outcome import Code, Outcome, Track
 from narrows.simulation.settings import MOST_ROWS, STEP_ERROR_LIMIT
@@ -308,18 +308,18 @@ def simulate(
     numbers = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, **positions)
     check_irrelevant(ship, {"rudder": rudder, "X": any(push.forces[0] for push in pushes)})
     steering = steering_of(controller, ship.actuators)
-    march, start = departure(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
+    integrator, start = initial_state(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
     rows = [Row(0.0, start)]
-    ending = event.FINISHED if march.room(start)[0] > 0 or start[0] == march.channel.start else event.CLOSED
+    ending = event.FINISHED if integrator.room(start)[0] > 0 or start[0] == integrator.channel.start else event.CLOSED
     for push in pushes if ending == event.FINISHED else ():
-        march.set(**dict(zip(INPUTS.values(), push.forces, strict=True)))
-        if ended := march.sail(rows, push.stop, dt):
+        integrator.set(**dict(zip(INPUTS.values(), push.forces, strict=True)))
+        if ended := integrator.integrate(rows, push.stop, dt):
             ending = ended.outcome
             break
     shown = [row for row in rows if row.whole]
     if times is not None:
-        shown = [*march.dense(rows, [t for t in (0.0, *times) if t < rows[-1].t]), rows[-1]]
-    log = _Log(ship, march, rows, ending, float(psi), float(rudder))
+        shown = [*integrator.dense(rows, [t for t in (0.0, *times) if t < rows[-1].t]), rows[-1]]
+    log = _Log(ship, integrator, rows, ending, float(psi), float(rudder))
     outline = tuple(points_of(model.configuration.ship, ship.shape)) if ship.shape not in (MIDSHIP, OPEN) else ()
     return Voyage(
         **log.columns(shown), outcome=log.outcome(dt), configuration=model.configuration, waterway=waterway,
@@ -330,14 +330,14 @@ def simulate(
 @dataclass(frozen=True)
 class _Log:
     ship: SimulatedShip
-    march: March
+    integrator: VoyageIntegrator
     rows: list[Row]
     ending: int
     psi: float
     rudder: float
 
     def columns(self, rows: list[Row]) -> dict[str, np.ndarray]:
-        kept = dict(zip(self.march.choices.kept, np.array([row.state for row in rows]).T, strict=True))
+        kept = dict(zip(self.integrator.choices.kept, np.array([row.state for row in rows]).T, strict=True))
         psi = counted_heading(kept["cos_psi"], kept["sin_psi"], kept.get(COUNTED, self.psi))
         rudder = kept.get("rudder", np.full(len(rows), self.rudder))
         track = {name: kept[name] for name in ("x", "y", "u", "v", "r")}
@@ -345,7 +345,7 @@ class _Log:
 
     def moved(self, rows: list[Row]) -> dict[Actuator, np.ndarray]:
         """Positions of ordered actuators other than the rudder."""
-        kept = self.march.choices.kept
+        kept = self.integrator.choices.kept
         ordered = [one for one in self.ship.model.terms.actuators if one.name in kept and one.name != "rudder"]
         moved = {one: np.array([row.state[kept.index(one.name)] for row in rows]) for one in ordered}
         check_ahead(next((column for one, column in moved.items() if one is PROPELLER), None))
@@ -364,15 +364,15 @@ class _Log:
         return Outcome(end.KINDS[code], last["t"], distance, side, state, notes, lengths)
 
     def _code_and_side(self, state: tuple[float, ...]) -> tuple[Code, str | None]:
-        code = Code(self.march.channel.codes(self.march.cause(self.ending, state), state[0]).item())
+        code = Code(self.integrator.channel.codes(self.integrator.cause(self.ending, state), state[0]).item())
         ship = self.ship.model.configuration.ship
-        sign = 1 if (is_full(ship.block_coefficient) if code == Code.TOUCHED else self.march.room(state)[1] > 0) else -1
-        return code, end.WAYS.get(code) or end.SIDES.get(code, {}).get(sign)
+        starboard = is_full(ship.block_coefficient) if code == Code.TOUCHED else self.integrator.room(state)[1] > 0
+        return code, end.WAYS.get(code) or end.SIDES.get(code, {}).get(1 if starboard else -1)
 
     def _beyond(self, columns: dict[str, np.ndarray]) -> Iterator[str]:
         """Return when the voyage left the tested range of its model."""
         model = self.ship.model
-        section = self.march.channel.section(columns["x"])
+        section = self.integrator.channel.section(columns["x"])
 
         def beyond(measure: Measure, covered: str, outside: Any, values: Any) -> str:
             first = int(np.argmax(np.broadcast_to(outside, columns["t"].shape)))
@@ -387,7 +387,7 @@ class _Log:
         """Return a note if the time step was too long, estimated from the steps themselves."""
         if self.ending == event.LOST:
             return ()
-        error = track_error(self.march, self.rows, dt)
+        error = track_error(self.integrator, self.rows, dt)
         if not error > STEP_ERROR_LIMIT * self.ship.model.configuration.ship.beam:
             return ()
         return (f"A time step of {dt:g} s is too long: the track is off by some {error:.2g} m; shorten it.",)

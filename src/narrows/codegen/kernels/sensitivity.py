@@ -25,7 +25,7 @@ elif __name__ == "narrows.codegen.kernels.sensitivity":  # Imported alone, by to
 
 
 @cached
-def march(
+def integrate(
     start: "Array", start_slopes: "Array", first: "Array", inputs: "Array", input_slopes: "Array",
     places: "Array", orders: "Array", lengths: "Array", parts: int, table: "Array", states: "Array", slopes: "Array",
 ) -> None:  # fmt: skip

@@ -116,7 +116,7 @@ def can_sail(state: Array, constants: Constants, waterway: Place, length: float,
     return min(length, duration) * abs(state[U]) <= constants.hull_length  # type: ignore[no-any-return]
 
 
-def planned(book: StepState, length: float, duration: float) -> None:
+def schedule(book: StepState, length: float, duration: float) -> None:
     """Plan whole steps and, if the time is no multiple of them, a shorter last one."""
     count = 1.0 * floor(duration / length + 1e-9)
     rest = duration - count * length
@@ -143,7 +143,7 @@ def sail(
     book = [0.0] * PLACES
     after = [0.0] * (KEPT + 2)
     closeness = [0.0] * 2
-    planned(book, length, duration)
+    schedule(book, length, duration)
     outcome = begun(state, closeness, constants, waterway)
     end[0], end[1] = 0.0, closeness[1]
     if outcome != AFLOAT:

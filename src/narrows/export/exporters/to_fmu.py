@@ -54,7 +54,7 @@ def write_fmu(
     from narrows.export.exported_ship import USUAL_PREFIX
     from narrows.export.fmu import fmu_bytes
     from narrows.export.native_build import builds_here
-    from narrows.simulation.departure import voyage_defaults
+    from narrows.simulation.initial_state import voyage_defaults
     from narrows.simulation.inputs import finite_numbers
 
     form_of(path, EXPORTER.suffixes)

@@ -23,7 +23,7 @@ from narrows.export.ship_files import c_text, javascript_text
 from narrows.model.model import Model
 from narrows.quantities.names import Number
 from narrows.simulation.controllers import SwitchedLaw
-from narrows.simulation.departure import voyage_defaults
+from narrows.simulation.initial_state import voyage_defaults
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of

@@ -77,7 +77,7 @@ class LogProblem:
     def scales(self) -> Scales:
         """Of the ship's states."""
         length, u = self.motion.model.configuration.ship.length, float(self.motion.choices["u"])
-        held = self.motion.march.ship.surge == "held"
+        held = self.motion.integrator.ship.surge == "held"
         return Scales(np.array([length, length, 1.0, u, u, u / length]), held)
 
     @cached_property

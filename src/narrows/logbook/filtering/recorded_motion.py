@@ -11,7 +11,7 @@ from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import INPUTS as PUSHED
 from narrows.logbook.filtering.predicted_signals import RECORDED, RUDDER, RUDDER_OFFSET, RecordedHelm, unlimited
 from narrows.model.model import Model
-from narrows.simulation.sensitivities import TangentMarch
+from narrows.simulation.sensitivities import TangentIntegrator
 from narrows.simulation.steering import PARAMETER
 
 STATES = ("x", "y", "psi", "u", "v", "r")
@@ -38,10 +38,10 @@ class RecordedMotion:
         return (*STATES, *PUSHES, *offset, *current, *self.coefficients)
 
     @cached_property
-    def march(self) -> TangentMarch:
+    def integrator(self) -> TangentIntegrator:
         """Its lines and numbers."""
         helm = RecordedHelm(dict(self.positions))
-        return TangentMarch.of(self.model, self.directions, {**self.choices, **self.positions, "controller": helm})
+        return TangentIntegrator.of(self.model, self.directions, {**self.choices, **self.positions, "controller": helm})
 
     @cached_property
     def of_records(self) -> "RecordedMotion":
@@ -60,8 +60,8 @@ class RecordedMotion:
         """Sail every window of a record from its own start."""
         # starts (windows, 6) [m]; pushes (windows, 3) [N, N, N m]; first (windows + 1,); times (nodes,) [s]; offset
         # (windows,) [rad]; current [m/s]
-        march = self.march
-        kept, count = march.march.choices.kept, np.diff(first)
+        integrator = self.integrator
+        kept, count = integrator.integrator.choices.kept, np.diff(first)
         begun = first[:-1]
         at_start = {name: positions[name][begun] + (offset if name == RUDDER else 0.0) for name in self.positions}
         begin, slopes = self._started(kept, starts, at_start)
@@ -72,8 +72,8 @@ class RecordedMotion:
         lengths = np.diff(times[first[0] : first[-1] + 1])
         others = unlimited(tuple(self.positions))
         if CURRENT in self.directions:
-            others[CURRENT] = march.march.inputs[CURRENT] + current
-        return _poses(kept, starts, first, *march.segments(
+            others[CURRENT] = integrator.integrator.inputs[CURRENT] + current
+        return _poses(kept, starts, first, *integrator.segments(
             begin, slopes, first - first[0], {**orders, **pushed}, lengths, **others
         ))  # fmt: skip
 

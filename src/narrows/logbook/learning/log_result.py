@@ -39,7 +39,7 @@ def log_result(posed: PosedLog, found: SearchResult, log: LogSource, free: Seque
 def _inertia(model: Model, problem: LogProblem) -> tuple[str, ...]:
     """Coefficients of the inertia that the motion feels, one for each that are tied."""
     seconds = {second for _, second in model.terms.ties}
-    surge = problem.motion.march.ship.surge
+    surge = problem.motion.integrator.ship.surge
     felt = [term for force, terms in model.terms.forces.items() if force != "X" or surge == "free" for term in terms]
     return tuple(term.name for term in felt if term.kind == TermKind.INERTIA and term.name not in seconds)
 

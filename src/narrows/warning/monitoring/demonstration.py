@@ -28,7 +28,7 @@ RADIUS, BEND, STEP = 5000.0, 2500.0, 20.0
 # Length of the transit; times of the rudder on the wrong side, and of the receding bank [s].
 DURATION, MISTAKE, UPSET = 330.0, (40.0, 120.0), (40.0, 120.0)
 # The rudder's angle then [deg], and the moment of the upset, in degrees of rudder.
-WRONG, MOMENT = 27.0, 3.0
+WRONG_RUDDER, MOMENT = 27.0, 3.0
 TERMS, ORIGIN = "speed+helm", (9.5, 54.2)
 BEGAN = datetime(2026, 5, 2, 8, tzinfo=UTC).timestamp()
 
@@ -90,7 +90,7 @@ class Demonstration:
 def demonstration(seed: int = 0) -> Demonstration:
     """Return the demonstration: a 230 m container ship in a canal 300 m wide."""
     model, way = bundled_ship(LENGTH, WIDTH, DEPTH, table_named(TERMS)), demonstrated_canal()
-    pilot, moment = MistakenHelm(track_pilot(model, LINE, SPEED), MISTAKE, math.radians(WRONG)), _moment(model)
+    pilot, moment = MistakenHelm(track_pilot(model, LINE, SPEED), MISTAKE, math.radians(WRONG_RUDDER)), _moment(model)
     voyage = simulate(
         model, x=300.0, y=LINE, u=SPEED, controller=pilot, waterway=way, duration=DURATION, dt=1.0,
         N=[(0.0, 0.0), (UPSET[0], moment), (UPSET[1], 0.0)],

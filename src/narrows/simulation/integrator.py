@@ -43,7 +43,7 @@ class StepAttempt(NamedTuple):
 
 
 @dataclass
-class March:
+class VoyageIntegrator:
     """A ship under way: the lines of its step, and their inputs."""
 
     functions: SimpleNamespace  # Functions of the system, for floats
@@ -114,10 +114,10 @@ class March:
         fast, turning = self.inputs["most_speed"], self.inputs["most_rate"]
         return abs(u) < fast and abs(v) < fast and abs(r) < turning and room == room
 
-    def sail(self, rows: list[Row], stop: float, dt: float) -> End | None:
+    def integrate(self, rows: list[Row], stop: float, dt: float) -> End | None:
         """Integrate to a time, or to an earlier end of the voyage; return None if the time was reached."""
         begun, state, *_ = rows.pop()
-        book, within = planned(stop - begun, dt), False
+        book, within = schedule(stop - begun, dt), False
         while book[event.COUNT] > 0:
             tried = self._tried(rows, Row(begun + book[event.CLOCK], state, whole=not within), book)
             leaves = self.choices.leaves
@@ -182,7 +182,7 @@ class March:
         return interpolated
 
 
-def planned(duration: float, dt: float) -> event.StepState:
+def schedule(duration: float, dt: float) -> event.StepState:
     """Return the plan of a voyage of whole steps and a last, shorter one."""
     count = math.floor(duration / dt + 1e-9)
     rest = duration - count * dt
@@ -196,18 +196,18 @@ def near_the_bank(values: Mapping[str, Any]) -> float:
     return NEAR_THE_BANK * float(values["width"])
 
 
-def track_error(march: March, rows: Sequence[Row], dt: float) -> float:
+def track_error(integrator: VoyageIntegrator, rows: Sequence[Row], dt: float) -> float:
     """Estimate the error of a voyage's final position due to its time step [m]."""
     # Richardson extrapolation: some steps are repeated in two halves with the rudder held. Their errors add up over the
     # voyage; growth of an error by the motion itself is ignored.
-    march.set(rudder_rate=0.0, revolutions_rate=0.0)
+    integrator.set(rudder_rate=0.0, revolutions_rate=0.0)
     whole = [row.state for row in rows[:-1] if row.ahead == dt]
-    errors = [_step_error(march, state, dt) for state in whole[:: max(1, len(whole) // STEP_CHECK_STEPS)]]
+    errors = [_step_error(integrator, state, dt) for state in whole[:: max(1, len(whole) // STEP_CHECK_STEPS)]]
     return (rows[-1].t - rows[0].t) / dt * sum(errors) / max(len(errors), 1)
 
 
-def _step_error(march: March, state: tuple[float, ...], dt: float) -> float:
-    whole = march.stepped(state, dt)[0]
-    halves = march.stepped(march.stepped(state, dt / 2)[0], dt / 2)[0]
+def _step_error(integrator: VoyageIntegrator, state: tuple[float, ...], dt: float) -> float:
+    whole = integrator.stepped(state, dt)[0]
+    halves = integrator.stepped(integrator.stepped(state, dt / 2)[0], dt / 2)[0]
     # The error of a step of order 4 is 16/15 of its difference from two halves.
     return 16 / 15 * math.hypot(whole[0] - halves[0], whole[1] - halves[1])

@@ -1,4 +1,4 @@
-"""Initial conditions of a voyage: the inputs of its march, and errors of an impossible start."""
+"""Initial conditions of a voyage: the inputs of its integrator, and errors of an impossible start."""
 
 import math
 from collections.abc import Mapping
@@ -17,7 +17,7 @@ from narrows.ship.actuators import places_of
 from narrows.simulation.channel import Channel, along_waterway, straight_channel
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START
-from narrows.simulation.march import March, near_the_bank
+from narrows.simulation.integrator import VoyageIntegrator, near_the_bank
 from narrows.simulation.settings import (
     DEFAULT_FROUDE,
     DEFAULT_LENGTHS,
@@ -59,20 +59,20 @@ ELSEWHERE = {
 }  # fmt: skip
 
 
-def departure(
+def initial_state(
     ship: SimulatedShip, steering: Steering | None, numbers: dict[str, float], waterway: "Waterway | None", pushed: bool
-) -> tuple[March, tuple[float, ...]]:
-    """Return a march with every input of its lines, and its initial state."""
+) -> tuple[VoyageIntegrator, tuple[float, ...]]:
+    """Return the integrator with every input of its lines, and its initial state."""
     values = ship.values(**{name: number for name, number in numbers.items() if name not in POSE})
     channel = _channel(ship, values, waterway, numbers["x"])
     system = ship.system(waterway is not None, steering.law if steering else None, "until" if pushed else "never")
     inputs = {**values, **system.constants(values), **channel.inputs, **(steering.parameters if steering else {})}
     inputs |= {**dict.fromkeys((*INPUTS.values(), *map(AFTER, INPUTS.values())), 0.0), "push_end": math.inf}
     order = steering.asked.begin() if steering and steering.asked else None
-    march = March(system.scalar, system.choices, inputs, channel, near_the_bank(values), order)
+    integrator = VoyageIntegrator(system.scalar, system.choices, inputs, channel, near_the_bank(values), order)
     start = _start(ship, system.choices.kept, steering, numbers)
-    _check_afloat(march, start)
-    return march, start
+    _check_afloat(integrator, start)
+    return integrator, start
 
 
 def _channel(ship: SimulatedShip, values: dict[str, Any], waterway: "Waterway | None", x: float) -> Channel:
@@ -97,17 +97,17 @@ def _start(
     return tuple(float({**state, **memory}[name]) for name in kept)
 
 
-def _check_afloat(march: March, start: tuple[float, ...]) -> None:
+def _check_afloat(integrator: VoyageIntegrator, start: tuple[float, ...]) -> None:
     _, y, cosine, sine, *_ = start
-    if cosine <= march.inputs["least_cos"]:
+    if cosine <= integrator.inputs["least_cos"]:
         heading = math.degrees(math.atan2(sine, cosine))
         raise InputError(f"psi = {heading:.1f} deg lies across the canal; start within 85 deg")
-    room, _ = march.room(start)
-    met = march.cause(event.CLOSED, start)
-    if met == event.GROUNDED and (room < 0 or (room == 0 and start[0] != march.channel.start)):
+    room, _ = integrator.room(start)
+    met = integrator.cause(event.CLOSED, start)
+    if met == event.GROUNDED and (room < 0 or (room == 0 and start[0] != integrator.channel.start)):
         raise InputError(f"y = {y:g} m starts with the hull {-room:.3g} m into the bank; start nearer the centreline")
     # The shortest step: with none at all, a rate without limit would give 0 times infinity.
-    if not all(map(math.isfinite, march.stepped(start, math.ulp(0.0))[0])):
+    if not all(map(math.isfinite, integrator.stepped(start, math.ulp(0.0))[0])):
         u, v, r = start[4:7]
         raise InputError(f"the forces of this model are not finite at u = {u:g}, v = {v:g}, r = {r:g}; start otherwise")
 
