@@ -14,7 +14,7 @@ Spoil = Callable[[pd.DataFrame], pd.DataFrame]
 TURN = 180 / np.pi
 
 TABLES: dict[str, tuple[Spoil, str]] = {
-    "another case": (lambda f: f.rename(columns={"psi": "Psi"}), "'psi' is missing .* did you mean 'Psi'"),
+    "a near name": (lambda f: f.rename(columns={"psi": "psii"}), "'psi' is missing .* did you mean 'psii'"),
     "a line break": (
         lambda f: f.astype({"Y": object}).assign(Y=f.Y.astype(object).where(f.index != 2, "a\nb")), "'Y' holds a b,",
     ),

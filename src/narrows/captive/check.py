@@ -16,7 +16,7 @@ from narrows.model.masses import displacement
 from narrows.quantities.names import GRAVITY
 from narrows.readers.cells import row_number
 from narrows.readers.headers import Column
-from narrows.ship.particulars import Configuration
+from narrows.ship.particulars import Configuration, Ship
 
 
 def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, table: str) -> None:
@@ -25,8 +25,10 @@ def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, table: str)
     if stuck.any():
         i = int(np.argmax(stuck))
         fault = "repeats the time of the row above" if t[i] == t[i - 1] else "goes back in time"
+        remedy = "leave one out" if t[i] == t[i - 1] else "sort it by time"
+        remedy = remedy if "test" in frame else f"{remedy}, or name the tests in a column 'test'"
         row = row_number(frame, stuck)
-        raise InputError(f"{table}: row {row}, column 't' {fault} (test {test[i]}, t = {t[i]:g} s); sort it by time")
+        raise InputError(f"{table}: row {row}, column 't' {fault} (test {test[i]}, t = {t[i]:g} s); {remedy}")
 
 
 def check_heading(frame: pd.DataFrame, psi: np.ndarray, column: Column, table: str) -> None:
@@ -83,6 +85,22 @@ def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], configurat
 
 
 Columns = Mapping[str, np.ndarray]
+
+
+def check_units(frame: pd.DataFrame, columns: Columns, by_name: Mapping[str, Column], ship: Ship, table: str) -> None:
+    """Raise if a column without a unit has a size that only another unit explains."""
+    most = {
+        "rudder": (math.pi / 2, "rudder [deg]"), "draft": (3 * ship.draft, "draft [mm]"),
+        "depth": (settings.DEEPEST * ship.draft, "depth [mm]"), "width": (settings.WIDEST * ship.beam, "width [mm]"),
+    }  # fmt: skip
+    for name, (largest, header) in most.items():
+        large = np.abs(columns[name]) > largest if name in by_name and not by_name[name].stated else np.zeros(1, bool)
+        if large.any():
+            value, unit = columns[name][int(np.argmax(large))], COLUMNS[name].unit
+            raise InputError(
+                f"{table}: row {row_number(frame, large)}, column {by_name[name].header!r} = {value:g} {unit} is too "
+                f"large for this ship; head it {header!r} if that is its unit, or '{name} [{unit}]'"
+            )
 
 
 def check_mass(configuration: Configuration, table: str) -> tuple[str, ...]:
@@ -226,6 +244,26 @@ class MotionColumns(NamedTuple):
         kept = np.repeat(tests, rows)
         starts = np.concatenate([[0], np.cumsum(rows[tests])])
         return self._replace(columns={name: column[kept] for name, column in self.columns.items()}, starts=starts)
+
+
+def check_axes(motions: MotionColumns, table: str) -> None:
+    """Raise if u and v are the velocities along and across the canal, not those in the axes of a ship that yaws."""
+    columns = motions.columns
+    if not {"t", "y", "psi", "u", "v"} <= columns.keys():
+        return
+    u, v, psi, lapses = columns["u"], columns["v"], columns["psi"], _lapses(motions, {})
+    known = lapses > 0
+    if not known.any():
+        return
+    own, canal = (
+        float(np.std((np.diff(columns["y"]) - 0.5 * (rate[1:] + rate[:-1]) * lapses)[known]))
+        for rate in (u * np.sin(psi) + v * np.cos(psi), v)
+    )
+    if own > 4 * canal and own > settings.LEAST_LEEWAY * float(np.mean(np.abs(u[1:] * lapses)[known])):
+        raise InputError(
+            f"{table}: dy/dt is v, not u sin(psi) + v cos(psi), so u and v are along and across the canal; give those "
+            "in the ship's axes, u cos(psi) + v sin(psi) and v cos(psi) - u sin(psi), and their rates or none"
+        )
 
 
 def check_kinematics(

@@ -1,5 +1,6 @@
 """Rows of a table in the documented columns: recognised, screened for markers and spikes, checked, in SI, by test."""
 
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import pairwise
@@ -48,6 +49,7 @@ class Reading(NamedTuple):
 
 def clean(raw: pd.DataFrame, asked: Reading) -> tuple[pd.DataFrame, tuple[str, ...]]:
     table, where = asked.table, asked.where
+    raw, of_rows = without_words(raw)
     mapped, notes = asked.mapping.applied(raw, table, Vocabulary(asked.known, LABELS)) if asked.mapping else (raw, ())
     early = chosen_early(mapped, where, table)
     frame, of_layout = formats.translated(mapped if early is None else mapped[early], where or "", table)
@@ -58,8 +60,53 @@ def clean(raw: pd.DataFrame, asked: Reading) -> tuple[pd.DataFrame, tuple[str, .
         frame = frame[chosen_late(raw, frame, where, table, asked.known)]
     if not len(frame):
         return frame, (*notes, *of_layout)
+    frame, of_totals = without_totals(with_seconds(frame))
     frame, left_out = screened(frame, recognised_in(frame, asked.known, table), tests_of(frame, table), table)
-    return frame, (*notes, *of_layout, *left_out)
+    return frame, (*notes, *of_rows, *of_layout, *of_totals, *left_out)
+
+
+def without_words(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Return a table without the rows that hold no number, as repeated headers, and a note."""
+    words = [header for header in frame if frame[header].dtype.kind not in "fiub"]
+    bare = frame.drop(columns=words).isna().to_numpy().all(axis=1)
+    for header in words if bare.any() else ():
+        bare[bare] = ~np.isfinite(floats(frame[header][bare]))
+    if not bare.any() or bare.all():
+        return frame, ()
+    kept = frame[~bare].copy()
+    for header in words:
+        if np.isfinite(numbers := floats(kept[header])).all():
+            kept[header] = numbers
+    return kept, (f"row {row_number(frame, bare)} holds no number{_more(bare)}: left out",)
+
+
+def with_seconds(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return a table whose times of day, or dates with times, are in seconds."""
+    for header in [header for header in frame if str(header) == "t" and frame[header].dtype.kind not in "fiub"]:
+        words = frame[header].astype(str).str.strip()
+        times = pd.to_timedelta(words.where(words.str.match(r"\d+:\d+:\d")), errors="coerce")
+        if times.isna().any():
+            dates = pd.to_datetime(words.where(words.str.match(r"\d{4}-\d\d-\d\d")), errors="coerce", format="ISO8601")
+            times = dates - pd.Timestamp(0, tz=dates.dt.tz)
+        if not times.isna().any():
+            frame = frame.assign(**{header: times.dt.total_seconds()})
+    return frame
+
+
+def without_totals(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
+    """Return a table without single rows that are named as the mean or total of others, and a note."""
+    if "test" not in frame:
+        return frame, ()
+    names = frame["test"].astype(str).str.strip().str.casefold()
+    total = (names.isin(settings.TOTALS) & ~names.duplicated(keep=False)).to_numpy()
+    if not total.any() or total.all():
+        return frame, ()
+    row = row_number(frame, total)
+    return frame[~total], (f"row {row} is named {frame['test'][total].iloc[0]!r}{_more(total)}: left out",)
+
+
+def _more(rows: np.ndarray) -> str:
+    return f", and {int(rows.sum()) - 1} more like it" if rows.sum() > 1 else ""
 
 
 def checked(
@@ -70,7 +117,9 @@ def checked(
     known = columns_with(movers.values())
     recognised = recognised_in(frame, known, table)
     headers = [str(header) for header in frame.columns]
-    cells.check_once(recognised, headers, COLUMNS, table)
+    # Time alone heads a table of one row for each channel.
+    several = recognised if {column.quantity for column in recognised} - {"t"} else []
+    cells.check_once(several, headers, COLUMNS, table)
     columns = {c.quantity: cells.numbers(frame, c.header, table) * c.scale for c in recognised}
     test = tests_of(frame, table)
     by_name = {c.quantity: c for c in recognised}
@@ -78,9 +127,12 @@ def checked(
         order = _grouped(test)[0]
         check.check_time(frame.iloc[order], test[order], columns["t"][order], table)
     if "psi" in columns:
+        if by_name["psi"].stated:  # A compass counts from 0 to 360.
+            columns["psi"] = np.where(columns["psi"] > math.pi, columns["psi"] - 2 * math.pi, columns["psi"])
         check.check_heading(frame, columns["psi"], by_name["psi"], table)
         check.check_rates(columns, test, by_name, table)
         columns |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"])}
+    check.check_units(frame, columns, by_name, configuration.ship, table)
     for name in movers.keys() & columns.keys():
         columns |= movers[name].placed(columns[name])
     assumed = [name for name in ASSUMED if name not in columns]
@@ -101,19 +153,20 @@ def _physical_sense(
     notes = check.check_mass(configuration, table)
     notes += check.check_heave(frame, columns, configuration, by_name.get("heave"), table)
     check.check_forces(columns, configuration, by_name, table)
-    check.check_drift(columns, by_name, table)
     order, names, starts = _grouped(test)
     motions = MotionColumns(
         {name: column[order] for name, column in columns.items()}, starts, configuration.ship.length
     )
+    check.check_axes(motions, table)
+    check.check_drift(columns, by_name, table)
     return notes + check_kinematics(motions, names, by_name, table)
 
 
 def with_accelerations(rows: Rows) -> Rows:
-    """Return rows whose missing accelerations are central differences of the velocities, test by test."""
+    """Return rows whose missing yaw rate and accelerations are central differences, test by test."""
     columns, made = dict(rows.columns), []
     order, _, starts = _grouped(rows.test)
-    for velocity, acceleration in (("u", "udot"), ("v", "vdot"), ("r", "rdot")):
+    for velocity, acceleration in (("psi", "r"), ("u", "udot"), ("v", "vdot"), ("r", "rdot")):
         if acceleration in columns or not {"t", velocity} <= columns.keys() or (np.diff(starts) < 2).any():
             continue
         t, speed, rate = columns["t"][order], columns[velocity][order], np.empty(len(order))
@@ -242,8 +295,7 @@ def screened(
                 f"{table}: {place}, as do {int(wrong.sum()) - 1} more rows that the others of their runs contradict; "
                 "select good rows with --where, or mend the column"
             )
-        more = f", and {int(wrong.sum()) - 1} more like it" if wrong.sum() > 1 else ""
-        notes.append(f"{place}{more}, which the other rows of its run contradict: left out")
+        notes.append(f"{place}{_more(wrong)}, which the other rows of its run contradict: left out")
         spoiled |= wrong
     return (frame[~spoiled], tuple(notes)) if notes else (frame, ())
 

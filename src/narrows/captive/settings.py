@@ -38,3 +38,8 @@ LONE_SHARE = 0.01  # [1] of a run's rows: largest share of spikes, one at least
 USUAL_SHARE = 0.95  # [1] quantile of a column's sizes in the table that counts as usual
 FEWEST_SCREENED = 8  # rows of a run compared among themselves; shorter runs are compared together
 MOST_SPOILED = 0.05  # [1] of a table's rows: a column with more wrong values is refused
+# Names of rows that sum others up, not tests
+TOTALS = ("mean", "average", "total", "sum", "std", "min", "max", "mittelwert", "summe", "gemiddelde", "平均")
+# Largest sizes that a column without a unit may have
+DEEPEST = 100.0  # [1] water depth over draft
+WIDEST = 200.0  # [1] width of the canal over beam

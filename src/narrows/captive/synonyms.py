@@ -4,18 +4,20 @@ import re
 import unicodedata
 from collections.abc import Mapping
 
+import numpy as np
 import pandas as pd
 
 from narrows.captive.tests import LABELS
 from narrows.errors import InputError
 from narrows.quantities.names import Quantity
+from narrows.readers.cells import floats
 from narrows.readers.headers import is_unit, parse_header
 
 # In lower case, without accents, units and punctuation.
 SYNONYMS = {
     "t": ("time", "elapsed time", "time stamp", "timestamp", "zeit", "tijd", "时间"),
-    "test": ("run", "run no", "run number", "run id", "test no", "test number", "test id", "test name", "versuch",
-             "versuchsnummer", "lauf", "proef", "proefnummer", "试验", "试验编号", "工况"),
+    "test": ("run", "run no", "run number", "run id", "test no", "test number", "test id", "test name", "sheet", "no",
+             "versuch", "versuchsnummer", "lauf", "proef", "proefnummer", "试验", "试验编号", "工况"),
     "x": ("x position", "longitudinal position", "langsposition", "laengsposition", "纵向位置"),
     "y": ("y position", "sway position", "lateral position", "transverse position", "lateral offset", "querablage",
           "querposition", "dwarspositie", "横向位置"),
@@ -42,6 +44,8 @@ SYNONYMS = {
     "draft": ("draught", "tiefgang", "diepgang", "吃水"),
 }  # fmt: skip
 NAMES = {word: name for name, words in SYNONYMS.items() for word in words}
+# In capitals, where they mean nothing else: T may be a draft.
+NAMES |= {name: name for name in ("test", "psi", "u", "v", "r", "udot", "vdot", "rdot", "heave", "rudder", "depth")}
 # Units as such headers write them.
 UNIT_WORDS = {
     "grad": "deg", "graden": "deg", "度": "deg", "grad/s": "deg/s", "graden/s": "deg/s", "度/s": "deg/s",
@@ -65,6 +69,10 @@ def renamed(frame: pd.DataFrame, known: Mapping[str, Quantity], table: str) -> t
         new[header] = f"{name} [{unit}]" if unit and name not in LABELS else name
     if not new:
         return frame, ()
+    turns = "r" in present or any(name.partition(" ")[0] == "r" for name in new.values())
+    for header, name in new.items():
+        if (name == "rudder" or (name == "psi" and not turns)) and np.any(floats(frame[header]) != 0):
+            raise InputError(f"{table}: column {header!r} has no unit; head it '{name} [deg]' or '{name} [rad]'")
     said = "; ".join(f"{other} is {header!r}" for header, other in new.items())
     return frame.rename(columns=new), (f"by their headers: {said}",)
 
@@ -81,8 +89,8 @@ def _documented(header: str, known: Mapping[str, Quantity]) -> str:
 
 def _meant(header: str) -> tuple[str, str]:
     """The documented name that a header means, and its unit; empty where it means none, or has none."""
-    words, unit = header.strip(), ""
-    if match := re.fullmatch(r"(.*?)\s*[\[({]([^\])}]*)[\])}]", words):
+    words, unit = unicodedata.normalize("NFKC", header.replace("²", "2")).strip(), ""
+    if match := re.fullmatch(r"(.*?)\s*[\[({]([^\])}]*)[\])}](?:\s*[-:,].*)?", words, re.DOTALL):
         words, unit = match[1], match[2].strip()
     elif match := re.fullmatch(r"(.*?)(?:\s*[,/;|]\s*|\s+in\s+|_+|\s+)(\S+)", words):
         last = UNIT_WORDS.get(match[2].lower(), match[2])

@@ -49,7 +49,9 @@ def numbers(frame: pd.DataFrame, header: str, table: str, blanks: bool = False) 
         cell = cell if isinstance(cell, str) and len(cell) < LONGEST_CELL else shown(cell)
         fault = "which nothing measures" if np.isfinite(values[wrong][0]) else "not a finite number"
         row = row_number(frame, wrong)
-        raise InputError(f"{table}: row {row}, column {header!r} holds {cell}, {fault}; mend the cell")
+        raise InputError(
+            f"{table}: row {row}, column {header!r} holds {cell}, {fault}; mend the cell or leave the row out"
+        )
     return values
 
 

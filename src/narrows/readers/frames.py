@@ -3,7 +3,7 @@
 import struct
 import zlib
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -105,18 +105,36 @@ def _read_excel(path: Path) -> Sheet:
         sheets = pd.read_excel(book, sheet_name=None, header=None)
     names = list(sheets)
     read = _sheet_of_data(sheets)
-    cells = sheets[read]
+    frame, notes = _of_cells(sheets[read], str(names[0]))
+    which = "the first" if read == names[0] else "the first with many numbers"
+    alike = {read: frame} | {name: other for name in names if (other := _alike(sheets[name], frame)) is not None}
+    if len(alike) > 1:
+        every = pd.concat([part.assign(sheet=str(name)) for name, part in alike.items()])
+        return Sheet(every, (f"{len(alike)} sheets with the same columns are read, {len(names)} in all", *notes))
+    others = (f"sheet {read!r} is read, {which} of {len(names)}",) if len(names) > 1 else ()
+    return Sheet(frame, (*others, *notes))
+
+
+def _alike(cells: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame | None:
+    """A sheet with the same columns as another, all numbers; a column of names would tell its rows apart."""
+    if cells.shape[1] != frame.shape[1] or any(frame[header].dtype.kind not in "fiu" for header in frame):
+        return None
+    with suppress(InputError):
+        other = _of_cells(cells, "")[0]
+        return other if list(other.columns) == list(frame.columns) else None
+    return None
+
+
+def _of_cells(cells: pd.DataFrame, first: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
     cells.index = pd.RangeIndex(len(cells))
     cells = cells.dropna(how="all")
     if cells.empty:
-        raise InputError(f"sheet {names[0]!r} is empty; give a header and rows, in the first sheet")
+        raise InputError(f"sheet {first!r} is empty; give a header and rows, in the first sheet")
     top = [["" if pd.isna(cell) else str(cell) for cell in row] for row in cells.head(SHEET_ROWS).to_numpy()]
     head = head_of(top, [int(row) + 1 for row in cells.index[:SHEET_ROWS]])
     frame = cells[cells.index >= head.first - 1].set_axis(list(head.headers), axis="columns").infer_objects()
     frame.index += 1 - FIRST_ROW
-    which = "the first" if read == names[0] else "the first with many numbers"
-    others = (f"sheet {read!r} is read, {which} of {len(names)}",) if len(names) > 1 else ()
-    return Sheet(frame, (*others, *head.notes))
+    return frame, head.notes
 
 
 def _sheet_of_data(sheets: Mapping[Any, pd.DataFrame]) -> Any:

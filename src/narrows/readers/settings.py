@@ -11,6 +11,7 @@ FULL_SHARE = 0.5  # [1] least share of filled cells in a row of the table; fewer
 UNIT_SHARE = 0.6  # [1] least share of cells under a header that read as units
 DIALECT_BYTES = 1 << 18  # bytes for finding encoding, separator, decimals and header
 DIALECT_ROWS = 400  # rows for the same
+HEADER_LINES = 20  # most lines over which the cells of a header may go on
 # NMEA 0183
 MOST_SHIPS = 2000  # ships whose reports are counted; then the half with the fewest is dropped
 PART_WAIT = 2.0  # [s] waiting time for the next part of an AIS message

@@ -5,6 +5,7 @@ import csv
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from io import StringIO
 from itertools import islice, zip_longest
 from pathlib import Path
@@ -16,7 +17,7 @@ import pandas as pd
 from narrows.errors import InputError, shown
 from narrows.progress import opened
 from narrows.readers.headers import is_unit
-from narrows.readers.settings import BLOCK, DIALECT_BYTES, DIALECT_ROWS, FULL_SHARE, UNIT_SHARE
+from narrows.readers.settings import BLOCK, DIALECT_BYTES, DIALECT_ROWS, FULL_SHARE, HEADER_LINES, UNIT_SHARE
 
 # Row number below a header in an editor: the index of a frame counts from there.
 FIRST_ROW = 2
@@ -96,7 +97,8 @@ def _is_broken(path: Path, dialect: Dialect) -> bool:
         return True
     with path.open("rb") as file:
         for _ in range(dialect.head.first - 2):
-            file.readline()
+            if file.readline().count(b'"') % 2:
+                return True
         line = b""
         while block := file.read(BLOCK):
             text = line + block
@@ -149,8 +151,9 @@ def head_of(rows: Sequence[Row], lines: Sequence[int], decimal: str = ".", remar
         named.pop(0)  # Only adjacent rows directly above the numbers
     if not named or named[-1] != first - 1:
         return _without_header(rows, lines, texts, first, width, remark)
-    top = named[0]
-    units = rows[top + 1] if len(named) > 1 and _are_units(rows[top + 1]) else ()
+    under = len(named) > 1 and _are_units(rows[named[-1]])
+    top = named[-2] if under else named[0]  # Of names over symbols over units, the symbols
+    units = rows[top + 1] if under else ()
     begin = top + 1 + bool(units)
     above = (f"{lines[top] - 1} lines above the header were passed over",) if top else ()
     headers = _headers(_trimmed(rows[top], width), _trimmed(units, width))
@@ -237,12 +240,22 @@ def dialect_of(path: Path) -> Dialect:
     lines = [(number, line) for number, line in numbered if not line.lstrip().startswith(REMARKS)][:DIALECT_ROWS]
     if not lines:
         raise InputError("the table is empty; give a header and rows")
+    lines = _joined(lines)
     split = _best([line for _, line in lines])
     numbers = [number for number, _ in lines]
     if split.decimal == ",":
         _check_decimals(split.rows, numbers)
     head = head_of(split.rows, numbers, split.decimal, _remark(numbered, split))
     return Dialect(encoding, split.separator, split.decimal, head)
+
+
+def _joined(lines: list[tuple[int, str]]) -> list[tuple[int, str]]:
+    """Lines whose first is whole: a header in quotes may go on in the next ones."""
+    for stop in range(1, min(len(lines), HEADER_LINES) + 1):
+        first = " ".join(line for _, line in lines[:stop])
+        if first.count('"') % 2 == 0:
+            return [(lines[0][0], first), *lines[stop:]]
+    return lines
 
 
 def _sample(path: Path) -> tuple[str, list[tuple[int, str]]]:
@@ -258,15 +271,15 @@ def _sample(path: Path) -> tuple[str, list[tuple[int, str]]]:
 
 
 def _encoding(raw: bytes) -> str:
-    """Encoding by its byte-order mark, else UTF-8 if valid, else the Latin encoding of measuring computers."""
+    """Encoding by its byte-order mark, else the first of UTF-8, Chinese and Latin that is valid."""
     for mark, encoding in MARKS.items():
         if raw.startswith(mark):
             return encoding
-    try:
-        codecs.getincrementaldecoder("utf-8")().decode(raw, final=len(raw) < DIALECT_BYTES)
-    except UnicodeDecodeError:
-        return "latin-1"
-    return "utf-8"
+    for encoding in ("utf-8", "gb2312"):  # Bytes above 127 are even in number in Chinese, mostly alone in Latin.
+        with suppress(UnicodeDecodeError):
+            codecs.getincrementaldecoder(encoding)().decode(raw, final=len(raw) < DIALECT_BYTES)
+            return encoding
+    return "latin-1"
 
 
 def _best(lines: list[str]) -> Split:
