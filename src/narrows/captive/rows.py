@@ -12,7 +12,7 @@ import pandas as pd
 from narrows.captive import check, formats, settings
 from narrows.captive.check import MotionColumns, check_kinematics
 from narrows.captive.columns import COLUMNS, columns_with
-from narrows.captive.synonyms import renamed
+from narrows.captive.synonyms import begun, renamed
 from narrows.captive.tests import LABELS, CaptiveTests, Headers
 from narrows.errors import InputError, near_miss, reason, shown
 from narrows.model.sections import Source
@@ -67,30 +67,27 @@ def clean(raw: pd.DataFrame, asked: Reading) -> tuple[pd.DataFrame, tuple[str, .
 
 def without_words(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Return a table without the rows that hold no number, as repeated headers, and a note."""
-    words = [header for header in frame if frame[header].dtype.kind not in "fiub"]
-    bare = frame.drop(columns=words).isna().to_numpy().all(axis=1)
+    words = [header for header in frame.columns if frame[header].dtype.kind not in "fiub"]
+    bare = np.asarray(frame.drop(columns=words).isna().to_numpy().all(axis=1))
     for header in words if bare.any() else ():
         bare[bare] = ~np.isfinite(floats(frame[header][bare]))
     if not bare.any() or bare.all():
         return frame, ()
-    kept = frame[~bare].copy()
-    for header in words:
-        if np.isfinite(numbers := floats(kept[header])).all():
-            kept[header] = numbers
-    return kept, (f"row {row_number(frame, bare)} holds no number{_more(bare)}: left out",)
+    kept = frame[~bare]
+    numbers = {header: values for header in words if np.isfinite(values := floats(kept[header])).all()}
+    return kept.assign(**numbers), (f"row {row_number(frame, bare)} holds no number{_more(bare)}: left out",)
 
 
 def with_seconds(frame: pd.DataFrame) -> pd.DataFrame:
     """Return a table whose times of day, or dates with times, are in seconds."""
-    for header in [header for header in frame if str(header) == "t" and frame[header].dtype.kind not in "fiub"]:
-        words = frame[header].astype(str).str.strip()
-        times = pd.to_timedelta(words.where(words.str.match(r"\d+:\d+:\d")), errors="coerce")
-        if times.isna().any():
-            dates = pd.to_datetime(words.where(words.str.match(r"\d{4}-\d\d-\d\d")), errors="coerce", format="ISO8601")
-            times = dates - pd.Timestamp(0, tz=dates.dt.tz)
-        if not times.isna().any():
-            frame = frame.assign(**{header: times.dt.total_seconds()})
-    return frame
+    if "t" not in frame or frame["t"].dtype.kind in "fiub":
+        return frame
+    words = frame["t"].astype(str).str.strip()
+    times = pd.to_timedelta(words.where(words.str.match(r"\d+:\d+:\d")), errors="coerce")
+    if times.isna().any():
+        dates = words.where(words.str.match(r"\d{4}-\d\d-\d\d"))
+        times = pd.to_datetime(dates, errors="coerce", format="ISO8601", utc=True) - pd.Timestamp(0, tz="UTC")
+    return frame if times.isna().any() else frame.assign(t=times.dt.total_seconds())
 
 
 def without_totals(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
@@ -143,6 +140,10 @@ def checked(
     notes = [f"column {name!r} is absent: taken as 0" for name in assumed]
     notes += [] if "test" in frame else ["column 'test' is absent: all rows are taken as one test"]
     unread = tuple(header for header in headers if header not in {c.header for c in recognised})
+    notes += [
+        f"column {header!r} is not read: is it {name}?"
+        for header in unread if (name := begun(header)) and name not in {*columns, *LABELS}
+    ]  # fmt: skip
     return Rows(columns, test, condition, (*notes, *sense), Headers(table, unread, ship_file))
 
 

@@ -39,13 +39,27 @@ SYNONYMS = {
     "Y": ("sway force", "lateral force", "side force", "transverse force", "y force", "fy", "querkraft", "dwarskracht",
           "横向力"),
     "N": ("yaw moment", "yawing moment", "n moment", "mz", "giermoment", "艏摇力矩", "转艏力矩"),
-    "rudder": ("rudder angle", "ruderwinkel", "roerhoek", "舵角"),
+    "rudder": ("rudder angle", "ruderwinkel", "ruder", "roerhoek", "roer", "舵角"),
     "depth": ("water depth", "wassertiefe", "waterdiepte", "水深"),
     "draft": ("draught", "tiefgang", "diepgang", "吃水"),
 }  # fmt: skip
 NAMES = {word: name for name, words in SYNONYMS.items() for word in words}
-# In capitals, where they mean nothing else: T may be a draft.
-NAMES |= {name: name for name in ("test", "psi", "u", "v", "r", "udot", "vdot", "rdot", "heave", "rudder", "depth")}
+# In capitals, where they mean nothing else: U and V may be speeds of the ship, T its draft.
+NAMES |= {name: name for name in ("test", "psi", "r", "udot", "vdot", "rdot", "heave", "rudder", "depth")}
+# Names that other axes may have, too.
+HINTS = {
+    "vx": "u",
+    "vy": "v",
+    "wz": "r",
+    "ax": "udot",
+    "ay": "vdot",
+    "xdot": "u",
+    "ydot": "v",
+    "u": "u",
+    "v": "v",
+    "t": "t",
+    "n": "N",
+}
 # Units as such headers write them.
 UNIT_WORDS = {
     "grad": "deg", "graden": "deg", "度": "deg", "grad/s": "deg/s", "graden/s": "deg/s", "度/s": "deg/s",
@@ -60,7 +74,7 @@ def renamed(frame: pd.DataFrame, known: Mapping[str, Quantity], table: str) -> t
     present = {name for header in headers if (name := _documented(header, known))}
     new: dict[str, str] = {}
     for header in headers:
-        name, unit = _meant(header)
+        name, unit = meant(header)
         if not name or name in present or _documented(header, known):
             continue
         first = next((old for old, other in new.items() if other.partition(" ")[0] == name), "")
@@ -87,18 +101,30 @@ def _documented(header: str, known: Mapping[str, Quantity]) -> str:
     return column.quantity if column else ""
 
 
-def _meant(header: str) -> tuple[str, str]:
+def meant(header: str) -> tuple[str, str]:
     """The documented name that a header means, and its unit; empty where it means none, or has none."""
     words, unit = unicodedata.normalize("NFKC", header.replace("²", "2")).strip(), ""
     if match := re.fullmatch(r"(.*?)\s*[\[({]([^\])}]*)[\])}](?:\s*[-:,].*)?", words, re.DOTALL):
         words, unit = match[1], match[2].strip()
     elif match := re.fullmatch(r"(.*?)(?:\s*[,/;|]\s*|\s+in\s+|_+|\s+)(\S+)", words):
         last = UNIT_WORDS.get(match[2].lower(), match[2])
-        if _plain(match[1]) in NAMES and (is_unit(last) or "/" in last):
+        if plain(match[1]) in NAMES and (is_unit(last) or "/" in last):
             words, unit = match[1], last
-    return NAMES.get(_plain(words), ""), UNIT_WORDS.get(unit.lower(), unit)
+    return NAMES.get(plain(words), ""), UNIT_WORDS.get(unit.lower(), unit)
 
 
-def _plain(words: str) -> str:
+def plain(words: str) -> str:
     bare = "".join(letter for letter in unicodedata.normalize("NFKD", words) if not unicodedata.combining(letter))
     return re.sub(r"[\W_]+", " ", bare.casefold()).strip()
+
+
+def begun(header: str) -> str:
+    """Return the documented name of which each word of a header begins one; empty if none."""
+    words = plain(re.sub(r"[\[(].*", "", header))
+    parts = words.split()
+    if words in HINTS:
+        return HINTS[words]
+    for known, name in NAMES.items():
+        if len(words) > 2 and all(any(other.startswith(part) for other in known.split()) for part in parts):
+            return name
+    return ""

@@ -85,10 +85,42 @@ def identify(
     if stream and delivery.report:
         raise InputError("--report draws the rows, which --stream does not keep; leave one of them out")
     options, read = fitting.options(), stream_captive if stream else read_captive
-    tests = read(table, ship, selection.where, mapping=selection.mapping)
-    with stage("fitting"):
-        fits = identify_conditions(tests, selection.condition, **options)
+    mapping = selection.mapping or _confirmed(table)
+    try:
+        tests = read(table, ship, selection.where, mapping=mapping)
+        with stage("fitting"):
+            fits = identify_conditions(tests, selection.condition, **options)
+    except InputError as error:
+        raise InputError(f"{error}{'' if mapping else _drafted(table, ship)}") from None
     publish(fits, table.stem, delivery)
+
+
+def _confirmed(table: Path) -> Path | None:
+    """The confirmed columns.toml beside a table, if there is one."""
+    from narrows.readers.mapping import CONFIRMED
+    from narrows.ship.ship_file import load_toml
+
+    path = table.with_name("columns.toml")
+    return path if path.is_file() and load_toml(path).get(CONFIRMED) is True else None
+
+
+def _drafted(table: Path, ship: Path) -> str:
+    """Draft the columns of a table that was refused; return what was done and what to type."""
+    from narrows.captive.draft import draft_columns
+    from narrows.readers.frames import read_frame
+
+    path = table.with_name("columns.toml")
+    command = f"narrows identify {table} --ship {ship} --mapping {path}"
+    if path.exists():
+        return f" ({path} is there: check it, and type {command})"
+    try:
+        draft = draft_columns(read_frame(table).frame)
+        if not draft.entries:
+            return ""
+        path.write_text(draft.toml(table.name, command), encoding="utf-8")
+    except (InputError, OSError):
+        return ""
+    return f"; {path} is drafted, {draft.summary()}: check it, and type {command}"
 
 
 @verb("narrows demo -o out")

@@ -172,7 +172,7 @@ def unit_named(text: str) -> Unit | None:
 
 def _product(text: str) -> Unit | None:
     products = re.sub(r"(?<=[A-Za-z])-(?=[A-Za-z])", "*", text.strip())
-    signs = products.replace("**", "^").translate({ord("²"): "^2", ord("³"): "^3", ord("·"): "*"})
+    signs = products.replace("**", "^").translate({ord("²"): "^2", ord("³"): "^3", ord("·"): "*", ord("・"): "*"})
     parts = re.split(r"\s*([*/])\s*|\s+", signs)
     scale, powers = 1.0, (0, 0, 0, 0, 0)
     for sign, part in zip(["*", *parts[1::2]], parts[::2], strict=True):

@@ -26,6 +26,9 @@ COUNTED = {
     "heave": ("down",),
 }
 
+# Key of a drafted file, true once its lines are checked.
+CONFIRMED = "confirmed"
+
 
 @dataclass(frozen=True)
 class ColumnMapping:
@@ -107,9 +110,9 @@ def read_mapping(mapping: str | Path | Mapping[str, Any] | ColumnMapping | None)
     name = "the mapping" if isinstance(mapping, Mapping) else Path(mapping).name
     sections = [section.name for section in fields(ColumnMapping)][:3]
     for section in tables:
-        if section not in sections:
+        if section not in (*sections, CONFIRMED):
             raise InputError(f"{name}: unknown section [{section}]{did_you_mean(str(section), sections)}")
-    return ColumnMapping(**tables, name=name)
+    return ColumnMapping(**{section: tables[section] for section in sections if section in tables}, name=name)
 
 
 def _sign(name: str, way: str, table: str) -> float:

@@ -1,0 +1,245 @@
+"""Tables as laboratories write them: each is read as the clean one, or refused with a remedy that works."""
+
+import io
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import narrows as nw
+from tables import frame_of, short_twin
+
+TESTS = short_twin()
+CLEAN = frame_of(TESTS)
+DEG, KNOT = 180 / np.pi, 1852 / 3600
+IN_DEGREES = {"psi": DEG, "r": DEG, "rdot": DEG}
+NORTH = CLEAN.u * np.cos(CLEAN.psi) - CLEAN.v * np.sin(CLEAN.psi)
+EAST = CLEAN.u * np.sin(CLEAN.psi) + CLEAN.v * np.cos(CLEAN.psi)
+RATES = ["udot", "vdot", "rdot"]
+
+
+def headed(words: dict[str, str], frame: pd.DataFrame = CLEAN, **factors: float) -> pd.DataFrame:
+    """The table under other headers, its numbers in their units."""
+    return frame.assign(**{name: frame[name] * factor for name, factor in factors.items()}).rename(columns=words)
+
+
+def text(frame: pd.DataFrame = CLEAN, separator: str = ",", decimal: str = ".", **options: object) -> str:
+    return frame.to_csv(index=False, sep=separator, decimal=decimal, **options)
+
+
+def with_lines(*lines: str, at: int | None = None, frame: pd.DataFrame = CLEAN) -> str:
+    rows = text(frame).splitlines()
+    place = len(rows) if at is None else at
+    return "\n".join([*rows[:place], *lines, *rows[place:], ""])
+
+
+def summed(name: str) -> str:
+    return ",".join([name, *(f"{value:.4g}" for value in CLEAN.drop(columns="test").mean())])
+
+
+def workbook(**sheets: pd.DataFrame) -> bytes:
+    memory = io.BytesIO()
+    with pd.ExcelWriter(memory) as book:
+        for name, frame in sheets.items():
+            frame.to_excel(book, sheet_name=name, index=False)
+    return memory.getvalue()
+
+
+def clock(seconds: float) -> str:
+    return f"{int(seconds // 3600):02d}:{int(seconds // 60) % 60:02d}:{seconds % 60:09.6f}"
+
+
+CHINESE = headed(
+    {"t": "时间（秒）", "test": "试验编号", "psi": "艏向角（度）", "u": "纵向速度（m/s）", "v": "横向速度（m/s）",
+     "r": "艏摇角速度（度/s）", "X": "纵向力（N）", "Y": "横向力（N）", "N": "艏摇力矩（N·m）"},
+    psi=DEG, r=DEG)  # fmt: skip
+NAMES = {"test": "Run", "t": "Time", "psi": "Heading", "u": "Surge velocity", "v": "Sway velocity", "r": "Yaw rate",
+         "heave": "Sinkage", "X": "Surge force", "Y": "Sway force", "N": "Yaw moment"}  # fmt: skip
+UNITS = {"t": "s", "psi": "deg", "u": "m/s", "v": "m/s", "r": "deg/s", "heave": "mm", "X": "N", "Y": "N", "N": "Nm"}
+TURNED = headed({}, CLEAN[[*NAMES, "x", "y"]], psi=DEG, r=DEG, heave=1e3)
+SYMBOLS = {"test": "no", "heave": "z"}
+RUNS = {str(name): rows.drop(columns="test") for name, rows in CLEAN.groupby("test", sort=False)}
+
+
+def heads(*rows: dict[str, str]) -> str:
+    lines = [";".join(row.get(name, name) for name in TURNED) for row in rows]
+    return "\n".join([*lines, ";".join(UNITS.get(name, "m") for name in TURNED), text(TURNED, ";").split("\n", 1)[1]])
+
+
+READ: dict[str, pd.DataFrame | str | bytes] = {
+    "English, units in brackets": headed(
+        {"psi": "Heading [deg]", "v": "Sway velocity [m/s]", "u": "Surge velocity [m/s]", "r": "Yaw rate [deg/s]",
+         "rdot": "Yaw acceleration [deg/s²]", "N": "Yaw moment [Nm]", "t": "Time [s]"}, **IN_DEGREES),
+    "English, units after a comma": headed(
+        {"psi": "Yaw angle, deg", "r": "Rate of turn, deg/s", "rdot": "r dot [deg/s2]", "y": "Sway position, mm"},
+        **IN_DEGREES, y=1e3),
+    "English, upper case": headed({"test": "RUN NO", "t": "TIME (s)", "X": "FX (N)", "Y": "FY (N)", "N": "MZ (Nm)"}),
+    "what is meant, after the unit": headed({"X": "Fx (N) - surge", "Y": "Fy (N) - sway", "N": "Mz (N-m), yaw"}),
+    "German, Grad": headed(
+        {"t": "Zeit / s", "test": "Versuch", "psi": "Kurswinkel / Grad", "r": "Gierrate / Grad/s",
+         "u": "Längsgeschwindigkeit [m/s]", "v": "Quergeschwindigkeit [m/s]", "X": "Längskraft [N]",
+         "Y": "Querkraft [kN]", "N": "Giermoment [Nm]"}, psi=DEG, r=DEG, Y=1e-3),
+    "German of a measuring computer": text(headed(
+        {"psi": "Kurswinkel [°]", "vdot": "Querbeschleunigung [m/s²]"}, psi=DEG), ";", ",").encode("cp1252"),
+    "German without umlauts": headed({"u": "Laengsgeschwindigkeit [kn]", "v": "Quergeschwindigkeit [kn]"},
+                                     u=1 / KNOT, v=1 / KNOT),
+    "Dutch": headed(
+        {"t": "Tijd [s]", "test": "Proef", "psi": "Koershoek [graden]", "u": "Langssnelheid [m/s]",
+         "v": "Dwarssnelheid [m/s]", "r": "Giersnelheid [graden/s]", "Y": "Dwarskracht [N]"}, psi=DEG, r=DEG),
+    "Chinese": text(CHINESE),
+    "Chinese of UTF-16": text(CHINESE, "\t").encode("utf-16"),
+    "Chinese of Excel": text(CHINESE).encode("gb18030"),
+    "kilogram-force": headed({"X": "Fx [kgf]", "N": "Mz [kgf m]"}, X=1 / 9.80665, N=1 / 9.80665),
+    "degrees a minute": headed({"r": "ROT [deg/min]"}, r=60 * DEG),
+    "underscores": headed({"psi": "heading_deg", "r": "yaw_rate", "v": "sway_velocity"}, psi=DEG),
+    "a compass": headed({"psi": "ψ [deg]"}, CLEAN.assign(psi=CLEAN.psi % (2 * np.pi)), psi=DEG),
+    "milliseconds": headed({"t": "Time [ms]"}, t=1e3),
+    "times of day": headed({"t": "Time"}, CLEAN.assign(t=CLEAN.t.map(clock))),
+    "without accelerations": CLEAN.drop(columns=RATES),
+    "without rates": CLEAN.drop(columns=["r", *RATES]),
+    "a depth in centimetres": CLEAN.assign(**{"Water depth [cm]": 600.0}),
+    "a group row over the names": "Run;Motion" + ";" * (len(CLEAN.columns) - 2) + "\n" + text(CLEAN, ";", ","),
+    "names over units": heads(NAMES),
+    "names over symbols over units": heads(NAMES, SYMBOLS),
+    "headers over several lines": text(headed({"psi": "Heading\n[deg]", "v": "Sway\nvelocity\n[m/s]"}, psi=DEG)),
+    "a header again": with_lines("", text().splitlines()[0], at=200),
+    "a row of means": with_lines(summed("Mean")),
+    "a row of words": with_lines("Total" + "," * (len(CLEAN.columns) - 1)),
+    "empty columns at the end": "\n".join(f"{line},,," for line in text().splitlines()),
+    "an index without a name": CLEAN.to_csv(),
+    "a sheet for each run": workbook(**RUNS),
+    "a cover sheet": workbook(Info=pd.DataFrame({"Project": ["bank tests"]}), Data=CLEAN),
+}  # fmt: skip
+
+
+def put(folder: Path, table: pd.DataFrame | str | bytes) -> Path:
+    content = text(table) if isinstance(table, pd.DataFrame) else table
+    path = folder / ("lab.xlsx" if isinstance(table, bytes) and table.startswith(b"PK") else "lab.csv")
+    path.write_bytes(content.encode() if isinstance(content, str) else content)
+    return path
+
+
+def same(found: nw.CaptiveTests, given: tuple[str, ...] = ("y", "psi", "u", "v", "X", "Y", "N")) -> None:
+    assert found.names == TESTS.names
+    for column in given:
+        np.testing.assert_allclose(found[column], TESTS[column], rtol=1e-6, atol=1e-8, err_msg=column)
+    inner = np.ones(found.rows, bool)
+    inner[found.starts[:-1]] = inner[found.starts[1:] - 1] = False
+    for rate in ("r", "vdot"):
+        assert np.abs(found[rate] - TESTS[rate])[inner].max() < 0.05 * np.abs(TESTS[rate]).max(), rate
+
+
+@pytest.mark.parametrize("name", READ)
+def test_a_table_is_read_as_the_clean_one(name: str, tmp_path: Path) -> None:
+    found = nw.read_captive(put(tmp_path, READ[name]), TESTS.configuration)
+    same(found)
+    assert len(found.notes) > len(TESTS.notes) or name in ("empty columns at the end", "an index without a name")
+
+
+Mend = Callable[[pd.DataFrame], pd.DataFrame]
+RUDDER = 0.4 * np.sin(CLEAN.t)
+REFUSED: dict[str, tuple[pd.DataFrame, str, Mend]] = {
+    "degrees without a unit": (
+        headed({"psi": "Heading"}, psi=DEG), r"'psi \[deg\]'", lambda f: f.rename(columns={"Heading": "psi [deg]"})),
+    "two headings": (
+        CLEAN.assign(Kurswinkel=0.0).rename(columns={"psi": "Heading"}), "head the right one 'psi'",
+        lambda f: f.rename(columns={"Heading": "psi"})),
+    "a rudder in degrees": (
+        CLEAN.assign(rudder=10.0), r"'rudder \[deg\]'", lambda f: f.rename(columns={"rudder": "rudder [deg]"})),
+    "a rudder without a unit": (
+        CLEAN.assign(Ruderwinkel=RUDDER), r"'rudder \[rad\]'",
+        lambda f: f.rename(columns={"Ruderwinkel": "rudder [rad]"})),
+    "a draft in millimetres": (
+        CLEAN.assign(draft=163.0), r"'draft \[mm\]'", lambda f: f.rename(columns={"draft": "draft [mm]"})),
+    "milliseconds without a unit": (
+        headed({}, t=1e3), r"head 't \[ms\]'", lambda f: f.rename(columns={"t": "t [ms]"})),
+    "velocities along the canal": (
+        CLEAN.assign(u=NORTH, v=EAST).drop(columns=RATES), r"u cos\(psi\) \+ v sin\(psi\)",
+        lambda f: f.assign(u=f.u * np.cos(f.psi) + f.v * np.sin(f.psi), v=f.v * np.cos(f.psi) - f.u * np.sin(f.psi))),
+    "sway to port": (
+        CLEAN.assign(v=-CLEAN.v, vdot=-CLEAN.vdot), "sign of 'v' and 'vdot'",
+        lambda f: f.assign(v=-f.v, vdot=-f.vdot)),
+    "a wrong cell": (
+        CLEAN.astype({"Y": object}).assign(Y=CLEAN.Y.astype(object).where(CLEAN.index != 7, f"{CLEAN.Y[7]} N")),
+        "row 7, column 'Y' holds .* N, .*mend the cell",
+        lambda f: f.assign(Y=f.Y.map(lambda cell: float(str(cell).removesuffix(" N"))))),
+    "a row twice": (
+        pd.concat([CLEAN[:50], CLEAN[49:]], ignore_index=True), "leave one out", lambda f: f.drop_duplicates()),
+    "rows in disorder": (
+        CLEAN.sample(frac=1.0, random_state=1), "sort it by time",
+        lambda f: f.sort_index()),
+    "runs without names": (
+        CLEAN.drop(columns="test"), "name the tests in a column 'test'", lambda f: f.assign(test=CLEAN.test)),
+    "a row for each channel": (
+        CLEAN.melt(["test", "t"], var_name="channel"), "no column is headed as a quantity",
+        lambda f: f.pivot(index=["test", "t"], columns="channel", values="value").reset_index()
+        .sort_values("test", key=lambda names: names.map(TESTS.names.index), kind="stable")),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_the_remedy_of_a_refusal_works(name: str) -> None:
+    frame, sentence, mend = REFUSED[name]
+    with pytest.raises(nw.InputError, match=sentence):
+        nw.read_captive(frame, TESTS.configuration)
+    same(nw.read_captive(mend(frame), TESTS.configuration))
+
+
+DRAFTED: dict[str, tuple[pd.DataFrame, str]] = {
+    "headers of nobody": (headed({"u": "Geschw.", "Y": "Kanal 7"}), 'Y = "Kanal 7"  # GUESSED'),
+    "headers of any axes": (headed({"u": "Vx [m/s]", "v": "Vy [m/s]", "r": "wz [rad/s]"}), 'v = "Vy [m/s]"  # GUESSED'),
+    "shortened headers": (
+        headed({"y": "Offset [mm]", "vdot": "Sway acc.", "psi": "Hdg", "Y": "Sway F [N]"}, y=1e3, psi=DEG),
+        'psi = "deg"  # GUESSED',
+    ),
+    "a rudder of many degrees": (headed({"rudder": "Ruder"}, CLEAN.assign(rudder=30.0)), 'rudder = "deg"  # sure'),
+    "upper case": (
+        headed({"psi": "PSI", "u": "U", "v": "V", "r": "R", "t": "T", "test": "TEST"}), 'psi = "rad"  # sure',
+    ),
+    "a sign that only the path shows": (headed({"v": "Kanal 3"}, v=-1.0), 'v = "port"  # GUESSED'),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", DRAFTED)
+def test_a_draft_of_columns_is_read_once_it_is_confirmed(name: str, tmp_path: Path, ship_file: Path, cli) -> None:
+    frame, line = DRAFTED[name]
+    table, draft = put(tmp_path, frame), tmp_path / "columns.toml"
+    code, _, told = cli("identify", table, "--ship", ship_file, "--pass-over", "rudder")
+    assert code == 2
+    assert f"type narrows identify {table} --ship {ship_file} --mapping {draft}" in told
+    assert line in draft.read_text()
+    same(nw.read_captive(table, ship_file, mapping=draft))
+
+
+def test_a_confirmed_draft_is_used_without_being_named(tmp_path: Path, ship_file: Path, cli) -> None:
+    table, draft = put(tmp_path, DRAFTED["headers of nobody"][0]), tmp_path / "columns.toml"
+    assert cli("identify", table, "--ship", ship_file)[0] == 2
+    draft.write_text(draft.read_text().replace("confirmed = false", "confirmed = true"))
+    assert cli("identify", table, "--ship", ship_file)[0] == 0
+
+
+def test_a_column_that_may_be_a_quantity_is_told() -> None:
+    """A rudder that moves unread would be taken for the hull's force."""
+    notes = nw.read_captive(CLEAN.assign(**{"Rudd. ang": 30.0}), TESTS.configuration).notes
+    assert "column 'Rudd. ang' is not read: is it rudder?" in notes
+
+
+def test_a_draft_is_not_written_over(tmp_path: Path, ship_file: Path, cli) -> None:
+    table = put(tmp_path, DRAFTED["headers of nobody"][0])
+    (tmp_path / "columns.toml").write_text("[columns]\n")
+    code, _, told = cli("identify", table, "--ship", ship_file)
+    assert code == 2
+    assert re.search("columns.toml is there: check it", told)
+    assert (tmp_path / "columns.toml").read_text() == "[columns]\n"
+
+
+def test_a_surge_force_counted_astern_is_told() -> None:
+    """On measured tests, where noise hides which sign fits better."""
+    measured = nw.measured_tests("kcs").by_condition()["C0101A02"]
+    frame = measured.to_dataframe()
+    assert not any("counted astern" in sentence for sentence in nw.identify(measured).implausible)
+    turned = nw.read_captive(frame.assign(X=-frame["X"]), measured.configuration)
+    assert any("X" in sentence and "counted astern" in sentence for sentence in nw.identify(turned).implausible)
