@@ -18,6 +18,7 @@ from exported import STEERED, bent, model_of, speed_of, states
 
 import narrows as nw
 from narrows.model.data_range import DataRange
+from narrows.terms.term import TermKind
 
 CASES = [("own", False), ("steered", True)]
 NODE = shutil.which("node")
@@ -83,6 +84,25 @@ def test_the_python_file(tmp_path: Path, name: str, curved: bool) -> None:
     assert ship.sail(start, ship.AT_REST, constants, water, 0.05, 60.0, end) == ship.GROUNDED
     np.testing.assert_allclose(reached(start), list(outcome.state.values()), rtol=1e-10, atol=1e-10)
     assert end[0] == pytest.approx(outcome.time, rel=1e-10)
+
+
+@pytest.mark.parametrize("name", ["paper", "mmg+delta"])
+def test_a_constant_is_explained_by_the_coefficients_that_change_it(tmp_path: Path, name: str) -> None:
+    ship, terms = python_of(name, tmp_path), model_of(name).terms
+    text = (tmp_path / "ship.py").read_text(encoding="utf-8")
+    meanings = dict(re.findall(r"constants\.(k\d+) = .*  # (.*)", text))
+    before = vars(ship.prepare(ship.MODEL))
+    assert set(meanings) == {one for one in before if re.fullmatch(r"k\d+", one)}
+    asked = [one for one in terms.names if hasattr(ship.MODEL, one) and terms[one].kind is not TermKind.INERTIA]
+    for coefficient in asked:
+        kept = getattr(ship.MODEL, coefficient)
+        setattr(ship.MODEL, coefficient, 2 * kept + 1)
+        changed = {one for one, value in vars(ship.prepare(ship.MODEL)).items() if value != before[one]}
+        setattr(ship.MODEL, coefficient, kept)
+        naming = {one for one, meaning in meanings.items() if re.search(rf"\b{coefficient}\b", meaning)}
+        # A constant may name the factor of the motion instead where a coefficient of the mass acts in it.
+        assert naming <= changed, coefficient
+        assert changed - naming <= {one for one in meanings if "_mass" in coefficient}, coefficient
 
 
 BOUNDED = DataRange((0.6, 1.1), (0.0, 0.9), (0.0, 0.2), (0.0, 0.15))

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import sympy
 from sympy import Float
 
 from narrows.codegen.choices import TIME
@@ -23,11 +24,14 @@ from narrows.simulation.channel import Channel, along_waterway, limits_of, strai
 from narrows.simulation.settings import NEAR_THE_BANK
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import MEMORY, PARAMETER, Steering
+from narrows.terms.term import TermKind
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 USUAL_PREFIX = "ship"
+# Letters of a formula that explains a constant; of a longer one the terms are named.
+LONGEST_FORMULA = 72
 WALLS = ("wall_starboard", "wall_port")
 FORCES_FROM_OUTSIDE = {
     INPUTS[force]: Quantity(quantity.unit, f"{quantity.meaning}, from outside") for force, quantity in FORCES.items()
@@ -76,6 +80,21 @@ class ExportedShip:
     @property
     def constants(self) -> tuple[str, ...]:
         return (*self.portable.constants, *self._derived)
+
+    @cached_property
+    def meanings(self) -> dict[str, str]:
+        """Return for each constant of the equations its formula if that is short, else where it acts."""
+        rates, table = dict(self.portable.programs["rates"].assignments), self.portable.rates.constants.table
+        return {str(constant): self._meaning(formula, constant, rates) for formula, constant in table.items()}
+
+    def _meaning(self, formula: Expr, constant: Expr, rates: Mapping[Expr, Expr]) -> str:
+        terms, asked = self.ship.model.terms, set(map(str, formula.free_symbols))
+        acting = [name for name in terms.names if name in asked and terms[name].kind is not TermKind.INERTIA]
+        for rate in ("u", "v", "r") if len(str(formula)) > LONGEST_FORMULA else ():
+            value = rates.get(real(f"d_{rate}"), sympy.Integer(0))
+            if constant in value.free_symbols:
+                return f"in the rate of {rate}: {', '.join(acting) or sympy.diff(value, constant)}"
+        return str(formula)
 
     @cached_property
     def _derived(self) -> dict[str, Expr]:

@@ -1,7 +1,7 @@
 """Code shared by files of all languages: plain functions as source, templates, safe comments."""
 
 import ast
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from importlib.util import find_spec
 from pathlib import Path
 from textwrap import wrap
@@ -59,8 +59,16 @@ def bodies_of(exported: ExportedShip, language: Language) -> dict[str, str]:
         if name == "constants":
             targets = [language.field("constants", constant) for constant in exported.constants]
             where = {one.name: language.field("parameters", one.name) for one in exported.parameters}
-        bodies[name] = "\n    ".join(language.body(program, targets, where))
+        lines = language.body(program, targets, where)
+        bodies[name] = "\n    ".join(explained(exported, language, lines) if name == "constants" else lines)
     return bodies
+
+
+def explained(exported: ExportedShip, language: Language, lines: list[str], names: Sequence[str] = ()) -> list[str]:
+    """Return the lines that assign the constants, each with its meaning."""
+    names = names or exported.constants
+    meanings = [exported.meanings.get(name, "") for name in names]
+    return [*lines[: -len(names)], *map(language.commented, lines[-len(names) :], meanings)]
 
 
 def translated(exported: ExportedShip, language: Callable[[PlainSource], Translation], *more: str) -> dict[str, Any]:
@@ -68,9 +76,14 @@ def translated(exported: ExportedShip, language: Callable[[PlainSource], Transla
     translation = language(source)
     plain = [translation.text(one) for one in last_functions(exported, source, *more)]
     stated = {*OUTCOME_CODES, *(name.upper() for name in exported.portable.kept)}
-    numbers = {name: source.constants[name] for name in sorted(translation.used - stated)}
     columns = [" ".join(name.split("_")) for name in COLUMNS]
+    numbers = numbers_of(source, translation.used - stated)
     return {"plain": plain, "numbers": numbers, "columns": columns, "outcomes": OUTCOME_CODES}
+
+
+def numbers_of(source: PlainSource, names: Set[str]) -> list[tuple[str, Any, str]]:
+    """Return name, value and meaning of the constants that plain functions need, in the order of their modules."""
+    return [(name, value, source.about.get(name, "")) for name, value in source.constants.items() if name in names]
 
 
 def last_functions(exported: ExportedShip, source: PlainSource, *more: str) -> list[ast.FunctionDef]:

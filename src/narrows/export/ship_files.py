@@ -14,14 +14,15 @@ from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program
 from narrows.codegen.printers.c import C, CTranslation, c_block
 from narrows.codegen.printers.language import JavaScript, Matlab, PythonFile
-from narrows.codegen.printers.python import PlainSource
 from narrows.codegen.printers.translation import JavaScriptTranslation
 from narrows.export.exported_ship import ExportedNumber, ExportedShip
 from narrows.export.fmu_variables import HEADING
 from narrows.export.rendering import (
     OUTCOME_CODES,
     bodies_of,
+    explained,
     last_functions,
+    numbers_of,
     places_in,
     plain_functions,
     rendered,
@@ -100,16 +101,11 @@ def npm_bytes(exported: ExportedShip) -> bytes:
 def python_text(exported: ExportedShip) -> str:
     language, source = PythonFile(), plain_functions(exported)
     functions = last_functions(exported, source)
+    asked = {one.id for function in functions for one in ast.walk(function) if isinstance(one, ast.Name)}
     return rendered(
         "model.py.j2", exported, language, f=bodies_of(exported, language), water=water_of(exported, language),
-        plain=[ast.unparse(one) for one in functions], numbers=_constants_of(functions, source),
+        plain=[ast.unparse(one) for one in functions], numbers=numbers_of(source, asked),
     )  # fmt: skip
-
-
-def _constants_of(functions: list[ast.FunctionDef], source: PlainSource) -> dict[str, float]:
-    """Constants of the modules that functions need."""
-    asked = {one.id for function in functions for one in ast.walk(function) if isinstance(one, ast.Name)}
-    return {name: source.constants[name] for name in sorted(asked & set(source.constants))}
 
 
 def matlab_text(exported: ExportedShip) -> str:
@@ -139,6 +135,8 @@ def matlab_text(exported: ExportedShip) -> str:
         "model.m.j2", exported, language, lines=lines, inputs=[one for _, one in inputs],
         states=[states.get(name, ExportedNumber("psi", 0.0, "rad", HEADING)) for name in order],
         parameters=[one for one in exported.parameters if one.name in constants.asked],
-        constants=language.body(constants, asked, {name: name for name in constants.asked}),
+        constants=explained(
+            exported, language, language.body(constants, asked, {name: name for name in constants.asked}), asked
+        ),
         sizes={"speed": "x(1)", "abs_y": "x(5)", "abs_psi": "angle(cos(x(6)), sin(x(6)))", "abs_r": "x(3)"},
     )  # fmt: skip

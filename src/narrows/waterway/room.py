@@ -3,13 +3,14 @@
 from collections.abc import Sequence
 from math import cos, hypot, inf, nan, sin
 
-# Numbers per node: line forward, starboard [m], cosine, sine, curvature [1/m]; starboard bank, port bank [m].
 ROW = 9
+"""Numbers per node: line forward, starboard [m], cosine, sine, curvature [1/m]; starboard bank, port bank [m]."""
 STARBOARD_BANK, PORT_BANK = 5, 7
-# Cosine between line and hull below which a bank belongs to another reach of the river.
+"""Places of the banks in a node."""
 TURNED_AWAY = -0.5
-# Outer node of three-point Gauss-Legendre quadrature, sqrt(3/5).
+"""Cosine between line and hull below which a bank belongs to another reach of the river."""
 GAUSS = 0.7745966692414834
+"""Outer node of three-point Gauss-Legendre quadrature, sqrt(3/5)."""
 
 
 def advanced_along(bend: float, change: float, along: float) -> tuple[float, float, float]:

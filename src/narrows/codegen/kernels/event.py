@@ -9,18 +9,21 @@ from typing import Any
 
 StepState = Any
 """State of the step control: an array or a list of numbers, by the indices below."""
-# Seconds before the current segment of equal steps; their length, their planned number; length of the next try, and how
-# many of it; tries within the current step; the rest of that step, and the whole steps after it; the last, shorter step
 CLOCK, LENGTH, PLANNED, NEXT, COUNT, TRIES, SPAN, AFTER, REST, PLACES = 0, 1, 2, 3, 4, 5, 6, 7, 8, 9
+"""Step control: seconds before the current segment of equal steps; their length, their planned number; length of the
+next try, and how many of it; tries within the current step; the rest of that step, and the whole steps after it; the
+last, shorter step; count of these places."""
 ON, BACK, FINISHED, CLOSED, LOST = -1, -2, 0, 1, 2
-"""Sail on from here; go back to before the try and take a shorter one; the time is up; something is met here; the
-numbers ran out."""
+"""After a try: ON from here; BACK to before the try, for a shorter one; FINISHED: the time is up; CLOSED: a bank or an
+end is met here; LOST: the numbers ran out."""
 GROUNDED, OUTSIDE, ASTERN, PASSED, SHALLOW = 1, 3, 4, 5, 7
 """Contacts that end a voyage: a bank, the limit of heading, an end of the waterway, too little water."""
 TOO_FAST = 1e-6
 """Tolerance of the speed at which a ship touches the bottom or chokes the section [m/s]."""
 MOST_TRIES, HALVE_EACH = 600, 8
+"""Most tries within a step; every eighth halves the step instead of the secant."""
 SHORTEST = 0.1
+"""Shortest next try, as a share of the last."""
 AIM = 0.8
 """Share of the available clearance that the next step aims at."""
 

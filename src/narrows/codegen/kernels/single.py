@@ -46,15 +46,18 @@ if TYPE_CHECKING:
 
 EXACT = WATERWAY = False
 LEAVES = 0.0
+"""Share of the clearance that a step must leave; over 0 where the suction becomes infinite."""
 KEPT, COS, U, V, R = 7, 2, 4, 5, 6
+"""Numbers of the state, and places in it: cosine of the heading, velocities, yaw rate."""
 AFLOAT, DIVERGED, REFUSED = 0, 2, 6
 FAR = 1e9
 """Margin to an end that a voyage cannot meet [m]."""
 MOST_STEPS = 1e9
-"""Steps of a voyage, as ``simulation.settings`` has them."""
+"""Most steps of a voyage."""
 TOLERANCE = 1e-9
 """Tolerance of the location of a contact [m]."""
 MOST_SPEED, MOST_RATE = 100.0, 10.0
+"""Speed [m/s] and yaw rate [rad/s] at which the numbers are lost."""
 
 
 def true_room(state: Array, closeness: Array, constants: Constants, waterway: Place) -> None:

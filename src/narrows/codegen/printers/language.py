@@ -17,6 +17,7 @@ class Language(Arithmetic):
     TAKEN: frozenset[str] = frozenset()  # Reserved words
     LIBRARY: ClassVar[Mapping[str, str]] = {}  # Elementary functions by their names in lines and plain functions
     FIELD, DECLARED, ASSIGNED = "{}.{}", "{} = {};", "{} = {};"
+    COMMENT = "  // {}"  # After a statement
     INFINITE, NO_NUMBER = "inf", "nan"
 
     def __init__(self, prefix: str = "") -> None:
@@ -30,6 +31,9 @@ class Language(Arithmetic):
         """Return a number with all its digits."""
         text = repr(float(value))
         return {"inf": self.INFINITE, "-inf": f"-{self.INFINITE}", "nan": self.NO_NUMBER}.get(text, text)
+
+    def commented(self, line: str, meaning: str) -> str:
+        return line + self.COMMENT.format(meaning) if meaning else line
 
     def field(self, structure: str, name: str) -> str:
         return self.FIELD.format(structure, self.named(name))
@@ -54,6 +58,7 @@ class PythonFile(Language):
     })  # fmt: skip
     LIBRARY: ClassVar = {"cos": "np.cos", "sin": "np.sin"}
     DECLARED = ASSIGNED = "{} = {}"
+    COMMENT = "  # {}"
 
 
 class JavaScript(Language):
@@ -86,6 +91,7 @@ class Matlab(Language):
         "x", "ui", "xdot", "U", "beyond", "i", "j", "pi", "eps", "end", "for", "if", "while", "function", "otherwise",
     })  # fmt: skip
     LIBRARY: ClassVar = {"sine": "sin", "cosine": "cos", "minimum": "min", "maximum": "max", "whole": "fix"}
+    COMMENT = "  % {}"
 
     def doprint(self, expression: Expr) -> str:
         return re.sub(r"([*/])", r".\1", super().doprint(expression))

@@ -3,6 +3,7 @@
 import ast
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any
 
 import sympy
@@ -109,6 +110,14 @@ class PlainSource:
         bodies = [ast.parse(text).body for text in self.texts]
         found = {name: value for body in bodies for node in body for name, value in _constants(node)}
         self.constants: dict[str, Any] = {**found, **self.numbers}
+        # Meaning of each constant: the text below its assignment.
+        self.about = {
+            name: meaning
+            for body in bodies
+            for node, below in pairwise(body)
+            if (meaning := _text_of(below))
+            for name, _ in _constants(node)
+        }
         folded = [Folding(self.constants).visit(node) for body in bodies for node in body]
         self.functions = {node.name: node for node in folded if isinstance(node, ast.FunctionDef)}
 
@@ -167,6 +176,11 @@ class Folding(ast.NodeTransformer):
 
 def _truth(node: ast.expr) -> bool | None:
     return node.value if isinstance(node, ast.Constant) and isinstance(node.value, bool) else None
+
+
+def _text_of(node: ast.stmt) -> str:
+    value = node.value.value if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) else ""
+    return " ".join(value.split()) if isinstance(value, str) else ""
 
 
 def _constants(node: ast.stmt) -> Iterator[tuple[str, Any]]:

@@ -107,7 +107,9 @@ class Translation(ABC):
     def text(self, function: ast.FunctionDef) -> str:
         self.function, self.held_numbers = function, 0
         body = [line for statement in function.body[1:] for line in self.statement(statement)]
-        return "\n".join([self.head(), *(f"    {line}" for line in [*self.declarations(), *body]), "}"])
+        about = " ".join((ast.get_docstring(function) or "").split())
+        lines = [*self.declarations(), *body]
+        return "\n".join([f"/** {about} */", self.head(), *(f"    {line}" for line in lines), "}"])
 
     @abstractmethod
     def head(self) -> str:
