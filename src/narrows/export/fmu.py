@@ -32,7 +32,7 @@ from narrows.export.fmu_variables import (
 from narrows.export.native_build import NativeBuild, libraries_of_source
 from narrows.export.passport import passport
 from narrows.export.rendering import OUTCOME_CODES, commented, filled, places_in, rendered
-from narrows.export.ship_files import c_text
+from narrows.export.ship_files import c_text, rates_of
 from narrows.model.model import Model
 from narrows.simulation.initial_state import voyage_defaults
 
@@ -117,13 +117,12 @@ def _programs(exported: ExportedShip) -> dict[str, str]:
     portable, language = exported.portable, C(exported.prefix)
     places = places_in(exported, language)
     ways = {**places, **_ways(exported, places)}
-    known: dict[str, str] = {}
+    known = rates_of(exported, language)
     places_of_results = {"motion": 0, "gear": len(LINEARISED), "clearance": 0}
     # In open water there is no clearance.
     for (name, start), program in zip(places_of_results.items(), portable.continuous, strict=False):
         targets = [f"result[{start + number}]" for number in range(len(program.results))]
-        for of, lines in ((name, program), (f"{name}_along", portable.along(program))):
-            known[of] = "\n    ".join(language.body(lines, targets, ways))
+        known[f"{name}_along"] = "\n    ".join(language.body(portable.along(program), targets, ways))
     return known | {"constants_along": _constants_along(exported, language)}
 
 

@@ -111,12 +111,11 @@ def python_text(exported: ExportedShip) -> str:
 def matlab_text(exported: ExportedShip) -> str:
     """Return the rates of a ship as a function of MATLAB, with the states in the order of MSS."""
     language, portable = Matlab(), exported.portable
-    order = ("u", "v", "r", "x", "y", "psi", *portable.gear)
+    order = [one.name for one in _states_of_mss(exported)]
     where = {name: f"x({number})" for number, name in enumerate(order, 1)}
     for angle in ("psi", *(actuator.name for actuator in portable.geared)):
         where |= {f"{function}_{angle}": language.called(function, where[angle]) for function in ("cos", "sin")}
-    # Orders come first, as in MSS.
-    inputs = sorted(zip(portable.inputs, exported.inputs, strict=True), key=lambda pair: pair[0] in INPUTS.values())
+    inputs = _orders_first(exported)
     where |= {name: f"ui({number})" for number, (name, _) in enumerate(inputs, 1)}
     where |= {LENGTH: language.literal(voyage_defaults(exported.ship.model).dt)}
     motion, gear = portable.continuous[:2]
@@ -130,13 +129,43 @@ def matlab_text(exported: ExportedShip) -> str:
     ]
     known = dict(zip(exported.constants, exported.programs["constants"].results, strict=True))
     constants = Program.of(Lines(list(exported.programs["constants"].assignments)), [known[name] for name in asked])
-    states = {one.name: one for one in exported.state}
     return rendered(
         "model.m.j2", exported, language, lines=lines, inputs=[one for _, one in inputs],
-        states=[states.get(name, ExportedNumber("psi", 0.0, "rad", HEADING)) for name in order],
+        states=_states_of_mss(exported),
         parameters=[one for one in exported.parameters if one.name in constants.asked],
         constants=explained(
             exported, language, language.body(constants, asked, {name: name for name in constants.asked}), asked
         ),
         sizes={"speed": "x(1)", "abs_y": "x(5)", "abs_psi": "angle(cos(x(6)), sin(x(6)))", "abs_r": "x(3)"},
     )  # fmt: skip
+
+
+def _orders_first(exported: ExportedShip) -> list[tuple[str, ExportedNumber]]:
+    """Return the inputs in the order of MSS, each with its name in the lines."""
+    pairs = zip(exported.portable.inputs, exported.inputs, strict=True)
+    return sorted(pairs, key=lambda pair: pair[0] in INPUTS.values())
+
+
+def _states_of_mss(exported: ExportedShip) -> list[ExportedNumber]:
+    states = {one.name: one for one in exported.state} | {"psi": ExportedNumber("psi", 0.0, "rad", HEADING)}
+    return [states[name] for name in ("u", "v", "r", "x", "y", "psi", *exported.portable.gear)]
+
+
+def simulink_text(exported: ExportedShip) -> str:
+    """Return the C of a ship with an S-function of Simulink around it."""
+    language = C(exported.prefix)
+    return rendered(
+        "simulink.c.j2", exported, language, c=c_text(exported), states=_states_of_mss(exported),
+        inputs=[one for _, one in _orders_first(exported)], dt=voyage_defaults(exported.ship.model).dt,
+        **rates_of(exported, language),
+    )  # fmt: skip
+
+
+def rates_of(exported: ExportedShip, language: C) -> dict[str, str]:
+    """Return the bodies of the template ``evaluate.h.j2``: rates of the motion, then of the gear."""
+    places, start, bodies = places_in(exported, language), 0, {}
+    for name, program in zip(("motion", "gear"), exported.portable.continuous, strict=False):
+        targets = [f"result[{start + number}]" for number in range(len(program.results))]
+        bodies[name] = "\n    ".join(language.body(program, targets, places))
+        start += len(targets)
+    return bodies

@@ -17,19 +17,23 @@ def write_matlab(
 ) -> None:  # fmt: skip
     """Write a model as ``xdot = ship(x, ui)`` for MATLAB and Octave, in the form of the Marine Systems Simulator.
 
+    A path that ends in ``.c`` makes an S-function for Simulink with the same states and inputs, around the C of
+    ``write_c``.
+
     The parameters and refusals are those of ``write_c``; the ship is in the model's own canal.
 
     References
     ----------
     Fossen and Perez, Marine Systems Simulator, https://github.com/cybergalactic/MSS
     """
-    from narrows.export.ship_files import matlab_text
+    from narrows.export.ship_files import matlab_text, simulink_text
 
     form_of(path, EXPORTER.suffixes)
-    write_whole(path, matlab_text(ship_to_export(model, path, None, surge, surge_inertia, coriolis, "corners")))
+    ship = ship_to_export(model, path, None, surge, surge_inertia, coriolis, "corners")
+    write_whole(path, simulink_text(ship) if Path(path).suffix == ".c" else matlab_text(ship))
 
 
 EXPORTER = Exporter(
-    "matlab", "a function of MATLAB and Octave in the form of MSS", (".m",), write_matlab,
+    "matlab", "a function of MATLAB and Octave in the form of MSS, or an S-function of Simulink", (".m", ".c"), write_matlab,
     refused={"waterway": "a function of MATLAB has the canal of its model; leave --waterway out"},
 )  # fmt: skip
