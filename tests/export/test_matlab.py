@@ -70,8 +70,8 @@ def simulink(model: nw.Model, folder: Path) -> ctypes.CDLL:
     """The S-function of a model behind a stand-in for Simulink's own interface."""
     nw.export.write_matlab(model, folder / "ship.c")
     stub = ["-DMATLAB_MEX_FILE", f"-I{Path(__file__).with_name('simulink')}"]
-    strict = [flag for flag in FLAGS if flag != "-Wpedantic"]  # The interface has macros with unused arguments
-    subprocess.run([COMPILER, *strict, *stub, "-shared", "-fPIC", "ship.c", "-o", "ship.so", "-lm"], cwd=folder, check=True)
+    made = ["-shared", "-fPIC", "ship.c", "-o", "ship.so", "-lm"]
+    subprocess.run([COMPILER, *FLAGS, *stub, *made], cwd=folder, check=True)
     library = ctypes.CDLL(str(folder / "ship.so"))
     library.begin.restype = ctypes.c_char_p
     return library
