@@ -60,7 +60,7 @@ WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
 LANGUAGES: dict[str, Any] = {
     "c": ("bank.h", "host.c", C, "{}", [["gcc", "-std=c99", *WARNINGS, "host.c", "-o", "host", "-lm"], ["./host"]]),
     "cpp": ("bank.h", "host.cpp", C, "{}", [["g++", "-std=c++11", *WARNINGS, "host.cpp", "-o", "host"], ["./host"]]),
-    "csharp": ("bank.cs", "Host.cs", CSHARP, "{}", [["mcs", "-out:host.exe", "Host.cs", "bank.cs"],
+    "csharp": ("bank.cs", "Host.cs", CSHARP, "{}", [["mcs", "-warnaserror", "-out:host.exe", "Host.cs", "bank.cs"],
                                                     ["mono", "host.exe"]]),
     "javascript": ("bank.mjs", "host.mjs", NODE, "[]", [["node", "host.mjs"]]),
     "octave": ("bank.m", "host.m", MATLAB, "[]", [["octave", "--no-gui", "--norc", "host.m"]]),
@@ -210,7 +210,7 @@ def test_a_model_without_a_bank_is_refused_with_a_table_that_has_one(tmp_path: P
 
 HOSTS = {
     "host.cpp": ("dtc.h", [["g++", "-std=c++11", *WARNINGS, "host.cpp", "-o", "host"], ["./host"]]),
-    "Host.cs": ("dtc.cs", [["mcs", "Host.cs", "dtc.cs"], ["mono", "Host.exe"]]),
+    "Host.cs": ("dtc.cs", [["mcs", "-warnaserror", "Host.cs", "dtc.cs"], ["mono", "Host.exe"]]),
 }
 
 
@@ -220,7 +220,10 @@ def test_the_hosts_of_the_docs_run_and_agree(host: str, tmp_path: Path) -> None:
     file, commands = HOSTS[host]
     if any(shutil.which(command[0]) is None for command in commands if not command[0].startswith(".")):
         pytest.skip(f"no {commands[0][0]} is here")
-    text = Path(__file__).parents[2].joinpath("examples", "simulator", host).read_text(encoding="utf-8")
+    root = Path(__file__).parents[2]
+    text = (root / "examples" / "simulator" / host).read_text(encoding="utf-8")
+    page = (root / "docs" / "bank-force.md").read_text(encoding="utf-8")
+    assert f"```{{literalinclude}} ../examples/simulator/{host}" in page
     assert len(text.splitlines()) < 66
     (tmp_path / host).write_text(text, encoding="utf-8")
     model = nw.published("mikkelsen2025_dtc")
@@ -238,4 +241,6 @@ def test_the_hosts_of_the_docs_run_and_agree(host: str, tmp_path: Path) -> None:
     end = solve_ivp(rates, (0.0, 8.0), [0.0, 0.8, 0.0, 0.0, 0.0], rtol=1e-9, atol=1e-9).y[:, -1]
     without, with_banks = done.stdout.splitlines()
     assert "y 0.80 m, heading 0.0 deg" in without
-    assert f"y {end[1]:.2f} m, heading {np.degrees(end[2]):.1f} deg" in with_banks
+    reached = f"y {end[1]:.2f} m, heading {np.degrees(end[2]):.1f} deg"
+    assert reached in with_banks
+    assert reached in page

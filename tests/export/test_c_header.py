@@ -1,6 +1,7 @@
 """The exported header beside the package: the same lines, by another compiler."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -289,6 +290,50 @@ def test_the_class_of_cpp_sails_the_voyage(tmp_path: Path, curved: bool) -> None
     ship = nw.published("mikkelsen2025_dtc").configuration
     assert clearance == pytest.approx((ship.canal.width - ship.ship.beam) / 2, rel=1e-12)
     assert ahead == pytest.approx(1.0)
+
+
+VESSEL = """#include <cstdio>
+#include "vessel.hpp"
+int main() {
+    Vessel vessel(-0.3, 1.0);
+    vessel.order_rudder(-0.1);
+    for (int tick = 0; tick < 40; ++tick) {
+        vessel.advance(0.1, 0.05);
+        const Motion m = vessel.motion();
+        std::printf("%.17g %.17g %.17g %.17g %.17g %.17g %.17g\\n", m.x, m.y, m.yaw, m.u, m.v, m.r,
+                    vessel.port() - vessel.starboard());
+    }
+    while (vessel.advance(0.1, 0.05)) { }
+    std::printf("%g\\n", vessel.motion().u);
+    return 0;
+}
+"""
+
+
+@pytest.mark.skipif(shutil.which("g++") is None, reason="no C++ compiler is here")
+def test_the_vessel_of_the_ros_example_has_the_axes_of_ros(tmp_path: Path) -> None:
+    """REP 103: y to port and angles counter-clockwise, so that a voyage of Python is its mirror image."""
+    folder = Path(__file__).parents[2] / "examples" / "ros2"
+    nw.export.write_c(model_of("steered"), tmp_path / "ship.hpp")
+    (tmp_path / "main.cpp").write_text(VESSEL, encoding="utf-8")
+    shutil.copy(folder / "src" / "vessel.hpp", tmp_path)
+    strict = ["-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off"]
+    subprocess.run(["g++", *strict, "main.cpp", "-o", "main"], cwd=tmp_path, check=True)
+    *rows, last = subprocess.run(["./main"], cwd=tmp_path, capture_output=True, text=True, check=True).stdout.split(
+        "\n"
+    )[:-1]
+    voyage = nw.simulate(
+        model_of("steered"), y=0.3, u=1.0, dt=0.05, duration=4.0, controller=nw.ConstantRudder(0.1)
+    ).to_dataframe()[2::2]
+    expected = np.stack([voyage.x, -voyage.y, -voyage.psi, voyage.u, -voyage.v, -voyage.r], axis=1)
+    said = np.array([row.split() for row in rows], float)
+    np.testing.assert_allclose(said[:, :6], expected, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(said[:, 6], 2 * voyage.y, rtol=1e-9)
+    assert float(last) == 0.0, "it lies still at the bank"
+    dependencies = set(re.findall(r"<depend>(\w+)", (folder / "package.xml").read_text()))
+    found = set(re.findall(r"find_package\((\w+)", (folder / "CMakeLists.txt").read_text()))
+    included = set(re.findall(r"#include <(\w+)/", (folder / "src" / "ship_node.cpp").read_text()))
+    assert dependencies == included == found - {"ament_cmake"}
 
 
 def test_the_file_names_what_is_in_it(tmp_path: Path) -> None:

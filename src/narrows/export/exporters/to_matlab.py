@@ -34,6 +34,6 @@ def write_matlab(
 
 
 EXPORTER = Exporter(
-    "matlab", "a function of MATLAB and Octave in the form of MSS, or an S-function of Simulink", (".m", ".c"), write_matlab,
+    "matlab", "a function of MATLAB and Octave in the form of MSS, or an S-function", (".m", ".c"), write_matlab,
     refused={"waterway": "a function of MATLAB has the canal of its model; leave --waterway out"},
 )  # fmt: skip
