@@ -411,7 +411,7 @@ class Table:
                   "seed": under(3, split="random"), "accelerations": "motion",
                   "errors": nw.RunErrors(gain=0.05), "pool": under("depth", tests=conditions, terms="paper+keel_gap"),
                   "pass_over": refused((), tests=turned(), base=("rudder",))}  # fmt: skip
-        plan = {"configuration": paper().configuration, "runs": 6}
+        plan = {"configuration": paper().configuration, "runs": 2}
         unread = under(self.wider, tests=self.captive(0), base=self.ship)
         quick = {"runs": (nw.HarmonicRun("A", "yaw", 0.4, 12.0, 1.0, 1),), "rate": 5.0}
         return {
@@ -433,8 +433,8 @@ class Table:
             ),
             "plan_tests": Entry(
                 plan,
-                {"configuration": mmg().configuration, "runs": 4, "tank": nw.Tank(speeds=(0.6,)), "terms": nw.SPEED,
-                 "targets": ("b_v",), "criterion": under("d", targets=("b_vv", "c_rr", "b_v")),
+                {"configuration": mmg().configuration, "runs": 3, "tank": nw.Tank(speeds=(0.6,)), "terms": nw.SPEED,
+                 "targets": ("b_v",), "criterion": under("d", targets=("b_vv", "c_rr", "b_v"), runs=6),
                  "noise": {"X": 1.0, "Y": 0.1, "N": 0.1},
                  "correlation_time": 2.0, "after": short_twin(), "errors": nw.RunErrors(0.0, 0.0, 0.0)},
             ),

@@ -41,14 +41,14 @@ def reordered(tests: nw.CaptiveTests, order: tuple[int, ...]) -> nw.CaptiveTests
 
 
 @given(order=st.permutations(range(len(SHORT_RUNS))))
-@settings(max_examples=8)
+@settings(max_examples=3)
 def test_order_of_tests(order: list[int]) -> None:
     tests = short_twin()
     assert_same(nw.identify(tests), nw.identify(reordered(tests, tuple(order))))
 
 
 @given(rows=BLOCKS)
-@settings(max_examples=7)
+@settings(max_examples=3)
 @pytest.mark.parametrize("split", ["test", "random"])
 def test_size_of_blocks(rows: int, split: str) -> None:
     tests = short_twin()
@@ -88,7 +88,7 @@ def test_table_in_memory_or_from_disk(short: nw.CaptiveTests, tmp_path: Path) ->
 
 
 @given(factor=st.sampled_from([1e-9, 1e-4, 10.0, 1e6]), name=st.sampled_from(["b_v", "b_rr", "c_vdot", "c_rr", "a_uu"]))
-@settings(max_examples=12)
+@settings(max_examples=5)
 def test_unit_of_a_column(factor: float, name: str) -> None:
     """A regressor in another unit gives its coefficient in the inverse unit and changes nothing else."""
     term = nw.PAPER[name]

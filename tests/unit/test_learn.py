@@ -33,7 +33,7 @@ def of_manoeuvre(record: nw.ShipRecord) -> nw.ShipRecord:
 @cache
 def manoeuvred(seed: int, turn: float) -> nw.ShipRecord:
     """A zigzag, or without a turn a circle, as a basin measures it."""
-    law, duration = (nw.Zigzag(turn, abs(turn)), 900.0) if turn else (nw.ConstantRudder(35 * D), 1500.0)
+    law, duration = (nw.Zigzag(turn, abs(turn)), 600.0) if turn else (nw.ConstantRudder(35 * D), 900.0)
     name = f"zigzag {np.degrees(turn):+.0f}" if turn else "circle"
     voyage = trial(law, duration)
     told = of_manoeuvre(sensed(name, voyage, seed, noise=0.5))
@@ -42,6 +42,11 @@ def manoeuvred(seed: int, turn: float) -> nw.ShipRecord:
 
 def records(seed: int = 0) -> list[nw.ShipRecord]:
     return [manoeuvred(seed + place, turn) for place, turn in enumerate((20 * D, -20 * D, 0.0))]
+
+
+@cache
+def learned_from_one() -> nw.LogFit:
+    return nw.learn(mistaken(), records()[:1], sensors="basin", spread=0.1)
 
 
 @cache
@@ -95,7 +100,7 @@ def test_the_log_of_another_ship_is_said_to_be_one_before_anything_is_learned(ra
 def test_the_answer_says_what_was_learned_and_what_holds_the_rest() -> None:
     found = learned()
     first = found.summary().splitlines()[0]
-    assert re.match(r"Learned from 3 records, (54\.\d|55) min: learned: R_0", first)
+    assert re.match(r"Learned from 3 records, 35 min: learned: R_0", first)
     assert "From the prior still: " in first
     assert any(note.startswith("Motion tells of forces over inertia: X_mass") for note in found.notes)
     assert "learned from 3 records of the ship itself" in found.model.source.text
@@ -120,9 +125,8 @@ def test_a_mirrored_ship_learns_the_mirrored_turns() -> None:
     gear = replace(kvlcc2().configuration.rudder, straightening_starboard=0.5, straightening_port=0.5)
     turning = replace(kvlcc2().configuration.propeller, wake_starboard=1.3, wake_port=1.3)
     even = replace(mistaken(), configuration=replace(mistaken().configuration, rudder=gear, propeller=turning))
-    one, other = (
-        nw.learn(even, [each], sensors="basin", spread=0.1) for each in (records()[0], mirrored(records()[0]))
-    )
+    begun = records()[0].between(0.0, 300.0)
+    one, other = (nw.learn(even, [each], sensors="basin", spread=0.1) for each in (begun, mirrored(begun)))
     sides = {name: -1.0 if name in ("Y_0", "N_0") else 1.0 for name in one.std}
     turned = [sides[name] * other.model[name] for name in one.std]
     np.testing.assert_allclose([one.model[name] for name in one.std], turned, rtol=1e-5, atol=1e-7)
@@ -130,23 +134,24 @@ def test_a_mirrored_ship_learns_the_mirrored_turns() -> None:
 
 def test_coefficients_that_are_held_stay_and_are_allowed_for() -> None:
     free = ("N_v", "N_r", "N_rudder")
-    found = nw.learn(mistaken(), records(), free=free, sensors="basin", spread=0.1)
+    found = nw.learn(mistaken(), records()[:1], free=free, sensors="basin", spread=0.1)
     moved = {name for name in found.std if found.model[name] != mistaken()[name]}
     assert moved == set(free)
     alone = {name: 0.1 * abs(mistaken()[name]) for name in free}
-    blind = nw.learn(mistaken(), records(), sensors="basin", spread=alone, asymmetry=False)
+    blind = nw.learn(mistaken(), records()[:1], sensors="basin", spread=alone, asymmetry=False)
     assert all(found.std[name] > blind.std[name] for name in free)
 
 
 def test_a_spike_moves_nothing_and_a_gap_is_not_sailed_over() -> None:
     clean = records()[0]
     values = clean["psi"].values.copy()
-    values[300] += 1.5
+    values[200] += 1.5
     spiked = clean.with_signals(psi=nw.Signal(clean["psi"].t, values))
     rudder = clean["rudder"]
-    kept = (rudder.t <= 400) | (rudder.t >= 470)
+    kept = (rudder.t <= 250) | (rudder.t >= 320)
     broken = clean.with_signals(rudder=nw.Signal(rudder.t[kept], rudder.values[kept]))
-    usual, spike, gap = (nw.learn(mistaken(), [each], sensors="basin", spread=0.1) for each in (clean, spiked, broken))
+    usual = learned_from_one()
+    spike, gap = (nw.learn(mistaken(), [each], sensors="basin", spread=0.1) for each in (spiked, broken))
 
     def off(found: nw.LogFit) -> float:
         return max(abs(found.model[name] - usual.model[name]) / usual.std[name] for name in ("N_v", "N_rudder", "Y_v"))
@@ -195,7 +200,7 @@ def test_what_cannot_be_learned_from_is_said(told: dict[str, Any], says: str) ->
 
 def test_a_record_of_another_draft_is_left_out_and_said() -> None:
     light = replace(records()[1], condition={"draft": 15.0})
-    found = nw.learn(mistaken(), [records()[0], light], sensors="basin", spread=0.1)
+    found = nw.learn(mistaken(), [records()[0], light], free=("N_v",), sensors="basin", spread=0.1)
     assert len(found.records) == 1
     assert any("of a draft of 15 m" in note for note in found.notes)
 
@@ -219,6 +224,6 @@ def test_an_interrupted_fit_keeps_what_is_done_and_says_so(
 
 def test_a_learned_model_says_where_it_comes_from() -> None:
     source = learned().model.source
-    assert "3 records of the ship itself (zigzag +20 to circle, 0 s to 1500 s, sensors basin, sha256 " in source.text
+    assert "3 records of the ship itself (zigzag +20 to circle, 0 s to 900 s, sensors basin, sha256 " in source.text
     assert source.sha256.endswith(LogSource.of(records(), "", "").sha256)
     assert LogSource.of(records(1), "", "").sha256 != LogSource.of(records(), "", "").sha256
