@@ -1,4 +1,4 @@
-"""An estimator on twins, three ways with its coefficients: the table and figure of docs/estimation.md.
+"""An estimator on twins, three ways with its coefficients: the table and figure of docs/benchmarks.md.
 
 Particle filters are left out. They were tried with nine states, 2000 particles, and with the strength of the bank by a
 Kalman filter of its own in each particle: beside sensors this good they degenerate: a few carry all the weight.
@@ -134,4 +134,4 @@ def figure() -> Any:
 
 
 if __name__ == "__main__":
-    publish(__file__, "estimation.md", text())
+    publish(__file__, "benchmarks.md", text())

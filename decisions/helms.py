@@ -1,4 +1,4 @@
-"""Five scenes under three helms: the table of docs/control.md, and its picture, which `make docs` draws.
+"""Five scenes under three helms: the table of docs/benchmarks.md, and its picture, which `make docs` draws.
 
 Sampling predictive control (a few hundred random plans a step about the linear-quadratic loop, the best ones weighed)
 was tried on the same scenes: it held as many as predictive control by a quadratic program, with four times the rudder.
@@ -98,4 +98,4 @@ def figure() -> Figure:
 
 
 if __name__ == "__main__":
-    publish(__file__, "control.md", text())
+    publish(__file__, "benchmarks.md", text())

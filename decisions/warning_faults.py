@@ -1,4 +1,4 @@
-"""Faults at full size: the table of docs/warning.md; tests hold the same at small sizes, in tests/warning.
+"""Faults at full size: the table of docs/benchmarks.md; tests hold the same at small sizes, in tests/warning.
 
 python decisions/warning_faults.py [--write] [--small]
 """
@@ -154,4 +154,4 @@ def text(small: bool = False) -> str:
 
 
 if __name__ == "__main__":
-    publish(__file__, "warning.md", text("--small" in sys.argv))
+    publish(__file__, "benchmarks.md", text("--small" in sys.argv))

@@ -1,4 +1,4 @@
-"""Contacts that a warning averts, beside its false alerts: the tables of docs/warning.md.
+"""Contacts that a warning averts, beside its false alerts: the tables of docs/benchmarks.md.
 
 Ships of 230 m sail an hour on a canal with bends and narrows. Hands of four kinds steer; every ship has its own
 coefficients, current, gusts, meetings and indicator. Half of the ships have a lapse: the rudder is forgotten, put over
@@ -289,4 +289,4 @@ def text(folder: Path | None = None, others: bool = False) -> str:
 if __name__ == "__main__":
     asked = dict(zip(sys.argv[1:], sys.argv[2:], strict=False))
     kept = Path(asked["--kept"]) if "--kept" in asked else None
-    publish(__file__, "warning.md", text(kept, "--others" in sys.argv))
+    publish(__file__, "benchmarks.md", text(kept, "--others" in sys.argv))

@@ -13,6 +13,7 @@ from dataclasses import fields
 from pathlib import Path
 
 import pytest
+from matplotlib.figure import Figure
 
 import narrows as nw
 import narrows.captive.check
@@ -30,8 +31,10 @@ def test_example_runs(
     path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    runpy.run_path(str(path), run_name="__main__")
+    kept = runpy.run_path(str(path), run_name="__main__")
     assert capsys.readouterr().out.strip()
+    assert isinstance(kept["picture"], Figure)  # the thumbnail of the gallery
+    assert len(path.read_text(encoding="utf-8").splitlines()) <= 40
 
 
 @pytest.mark.slow

@@ -57,7 +57,7 @@ class TransitScores(Described):
             f"{NEEDED_TIME:g} s left to act by the monitor's own forecast; false is one that no contact follows in "
             f"{BEFORE_CONTACT:g} s."
         )
-        few = ("A few transits determine these numbers poorly: see the intervals in docs/warning.md.",)
+        few = ("A few transits determine these numbers poorly: see the intervals in docs/benchmarks.md.",)
         return (rule, *few, *(f"There was no forecast for {name}: it is left out." for name in self.unknown))
 
     def summary(self) -> str:

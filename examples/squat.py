@@ -1,0 +1,22 @@
+"""Squat in a canal
+================
+
+The bow of a container ship sinks with speed; formulas differ, and their spread is the uncertainty.
+"""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import narrows as nw
+
+configuration = nw.published("estimated_dtc").configuration
+u = np.linspace(1.0, 5.0, 33)
+picture = Figure((4.8, 3.4), layout="constrained")
+axes = picture.subplots()
+for name in ("icorels", "huuska", "tuck_bow"):
+    sinkage = [nw.squat(configuration, u=float(one), gives="bow", formula=name).sinkage for one in u]
+    axes.plot(u, sinkage, linewidth=3, label=name)
+    print(f"{name}: {sinkage[-1]:.2f} m at 5 m/s")
+axes.set(xlabel="speed [m/s]", ylabel="squat [m]", title="Squat of a 355 m ship, h = 24 m")
+axes.invert_yaxis()
+axes.legend()
