@@ -1,4 +1,4 @@
-"""A page of the API for each room of the package, in the order of the data's way."""
+"""A page of the API for each package, in the order of the data flow."""
 
 import inspect
 import pkgutil
@@ -29,8 +29,8 @@ def write_pages(source: Path) -> None:
 
 
 def _contents() -> str:
-    title = "The API by room"
-    said = "A room imports only from those above it in this list, which is the order of the data's way."
+    title = "The API by package"
+    said = "A package imports only from those above it in this list, the order of the data flow."
     pages = [f"   {room}" for room in rooms()]
     return "\n".join([title, "=" * len(title), "", said, "", ".. toctree::", "   :maxdepth: 1", "", *pages, ""])
 
@@ -57,7 +57,7 @@ def rooms() -> list[str]:
     """The rooms from the first to the last, as the import contracts order them."""
     settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     layers = settings["tool"]["importlinter"]["contracts"][0]["layers"]
-    return [room for layer in reversed(layers) for room in layer.split(" | ")]
+    return [room for layer in reversed(layers) for room in layer.split(" | ") if room != "__main__"]
 
 
 def _page(room: str) -> str:

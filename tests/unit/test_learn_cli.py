@@ -51,7 +51,7 @@ def test_a_log_makes_a_model_and_a_page(cli, folder: Path) -> None:
     text = page.read_text(encoding="utf-8")
     assert text.count("<svg") == 5
     assert "zigzag +20" in text
-    assert "Motion tells of forces over inertia" in text
+    assert "Motion determines only forces over inertia" in text
 
 
 def test_what_is_printed_as_json_keeps_to_the_schema(cli, folder: Path) -> None:

@@ -276,7 +276,7 @@ def test_free_running_tests_of_two_tanks_are_one_motion(tank: str, records: int,
     [
         ("nowhere.csv", {}, "no such file"),
         ({"t": [0.0]}, {}, "has times and nothing else"),
-        ({"x": [0.0]}, {}, "no column tells the time"),
+        ({"x": [0.0]}, {}, "no column has the time"),
         ({"time": ["yesterday"], "x": [0.0]}, {}, "row 0, column 'time' is no date"),
         ({"time": ["2026-05-01", 3.5], "x": [0.0, 1.0]}, {}, "row 1, column 'time' is no date"),
         ({"t": [0.0, 1.0], "lat": [52.0, 5200.0], "lon": [5.0, 5.0]}, {}, "row 1, latitude 5200 is not on earth"),

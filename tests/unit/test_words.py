@@ -1,4 +1,4 @@
-"""Words of the README and the docs: British spelling, and none of the turns that a reader has to read twice."""
+"""Words of the README, the docs and the source: British spelling, and no turn that a reader has to read twice."""
 
 import re
 from pathlib import Path
@@ -33,3 +33,19 @@ def test_spelling_is_british() -> None:
 def test_turns_that_are_read_twice_grow_fewer(turn: str) -> None:
     lines = found(turn)
     assert len(lines) <= TURNS[turn], lines
+
+
+# Descriptions in the source without a subject, and data that speak or think: how many are left.
+THINGS = r"(?:data|tests?|runs?|logs?|records?|gauges?|rudders?|sensors?|motions?|models?|fits?|tables?)"
+IN_SOURCE = {
+    r'(?:"""|# (?:\([^)]*\) )?|^ +)(?:Of|Wherefrom|Say (?:it|them))\b(?! course)': 1,
+    r'"""(?:What|How|Which|Why|That)\b(?! to )': 1,
+    rf"\b{THINGS} (?:(?:do not|does not|cannot) )?(?:say|tell|know|hear|feel|teach|think|believe|speak)s?\b": 3,
+}
+
+
+@pytest.mark.parametrize("turn", IN_SOURCE)
+def test_descriptions_have_a_subject(turn: str) -> None:
+    texts = [path.read_text(encoding="utf-8") for path in sorted((ROOT / "src").rglob("*.py"))]
+    lines = [line.strip() for text in texts for line in text.splitlines() if re.search(turn, line)]
+    assert len(lines) <= IN_SOURCE[turn], lines

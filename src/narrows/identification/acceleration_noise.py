@@ -8,7 +8,7 @@ from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.identification.regression.problem import Problem
 from narrows.identification.regression.solve import Solution
 
-# Of the size of the accelerations that is taken for noise.
+# Share of the size of the accelerations that is taken for noise.
 SHARE = 0.1
 
 
@@ -33,7 +33,7 @@ def noise_bias(
 
 
 def noise_sentence(tests: Tests, bias: dict[str, float], values: dict[str, float]) -> str:
-    """Say what noise in accelerations would do where nothing checks them; nothing where time does."""
+    """Return the effect of noise in accelerations that no check covers; empty where time checks them."""
     if isinstance(tests, CaptiveTests) and "t" in tests.columns:
         return ""
     shifts = {

@@ -17,7 +17,7 @@ from narrows.terms.term import TermTable
 # Error on what was left out, over that of the given terms, below which tests prefer other terms.
 BETTER = 0.98
 UNITS = {"X": "N", "Y": "N", "N": "N m"}
-# Of the half width of the canal: an offset that a straight run must have to tell of a bank.
+# Share of the half width of the canal: offset that makes a straight run informative of a bank.
 OFF_CENTRE = 0.1
 
 
@@ -25,17 +25,17 @@ OFF_CENTRE = 0.1
 class Answer:
     """The hull, the bank and the next runs of a fit, a sentence each; then what lies behind them."""
 
-    fit: Fit  # Of the terms that were asked for
-    preferred: Fit | None  # Of the hull's terms that err least on left-out motions, where these are others
+    fit: Fit  # Fit with the requested terms
+    preferred: Fit | None  # Fit with the hull terms that predict left-out motions best, where these are others
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """How well the hull is known, how well the bank, and what to run next."""
+        """Verdict on the hull, verdict on the bank, and the tests to run next."""
         return self._hull(), self._bank(), self._next_runs()
 
     @property
     def details(self) -> tuple[str, ...]:
-        """What other terms of the hull say of the bank, and which errors of a campaign would change the answer."""
+        """Bank coefficients with other hull terms, and the errors of a campaign that would change the answer."""
         return tuple(filter(None, (self._other_terms(), self._limits() if self.settled else "")))
 
     def to_dict(self) -> dict[str, object]:
@@ -87,7 +87,7 @@ class Answer:
         return "; ".join([f"{first}: {_values(self.preferred)}", *filter(None, more)]) + "."
 
     def _limits(self) -> str:
-        """Which errors of a campaign are as large as the standard error of each coefficient of the bank."""
+        """Errors of a campaign as large as the standard error of each bank coefficient."""
         limits = {name: self.fit.verdicts[name].limits[:2] for name in bank_names(self.fit)}
         parts = [f"{name} is off by a standard error with {' or '.join(most)}" for name, most in limits.items() if most]
         told = "; ".join(parts) or "No usual error of a campaign moves the bank's coefficients by a standard error"
@@ -191,6 +191,6 @@ def _values(fit: Fit) -> str:
 
 
 def _doubts(fit: Fit) -> str:
-    """Why coefficients of the bank are not identified; empty where all are."""
+    """Reasons why coefficients of the bank are not identified; empty where all are."""
     unsure = [name for name in bank_names(fit) if fit.verdicts[name].status != IDENTIFIED]
     return listed([f"{name} is {fit.verdicts[name].words}" for name in unsure])

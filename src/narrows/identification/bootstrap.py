@@ -29,7 +29,7 @@ class Bootstrap:
     # (resamples, n) Coefficients of each resample fitted under the constraints, each in its own unit
     samples: np.ndarray
     std: np.ndarray  # (n,) Half of what holds the middle 68 % of the coefficients of resamples fitted without bounds
-    estimates: CoefficientEstimates  # Of the tests themselves: the middle of the intervals
+    estimates: CoefficientEstimates  # Estimates of the tests themselves: the middle of the intervals
     kind: str  # ``errors`` or ``tests``
 
     @property

@@ -62,11 +62,11 @@ class Comparison(Shown):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Which tables were not fitted, and why."""
+        """Tables that were not fitted, and why."""
         return tuple(f"{name} was left out: {reason}." for name, reason in self.left_out.items())
 
     def summary(self) -> str:
-        """Say for each force which table errs least on tests left out, against the first table: a line each."""
+        """Best table for each force on left-out tests, compared with the first table: a line each."""
         first = next(iter(self.fits))
         unit = {"X": "N", "Y": "N", "N": "N m"}
         sentences = []
@@ -137,13 +137,13 @@ def compare(
     Parameters
     ----------
     tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
-        Of one condition, or of several for tables that ask for the depth.
+        Tests of one condition, or of several for tables with the depth.
     tables : str, TermTable or a sequence of them
         Tables, or names of them; all that come with the package unless given.
     weights, balance : str
         As in ``identify``.
     ship : str, Path, Configuration or mapping, optional
-        Of a table that was not read yet, as of ``read_captive``.
+        Ship of a table that was not read yet, as of ``read_captive``.
 
     Raises
     ------

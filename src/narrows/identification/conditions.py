@@ -23,11 +23,11 @@ def identify_conditions(
     Parameters
     ----------
     tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
-        Of one or several conditions.
+        Tests of one or several conditions.
     condition : str, optional
         Take this one alone.
     ship : str, Path, Configuration or mapping, optional
-        Of a table that was not read yet, as of ``read_captive``.
+        Ship of a table that was not read yet, as of ``read_captive``.
     **options : Any
         As in ``identify``.
 

@@ -13,18 +13,18 @@ STRONG = 0.9
 
 @dataclass(frozen=True)
 class CorrelatedPair:
-    """Two coefficients that the tests tell apart badly."""
+    """Two coefficients that the tests hardly separate."""
 
     first: str  # Coefficients
     second: str  # Coefficients
-    correlation: float  # Of their estimates, as the columns alone determine it [1]
-    # How far ``second`` moves when ``first`` is moved by one, the fit staying as good as it can, in the unit of
+    correlation: float  # Correlation of their estimates, by the columns alone [1]
+    # Change of ``second`` for a change of ``first`` by one, the fit staying as good as it can, in the unit of
     # ``second`` over that of ``first``
     slope: float
 
     @property
     def sentence(self) -> str:
-        """Say it."""
+        """One sentence of the pair."""
         return (
             f"{self.first} and {self.second} trade against each other (correlation {self.correlation:+.3f}): "
             f"{self.first} up by 1 moves {self.second} by {self.slope:+.3g}"

@@ -14,7 +14,7 @@ from narrows.terms.term import TermTable
 
 
 class Validation(NamedTuple):
-    """How well a fit foresees rows that it did not see."""
+    """Prediction errors of a fit on left-out rows."""
 
     scores: Mapping[str, Score]  # R2 and RMSE of each force on rows left out
     split: str  # ``test``, by distinct motion, or ``random``

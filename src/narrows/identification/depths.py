@@ -27,11 +27,11 @@ class DepthTest:
 
     @property
     def changes(self) -> bool:
-        """Whether it differs between depths by more than its errors allow."""
+        """True where the coefficient differs between depths by more than its errors allow."""
         return self.p < DIFFERENT
 
     def sentence(self, name: str) -> str:
-        """Say it."""
+        """One sentence of the result."""
         told = ", ".join(f"{value:.3g} +- {self.std[h]:.2g} at {h:.4g} m" for h, value in self.values.items())
         word = "it changes with the depth" if self.changes else "no change with the depth is seen"
         return f"{name} by each depth alone is {told}: {word} (p = {self.p:.2g})."

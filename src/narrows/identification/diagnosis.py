@@ -20,11 +20,11 @@ class Diagnosis:
 
     names: tuple[str, ...]  # The coefficients
     rank: int  # Number of directions with data
-    condition: float  # Of the matrix with columns scaled to one; infinite where the rank is short [1]
+    condition: float  # Condition number of the matrix with columns scaled to one; infinite where the rank is short [1]
     # Variance inflation, 1/(1 - R2) of a column on the others, without intercept as the model has none; infinite
     # where the column is a combination of others, NaN where it is zero [1]
     vif: Mapping[str, float]
-    correlation: np.ndarray  # (n, n) Of the columns; NaN where one does not vary
+    correlation: np.ndarray  # (n, n) Correlation of the columns; NaN where one does not vary
     # (n, n) Cosine between the columns, which is what a model without intercept feels; NaN where one is zero
     alignment: np.ndarray
     empty: tuple[str, ...]  # Coefficients whose column is zero
@@ -95,6 +95,6 @@ def _correlation(equations: NormalEquations, sums: np.ndarray, names: tuple[str,
     gram = equations.pick(sums, list(names)) / rows
     covariance = gram - np.outer(mean, mean)
     variance = np.diag(covariance)
-    # What is left of a constant column is rounding.
+    # A constant column leaves only rounding.
     spread = np.sqrt(np.where(variance > 1e-12 * np.diag(gram), variance, np.nan))
     return np.asarray(np.clip(covariance / np.outer(spread, spread), -1.0, 1.0))

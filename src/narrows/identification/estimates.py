@@ -42,13 +42,13 @@ class ForcePosterior:
 
     @property
     def slots(self) -> list[int]:
-        """Which parameters these are."""
+        """Indices of these parameters."""
         return self.rows.slots
 
 
 @dataclass(frozen=True)
 class CoefficientEstimates:
-    """What the tests say of the coefficients, in the order of ``terms.names``."""
+    """Estimates of the coefficients, in the order of ``terms.names``."""
 
     problem: Problem
     forces: tuple[ForcePosterior, ...]
@@ -219,7 +219,7 @@ def _conditioned(means: np.ndarray, spreads: np.ndarray, i: int, value: float) -
 def _draws(means: np.ndarray, spreads: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Draws from a mixture of Gaussians: as many of each as its weight says, each with its mirror image."""
     rng = np.random.default_rng(SEED)
-    # From narrow to wide: where rounding moves a draw to the next Gaussian, that one is almost the same.
+    # The order is from narrow to wide: where rounding moves a draw to the next Gaussian, that one is almost the same.
     variances = np.diagonal(spreads, axis1=1, axis2=2)
     order = np.argsort((variances / np.maximum(variances.max(axis=0), 1e-300)).sum(axis=1))
     means, spreads, weights = means[order], spreads[order], weights[order]

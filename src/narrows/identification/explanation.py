@@ -38,9 +38,9 @@ class Explanation(Shown):
     model : Model
         The model.
     fit : Fit
-        The same terms fitted to these tests: what the tests say by themselves.
+        The same terms fitted to these tests alone.
     scores : mapping of str to Score
-        Of the model's own coefficients on these tests.
+        Error of the model's own coefficients on these tests.
     by_test : mapping of str to mapping of str to Score
         The same by test: test -> force -> score.
     comparison : Comparison
@@ -63,7 +63,7 @@ class Explanation(Shown):
 
     @cached_property
     def distance(self) -> dict[str, float]:
-        """How far the model's coefficients are from those of these tests, in joint standard errors; NaN if unknown."""
+        """Distance of the model's coefficients from those of these tests, in joint standard errors; NaN if unknown."""
         covariance = self.model.covariance
         variances = np.zeros(len(self.fit.terms.names)) if covariance is None else np.diag(covariance)
         return {
@@ -84,12 +84,12 @@ class Explanation(Shown):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Where the tests lie outside of what the model's data covered."""
+        """Conditions of the tests outside the range of the model's data."""
         covered = {name: pair for name, pair in vars(self.fit.data_range).items() if pair is not None}
         return extrapolation(self.model.data_range, covered)
 
     def summary(self) -> str:
-        """Say how far the model errs on these tests, where most, and which coefficients differ: a line each."""
+        """Error of the model on these tests, where it is largest, and which coefficients differ: a line each."""
         sentences = ["The model was fitted on this table."] if self.fitted_on_these else self._another_ship()
         for force, fitted in self.scores.items():
             worst, unit = max(self.by_test, key=lambda test: self.by_test[test][force].rmse), FORCES[force].unit
@@ -103,7 +103,7 @@ class Explanation(Shown):
         return "\n".join(sentences)
 
     def _another_ship(self) -> list[str]:
-        """What to know first where the tests are of another hull than the model."""
+        """Warning where the tests are of another hull than the model."""
         known, tested = self.model.ship, self.fit.tests.configuration.ship
         if all(math.isclose(getattr(known, size), getattr(tested, size), rel_tol=SAME_HULL) for size in SIZES):
             return []
@@ -147,11 +147,11 @@ def explain(model: Model, tests: Any, tables: Sequence[str] = (), ship: ShipSour
     model : Model
         The model; its terms are fitted to the tests too.
     tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
-        Of one condition.
+        Tests of one condition.
     tables : sequence of str
         Tables of terms to compare by what they say of tests left out; all that come with the package unless given.
     ship : str, Path, Configuration or mapping, optional
-        Of a table that was not read yet, as of ``read_captive``; the model's own unless given.
+        Ship of a table that was not read yet, as of ``read_captive``; the model's own unless given.
 
     Returns
     -------

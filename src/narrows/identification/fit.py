@@ -93,7 +93,7 @@ class Fit(Prediction):
 
     @property
     def split(self) -> str:
-        """How rows were left out: ``test`` or ``random``."""
+        """Kind of split: ``test`` or ``random``."""
         return self.validation.split
 
     @property
@@ -155,7 +155,7 @@ class Fit(Prediction):
 
     @property
     def error_scales(self) -> dict[str, dict[str, float]]:
-        """How large the errors of runs and of the campaign are, by the forces that are fitted together."""
+        """Sizes of the errors of runs and of the campaign, by the forces that are fitted together."""
         return {" and ".join(part.rows.blocks.forces): dict(scales_of(part)) for part in self.estimates.forces}
 
     @cached_property
@@ -167,7 +167,7 @@ class Fit(Prediction):
 
     @property
     def predictiveness(self) -> tuple[Predictiveness, ...]:
-        """How well the model predicts motions that it has not seen, by force."""
+        """Prediction errors on left-out motions, by force."""
         return predictiveness(self.left_out_motions)
 
     @property
@@ -200,12 +200,12 @@ class Fit(Prediction):
 
     @cached_property
     def verdicts(self) -> dict[str, Verdict]:
-        """How far each coefficient can be trusted."""
+        """Verdict on each coefficient."""
         return verdicts(self.diagnostics, self.estimates)
 
     @cached_property
     def implausible(self) -> tuple[str, ...]:
-        """What cannot be of this ship, each a sentence with its likely cause: masses, signs of forces and rudder."""
+        """Implausible results, each a sentence with its likely cause: masses, signs of forces and rudder."""
         names = self.terms.names
         errors = {name: std for name, std in self.std.items() if self.diagnostics.determined(name)}
         rejected = tuple(name for name, held in zip(names, self.estimates.held, strict=True) if held)
@@ -216,7 +216,7 @@ class Fit(Prediction):
 
     @cached_property
     def depth_tests(self) -> dict[str, DepthTest]:
-        """Of each coefficient of the bank: whether it is the same at every depth; empty where there is one depth."""
+        """Test of each bank coefficient for equality at all depths; empty for one depth."""
         known = (self.normal_equations, self.motions, self.problem, self.errors)
         return depth_tests(*known, self.tests.configuration)
 
@@ -227,7 +227,7 @@ class Fit(Prediction):
 
     @cached_property
     def influence(self) -> Influence:
-        """What each distinct motion tells of each coefficient, and how far it moves it."""
+        """Influence of each distinct motion on each coefficient: its information, and the change without it."""
         return influence(self.problem, self.motions, self.estimates)
 
     def bootstrap(self, resamples: int = 10_000, kind: DrawnBy = "errors", seed: int = 0) -> Bootstrap:
@@ -236,12 +236,12 @@ class Fit(Prediction):
         Parameters
         ----------
         resamples : int
-            How many.
+            Number of resamples.
         kind : str
             ``errors``: the tests stay, errors as large as those of the fit are drawn; ``tests``: distinct motions are
             drawn with replacement, each with all its repeats, which says little where there are few.
         seed : int
-            Of the draws.
+            Seed of the draws.
 
         Raises
         ------
@@ -272,7 +272,7 @@ class Fit(Prediction):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What the reader of the tests had to say, and what was taken as independent."""
+        """Notes of the reader of the tests, and the tests taken as independent."""
         alone = ("These tests are one motion: none can be left out, and no left-out error is known.",)
         several = isinstance(self.tests, CaptiveTests) and len(set(self.tests.conditions)) > 1
         one: tuple[str, ...] = (
@@ -294,7 +294,7 @@ class Fit(Prediction):
         Parameters
         ----------
         path : str or Path
-            Where to.
+            Path of the file.
 
         Raises
         ------
@@ -307,7 +307,7 @@ class Fit(Prediction):
             super().save(path)
 
     def summary(self) -> str:
-        """Say how well the forces are reproduced, and which coefficients cannot be trusted: a line each."""
+        """Errors of the forces, and the coefficients that cannot be trusted: a line each."""
         scores = [
             f"{force}: R2 {fitted.r2:.3f}, RMSE {fitted.rmse:.3g}; on what was left out R2 {checked.r2:.3f}, "
             f"RMSE {checked.rmse:.3g}."

@@ -46,7 +46,7 @@ def identify(
     Parameters
     ----------
     tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
-        Of one condition; a table that was not read yet is read as by ``read_captive``, for the ship of ``ship``.
+        Tests of one condition; a path is read as by ``read_captive``, for the ship of ``ship``.
     terms : TermTable or str
         The terms, their bounds and ties, or the name of a table that comes with the package.
     weights : str
@@ -58,7 +58,7 @@ def identify(
         ``test``: fit on every row, check on each distinct motion left out in turn, its repeats with it; ``random``:
         fit on a seeded random 80 % of the rows, check on the rest, as the paper does.
     seed : int
-        Of the random split.
+        Seed of the random split.
     accelerations : str
         ``checked``: where the measured ones stray from a periodic or straight motion with time, those of the motion are
         taken, and ``notes`` say so; ``motion``: wherever the motion gives them; ``measured``: never.
@@ -70,7 +70,7 @@ def identify(
         ``depth``: tests at several depths together, with hull coefficients of their own at each and the bank's shared;
         whether these change with depth is tested, and ``notes`` say so.
     ship : str, Path, Configuration or mapping, optional
-        Of a table that was not read yet, as of ``read_captive``; tests that were read have theirs.
+        Ship of a table that was not read yet, as of ``read_captive``; tests that were read have theirs.
 
     Returns
     -------
@@ -133,7 +133,7 @@ def depths_of(tests: Tests) -> list[float]:
             by_test.setdefault(span.test, []).append(float(depth[span.start : span.stop].mean()))
     means = np.array([np.mean(values) for values in by_test.values()])
     if not np.isfinite(means).all():
-        raise InputError("the tests do not say how deep the water was; give depths in the ship file or a column")
+        raise InputError("the tests have no water depth; give depths in the ship file or a column")
     group = numbered(means)
     return [float(means[group == number].mean()) for number in range(group.max() + 1)]
 

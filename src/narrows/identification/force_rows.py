@@ -58,7 +58,7 @@ class ForceRows:
         self.reach = float(max(motions.reach.max(), 1e-9))
 
     def place(self, term: Term) -> int:
-        """Which column of ``x`` a term adds to."""
+        """Return the column of ``x`` that a term adds to."""
         return self.slots.index(self.problem.slot[term.name])
 
     def of(self, force: int, column: np.ndarray) -> np.ndarray:

@@ -14,14 +14,14 @@ from narrows.identification.regression.solve import solve_many
 
 @dataclass(frozen=True)
 class Influence:
-    """What each distinct motion does to each coefficient."""
+    """Influence of each distinct motion on each coefficient."""
 
     tests: tuple[str, ...]  # The motions, each called by its first test and the number of its repeats
     names: tuple[str, ...]  # The coefficients
     # (tests, n) Share of what is known of a coefficient that is gone without the test: 1 less the ratio of the
     # variance with all tests to the variance without this one [1]
     information: np.ndarray
-    moved: np.ndarray  # (tests, n) How far the test moves the constrained estimate, in the coefficient's unit
+    moved: np.ndarray  # (tests, n) Change of the constrained estimate by the test, in the coefficient's unit
 
     def most_informing(self, name: str) -> tuple[str, float]:
         """Return the test that a coefficient would miss most, and the share of what is known that goes with it [1]."""

@@ -9,7 +9,7 @@ from narrows.quantities.names import Number
 
 LEVEL = 0.95
 GRID = 201
-# Of the critical ratio: to a billionth.
+# Tolerance of the critical ratio.
 HALVINGS = 30
 # Clusters from which on a tenth of one makes no difference.
 COARSE = 20.0
@@ -60,7 +60,7 @@ def _above_zero(x: float, clusters: float, level: float) -> tuple[float, float]:
 
 @cache
 def _accepted(clusters: float, level: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """For truths from 0 to the quantile: the lowest and the highest sight that is not surprising."""
+    """Return the acceptance interval of the estimate, for truths from 0 to the quantile."""
     from scipy.special import stdtr
 
     plain, degrees = t_quantile(clusters, level), max(clusters - 1, 1)
@@ -75,5 +75,5 @@ def _accepted(clusters: float, level: float) -> tuple[np.ndarray, np.ndarray, np
 
 
 def _least(truths: np.ndarray, root: np.ndarray) -> np.ndarray:
-    """Where the likelihood ratio to the best truth that is not negative reaches ``root`` squared, on the low side."""
+    """Return the lower bound, where the likelihood ratio to the best allowed truth reaches ``root`` squared."""
     return np.asarray(np.where(root <= truths, truths - root, (truths**2 - root**2) / (2 * truths)))

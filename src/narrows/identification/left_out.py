@@ -30,7 +30,7 @@ class LeftOutMotion:
 
 @dataclass(frozen=True)
 class Predictiveness:
-    """How well a model predicts motions it has not seen, for one force."""
+    """Prediction error of a model on left-out motions, for one force."""
 
     force: str
     held: float  # share of directions inside their 95 % predictive interval
@@ -40,7 +40,7 @@ class Predictiveness:
 
     @property
     def sentence(self) -> str:
-        """Say it."""
+        """One sentence of the result."""
         unit = "N m" if self.force == "N" else "N"
         return (
             f"{self.force} of {self.motions} motions left out in turn: {self.held:.0%} lie within the 95 % predictive "
@@ -121,7 +121,7 @@ def without_rows(
     x = model.x[own]
     weighted = np.linalg.solve(errors, x)
     less = precision - x.T @ weighted
-    # Where no other motion knows of a coefficient its prior is all that is left, and rounding may take that.
+    # A coefficient in no other motion keeps only its prior, which rounding may remove.
     np.fill_diagonal(less, np.maximum(np.diag(less), RIDGE))
     unit = 1 / np.sqrt(np.diag(less))
     values, vectors = np.linalg.eigh(less * np.outer(unit, unit))

@@ -15,7 +15,7 @@ from functools import cached_property
 
 import numpy as np
 
-# Of a coefficient's own information, added where rounding leaves columns that depend on each other.
+# Share of a coefficient's own information, added where rounding leaves dependent columns.
 JITTERS = (0.0, 1e-10, 1e-8, 1e-6, 1e-4)
 SHAPES = 3  # of errors that all rows of a block share
 RIDGE = 1e-6  # prior precision of a coefficient, over the force's level: so weak that it only keeps all finite
@@ -23,7 +23,7 @@ RIDGE = 1e-6  # prior precision of a coefficient, over the force's level: so wea
 
 @dataclass(frozen=True)
 class BlockErrors:
-    """What the errors of a block's rows are made of; all arrays but ``shapes`` have a value for each block."""
+    """Error components of a block's rows; all arrays but ``shapes`` have a value for each block."""
 
     starts: np.ndarray  # first row
     shapes: np.ndarray  # (rows, 3) force of the fit, force of its bank, a constant of the force's root mean square
@@ -145,7 +145,7 @@ class MixedModel:
         self, z: np.ndarray, scale: np.ndarray, beta: np.ndarray, inverse: np.ndarray,
         kernel: np.ndarray, c: np.ndarray,
     ) -> np.ndarray:  # fmt: skip
-        """Of the log posterior to each coordinate: the identities of restricted maximum likelihood."""
+        """Gradient of the log posterior by each coordinate: the identities of restricted maximum likelihood."""
         p, e = self.fixed, self.errors
         moment = (beta[p:] ** 2 + np.diag(inverse)[p:]) / scale[self.group] ** 2 - 1
         slope = np.bincount(self.group, moment, len(z) + 1)[:-1]  # to the logarithm of each scale

@@ -8,16 +8,16 @@ import numpy as np
 
 from narrows.identification.regression.normal_equations import NormalEquations
 
-# Of each feature, or of a fifth of the largest in the table where that is more: within it two tests are one motion.
+# Tolerance of each feature, or of a fifth of its largest value if more: within it two tests are one motion.
 SAME_MOTION = 0.03
-# Of speed, period or depth against the first test of a stratum.
+# Tolerance of speed, period or depth against the first test of a stratum.
 SAME_STRATUM = 0.05
 # Standard deviations within a test under which nothing oscillates: over speed, in radians, over the ship's length.
 STEADY = {"v": 0.015, "sin_psi": 0.01, "y": 0.01}
 FLOOR = 0.2
-# What is at a tolerance is within it, whatever the rounding of sums.
+# A value at a tolerance is within it, whatever the rounding of sums.
 EDGE = 1 + 1e-6
-# Of the largest offset of the table: a mean offset beyond it lies on a side of the canal.
+# Share of the largest offset of the table: a mean offset beyond it lies on a side of the canal.
 SIDE = 0.15
 
 
@@ -42,7 +42,7 @@ class DistinctMotions:
 
     @property
     def labels(self) -> tuple[str, ...]:
-        """What each motion is called: its first test, and how often that was made again."""
+        """Name of each motion: its first test, and its number of repeats."""
         return tuple(_label(tests) for tests in self.members)
 
     @cached_property
@@ -62,7 +62,7 @@ class DistinctMotions:
 
     @property
     def sentence(self) -> str:
-        """What was taken as independent, in words."""
+        """One sentence of the tests taken as independent."""
         tests = sum(len(members) for members in self.members)
         if tests == len(self):
             return f"Errors are those of {tests} runs, each a motion of its own."
@@ -100,7 +100,7 @@ def distinct_motions(equations: NormalEquations) -> DistinctMotions:
 def numbered(values: Sequence[float] | np.ndarray, tolerance: float = SAME_STRATUM) -> np.ndarray:
     """Number values by the first one that each is within a tolerance of."""
     # values (n,)
-    # From the smallest on, so that the order of the tests does not matter.
+    # The smallest comes first, so that the order of the tests does not matter.
     values = np.asarray(values, float)
     group, first, count = np.zeros(len(values), int), np.nan, 0
     for i in np.argsort(values, kind="stable"):
@@ -152,7 +152,7 @@ class _Runs:
 
     @cached_property
     def period(self) -> np.ndarray:
-        """From v'' = -w2 v of what oscillates most, 0 where nothing does [s]."""
+        """Return the period by v'' = -w2 v of the largest oscillation, 0 without one [s]."""
         sway, yaw = self.std("v") / self.speed, self.std("r") * self.length / self.speed
         speed = np.where(sway > yaw, self.std("v"), self.std("r"))
         rate = np.where(sway > yaw, self.std("vdot"), self.std("rdot"))
@@ -170,7 +170,7 @@ class _Runs:
 
     @property
     def features_of_motions(self) -> dict[str, np.ndarray]:
-        """What is known of a motion: its strata, how far it goes, whether nothing oscillates."""
+        """Return the features of a motion: its strata, its reach, whether nothing oscillates."""
         return {**self.strata, "reach": self.reach, "steady": self.steady.astype(float)}
 
     def features(self) -> tuple[np.ndarray, np.ndarray]:

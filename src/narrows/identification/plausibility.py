@@ -15,7 +15,7 @@ from narrows.identification.regression.solve import solve
 from narrows.model.masses import added_sway, added_yaw, ship_inertia, ship_mass
 from narrows.terms.term import TermKind, TermTable
 
-# Of the added mass in deep water that a hull has at least; of mass and added mass in deep water, at most, which
+# Least share of the added mass in deep water that a hull has; most times mass and added mass in deep water, which
 # shallow water and near banks multiply.
 LEAST_ADDED, MOST = 0.5, 10.0
 # Standard errors that a mass must be beyond what a ship can have; the force that such a mass makes over what the fit
@@ -25,28 +25,28 @@ SURE, FELT = 2.0, 0.1
 CLEARLY = 0.7
 # Standard errors over the runs by which X must push ahead.
 SURE_PUSH = 3.0
-# How a force may have been counted whose other sign fits better.
+# Sign conventions of a force whose other sign fits better.
 AXES = {"X": "X counted astern", "Y": "Y counted to port", "N": "N counted anticlockwise"}
-# What forces come in beside N and N m, and how many of these one is.
+# Units of forces other than N and N m, and their factors.
 UNITS = {"kgf or kgf m": 9.80665, "kN or kN m": 1e3}
 RUDDER_MOVES = math.radians(1.0)
 
 
 @dataclass(frozen=True)
 class Judged:
-    """What a fit is judged by."""
+    """Inputs of the plausibility checks."""
 
-    tests: Tests  # What it was fitted on
+    tests: Tests  # Tests of the fit
     equations: NormalEquations  # Sums over the rows
-    problem: Problem  # What was solved
+    problem: Problem  # Solved problem
     coefficients: Mapping[str, float]  # The optimum
-    unbounded: Mapping[str, float]  # What the data alone say
+    unbounded: Mapping[str, float]  # Estimates without bounds
     std: Mapping[str, float]  # Standard error of each coefficient that the tests determine
     rejected: tuple[str, ...]  # Coefficients that the data put beyond their bounds for certain
 
 
 def implausible(evidence: Judged) -> tuple[str, ...]:
-    """Say what cannot be of a fit, each in a sentence with its likely cause; nothing of one that can."""
+    """Return the implausible results of a fit, each a sentence with its likely cause."""
     reversed_forces = [force for force in AXES if fits_reversed(evidence, force)]
     signs = [f"{force} of the other sign fits far better: is {AXES[force]}?" for force in reversed_forces]
     signs += [] if "X" in reversed_forces else [push_sentence(evidence)]
@@ -55,7 +55,7 @@ def implausible(evidence: Judged) -> tuple[str, ...]:
 
 
 def fits_reversed(evidence: Judged, force: str) -> bool:
-    """Say whether a force of the other sign would be fitted far better."""
+    """Return whether a force of the other sign would be fitted far better."""
     equations, problem = evidence.equations, evidence.problem
     if not problem.terms.forces[force]:
         return False
@@ -69,7 +69,7 @@ def fits_reversed(evidence: Judged, force: str) -> bool:
 
 
 def push_sentence(evidence: Judged) -> str:
-    """Say that X pushes the ship the way it goes, run by run; nothing where it resists, or a propeller is modelled."""
+    """Warn that X pushes the ship ahead, run by run; empty where it resists, or a propeller is modelled."""
     terms = evidence.problem.terms
     tests, propelled = evidence.tests, any(actuator.name == "revolutions" for actuator in terms.actuators)
     if not terms.forces["X"] or propelled or not isinstance(tests, CaptiveTests):
@@ -84,14 +84,14 @@ def push_sentence(evidence: Judged) -> str:
 
 
 class Mass(NamedTuple):
-    """What resists an acceleration."""
+    """A mass or inertia, with its bare and added part."""
 
     force: str  # That accelerates
     rate: str  # The acceleration
-    words: str  # What it is called
+    words: str  # Name
     unit: str  # Its unit
-    bare: Callable[..., float]  # Of the configuration: what the ship has of it
-    added: Callable[..., float]  # Of the configuration: what deep water adds
+    bare: Callable[..., float]  # Bare value of a configuration
+    added: Callable[..., float]  # Added value of a configuration in deep water
 
 
 MASSES = (
@@ -101,7 +101,7 @@ MASSES = (
 
 
 def mass_sentence(evidence: Judged, mass: Mass) -> str:
-    """Say that a mass or inertia cannot be that of the ship with its added mass, and why; nothing where it can."""
+    """Warn that a mass or inertia is implausible for the ship with its added mass, and why."""
     names = [term.name for term in evidence.problem.terms.forces[mass.force] if term.inputs == (mass.rate,)]
     if len(names) != 1 or names[0] not in evidence.std:
         return ""
@@ -120,7 +120,7 @@ def mass_sentence(evidence: Judged, mass: Mass) -> str:
 
 
 def _felt(evidence: Judged, name: str, force: str, mass: float) -> bool:
-    """Whether so much mass would be felt in the forces above what the fit leaves."""
+    """Return whether such a mass would change the forces by more than the residuals."""
     equations = evidence.equations
     total, column, one = equations.total, equations.columns[name], equations.columns[ONE]
     size = math.sqrt(total[column, column] / total[one, one])
@@ -140,7 +140,7 @@ def _cause(value: float, usual: float, force: str, side: str) -> str:
 
 
 def rudder_sentence(evidence: Judged) -> str:
-    """Say that a rudder's force is of the other sign than a rudder's; nothing where it is not."""
+    """Warn that a rudder's force has the wrong sign; empty where it has not."""
     helm = [term.name for term in evidence.problem.terms.terms if term.kind == TermKind.RUDDER]
     wrong = [name for name in helm if name in evidence.rejected]
     if not wrong:
@@ -152,7 +152,7 @@ def rudder_sentence(evidence: Judged) -> str:
 
 
 def unmodelled_rudder(tests: Tests, equations: NormalEquations, terms: TermTable) -> str:
-    """Say that a rudder moves while no term has it, and what to do; nothing where it does not."""
+    """Warn that a rudder moves while no term has it, and what to do; empty where it does not."""
     if any(actuator.name == "rudder" for actuator in terms.actuators):
         return ""
     angle = _rudder_angle(tests, equations)
@@ -165,7 +165,7 @@ def unmodelled_rudder(tests: Tests, equations: NormalEquations, terms: TermTable
 
 
 def _rudder_angle(tests: Tests, equations: NormalEquations) -> float:
-    """How far it goes [rad], by the sums as of a sine about its mean."""
+    """Return the amplitude of the rudder [rad], by the sums as of a sine about its mean."""
     if isinstance(tests, CaptiveTests):
         return float(np.abs(tests.columns.get("rudder", np.zeros(1))).max())
     if "rudder" not in equations.moved:

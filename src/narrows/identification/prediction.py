@@ -28,11 +28,11 @@ ALPHA = 0.05
 
 
 class Fitted(Protocol):
-    """What is asked of a fit here."""
+    """Parts of a fit that predictions use."""
 
     @property
     def tests(self) -> Tests:
-        """What it was fitted on."""
+        """Tests of the fit."""
 
     @property
     def terms(self) -> TermTable:
@@ -44,7 +44,7 @@ class Fitted(Protocol):
 
     @property
     def covariance(self) -> np.ndarray:
-        """Of their errors."""
+        """Covariance of the coefficients."""
 
     @property
     def intervals(self) -> Mapping[str, tuple[float, float]]:
@@ -60,7 +60,7 @@ class Fitted(Protocol):
 
 
 class Prediction(Shown):
-    """What a fit says of rows, its own or others."""
+    """Predicted forces of rows, those of the fit or others."""
 
     def predict(self: Fitted, tests: Any = None, ship: ShipSource | None = None) -> "pd.DataFrame":
         """Estimate surge force [N], sway force [N] and yaw moment [N m] at each row."""

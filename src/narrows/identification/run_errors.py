@@ -22,7 +22,7 @@ class RunErrors:
     zero : float [1]
         Zero of a run, over the force's root mean square in all tests.
     form : float [1]
-        What the terms miss of a motion, over the motion's own force; the same in every repeat of it.
+        Model error of a motion, over the motion's own force; the same in every repeat of it.
     scatter : float [1]
         Scatter from run to run in any direction, over the force's root mean square in all tests.
     hull : float [1]

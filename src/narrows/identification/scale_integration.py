@@ -191,12 +191,12 @@ class ScaleMixture:
 
     @cached_property
     def mean(self) -> np.ndarray:
-        """Of the coefficients, (p,)."""
+        """Mean of the coefficients, (p,)."""
         return np.asarray(self.weights @ self.means)
 
     @cached_property
     def covariance(self) -> np.ndarray:
-        """Of the coefficients, (p, p)."""
+        """Covariance of the coefficients, (p, p)."""
         apart = self.means - self.mean
         return np.asarray(np.einsum("d,dij->ij", self.weights, self.covariances) + (apart.T * self.weights) @ apart)
 

@@ -12,7 +12,7 @@ from narrows.terms.term import TermTable
 
 Kind = Literal["mse", "mean_abs", "lmg"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
-# Of a column's sum of squares: with less left beside others it tells nothing that they do not.
+# Share of a column's sum of squares: a column with less left beside others adds no information.
 COLLINEAR = 1e-12
 
 

@@ -71,12 +71,12 @@ class Effect:
 
     @property
     def learned(self) -> bool:
-        """Whether the tests say how large it is."""
+        """True where the tests determine its size."""
         return self.group != FIXED
 
     @property
     def told(self) -> bool:
-        """Whether it has a size that a laboratory knows, so that it is a tipping point."""
+        """True where laboratories know its usual size, so that it has a tipping point."""
         return self.group in OF_A_CAMPAIGN and bool(self.unit)
 
 
@@ -180,7 +180,7 @@ class Effects:
             self.add(f"lag of {term.name}", lag, SIZES["bank lag"], STRAIGHT, "s")
 
     def _with_offset(self) -> None:
-        """What goes with the offset as a bank does: a cable, a trimmed heading or rudder, a crossflow."""
+        """Effects that vary with the offset as a bank does: a cable, a trimmed heading or rudder, a crossflow."""
         rows, place = self.rows, f"at {self.rows.reach:.2g} m"
         speed = float(np.median(rows.speed))
         powers: dict[str, tuple[str, float]] = {

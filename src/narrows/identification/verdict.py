@@ -1,4 +1,4 @@
-"""How well each coefficient is known: one word from the posterior, one plain sentence, and its tipping points."""
+"""Verdict on each coefficient: one word from the posterior, one plain sentence, and its tipping points."""
 
 from dataclasses import dataclass
 
@@ -24,7 +24,7 @@ MOST_TOLD = 3
 
 @dataclass(frozen=True)
 class Verdict:
-    """How well a coefficient is known.
+    """Verdict on a coefficient.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ class Verdict:
         return f"{word} from {' and '.join(self.partners)}" if self.partners else word
 
     def sentence(self, name: str) -> str:
-        """Say it of a coefficient."""
+        """One sentence of a coefficient."""
         limited = (f"off by a standard error with {' or '.join(self.limits)}",) * bool(self.limits)
         tipped = (f"overturned by {' or '.join(self.tipping)}",) * bool(self.tipping)
         clauses = "; ".join((*self.reasons, *limited, *tipped))

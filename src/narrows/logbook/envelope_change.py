@@ -1,4 +1,4 @@
-"""What a record changes of the safe envelope: the same places asked of the model before and of the model after."""
+"""Change of the safe envelope by a record: the same places with the model before and the model after."""
 
 import math
 from collections.abc import Sequence
@@ -30,7 +30,7 @@ class EnvelopeChange(Shown):
     before, after : SafeEnvelope
         At the same offsets and speeds, against the same disturbances.
     rudder_before, rudder_after : array (offsets, 3) [rad]
-        Of the steady course at the middle of the speeds: what 5 %, half and 95 % of the samples stay below; infinite
+        Rudder of the steady course at the middle of the speeds: 5 %, 50 % and 95 % quantiles of the samples; infinite
         where no rudder holds them.
     """
 
@@ -44,14 +44,14 @@ class EnvelopeChange(Shown):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """How many cases were tried, and what it rests on."""
+        """Number of cases, and assumptions."""
         return (
             f"{self.before.samples} cases at each place: a look; narrows envelope settles the edges.",
             ON_TWINS,
         )
 
     def summary(self) -> str:
-        """Say what was safe before, and what is now."""
+        """Safe area before, and now."""
         return f"Before: {self.before.summary()}\nAfter: {self.after.summary()}"
 
     def rows(self) -> list[dict[str, float]]:
@@ -100,9 +100,9 @@ def envelope_change(
     u : sequence of float [m/s]
         Speeds through the water, rising.
     samples : int
-        Of coefficients and disturbances.
+        Number of samples of coefficients and disturbances.
     seed : int
-        Of the samples.
+        Seed of the samples.
     **envelope : Any
         As for ``safe_envelope``.
 

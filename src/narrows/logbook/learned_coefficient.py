@@ -1,4 +1,4 @@
-"""What a record taught of each coefficient beyond what was known: one word, from thresholds stated here."""
+"""Verdict on each coefficient after a log: one word, from thresholds stated here."""
 
 import math
 from collections.abc import Mapping
@@ -36,7 +36,7 @@ class LearnedCoefficient:
 
     @property
     def left(self) -> float:
-        """Of the standard error before, what is left; 1 where nothing was open."""
+        """Standard error over the one before; 1 where that was 0."""
         return self.std / self.prior_std if self.prior_std > 0 else 1.0
 
     @property
@@ -56,7 +56,7 @@ class LearnedCoefficient:
 
     @property
     def unresolved(self) -> bool:
-        """Whether the interval holds 0, or, where the record taught most that is known, what it says by itself does."""
+        """True where the interval has 0, or, where the record has most of the information, its own interval does."""
         intervals = (self.interval, self.by_record) if self.word == LEARNED else (self.interval,)
         return any(low <= 0 <= high for low, high in intervals)
 
@@ -143,7 +143,7 @@ class LearnedAnswer(Shown):
 
     @property
     def verdicts(self) -> dict[str, str]:
-        """What was learned of each coefficient, in a word or two."""
+        """Verdict on each coefficient, in a word or two."""
         return {name: coefficient.verdict for name, coefficient in self.coefficients.items()}
 
     def to_dataframe(self) -> "pd.DataFrame":
@@ -208,13 +208,13 @@ UNLIKE = (
     "errors of these readings are beyond all measure, or differ by too many powers of ten; check each, and its unit"
 )
 
-# Of a standard deviation, by which a bound may be missed.
+# Share of a standard deviation, by which a bound may be missed.
 MISSED = 1e-12
 
 
 @dataclass(frozen=True)
 class NormalPrior:
-    """What is known before: means, and a root of the covariance."""
+    """Gaussian prior: means, and a root of the covariance."""
 
     mean: np.ndarray  # (n,) Means
     root: np.ndarray  # (n, rank) ``root @ root.T`` is the covariance
@@ -240,7 +240,7 @@ class NormalPrior:
 class Blocks:
     value: np.ndarray  # (blocks, q) Read
     design: np.ndarray  # (blocks, q, n) By the unknowns
-    covariance: np.ndarray  # (blocks, q, q) Of the errors
+    covariance: np.ndarray  # (blocks, q, q) Covariance of the errors
 
     def whitened(self) -> tuple[np.ndarray, np.ndarray]:
         """Return values and design with independent errors of size one."""
@@ -256,7 +256,7 @@ class Posterior:
     mean: np.ndarray  # (n,) Means, within bounds where there are any
     free_mean: np.ndarray  # (n,) Means without the bounds
     root: np.ndarray  # (n, rank) ``root @ root.T`` is the covariance, bounds left aside
-    chi_square: float  # Of the readings under the prior, without bounds [1]
+    chi_square: float  # Chi-square of the readings under the prior, without bounds [1]
     beside: np.ndarray  # (blocks,) The same of each block beside all others and the prior [1]
 
     @property

@@ -1,4 +1,4 @@
-"""How well a ship's sensors measure, by grade: noise, what wanders with a memory, what is wrong in all of a record."""
+"""Errors of a ship's sensors, by grade: noise, correlated noise, and constant errors of a record."""
 
 import math
 from collections.abc import Mapping
@@ -28,7 +28,7 @@ BROADCAST = (
 
 @dataclass(frozen=True)
 class SignalGrade:
-    """How well one signal is measured.
+    """Errors of one signal.
 
     Parameters
     ----------
@@ -77,7 +77,7 @@ class SensorGrade(Described):
     Parameters
     ----------
     name : str
-        Of the grade.
+        Name of the grade.
     words : str
         What it stands for.
     signals : mapping of str to SignalGrade
@@ -102,7 +102,7 @@ class SensorGrade(Described):
         check_signals(self.signals)
 
     def summary(self) -> str:
-        """Say what it stands for, and what it measures."""
+        """Meaning of the grade, and the signals it measures."""
         return f"{self.name}: {self.words}; measures {', '.join(self.signals)}"
 
 

@@ -53,7 +53,7 @@ class ShipLog(Shown):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Of the records."""
+        """Names of the records."""
         return tuple(record.name for record in self.records)
 
     def __len__(self) -> int:
@@ -80,7 +80,7 @@ class ShipLog(Shown):
         Parameters
         ----------
         *names : str
-            Of the records to keep.
+            Names of the records to keep.
 
         Raises
         ------
@@ -95,7 +95,7 @@ class ShipLog(Shown):
         Parameters
         ----------
         *names : str
-            Of the records to leave out.
+            Names of the records to leave out.
 
         Raises
         ------
@@ -115,7 +115,7 @@ class ShipLog(Shown):
         }
 
     def summary(self) -> str:
-        """Say how many records there are, how long they last and what they hold."""
+        """Number of records, their duration and their signals."""
         hours = sum(record.duration for record in self.records if np.isfinite(record.duration)) / 3600
         lasting = f"{hours:.3g} h" if hours >= 1 else f"{60 * hours:.3g} min"
         where = f" along {self.waterway.name}" if self.waterway else ""

@@ -62,7 +62,7 @@ class Signal:
         Parameters
         ----------
         start, stop : float [s]
-            From when to when.
+            Start and end.
         """
         kept = (self.t >= start) & (self.t <= stop)
         return Signal(self.t[kept], self.values[kept])
@@ -92,11 +92,11 @@ class ShipRecord:
     Parameters
     ----------
     name : str
-        Of the record.
+        Name of the record.
     signals : mapping of str to Signal
         By name.
     antenna : pair of float [m]
-        Of the position that ``x`` and ``y`` tell: forward and to starboard of midship.
+        Place of the antenna of ``x`` and ``y``: forward and to starboard of midship.
     condition : mapping of str to float
         What the ship was loaded to and the like, as in ``{"draft": 10.2}``.
 
@@ -148,7 +148,7 @@ class ShipRecord:
 
     @property
     def duration(self) -> float:
-        """From the earliest time to the latest [s]."""
+        """Time between the first and the last value [s]."""
         return self.stop - self.start
 
     def between(self, start: float, stop: float) -> "ShipRecord":
@@ -157,7 +157,7 @@ class ShipRecord:
         Parameters
         ----------
         start, stop : float [s]
-            From when to when.
+            Start and end.
         """
         return replace(self, signals={name: own.between(start, stop) for name, own in self.signals.items()})
 

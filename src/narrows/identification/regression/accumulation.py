@@ -26,9 +26,9 @@ STRIP = 2**19
 SHORT, TOGETHER = 32, 100
 # Blocks that are in memory at once.
 AHEAD = 16
-# What says of a test which motion it is, and in which water.
+# Features of a test that define its motion and its water.
 MOVED = ("u", "v", "r", "y", "sin_psi", "udot", "vdot", "rdot", "depth", "draft", "width", "rudder")
-# What terms may ask for that follows from the rest.
+# Quantities of terms that follow from the others.
 NOT_SET = ("x", "cos_psi", "heave")
 
 

@@ -14,7 +14,7 @@ from narrows.terms.term import TermTable, uncompiled
 
 
 class DesignMatrix:
-    """Which column of the design holds which regressor; built once a table of terms."""
+    """Columns of the design by regressor; built once for a table of terms."""
 
     def __init__(self, terms: TermTable) -> None:
         self.regressors: list[tuple[Callable[..., Number], tuple[str, ...]]] = []
@@ -58,7 +58,7 @@ class DesignMatrix:
     def _evaluated(self, i: int, values: list[Number]) -> Number:
         try:
             return self.regressors[i][0](*values)
-        except (TypeError, ValueError) as error:  # Of a function of floats, or an if.
+        except (TypeError, ValueError) as error:  # The regressor is a function of floats, or has an if.
             term = next(term for term in self.terms.terms if self.columns[term.name] == i)
             raise uncompiled(term, error) from error
 

@@ -12,7 +12,7 @@ import numpy as np
 
 # Name of the column of ones.
 ONE = "1"
-# What counts alike in a fit.
+# Weights of strata in a fit.
 Balance = Literal["tests", "rows"]
 
 
@@ -27,7 +27,7 @@ class NormalEquations:
     tests: tuple[str, ...]  # The test of each piece
     # (pieces, 3) Rows, sum and sum of squares of each quantity that says what was done in a test
     moved: Mapping[str, np.ndarray]
-    length: float  # Of the ship [m]
+    length: float  # Length of the ship [m]
     # (pieces,) What a row of each piece counts, one on average over all rows; one unless given [1]
     weights: np.ndarray | None = None
 
@@ -48,7 +48,7 @@ class NormalEquations:
 
     @property
     def balance(self) -> Balance:
-        """What counts alike."""
+        """Kind of balance."""
         return "rows" if self.weights is None else "tests"
 
     @property

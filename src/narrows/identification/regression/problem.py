@@ -22,9 +22,9 @@ class Problem:
     scale: np.ndarray  # (p,) Norm of each parameter's column; 1 where the column is zero
     lower: np.ndarray  # (p,) Bounds of z
     upper: np.ndarray  # (p,) Bounds of z
-    weights: Mapping[str, float]  # Of each force in the sum
+    weights: Mapping[str, float]  # Weight of each force in the sum
     terms: TermTable  # The terms
-    columns: Mapping[str, int]  # Which column of the sums is which coefficient's regressor or force
+    columns: Mapping[str, int]  # Column of the sums of each coefficient's regressor or force
 
     def normal(self, sums: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Assemble H (..., p, p) and g (..., p) from sums of products."""

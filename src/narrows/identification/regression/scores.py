@@ -10,7 +10,7 @@ from narrows.terms.term import Term, TermTable
 
 
 class Score(NamedTuple):
-    """How well one force is reproduced."""
+    """Errors of one reproduced force."""
 
     r2: float  # Share of the variance explained [1]
     rmse: float  # Root mean squared error [N]

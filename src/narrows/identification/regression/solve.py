@@ -9,7 +9,7 @@ KKT_TOLERANCE = 1e-8
 
 @dataclass(frozen=True)
 class Kkt:
-    """How well a solution meets the Karush-Kuhn-Tucker conditions, relative to the largest entry of g."""
+    """Residuals of the Karush-Kuhn-Tucker conditions, relative to the largest entry of g."""
 
     stationarity: float  # Largest gradient among the free parameters [1]
     multiplier: float  # Most negative multiplier among the bound ones, as a positive number [1]
@@ -27,10 +27,10 @@ class Kkt:
 
 @dataclass(frozen=True)
 class Solution:
-    """What the solver found."""
+    """Solution of the bounded least-squares problem."""
 
     z: np.ndarray  # (p,) Scaled parameters
-    at_bound: np.ndarray  # (p,) Which of them sit at a bound
+    at_bound: np.ndarray  # (p,) True at a bound
     kkt: Kkt  # Check of optimality
 
 
@@ -101,7 +101,7 @@ def check(h: np.ndarray, g: np.ndarray, z: np.ndarray, lower: np.ndarray, upper:
     return Kkt(float(free.max()), float(pushed.max()), float(outside.max()))
 
 
-# Which parameters sit at their bounds, for stacks of small problems at once: a primal-dual active set.
+# Active bounds of stacks of small problems at once: a primal-dual active set.
 # Smallest singular value, over the largest, that counts; sums of products keep about eight digits of it.
 RANK_TOLERANCE = 1e-6
 
@@ -135,7 +135,7 @@ def active_set(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarra
 
 
 def _held(z: np.ndarray, push: np.ndarray, held: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """Which parameters are beyond a bound, or at one and pushed beyond by the data."""
+    """Return the parameters beyond a bound, or at one and pushed beyond by the data."""
     below = np.where(held == -1, push < 0, z < lower)
     above = np.where(held == 1, push > 0, z > upper)
     return above.astype(np.int8) - (below & ~above).astype(np.int8)

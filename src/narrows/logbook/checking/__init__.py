@@ -1,1 +1,1 @@
-"""What is wrong with a ship's own records, before anything is fitted to them."""
+"""Faults of a ship's own records, before anything is fitted to them."""

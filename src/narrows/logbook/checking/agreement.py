@@ -1,4 +1,4 @@
-"""How many times one measured change another is, whichever of them is noisy; and how motions of a plane agree."""
+"""Ratio of two measured changes, whichever of them is noisy; and agreement of motions in a plane."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from narrows.waterway import Waterway
 
 
 class Factor(NamedTuple):
-    """By which factor one change is another, whichever of them is noisy."""
+    """Ratio of two changes, whichever of them is noisy."""
 
     # Frisch (1934), Statistical confluence analysis by means of complete regression systems: the slopes of either
     # regression bound that of the relation.
@@ -24,7 +24,7 @@ class Factor(NamedTuple):
 
     @property
     def told(self) -> bool:
-        """Whether it is told at all: of one sign, by enough windows."""
+        """True where enough windows determine the ratio, with one sign."""
         return bool(self.windows >= settings.FEWEST_WINDOWS and self.low * self.high > 0)
 
     def holds(self, factor: float, slack: float) -> bool:
@@ -58,7 +58,7 @@ def factor_of(change: np.ndarray, expected: np.ndarray) -> Factor:
 
 
 class Turned(NamedTuple):
-    """How far motions in a plane are others, turned and stretched."""
+    """Rotation and stretch between motions in a plane."""
 
     stretch: float  # By which factor [1]
     turn: float  # By which angle [rad]
@@ -135,7 +135,7 @@ Windows = tuple[np.ndarray, np.ndarray]
 class EvenMotion:
     t: np.ndarray  # (n,) Rising evenly [s]
     columns: dict[str, np.ndarray]  # (n,) By signal; NaN where nothing was measured near by
-    axis: np.ndarray  # (n,) From which headings are measured: of the line, from north; 0 in a plane [rad]
+    axis: np.ndarray  # (n,) Zero of headings: direction of the line, from north; 0 in a plane [rad]
     position: np.ndarray  # (n,) On the map, north and i times east; x and i times y in a plane [m]
     pace: float  # For the way of a ship length [s]
 

@@ -29,7 +29,7 @@ for found in pkgutil.iter_modules(checking.__path__):
 
 
 class _Told(NamedTuple):
-    """What each record tells faintly, with standard errors: of the rudder's effect, and of the yaw rate's sign."""
+    """Weak evidence of each record, with standard errors: the rudder's effect, and the yaw rate's sign."""
 
     rudders: list[tuple[float, float]]
     yaw_rates: list[tuple[float, float]]
@@ -40,15 +40,15 @@ def check_log(log: Iterable[ShipRecord], model: Model, waterway: Waterway | None
 
     Clocks, gaps, stuck sensors; units and signs of rudder, heading, yaw rate, speeds, revolutions, wind; velocities in
     fixed axes taken for the ship's; a yaw rate that is not the heading's derivative; a hull in a bank; an antenna that
-    stands elsewhere. What rests on a signal that is wrong already is not looked at. A quiet record tells little: where
-    nothing is found, nothing contradicts.
+    stands elsewhere. What rests on a signal that is wrong already is not looked at. A quiet record has little
+    information: no finding is no proof.
 
     Parameters
     ----------
     log : ShipLog, StreamedLog or sequence of ShipRecord
         What was recorded.
     model : Model
-        Of the ship, at its size: what its rudder and its motion do to it.
+        Model of the ship, at its size.
     waterway : Waterway, optional
         That x and y are told along; the log's own unless given, and the model's canal where its banks are felt.
 
@@ -80,7 +80,7 @@ def check_log(log: Iterable[ShipRecord], model: Model, waterway: Waterway | None
 
 
 def _together(told: _Told, before: set[str]) -> list[Finding]:
-    """What quiet records tell together; of the rudder, where the yaw rate that it is judged by counts as it should."""
+    """Pool the evidence of quiet records; of the rudder, where the sign of the yaw rate is right."""
     found = [] if "yaw rate" in before else list(judge_yaw_rates(told.yaw_rates, ALL))
     if not found and not any(check.startswith("rudder") for check in before):
         found += judge_rudder(told.rudders, ALL)
@@ -92,7 +92,7 @@ def _wrong(findings: Iterable[Finding]) -> bool:
 
 
 def _of_motion(record: ShipRecord, model: Model, waterway: Waterway | None, told: _Told) -> list[Finding]:
-    """What is wrong with the motion that is recorded; beside the model only where its signals are not."""
+    """Yield faults of the recorded motion; compared with the model only where its signals have none."""
     motion = even_motion(record, model.configuration.ship.length, waterway)
     if motion is None:
         said = "the record is too short, or tells neither the ship's place nor its speed: nothing of it was looked at"

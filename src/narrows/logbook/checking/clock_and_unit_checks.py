@@ -129,7 +129,7 @@ def check_place(at: Examined) -> Iterator[Finding]:
 
 
 def _room(at: Examined) -> tuple[np.ndarray, np.ndarray]:
-    """How far the banks are to starboard and to port of the line, where the ship is [m]."""
+    """Return the distances of the banks to starboard and to port of the line, where the ship is [m]."""
     if at.waterway is None:
         half = np.full(len(at.motion.t), at.model.configuration.canal.width / 2)
         return half, half

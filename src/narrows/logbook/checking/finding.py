@@ -1,4 +1,4 @@
-"""What is wrong with a record: what was seen, in numbers, and what to do."""
+"""Faults of a record: the evidence in numbers, and the remedy."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -38,7 +38,7 @@ class Finding:
 # All that is wrong with a log, as a result.
 @dataclass(frozen=True, repr=False)
 class LogFindings(Shown):
-    """What is wrong with a log, and what is doubtful.
+    """Faults and doubts of a log.
 
     Parameters
     ----------
@@ -59,17 +59,17 @@ class LogFindings(Shown):
 
     @property
     def clean(self) -> bool:
-        """Whether nothing must be mended before a fit."""
+        """True where nothing must be mended before a fit."""
         return not any(finding.wrong for finding in self.findings)
 
     @property
     def wrong(self) -> tuple[Finding, ...]:
-        """What must be mended before a fit."""
+        """Faults that must be mended before a fit."""
         return tuple(finding for finding in self.findings if finding.wrong)
 
     @property
     def doubts(self) -> tuple[str, ...]:
-        """What is to be looked at, and need not be mended: a sentence for each kind."""
+        """Doubts, which need not be mended: a sentence for each kind."""
         return tuple(self._lines([finding for finding in self.findings if not finding.wrong]))
 
     @staticmethod
@@ -86,11 +86,11 @@ class LogFindings(Shown):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """That silence is no proof."""
+        """Note that a clean check is no proof."""
         return ("where nothing is found, nothing contradicts: a quiet record hardly tells the rudder's sign",)
 
     def summary(self) -> str:
-        """Say what is wrong, once for all records in which it is, with the numbers of the first."""
+        """Each fault once for all records that have it, with the numbers of the first."""
         looked = f"{self.records} record{'s' * (self.records > 1)} looked at"
         if not self.findings:
             return f"Nothing is wrong: {looked}."
@@ -116,7 +116,7 @@ class LogFindings(Shown):
 class Examined(NamedTuple):
     record: ShipRecord  # As it was measured
     motion: EvenMotion  # The same at even times
-    model: Model  # Of the ship
+    model: Model  # Model of the ship
     waterway: Waterway | None  # That x and y are told along
 
     @property
@@ -144,12 +144,12 @@ class Examined(NamedTuple):
 
 # The checks by stage: what a later one rests on must be right by the earlier ones.
 class LogStage(IntEnum):
-    """When a check runs."""
+    """Stage at which a check runs."""
 
     SENSORS = 0  # Rests on nothing else
     HEADING = 1  # On sensors that are well
     MOTION = 2  # On a heading that is right
-    PLACE = 3  # The same, and speaks after what is told of the motion
+    PLACE = 3  # The same, and reports after the checks of the motion
     MODEL = 4  # Only where nothing is wrong so far
 
 

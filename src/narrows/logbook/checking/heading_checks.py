@@ -165,7 +165,7 @@ def _of_rate(motion: EvenMotion, lengths: float) -> Factor:
 
 
 def _of_track(motion: EvenMotion, lengths: float) -> Factor:
-    """How far the track turns from each window to the one after the next, over how far the mean heading does."""
+    """Ratio of the track's turn to the mean heading's, from each window to the one after the next."""
     windows = motion.windows(lengths)
     way, mean = changes(motion.position, windows), motion.integrals(motion.heading, windows)
     turn = np.angle(way[2:] * np.conj(way[:-2]))

@@ -13,12 +13,12 @@ from narrows.simulation.derivative import derivative
 
 
 class ModelRates(NamedTuple):
-    """Accelerations by the model, in open water, where the record tells enough."""
+    """Accelerations by the model, in open water, where the record has enough information."""
 
     at: Examined  # The record
     known: np.ndarray  # (n,) Where it does
     state: dict[str, np.ndarray]  # u, v, r there; v by the record where it tells it
-    positions: dict[str, np.ndarray]  # Of actuators there
+    positions: dict[str, np.ndarray]  # Positions of actuators there
 
     def acceleration(self, place: int, v: np.ndarray | None = None, rudder: float = 1.0) -> np.ndarray:
         """Return an acceleration where it is known, of v, [m/s2], or of r, [rad/s2]."""
@@ -34,7 +34,7 @@ class ModelRates(NamedTuple):
         return column
 
     def sway(self) -> np.ndarray:
-        """Return the sway velocity through the water that the model says to go with yaw rate and rudder [m/s]."""
+        """Return the sway velocity through the water of the model for yaw rate and rudder [m/s]."""
         v, small, most = (
             np.zeros(self.known.sum()),
             settings.SWAY_DIFFERENCE * self.at.speed,
@@ -95,7 +95,7 @@ def check_antenna(at: Examined, rates: ModelRates) -> Iterator[Finding]:
 
 
 def _forward(at: Examined, rates: ModelRates) -> Estimates | None:
-    """How far forward of midship the position is measured [m], with the surge's size and the current beside it."""
+    """Return the antenna's distance forward of midship [m], fitted with the surge's size and the current."""
     motion = at.motion
     windows = motion.windows(1.0)
     ahead = np.exp(1j * motion.heading)

@@ -62,7 +62,7 @@ def _stuck(at: Examined) -> Iterator[Finding]:
 
 
 def _contradiction(at: Examined, name: str, begin: float, end: float) -> str:
-    """What moved in a time in which a sensor said the same; nothing where nothing did."""
+    """Return the quantity that moved while a sensor stood still; empty where none did."""
     if name == "x":
         way = at.speed * (end - begin)
         still = "y" in at.record and np.ptp(at.record["y"].between(begin, end).values) == 0
@@ -114,7 +114,7 @@ def check_rudder_moves(at: Examined) -> Iterator[Finding]:
 
 
 def _swings(at: Examined, begin: float, end: float) -> int:
-    """How often the heading turns from one side to the other in a time, by more than any noise."""
+    """Return the number of turns of the heading from one side to the other, beyond any noise."""
     first, last = at.motion.windows(1.0)
     inside = (at.motion.t[first] >= begin) & (at.motion.t[last] <= end)
     turned = changes(at.motion.heading, (first[inside], last[inside]))
@@ -130,7 +130,7 @@ def longest_run(values: np.ndarray) -> tuple[int, int]:
     return int(edges[longest]), int(edges[longest + 1]) - 1
 
 
-# Of how many times the ship's velocity it holds.
+# Causes, by the multiple of the ship's velocity in a wind.
 CAUSES = {
     1.0: "it is the wind as felt on board: call it apparent_wind_speed and apparent_wind_angle",
     -2.0: "its angle says where the wind goes, not where it comes from: add half a turn",
@@ -167,7 +167,7 @@ def check_wind(at: Examined) -> Iterator[Finding]:
 
 
 def _held(at: Examined, wind: np.ndarray, ship: np.ndarray) -> tuple[Estimates, float] | None:
-    """How much of the ship's velocity a wind holds, and how far it varies but for that [m/s]."""
+    """Return the share of the ship's velocity in a wind, and its other variation [m/s]."""
     windows = at.motion.windows(1.0)
     lasting = (windows[1] - windows[0]) * at.motion.dt
     means = [at.motion.integrals(column, windows) / lasting for column in (wind, ship)]

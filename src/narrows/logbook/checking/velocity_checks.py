@@ -23,7 +23,7 @@ def check_velocities(at: Examined) -> Iterator[Finding]:
 
 
 def _ways(at: Examined, velocities: Mapping[str, np.ndarray]) -> dict[str, Turned]:
-    """How the way made good agrees with velocities on the map, by how these are read."""
+    """Return the agreement of the way made good with velocities on the map, by how these are read."""
     windows = at.motion.windows(settings.VELOCITY_WINDOW)
     way = changes(at.motion.position, windows)
     found = {name: turned_of(way, at.motion.integrals(column, windows)) for name, column in velocities.items()}
@@ -67,7 +67,7 @@ def _by_course(at: Examined) -> Iterator[Finding]:
 
 
 def _read_otherwise(at: Examined, check: str, what: str, ways: Mapping[str, Turned]) -> Iterator[Finding]:
-    """What is wrong with velocities, by how well they agree with the way as they are told and as they may be meant."""
+    """Yield faults of velocities, by their agreement with the way as recorded and as otherwise read."""
     if "" not in ways:
         return
     told, best = ways[""], min(ways, key=lambda name: ways[name].apart)

@@ -28,7 +28,7 @@ def first_guess(motion: RecordedMotion, grid: RecordGrid) -> np.ndarray:
 
 
 def _curvature(motion: RecordedMotion, x: np.ndarray) -> np.ndarray | float:
-    """Of the waterway's line, which turns under a heading that is relative to it."""
+    """Curvature of the waterway's line, to which the heading is relative."""
     waterway = motion.choices.get("waterway")
     if waterway is None:
         return 0.0

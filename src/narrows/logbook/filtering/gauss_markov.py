@@ -35,7 +35,7 @@ class StochasticModel:
     processes: tuple[Process, ...]
     noise: Mapping[str, float]  # Standard deviation of a reading of each signal
     estimated: tuple[Estimated, ...] = ()
-    correlation: float = 0.0  # Of gusts in sway and yaw [1]
+    correlation: float = 0.0  # Correlation of gusts in sway and yaw [1]
     gusts: tuple[str, ...] = field(default=())  # Processes that are stronger in meetings
 
     @property

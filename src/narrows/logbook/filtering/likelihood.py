@@ -24,12 +24,12 @@ class RecordPath:
     """About what a record is linear, and how readings are weighed there."""
 
     reference: Reference
-    weights: np.ndarray  # (N,) Of readings
+    weights: np.ndarray  # (N,) Weights of readings
 
 
 @dataclass(frozen=True)
 class RecordScore:
-    """What one record contributes."""
+    """Contribution of one record."""
 
     score: np.ndarray  # (P,) Slope of the log-likelihood
     information: np.ndarray  # (P, P)
@@ -89,7 +89,7 @@ class RecordLikelihood:
             found = there.innovations(problem.model.at(moved[count:]), path.weights)
             by_value[place] = (found.values - at.values) / DIFFERENCE
             by_variance[place] = (found.variances - at.variances) / DIFFERENCE
-        e, s = at.values, np.abs(at.variances)  # Where the filter diverges the cost is infinite.
+        e, s = at.values, np.abs(at.variances)  # The cost is infinite where the filter diverges.
         score = -by_value @ (e / s) - 0.5 * by_variance @ (1 / s - (e / s) ** 2)
         information = (by_value / s) @ by_value.T + 0.5 * (by_variance / s**2) @ by_variance.T
         share = 1 / problem.correlated

@@ -24,11 +24,11 @@ from narrows.logbook.filtering.recorded_motion import CURRENT, PUSHES, RecordedM
 INPUTS = (*PUSHES, RUDDER_OFFSET, CURRENT_X, CURRENT_Y)
 # Least standard deviation of a step, over lengths, radians and speeds of the ship: for rounding alone.
 LEAST = 1e-5 * np.array([1.0, 1.0, 0.3, 1.0, 1.0, 0.3])
-# How far a held speed walks in a second, over itself.
+# Random walk of a held speed in a second, over itself.
 SPEED_WALK = 2e-3
 # Standard deviation of a start about the first guess, over lengths, radians and speeds of the ship.
 START = np.array([0.1, 0.1, 0.2, 0.2, 0.2, 0.3])
-# How much stronger gusts are while another ship passes.
+# Factor of gusts while another ship passes.
 IN_MEETINGS = 30.0
 USUAL, MET, LOOSE = 0, 1, 2
 # A residual over its noise beyond which a reading counts less.
@@ -59,10 +59,10 @@ class Innovations:
 
 
 class Scales(NamedTuple):
-    """Of a ship, and whether it keeps its speed."""
+    """Scales of a ship, and whether it keeps its speed."""
 
     states: np.ndarray  # (6,) Length, length, radian, speed, speed, speed over length
-    held: bool  # Whether the speed is held
+    held: bool  # True where the speed is held
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class LinearRecord:
     grid: RecordGrid
     scales: Scales
     slopes: np.ndarray  # (n, 6, 6 + inputs)
-    misses: np.ndarray  # (n, 6) Where a step of the reference ends, less where the next begins
+    misses: np.ndarray  # (n, 6) End of a step of the reference, less the begin of the next
     drives: np.ndarray  # (m,) The input of each process, or -1
     rows: np.ndarray  # (N, 6 + m) Slopes of readings
     residual: np.ndarray  # (N,) Readings less those of the reference with no process
@@ -80,7 +80,7 @@ class LinearRecord:
 
     @cached_property
     def kind(self) -> np.ndarray:
-        """What each step is, (n,)."""
+        """Kind of each step, (n,)."""
         met = self.grid.meetings | np.append(self.grid.meetings[1:], False)
         return np.where(self.grid.whole, np.where(met, MET, USUAL), LOOSE)
 
@@ -120,7 +120,7 @@ class LinearRecord:
         return Innovations(values, spread), means, gains, covariances
 
     def _kinds(self, model: StochasticModel) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """What is kept of processes, what is new, and the walk of states, by the kind of a step."""
+        """Return the kept part of processes, the new part, and the walk of states, by the kind of a step."""
         step, scale = self.grid.step, self.scales.states
         kept = model.kept(step)
         gusty = np.array([one.name in model.gusts for one in model.processes], bool)

@@ -1,4 +1,4 @@
-"""What a fit to records estimates, and what is known before: coefficients, disturbances, errors of sensors."""
+"""Unknowns of a fit to records, with their priors: coefficients, disturbances, errors of sensors."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,7 +15,7 @@ class CoefficientPrior:
     """Normal prior of the coefficients, in units of their standard deviations."""
 
     groups: tuple[tuple[str, ...], ...]  # Coefficients that are estimated; those of a group are one
-    mean: np.ndarray  # (p,) Of each group, in its own unit
+    mean: np.ndarray  # (p,) Mean of each group, in its own unit
     scale: np.ndarray  # (p,) Its standard deviation
     precision: np.ndarray  # (p, p) Inverse of the correlation [1]
     bounds: np.ndarray  # (p, 2) Lowest and highest value, in its own unit
@@ -45,7 +45,7 @@ class CoefficientPrior:
 
 @dataclass(frozen=True)
 class PushInertia:
-    """What resists accelerations of surge, sway and yaw: disturbances are accelerations."""
+    """Inertia in surge, sway and yaw: disturbances are accelerations."""
 
     # Motion determines forces over inertia, so that with a disturbance in newtons the strength of gusts would fix what
     # only mass can.
@@ -60,7 +60,7 @@ class PushInertia:
 
 @dataclass(frozen=True)
 class LogProblem:
-    """What is estimated, with what is known before."""
+    """Unknowns with their priors."""
 
     motion: RecordedMotion  # How the ship moves under its recorded rudder
     prior: CoefficientPrior
@@ -70,26 +70,26 @@ class LogProblem:
 
     @property
     def count(self) -> int:
-        """How many coefficients."""
+        """Number of coefficients."""
         return len(self.prior.groups)
 
     @cached_property
     def scales(self) -> Scales:
-        """Of the ship's states."""
+        """Scales of the ship's states."""
         length, u = self.motion.model.configuration.ship.length, float(self.motion.choices["u"])
         held = self.motion.integrator.ship.surge == "held"
         return Scales(np.array([length, length, 1.0, u, u, u / length]), held)
 
     @cached_property
     def precision(self) -> np.ndarray:
-        """Of coefficients and estimated numbers of the stochastic model, before records."""
+        """Prior precision of coefficients and of the stochastic model."""
         matrix = np.diag(np.concatenate([np.zeros(self.count), self.model.spreads**-2.0]))
         matrix[: self.count, : self.count] = self.prior.precision
         return matrix
 
     @cached_property
     def moves(self) -> np.ndarray:
-        """Which unknowns may move."""
+        """Unknowns that may move."""
         return np.append(self.prior.moves, np.ones(len(self.model.estimated), bool))
 
     def at(self, scaled: np.ndarray) -> tuple[RecordedMotion, np.ndarray]:

@@ -1,4 +1,4 @@
-"""What each signal of a record says of the state of a ship, and its slopes."""
+"""Predict each signal of a record from the state of a ship, with its slopes."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from narrows.simulation.controllers import Named
 # The current along the axes [m/s], which enters what is told over ground.
 CURRENT_X, CURRENT_Y = "current_x", "current_y"
 
-# What the constant error of a signal is called.
+# Name of the constant error of a signal.
 ERROR = "{}_error".format
 
 
@@ -29,7 +29,7 @@ class SeenStates:
     """States at the times of the readings of a signal."""
 
     states: np.ndarray  # (n, 6) x, y, psi, u, v, r
-    # (n,) How long the current has carried the ship off these since the window began; 0 where the motion knows it
+    # (n,) Time of drift with the current since the window began; 0 where the motion includes it
     # [s]
     drifted: np.ndarray
     errors: Mapping[str, np.ndarray | float]  # (n,) Errors of the sensors, and the current; 0 where nothing is said
@@ -110,14 +110,14 @@ def _with_error(seen: PredictedSignal, at: SeenStates, name: str) -> PredictedSi
 def _combined(
     value: np.ndarray, by_one: np.ndarray, one: PredictedSignal, by_other: np.ndarray, other: PredictedSignal
 ) -> PredictedSignal:
-    """What depends on two signals has the slopes of both."""
+    """Combine the slopes of a quantity that depends on two signals."""
     none = np.zeros(1)
     state = {i: by_one * one.by_state.get(i, none) + by_other * other.by_state.get(i, none) for i in (2, 3, 4)}
     error = {name: by_one * slope + by_other * other.by_error[name] for name, slope in one.by_error.items()}
     return PredictedSignal(value, state, error)
 
 
-# How each signal that the motion is held to is predicted.
+# Prediction of each signal of the motion.
 PREDICTED: Mapping[str, Predicting] = {
     "x": _x, "y": _y, "psi": _state("psi", 2), "r": _state("r", 5), "u": _state("u", 3), "v": _state("v", 4),
     "u_ground": _of_velocity(0, "u_ground"), "v_ground": _of_velocity(1, "v_ground"),
@@ -125,7 +125,7 @@ PREDICTED: Mapping[str, Predicting] = {
 }  # fmt: skip
 
 # A helm that does again what was recorded: actuators go from one recorded position to the next within each step.
-# What the law calls the position that an actuator has at the end of the step.
+# Name in the law of an actuator's position at the end of the step.
 RECORDED = "recorded_{}".format
 
 # The actuator that is read with a zero of its own, and how much farther to starboard it truly is [rad].
@@ -139,10 +139,10 @@ BEYOND = 1e9
 class RecordedHelm(Described):
     """A control law that follows recorded positions, straight between the ends of the steps."""
 
-    positions: Mapping[str, float]  # Of the actuators that were recorded, at the start
+    positions: Mapping[str, float]  # Positions of the recorded actuators, at the start
 
     def summary(self) -> str:
-        """Say what was recorded."""
+        """Recorded signals."""
         return f"as recorded: {', '.join(self.positions)}"
 
     def parameters(self) -> Mapping[str, float]:

@@ -17,31 +17,31 @@ GAP = 3.0
 
 @dataclass(frozen=True)
 class Readings:
-    """What one signal says, by the step that each value lies in."""
+    """Readings of one signal, by the step that each value lies in."""
 
     values: np.ndarray  # (n,) In the unit of the signal
     window: np.ndarray  # (n,) In which each lies
     # (n,) The node before each, where the nodes of all windows stand one after the other, their ends included
     row: np.ndarray
-    share: np.ndarray  # (n,) Of the step that is over [1]
+    share: np.ndarray  # (n,) Share of the step that is over [1]
     elapsed: np.ndarray  # (n,) Since the window began [s]
-    counted: np.ndarray  # (n,) How many values each is the mean of
+    counted: np.ndarray  # (n,) Number of values in each mean
 
 
 @dataclass(frozen=True)
 class RecordGrid:
     """A record, cut into steps and windows."""
 
-    record: ShipRecord  # What was recorded
+    record: ShipRecord  # Record
     times: np.ndarray  # (nodes,) Ends of the steps [s]
     first: np.ndarray  # (windows + 1,) The node at which each window begins, and the last one ends
-    whole: np.ndarray  # (windows,) Whether the actuators are known all through it
-    positions: Mapping[str, np.ndarray]  # (nodes,) Of the actuators at the nodes
+    whole: np.ndarray  # (windows,) True where the actuators are known all through it
+    positions: Mapping[str, np.ndarray]  # (nodes,) Positions of the actuators at the nodes
     readings: Mapping[str, Readings]  # By signal; of whole windows alone
-    meetings: np.ndarray  # (windows,) Whether another ship passes
+    meetings: np.ndarray  # (windows,) True where another ship passes
 
     def __len__(self) -> int:
-        """How many windows."""
+        """Number of windows."""
         return len(self.first) - 1
 
     @property
@@ -106,7 +106,7 @@ def _at_nodes(signal: Signal, times: np.ndarray) -> np.ndarray:
 
 
 def _is_whole(signal: Signal, edges: np.ndarray, longest: float) -> np.ndarray:
-    """Whether no gap lies in a window."""
+    """Return whether a window has no gap."""
     open_ = np.flatnonzero(np.diff(signal.t) > longest)
     whole = np.ones(len(edges) - 1, bool)
     for i in open_:
@@ -116,7 +116,7 @@ def _is_whole(signal: Signal, edges: np.ndarray, longest: float) -> np.ndarray:
 
 
 def _meetings(record: ShipRecord, edges: np.ndarray) -> np.ndarray:
-    """Whether the record says of any time of a window that another ship passes; what it says holds until the next."""
+    """Return whether another ship passes at any time of a window; each value holds until the next."""
     if MEETING not in record or not len(record[MEETING]):
         return np.zeros(len(edges) - 1, bool)
     signal = record[MEETING]

@@ -1,4 +1,4 @@
-"""The motion of a ship as its record says that it was steered, window by window, with exact slopes."""
+"""The motion of a ship with the recorded rudder, window by window, with exact slopes."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ from narrows.simulation.steering import PARAMETER
 
 STATES = ("x", "y", "psi", "u", "v", "r")
 PUSHES = ("X", "Y", "N")
-# Of a waterway, along its line.
+# Quantities of a waterway, along its line.
 CURRENT = "current"
 
 
@@ -32,7 +32,7 @@ class RecordedMotion:
 
     @cached_property
     def directions(self) -> tuple[str, ...]:
-        """What slopes are by, in their order."""
+        """Variables of the slopes, in order."""
         offset = (RUDDER_OFFSET,) if RUDDER in self.positions else ()
         current = (CURRENT,) if self.choices.get("waterway") is not None else ()
         return (*STATES, *PUSHES, *offset, *current, *self.coefficients)
@@ -80,7 +80,7 @@ class RecordedMotion:
     def _started(
         self, kept: Sequence[str], starts: np.ndarray, positions: Mapping[str, np.ndarray]
     ) -> tuple[np.ndarray, np.ndarray]:
-        """What each window keeps from step to step at its start, and its slopes."""
+        """Return the initial memory of each window, and its slopes."""
         state = dict(zip(STATES, starts.T, strict=True))
         cosine, sine = np.cos(state["psi"]), np.sin(state["psi"])
         state |= {"cos_psi": cosine, "sin_psi": sine, COUNTED: state["psi"], "t": np.zeros(len(starts)), **positions}

@@ -46,12 +46,12 @@ class SearchResult:
 
     @property
     def information(self) -> np.ndarray:
-        """Of all records, (P, P)."""
+        """Information of all records, (P, P)."""
         return np.asarray(sum(one.information for one in self.records))
 
     @property
     def score(self) -> np.ndarray:
-        """Of all records, (P,)."""
+        """Score of all records, (P,)."""
         return np.asarray(sum(one.score for one in self.records))
 
 

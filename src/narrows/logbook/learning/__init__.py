@@ -1,1 +1,1 @@
-"""What records of a free ship teach of its coefficients: prior, search, answer."""
+"""Learn coefficients from records of a free ship: prior, search, answer."""

@@ -1,4 +1,4 @@
-"""From a ship's own records to a model that knows more: ``learn``."""
+"""Learn a model from a ship's own records: ``learn``."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -50,8 +50,8 @@ def learn(
     sensors : {"rtk", "vdr", "ais", "basin"} or SensorGrade
         How well it was measured; in a basin, noise is estimated and no wind blows.
     spread : float or mapping of str to float, optional
-        Of a model that has no covariance: standard deviations over the size of coefficients, inertia held, or each in
-        its own unit.
+        Prior of a model without a covariance: standard deviations over the size of coefficients, inertia held, or
+        each in its own unit.
     gusts : bool, optional
         Whether gusts act; in all but a basin, unless given.
     asymmetry : bool, optional

@@ -16,7 +16,7 @@ IN_OPEN_WATER = "Identification in open water is held to measured manoeuvres."
 UNLIKELY = 1e-3
 # Times the usual gusts, from which pushes are said to be none: of twins in gusts alone one in fifty comes so far.
 STRONG = 4.0
-# Of readings of the heading [rad], over which more is left than a compass errs.
+# Residual noise of headings [rad] that exceeds the error of a compass.
 HEADING_LEFT = np.radians(0.5)
 # Standard deviations before, from which a coefficient is named.
 FAR = 3.0
@@ -30,7 +30,7 @@ class Gusts:
     yaw: float  # Likewise [rad/s2]
     memory: float  # How long they stay [s]
     correlation: float  # Between the two [1]
-    strength: float  # Over what gusts are taken to be before a log tells, in sway or in yaw, whichever is more [1]
+    strength: float  # Gusts over their prior size, in sway or in yaw, whichever is more [1]
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class SignalNoise:
 
 @dataclass(frozen=True, repr=False)
 class LogFit(LearnedAnswer):
-    """What a log taught.
+    """Result of learning from a log.
 
     Parameters
     ----------
@@ -58,15 +58,15 @@ class LogFit(LearnedAnswer):
     gusts : Gusts, optional
         None where none were looked for.
     noise : mapping of str to SignalNoise
-        Of a reading of each signal, as the records make it most likely.
+        Most likely noise of a reading of each signal.
     disagreement : float [1]
         Square of how far the log moved the coefficients, over what was to be expected.
     freedom : int
-        How many combinations of coefficients the log tells.
+        Number of combinations of coefficients that the log determines.
     probability : float [1]
-        Of at least such a disagreement where log and prior speak of one ship.
+        Probability of at least such a disagreement where log and prior are of one ship.
     held : tuple of str
-        Coefficients of inertia that the log left as they were: what holds the others, for motion tells ratios.
+        Coefficients of inertia that the log left as they were: they fix the others, as motion determines only ratios.
     about : tuple of str
         What was taken for granted, and what was left out.
     settled : bool
@@ -97,29 +97,29 @@ class LogFit(LearnedAnswer):
 
     @property
     def tells(self) -> bool:
-        """Whether the log taught a coefficient: one of the bank, where the model feels one."""
+        """True where the log determined a coefficient: one of the bank, where the model has one."""
         asked = [c for c in self.coefficients.values() if c.from_bank or not self.prior.feels_bank]
         return any(c.word == LEARNED for c in asked)
 
     @property
     def disagrees(self) -> bool:
-        """Whether log and prior speak of different ships, as far as they say."""
+        """True where log and prior contradict each other."""
         return self.probability < UNLIKELY
 
     @property
     def pushed(self) -> bool:
-        """Whether pushes acted that are too strong for gusts, as where ships pass that the log does not tell of."""
+        """True where disturbances are too strong for gusts, as with passing ships that the log lacks."""
         return self.gusts is not None and self.gusts.strength > STRONG
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What disagrees, what is known only as a pair, what was taken for granted or left out, what holds the rest."""
+        """Contradictions, inseparable pairs, assumptions, left-out records, and coefficients that fix the rest."""
         together = [
             f"{name} goes with {other} (correlation {by:+.2f}): together they are known better than either."
             for name, other, by in pairs(self.coefficients, np.asarray(self.model.covariance))
         ]
         inertia = (
-            f"Motion tells of forces over inertia: {', '.join(self.held)} "
+            f"Motion determines only forces over inertia: {', '.join(self.held)} "
             f"{'holds' if len(self.held) == 1 else 'hold'} the rest, as before the log."
         )
         open_water = (IN_OPEN_WATER,) * (not self.prior.feels_bank)
@@ -166,7 +166,7 @@ class LogFit(LearnedAnswer):
         )
 
     def summary(self) -> str:
-        """Say what is in doubt, what was learned, what still comes from the prior, and how well the model foretells."""
+        """Doubts, what was learned, what still comes from the prior, and the errors of prediction."""
         bank = [c for c in self.coefficients.values() if c.from_bank and c.prior_std > 0]
         learned = [c.name for c in self.coefficients.values() if c.word == LEARNED and not c.from_bank]
         open_still = [c.name for c in self.coefficients.values() if c.word == PRIOR and c.prior_std > 0]
@@ -227,7 +227,7 @@ class LogFit(LearnedAnswer):
         Parameters
         ----------
         state : {"y", "psi", "r"}
-            Of what, in SI.
+            Quantity, in SI.
         """
         rows = np.array([record.missed[state] for record in self.records]).reshape(-1, 2)
         rows = rows[np.isfinite(rows).all(axis=1)]

@@ -1,4 +1,4 @@
-"""What is known of all coefficients after a log: normal, with standard errors that the scatter of records decides."""
+"""Posterior of all coefficients after a log: Gaussian, with standard errors by the scatter of records."""
 
 from dataclasses import dataclass, replace
 
@@ -21,13 +21,13 @@ class LogPosterior:
 
     values: np.ndarray  # (n,) All of them, in the order of the table
     covariance: np.ndarray  # (n, n)
-    scaled: np.ndarray  # (p, p) Of those that were estimated, in units of their standard deviations before [1]
+    scaled: np.ndarray  # (p, p) Covariance of the estimated ones, in units of their prior standard deviations [1]
     disagreement: float  # Square of how far the log moved them, over what was expected of it [1]
     freedom: int  # How many combinations of them the log determines
 
     @property
     def probability(self) -> float:
-        """Of at least such a disagreement where log and prior are of one ship."""
+        """Probability of at least such a disagreement where log and prior are of one ship."""
         from scipy.stats import chi2
 
         return float(chi2.sf(self.disagreement, max(self.freedom, 1)))
@@ -89,7 +89,7 @@ def posterior_covariance(problem: LogProblem, information: np.ndarray) -> np.nda
 
 
 def _weights(model: Model, before: np.ndarray, prior: CoefficientPrior) -> np.ndarray:
-    """How every coefficient goes with those that were estimated: ties, and correlations of the prior."""
+    """Regression of every coefficient on the estimated ones: ties, and correlations of the prior."""
     names = model.terms.names
     places = [names.index(name) for name in prior.names]
     across = before[:, places] / prior.scale @ prior.precision / prior.scale

@@ -1,4 +1,4 @@
-"""What a model says before a log is looked at: its coefficients' covariance, or a spread that is stated."""
+"""Prior of a model before a log: its coefficients' covariance, or a stated spread."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -24,7 +24,7 @@ Spread = float | Mapping[str, float]
 
 ACCELERATIONS = ("udot", "vdot", "rdot")
 
-# Of the largest eigenvalue of a correlation, under which two coefficients are known as one.
+# Share of the largest eigenvalue of a correlation, under which two coefficients are known as one.
 RANK = 1e-9
 
 NO_PRIOR = (
@@ -35,7 +35,7 @@ NO_PRIOR = (
 
 def covariance_before(model: Model, spread: Spread | None) -> np.ndarray:
     """Return the covariance of all coefficients before a log."""
-    # Inertia is held where a spread is stated: motion tells of forces over inertia alone.
+    # Inertia is held where a spread is stated: motion determines only forces over inertia.
     if spread is None:
         if model.covariance is None:
             raise InputError(NO_PRIOR)
@@ -189,9 +189,9 @@ BASIN = SensorGrade(
 
 @dataclass(frozen=True)
 class LogAssumptions:
-    """What is taken for granted."""
+    """Assumptions."""
 
-    grade: SensorGrade  # Of the sensors
+    grade: SensorGrade  # Grade of the sensors
     gusts: bool  # Whether pushes with a memory act
     surge: str  # Whether the speed is integrated
     choices: Mapping[str, Any] = field(default_factory=dict)  # Further ones of the simulation
@@ -228,7 +228,7 @@ class LogAssumptions:
         return (*found, *(Estimated("noise", (name,), BASIN_SPREAD if basin else SPREAD_OF_NOISE) for name in noise))
 
     def _noise(self, signals: set[str], length: float, u: float) -> dict[str, float]:
-        """Of the grade; in a basin what models usually leave, to begin with."""
+        """Noise of the grade; in a basin the usual model error, to begin with."""
         read = [name for name in PREDICTED if name in signals]
         if self.grade.name != BASIN.name:
             return {name: self._grade(name).noise for name in read}
@@ -269,7 +269,7 @@ class LogAssumptions:
         return [one for one in found if one.std > 0]
 
 
-# Of signals that a grade says nothing of.
+# Errors of signals outside a grade.
 UNGRADED = {
     "x": SignalGrade(1.0), "y": SignalGrade(1.0), "psi": SignalGrade(0.3 * DEGREE), "r": SignalGrade(0.02 * DEGREE),
     "u": SignalGrade(0.1), "v": SignalGrade(0.1), "u_ground": SignalGrade(0.1), "v_ground": SignalGrade(0.1),

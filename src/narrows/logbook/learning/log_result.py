@@ -1,4 +1,4 @@
-"""From a search that is done to its answer."""
+"""Compute the answer from a finished search."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -37,7 +37,7 @@ def log_result(posed: PosedLog, found: SearchResult, log: LogSource, free: Seque
 
 
 def _inertia(model: Model, problem: LogProblem) -> tuple[str, ...]:
-    """Coefficients of the inertia that the motion feels, one for each that are tied."""
+    """Coefficients of the inertia in the motion, one for each group of ties."""
     seconds = {second for _, second in model.terms.ties}
     surge = problem.motion.integrator.ship.surge
     felt = [term for force, terms in model.terms.forces.items() if force != "X" or surge == "free" for term in terms]

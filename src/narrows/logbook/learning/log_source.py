@@ -1,4 +1,4 @@
-"""Where a learned model comes from: the log by its content and times, the sensors, the model before."""
+"""Origin of a learned model: the log by its content and times, the sensors, the model before."""
 
 import hashlib
 from collections.abc import Iterable
@@ -13,19 +13,19 @@ from narrows.model.sections import Source
 
 # Digits of a hash in a sentence.
 SHORT = 12
-# From here times count from 1970 [s].
+# Times after this one count from 1970 [s].
 A_DATE = 1e8
 
 
 @dataclass(frozen=True)
 class LogSource:
-    """What a log is known by."""
+    """Identification of a log."""
 
-    name: str  # Of the log
+    name: str  # Name of the log
     sensors: str  # The grade that it was taken for
-    sha256: str  # Of all names, times and values
-    start: float  # From the first value to the last [s]
-    stop: float  # From the first value to the last [s]
+    sha256: str  # Hash of all names, times and values
+    start: float  # Time of the first value [s]
+    stop: float  # Time of the last value [s]
 
     @classmethod
     def of(cls, records: Iterable[ShipRecord], name: str, sensors: str) -> "LogSource":
@@ -58,7 +58,7 @@ def _when(t: float) -> str:
 
 
 def _hash_of(model: Model) -> str:
-    """Of coefficients and covariance."""
+    """Return the hash of coefficients and covariance."""
     hashed = hashlib.sha256(repr(sorted(model.coefficients.items())).encode())
     hashed.update(np.ascontiguousarray(model.covariance, float).tobytes())
     return hashed.hexdigest()

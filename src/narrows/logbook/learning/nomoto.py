@@ -16,7 +16,7 @@ READING, START_RATE = 0.01, 0.01
 
 @dataclass(frozen=True)
 class HeadingRecord:
-    """A record as the Nomoto model sees it: rudder and heading on even times."""
+    """The part of a record for the Nomoto model: rudder and heading on even times."""
 
     step: float  # [s]
     rudder: np.ndarray  # (nodes,) [rad]

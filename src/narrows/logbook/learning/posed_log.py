@@ -52,7 +52,7 @@ class GridSource:
 
     @cached_property
     def left_out(self) -> tuple[str, ...]:
-        """What could not be used, and why."""
+        """Records that could not be used, and why."""
         notes: list[str] = []
         for _ in self._laid_out(notes):
             pass
@@ -88,7 +88,7 @@ class GridSource:
 
 
 class PosedLog(NamedTuple):
-    """What is solved for, by which records."""
+    """Unknowns and records of the problem."""
 
     problem: LogProblem  # With the prior
     source: GridSource  # The records, laid out
@@ -170,13 +170,13 @@ def _motion(
 
 
 # Records as the search asks for them: laid out one by one, long ones in parts, the useless left out and said.
-# Of a record that is taken as one [s]: what is the same all through it does not stay so for ever.
+# Longest record taken as one [s]: constant errors do not stay constant for ever.
 LONGEST = 6 * 3600.0
 
-# Of a way, straight from one place to the next.
+# Number of straight legs of a way.
 LEGS = 60
 
-# Of a draft, by which a record may be of another.
+# Share of a draft, by which a record may differ.
 OTHER_DRAFT = 0.02
 
 # Values of a log that are kept laid out; of a longer one each record is laid out when its turn comes.

@@ -1,4 +1,4 @@
-"""What each record contributed, and how well the model predicts it from the other records."""
+"""Contribution of each record, and its prediction from the other records."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -41,7 +41,7 @@ class Forecast:
 class RecordAnswer:
     """A record and the coefficients."""
 
-    name: str  # Of the record
+    name: str  # Name of the record
     duration: float  # How long [s]
     windows: int  # Steps of the filter
     met: int  # In how many of them another ship passed

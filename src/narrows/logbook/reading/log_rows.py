@@ -27,7 +27,7 @@ EARTH = {"latitude": 90.0, "longitude": 360.0}
 
 class LogRows(NamedTuple):
     t: np.ndarray  # (rows,) Time, as it came [s]
-    record: np.ndarray  # (rows,) Whose each row is; empty where the log does not say
+    record: np.ndarray  # (rows,) Ship of each row; empty where the log has no such column
     columns: dict[str, np.ndarray]  # (rows,) In SI
 
 
@@ -35,8 +35,8 @@ class LogRows(NamedTuple):
 class LogMapping:
     columns: ColumnMapping = field(default_factory=ColumnMapping)  # Names, units and signs
     late: Mapping[str, float] = field(default_factory=dict)  # [s] lateness by column
-    antenna: tuple[float, float] = (0.0, 0.0)  # Of the position: forward and to starboard of midship [m]
-    condition: Mapping[str, float] = field(default_factory=dict)  # Of the loading, as in ``{"draft": 10.2}``
+    antenna: tuple[float, float] = (0.0, 0.0)  # Place of the antenna: forward and to starboard of midship [m]
+    condition: Mapping[str, float] = field(default_factory=dict)  # Loading, as in ``{"draft": 10.2}``
 
     def __post_init__(self) -> None:
         for name in self.late:
@@ -88,7 +88,7 @@ class RowReader:
     def _clock(self, frame: pd.DataFrame) -> np.ndarray:
         """Seconds since the first row, of a column of dates and times."""
         if "time" not in frame:
-            raise InputError(f"{self.table}: no column tells the time; head one 't [s]', or 'time' for dates and times")
+            raise InputError(f"{self.table}: no column has the time; head one 't [s]', or 'time' for dates and times")
         if not len(frame):
             return np.empty(0)
         dated = frame["time"] if frame["time"].dtype.kind == "M" else frame["time"].astype(str)
@@ -118,7 +118,7 @@ class RowReader:
 
 
 class RawRecord(NamedTuple):
-    name: str  # Of it
+    name: str  # Name of the record
     t: np.ndarray  # (rows,) Time, as it came [s]
     columns: dict[str, np.ndarray]  # (rows,) In SI; NaN where nothing was measured
 
@@ -181,7 +181,7 @@ def _column(rows: LogRows, name: str) -> np.ndarray:
     return rows.columns.get(name, np.full(len(rows.t), np.nan))
 
 
-# What is told by the map, and is brought to the axes of the waterway or of the record.
+# Signals on the map, converted to the axes of the waterway or of the record.
 ON_EARTH = {
     "longitude": Quantity("deg", "longitude of the antenna, WGS84"),
     "latitude": Quantity("deg", "latitude of the antenna, WGS84"),
@@ -209,7 +209,7 @@ QUANTITIES = {"t": Quantity("s", "time"), **SIGNALS, **ON_EARTH, **IN_FIXED_AXES
 LABELS = ("record", "time")
 VOCABULARY = Vocabulary(QUANTITIES, LABELS, blanks=True)
 
-# What logs often call a column, in any case of letters, a blank for an underscore; units stand in the header as ever.
+# Usual names of columns in logs, in any case of letters, a blank for an underscore; units stand in the header as ever.
 ALIASES = {
     "test": "record", "run": "record", "timestamp": "time", "datetime": "time", "utc": "time", "basedatetime": "time",
     "base_date_time": "time", "lat": "latitude", "lon": "longitude", "lng": "longitude", "hdg": "heading",

@@ -44,13 +44,13 @@ def read_log(
         The ship's own names, units and signs, what is late and where the antenna stands: TOML with ``[columns]``,
         ``[units]``, ``[positive]``, ``[late]``, ``[antenna]`` and ``[condition]``.
     units : mapping of str to str, optional
-        Of columns whose headers do not say it.
+        Units of columns without one in the header.
     late : mapping of str to float, optional [s]
         By how much columns were reported later than they were measured.
     antenna : pair of float, optional [m]
-        Of the position: forward and to starboard of midship.
+        Place of the antenna: forward and to starboard of midship.
     condition : mapping of str to float, optional
-        How the ship was loaded, as in ``{"draft": 10.2}``.
+        Loading of the ship, as in ``{"draft": 10.2}``.
     gap : float [s]
         A time without a row after which another record begins, where no column ``record`` names them.
     mmsi : int, optional
@@ -89,7 +89,7 @@ class StreamedLog:
     """The records of a ship, read from disk each time they are asked for."""
 
     table: Any  # CSV, text, Parquet, or a recording of NMEA 0183; a DataFrame too
-    mapping: LogMapping  # What is called how, what is late, where the antenna stands
+    mapping: LogMapping  # Names of columns, delays, place of the antenna
     waterway: Waterway | None  # Along which to tell where the ship is; a plane where there is none
     gap: float  # A time without a row after which another record begins, where the log does not name its records [s]
     mmsi: int | None = None  # Whose AIS reports to read; what the ship reports of itself unless given
@@ -123,13 +123,13 @@ def stream_log(
     mapping : str, Path or mapping, optional
         As in ``read_log``, like what follows.
     units : mapping of str to str, optional
-        Of columns whose headers do not say it.
+        Units of columns without one in the header.
     late : mapping of str to float, optional [s]
         By how much columns were reported later than they were measured.
     antenna : pair of float, optional [m]
-        Of the position: forward and to starboard of midship.
+        Place of the antenna: forward and to starboard of midship.
     condition : mapping of str to float, optional
-        How the ship was loaded.
+        Loading of the ship.
     gap : float [s]
         A time without a row after which another record begins.
     mmsi : int, optional

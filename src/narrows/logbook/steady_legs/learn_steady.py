@@ -34,10 +34,10 @@ from narrows.model.model import Model
 @dataclass(frozen=True)
 class SteadyChecks:
     chi_square: float  # Sum of squares of what was read over what was to be expected of it [1]
-    freedom: int  # What it would be on average
-    probability: float  # Of one as large, were model, prior and errors right [1]
+    freedom: int  # Degrees of freedom
+    probability: float  # Probability of one as large, were model, prior and errors right [1]
     leg_probabilities: dict[str, float]  # The same of each leg, beside all others [1]
-    findings: tuple[str, ...]  # What is wrong or cannot be told, a sentence each
+    findings: tuple[str, ...]  # Faults and undetermined quantities, a sentence each
 
     @property
     def contradicted(self) -> bool:
@@ -46,7 +46,7 @@ class SteadyChecks:
 
 @dataclass(frozen=True, repr=False)
 class SteadyFit(LearnedAnswer):
-    """What steady legs taught.
+    """Result of learning from steady legs.
 
     Parameters
     ----------
@@ -57,16 +57,16 @@ class SteadyFit(LearnedAnswer):
     readings : SteadyReadings
         The legs.
     conditions : SteadyConditions
-        What was taken of wind, zeros and what is left of motion.
+        Assumptions on wind, zeros and remaining motion.
     coefficients : mapping of str to LearnedCoefficient
         Each before and after.
     shared : mapping of str to (float, float)
-        What all legs share, in SI: ``wind_Y``, ``wind_N``, and the zeros ``rudder_zero``, ``drift_zero``,
+        Common errors of all legs, in SI: ``wind_Y``, ``wind_N``, and the zeros ``rudder_zero``, ``drift_zero``,
         ``heading_zero``, ``y_zero``; most likely value and standard error.
     latent : array (legs, 4)
-        Where the ship most likely was: y [m], u [m/s], rudder, psi [rad].
+        Most likely state of the ship: y [m], u [m/s], rudder, psi [rad].
     checks : SteadyChecks
-        Whether legs and model agree.
+        Agreement of legs and model.
     """
 
     model: Model
@@ -83,13 +83,13 @@ class SteadyFit(LearnedAnswer):
 
     @property
     def tells(self) -> bool:
-        """Whether a coefficient of the bank was learned, and nothing contradicts it."""
+        """True where a coefficient of the bank was learned, and nothing contradicts it."""
         learned = any(c.word == LEARNED for c in self.coefficients.values() if c.from_bank)
         return learned and not self.checks.contradicted
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What disagrees or cannot be told, what is known only as a pair, what was taken for granted."""
+        """Contradictions, undetermined quantities, inseparable pairs, assumptions."""
         together = pairs(self.coefficients, np.asarray(self.model.covariance))
         told = [f"{name} goes with {other} (correlation {by:+.2f}): together they are known better than either."
                 for name, other, by in together]  # fmt: skip
@@ -98,7 +98,7 @@ class SteadyFit(LearnedAnswer):
         return (*self.checks.findings, *told, taken, *whose, ON_TWINS)
 
     def summary(self) -> str:
-        """Say what was learned, what still comes from the tests, and whether the legs agree."""
+        """What was learned, what still comes from the tests, and whether the legs agree."""
         by_word = {word: [c for c in self.coefficients.values() if c.word == word] for word in (LEARNED, PRIOR)}
         bank = [c for c in self.coefficients.values() if c.from_bank and c.word != PRIOR]
         first = "; ".join(c.sentence() for c in bank) or "nothing of the bank"
@@ -163,14 +163,14 @@ def learn_steady(
     Parameters
     ----------
     model : Model
-        Of the ship at its own size in the canal of the legs, with the terms of a rudder and a covariance.
+        Model of the ship at its own size in the canal of the legs, with a rudder and a covariance.
     observations : DataFrame, mapping of str to array, str or Path
         A row a leg: y [m], u [m/s], rudder, drift or heading, and their errors ``y_error`` and so on where they are
         known; SI and radians unless a header says otherwise (``rudder [deg]``).
     errors : ReadingErrors, optional
-        Where the rows do not say.
+        Values that the rows lack.
     conditions : SteadyConditions, optional
-        How large wind and zeros may be, and what is left of motion on a leg.
+        Sizes of wind and zeros, and the remaining motion on a leg.
 
     Returns
     -------
@@ -213,14 +213,14 @@ def _ends(column: Any) -> tuple[float, float]:
     return float(column.min()), float(column.max())
 
 
-# What legs share: words, unit to print it in, how many of it one in SI is.
+# Common errors of legs: words, printed unit, factor from SI.
 SHARED = {
     "wind_Y": ("sway force of the wind", "N", 1.0), "wind_N": ("yaw moment of the wind", "N m", 1.0),
     "rudder_zero": ("zero of the rudder", "deg", 180 / np.pi), "drift_zero": ("zero of the drift", "deg", 180 / np.pi),
     "heading_zero": ("zero of the heading", "deg", 180 / np.pi), "y_zero": ("zero of the offset", "m", 1.0),
 }  # fmt: skip
 
-# What a balance with so much unknown cannot tell.
+# Quantities that a balance with so many unknowns cannot determine.
 WHOSE = (
     "Legs that agree do not show that they are of this ship: on twins those of one a quarter shorter or longer agree, "
     "and a rudder of the wrong sign may; see to ship, draft and signs."

@@ -50,27 +50,27 @@ def plan_steady(
     Parameters
     ----------
     model : Model
-        Of the ship at its own size in its canal, with the terms of a rudder and a covariance.
+        Model of the ship at its own size in its canal, with a rudder and a covariance.
     offsets : sequence of float [m], optional
-        Off the middle, to either side, that may be held.
+        Largest offset, to either side, that may be held.
     speeds : sequence of float [m/s], optional
         Through the water, likewise.
     legs : int
-        How many there is time for; an even number.
+        Number of legs; even.
     targets : sequence of str
         The coefficients that matter; those of the bank unless given.
     errors : ReadingErrors, optional
-        Of what will be read.
+        Errors of the readings.
     conditions : SteadyConditions, optional
         Wind, zeros, and what is left of motion.
     reserve : float [1]
-        Of the rudder, to be left.
+        Rudder to be left.
     clearance : float [m], optional
-        From the hull's side to a bank, to be left; half a beam unless given.
+        Clearance from the hull's side to a bank; half a beam unless given.
     samples : int
-        Of the coefficients.
+        Number of samples of the coefficients.
     seed : int
-        Of the samples.
+        Seed of the samples.
 
     Returns
     -------
@@ -133,14 +133,14 @@ def _rising(name: str, values: object) -> np.ndarray:
 
 @dataclass(frozen=True)
 class Candidates:
-    offsets: np.ndarray  # (places,) To starboard or in the middle [m]
+    offsets: np.ndarray  # (places,) Offset to starboard, or 0 [m]
     speeds: np.ndarray  # (places,) Through the water [m/s]
-    rudder: np.ndarray  # (places,) Of the most likely coefficients [rad]
-    psi: np.ndarray  # (places,) Of the most likely coefficients [rad]
+    rudder: np.ndarray  # (places,) Rudder with the most likely coefficients [rad]
+    psi: np.ndarray  # (places,) Drift with the most likely coefficients [rad]
     rudder_told: np.ndarray  # (places, 3) 5 %, 50 %, 95 % of the samples; infinite without a course [rad]
     psi_told: np.ndarray  # (places, 3) The same [rad]
     within: np.ndarray  # (places,) Share of the samples that leave the rudder its reserve [1]
-    clear: np.ndarray  # (places,) Whether side and keel have their clearance
+    clear: np.ndarray  # (places,) True where side and keel have their clearance
 
     def allowed(self, share: float) -> np.ndarray:
         """Return at which places a ship may be held, (places,) of bool."""
@@ -182,8 +182,8 @@ def _refused(found: Candidates, reserve: float, clearance: float) -> list[str]:
 class PairDesign:
     """Legs as readings with independent errors of size one, of independent unknowns of size one."""
 
-    root: np.ndarray  # (n, rank) Of the covariance of the unknowns before: ``root`` times the independent ones
-    rows: np.ndarray  # (pairs, 2, 2, rank) Of sway and yaw on the leg to starboard and on that to port
+    root: np.ndarray  # (n, rank) Root of the prior covariance of the unknowns: ``root`` times the independent ones
+    rows: np.ndarray  # (pairs, 2, 2, rank) Rows of sway and yaw on the legs to starboard and to port
 
     def chosen(self, wanted: list[int], pairs: int) -> list[int]:
         best: list[int] = []
@@ -231,7 +231,7 @@ def pair_design(
     return PairDesign(prior.root, np.stack([rows[: len(allowed)], rows[len(allowed) :]], axis=1))
 
 
-# Of offsets to either side about, and what one is a power of ten times.
+# Number of offsets to either side, about, and their steps times a power of ten.
 NICE = (1.0, 2.0, 2.5, 5.0, 10.0)
 # Shares of the samples, below which angles are told.
 TOLD = (0.05, 0.5, 0.95)

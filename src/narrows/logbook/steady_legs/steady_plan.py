@@ -24,11 +24,11 @@ class PlannedLeg:
     Parameters
     ----------
     offset : float [m]
-        To starboard of the middle.
+        Offset to starboard of the middle.
     speed : float [m/s]
         Through the water.
     rudder : tuple of float [rad]
-        What holds it: 5 %, half and 95 % of what the tests leave open are below.
+        Rudder that holds it: 5 %, 50 % and 95 % quantiles, given the uncertainty of the tests.
     drift : tuple of float [rad]
         Likewise; the bow to starboard of the course is positive.
     """
@@ -59,19 +59,19 @@ class SteadyPlan(Shown):
     model : Model
         The ship.
     errors : ReadingErrors
-        Of what will be read.
+        Errors of the readings.
     conditions : SteadyConditions
         Wind, zeros and what is left of motion.
     reserve : float [1]
-        Of the rudder, that every leg leaves.
+        Rudder that every leg leaves.
     clearance : float [m]
-        From the hull's side to a bank, that every leg leaves.
+        Clearance from the hull's side to a bank that every leg leaves.
     considered : int
-        How many pairs of legs there were to choose from.
+        Number of candidate pairs of legs.
     farthest : tuple of float [m]
-        How far off the middle legs are allowed now, and how far they probably will be after these.
+        Largest allowed offset of legs now, and probably after these.
     notes : tuple of str
-        What was refused and why, and what is taken for granted.
+        Rejected legs and why, and assumptions.
     """
 
     legs: tuple[PlannedLeg, ...]
@@ -96,11 +96,11 @@ class SteadyPlan(Shown):
 
     @property
     def settling(self) -> float:
-        """How long a ship is given to come to rest on the slowest leg before it is read [s]."""
+        """Settling time on the slowest leg before it is read [s]."""
         return SETTLING * self.model.configuration.ship.length / min((leg.speed for leg in self.legs), default=np.inf)
 
     def summary(self) -> str:
-        """Say what the legs will tell, and how far off the middle they are allowed."""
+        """Expected information of the legs, and their largest allowed offset."""
         now, then = self.farthest
         if not self.legs:
             return "No leg off the middle is allowed: what the tests leave open of the rudder is more than its reserve."

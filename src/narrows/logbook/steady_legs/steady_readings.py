@@ -1,4 +1,4 @@
-"""What was read while a ship was held: a row a leg, from a file, a DataFrame or a mapping, with the error of each."""
+"""Readings of steady legs: one row for each leg, from a file, a DataFrame or a mapping, with their errors."""
 
 import math
 from collections.abc import Mapping
@@ -41,18 +41,18 @@ COLUMNS = {**READ, **FELT, **ERRORS}
 
 @dataclass(frozen=True, repr=False)
 class ReadingErrors(Described):
-    """Standard deviations of what is read on a leg, the same to both sides or not, where a table does not say.
+    """Standard deviations of the readings of a leg, common to both sides or not, if a table has none.
 
     They are those of the mean over a leg. What is wrong in all legs alike is a zero (``SteadyConditions``).
 
     Parameters
     ----------
     y : float [m]
-        Of the offset.
+        Error of the offset.
     u : float [m/s]
-        Of the speed through the water.
+        Error of the speed through the water.
     rudder_deg, drift_deg, heading_deg : float [deg]
-        Of the angles.
+        Error of the angles.
 
     Raises
     ------
@@ -79,7 +79,7 @@ class ReadingErrors(Described):
                 raise InputError(f"a reading's error {entry.name} = {shown(value)}: give a finite number {least}")
 
     def summary(self) -> str:
-        """Say them."""
+        """The standard deviations."""
         return (
             f"offset to {self.y:g} m, speed to {self.u:g} m/s, rudder to {self.rudder_deg:g} deg, drift to "
             f"{self.drift_deg:g} deg, heading to {self.heading_deg:g} deg (standard deviations of a leg's mean)"
@@ -113,7 +113,7 @@ class SteadyReadings(Described):
     source : str
         The file, or what it was.
     sha256 : str
-        Of the rows.
+        Hash of the rows.
     """
 
     legs: tuple[str, ...]
@@ -127,17 +127,17 @@ class SteadyReadings(Described):
 
     @property
     def directions(self) -> tuple[str, ...]:
-        """What tells the direction of the ship: ``drift``, ``heading`` or both."""
+        """Readings of the direction of the ship: ``drift``, ``heading`` or both."""
         return tuple(name for name in ("drift", "heading") if name in self.values)
 
     @property
     def both_sides(self) -> bool:
-        """Whether the ship was held to starboard of one leg's offset and to port of another's, the middle between."""
+        """True where legs lie on both sides of the middle."""
         y = self.values["y"]
         return bool(y.min() < 0 < y.max())
 
     def summary(self) -> str:
-        """Say how many legs, from where to where and how fast."""
+        """Number of legs, range of offsets, and speeds."""
         y, u = self.values["y"], self.values["u"]
         speeds = " to ".join(dict.fromkeys(f"{end:.3g}" for end in (u.min(), u.max())))
         return f"{len(self)} legs from {y.min():+.3g} to {y.max():+.3g} m off the middle at {speeds} m/s"
@@ -228,7 +228,7 @@ UNKNOWN = ("wind_Y", "wind_N", "rudder_zero", "drift_zero", "heading_zero", "y_z
 
 @dataclass(frozen=True, repr=False)
 class SteadyConditions(Described):
-    """How much what all legs share may be, as standard deviations, and what changes from leg to leg.
+    """Standard deviations of the common errors of all legs, and of those that change from leg to leg.
 
     Force and moment of the wind are the same on every leg but for ``wind_change`` of their standard deviations, and so
     are the zeros. Opposite sides cancel all of them. What still moves on a leg is a force of its own.
@@ -242,20 +242,20 @@ class SteadyConditions(Described):
     wind_lever : float [m], optional
         Standard deviation of where the wind's force acts, off midship; a tenth of the length unless given.
     wind_change : float [1]
-        Of force and moment of the wind, from leg to leg.
+        Change of force and moment of the wind, from leg to leg.
     rudder_zero_deg, drift_zero_deg, heading_zero_deg : float [deg]
-        Of the readings, the same on every leg.
+        Zero errors of the readings, the same on every leg.
     y_zero : float [m], optional
-        Of the offset: how far banks and antenna are from where they are thought to be; a thirtieth of the beam unless
+        Zero error of the offset, from the places of banks and antenna; a thirtieth of the beam unless
         given.
     yaw_rate_deg : float [deg/s]
         Mean over a leg: what is left of turning.
     yaw_change_deg : float [deg/s]
-        Of the yaw rate between the begin and the end of a leg.
+        Change of the yaw rate over a leg.
     sway_change : float [m/s]
-        Of the sway velocity, likewise.
+        Change of the sway velocity, likewise.
     leg_time : float [s]
-        How long a leg is read.
+        Duration of the readings of a leg.
 
     Raises
     ------
@@ -289,7 +289,7 @@ class SteadyConditions(Described):
                 raise InputError(f"conditions of legs: {entry.name} = {shown(value)} must be a finite number from 0")
 
     def summary(self) -> str:
-        """Say them."""
+        """The standard deviations."""
         aside = f"{self.y_zero:g} m" if self.y_zero is not None else f"{MISPLACED:.2f} beams"
         return (
             f"beam wind {self.wind:g} m/s, its force changing by {100 * self.wind_change:.0f} % from leg to leg; zeros "

@@ -26,10 +26,10 @@ from narrows.simulation.ship import SimulatedShip
 
 @dataclass(frozen=True)
 class SteadyUpdate:
-    posterior: Posterior  # Of the coefficients, then of ``UNKNOWN``
+    posterior: Posterior  # Posterior of the coefficients, then of ``UNKNOWN``
     latent: np.ndarray  # (legs, 4) Where the ship truly was, most likely: ``LATENT``
     settled: bool  # Whether the rounds came to rest
-    counted: int  # Of independent balances and readings: degrees of freedom of the sum of squares
+    counted: int  # Number of independent balances and readings: degrees of freedom of the sum of squares
 
 
 def steady_prior(model: Model, conditions: SteadyConditions) -> NormalPrior:
@@ -91,9 +91,9 @@ class SteadyBalance:
 
 @dataclass(frozen=True)
 class SteadyProblem:
-    prior: NormalPrior  # Of the coefficients and ``UNKNOWN``
-    balance: SteadyBalance  # Of the model on the legs
-    bounds: np.ndarray  # (n, 2) Of the unknowns
+    prior: NormalPrior  # Prior of the coefficients and ``UNKNOWN``
+    balance: SteadyBalance  # Steady balance of the model on the legs
+    bounds: np.ndarray  # (n, 2) Bounds of the unknowns
     left_over: np.ndarray  # (5,) What is left on each leg, of ``SteadyConditions.left_over``
 
     @classmethod
@@ -133,7 +133,7 @@ class LegReadings:
 
     @property
     def balances(self) -> int:
-        """Of a leg: sway and yaw, and of two directions that they are one."""
+        """Number of balances of a leg: sway and yaw, and one for equal directions."""
         return int(self.value.shape[1]) - len(LATENT) + len(BALANCED)
 
     def first(self) -> np.ndarray:
@@ -173,7 +173,7 @@ class LegReadings:
         return np.asarray((self.value - zeros - errors)[:, : len(LATENT)])
 
     def _read_at(self, latent: np.ndarray) -> np.ndarray:
-        """What would be read without errors: the direction as often as it is read."""
+        """Return the readings without errors: the direction as often as it is read."""
         again = latent[:, len(LATENT) - 1 :].repeat(self.value.shape[1] - len(LATENT), axis=1)
         return np.concatenate([latent, again], axis=1)
 

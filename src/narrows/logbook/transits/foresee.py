@@ -53,7 +53,7 @@ def foresee(
     Parameters
     ----------
     model : Model
-        Of the ship at its own size, with the terms of a rudder and a covariance.
+        Model of the ship at its own size, with a rudder and a covariance.
     waterway : Waterway, optional
         Instead of the model's own canal.
     sensors : str or SensorGrade
@@ -63,7 +63,7 @@ def foresee(
     u : float [m/s], optional
         Through the water; a speed that the canal and the tests allow unless given.
     duration : float [s], optional
-        Of a transit; 40 minutes, or the waterway's length to an hour, unless given.
+        Duration of a transit; 40 minutes, or the waterway's length to an hour, unless given.
     targets : sequence of str
         The coefficients that matter; those of the bank unless given.
     within : float [m], optional
@@ -72,7 +72,7 @@ def foresee(
     conditions : TransitConditions, optional
         Wind, gusts, wander of the aim.
     seed : int
-        Of gusts, wander and the samples of the envelope.
+        Seed of gusts, wander and the samples of the envelope.
 
     Returns
     -------
@@ -138,7 +138,7 @@ class _Asked(NamedTuple):
 
 
 def _kinds(asked: _Asked, safe: float) -> tuple[tuple[ForeseenTransit, ...], tuple[str, ...]]:
-    """What routine tells, and each excursion that comes through; why others are left out."""
+    """Expected information of routine transits and of each possible excursion; why others are left out."""
     kinds, reasons = [_foreseen(asked, Excursion("routine"))], []
     for excursion in excursions(safe, asked.plan.model.configuration.ship.length / asked.plan.u):
         try:

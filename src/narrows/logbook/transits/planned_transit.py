@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Excursion:
-    """How far from the middle a pilot goes on purpose, and how long."""
+    """Offset that a pilot takes on purpose, and its duration."""
 
     words: str  # What it is like
     offset: float = 0.0  # How far; 0 for none [m]
@@ -82,15 +82,15 @@ class PlannedTransit:
 
 @dataclass(frozen=True)
 class ForeseenTransit:
-    """What transits of one kind will tell."""
+    """Expected information of transits of one kind."""
 
-    excursion: Excursion  # From the middle; the first kind of a foresight has none
+    excursion: Excursion  # Excursion from the middle; the first kind has none
     std: Mapping[str, np.ndarray]  # (transits,) Standard error of each target after so many, in the coefficient's unit
 
 
 @dataclass(frozen=True, repr=False)
 class Foresight(Shown):
-    """How tight coefficients will get.
+    """Expected standard errors of coefficients.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ class Foresight(Shown):
     u : float [m/s]
         Through the water.
     duration : float [s]
-        Of a transit.
+        Duration of a transit.
     safe_offset : float [m]
         How far off the middle the safe envelope lets it go on purpose.
     reasons : tuple of str
@@ -145,7 +145,7 @@ class Foresight(Shown):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Why what is not foretold is not, and what the rest takes for granted."""
+        """Reasons for missing forecasts, and assumptions."""
         taken = (
             f"Taken for granted: {self.conditions.summary()}; sensors {self.grade.summary()}; the terms of the model, "
             "the banks where the chart has them but for a zero, wind and zeros of each transit its own, no other ship."
@@ -153,7 +153,7 @@ class Foresight(Shown):
         return (*self.reasons, taken, ON_TWINS)
 
     def summary(self) -> str:
-        """Say how tight each target gets by routine transits, and which excursion helps most."""
+        """Expected error of each target by routine transits, and the most informative excursion."""
         if not self.kinds:
             return "\n".join((*self.reasons, ON_TWINS))
         routine, best = self.kinds[0], self.best

@@ -1,4 +1,4 @@
-"""What a routine transit is taken to meet: wind, gusts with a memory, and how a pilot's aim wanders."""
+"""Assumed conditions of a routine transit: wind, correlated gusts, and the wander of a pilot's aim."""
 
 import math
 from dataclasses import dataclass, fields
@@ -39,7 +39,7 @@ class TransitConditions(Described):
     gust_time : float [s]
         How long a gust stays: a first-order process.
     wander : float [m]
-        Of a pilot's aim about the middle.
+        Wander of a pilot's aim about the middle.
     wander_time : float [s]
         How long an aim stays.
     gust_correlation : float [1]
@@ -78,7 +78,7 @@ class TransitConditions(Described):
             raise InputError(f"gust_correlation = {shown(self.gust_correlation)}: a correlation is 1 at most")
 
     def summary(self) -> str:
-        """Say them."""
+        """The conditions."""
         return (
             f"beam wind {self.wind:g} m/s, gusts of {100 * self.gust:.0f} % of its force that stay {self.gust_time:g} s"
             f", an aim that wanders by {self.wander:g} m in {self.wander_time:g} s (standard deviations)"
@@ -122,7 +122,7 @@ class TransitPilot:
     line: HeldLine  # Gains, made for the farthest aim
     lead: float  # How far ahead bends are looked at [s]
     courses: np.ndarray  # (offsets, 4) y [m], rudder, psi [rad], v [m/s] of steady courses
-    limit: float  # Of the rudder [rad]
+    limit: float  # Limit of the rudder [rad]
     times: np.ndarray  # (n,) Where it wants to be, straight between [s]
     aims: np.ndarray  # (n,) Where it wants to be, straight between [s]
     waterway: "Waterway | None" = None  # Whose bends it follows

@@ -80,7 +80,7 @@ class TransitTwin:
 
 
 def _passing(model: Model, u: float, since: np.ndarray) -> np.ndarray:
-    """What a ship that passes does [N, N m]: off, on, off again in sway, out and back in yaw."""
+    """Force and moment of a passing ship [N, N m]: off, on, off again in sway, out and back in yaw."""
     # No measured passing force is behind it: its size is that of a bank's suction and its time that of two lengths at
     # twice the speed.
     ship = model.configuration.ship
@@ -121,15 +121,15 @@ def drawn_truth(model: Model, seed: int, **held: float) -> Model:
     raise InputError("no draw of these coefficients is within the bounds of their terms; identify the model again")
 
 
-# Of the ship and the canal [m], as in the case of the Suez section.
+# Dimensions of the ship and the canal [m], as in the case of the Suez section.
 LENGTH, WIDTH = 399.94, 205.0
-# Of a transit, and of one for a demonstration that is soon over.
+# Speed and duration of a transit, and duration of a short demonstration.
 SPEED, MINUTES, SHORT_MINUTES = 8 * KNOT, 40.0, 20.0
 
 
 @dataclass(frozen=True)
 class DemonstratedLog:
-    prior: Model  # The ship as its captive tests tell
+    prior: Model  # The ship by its captive tests
     truth: Model  # What it is
     log: ShipLog  # What its sensors recorded
 
