@@ -30,7 +30,7 @@ OTHER_FUNCTIONS = {
     "measured_tests": ("datasets", "load_dataset", "example_data", "demo_tests", "load_kcs"),
     "read_captive, or measured_tests for tests of the package": ("read_tests", "load_tests", "load_data", "read_data"),
     "read_ship, or load_model for a model": ("load_ship", "read_toml", "load_toml", "read_model"),
-    "squat(model, u, formula=...)": ("barrass", "huuska", "icorels", "tuck", "sinkage"),
+    "squat(model, u, formula=...)": ("barrass", "squat_barrass", "huuska", "icorels", "tuck", "sinkage"),
     "turning_circle or zigzag": ("manoeuvre", "maneuver", "spiral", "pullout"),
     "safe_envelope, or speed_limits along a waterway": ("safe_speed", "speed_limit", "max_speed"),
     "8 * 0.514444 for 8 knots: speeds are in m/s": ("knots", "kn", "knot", "kts"),
@@ -42,7 +42,11 @@ OTHER_FUNCTIONS = {
     "published": ("list_models", "models", "example_model", "demo", "demo_model", "load_example"),
     "ready_ships": ("ships", "list_ships", "known_ships"),
     "read_waterway": ("read_geojson", "read_canal", "load_waterway"),
-    "Configuration": ("Config", "Setup"),
+    "Configuration": ("Config", "Setup"), "steady_course": ("steady_state", "trim", "equilibrium"),
+    "waterway.straight_waterway(canal, length)": ("straight_canal", "straight_waterway"),
+    "fit.bootstrap()": ("bootstrap", "resample"), "estimate_model": ("from_dimensions", "from_particulars"),
+    "bank_force": ("bank_effect", "bank_forces"), "report.map_figure": ("plot_map", "draw_map"),
+    "learn": ("learn_log", "calibrate"),
     "identify": ("estimate", "curve_fit"), "ensemble": ("map", "grounding_map", "fleet", "sweep", "monte_carlo"),
 }  # fmt: skip
 

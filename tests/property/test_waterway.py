@@ -268,7 +268,7 @@ SLANTING = np.stack([np.linspace(32.501, 32.499, 21), LINE[:, 1]], axis=1)
     [
         ("{", "is not JSON"),
         ({"type": "Topology"}, "FeatureCollection"),
-        ({"type": "Feature"}, "make it a LineString"),
+        ({"type": "Feature"}, "has no line"),
         (collection(port=feature("prt", LINE)), "role = port"),
         (collection(port=feature("centreline", LINE)), "two lines with the role centreline"),
         (collection(port=feature("port", LINE * [1, 4])), "no longitude and latitude"),
@@ -283,7 +283,6 @@ SLANTING = np.stack([np.linspace(32.501, 32.499, 21), LINE[:, 1]], axis=1)
             collection(centreline=feature("centreline", LINE, depth=[24.0] * 10 + [None] + [24.0] * 10)),
             "no depth of water at 9",
         ),
-        (collection(centreline=feature("centreline", np.repeat(LINE, 2, axis=0))), "are one place"),
         ({**collection(), "crs": {"properties": {"name": "EPSG:22992"}}}, "convert them to WGS84"),
     ],
 )

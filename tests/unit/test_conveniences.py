@@ -225,8 +225,8 @@ def test_predictions_of_tests_without_forces() -> None:
     pd.testing.assert_frame_equal(fit.predict(bare), fit.predict(), check_exact=False)
     measured = frame_of(short_twin()).set_index(["test", "t"])[["X", "Y", "N"]]
     pd.testing.assert_frame_equal(measured - fit.predict(), fit.residuals)
-    with pytest.raises(nw.InputError, match="'r' is missing"):
-        fit.predict(bare.drop(columns="r"))
+    with pytest.raises(nw.InputError, match="'v' is missing"):
+        fit.predict(bare.drop(columns="v"))
 
 
 def test_a_report_of_one_fit(tmp_path) -> None:

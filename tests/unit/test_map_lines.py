@@ -49,6 +49,18 @@ MAPS = {
     "right drawn backwards": [feature(STARBOARD[::-1], side="right"), feature(PORT, side="left")],
     "two lines without a word": [feature(PORT), feature(STARBOARD)],
     "three lines without a word": [feature(STARBOARD), feature(AXIS.points), feature(PORT)],
+    "German": [feature(PORT, Name="linkes Ufer"), feature(STARBOARD, Name="rechtes Ufer")],
+    "with heights": [feature(PORT, lambda points: [[*one, 3.0] for one in degrees(points)], name="left"),
+                     feature(STARBOARD, name="right")],
+    "pieces of each bank": [feature(PORT[:41], side="left"), feature(STARBOARD[50:], side="right"),
+                            feature(PORT[:39:-1], side="left"), feature(STARBOARD[:51], side="right")],
+    "pieces without a word": [feature(PORT[:41]), feature(PORT[40:]), feature(STARBOARD[50:]), feature(STARBOARD[:51])],
+    "several lines in one": [{"type": "Feature", "properties": {}, "geometry": {
+        "type": "MultiLineString", "coordinates": [degrees(PORT), degrees(STARBOARD)]}}],
+    "points twice": [feature(np.repeat(PORT, 2, axis=0)), feature(np.repeat(STARBOARD, 2, axis=0))],
+    "buoys and nothing": [
+        feature(PORT), feature(STARBOARD), {"type": "Feature", "properties": {}, "geometry": None},
+        {"type": "Feature", "properties": {}, "geometry": {"type": "Point", "coordinates": [7.6, 52.0]}}],
     "a bank 5 % short at either end": [feature(AXIS.points, role="axis"), feature(SHORT, role="right"),
                                        feature(PORT, role="left")],
 }  # fmt: skip
@@ -75,7 +87,7 @@ def _about(place: np.ndarray, waterway: nw.Waterway) -> np.ndarray:
 @pytest.mark.parametrize("name", MAPS)
 def test_lines_are_told_by_word_and_by_place(name: str, tmp_path: Path, cli) -> None:
     path, out = tmp_path / "map.geojson", tmp_path / "canal.geojson"
-    path.write_text(json.dumps({"type": "FeatureCollection", "features": MAPS[name]}))
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": MAPS[name]}), encoding="utf-8-sig")
     code, text, err = cli("waterway", path, "--depth", "16", "-o", out)
     assert (code, err) == (0, "")
     check(nw.read_waterway(out))
@@ -110,8 +122,40 @@ def test_an_area_is_measured_along_a_line(tmp_path: Path, cli) -> None:
     assert float(nw.read_waterway(out).section(2000.0).width) == pytest.approx(150.0, abs=0.5)
 
 
-def test_one_line_is_answered_with_the_command(tmp_path: Path, cli) -> None:
-    path = tmp_path / "axis.geojson"
-    path.write_text(json.dumps(feature(AXIS.points)))
-    code, _, err = cli("waterway", path)
-    assert (code, "--width 300 --depth 16" in err) == (2, True)
+RING = np.concatenate([STARBOARD, PORT[::-1], STARBOARD[:1]])
+COMMANDS = {
+    "one line": ([feature(AXIS.points)], "--width 300 --depth 16"),
+    "one line with sizes": ([feature(AXIS.points, width=150, depth="16 m")], "--width 150 --depth 16"),
+    "an area and its line": ([feature(RING, kind="Polygon"), feature(AXIS.at(PLACES[1:-1]))], "--depth 16"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_a_map_without_banks_is_answered_with_the_command_that_reads_it(
+    name: str, tmp_path: Path, cli, monkeypatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    features, words = COMMANDS[name]
+    Path("map.geojson").write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    code, _, err = cli("waterway", "map.geojson")
+    assert (code, words in err) == (2, True)
+    command = err.strip().partition(": narrows waterway ")[2]
+    assert cli("waterway", *command.split())[0] == 0
+    assert nw.read_waterway("canal.geojson").line.length == pytest.approx(AXIS.length, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("features", "told"),
+    [
+        ([feature(PORT, utm), feature(STARBOARD, utm)], "Save the map in WGS84"),
+        ([feature(AXIS.points, role="axis"), feature(AXIS.at(PLACES[20:], 80.0), role="right"),
+          feature(PORT, role="left")], "draw it along the whole of it"),
+        ([feature(PORT), feature(STARBOARD), feature(AXIS.points), feature(AXIS.at(PLACES, 30.0))], "add it"),
+    ],
+    ids=["metres", "a short bank", "four lines"],
+)  # fmt: skip
+def test_what_cannot_be_read_is_told_with_the_remedy(features: list, told: str, tmp_path: Path) -> None:
+    path = tmp_path / "map.geojson"
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    with pytest.raises(nw.InputError, match=told):
+        nw.read_waterway(path)

@@ -1,5 +1,8 @@
 """Estimation: position, motion and external disturbances of a ship from its sensors and its model."""
 
+from typing import Any
+
+from narrows.errors import near_miss
 from narrows.estimation.consistency import Consistency as Consistency
 from narrows.estimation.consistency import consistency as consistency
 from narrows.estimation.estimate import Estimate as Estimate
@@ -10,3 +13,22 @@ from narrows.estimation.sensor import Sensor as Sensor
 from narrows.estimation.sensors import *  # noqa: F403  its sensors are those of ``__all__`` there
 from narrows.estimation.states import Prior as Prior
 from narrows.estimation.states import ProcessNoise as ProcessNoise
+
+# The filter by other programs' names.
+FILTERS = (
+    "UnscentedKalmanFilter",
+    "KalmanFilter",
+    "kalman",
+    "Kalman",
+    "ukf",
+    "UKF",
+    "ekf",
+    "EKF",
+    "filter",
+    "observer",
+)
+
+
+def __getattr__(name: str) -> Any:
+    remedy = "; write Estimator" if name in FILTERS else near_miss(name, globals())
+    raise AttributeError(f"nw.estimation has no {name!r}{remedy}")

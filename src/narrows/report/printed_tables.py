@@ -117,7 +117,7 @@ def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
         "sharpest": {"radius": float(1 / bend[sharp]), "at": float(s[sharp])} if bend[sharp] > STRAIGHT else None,
         "stations": _stations(waterway, draft),
     }
-    return {**summary, "summary": _sentence(summary), "notes": list(_not_drawn(waterway))}
+    return {**summary, "summary": _sentence(summary, waterway), "notes": list(_not_drawn(waterway))}
 
 
 def _not_drawn(waterway: Waterway) -> Iterator[str]:
@@ -153,10 +153,13 @@ def print_waterway(waterway: Waterway, draft: float = 0.0) -> None:
     print_notes(console, summary["notes"])
 
 
-def _sentence(summary: dict[str, Any]) -> str:
-    narrowest = summary["narrowest"]
+def _sentence(summary: dict[str, Any], waterway: Waterway) -> str:
+    narrowest, place = summary["narrowest"], ""
+    if waterway.origin:  # A map with latitude first is seen by its place alone.
+        east, north = waterway.origin
+        place = f" (about {abs(north):.2f} {'NS'[north < 0]}, {abs(east):.2f} {'EW'[east < 0]})"
     return (
-        f"{summary['name']}: {summary['length']:.0f} m long; narrowest {narrowest['width']:.1f} m at "
+        f"{summary['name']}{place}: {summary['length']:.0f} m long; narrowest {narrowest['width']:.1f} m at "
         f"{narrowest['at']:.0f} m"
         + _worst(summary["shallowest"], "depth", "shallowest")
         + _worst(summary["sharpest"], "radius", "sharpest bend, radius")

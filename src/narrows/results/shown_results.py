@@ -261,8 +261,14 @@ ANOTHER = {
     "condition_number": ("diagnostics.overall",), "is_identified": ("verdicts",), "compare": ("nw.compare(tests)",),
     "confidence_interval": ("conf_int()",), "simulate": ("model.simulate()",), "copy": ("with_coefficients()",),
     "predict": ("forces(u=..., y=...)",), "scale_to": ("scale(length)",),
-    "derivatives": ("nw.nondimensional(model)",), "width": ("section(s).width",), "length": ("line.length",),
-    "tests": ("test(name)",), "speed": ("u",),
+    "derivatives": ("nw.nondimensional(model)",),
+    "width": ("section(s).width", "configuration.canal.width"), "length": ("line.length",),
+    "tests": ("test(name)",), "speed": ("u",), "get_influence": ("influence",), "f_test": ("verdicts",),
+    "rsquared_adj": ("left_out",), "plot_bank_force": ("plot()",), "rudder_angle": ("rudder",),
+    "grounding_time": ("outcome.time",), "min_distance": ("outcome",), "distance_to_bank": ("outcome",),
+    **dict.fromkeys(("max_speed", "safe_speed", "limits"), ("highest_speed()",)), "is_safe": ("safe()",),
+    **dict.fromkeys(("ss", "to_ss"), ("linearize().state_space()",)), "steady_state": ("nw.steady_course(model)",),
+    "draft": ("ship.draft",), "depth": ("configuration.canal.depth",),
     "popt": ("coefficients",),  # SciPy's is an array; these go by name
 }  # fmt: skip
 

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -18,6 +19,7 @@ from narrows.waterway.map_lines import (
     ROLES,
     Feature,
     into_degrees,
+    joined,
     middle_line,
     origin_of,
     projected,
@@ -159,20 +161,22 @@ def _lines(features: list[Feature], file: str) -> list[Feature]:
     for role in ROLES:
         if roles.count(role) > 1:
             raise InputError(f"{file}: there are two lines with the role {role}; leave one")
-    kinds = [str(feature.geometry.get("type")) for feature in features]
-    if not roles and any("Polygon" in kind for kind in kinds):
+    lines, name = [one for one in features if one.geometry.get("type") == "LineString"], Path(file).name
+    sizes = [[size for one in lines if (size := metres(one.properties.get(key)))] for key in ("width", "depth")]
+    width, depth = (f"{given[0] if given else usual:g}" for given, usual in zip(sizes, (300, 16), strict=True))
+    if any("Polygon" in str(one.geometry.get("type")) for one in features) and not set(roles) >= {"starboard", "port"}:
+        line, action = (name, "measure it along its line") if len(lines) == 1 else ("axis.geojson", "draw a line in it")
         raise InputError(
-            f"{file}: has an area; draw a line through it and measure it: narrows waterway {Path(file).name} --line "
-            "axis.geojson --depth 16 -o canal.geojson"
+            f"{file}: has an area; {action}: narrows waterway {name} --line {line} --depth {depth} -o canal.geojson"
         )
-    if not roles and kinds.count("LineString") == 1:
+    if len(lines) == 1 and set(roles) <= {"centreline"}:
         raise InputError(
             f"{file}: has one line; with a width and a depth it is a waterway: narrows waterway --line "
-            f"{Path(file).name} --width 300 --depth 16 -o canal.geojson"
+            f"{name} --width {width} --depth {depth} -o canal.geojson"
         )
     if not features:
         raise InputError(f"{file}: has no line; give three LineStrings, or two banks")
-    return [feature for feature in features if feature.role or not roles]
+    return [one for one in features if one.role] or lines
 
 
 def _roles(features: list[Feature], lines: list[np.ndarray]) -> tuple[dict[str, Feature], dict[str, np.ndarray]]:
@@ -207,10 +211,13 @@ def _depths(feature: Feature, line: Centreline) -> tuple[np.ndarray, np.ndarray]
 
 # Contents of a waterway's GeoJSON file: its lines with their roles and properties, or one sentence of error.
 def read_features(path: Path) -> list[Feature]:
+    """Return the lines and areas of a map, pieces of a line put together."""
     if path.suffix.lower() in OTHERS:
-        return read_other(path)
+        return joined([part for one in read_other(path) for part in _parts(one)])
+    if path.suffix.lower() == ".csv":
+        raise InputError(f"{path}: is a table, not a map; save its points as a line in GeoJSON or KML")
     with reading(path, "JSON"):
-        document = json.loads(path.read_text(encoding="utf-8"))
+        document = json.loads(path.read_text(encoding="utf-8-sig"))
         crs = json.dumps(document.get("crs")) if isinstance(document, Mapping) and document.get("crs") else ""
     document = _as_collection(document)
     if not isinstance(document, Mapping) or document.get("type") != "FeatureCollection":
@@ -222,20 +229,30 @@ def read_features(path: Path) -> list[Feature]:
         Feature(*(_object(feature, name, f"{path}: feature {number}") for name in ("properties", "geometry")))
         for number, feature in enumerate(features)
     ]
-    if not crs or not found:
-        return found
-    turned = into_degrees(crs, str(path))
-    return [Feature(one.properties, turned(one.geometry)) for one in found]
+    if crs and found:
+        turned = into_degrees(crs, str(path))
+        found = [Feature(one.properties, turned(one.geometry)) for one in found]
+    return joined([part for one in found for part in _parts(one)])
 
 
 def _as_collection(document: Any) -> Any:
-    """Return a lone feature or a bare line as the only feature of a collection."""
+    """Return a lone feature or bare geometries as the features of a collection."""
     kind = document.get("type") if isinstance(document, Mapping) else None
     if kind == "Feature":
         return {"type": "FeatureCollection", "features": [document]}
-    if kind == "LineString":
-        return {"type": "FeatureCollection", "features": [{"type": "Feature", "geometry": document}]}
+    shapes = document.get("geometries") if kind == "GeometryCollection" else [document]
+    if kind in ("LineString", "MultiLineString", "GeometryCollection") and isinstance(shapes, list):
+        features = [{"type": "Feature", "properties": {}, "geometry": shape} for shape in shapes]
+        return {"type": "FeatureCollection", "features": features}
     return document
+
+
+def _parts(feature: Feature) -> list[Feature]:
+    """The lines of a feature of several; nothing of one without a shape, or of points such as buoys."""
+    kind, shapes = feature.geometry.get("type"), feature.geometry.get("coordinates")
+    if kind == "MultiLineString" and isinstance(shapes, list):
+        return [Feature(feature.properties, {"type": "LineString", "coordinates": shape}) for shape in shapes]
+    return [] if kind in (None, "Point", "MultiPoint") else [feature]
 
 
 def coordinates(feature: Feature, name: str) -> np.ndarray:
@@ -245,12 +262,14 @@ def coordinates(feature: Feature, name: str) -> np.ndarray:
     points = pairs(feature.geometry.get("coordinates"))
     if points is None:
         raise InputError(f"{name} has a coordinate that is not two numbers; mend it")
+    points = points[np.append(True, (np.diff(points, axis=0) != 0).any(axis=1))] if len(points) else points
     if len(points) < 2:
         raise InputError(f"{name} has fewer than two points; add some")
     wrong = ~((np.abs(points[:, 0]) <= 180) & (np.abs(points[:, 1]) <= 90))
     if wrong.any():
         first = points[int(wrong.argmax())]
         hint = "; latitude seems to come first" if abs(first[0]) <= 90 < abs(first[1]) <= 180 else ""
+        hint = "; are these metres? Save the map in WGS84 (EPSG:4326)" if np.abs(first).max() > 1000 else hint
         raise InputError(f"{name} has the point {first[0]:g}, {first[1]:g}, which is no longitude and latitude{hint}")
     return points
 
@@ -273,7 +292,7 @@ def depths_of(feature: Feature, count: int) -> np.ndarray | None:
     depth = feature.properties.get("depth")
     if depth is None:
         return None
-    values = [np.nan if value is None else number(value) for value in (depth if isinstance(depth, list) else [depth])]
+    values = [np.nan if value is None else metres(value) for value in (depth if isinstance(depth, list) else [depth])]
     if any(value is None for value in values):
         raise InputError(f"the depth of the centreline, {shown(depth)}, is not a number or one for each point; mend it")
     if len(values) not in (1, count):
@@ -312,6 +331,13 @@ def number(value: Any) -> float | None:
         return float(value)
     except OverflowError:
         return None
+
+
+def metres(value: Any) -> float | None:
+    """Return a size as a float, as "16 m" too; None if it is none."""
+    with suppress(ValueError):
+        return number(float(value.removesuffix("m")) if isinstance(value, str) else value)
+    return None
 
 
 def _object(feature: Mapping[str, Any], name: str, owner: str) -> Mapping[str, Any]:
