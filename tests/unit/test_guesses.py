@@ -186,6 +186,16 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.export.write_cc": (lambda: nw.export.write_cc, "did you mean 'write_c'"),
     "nw.tables()": (lambda: nw.tables(), "write PAPER"),  # type: ignore[attr-defined]
     "nw.linearize(model)": (lambda: nw.linearize(DTC), "write jacobian"),
+    "nw.squat_barrass": (lambda: nw.squat_barrass, "write squat"),  # type: ignore[attr-defined]
+    "nw.straight_canal": (lambda: nw.straight_canal, "write waterway.straight_waterway"),  # type: ignore[attr-defined]
+    "nw.bank_effect": (lambda: nw.bank_effect, "write bank_force"),  # type: ignore[attr-defined]
+    "nw.plot_map": (lambda: nw.plot_map, "write report.map_figure"),  # type: ignore[attr-defined]
+    "nw.steady_state": (lambda: nw.steady_state, "write steady_course"),  # type: ignore[attr-defined]
+    "nw.estimation.ukf": (lambda: nw.estimation.ukf, "write Estimator"),
+    "fit.get_influence": (lambda: fit().get_influence(), "write influence"),  # type: ignore[attr-defined]
+    "model.to_ss()": (lambda: DTC.to_ss(), r"write linearize\(\).state_space\(\)"),  # type: ignore[attr-defined]
+    "model.draft": (lambda: DTC.draft, "write ship.draft"),  # type: ignore[attr-defined]
+    "voyage.rudder_angle": (lambda: voyage().rudder_angle, "write rudder"),  # type: ignore[attr-defined]
 }
 """Those that do not, and what they are told."""
 MISSED = {

@@ -15,18 +15,7 @@ from narrows.estimation.states import Prior as Prior
 from narrows.estimation.states import ProcessNoise as ProcessNoise
 
 # The filter by other programs' names.
-FILTERS = (
-    "UnscentedKalmanFilter",
-    "KalmanFilter",
-    "kalman",
-    "Kalman",
-    "ukf",
-    "UKF",
-    "ekf",
-    "EKF",
-    "filter",
-    "observer",
-)
+FILTERS = ("UnscentedKalmanFilter", "KalmanFilter", "kalman", "ukf", "UKF", "ekf", "EKF")
 
 
 def __getattr__(name: str) -> Any:
