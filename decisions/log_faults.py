@@ -1,6 +1,6 @@
 """Faults of a ship's log, one at a time: which `nw.check_log` finds, by manoeuvre, and what it finds where none is.
 
-    python decisions/log_faults.py [--write]    # into docs/ship-log.md
+    python decisions/log_faults.py [--write]    # into docs/benchmarks.md
 
 Twins of KVLCC2 at full size, with the noise of a voyage data recorder.
 """
@@ -46,4 +46,4 @@ def text() -> str:
 
 
 if __name__ == "__main__":
-    publish(__file__, "ship-log.md", text())
+    publish(__file__, "benchmarks.md", text())

@@ -319,4 +319,4 @@ def figure() -> Figure:
 
 
 if __name__ == "__main__":
-    publish(__file__, "steady-experiment.md", text())
+    publish(__file__, "benchmarks.md", text())

@@ -23,7 +23,7 @@ PAGES = {
     "estimation": "benchmarks.md",
     "helms": "benchmarks.md",
     "channel_rules": "safe-envelope.md",
-    "log_faults": "ship-log.md",
+    "log_faults": "benchmarks.md",
     "main_dimensions": "main-dimensions.md",
 }
 CHECKED = {

@@ -25,7 +25,7 @@ def script():
 
 def tables() -> tuple[str, list[list[str]]]:
     """The first table as text, the cells of the second."""
-    page = (ROOT / "docs" / "steady-experiment.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
     kept = page.partition("<!-- made by decisions/steady.py -->\n")[2].partition("\n<!-- end -->")[0]
     first, second = kept.split("\n\n")
     return first, [[cell.strip() for cell in line.strip("|").split("|")] for line in second.splitlines()[2:]]
