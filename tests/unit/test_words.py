@@ -49,3 +49,24 @@ def test_descriptions_have_a_subject(turn: str) -> None:
     texts = [path.read_text(encoding="utf-8") for path in sorted((ROOT / "src").rglob("*.py"))]
     lines = [line.strip() for text in texts for line in text.splitlines() if re.search(turn, line)]
     assert len(lines) <= IN_SOURCE[turn], lines
+
+
+# Words that a reader of the field searches for; each stands in the source and in the docs.
+TERMS = (
+    "added mass", "anti-windup", "automatic differentiation", "blockage", "bootstrap", "condition number",
+    "cross-validation",
+    "crossflow drag", "delay margin", "Fisher scoring", "Froude", "Gauss-Markov", "generalised least squares",
+    "hydrodynamic derivative", "importance sampling", "jackknife", "Karush-Kuhn-Tucker", "Laplace approximation",
+    "linear-quadratic", "model predictive control", "Monte Carlo", "multiple shooting", "NEES", "Nomoto",
+    "optimal experiment design", "restricted maximum likelihood", "Riccati", "Runge-Kutta", "Schijf", "semi-Markov",
+    "sequential quadratic programming", "Shapley", "sigma point", "state-space", "straight-line program",
+    "system identification",
+    "unscented Kalman filter", "variance inflation", "zigzag",
+)  # fmt: skip
+
+
+def test_terms_of_the_field_are_found_by_a_search() -> None:
+    source = sorted((ROOT / "src").rglob("*.py"))
+    for pages in (PAGES, source):
+        text = " ".join(" ".join(path.read_text(encoding="utf-8").split()) for path in pages).lower()
+        assert [term for term in TERMS if term.lower() not in text] == []

@@ -68,7 +68,7 @@ class Regulator(Described):
     """A track pilot: the rudder's rate is proportional to the deviations and to the integral of the offset.
 
     The gains scale with speed as if every force were proportional to its square. The steady turn of a bend ahead is
-    added to the course. If the gear cannot follow, the integral is reduced to an attainable value.
+    added to the course. If the gear cannot follow, the integral is reduced to an attainable value (anti-windup).
 
     Parameters
     ----------

@@ -73,7 +73,7 @@ class MixedModel:
         return np.diff(np.append(self.errors.starts, len(self.y)))
 
     def at(self, z: np.ndarray, gradient: bool = False) -> "Conditional":
-        """Solve for coefficients and effects at given coordinates of the scales."""
+        """Solve for coefficients and effects at given scales: generalised least squares."""
         scale = self.scales(z)
         d, c = self._variances(scale)
         white, kernel, logdet = self._whitened(d, c)

@@ -1,4 +1,4 @@
-"""Integration over the scales of a mixed model: importance sampling from densities that are fitted at its modes.
+"""Integration over the scales of a mixed model: importance sampling from Laplace approximations.
 
 About each mode the proposal is a split normal density: an axis has one width below the mode and another above. Points
 are a fixed Sobol sequence, so that the answer is a smooth function of the data.

@@ -1,4 +1,4 @@
-"""Learn coefficients that the tests did not settle, from a ship's own records."""
+"""System identification: learn coefficients that the tests did not settle, from a ship's own records."""
 
 from narrows.logbook.checking.check_log import check_log as check_log
 from narrows.logbook.checking.finding import Finding as Finding

@@ -1,3 +1,3 @@
-"""Model predictive control: plans of the rudder within its limits, clear of the banks, with bends ahead."""
+"""Model predictive control: the rudder planned within its limits and clear of the banks, by multiple shooting."""
 
 from narrows.control.predictive.predictive_helm import PredictiveHelm as PredictiveHelm
