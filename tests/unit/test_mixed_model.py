@@ -34,7 +34,7 @@ def grouped(x: np.ndarray, y: np.ndarray, z: np.ndarray, noise: float) -> MixedM
     nothing = np.zeros(1)
     errors = BlockErrors(
         np.array([0]), np.zeros((rows, 3)), np.array([noise]), nothing, nothing, np.ones(1), np.array([True]),
-        np.array([4]),
+        np.array([3]), np.array([4]),
     )  # fmt: skip
     group = np.full(z.shape[1], 5)
     prior = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 50.0])

@@ -236,7 +236,8 @@ def _draws(means: np.ndarray, spreads: np.ndarray, weights: np.ndarray) -> np.nd
 
 def scales_of(part: ForcePosterior) -> Mapping[str, float]:
     """Size of each error as the tests show it: shares of the force, and multiples of the usual sizes."""
-    names = ["gain", "form", "bank form", "scatter", *(f"zero of {force}" for force in part.rows.blocks.forces)]
+    forces = part.rows.blocks.forces
+    names = ["gain", "bank form", "scatter", *(f"{kind} of {force}" for kind in ("form", "zero") for force in forces)]
     groups = dict.fromkeys(effect.group for effect in part.effects if effect.learned)
     posterior = part.posterior
     found = posterior.model.scales(posterior.weights @ posterior.points)[:-1]

@@ -32,7 +32,8 @@ class BlockErrors:
     scatter: np.ndarray  # variance of each row for a scatter from run to run of one
     runs: np.ndarray  # how many runs are averaged
     is_mean: np.ndarray  # whether it is a motion's mean; repeats share errors of form
-    zero_group: np.ndarray  # which scale is the zero's; gain has scale 0, form 1, the bank's form 2, scatter 3
+    form_scale: np.ndarray  # which scale is the form's; gain has scale 0, the bank's form 1, scatter 2
+    zero_scale: np.ndarray  # which scale is the zero's
 
 
 @dataclass(frozen=True)
@@ -44,7 +45,7 @@ class MixedModel:
     fixed: int  # number p of coefficients
     group: np.ndarray  # (q,) the scale of each effect; the number of scales for effects whose scale is not learned
     errors: BlockErrors  # that rows share
-    # (scales,) of each half-t prior: gain, form, the bank's form, scatter, zeros, groups of effects; 0 leaves one out
+    # (scales,) of each half-t prior: of errors of blocks, then of groups of effects; 0 leaves one out
     prior: np.ndarray
     freedom: np.ndarray  # (scales,) degrees of freedom of each prior; many make it half-normal
     rivals: tuple[int, ...] = ()  # scales of effects that may explain by themselves what a coefficient does
@@ -136,10 +137,10 @@ class MixedModel:
     def _variances(self, scale: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Variance of each shape (blocks, 3), and of each row by itself (blocks,)."""
         e = self.errors
-        form = np.where(e.is_mean, scale[1] ** 2, 0.0)
-        bank = np.where(e.is_mean, scale[2] ** 2, 0.0)
-        shapes = [scale[0] ** 2 / e.runs + 0.5 * form, bank, scale[e.zero_group] ** 2 / e.runs]
-        return np.stack(shapes, axis=1), e.noise + form * e.form + scale[3] ** 2 * e.scatter
+        form = np.where(e.is_mean, scale[e.form_scale] ** 2, 0.0)
+        bank = np.where(e.is_mean, scale[1] ** 2, 0.0)
+        shapes = [scale[0] ** 2 / e.runs + 0.5 * form, bank, scale[e.zero_scale] ** 2 / e.runs]
+        return np.stack(shapes, axis=1), e.noise + form * e.form + scale[2] ** 2 * e.scatter
 
     def _gradient(
         self, z: np.ndarray, scale: np.ndarray, beta: np.ndarray, inverse: np.ndarray,
@@ -163,10 +164,11 @@ class MixedModel:
         left = ((solved[:, :-1] @ inverse) * solved[:, :-1]).sum(axis=1) + residual**2
         to_row = 0.5 * (np.add.reduceat(left, e.starts) - trace)
         slope[0] += (2 * scale[0] ** 2 / e.runs * to_shape[:, 0]).sum()
-        slope[1] += (2 * scale[1] ** 2 * (0.5 * to_shape[:, 0] + e.form * to_row))[e.is_mean].sum()
-        slope[2] += (2 * scale[2] ** 2 * to_shape[:, 1])[e.is_mean].sum()
-        slope[3] += (2 * scale[3] ** 2 * e.scatter * to_row).sum()
-        np.add.at(slope, e.zero_group, 2 * scale[e.zero_group] ** 2 / e.runs * to_shape[:, 2])
+        slope[1] += (2 * scale[1] ** 2 * to_shape[:, 1])[e.is_mean].sum()
+        slope[2] += (2 * scale[2] ** 2 * e.scatter * to_row).sum()
+        form = np.where(e.is_mean, 2 * scale[e.form_scale] ** 2 * (0.5 * to_shape[:, 0] + e.form * to_row), 0.0)
+        np.add.at(slope, e.form_scale, form)
+        np.add.at(slope, e.zero_scale, 2 * scale[e.zero_scale] ** 2 / e.runs * to_shape[:, 2])
         return np.asarray(slope * self._log_rate(z) - z)
 
     def _log_rate(self, z: np.ndarray) -> np.ndarray:

@@ -30,15 +30,7 @@ SIZES = {
     "force with y": 0.0003, "heading with y": 0.004, "rudder with y": 0.02, "crossflow with y": 0.01,
 }  # fmt: skip
 # Degrees of freedom of the half-t priors where they are not the usual ones: few where an error may be large.
-FREEDOM = {
-    TYPES: 1.5,
-    HULL: 2.0,
-    BANK: 2.0,
-    SHAPE: 2.0,
-    WITH_OFFSET: 5.0,
-    SETTLING: 2.0,
-    CROSSTALK: 2.0,
-}
+FREEDOM = {TYPES: 1.5, HULL: 2.0, BANK: 2.0, SHAPE: 2.0, WITH_OFFSET: 5.0, SETTLING: 2.0, CROSSTALK: 4.0}
 USUAL_FREEDOM = 3.0
 # Trends of less than this, in logarithms or octaves, are not told from one level.
 ONE_LEVEL = 0.05
@@ -271,7 +263,7 @@ def assemble(
     x = np.column_stack([rows.x * unit, *found.columns])
     bank = SIZES["bank form"] * errors.bank * (not errors.none)
     scatter = 0.0 if errors.none else errors.scatter
-    runs = [errors.gain, errors.form, bank, scatter, *[errors.zero] * rows.count]
+    runs = [errors.gain, bank, scatter, *[errors.form] * rows.count, *[errors.zero] * rows.count]
     places = {name: len(runs) + i for i, name in enumerate([*groups, FIXED])}
     group = np.array([places[effect.group] for effect in found.effects], int)
     prior = np.array([*runs, *[1.0] * len(groups)])
@@ -316,5 +308,6 @@ def _block_errors(rows: ForceRows) -> BlockErrors:
         scatter=np.outer(blocks.level**2, share).ravel(),
         runs=np.tile(blocks.runs, count),
         is_mean=np.tile(blocks.is_mean, count),
-        zero_group=np.repeat(4 + np.arange(count), len(blocks.runs)),
+        form_scale=np.repeat(3 + np.arange(count), len(blocks.runs)),
+        zero_scale=np.repeat(3 + count + np.arange(count), len(blocks.runs)),
     )
