@@ -237,7 +237,8 @@ def _draws(means: np.ndarray, spreads: np.ndarray, weights: np.ndarray) -> np.nd
 def scales_of(part: ForcePosterior) -> Mapping[str, float]:
     """Size of each error as the tests show it: shares of the force, and multiples of the usual sizes."""
     forces = part.rows.blocks.forces
-    names = ["gain", "bank form", "scatter", *(f"{kind} of {force}" for kind in ("form", "zero") for force in forces)]
+    of_forces = [f"{kind} of {force}" for kind in ("form", "zero") for force in forces]
+    names = ["gain", "form of the bank", "scatter", *of_forces]
     groups = dict.fromkeys(effect.group for effect in part.effects if effect.learned)
     posterior = part.posterior
     found = posterior.model.scales(posterior.weights @ posterior.points)[:-1]

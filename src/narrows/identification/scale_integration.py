@@ -47,7 +47,7 @@ class SplitNormal:
         from scipy import special, stats
 
         below, above = self.widths
-        sobol = stats.qmc.Sobol(len(self.mode), seed=SEED).random_base2(int(np.ceil(np.log2(count))))[:count]
+        sobol = stats.qmc.Sobol(len(self.mode), seed=SEED).random(count)
         u, total = np.clip(sobol, 1e-9, 1 - 1e-9), below + above
         half = np.where(u * total < below, u * total / (2 * below), 1 - (1 - u) * total / (2 * above))
         return np.asarray(self.mode + np.where(half < 0.5, below, above) * special.ndtri(half) @ self.root)
@@ -85,7 +85,8 @@ def _weighed(model: MixedModel, densities: list[SplitNormal], points: int) -> tu
     """The mixture, whose weights are truncated, and the weights before that."""
     sizes = np.exp([one.log_size - max(d.log_size for d in densities) for one in densities])
     share = np.maximum(sizes / sizes.sum(), LEAST_SHARE)
-    counts = np.ceil(points * share / share.sum()).astype(int)
+    # Powers of two, for which the points of a Sobol sequence are balanced.
+    counts = 2 ** np.ceil(np.log2(points * share / share.sum())).astype(int)
     drawn = np.vstack([one.points(count) for one, count in zip(densities, counts, strict=True)])
     proposal = np.logaddexp.reduce(
         [np.log(count) + one.log_density(drawn) for one, count in zip(densities, counts, strict=True)]

@@ -32,6 +32,8 @@ SIZES = {
 # Degrees of freedom of the half-t priors where they are not the usual ones: few where an error may be large.
 FREEDOM = {TYPES: 1.5, HULL: 2.0, BANK: 2.0, SHAPE: 2.0, WITH_OFFSET: 5.0, SETTLING: 2.0, CROSSTALK: 4.0}
 USUAL_FREEDOM = 3.0
+# Groups that may explain by themselves what a coefficient does, or another of these.
+RIVALS = (f"{INERTIA} by speed", f"{INERTIA} by period", SHAPE, BANK, TYPES, WITH_OFFSET, SETTLING, CROSSTALK)
 # Trends of less than this, in logarithms or octaves, are not told from one level.
 ONE_LEVEL = 0.05
 # Side force of a usual rudder [N] per degree at 1 m/s, over density x L x T: area LT/48, slope of the normal force
@@ -268,7 +270,7 @@ def assemble(
     group = np.array([places[effect.group] for effect in found.effects], int)
     prior = np.array([*runs, *[1.0] * len(groups)])
     freedom = np.array([USUAL_FREEDOM] * len(runs) + [FREEDOM.get(name, USUAL_FREEDOM) for name in groups])
-    rivals = tuple(places[name] for name in (SHAPE, BANK, TYPES, WITH_OFFSET, SETTLING, CROSSTALK) if name in places)
+    rivals = tuple(places[name] for name in RIVALS if name in places)
     taken = _taken(rows, x, found.effects)
     model = MixedModel(x, rows.y, len(rows.slots), group, _block_errors(rows), prior, freedom, rivals, taken)
     return model, found.effects, unit
