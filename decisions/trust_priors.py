@@ -40,18 +40,16 @@ def density(part: ForcePosterior, groups: Sequence[Sequence[int]]) -> float:
     rows, posterior = part.rows, part.posterior
     best = np.argsort(-posterior.weights, kind="stable")[:DRAWS]
     weights = posterior.weights[best] / posterior.weights[best].sum()
-    precisions = [np.linalg.inv(posterior.parts[i].covariance) for i in best]
     of_motion = rows.all(rows.blocks.motion[rows.blocks.block])
     is_mean = rows.all(rows.blocks.is_mean[rows.blocks.block])
     total = 0.0
     for group in groups:
         own = np.flatnonzero(np.isin(of_motion, group))
         seen = np.flatnonzero(np.isin(of_motion, group) & is_mean)
-        logs = []
-        for i, precision in zip(best, precisions, strict=True):
-            known = (part, posterior.parts[i], precision, posterior.points[i])
-            mean, spread, _ = without_rows(*known, own, np.searchsorted(own, seen))
-            error, spread = rows.y[seen] - mean, 0.5 * (spread + spread.T)
+        logs, chosen = [], np.searchsorted(own, seen)
+        for i in best:
+            found = without_rows(part, int(i), own)
+            error, spread = rows.y[seen] - found.mean[chosen], found.covariance[np.ix_(chosen, chosen)]
             logs.append(-0.5 * (np.linalg.slogdet(2 * np.pi * spread)[1] + error @ np.linalg.solve(spread, error)))
         total += float(np.logaddexp.reduce(np.log(weights) + logs))
     return total

@@ -6,14 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.identification.estimates import HALF, ForcePosterior
-from narrows.identification.mixed_model import RIDGE, Conditional
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.threads import one_thread
 
-# Draws of the scales that predictions average over: those of most weight.
-MOST_DRAWS = 8
-# Least eigenvalue of a precision of unit diagonal: what one motion alone informs can cancel to less than nothing.
-ROUNDING = 1e-10
+# Least share of errors that leverage leaves: of what one motion alone informs it can cancel to less than nothing.
+ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -64,15 +61,19 @@ def predictiveness(left_out: list[LeftOutMotion]) -> tuple[Predictiveness, ...]:
 def left_out_motions(part: ForcePosterior) -> list[LeftOutMotion]:
     """Predict each motion by the others, at the scales that all motions together show."""
     rows, blocks = part.rows, part.rows.blocks
-    result = []
-    for motion, chosen, predicted in _without_each(part):
-        mean = np.sum([weight * mean for weight, mean, _, _ in predicted], axis=0)
-        spread = np.sum([weight * (v + np.outer(m - mean, m - mean)) for weight, m, v, _ in predicted], axis=0)
+    weights, result = part.posterior.weights, []
+    for motion, own, mean_rows in _motions(part):
+        without = [without_rows(part, i, own) for i in range(len(part.posterior.parts))]
+        chosen = own[mean_rows]
+        means = np.stack([one.mean for one in without])[:, mean_rows]
+        spreads = np.stack([np.diag(one.covariance) for one in without])[:, mean_rows]
+        mean = weights @ means
+        variances = weights @ (spreads + (means - mean) ** 2)
         for f, force in enumerate(blocks.forces):
-            own = (chosen // rows.each) == f
-            error, variance = rows.y[chosen][own] - mean[own], np.diag(spread)[own]
-            root = rows.length[chosen[own] % rows.each]
-            level = float(np.sqrt(((rows.y[chosen][own] / root) ** 2).sum()))
+            of_force = (chosen // rows.each) == f
+            error, variance = (rows.y[chosen] - mean)[of_force], variances[of_force]
+            root = rows.length[chosen[of_force] % rows.each]
+            level = float(np.sqrt(((rows.y[chosen][of_force] / root) ** 2).sum()))
             half = float(HALF * np.sqrt((variance / root**2).sum()))
             size = float(np.sqrt(((error / root) ** 2).sum()))
             result.append(LeftOutMotion(motion, force, level, size, half, error / np.sqrt(variance)))
@@ -83,50 +84,43 @@ def left_out_motions(part: ForcePosterior) -> list[LeftOutMotion]:
 def information_gone(part: ForcePosterior, motions: DistinctMotions) -> np.ndarray:
     """Share of what is known of each coefficient that is gone without each motion, (motions, p)."""
     gone = np.zeros((len(motions), len(part.slots)))
-    p = len(part.slots)
-    for motion, _, predicted in _without_each(part, draws=1):
-        whole, without = predicted[0][3]
-        gone[motion] = 1 - np.diag(whole)[:p] / np.maximum(np.diag(without)[:p], 1e-300)
-    return np.clip(gone, 0.0, 1.0)
+    best = int(part.posterior.weights.argmax())
+    variances = np.diag(part.posterior.parts[best].covariance)[: len(part.slots)]
+    for motion, own, _ in _motions(part):
+        added = without_rows(part, best, own).added[: len(part.slots)]
+        gone[motion] = added / np.maximum(variances + added, 1e-300)
+    return gone
 
 
-Predicted = tuple[float, np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]
-
-
-def _without_each(part: ForcePosterior, draws: int = MOST_DRAWS) -> Iterator[tuple[int, np.ndarray, list[Predicted]]]:
-    """Each motion, its rows of the mean, and at some scales: weight, prediction, its covariance, what is known."""
-    rows, posterior = part.rows, part.posterior
-    best = np.argsort(-posterior.weights, kind="stable")[:draws]
-    weights = posterior.weights[best] / posterior.weights[best].sum()
+def _motions(part: ForcePosterior) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """Each motion, its rows, and which of these are of its mean."""
+    rows = part.rows
     of_motion = rows.all(rows.blocks.motion[rows.blocks.block])
     is_mean = rows.all(rows.blocks.is_mean[rows.blocks.block])
-    precisions = [np.linalg.inv(posterior.parts[i].covariance) for i in best]
     for motion in np.unique(rows.blocks.motion):
-        own, mean = np.flatnonzero(of_motion == motion), np.flatnonzero((of_motion == motion) & is_mean)
-        chosen = np.searchsorted(own, mean)
-        predicted = [
-            (float(w), *without_rows(part, posterior.parts[i], precision, posterior.points[i], own, chosen))
-            for i, w, precision in zip(best, weights, precisions, strict=True)
-        ]
-        yield int(motion), mean, predicted
+        own = np.flatnonzero(of_motion == motion)
+        yield int(motion), own, np.flatnonzero(is_mean[own])
 
 
-def without_rows(
-    part: ForcePosterior, conditional: Conditional, precision: np.ndarray, z: np.ndarray, own: np.ndarray,
-    chosen: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray, tuple[np.ndarray, np.ndarray]]:  # fmt: skip
-    """Prediction of a motion's rows without it, the covariance of that, and covariances with and without it."""
-    model = part.posterior.model
-    errors = model.covariance_of(z, own)
-    x = model.x[own]
-    weighted = np.linalg.solve(errors, x)
-    less = precision - x.T @ weighted
-    # A coefficient in no other motion keeps only its prior, which rounding may remove.
-    np.fill_diagonal(less, np.maximum(np.diag(less), RIDGE))
-    unit = 1 / np.sqrt(np.diag(less))
-    values, vectors = np.linalg.eigh(less * np.outer(unit, unit))
-    without = (vectors / np.maximum(values, ROUNDING)) @ vectors.T * np.outer(unit, unit)
-    mean = without @ (precision @ conditional.mean - weighted.T @ model.y[own])
-    seen = x[chosen]
-    spread = seen @ without @ seen.T + errors[np.ix_(chosen, chosen)]
-    return seen @ mean, spread, (conditional.covariance, without)
+@dataclass(frozen=True)
+class WithoutRows:
+    """What all other rows predict of some rows, at given scales."""
+
+    mean: np.ndarray  # (rows,)
+    covariance: np.ndarray  # (rows, rows), errors of the rows included
+    added: np.ndarray  # (p + q,) variance of coefficients and effects beyond that with the rows
+
+
+def without_rows(part: ForcePosterior, draw: int, own: np.ndarray) -> WithoutRows:
+    """Leave rows out by the update of a precision: with errors V and leverage H the residual is V (V - H)^-1 e."""
+    posterior, model = part.posterior, part.posterior.model
+    conditional, x = posterior.parts[draw], model.x[own]
+    lower = np.linalg.cholesky(model.covariance_of(posterior.points[draw], own))
+    scaled = np.linalg.solve(lower, x)
+    known = conditional.covariance @ scaled.T
+    values, vectors = np.linalg.eigh(scaled @ known)
+    left = np.maximum(1 - values, ROUNDING)  # where no other row informs a coefficient its prior is all that is left
+    error = vectors.T @ np.linalg.solve(lower, model.y[own] - x @ conditional.mean)
+    back = lower @ vectors
+    added = ((known @ vectors) ** 2 / left).sum(axis=1)
+    return WithoutRows(model.y[own] - back @ (error / left), (back / left) @ back.T, added)
