@@ -7,7 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.identification.estimates import MANY, CoefficientEstimates
+from narrows.identification.estimates import CoefficientEstimates
 from narrows.identification.interval import LEVEL, bounded_interval
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.regression.problem import Problem
@@ -43,9 +43,7 @@ class Bootstrap:
         # where a coefficient, or one that it trades against, is near a bound.
         # Andrews (2000), Inconsistency of the bootstrap when a parameter is on the boundary of the parameter space.
         seen = zip(self.terms.terms, self.estimates.free_values, self.std, strict=True)
-        return {
-            term.name: bounded_interval(float(value), float(std), term.bound, MANY, level) for term, value, std in seen
-        }
+        return {term.name: bounded_interval(float(value), float(std), term.bound, level) for term, value, std in seen}
 
 
 def resampled(

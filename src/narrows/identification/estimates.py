@@ -25,8 +25,6 @@ CERTAIN = 2.0
 NEAR = 1.5
 # Draws from the posterior; fewer than LEAST within the bounds are too few to rest on.
 DRAWS, LEAST, SEED = 8000, 200, 26
-# Clusters that Student's t counts: intervals hold the uncertainty of the scales already.
-MANY = 1e6
 # Half width of a 95 % interval over the standard error.
 HALF = 1.959963985
 
@@ -187,7 +185,7 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
         ends = np.stack([np.minimum(ends[:, 0], given[0]), np.maximum(ends[:, 1], given[1])], axis=1)
     for i in near:
         # Near a bound the unified interval holds a truth that lies on it; a truncated quantile never does.
-        ends[i] = bounded_interval(float(free[i]), float(free_half[i]) / HALF, tuple(bounds[i]), MANY)
+        ends[i] = bounded_interval(float(free[i]), float(free_half[i]) / HALF, tuple(bounds[i]))
     covariance_free = np.atleast_2d(np.cov(draws.T))
     covariance = np.atleast_2d(np.cov(inside.T)) * np.outer(~held, ~held)
     values = _nearest(weights @ means, covariance_free, bounds)
