@@ -205,11 +205,18 @@ def test_beyond_the_data_follows_the_voyage(shown: tuple[Any, list[str]]) -> Non
 
 
 def test_lengths_of_a_full_size_ship_are_written_out(tmp_path: Path, browser: Any) -> None:
-    nw.export.write_page(nw.published("mikkelsen2025_dtc").scale(355.0).model, tmp_path / "ship.html")
+    full = nw.published("mikkelsen2025_dtc").scale(355.0).model
+    full = replace(
+        full, source=replace(full.source, estimate="of a test"), verdicts={"c_bank": "estimated from other ships"}
+    )
+    nw.export.write_page(full, tmp_path / "ship.html")
     page, _ = opened(browser, tmp_path / "ship.html", 1280, 800)
     said = page.evaluate("document.body.innerText")
     assert "e+" not in said
     assert re.search(r"within 1,\d\d\d? ?\d*0? m", page.inner_text("#fleet"))
+    assert "this ship was not tested" in page.inner_text("#turning")
+    assert "estimated from other ships" in page.evaluate(BESIDE)
+    assert "tests" not in page.inner_text("#turning").replace("tested", "")
 
 
 def test_a_page_without_scripts_and_for_screen_readers(paper: Path, shown: tuple[Any, list[str]]) -> None:

@@ -18,6 +18,7 @@ from narrows.export.fmu import description_text, fmu_of, source_of, token_of
 from narrows.export.fmu_variables import HEADING, INTEGERS, REALS, SIDES, FmuVariable, Kind
 from narrows.export.passport import ASKED_OF_BANK, ends_of_data, passport
 from narrows.export.rendering import commented, filled
+from narrows.model.bank_force import CONTACT
 from narrows.model.data_range import MEASURES
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, MOTION
@@ -68,13 +69,15 @@ def force_text(model: Model, path: str | Path, prefix: str) -> str:
     """Return the file of a model, in the language of its suffix."""
     suffix = Path(path).suffix
     language, declared = LANGUAGES[suffix]
-    lines = language(prefix).body(
-        force_program(model), [*map(declared.format, RESULTS)], {name: name for name in ASKED}
-    )
+    written, hull = language(prefix), model.configuration.ship
+    lines = written.body(force_program(model), [*map(declared.format, RESULTS)], {name: name for name in ASKED})
+    y, psi, sine = (written.called("abs", name) for name in ("y", "psi", "sin_psi"))
+    sizes = dict(zip(ASKED_OF_BANK, ("u", y, psi, "width", "depth"), strict=True))
     ends = ends_of_data(model, ASKED_OF_BANK).items()
     return filled(
-        f"bank_force{suffix}.j2", prefix=prefix, lines=lines,
-        tested=[(name, bit, repr(low), repr(high)) for name, (bit, low, high) in ends],
+        f"bank_force{suffix}.j2", prefix=prefix, lines=lines, contact=CONTACT,
+        tested=[(sizes[name], bit, repr(low), repr(high)) for name, (bit, low, high) in ends],
+        reach=f"{y} + {0.5 * hull.length!r} * {sine} + {0.5 * hull.beam!r} * cos_psi",
         about=[commented(line) for line in passport(model)],
     )  # fmt: skip
 
@@ -130,5 +133,8 @@ def _variables(model: Model) -> Iterator[FmuVariable]:
             yield FmuVariable(f"{force}{'_deviation' * bool(of)}", Kind.ROOM, quantity.unit, f"{of}{quantity.meaning}")
     bits = ", ".join(f"{MEASURES[name].bit} {MEASURES[name].short}" for name in ASKED_OF_BANK)
     yield FmuVariable(
-        "beyond", Kind.WHOLE, "1", f"in what the question is beyond the tests of the model, a sum of: {bits}"
+        "beyond",
+        Kind.WHOLE,
+        "1",
+        f"in what the input is beyond the tests, a sum of: {bits}; {CONTACT} where the hull touches a bank",
     )

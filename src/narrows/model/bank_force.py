@@ -18,6 +18,11 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+# Bit of ``beyond`` where the hull touches a bank.
+CONTACT = 64
+NO_MEANING = "The hull touches a bank: the force has no meaning there."
+
+
 @dataclass(frozen=True, repr=False)
 class BankForce(Shown):
     """The force of the banks on a ship; arrays for array inputs.
@@ -33,7 +38,8 @@ class BankForce(Shown):
     N_deviation : number [N m]
         Standard deviation of ``N``.
     beyond : number
-        0 if the tests of the model covered the input; else a sum of 1 speed, 2 offset, 4 heading, 16 width, 32 depth.
+        0 if the tests of the model covered the input; else a sum of 1 speed, 2 offset, 4 heading, 16 width, 32 depth,
+        and 64 if the hull touches a bank.
     notes : tuple of str
         Limits of the tests: coefficients they do not determine, ranges they did not cover.
     """
@@ -137,9 +143,11 @@ def bank_force(
     forces = [_with_deviation(model, force, values) for force in "YN"]
     asked = {"speed": u, "abs_y": abs(offset), "abs_psi": abs(psi), "width_to_beam": width / ship.beam}
     asked |= {} if depth is None else {"depth_to_draft": depth / ship.draft}
-    notes = (*model.bank_notes, *extrapolation(model.data_range, asked))
+    touches = 2 * abs(offset) + ship.length * abs(np.sin(psi)) + ship.beam * np.cos(psi) >= width
+    notes = (*model.bank_notes, *extrapolation(model.data_range, asked), *[NO_MEANING] * bool(np.any(touches)))
     (Y, Y_deviation), (N, N_deviation) = forces
-    return BankForce(Y, N, Y_deviation, N_deviation, sum_beyond(model.data_range, asked), notes)
+    beyond = sum_beyond(model.data_range, asked) + CONTACT * np.asarray(touches, int)
+    return BankForce(Y, N, Y_deviation, N_deviation, beyond, notes)
 
 
 def _with_deviation(model: Model, force: str, values: dict[str, Number]) -> tuple[Number, Number]:

@@ -163,6 +163,7 @@ LENGTHS = 7.0
 # Constants of fleet.c: ships of a task, ships with stored paths, points of a path.
 MOST, PATHS, SAMPLES = 4096, 1024, 96
 UNSETTLED = "The tests of this ship do not settle how strongly the banks pull and turn it."
+UNTESTED = "How strongly the banks pull and turn this ship is estimated from other ships."
 UNSURE = "The coefficients have no published uncertainty; an assumed one spreads the ships"
 
 
@@ -179,7 +180,7 @@ def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any
             "samples": SAMPLES, "rudder": kept.index("rudder") if "rudder" in kept else -1,
             "turned": _turned(exported),
         },
-        "banks": model.feels_bank, "settled": not model.trust_note,
+        "banks": model.feels_bank, "settled": not model.trust_note, "estimated": bool(model.source.estimate),
         "names": {
             "parameters": [JavaScript().named(one.name) for one in exported.parameters],
             "inputs": [JavaScript().named(one.name) for one in exported.inputs],
@@ -222,8 +223,10 @@ def _bounds(model: Model, name: str) -> list[float | None]:
 def _notes(model: Model, sliders: list[Slider]) -> list[str]:
     said = {slider.name for slider in sliders if slider.tested}
     unsaid = [words for name, words in (("u", "speeds"), ("y", "offsets")) if name not in said]
-    notes = [UNSETTLED] if model.trust_note else []  # Without a bank force the headline gives the note
-    silent = f"The model does not say which {' and '.join(unsaid)} its tests covered." if unsaid else ""
+    doubt = UNTESTED if model.source.estimate else UNSETTLED
+    notes = [doubt] if model.trust_note else []  # Without a bank force the headline gives the note
+    tested = unsaid and not model.source.estimate
+    silent = f"The model does not say which {' and '.join(unsaid)} its tests covered." if tested else ""
     return [*notes, *filter(None, [silent])]
 
 

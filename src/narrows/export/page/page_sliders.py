@@ -11,7 +11,7 @@ from narrows.export.exported_ship import ExportedShip
 from narrows.model.data_range import SLACK, Range
 from narrows.model.model import SETTLED, Model
 
-VOYAGE, CANAL, UNKNOWN = "The voyage", "The canal", "What is not known"
+VOYAGE, CANAL, UNKNOWN = "The voyage", "The canal", "Uncertainty"
 PICTURES, COEFFICIENTS = "The pictures", "Coefficients"
 # Relative standard deviation of a coefficient if the model has no covariance.
 ASSUMED = 0.05
@@ -23,14 +23,14 @@ START_SPREAD, HEADING_SPREAD = 0.0125, 0.5
 
 @dataclass(frozen=True)
 class Slider:
-    name: str  # In the address, in words, of the value as it is shown, and where it stands
-    label: str  # In the address, in words, of the value as it is shown, and where it stands
-    unit: str  # In the address, in words, of the value as it is shown, and where it stands
-    group: str  # In the address, in words, of the value as it is shown, and where it stands
-    low: float  # Its range, how fine it is, and where it stands at first
-    high: float  # Its range, how fine it is, and where it stands at first
-    step: float  # Its range, how fine it is, and where it stands at first
-    value: float  # Its range, how fine it is, and where it stands at first
+    name: str  # Name in the address
+    label: str
+    unit: str
+    group: str  # Heading above it
+    low: float
+    high: float
+    step: float
+    value: float  # First value
     tested: Range | None = None  # Range of the data
     beyond: str = "beyond the data"  # Note for a value beyond that
     told: str | None = None  # Name in the list of values beyond the data
@@ -94,9 +94,9 @@ def _canal(model: Model, deep: bool) -> Iterator[Slider]:
 def _unknown(model: Model) -> Iterator[Slider]:
     fine = _fine(model.configuration.ship.length / 800)
     spread = START_SPREAD * model.configuration.ship.length
-    yield Slider("sd_y", "start, ± one deviation", "m", UNKNOWN, 0, _to(6 * spread, fine), fine, _to(spread, fine))
-    yield Slider("sd_psi", "heading, ± one deviation", "°", UNKNOWN, 0, 3, 0.05, HEADING_SPREAD)
-    yield Slider("doubt", "coefficients, of their deviation", "×", UNKNOWN, 0, 3, 0.05, 1)
+    yield Slider("sd_y", "spread of starts", "m", UNKNOWN, 0, _to(6 * spread, fine), fine, _to(spread, fine))
+    yield Slider("sd_psi", "spread of headings", "°", UNKNOWN, 0, 3, 0.05, HEADING_SPREAD)
+    yield Slider("doubt", "spread of coefficients", "×", UNKNOWN, 0, 3, 0.05, 1)
     yield Slider("ships", "ships", "", PICTURES, 500, 10_000, 500, 3000)
     yield Slider("map", "map, cells across", "", PICTURES, 40, 240, 20, 200)
 

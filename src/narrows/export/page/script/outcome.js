@@ -35,8 +35,11 @@ const SURE = 0.95;
 const NO_BANK = "This model has no bank force: the ship sails as in open water, until it touches a bank.";
 const MIDDLE = "In the middle of the canal both banks pull alike: the bow stays.";
 
-/** Which way the water turns the bow, beside which bank, and how sure that is; `agree` is the share of ships that turn so. */
-export function turningSentence({ y, turning, steers, middle, banks, settled, agree }) {
+/**
+ * Which way the water turns the bow, beside which bank, and how sure that is; `agree` is the share of ships that turn so,
+ * `estimated` whether the ship itself was never tested.
+ */
+export function turningSentence({ y, turning, steers, middle, banks, settled, estimated, agree }) {
   if (!banks) return NO_BANK;
   if (Math.abs(y) < middle || !turning) return MIDDLE;
   const near = y > 0 ? STARBOARD : PORT;
@@ -45,8 +48,9 @@ export function turningSentence({ y, turning, steers, middle, banks, settled, ag
   const helm = steers ? " The helm answers with the rudder." : "";
   const turns = `the bow to <b class="${way}">${way}</b>, ${way === near ? "towards" : "away from"} it`;
   if (settled && agree >= SURE) return `${nearer}, and turns ${turns}.${helm}`;
-  const against = agree < 1 ? ` ${share(1 - agree, 1)} of the ships that the tests allow turn to ${other}.` : "";
-  return `${nearer}. It may turn ${turns}, but the tests do not settle this.${against}${helm}`;
+  const [doubt, basis] = estimated ? ["this ship was not tested", "estimate allows"] : ["the tests do not settle this", "tests allow"];
+  const against = agree < 1 ? ` ${share(1 - agree, 1)} of the ships that the ${basis} turn to ${other}.` : "";
+  return `${nearer}. It may turn ${turns}, but ${doubt}.${against}${helm}`;
 }
 
 /** From when on a voyage is farther off the middle, or more across the canal, than the tests were [s]; nothing where it is not. */
@@ -78,6 +82,6 @@ export const offset = (y) => `${Math.abs(y).toLocaleString("en", { maximumSignif
 function share(count, ships) {
   const percent = 100 * count / ships;
   if (count === ships) return "all";
-  if (percent < 1) return "under 1 %";
-  return percent > 99 ? "over 99 %" : `${Math.round(percent)} %`;
+  if (percent < 1) return "under 1\u00a0%";
+  return percent > 99 ? "over 99\u00a0%" : `${Math.round(percent)}\u00a0%`;
 }

@@ -8,8 +8,8 @@ export function said(at, data, now, view) {
   const { values, start, alone, ended, first } = now;
   const turning = now.turning(first);
   const middle = MIDDLE * values.width;
-  const { banks, settled } = data;
-  written(at.turning, turningSentence({ y: start.y, turning, steers: values.helm > 0, middle, banks, settled, agree: now.agree }));
+  const { banks, settled, estimated } = data;
+  written(at.turning, turningSentence({ y: start.y, turning, steers: values.helm > 0, middle, banks, settled, estimated, agree: now.agree }));
   if (ended.length) written(at.fleet, fleetSentence(tally(ended), data.ship.length, view));
   written(at.alone, aloneSentence(alone, data.ship.length));
   listed(at.caveats, caveats(data, now));
