@@ -16,11 +16,11 @@ OK, ERROR = 0, 3
 class Imported:
     """An FMU of either standard; what it says of errors is kept."""
 
-    def __init__(self, path: Path, exchange: bool = False, **more: Any) -> None:
+    def __init__(self, path: Path, exchange: bool = False, folder: str = "", **more: Any) -> None:
         self.description = fmpy.read_model_description(str(path))
         self.fmi = int(self.description.fmiVersion[0])
         self.variables = {one.name: one for one in self.description.modelVariables}
-        self.folder, self.exchange = fmpy.extract(str(path)), exchange
+        self.folder, self.exchange = folder or fmpy.extract(str(path)), exchange
         kind = {(2, True): "FMU2Model", (2, False): "FMU2Slave", (3, True): "FMU3Model", (3, False): "FMU3Slave"}
         module = fmpy.fmi2 if self.fmi == 2 else fmpy.fmi3
         part = self.description.modelExchange if exchange else self.description.coSimulation

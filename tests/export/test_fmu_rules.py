@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -296,6 +297,32 @@ def test_a_full_size_ship_has_an_experiment_of_its_size(fmus: Fmus, tmp_path: Pa
     stops = [float(one.stopTime) for one in sizes]
     assert stops[1] / stops[0] == pytest.approx((355.0 / 3.984) ** 0.5, rel=0.1)
     assert all(float(one.stepSize) < float(one.stopTime) / 100 for one in sizes)
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_eight_threads_sail_as_one_does(fmus: Fmus, fmi: int) -> None:
+    """Eight instances of one loaded library, each on its own course: the same numbers to the bit."""
+    path = fmus("steered", fmi)
+
+    def voyage(fmu: Imported, order: float) -> np.ndarray:
+        fmu.start({**START, "y": order, "rudder_order": order})
+        for time in np.arange(0.0, 100.0, 0.5):
+            fmu.step(time, 0.5)
+        return fmu.get("x", "y", "psi", "v", "r", "rudder", "outcome_time")
+
+    orders = np.linspace(-0.3, 0.3, 8)
+    with imported(path) as first:
+        instances = [first, *(Imported(path, folder=first.folder) for _ in orders[1:])]
+        with ThreadPoolExecutor(8) as pool:
+            together = list(pool.map(voyage, instances, orders))
+        for fmu in instances:
+            fmu.fmu.reset()
+        np.testing.assert_array_equal(
+            together, [voyage(fmu, order) for fmu, order in zip(instances, orders, strict=True)]
+        )
+        assert len({row[0] for row in together}) == 8
+        for fmu in instances[1:]:
+            fmu.fmu.freeInstance()
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

@@ -9,9 +9,6 @@ from narrows.errors import check_choice, public_name
 from narrows.export.exporters import EXPORTERS
 from narrows.files import form_of
 
-if TYPE_CHECKING:
-    from narrows.model.model import Model
-
 if TYPE_CHECKING:  # For editors and type checkers; at run time every exporter registers itself
     from narrows.export.exporters.to_bank_force import write_bank_force as write_bank_force
     from narrows.export.exporters.to_c import write_c as write_c
@@ -21,6 +18,7 @@ if TYPE_CHECKING:  # For editors and type checkers; at run time every exporter r
     from narrows.export.exporters.to_matlab import write_matlab as write_matlab
     from narrows.export.exporters.to_page import write_page as write_page
     from narrows.export.exporters.to_python import write_python as write_python
+    from narrows.model.model import Model
 
 # Exporters of a whole ship by suffix: the exporter of the bank's force alone shares suffixes with others.
 BY_SUFFIX = {suffix: own for own in EXPORTERS.values() if own.kind != "bank-force" for suffix in own.suffixes}
@@ -47,7 +45,8 @@ def write(model: "Model", path: str | Path, **options: Any) -> Any:
     model : Model
         The ship in its canal.
     path : str or Path
-        Path with suffix ``.h``, ``.hpp``, ``.fmu``, ``.mjs``, ``.html``, ``.m``, ``.py`` or ``.tex``.
+        Path with suffix ``.h``, ``.hpp``, ``.fmu``, ``.mjs``, ``.html``, ``.m``, ``.c`` (Simulink),
+        ``.py`` or ``.tex``.
     **options : Any
         Options of that language's exporter: ``write_c``, ``write_fmu`` ...
 
