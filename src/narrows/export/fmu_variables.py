@@ -50,7 +50,7 @@ PER_SECOND = {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2"}
 OUTCOMES = {
     "afloat": "the voyage goes on",
     "grounded": "the hull has touched a bank; the ship lies still",
-    "diverged": "the ship moves as none does; the numbers are no longer to be used",
+    "diverged": "the numbers diverged; they are no longer valid",
     "outside": "the heading lies across the canal; the ship lies still",
     "astern": "the ship left the waterway at its beginning; it lies still",
     "passed": "the ship has passed the end of the waterway; it lies still",
@@ -92,8 +92,11 @@ def variables_of(exported: ExportedShip, speed: float, dt: float) -> tuple[FmuVa
 
 def indicators(exported: ExportedShip) -> tuple[tuple[str, str, str], ...]:
     """Return name, outcome and meaning of each event indicator: below 0 the voyage has ended."""
-    banks = [(f"contact_{side}", "grounded", f"the room to {side}") for side in SIDES]
-    along = [("end_ahead", "passed", "what is left ahead"), ("end_astern", "astern", "what is left astern")]
+    banks = [(f"contact_{side}", "grounded", f"the clearance to {side}") for side in SIDES]
+    along = [
+        ("end_ahead", "passed", "the distance to the end ahead"),
+        ("end_astern", "astern", "the distance to the end astern"),
+    ]
     across = [("heading_across", "outside", "cosine of the heading over its least")]
     has_banks = exported.ship.shape != OPEN
     return tuple((banks + across) * has_banks + along * (exported.waterway is not None))
@@ -109,17 +112,15 @@ def _variables(exported: ExportedShip, speed: float, dt: float) -> Iterator[FmuV
         yield FmuVariable(f"der({name})", Kind.RATE, PER_SECOND.get(unit, "1/s"), f"rate of {name}", None, number + 2)
     if exported.ship.shape != OPEN:
         for side in SIDES:
-            yield FmuVariable(f"clearance_{side}", Kind.ROOM, "m", f"room to {side} of the hull")
+            yield FmuVariable(f"clearance_{side}", Kind.ROOM, "m", f"clearance to {side} of the hull")
     yield FmuVariable(
         "aground", Kind.TRUTH, "1", "whether the hull has touched a bank; from then on the ship lies still"
     )
-    yield FmuVariable("outcome", Kind.CHOICE, "1", "how the voyage has ended")
-    yield FmuVariable("side", Kind.WHOLE, "1", "of the bank that was touched: 1 starboard, -1 port, 0 of none")
-    yield FmuVariable("outcome_time", Kind.MOMENT, "s", "when the voyage ended; 0 while it goes on")
+    yield FmuVariable("outcome", Kind.CHOICE, "1", "outcome of the voyage")
+    yield FmuVariable("side", Kind.WHOLE, "1", "side of the bank that was touched: 1 starboard, -1 port, 0 none")
+    yield FmuVariable("outcome_time", Kind.MOMENT, "s", "time of the end of the voyage; 0 until then")
     beyond = ", ".join(f"{bit} {words}" for bit, words in BEYOND.values())
-    yield FmuVariable(
-        "beyond", Kind.WHOLE, "1", f"in what the motion is beyond the tests of the model, a sum of: {beyond}"
-    )
+    yield FmuVariable("beyond", Kind.WHOLE, "1", f"quantities outside the tested range, a sum of: {beyond}")
     yield FmuVariable("step", Kind.FIXED, "s", "longest step of co-simulation", dt, 0, (SMALLEST, LONGEST_STEP * dt))
     for one in exported.inputs:
         yield FmuVariable(one.name, Kind.INPUT, one.unit, one.meaning, one.value)

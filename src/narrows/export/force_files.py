@@ -136,5 +136,5 @@ def _variables(model: Model) -> Iterator[FmuVariable]:
         "beyond",
         Kind.WHOLE,
         "1",
-        f"in what the input is beyond the tests, a sum of: {bits}; {CONTACT} where the hull touches a bank",
+        f"quantities outside the tested range, a sum of: {bits}; {CONTACT} if the hull touches a bank",
     )

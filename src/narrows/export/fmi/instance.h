@@ -145,7 +145,7 @@ static int sail(Instance *m, double time, double duration, double *reached) {
         if (!m->with_events) end_voyage(m, outcome, end[1], time + end[0]);
         if (outcome == SHIP_DIVERGED) {
             n->mode = FAILED;
-            return refuse_with(m, "after %g s the ship moves as none does", end[0]);
+            return refuse_with(m, "after %g s the numbers diverge", end[0]);
         }
     }
     w[BEYOND] = ship_beyond(n->state);
