@@ -1,5 +1,5 @@
 """Control: rudder of the steady course
-=====================================
+====================================
 
 The rudder that holds a ship off the centreline, with samples of the uncertain coefficients.
 """
