@@ -26,7 +26,7 @@ from narrows.control.settings import (
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, needs
 from narrows.model.model import Model
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import ControlLaw, Named
 from narrows.simulation.ensemble import ensemble
@@ -63,7 +63,7 @@ class OpenedLaw:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class ClosedLoop(Described):
+class ClosedLoop(BaseSummary):
     """A ship under a controller; the result of ``closed_loop``.
 
     Parameters

@@ -23,7 +23,7 @@ from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, check_count
 from narrows.model.model import Model
 from narrows.progress import bar
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.ship.actuators import SteeringGear
 from narrows.simulation.inputs import finite_numbers
 
@@ -43,7 +43,7 @@ TUNED = ("heading_deg", "rudder_deg", "stroke_time", "integral_time", "unwinding
 
 
 @dataclass(frozen=True, repr=False)
-class RegulatorDesign(Described):
+class RegulatorDesign(BaseSummary):
     """A regulator designed by simulation; the result of ``design``.
 
     Parameters

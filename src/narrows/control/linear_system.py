@@ -9,7 +9,7 @@ import numpy as np
 from narrows.control.local_motion import MOVED, LocalMotion
 from narrows.control.loop_margins import loop_margins
 from narrows.errors import InputError, check_choice, needs
-from narrows.results import Shown
+from narrows.results import BaseResult
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -29,7 +29,7 @@ LOWEST, HIGHEST = 1e-5, 1e5  # Frequency range of margins, relative to speed ove
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class LinearSystem(Shown):
+class LinearSystem(BaseResult):
     """A ship near its steady course: dx/dt = A x + B u + G d, exact in the limit of small x, u and d.
 
     x, u and d are deviations of state, controls and disturbances from the course. With several courses, the dimensions

@@ -10,7 +10,7 @@ import numpy as np
 from narrows.control.settings import SLOWEST
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import choice, clip, maximum
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.simulation.controllers import EARLY, LAST_ORDER, Named
 
 FELT = ("y", "psi", "v", "r", "rudder", "integral")
@@ -64,7 +64,7 @@ class HeldLine:
 
 
 @dataclass(frozen=True, repr=False)
-class Regulator(Described):
+class Regulator(BaseSummary):
     """A track pilot: the rudder's rate is proportional to the deviations and to the integral of the offset.
 
     The gains scale with speed as if every force were proportional to its square. The steady turn of a bend ahead is

@@ -14,7 +14,7 @@ from narrows.control.steady_course import self_propulsion
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import choice, maximum, minimum
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.simulation.controllers import ControlLaw, Named
 from narrows.simulation.derivative import derivative
 
@@ -23,7 +23,7 @@ SHORTFALL = "surge_shortfall"
 
 
 @dataclass(frozen=True, repr=False)
-class SpeedGovernor(Described):
+class SpeedGovernor(BaseSummary):
     """Propeller revolutions that follow a speed plan along the way, while a helm steers.
 
     The plan is linear between points. The revolutions are those that keep its speed straight ahead, plus a term for its

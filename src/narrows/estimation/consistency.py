@@ -20,7 +20,7 @@ from narrows.estimation.ship_filter import Coefficients
 from narrows.estimation.states import Prior, ProcessNoise, described
 from narrows.estimation.twins import Twins, check_law, sail_twins
 from narrows.model.model import Model
-from narrows.results import Shown
+from narrows.results import BaseResult
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,7 +35,7 @@ Fault = Callable[[float, Readings], Readings]
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Consistency(Shown):
+class Consistency(BaseResult):
     """Errors of an estimate on twins, compared with its own covariance.
 
     Parameters

@@ -8,7 +8,7 @@ import numpy as np
 
 from narrows.estimation.states import StateNames, described
 from narrows.estimation.unscented import Gaussian
-from narrows.results import Described, Tabulated
+from narrows.results import BaseSummary, Tabulated
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Estimate(Described):
+class Estimate(BaseSummary):
     """The state of a ship at a moment.
 
     Parameters

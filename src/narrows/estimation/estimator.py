@@ -20,13 +20,13 @@ from narrows.estimation.smoothing import smooth
 from narrows.estimation.states import Prior, ProcessNoise
 from narrows.estimation.unscented import Gaussian
 from narrows.model.model import Model
-from narrows.results import Described
+from narrows.results import BaseSummary
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 
-class Estimator(Described):
+class Estimator(BaseSummary):
     """A square-root unscented filter of a ship in a canal or a waterway, in real time.
 
     By default it also corrects the model's coefficients, starting from the covariance of the fit: a filter with fixed

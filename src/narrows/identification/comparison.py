@@ -11,7 +11,7 @@ from narrows.identification.fitting import identify
 from narrows.identification.regression.normal_equations import Balance
 from narrows.identification.regression.problem import Weights
 from narrows.identification.verdict import NOT_SEPARABLE
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.ship.ship_file import ShipSource
 from narrows.terms.bank_forms import FORMS, OPEN_WATER
 from narrows.terms.tables import BARE, table_named
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class Comparison(Shown):
+class Comparison(BaseResult):
     """Fits of several tables of terms to the same tests.
 
     Parameters

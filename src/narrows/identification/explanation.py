@@ -17,7 +17,7 @@ from narrows.identification.shapley import KINDS
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.ship.ship_file import ShipSource
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ SIZES, SAME_HULL = ("length", "beam", "draft"), 0.01
 
 
 @dataclass(frozen=True, repr=False)
-class Explanation(Shown):
+class Explanation(BaseResult):
     """A model on a table of tests, that it was fitted on or not.
 
     Parameters

@@ -14,7 +14,7 @@ from narrows.errors import InputError, shown
 from narrows.identification.regression.accumulation import accumulate
 from narrows.identification.regression.normal_equations import NormalEquations
 from narrows.identification.regression.scores import Score, score
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.ship.ship_file import ShipSource
 from narrows.terms.term import TermTable
 
@@ -59,7 +59,7 @@ class Fitted(Protocol):
         """Sums of products over its rows."""
 
 
-class Prediction(Shown):
+class Prediction(BaseResult):
     """Predicted forces of rows, those of the fit or others."""
 
     def predict(self: Fitted, tests: Any = None, ship: ShipSource | None = None) -> "pd.DataFrame":

@@ -13,7 +13,7 @@ from narrows.logbook.learned_coefficient import ON_TWINS
 from narrows.logbook.settings import CHANGE_OFFSETS, CHANGE_SAMPLES, CHANGE_SPEEDS, RUDDER_BAND
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.safety.envelope import safe_envelope
 from narrows.safety.result import SafeEnvelope
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class EnvelopeChange(Shown):
+class EnvelopeChange(BaseResult):
     """The safe envelope before a record and after it.
 
     Parameters

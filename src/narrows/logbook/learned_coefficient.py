@@ -12,7 +12,7 @@ from narrows.identification.verdict import IDENTIFIED
 from narrows.logbook.settings import LEARNED_TO, PAIR_CORRELATION, SHARPENED_TO, TIED_CORRELATION
 from narrows.model.data_range import DataRange, Range
 from narrows.model.model import Model
-from narrows.results import Shown
+from narrows.results import BaseResult
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -128,7 +128,7 @@ def verdicts_after(prior: Model, coefficients: Mapping[str, LearnedCoefficient],
     return {**prior.verdicts, **settled}
 
 
-class LearnedAnswer(Shown):
+class LearnedAnswer(BaseResult):
     coefficients: Mapping[str, LearnedCoefficient]
 
     @property

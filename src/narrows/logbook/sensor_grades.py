@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from narrows.errors import InputError, check_choice, shown
 from narrows.logbook.ship_record import check_signals
 from narrows.quantities.names import KNOT
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.ship.checks import is_finite
 
 DEGREE = math.pi / 180
@@ -71,7 +71,7 @@ class SignalGrade:
 
 
 @dataclass(frozen=True, repr=False)
-class SensorGrade(Described):
+class SensorGrade(BaseSummary):
     """A ship's sensors.
 
     Parameters

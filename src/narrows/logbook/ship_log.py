@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.errors import InputError, did_you_mean
 from narrows.logbook.ship_record import SIGNALS, ShipRecord
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.waterway import Waterway
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class ShipLog(Shown):
+class ShipLog(BaseResult):
     """Records of one ship: manoeuvres, transits.
 
     Parameters

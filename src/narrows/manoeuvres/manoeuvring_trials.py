@@ -8,7 +8,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.simulation.controllers import ConstantRudder, Zigzag
 from narrows.simulation.initial_state import voyage_defaults
 from narrows.simulation.inputs import finite_numbers
@@ -33,7 +33,7 @@ QUARTER, HALF = np.pi / 2, np.pi
 
 
 @dataclass(frozen=True, repr=False)
-class Turning(Shown):
+class Turning(BaseResult):
     """A turning circle, measured from the rudder order; the result of ``turning_circle``.
 
     Parameters
@@ -108,7 +108,7 @@ class Turning(Shown):
 
 
 @dataclass(frozen=True, repr=False)
-class ZigzagTest(Shown):
+class ZigzagTest(BaseResult):
     """A zigzag and its overshoots; the result of ``zigzag``.
 
     Parameters
@@ -135,7 +135,7 @@ class ZigzagTest(Shown):
 
 
 @dataclass(frozen=True, repr=False)
-class Trials(Shown):
+class Trials(BaseResult):
     """Trials of one ship.
 
     Parameters

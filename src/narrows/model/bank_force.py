@@ -11,7 +11,7 @@ from narrows.errors import InputError
 from narrows.model.data_range import extrapolation, sum_beyond
 from narrows.model.model import Model
 from narrows.quantities.names import Number
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.ship.motion import Motion
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ NO_MEANING = "The hull touches a bank: the force has no meaning there."
 
 
 @dataclass(frozen=True, repr=False)
-class BankForce(Shown):
+class BankForce(BaseResult):
     """The force of the banks on a ship; arrays for array inputs.
 
     Parameters

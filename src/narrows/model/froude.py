@@ -13,7 +13,7 @@ from narrows.model.data_range import MEASURES, DataRange, Range
 from narrows.model.model import Model
 from narrows.quantities.dimensions import Dimension, dimension_of
 from narrows.quantities.names import GRAVITY, PARTICULARS
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.ship.checks import is_finite
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
@@ -27,7 +27,7 @@ LONGEST = 1e4
 
 
 @dataclass(frozen=True, repr=False)
-class Scaled(Shown):
+class Scaled(BaseResult):
     """A model at another scale, and the effects that do not scale.
 
     Parameters

@@ -18,7 +18,7 @@ from narrows.errors import InputError, check_choice, did_you_mean, same_function
 from narrows.model.data_range import DataRange
 from narrows.model.sections import Source, fields_of, sections_of
 from narrows.quantities.names import MOTION, Number
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.ship.checks import check_ahead
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration, Configured
@@ -45,7 +45,7 @@ def _is_finite(value: object) -> bool:
 
 
 # Functions of higher packages as methods of a model, through the public module, which loads them on demand.
-class Operations(Shown):
+class Operations(BaseResult):
     """Simulation, derivatives and equations of a model, as methods."""
 
     def derivative(self, state: Any, **given: Any) -> np.ndarray:

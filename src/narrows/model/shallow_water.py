@@ -9,7 +9,7 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.names import asked_by
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.ship.particulars import Configuration
 from narrows.terms.term import DepthLaw
 
@@ -23,7 +23,7 @@ DEEP = 1e9
 
 
 @dataclass(frozen=True, repr=False)
-class DepthCorrected(Shown):
+class DepthCorrected(BaseResult):
     """A model corrected for another depth.
 
     Parameters

@@ -11,7 +11,7 @@ from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.water import water_under_way
 from narrows.physics import squat_and_depth as formulas
 from narrows.quantities.names import Number, asked_by
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.ship.particulars import Configuration, Configured
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ SQUAT = {
 
 
 @dataclass(frozen=True, repr=False)
-class Squat(Shown):
+class Squat(BaseResult):
     """A sinkage and its formula.
 
     Parameters

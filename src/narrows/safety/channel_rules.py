@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from narrows.errors import check_choice
 from narrows.model.squat import choke_speed
 from narrows.quantities.names import KNOT
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.ship.particulars import Configuration
 
 if TYPE_CHECKING:
@@ -168,7 +168,7 @@ NOT_ASKED = "a rule of widths is for one ship in good weather, without cross cur
 
 
 @dataclass(frozen=True, repr=False)
-class OutsideRules(Shown):
+class OutsideRules(BaseResult):
     """Limits from outside rules for a ship in a section of water.
 
     Parameters

@@ -13,7 +13,7 @@ from narrows.control.regulator_law import FELT, HeldLine, Regulator
 from narrows.control.settings import LEAD_TIME
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import choice, clip
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.safety.best_estimate_courses import BestEstimateCourses
 from narrows.simulation.controllers import EARLY, Autopilot, ControlLaw, Named
 from narrows.simulation.ship import SimulatedShip
@@ -131,7 +131,7 @@ DEGREE = math.pi / 180
 
 
 @dataclass(frozen=True, repr=False)
-class Helmsman(Described):
+class Helmsman(BaseSummary):
     """A helmsman: an observation every few seconds, an order in whole degrees, executed at the next, up to a limit."""
 
     # The order is proportional to the deviations, about a trim that slowly integrates the offset.

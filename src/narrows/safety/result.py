@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from narrows.quantities.names import KNOT
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.safety.channel_rules import OutsideRules, rules_of
 from narrows.safety.headline import RANGE, cause, first_run, headline
 from narrows.safety.settings import LEAST_ANGLE, SAME_ANGLE, SURE_SHARE
@@ -21,7 +21,7 @@ MEDIAN = 0.5
 
 
 @dataclass(frozen=True, repr=False)
-class SafeEnvelope(Shown):
+class SafeEnvelope(BaseResult):
     """The safe area of a ship, with its assumptions.
 
     Parameters

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 
 from narrows.errors import InputError, shown
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.ship.actuators import STANDARD, Part, Propeller, Rudder, SteeringGear, free
 from narrows.ship.checks import check_fields, check_particulars
 
 
 @dataclass(frozen=True, repr=False)
-class Ship(Described):
+class Ship(BaseSummary):
     """A hull's main particulars.
 
     Parameters
@@ -145,7 +145,7 @@ RULE_GEAR = SteeringGear()
 
 
 @dataclass(frozen=True, repr=False)
-class Configuration(Described):
+class Configuration(BaseSummary):
     """A ship in its canal and water: all data of a test except the motion.
 
     Parameters

@@ -13,7 +13,7 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import angle, choice
 from narrows.quantities.names import Number
-from narrows.results import Described, shortened
+from narrows.results import BaseSummary, shortened
 
 Named = Mapping[str, Number]
 
@@ -88,7 +88,7 @@ class Controller(Protocol):
         """Return the orders of one voyage, with a memory of their own."""
 
 
-class _Law(Described):
+class _Law(BaseSummary):
     def summary(self) -> str:
         """Describe its numbers."""
         return ", ".join(f"{name} = {_short(value)}" for name, value in vars(self).items())

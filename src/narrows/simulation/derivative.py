@@ -12,7 +12,7 @@ from narrows.codegen.linearisation import LINEARISED
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, Number
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.simulation.initial_state import POSE, check_positions, initial_state
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.ship import SimulatedShip
@@ -130,7 +130,7 @@ def state_of(state: Any) -> dict[str, Number]:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Jacobian(Shown):
+class Jacobian(BaseResult):
     """Exact derivatives of the rates of x, y, psi, u, v, r at a state.
 
     Parameters

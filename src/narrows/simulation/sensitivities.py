@@ -16,7 +16,7 @@ from narrows.codegen.system import System
 from narrows.codegen.tape import tape_of
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.simulation.initial_state import initial_state
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, finite_numbers, segments_of
@@ -32,7 +32,7 @@ STATES = {"x": "m", "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s"
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Sensitivities(Shown):
+class Sensitivities(BaseResult):
     """A voyage with the exact derivatives of its computed state.
 
     Parameters

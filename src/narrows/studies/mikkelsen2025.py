@@ -12,7 +12,7 @@ from narrows.empirical.fleet import published
 from narrows.identification import Fit, identify
 from narrows.identification.shapley import KINDS
 from narrows.model.model import Model
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.simulation.ensemble import ensemble
 from narrows.simulation.stability import bank_stiffness, eigenvalues
 from narrows.simulation.voyage import Voyage, simulate
@@ -43,7 +43,7 @@ SHOWN_STARTS = (0.1, 0.5, 0.9, 1.3, 1.7, 2.1, 2.5)
 
 
 @dataclass(frozen=True, repr=False)
-class Reproduction(Shown):
+class Reproduction(BaseResult):
     """The paper's coefficients as the truth: identification from tests of its kinds, and voyages of its ship."""
 
     truth: Model  # The model as printed

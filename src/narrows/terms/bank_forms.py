@@ -8,7 +8,7 @@ from narrows.physics import clearance
 from narrows.physics.clearance import cushion, suction
 from narrows.quantities import dimensions as dim
 from narrows.quantities.names import Number
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.terms.additions import WITH_ASYMMETRY, WITH_HELM
 from narrows.terms.regressors import Composed
 from narrows.terms.term import LETTERS, ScaleEffect, Term, TermKind, TermTable
@@ -19,7 +19,7 @@ PUBLISHED, REFITTED, OURS = "published", "form of another, coefficients refitted
 
 
 @dataclass(frozen=True, repr=False)
-class BankForm(Described):
+class BankForm(BaseSummary):
     """A form of the bank term.
 
     Parameters

@@ -12,7 +12,7 @@ from narrows.errors import InputError, did_you_mean, shown
 from narrows.physics import squat_and_depth
 from narrows.quantities.dimensions import Dimension
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number, Quantity, asked_by
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.ship.actuators import PROPELLER, STANDARD, Actuator
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ class DepthLaw:
 
 
 @dataclass(frozen=True, repr=False)
-class Term(Described):
+class Term(BaseSummary):
     """One coefficient of a model and the regressor that it multiplies.
 
     Parameters
@@ -205,7 +205,7 @@ class Term(Described):
 
 
 @dataclass(frozen=True, repr=False)
-class TermTable(Described):
+class TermTable(BaseSummary):
     """The terms of surge force, sway force and yaw moment, and which coefficients are equal.
 
     Parameters

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.warning.alerts.alert import Thresholds
 from narrows.warning.monitoring.bridge_status import BridgeStatus
 from narrows.warning.settings import (
@@ -41,7 +41,7 @@ class PredictorScore:
 
 
 @dataclass(frozen=True, repr=False)
-class TransitScores(Described):
+class TransitScores(BaseSummary):
     contacts: int  # Transits with a contact
     clear: int  # Transits without one
     hours: float  # That were watched with a forecast [h]

@@ -8,7 +8,7 @@ import numpy as np
 
 import narrows
 from narrows.errors import InputError
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.ship.particulars import Canal, Ship
 from narrows.waterway.banks import Bank
 from narrows.waterway.centreline import Centreline
@@ -34,7 +34,7 @@ class Section(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class Waterway(Described):
+class Waterway(BaseSummary):
     """A waterway.
 
     Parameters

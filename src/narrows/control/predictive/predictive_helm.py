@@ -19,7 +19,7 @@ from narrows.control.steady_course import check_inside, check_rudder, self_propu
 from narrows.errors import InputError, needs
 from narrows.model.model import Model
 from narrows.physics.steering_gear import gear_motion
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import VoyageState
 from narrows.simulation.inputs import check_waterway, finite_numbers
@@ -166,7 +166,7 @@ class VoyageOrders:
 
 
 @dataclass(frozen=True, repr=False)
-class PredictiveHelm(Described):
+class PredictiveHelm(BaseSummary):
     """A helm that holds an offset by linear time-varying predictive control.
 
     At every step it predicts the motion by the ship's own equations, takes their exact derivatives, and solves a

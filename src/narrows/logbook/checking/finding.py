@@ -10,7 +10,7 @@ import numpy as np
 from narrows.logbook.checking.agreement import EvenMotion
 from narrows.logbook.ship_record import ShipRecord
 from narrows.model.model import Model
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.waterway import Waterway
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class Finding:
 
 # All that is wrong with a log, as a result.
 @dataclass(frozen=True, repr=False)
-class LogFindings(Shown):
+class LogFindings(BaseResult):
     """Faults and doubts of a log.
 
     Parameters

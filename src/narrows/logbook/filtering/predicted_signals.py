@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.results.shown_results import Described
+from narrows.results.base_results import BaseSummary
 from narrows.simulation.controllers import Named
 
 # The current along the axes [m/s], which enters what is told over ground.
@@ -136,7 +136,7 @@ BEYOND = 1e9
 
 
 @dataclass(frozen=True, repr=False)
-class RecordedHelm(Described):
+class RecordedHelm(BaseSummary):
     """A control law that follows recorded positions, straight between the ends of the steps."""
 
     positions: Mapping[str, float]  # Positions of the recorded actuators, at the start

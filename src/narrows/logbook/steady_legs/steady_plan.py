@@ -11,7 +11,7 @@ from narrows.logbook.settings import SETTLING
 from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyConditions
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
-from narrows.results import Shown
+from narrows.results import BaseResult
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -45,7 +45,7 @@ class PlannedLeg:
 
 
 @dataclass(frozen=True, repr=False)
-class SteadyPlan(Shown):
+class SteadyPlan(BaseResult):
     """Legs to hold, in the order to hold them.
 
     Parameters

@@ -13,7 +13,7 @@ from narrows.logbook.beam_wind import beam_wind
 from narrows.logbook.settings import MISPLACED, MOST_ANGLE
 from narrows.model.model import Model
 from narrows.quantities.names import Quantity
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.ship.checks import is_finite
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ COLUMNS = {**READ, **FELT, **ERRORS}
 
 
 @dataclass(frozen=True, repr=False)
-class ReadingErrors(Described):
+class ReadingErrors(BaseSummary):
     """Standard deviations of the readings of a leg, common to both sides or not, if a table has none.
 
     They are those of the mean over a leg. What is wrong in all legs alike is a zero (``SteadyConditions``).
@@ -99,7 +99,7 @@ class ReadingErrors(Described):
 
 
 @dataclass(frozen=True, repr=False)
-class SteadyReadings(Described):
+class SteadyReadings(BaseSummary):
     """Legs on which a ship was held, in SI.
 
     Parameters
@@ -227,7 +227,7 @@ UNKNOWN = ("wind_Y", "wind_N", "rudder_zero", "drift_zero", "heading_zero", "y_z
 
 
 @dataclass(frozen=True, repr=False)
-class SteadyConditions(Described):
+class SteadyConditions(BaseSummary):
     """Standard deviations of the common errors of all legs, and of those that change from leg to leg.
 
     Force and moment of the wind are the same on every leg but for ``wind_change`` of their standard deviations, and so

@@ -14,7 +14,7 @@ from narrows.logbook.settings import AIM_LENGTHS, GUST_PIECES, LONGEST_STEP, TRA
 from narrows.logbook.transits.transit_conditions import TransitConditions, TransitPilot, wandering
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ class ForeseenTransit:
 
 
 @dataclass(frozen=True, repr=False)
-class Foresight(Shown):
+class Foresight(BaseResult):
     """Expected standard errors of coefficients.
 
     Parameters

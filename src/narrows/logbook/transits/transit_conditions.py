@@ -14,7 +14,7 @@ from narrows.errors import InputError, shown
 from narrows.logbook.beam_wind import beam_wind
 from narrows.logbook.settings import PILOT_COURSES
 from narrows.model.model import Model
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.ship.checks import is_finite
 from narrows.simulation.controllers import Order, VoyageState
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class TransitConditions(Described):
+class TransitConditions(BaseSummary):
     """Wind and aim of transits, as standard deviations.
 
     Parameters

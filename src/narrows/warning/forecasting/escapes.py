@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from narrows.quantities.arithmetic import choice, clip
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.simulation.controllers import EARLY, Named
 from narrows.warning.settings import (
     ENGINE_KICK,
@@ -30,7 +30,7 @@ KICK = Manoeuvre("kick ahead, then steady parallel to the bank", ENGINE_KICK)
 
 
 @dataclass(frozen=True, repr=False)
-class LineOfSight(Described):
+class LineOfSight(BaseSummary):
     """Line-of-sight guidance with a proportional-derivative autopilot, after a time for which the rudder is held.
 
     References

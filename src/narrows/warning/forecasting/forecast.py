@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.results import Described
+from narrows.results import BaseSummary
 from narrows.warning.settings import ATTENDED_SHARE, CLEAR_SHARE, HORIZON, TAKEOVERS
 
 NUMBERS = (
@@ -54,7 +54,7 @@ class Tracks(NamedTuple):
 
 
 @dataclass(frozen=True, repr=False)
-class BankForecast(Described):
+class BankForecast(BaseSummary):
     t: float  # When it was made [s]
     likely: LikelyRun  # The most likely run
     last_chance: float  # Last chance of the 95 % ship: infinite beyond the horizon, negative where it has passed [s]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.results import Shown
+from narrows.results import BaseResult
 from narrows.ship.particulars import Ship
 from narrows.warning.alerts.alert import Alert, Priority
 from narrows.warning.monitoring.bridge_status import BridgeStatus, told
@@ -31,7 +31,7 @@ class AlertText:
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class WatchedTransit(Shown):
+class WatchedTransit(BaseResult):
     ship: Ship  # Its hull
     waterway: Waterway  # Waterway of the transit
     # (seconds,) By ``COLUMNS``, in SI; NaN where it was not known: t since the watch began; contact of the most likely

@@ -99,7 +99,7 @@ def answer(thing: Any, name: str) -> Any:
 
 
 # Summary of an object.
-class Described:
+class BaseSummary:
     """An object with a one-line summary, a longer one in a notebook, and names of other libraries.
 
     It has ``summary()``, and ``to_dataframe()`` and ``notes`` if applicable.
@@ -125,7 +125,7 @@ class Described:
             return answer(self, name)
 
 
-class Shown(Described):
+class BaseResult(BaseSummary):
     """A result with a plot, files and a notebook view."""
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
@@ -280,7 +280,7 @@ WHY = {
 
 
 # A result of table rows.
-class Tabulated(Shown):
+class Tabulated(BaseResult):
     """A result of rows: the data frame of its rows provides all further methods.
 
     Libraries that read tables by Arrow (Polars, DuckDB, Altair) read it as one.
