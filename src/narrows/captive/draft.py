@@ -23,7 +23,7 @@ from narrows.readers.mapping import COUNTED, WAYS
 UNITS = {"m": ("mm",), "rad": ("deg",), "rad/s": ("deg/s",), "rad/s2": ("deg/s2",), "s": ("ms",), "m/s": ("kn",)}
 
 
-class Entry(NamedTuple):
+class DraftEntry(NamedTuple):
     header: str  # Text in the table
     unit: str  # Its unit; empty if it has none
     way: str  # Direction in which it counts, if not the documented one
@@ -35,11 +35,11 @@ class Entry(NamedTuple):
 class Draft:
     """Entries of a mapping by documented name, and the headers without one."""
 
-    entries: dict[str, Entry] = field(default_factory=dict)
+    entries: dict[str, DraftEntry] = field(default_factory=dict)
     unread: list[str] = field(default_factory=list)
     columns: dict[str, np.ndarray] = field(default_factory=dict)  # Columns known so far, in SI
 
-    def add(self, name: str, entry: Entry, values: np.ndarray) -> None:
+    def add(self, name: str, entry: DraftEntry, values: np.ndarray) -> None:
         self.unread.remove(entry.header)
         self.entries[name] = entry
         if name not in LABELS:
@@ -87,7 +87,7 @@ def draft_columns(frame: pd.DataFrame) -> Draft:
     # Angles without a unit last: the other columns may determine it.
     for header, name, unit, sure in sorted(_by_words(draft.unread), key=lambda found: _is_angle(*found[1:3])):
         if name not in draft.columns and name not in draft.entries:
-            entry = Entry(header, unit if _scale(name, unit) else "", "", f"{header!r} is {name}", sure)
+            entry = DraftEntry(header, unit if _scale(name, unit) else "", "", f"{header!r} is {name}", sure)
             values = floats(frame[header])
             draft.add(name, _with_unit(name, entry, values, draft), values)
     while any(_by_numbers(draft, frame, header) for header in draft.unread):
@@ -108,7 +108,7 @@ def _is_angle(name: str, unit: str) -> bool:
     return name not in LABELS and not unit and COLUMNS[name].unit.startswith("rad")
 
 
-def _with_unit(name: str, entry: Entry, values: np.ndarray, draft: Draft) -> Entry:
+def _with_unit(name: str, entry: DraftEntry, values: np.ndarray, draft: Draft) -> DraftEntry:
     """Return the entry with the unit of an angle that has none, by the other columns or by its size."""
     most = float(np.nanmax(np.abs(values), initial=0.0))
     if not _is_angle(name, entry.unit) or not most:
@@ -124,7 +124,7 @@ def _by_numbers(draft: Draft, frame: pd.DataFrame, header: str) -> bool:
     """Add a column that time, kinematics or forces determine; return whether they do."""
     values = floats(frame[header])
     if "test" not in draft.entries and "test" not in frame and _names_tests(draft, frame[header]):
-        draft.add("test", Entry(header, "", "", "it changes where time begins again", False), values)
+        draft.add("test", DraftEntry(header, "", "", "it changes where time begins again", False), values)
         return True
     if not np.isfinite(values).all() or np.ptp(values) == 0:
         return False
@@ -145,16 +145,16 @@ def _names_tests(draft: Draft, labels: pd.Series) -> bool:
     return bool(begins.any() and (changes == begins).all())
 
 
-def _evenly_rising(name: str, header: str, values: np.ndarray) -> Entry | None:
+def _evenly_rising(name: str, header: str, values: np.ndarray) -> DraftEntry | None:
     steps = np.diff(values)
     usual = float(np.median(steps))
     if name != "t" or _unit_of(header) not in ("", "s", "ms") or usual <= 0:
         return None
     even = np.mean(np.abs(steps - usual) < 1e-3 * usual) > settings.LEAST_CORRELATION
-    return Entry(header, _unit_of(header) or "s", "", "it rises evenly", False) if even else None
+    return DraftEntry(header, _unit_of(header) or "s", "", "it rises evenly", False) if even else None
 
 
-def _moving_alike(name: str, header: str, values: np.ndarray, draft: Draft) -> Entry | None:
+def _moving_alike(name: str, header: str, values: np.ndarray, draft: Draft) -> DraftEntry | None:
     """The unit and direction in which a column agrees with the changes or the rate of others, if any."""
     si, unit = COLUMNS[name].unit, _unit_of(header)
     if "t" not in draft.columns or name in FORCES or (unit and not _scale(name, unit)):
@@ -168,7 +168,7 @@ def _moving_alike(name: str, header: str, values: np.ndarray, draft: Draft) -> E
     if away > settings.FAINT_SHARE:
         return None
     way = WAYS[COUNTED[name][0]] if sign < 0 else ""
-    return Entry(header, choice, way, f"it agrees with the other columns to {away:.1%}", False)
+    return DraftEntry(header, choice, way, f"it agrees with the other columns to {away:.1%}", False)
 
 
 def _disagreements(name: str, columns: dict[str, np.ndarray]) -> Iterator[float]:
@@ -185,7 +185,7 @@ def _disagreements(name: str, columns: dict[str, np.ndarray]) -> Iterator[float]
             yield float(np.sqrt(np.mean(away**2))) / own
 
 
-def _last_force(name: str, header: str, draft: Draft, frame: pd.DataFrame) -> Entry | None:
+def _last_force(name: str, header: str, draft: Draft, frame: pd.DataFrame) -> DraftEntry | None:
     """The only column left whose unit a force may have, if it is the only one of its kind that is missing."""
     if name not in FORCES:
         return None
@@ -194,7 +194,9 @@ def _last_force(name: str, header: str, draft: Draft, frame: pd.DataFrame) -> En
     kind = [other for other in FORCES if other not in draft.columns and FORCES[other].unit == FORCES[name].unit]
     only = left == [header] and kind == [name]
     return (
-        Entry(header, _unit_of(header) or FORCES[name].unit, "", "it is the only column left", False) if only else None
+        DraftEntry(header, _unit_of(header) or FORCES[name].unit, "", "it is the only column left", False)
+        if only
+        else None
     )
 
 

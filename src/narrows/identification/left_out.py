@@ -104,7 +104,7 @@ def _motions(part: ForcePosterior) -> Iterator[tuple[int, np.ndarray, np.ndarray
 
 @dataclass(frozen=True)
 class WithoutRows:
-    """What all other rows predict of some rows, at given scales."""
+    """Prediction of some rows from all others, at given scales."""
 
     mean: np.ndarray  # (rows,)
     covariance: np.ndarray  # (rows, rows), errors of the rows included
