@@ -48,23 +48,13 @@ SLOWER = "the page sails by plain JavaScript, a few times slower"
 BARE_DEFLATE = -15
 # Scripts of both the page and its workers.
 FIRST = ("fleet_shape.js", "model.js", "plain_fleet.js")
-# Signs of the model's text that need no blank around them (it has no words between quotes).
-SUMS = re.compile(r" ([+-]) (?![+-])")
-# Lines that the page's numbers already contain.
-DEFAULTS = re.compile(r"^const (?:model|atRest)=Object.freeze\(\{[^}]*\}\);\n", re.MULTILINE)
-# Structure fields unpacked one after another.
-UNPACKED = re.compile(r"^const (\w+)=(inputs|constants|parameters)\.\1;\n(?:const (\w+)=\2\.\3;\n)*", re.MULTILINE)
 # Comment after a number of the model's text.
 MEANING = re.compile(r"(?<=;)//.*$", re.MULTILINE)
-# Lines of the model's text that name one number each.
-IN_A_ROW = re.compile(r"(?:^const \w+=.*;\n){2,}", re.MULTILINE)
 MODEL = "export const model = (() => {{\n{}\nreturn {{ prepare, rates, room, sail }};\n}})();\n"
 
 
 def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm: bytes | None) -> str:
     from jinja2 import Environment, PackageLoader, StrictUndefined
-
-    from narrows.web import asset
 
     data = json.dumps(page_data(exported, speed, title) | {"wasm": packed(wasm) if wasm else ""}, separators=(",", ":"))
     template = Environment(loader=PackageLoader("narrows.export.page", "."), undefined=StrictUndefined)
@@ -81,17 +71,7 @@ def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm:
 
 def model_script(exported: ExportedShip) -> str:
     text = smaller(javascript_text(exported, derivatives=False)).replace("export ", "")
-    text = UNPACKED.sub(_destructured, DEFAULTS.sub("", MEANING.sub("", text)))
-    return MODEL.format(IN_A_ROW.sub(_together, SUMS.sub(r"\1", text)))
-
-
-def _together(match: re.Match[str]) -> str:
-    return match[0][:-1].replace(";\nconst ", ",\n") + "\n"
-
-
-def _destructured(match: re.Match[str]) -> str:
-    names = re.findall(r"^const (\w+)", match[0], re.MULTILINE)
-    return f"const {{ {', '.join(names)} }} = {match[2]};\n"
+    return MODEL.format(MEANING.sub("", text))
 
 
 def packed(wasm: bytes) -> str:
