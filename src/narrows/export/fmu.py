@@ -147,8 +147,8 @@ def description_text(model: Model, variables: tuple[FmuVariable, ...], fmi: int,
     indices: dict[str, list[int]] = {"Outputs": [], "Derivatives": [], "InitialUnknowns": []}
     for index, one in enumerate(variables, 1):
         asked: dict[str, Any] = {
-            "Outputs": one.causality == "output", "Derivatives": one.derivative,
-            "InitialUnknowns": one.initial == "calculated" and one.kind is not Kind.INDICATOR,
+            "Outputs": one.kind.causality == "output", "Derivatives": one.derivative,
+            "InitialUnknowns": one.kind.initial == "calculated" and one.kind is not Kind.INDICATOR,
         }  # fmt: skip
         for part, wanted in asked.items():
             indices[part] += [index] if wanted else []

@@ -16,33 +16,34 @@ from narrows.ship.checks import POSITIVE, SMALLEST
 
 
 class Kind(StrEnum):
-    """Kind of a variable; the letters are those of ``KINDS`` in C."""
+    """Kind of a variable: its letter in ``KINDS`` of C; causality, variability and initial of the standard."""
 
-    TIME_ITSELF = "t"
-    STATE = "s"
-    RATE = "d"
-    ROOM = "c"
-    TRUTH = "b"
-    CHOICE = "e"
-    WHOLE = "i"
-    MOMENT = "o"
-    FIXED = "f"
-    INPUT = "u"
-    TUNABLE = "p"
-    INDICATOR = "n"
+    causality: str
+    variability: str
+    initial: str  # Empty where the standard forbids it
+
+    def __new__(cls, letter: str, causality: str, variability: str, initial: str) -> "Kind":
+        own = str.__new__(cls, letter)
+        own._value_ = letter
+        own.causality, own.variability, own.initial = causality, variability, initial
+        return own
+
+    TIME_ITSELF = "t", "independent", "continuous", ""
+    STATE = "s", "output", "continuous", "exact"
+    RATE = "d", "local", "continuous", "calculated"
+    ROOM = "c", "output", "continuous", "calculated"
+    TRUTH = "b", "output", "discrete", "calculated"
+    CHOICE = "e", "output", "discrete", "calculated"
+    WHOLE = "i", "output", "discrete", "calculated"
+    MOMENT = "o", "output", "discrete", "calculated"
+    FIXED = "f", "parameter", "fixed", "exact"
+    INPUT = "u", "input", "continuous", ""
+    TUNABLE = "p", "parameter", "tunable", "exact"
+    INDICATOR = "n", "local", "continuous", "calculated"
 
 
 REALS, INTEGERS = "tsdcofupn", "i"
 UNKNOWNS, KNOWNS = "sdcn", "sup"
-# Causality, variability and initial of the standard; no initial where the standard forbids one.
-STANDARD = {
-    Kind.TIME_ITSELF: ("independent", "continuous", ""), Kind.STATE: ("output", "continuous", "exact"),
-    Kind.RATE: ("local", "continuous", "calculated"), Kind.ROOM: ("output", "continuous", "calculated"),
-    Kind.TRUTH: ("output", "discrete", "calculated"), Kind.CHOICE: ("output", "discrete", "calculated"),
-    Kind.WHOLE: ("output", "discrete", "calculated"), Kind.MOMENT: ("output", "discrete", "calculated"),
-    Kind.FIXED: ("parameter", "fixed", "exact"), Kind.INPUT: ("input", "continuous", ""),
-    Kind.TUNABLE: ("parameter", "tunable", "exact"), Kind.INDICATOR: ("local", "continuous", "calculated"),
-}  # fmt: skip
 HEADING = "heading, positive clockwise seen from above"
 SIDES = ("starboard", "port")
 PER_SECOND = {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2"}
@@ -72,18 +73,6 @@ class FmuVariable:
     derivative: int = 0  # Index of the variable that it differentiates; 0 for none
     bounds: tuple[float, float] = WIDEST  # Limits for an importer
     reference: int = 0  # Value reference
-
-    @property
-    def causality(self) -> str:
-        return STANDARD[self.kind][0]
-
-    @property
-    def variability(self) -> str:
-        return STANDARD[self.kind][1]
-
-    @property
-    def initial(self) -> str:
-        return STANDARD[self.kind][2]
 
 
 def variables_of(exported: ExportedShip, speed: float, dt: float) -> tuple[FmuVariable, ...]:
