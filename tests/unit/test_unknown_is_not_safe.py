@@ -73,6 +73,29 @@ def test_a_map_is_hatched_where_the_ranges_are_not_known(without_bank: nw.Model)
     assert "not tested: extrapolated" in words
 
 
+def test_what_was_not_computed_is_not_drawn_as_unsafe(found: nw.SafeEnvelope) -> None:
+    """White means not safe; the offsets and speeds around those asked are grey, with a key."""
+    figure = found.plot()
+    keys = [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    assert "not computed" in keys
+    shaded = [patch.get_x() for patch in figure.axes[0].patches if patch.get_facecolor()[0] == pytest.approx(0.92)]
+    assert OFFSETS[-1] in shaded
+
+
+def test_a_speed_that_changes_little_gives_a_curve() -> None:
+    """Distances of the DTC scale with its length: over the speed they are the same but for friction."""
+    voyages = nw.ensemble(nw.published("mikkelsen2025_dtc"), y=np.linspace(-2, 2, 9), u=[0.8, 1.0, 1.2])
+    axes = nw.report.map_figure(voyages, None).axes
+    assert axes[0].get_ylabel().startswith("distance to grounding")
+    assert len(axes[0].get_lines()) == 2
+
+
+@pytest.mark.parametrize("density", [1.0, 1.025, 1025e3])
+def test_a_density_in_another_unit_is_refused(density: float) -> None:
+    with pytest.raises(nw.InputError, match="give kg/m3"):
+        nw.Water(density)
+
+
 def test_the_monitor_names_ranges_that_are_not_known(with_bank: nw.Model) -> None:
     estimate = type("Estimate", (), {"values": {"x": 10.0, "y": 0.0, "psi": 0.0, "u": 4.0}})
     way = nw.waterway.straight_waterway(with_bank.configuration.canal, 5000.0)

@@ -62,6 +62,10 @@ def envelope_chart(envelope: SafeEnvelope) -> Figure:
     return figure
 
 
+# Shade of what was not computed.
+OUTSIDE = "0.92"
+
+
 def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> list[Any]:
     """Draw shares of the cases, linear between tested speeds, no line between untested ones; return further keys."""
     data = envelope.data.transpose("y", "u", ...)
@@ -134,11 +138,25 @@ def _shade(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> 
     if not data["clear"].all():
         engine = ", engine" if "rudder_kick" in data else ""
         handles.append(Patch(facecolor="white", edgecolor=ORANGE, hatch="///", label=f"keel or choked canal{engine}"))
+    handles += _shade_outside(axes, envelope, y, u)
     _draw_ends_of_tests(axes, envelope, (y[0] - _half(y), y[-1] + _half(y)), (u[0] - _half(u), u[-1] + _half(u)))
     if envelope.untested or not data["tested"].all():
         words = "safe by the model, not tested"
         handles.append(Patch(facecolor="none", edgecolor=PURPLE, hatch=UNTESTED, label=words))
     return handles
+
+
+def _shade_outside(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> list[Any]:
+    """Shade the offsets and speeds that were not computed, so that they do not look unsafe."""
+    if len(y) < 2 or len(u) < 2:
+        return []
+    port, starboard = envelope.walls
+    look: dict[str, Any] = {"facecolor": OUTSIDE, "lw": 0, "zorder": 0.5}
+    for low, high in ((-abs(port), y[0]), (y[-1], starboard)):
+        axes.axvspan(low, high, **look)
+    for low, high in ((u[0] - _half(u), u[0]), (u[-1], u[-1] + _half(u))):
+        axes.axhspan(low, high, **look)
+    return [Patch(label="not computed", **look)]
 
 
 def _draw_ends_of_tests(

@@ -114,6 +114,10 @@ class Canal:
         return f"a canal {self.width:.4g} m wide, {deep}"
 
 
+# Least and largest density of a water [kg/m3]: hot and fresh, and the Dead Sea.
+LIGHTEST, HEAVIEST = 900.0, 1300.0
+
+
 @dataclass(frozen=True)
 class Water:
     """The water; the default is fresh.
@@ -126,7 +130,7 @@ class Water:
     Raises
     ------
     InputError
-        If the density is not a positive number.
+        If the density is not a number near that of water.
 
     Examples
     --------
@@ -138,6 +142,10 @@ class Water:
 
     def __post_init__(self) -> None:
         check_fields(self, {"density": "density"}, "water")
+        if not LIGHTEST <= self.density <= HEAVIEST:
+            raise InputError(
+                f"[water] density = {self.density:g} is of no water; give kg/m3: 1000 is fresh, 1025 the sea's"
+            )
 
 
 # Default gear: as slow as the rules allow.
