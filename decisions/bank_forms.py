@@ -127,7 +127,8 @@ def text() -> str:
     found = sets()
     forms = ["| form | pressure parameter of | holds | standing |", "|---|---|---|---|"]
     forms += [f"| {form.name} | {form.source} | {form.validity} | {form.status} |" for form in nw.FORMS.values()]
-    return "\n".join([*forms, *tables(found), *sign_change(), *signs()])
+    shown = {label: one for label, one in found.items() if "propeller" not in label and "stopped" not in label}
+    return "\n".join([*forms, *tables(shown), *sign_change(), *signs()])
 
 
 def figure() -> Figure:
