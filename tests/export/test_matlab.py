@@ -111,9 +111,10 @@ def test_the_block_of_simulink_sails_to_the_bank(tmp_path: Path) -> None:
     """By ode4 with the step of a voyage; a start of another length is an error that Simulink shows."""
     model, dt = model_of("paper"), 0.05
     block, outcome = simulink(model, tmp_path), nw.simulate(model, y=0.5, psi=0.05, u=1.0, dt=dt, duration=60.0).outcome
-    assert begun(block, np.array([1.0, 0.0, 0.0, 0.0, 0.5, 0.05]), []) is None
     end = np.zeros(6)
-    assert 0 <= block.sail(ctypes.c_double(dt), 1200, pointer(end)) * dt - outcome.time < 2 * dt
+    for side in (1.0, -1.0):  # To either bank
+        assert begun(block, np.array([1.0, 0.0, 0.0, 0.0, side * 0.5, side * 0.05]), []) is None
+        assert 0 <= block.sail(ctypes.c_double(dt), 1200, pointer(end)) * dt - outcome.time < 2 * dt
     assert begun(block, np.array([1.0, 0.0, 0.0, 0.0, 0.5, 0.05]), []) is None
     steps = int(outcome.time / dt) - 10
     assert block.sail(ctypes.c_double(dt), steps, pointer(end)) == steps
