@@ -2,6 +2,7 @@
 
 import io
 import re
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,6 +11,7 @@ import pandas as pd
 import pytest
 
 import narrows as nw
+from narrows.captive.draft import draft_columns
 from tables import frame_of, short_twin
 
 TESTS = short_twin()
@@ -234,6 +236,16 @@ def test_a_draft_is_not_written_over(tmp_path: Path, ship_file: Path, cli) -> No
     assert code == 2
     assert re.search("columns.toml is there: check it", told)
     assert (tmp_path / "columns.toml").read_text() == "[columns]\n"
+
+
+@pytest.mark.parametrize("rows", [0, 1, 2, 9])
+@pytest.mark.parametrize("value", [0.0, np.nan, np.inf, 1e300])
+def test_a_table_of_few_or_no_numbers_is_drafted_without_a_fault(rows: int, value: float) -> None:
+    frame = (
+        CLEAN[:rows].assign(**{'a"b\\': value, "Run [x]": 1.0}).rename(columns={"psi": "Heading", "r": "R", "u": "Ü"})
+    )
+    read = tomllib.loads(draft_columns(frame).toml("lab.csv", "narrows identify"))
+    assert read["columns"]["psi"] == "Heading"
 
 
 def test_a_surge_force_counted_astern_is_told() -> None:

@@ -1,5 +1,6 @@
 """Draft of ``columns.toml`` for a table whose headers are not all recognised: from words, units and numbers."""
 
+import json
 import math
 import re
 from collections.abc import Iterator
@@ -59,7 +60,7 @@ class Draft:
         for section, rows in {"columns": columns, "units": units, "positive": ways}.items():
             lines += ["", f"[{section}]"] if rows else []
             lines += [
-                f"{name} = {_quoted(word)}  # {'sure' if entry.sure else 'GUESSED'}: {entry.reason}"
+                f"{name} = {_quoted(word)}  # {'sure' if entry.sure else 'GUESSED'}: {' '.join(entry.reason.split())}"
                 for name, word, entry in rows
             ]
             if section == "columns":
@@ -90,7 +91,7 @@ def draft_columns(frame: pd.DataFrame) -> Draft:
             entry = DraftEntry(header, unit if _scale(name, unit) else "", "", f"{header!r} is {name}", sure)
             values = floats(frame[header])
             draft.add(name, _with_unit(name, entry, values, draft), values)
-    while any(_by_numbers(draft, frame, header) for header in draft.unread):
+    while len(frame) >= settings.FEWEST_SCREENED and any(_by_numbers(draft, frame, header) for header in draft.unread):
         pass
     return draft
 
@@ -174,7 +175,9 @@ def _moving_alike(name: str, header: str, values: np.ndarray, draft: Draft) -> D
 def _disagreements(name: str, columns: dict[str, np.ndarray]) -> Iterator[float]:
     """Disagreement of a column with each of its relations, relative to its own part in them."""
     steps = np.diff(columns["t"])
-    inside = (steps > 0) & (steps <= settings.ROW_GAP * np.median(steps))
+    inside = (steps > 0) & (steps <= settings.ROW_GAP * (np.median(steps) if steps.size else 0.0))
+    if not inside.any():
+        return
     without = rates_of({**columns, name: 0 * columns[name]})
     for column, rate in rates_of(columns).items():
         part = rate if column == name else rate - without[column]
@@ -223,4 +226,4 @@ def _scale(name: str, unit: str) -> float:
 
 
 def _quoted(word: str) -> str:
-    return '"' + word.replace("\\", "\\\\").replace('"', '\\"').replace("\n", "\\n") + '"'
+    return json.dumps(word, ensure_ascii=False)
