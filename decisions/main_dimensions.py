@@ -13,11 +13,10 @@ from manoeuvres import APPROACH, CIRCLES, OVERSHOOTS
 from pages import markdown, publish
 
 import narrows as nw
-from narrows.empirical.bank_prior import BANK_EVIDENCE, bank_prior
 from narrows.empirical.calibration import SIGNED, Calibration, left_out
 from narrows.empirical.formulas import FORMULAS
 from narrows.empirical.known_ships import KNOWN_SHIPS
-from narrows.empirical.main_dimensions import estimated
+from narrows.empirical.main_dimensions import BANK_EVIDENCE, bank_prior, estimated
 from narrows.simulation.grid import sampled
 
 DRAWN = 60

@@ -27,7 +27,7 @@ from watched.runs import BEFORE, EVERY, FROM, Run, averted, kept_runs
 from watched.truths import DEPTH, LENGTH, Physics, modelled
 
 from narrows.warning.alerts.alert import Thresholds
-from narrows.warning.forecasting.escapes import escape_numbers
+from narrows.warning.forecasting.helmsman import escape_numbers
 from narrows.warning.settings import ATTENDED_SHARE, CLEAR_SHARE, NEAR_MISS
 from narrows.warning.transit_scores import alert_spells
 

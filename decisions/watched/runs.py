@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from narrows.estimation import Estimator, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
-from narrows.warning.forecasting.escapes import escape_numbers
+from narrows.warning.forecasting.helmsman import escape_numbers
 from watched.filters import FiltersAbreast, SensorErrors
 from watched.forecasts import COLUMNS, ForecastsAbreast
 from watched.truths import DURATION, LENGTH, Hands, Physics, Ships, departing, modelled, waterway

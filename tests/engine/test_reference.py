@@ -11,7 +11,7 @@ from hull_polygons import OnTheMap, Walls, hull_points
 from reference import Reference
 
 import narrows as nw
-from narrows.simulation.reference import accelerations
+from direct_equation import accelerations
 from narrows.waterway import Bank, Centreline, Waterway
 
 ROUND = 30.0

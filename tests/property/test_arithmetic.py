@@ -11,12 +11,12 @@ from strategies import STATES
 
 import narrows as nw
 from arithmetic import check_arithmetic, values_at
-from narrows.physics import clearance, damping, inertia
+from narrows.physics import clearance, hull
 from narrows.quantities.names import asked_by, name_of
 
 PHYSICS = [
     function
-    for room in (clearance, damping, inertia)
+    for room in (clearance, hull)
     for function in vars(room).values()
     if callable(function)
     and getattr(function, "__module__", "") == room.__name__

@@ -10,7 +10,7 @@ from strategies import numbers
 
 import narrows as nw
 from narrows.model.data_range import MEASURES, DataRange, extrapolation
-from narrows.simulation.notes import measured, outside_notes
+from narrows.simulation.outcome import measured, outside_notes
 
 SLACK = 0.01  # share of the largest tested value that is no extrapolation: the rounding of printed tables
 

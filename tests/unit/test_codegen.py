@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
+from direct_equation import accelerations
 from engine_models import ACTUATED, TABLES, cross_flow, model_of, rates_by_hand, states, steered, values_of
 from narrows.codegen.choices import Choices
 from narrows.codegen.free_motion import STATE, trace
@@ -15,7 +16,6 @@ from narrows.codegen.system import System
 from narrows.codegen.tape import tape_of_terms
 from narrows.quantities import dimensions as dim
 from narrows.simulation.channel import along_waterway, straight_channel
-from narrows.simulation.reference import accelerations
 from narrows.simulation.ship import SimulatedShip
 
 PUSHED = Choices(pushed="always")

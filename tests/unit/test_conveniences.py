@@ -9,8 +9,8 @@ import pytest
 import sympy
 
 import narrows as nw
+from direct_equation import accelerations
 from narrows.quantities.arithmetic import choice, maximum
-from narrows.simulation.reference import accelerations
 from tables import frame_of, short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.empirical.bank_prior import BANK_EVIDENCE, bank_prior
 from narrows.empirical.calibration import Calibration, left_out
 from narrows.empirical.formulas import FORMULAS, Hull, depth_factor
 from narrows.empirical.known_ships import KCS, KNOWN_SHIPS, KVLCC2
+from narrows.empirical.main_dimensions import BANK_EVIDENCE, bank_prior
 from narrows.empirical.propulsion import balanced_revolutions, resistance_prime
 
 PANAMAX = nw.Ship(length=366, beam=51, draft=15, block_coefficient=0.65)

@@ -11,7 +11,6 @@ from narrows.estimation.unscented import (
     Gaussian,
     downdated_root,
     innovation_covariance,
-    linear_transform,
     predict,
     sigma_point_weights,
     sigma_points,
@@ -60,16 +59,6 @@ def test_a_linear_system_has_the_kalman_filter() -> None:
         mean, covariance = kalman(mean, covariance, told)
     np.testing.assert_allclose(now.mean, mean, rtol=1e-10, atol=1e-12)
     np.testing.assert_allclose(now.covariance, covariance, rtol=1e-10, atol=1e-12)
-
-
-def test_straight_measurements_need_no_points() -> None:
-    now, told = first(), np.array([0.3, -0.2])
-    expected = linear_transform(np.concatenate([now.mean[None], now.root.T]) @ SEEN.T)
-    covariance = innovation_covariance(expected, SIGMA, sigma_point_weights(SIZE))
-    short = update(now, expected, told - expected.mean, covariance, SIGMA, sigma_point_weights(SIZE))
-    long = measured_by(now, told)
-    np.testing.assert_allclose(short.mean, long.mean, rtol=1e-10)
-    np.testing.assert_allclose(short.covariance, long.covariance, rtol=1e-10, atol=1e-13)
 
 
 @pytest.mark.parametrize(("alpha", "beta", "kappa"), [(0.5, 2.0, 1.0), (1.0, 0.0, 0.0), (0.1, 2.0, 3.0)])

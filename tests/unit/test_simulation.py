@@ -11,10 +11,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import narrows as nw
+from direct_equation import accelerations
 from dop853 import integrated
 from narrows.results import save_dataset
 from narrows.simulation.kernel_run import KernelRun
-from narrows.simulation.reference import accelerations
 from narrows.simulation.ship import SimulatedShip
 
 AWAY = st.one_of(st.floats(0.3, 2.2), st.floats(-2.2, -0.3), st.floats(2.45, 2.6))

@@ -14,9 +14,9 @@ import narrows as nw
 from narrows.warning.alerts.alert import SENSORS, AlertDesk, Command, Condition, Priority
 from narrows.warning.alerts.alert_sentences import notifications
 from narrows.warning.monitoring.alert_publisher import SignalKSender
-from narrows.warning.page import clients as waiting
+from narrows.warning.page import page_updates as waiting
 from narrows.warning.page.bridge_page import UPDATES, BridgePage
-from narrows.warning.page.clients import Clients
+from narrows.warning.page.page_updates import Clients
 
 ANSWER_QUEUE = 16  # answers that wait for a client
 

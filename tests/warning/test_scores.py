@@ -41,10 +41,10 @@ def beside(y: float, psi: float, r: float = 0.0, v: float = 0.0, bend: float = 0
 def test_straight_on_is_a_straight_line() -> None:
     one = beside(40.0, 0.2)
     way = float(one.now[0])
-    assert one.straight_contact(120.0)[0] == pytest.approx(way / (SPEED * math.sin(0.2)), abs=2.0)
-    assert beside(0.0, 0.0).straight_contact(120.0)[0] == math.inf
+    assert one.curved_contact(120.0)[0] == pytest.approx(way / (SPEED * math.sin(0.2)), abs=2.0)
+    assert beside(0.0, 0.0).curved_contact(120.0)[0] == math.inf
     away = beside(40.0, 0.0, bend=1 / 2000.0)  # A bend to starboard leaves a straight track to port.
-    assert away.straight_contact(240.0)[0] == pytest.approx(math.sqrt(2 * 150.0 * 2000.0) / SPEED, rel=0.2)
+    assert away.curved_contact(240.0)[0] == pytest.approx(math.sqrt(2 * 150.0 * 2000.0) / SPEED, rel=0.2)
 
 
 def test_the_curved_track_is_a_circle() -> None:
@@ -53,7 +53,6 @@ def test_the_curved_track_is_a_circle() -> None:
     t = float(one.curved_contact(240.0)[0])
     y = SPEED / r * (1 - math.cos(r * t))
     assert float(one.clearance(np.array([y]), np.array([r * t]))[0]) == pytest.approx(0.0, abs=3.0)
-    assert one.straight_contact(240.0)[0] == math.inf
     assert beside(0.0, 0.0, r=SPEED / 2000.0, bend=1 / 2000.0).curved_contact(120.0)[0] == math.inf
 
 

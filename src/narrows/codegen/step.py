@@ -35,7 +35,7 @@ from narrows.codegen.lines import (
     real,
     straight_lines,
 )
-from narrows.physics.steering_gear import gear_motion
+from narrows.physics.rudder import gear_motion
 
 TURNED = ("cos_psi", "sin_psi", "u", "v", "r")
 

@@ -20,7 +20,7 @@ from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.grid import grid_of
 from narrows.simulation.inputs import INPUTS, check_workers
-from narrows.simulation.notes import section_notes
+from narrows.simulation.outcome import section_notes
 from narrows.simulation.ship import SimulatedShip
 
 if TYPE_CHECKING:

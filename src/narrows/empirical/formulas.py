@@ -177,7 +177,7 @@ FORMULAS = (
 )  # fmt: skip
 
 # Growth of primes from deep water to h/T, by coefficient; missing ones are constant.
-LI_WU = "Li and Wu (1990); unverified: the KCS decides 0.0129 against the 0.129 of the one transcription"
+# Li and Wu (1990); unverified: the KCS decides 0.0129 against the 0.129 of the one transcription.
 
 
 def _li_wu(hull: Hull, depth_to_draft: Number, slope: float, curve: float) -> Number:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.estimation.records import Records
+from narrows.estimation.filter_run import Records
 from narrows.estimation.recursion import DriftMonitor
 from narrows.estimation.settings import SAME_TIME, START_READINGS
 from narrows.estimation.ship_filter import ShipFilter, Start

@@ -16,7 +16,7 @@ from narrows.estimation.settings import STEPS_A_PERIOD, TWIN_SIDE_TIME, TWIN_STA
 from narrows.estimation.ship_filter import ShipFilter, default_step
 from narrows.estimation.ship_lanes import RUDDER, ShipLanes
 from narrows.estimation.states import Columns
-from narrows.physics.steering_gear import gear_motion
+from narrows.physics.rudder import gear_motion
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.controllers import ControlLaw
 from narrows.simulation.grid import sampled

@@ -59,13 +59,6 @@ def unscented_transform(values: np.ndarray, spread: SigmaPointWeights) -> Transf
     return Transformed(first + shift, (ahead - behind) * spread.slope, bends, -shift)
 
 
-def linear_transform(values: np.ndarray) -> Transformed:
-    """Return the same for a linear function, which needs points on one side only."""
-    # values (1 + k, m)
-    none = np.zeros((0, values.shape[1]))
-    return Transformed(values[0], values[1:], none, np.zeros(values.shape[1]))
-
-
 def predict(
     now: Gaussian, move: Callable[[np.ndarray], np.ndarray], noise: np.ndarray, spread: SigmaPointWeights
 ) -> tuple[Gaussian, Transformed]:

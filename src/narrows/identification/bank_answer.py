@@ -11,6 +11,7 @@ from narrows.errors import InputError
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.verdict import IDENTIFIED
+from narrows.results.shown_results import interval, readable
 from narrows.terms.tables import BARE, table_named
 from narrows.terms.term import TermTable
 
@@ -184,9 +185,7 @@ def _values(fit: Fit) -> str:
             parts.append(f"{name} unknown")
             continue
         std = fit.std[name]
-        digits = 1 - math.floor(math.log10(std)) if 0 < std < math.inf else 3  # Two of the standard error
-        value, low, high = (f"{one:.{max(digits, 0)}f}" for one in (fit.coefficients[name], *fit.intervals[name]))
-        parts.append(f"{name} {value} ({low} to {high})")
+        parts.append(f"{name} {readable(fit.coefficients[name], std)} ({interval(fit.intervals[name], std)})")
     return listed(parts)
 
 

@@ -1,6 +1,6 @@
 """Mass and inertia of a ship, given or estimated, and its added mass in deep water."""
 
-from narrows.physics.inertia import clarke_sway, clarke_yaw
+from narrows.physics.hull import clarke_sway, clarke_yaw
 from narrows.ship.particulars import Configuration
 
 # Least radius of gyration over length, for a ship without a given inertia.

@@ -1,5 +1,6 @@
 """The hull of the MMG standard method: hydrodynamic derivatives in sway and yaw, and added masses."""
 
+import math
 from dataclasses import dataclass
 
 from narrows.quantities.names import Number
@@ -84,3 +85,116 @@ def added_sway_turning(v: Number, r: Number, length: Number, draft: Number, dens
 def added_yaw(rdot: Number, length: Number, draft: Number, density: Number) -> Number:
     """Yaw moment of the added inertia per unit J_z' [N m]. Source: Yasukawa and Yoshimura (2015), eq. (4)."""
     return -scale_force(length, draft, density) * length**3 * rdot
+
+
+def linear_surge(u: Number) -> Number:
+    """Regressor [m/s] of linear surge damping, -u. Source: Mikkelsen et al. (2025), Damping Force and Moment."""
+    return -u
+
+
+def quadratic_surge(u: Number) -> Number:
+    """Regressor [m2/s2] of quadratic surge damping, -abs(u) u.
+
+    Source: Mikkelsen et al. (2025), Damping Force and Moment.
+    """
+    return -abs(u) * u
+
+
+def linear_sway(v: Number) -> Number:
+    """Regressor [m/s] of linear sway damping, -v. Source: Mikkelsen et al. (2025), Damping Force and Moment."""
+    return -v
+
+
+def quadratic_sway(v: Number) -> Number:
+    """Regressor [m2/s2] of quadratic sway damping, -abs(v) v.
+
+    Source: Mikkelsen et al. (2025), Damping Force and Moment.
+    """
+    return -abs(v) * v
+
+
+def linear_yaw(r: Number) -> Number:
+    """Regressor [rad/s] of linear yaw damping, -r. Source: Mikkelsen et al. (2025), Damping Force and Moment."""
+    return -r
+
+
+def quadratic_yaw(r: Number) -> Number:
+    """Regressor [rad2/s2] of quadratic yaw damping, -abs(r) r.
+
+    Source: Mikkelsen et al. (2025), Damping Force and Moment.
+    """
+    return -abs(r) * r
+
+
+def sway_lift(u: Number, v: Number) -> Number:
+    """Regressor [m2/s2] of the hull's lift from drift and of the Munk moment, -u v.
+
+    Source: Fossen (2011), section 6.5.
+    """
+    return -u * v
+
+
+def yaw_lift(u: Number, r: Number) -> Number:
+    """Regressor [m rad/s2] of lift from turning and of the centripetal force, -u r.
+
+    Source: Fossen (2011), section 6.5.
+    """
+    return -u * r
+
+
+def yaw_in_crossflow(v: Number, r: Number) -> Number:
+    """Regressor [m rad/s2] of crossflow drag, -abs(v) r. Source: Fossen (2011), section 6.5."""
+    return -abs(v) * r
+
+
+def sway_in_crossflow(v: Number, r: Number) -> Number:
+    """Regressor [m rad/s2] of crossflow drag, -abs(r) v. Source: Fossen (2011), section 6.5."""
+    return -abs(r) * v
+
+
+def sway_squared(v: Number) -> Number:
+    """Regressor [m2/s2] of the surge force of drift, -v v. Source: the usual 3-DOF models."""
+    return -v * v
+
+
+def sway_yaw(v: Number, r: Number) -> Number:
+    """Regressor [m rad/s2] of the surge force of drift and turning together, -v r. Source: the usual 3-DOF models."""
+    return -v * r
+
+
+def yaw_squared(r: Number) -> Number:
+    """Regressor [rad2/s2] of the surge force of turning, -r r. Source: the usual 3-DOF models."""
+    return -r * r
+
+
+def surge_inertia(udot: Number) -> Number:
+    """Regressor of the mass in surge [m/s2]. Source: Mikkelsen et al. (2025), eq. (mass_inertia_x)."""
+    return -udot
+
+
+def sway_inertia(vdot: Number) -> Number:
+    """Regressor [m/s2] of the mass in sway. Source: Mikkelsen et al. (2025), eqs. (mass_inertia_y, mass_inertia_z)."""
+    return -vdot
+
+
+def yaw_inertia(rdot: Number) -> Number:
+    """Regressor of the inertia in yaw [rad/s2], Y = -b_rdot rdot and N = -c_rdot rdot.
+
+    The paper once prints + for the latter; its regression matrix and the physics have -.
+
+    Source: Mikkelsen et al. (2025), eqs. (mass_inertia_y, mass_inertia_z).
+    """
+    return -rdot
+
+
+# Added mass and inertia of a hull in deep water, by regression over ships.
+def clarke_sway(length: float, beam: float, draft: float, block_coefficient: float, density: float) -> float:
+    """Added mass in sway in deep water [kg]. Source: Clarke, Gedling and Hine (1983)."""
+    slender = 1 + 0.16 * block_coefficient * beam / draft - 5.1 * (beam / length) ** 2
+    return math.pi * (draft / length) ** 2 * slender * density * length**3 / 2
+
+
+def clarke_yaw(length: float, beam: float, draft: float, block_coefficient: float, density: float) -> float:
+    """Added moment of inertia in yaw about midship in deep water [kg m2]. Source: Clarke, Gedling and Hine (1983)."""
+    slender = 1 / 12 + 0.017 * block_coefficient * beam / draft - 0.33 * beam / length
+    return math.pi * (draft / length) ** 2 * slender * density * length**5 / 2

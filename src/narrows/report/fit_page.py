@@ -29,7 +29,8 @@ from narrows.report.fit_figures import (
     shapley_figure,
 )
 from narrows.report.fit_table import best_known_first, heading, kkt_sentence
-from narrows.report.style import interval, readable, svg
+from narrows.report.style import svg
+from narrows.results.shown_results import interval, readable
 from narrows.ship.particulars import Canal, Configuration, Ship
 
 ENVELOPE = {

@@ -28,9 +28,9 @@ from narrows.report.style import (
     Margins,
     Picture,
     panels,
-    readable,
 )
 from narrows.report.terminal import print_result, table_of
+from narrows.results.shown_results import readable
 
 # A4, portrait [in].
 PAGE = (8.27, 11.69)

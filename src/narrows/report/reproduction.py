@@ -15,8 +15,8 @@ from narrows.report.fit_figures import (
     shapley_figure,
 )
 from narrows.report.fit_page import figure, render
-from narrows.report.style import interval, readable
 from narrows.report.voyage_figures import distances_figure, paths_figure
+from narrows.results.shown_results import interval, readable
 from narrows.simulation.maps import grounding_distance
 from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reproduction
 

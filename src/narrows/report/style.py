@@ -1,6 +1,5 @@
 """Style of figures: colours for the colour-blind, lines that remain legible in grey."""
 
-import math
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -123,17 +122,3 @@ def svg(figure: Figure) -> str:
         figure.savefig(memory, format="svg", dpi=100, metadata={"Date": None})
     text = memory.getvalue()
     return text[text.index("<svg") :]
-
-
-def readable(value: float, std: float = math.nan) -> str:
-    """Write a number to the second digit of its standard error, or to four digits."""
-    if not math.isfinite(value):
-        return "-" if math.isnan(value) else ("inf" if value > 0 else "-inf")
-    if not (math.isfinite(std) and std > 0):
-        return f"{value:.4g}"
-    digits = max(0, 1 - math.floor(math.log10(std)))
-    return f"{round(value, digits):.{min(digits, 8)}f}"
-
-
-def interval(ends: tuple[float, float], std: float) -> str:
-    return f"{readable(ends[0], std)} to {readable(ends[1], std)}"

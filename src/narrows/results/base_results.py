@@ -1,5 +1,6 @@
 """Base classes of results."""
 
+import math
 import re
 from collections.abc import Iterator
 from functools import partial
@@ -304,3 +305,18 @@ class Tabulated(BaseResult):
                 if name.startswith("_") or not (table_has(name) or name in self.__dict__.get("columns", ())):
                     raise
                 return getattr(self.to_dataframe(), name)
+
+
+def readable(value: float, std: float = math.nan) -> str:
+    """Write a number to the second digit of its standard error, or to four digits."""
+    if not math.isfinite(value):
+        return "-" if math.isnan(value) else ("inf" if value > 0 else "-inf")
+    if not (math.isfinite(std) and std > 0):
+        return f"{value:.4g}"
+    digits = max(0, 1 - math.floor(math.log10(std)))
+    return f"{round(value, digits):.{min(digits, 8)}f}"
+
+
+def interval(ends: tuple[float, float], std: float) -> str:
+    """Write an interval to the second digit of a standard error."""
+    return f"{readable(ends[0], std)} to {readable(ends[1], std)}"

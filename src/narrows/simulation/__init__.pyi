@@ -11,7 +11,7 @@ from .derivative import derivative as derivative
 from .derivative import jacobian as jacobian
 from .derivative import step as step
 from .ensemble import ensemble as ensemble
-from .fleet_map import Fleet as Fleet
+from .maps import Fleet as Fleet
 from .maps import grounding_distance as grounding_distance
 from .maps import grounding_probability as grounding_probability
 from .outcome import Outcome as Outcome

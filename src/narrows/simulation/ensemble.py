@@ -14,7 +14,6 @@ from narrows.errors import InputError, check_choice, path_of
 from narrows.model.data_range import Measure
 from narrows.model.model import Model
 from narrows.progress import bar
-from narrows.simulation.fleet_map import Fleet
 from narrows.simulation.grid import Grid, grid_of, with_values
 from narrows.simulation.initial_state import check_irrelevant, voyage_defaults
 from narrows.simulation.inputs import (
@@ -26,8 +25,8 @@ from narrows.simulation.inputs import (
     check_workers,
 )
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
-from narrows.simulation.notes import measured, outside_notes
-from narrows.simulation.outcome import Code
+from narrows.simulation.maps import Fleet
+from narrows.simulation.outcome import Code, measured, outside_notes
 from narrows.simulation.settings import BLOCK_VESSELS, MOST_STEPS, STEP_CHECK_VOYAGES, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip
 from narrows.simulation.steering import steering_of

@@ -34,8 +34,7 @@ from narrows.simulation.inputs import (
     segments_of,
 )
 from narrows.simulation.integrator import Row, VoyageIntegrator, track_error
-from narrows.simulation.notes import measured, outside_notes
-from narrows.simulation.outcome import Code, Outcome, Track
+from narrows.simulation.outcome import Code, Outcome, Track, measured, outside_notes
 from narrows.simulation.settings import MOST_ROWS, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip
 from narrows.simulation.steering import steering_of

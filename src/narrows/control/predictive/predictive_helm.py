@@ -18,7 +18,7 @@ from narrows.control.settings import EARLY, FIRST_ROUNDS, INTERVALS, MARGIN, PUS
 from narrows.control.steady_course import check_inside, check_rudder, self_propulsion
 from narrows.errors import InputError, needs
 from narrows.model.model import Model
-from narrows.physics.steering_gear import gear_motion
+from narrows.physics.rudder import gear_motion
 from narrows.results import BaseSummary
 from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import VoyageState

@@ -4,7 +4,7 @@ Everything that identification says (fit, standard errors, left-out errors, rank
 from these sums, so its cost after the pass over the rows, and its memory, do not grow with the rows.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -38,13 +38,6 @@ class NormalEquations:
         mean = sum(rows.values()) / len(rows)
         weights = np.array([mean / rows[test] for test in self.tests])
         return replace(self, sums=self.sums * weights[:, None, None], weights=weights)
-
-    def noise_weight(self, tests: Sequence[str]) -> float:
-        """Return the variance of a weighted row's noise over that of a plain one, over the rows of some tests."""
-        if self.weights is None:
-            return 1.0
-        weighted = self.sums[:, self.columns[ONE], self.columns[ONE]] * np.isin(self.tests, tests)
-        return float(self.weights @ weighted / weighted.sum())
 
     @property
     def balance(self) -> Balance:

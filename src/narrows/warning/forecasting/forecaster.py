@@ -18,10 +18,9 @@ from narrows.quantities.names import GRAVITY
 from narrows.ship.particulars import Ship, half_swept
 from narrows.simulation.ship import SimulatedShip
 from narrows.warning import settings
-from narrows.warning.forecasting.escapes import KICK, REVOLUTIONS, STEADY, Manoeuvre, escape_numbers
 from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun, Tracks
 from narrows.warning.forecasting.future_lanes import Case, FutureBlock, FutureLanes, Outcomes, Ships
-from narrows.warning.forecasting.helmsman import Helmsmen
+from narrows.warning.forecasting.helmsman import KICK, REVOLUTIONS, STEADY, Helmsmen, Manoeuvre, escape_numbers
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -313,17 +312,10 @@ class BridgePredictor(NamedTuple):
     def now(self) -> Any:
         return self.clearance(self.y, self.psi)
 
-    def straight_contact(self, until: float) -> np.ndarray:
-        """Return when a ship that goes straight on meets a bank, (n,) [s]; infinite where it does not by then."""
-        return self._contact(np.zeros_like(self.r), until)
-
     def curved_contact(self, until: float) -> np.ndarray:
-        """Return the same of a ship that goes on turning as fast as it does."""
-        return self._contact(self.r, until)
-
-    def _contact(self, turn: np.ndarray, until: float) -> np.ndarray:
+        """Return when a ship that goes on turning as it does meets a bank, (n,) [s]; infinite where not by then."""
         t = np.arange(0.0, until + settings.TRACK_STEP / 2, settings.TRACK_STEP)
-        psi = self.psi[:, None] + (turn - self.bend * self.u)[:, None] * t
+        psi = self.psi[:, None] + (self.r - self.bend * self.u)[:, None] * t
         across = self.u[:, None] * np.sin(psi) + self.v[:, None] * np.cos(psi)
         gone = np.cumsum((across[:, 1:] + across[:, :-1]) / 2 * settings.TRACK_STEP, axis=1)
         y = self.y[:, None] + np.concatenate([np.zeros((len(self.y), 1)), gone], axis=1)

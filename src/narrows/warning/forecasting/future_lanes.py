@@ -11,7 +11,7 @@ from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import PARAMETER, steering_of
-from narrows.warning.forecasting.escapes import REVOLUTIONS, LineOfSight, Manoeuvre, escape_numbers
+from narrows.warning.forecasting.helmsman import REVOLUTIONS, LineOfSight, Manoeuvre, escape_numbers
 from narrows.warning.settings import CONTACT_TOLERANCE
 
 if TYPE_CHECKING:

@@ -23,8 +23,7 @@ from narrows.warning.alerts.alert_sentences import acn, notifications
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_status import BridgeStatus
-from narrows.warning.page.clients import Client, Clients
-from narrows.warning.page.page_updates import COMMANDS, ending, packed, refusal, update_of
+from narrows.warning.page.page_updates import COMMANDS, Client, Clients, ending, packed, refusal, update_of
 from narrows.web import asset
 
 if TYPE_CHECKING:

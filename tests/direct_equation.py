@@ -18,22 +18,6 @@ def accelerations(
 
     A captive test measures F(motion, accelerations); a free ship has F + inputs = 0. F is linear in the accelerations,
     so M is the decrease of F per unit of each.
-
-    Parameters
-    ----------
-    model : Model
-        The terms and coefficients.
-    motion : Motion
-        Pose and velocity, floats or columns; its accelerations are ignored.
-    forces : tuple of three numbers [N, N, N m]
-        External surge force, sway force and yaw moment.
-    surge_inertia : float [kg], optional
-        Mass in surge with its added mass; None holds the speed constant.
-
-    Returns
-    -------
-    array (3, ...)
-        udot, vdot [m/s2], rdot [rad/s2].
     """
     still = _forces(model, motion)
     shape = np.broadcast(*still, *forces).shape
