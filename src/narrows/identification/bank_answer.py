@@ -11,7 +11,7 @@ from narrows.errors import InputError
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.verdict import IDENTIFIED
-from narrows.results.shown_results import interval, readable
+from narrows.results.base_results import interval, readable
 from narrows.terms.tables import BARE, table_named
 from narrows.terms.term import TermTable
 

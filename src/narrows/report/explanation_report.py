@@ -15,7 +15,7 @@ from narrows.report.fit_figures import comparison_figure
 from narrows.report.fit_page import figure, render, section
 from narrows.report.fit_table import heading, print_fit
 from narrows.report.terminal import console_of, table_of
-from narrows.results.shown_results import interval, readable
+from narrows.results.base_results import interval, readable
 
 
 def write_explanation(explanation: Explanation, path: str | Path, title: str) -> None:

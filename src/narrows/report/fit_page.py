@@ -30,7 +30,7 @@ from narrows.report.fit_figures import (
 )
 from narrows.report.fit_table import best_known_first, heading, kkt_sentence
 from narrows.report.style import svg
-from narrows.results.shown_results import interval, readable
+from narrows.results.base_results import interval, readable
 from narrows.ship.particulars import Canal, Configuration, Ship
 
 ENVELOPE = {

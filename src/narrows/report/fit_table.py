@@ -9,7 +9,7 @@ from narrows.identification.bank_answer import Answer, answer_of
 from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED, ZERO
 from narrows.report.terminal import everything, print_notes
-from narrows.results.shown_results import interval, readable
+from narrows.results.base_results import interval, readable
 
 MOST_PAIRS = 5
 COLOURS = {

@@ -30,7 +30,7 @@ from narrows.report.style import (
     panels,
 )
 from narrows.report.terminal import print_result, table_of
-from narrows.results.shown_results import readable
+from narrows.results.base_results import readable
 
 # A4, portrait [in].
 PAGE = (8.27, 11.69)

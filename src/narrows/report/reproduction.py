@@ -16,7 +16,7 @@ from narrows.report.fit_figures import (
 )
 from narrows.report.fit_page import figure, render
 from narrows.report.voyage_figures import distances_figure, paths_figure
-from narrows.results.shown_results import interval, readable
+from narrows.results.base_results import interval, readable
 from narrows.simulation.maps import grounding_distance
 from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reproduction
 
