@@ -305,7 +305,7 @@ def _mark_tested(axes: Axes, quantity: xr.DataArray, model: Model | None) -> lis
     for axis, name in enumerate(str(name) for name in quantity.dims):
         if name in tested:
             marked |= _hatch_beyond(axes, axis, tested[name])
-    for name, (low, high) in tested.items():  # Of a curve at one speed, which may be untested as a whole.
+    for name, (low, high) in tested.items():  # A curve at one speed may be untested as a whole.
         if name in quantity.coords and not quantity[name].ndim and not low <= float(quantity[name]) <= high:
             marked |= _hatch_beyond(axes, 0, nothing)
     look: dict[str, Any] = {"facecolor": "none", "edgecolor": PURPLE, "hatch": ".."}
