@@ -15,7 +15,6 @@ from .maps import Fleet as Fleet
 from .maps import grounding_distance as grounding_distance
 from .maps import grounding_probability as grounding_probability
 from .outcome import Outcome as Outcome
-from .reference import accelerations as accelerations
 from .sensitivities import Sensitivities as Sensitivities
 from .sensitivities import sensitivities as sensitivities
 from .stability import bank_stiffness as bank_stiffness
