@@ -198,6 +198,12 @@ DRAFTED: dict[str, tuple[pd.DataFrame, str]] = {
         'psi = "deg"  # GUESSED',
     ),
     "a rudder of many degrees": (headed({"rudder": "Ruder"}, CLEAN.assign(rudder=30.0)), 'rudder = "deg"  # sure'),
+    "German, shortened": (
+        headed({"t": "Zeit [s]", "test": "Lauf", "psi": "Hdg", "u": "Geschw. längs", "v": "Geschw. quer",
+                "r": "Drehrate", "y": "Ablage [m]", "X": "K1 [N]", "Y": "K2 [N]", "N": "M [Nm]"},
+               CLEAN.drop(columns=[*RATES, "x"]), psi=DEG, r=DEG),
+        'Y = "K2 [N]"  # GUESSED',
+    ),
     "upper case": (
         headed({"psi": "PSI", "u": "U", "v": "V", "r": "R", "t": "T", "test": "TEST"}), 'psi = "rad"  # sure',
     ),

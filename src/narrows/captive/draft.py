@@ -195,12 +195,23 @@ def _last_force(name: str, header: str, draft: Draft, frame: pd.DataFrame) -> Dr
     left = [other for other in draft.unread if not (unit := _unit_of(other)) or _scale(name, unit)]
     left = [other for other in left if np.ptp(floats(frame[other])) > 0]
     kind = [other for other in FORCES if other not in draft.columns and FORCES[other].unit == FORCES[name].unit]
+    if name == "Y" and kind == ["X", "Y"] and len(left) == 2 and "v" in draft.columns:
+        following = {other: _share_of_sway(floats(frame[other]), draft.columns["v"]) for other in left}
+        if header == max(left, key=following.__getitem__):
+            return DraftEntry(header, _unit_of(header) or "N", "", "of two forces, it follows v", False)
     only = left == [header] and kind == [name]
     return (
         DraftEntry(header, _unit_of(header) or FORCES[name].unit, "", "it is the only column left", False)
         if only
         else None
     )
+
+
+def _share_of_sway(force: np.ndarray, v: np.ndarray) -> float:
+    """Share of a force's variance that the sway velocity and its changes explain [1]."""
+    basis = np.stack([np.ones(len(v)), v, np.gradient(v)], axis=1)
+    rest = force - basis @ np.linalg.lstsq(basis, force, rcond=None)[0]
+    return float(1 - rest.var() / force.var())
 
 
 def _has_known_unit(header: str) -> bool:

@@ -27,7 +27,7 @@ SYNONYMS = {
           "langsgeschwindigkeit", "laengsgeschwindigkeit", "langssnelheid", "纵向速度"),
     "v": ("sway velocity", "sway speed", "lateral velocity", "transverse velocity", "quergeschwindigkeit",
           "dwarssnelheid", "横向速度"),
-    "r": ("yaw rate", "yaw velocity", "rate of turn", "turn rate", "rot", "gierrate", "giergeschwindigkeit",
+    "r": ("yaw rate", "yaw velocity", "rate of turn", "turn rate", "rot", "gierrate", "drehrate", "giergeschwindigkeit",
           "draaisnelheid", "giersnelheid", "艏摇角速度", "转艏角速度"),
     "udot": ("surge acceleration", "longitudinal acceleration", "u dot", "du dt", "langsbeschleunigung",
              "laengsbeschleunigung", "langsversnelling", "纵向加速度"),
@@ -125,6 +125,10 @@ def begun(header: str) -> str:
     if words in HINTS:
         return HINTS[words]
     for known, name in NAMES.items():
-        if len(words) > 2 and all(any(other.startswith(part) for other in known.split()) for part in parts):
+        others = known.split()
+        begins = [
+            any(other.startswith(part) for other in others) or (len(part) > 3 and part in known) for part in parts
+        ]
+        if len(words) > 2 and all(begins):  # Compounds are written apart, too: "Geschw. längs".
             return name
     return ""
