@@ -260,7 +260,8 @@ def _cells(envelope: SafeEnvelope, most: int) -> list[list[str]]:
     stride = -(-len(rows) // most)
     return [
         [f"{row['offset']:+.1f}", _span(row["lowest_speed"], row["highest_speed"]),
-         f"{100 * row['held']:.0f} %; {100 * row['known']:.0f} %", _degrees(row["rudder_95"]), row["limited_by"]]
+         f"{100 * row['held']:.0f} %; {100 * row['known']:.0f} %",
+         f"{row['rudder_95']:.0f}" if np.isfinite(row["rudder_95"]) else "none", row["limited_by"]]
         for row in rows[(len(rows) // 2) % stride :: stride]
     ]  # fmt: skip
 
@@ -276,10 +277,6 @@ def _draw_table(axes: Axes, cells: list[list[str]]) -> None:
 
 def _span(low: float, high: float) -> str:
     return f"{low:.1f} to {high:.1f}" if np.isfinite(low) and np.isfinite(high) else "-"
-
-
-def _degrees(angle: float) -> str:
-    return f"{angle:.0f}" if np.isfinite(angle) else "none"
 
 
 def print_envelope(envelope: SafeEnvelope) -> None:
@@ -298,27 +295,18 @@ def print_envelope(envelope: SafeEnvelope) -> None:
 
 
 def _by_offset(envelope: SafeEnvelope) -> Table:
-    table = Table(box=None, pad_edge=False)
-    for head in (
-        "offset [m]",
-        "rudder [deg]",
-        "95 % within [deg]",
-        "held",
-        "held, known ship",
-        "safe [kn]",
-        "safe, known ship [kn]",
-        "50 % of cases [kn]",
-    ):
-        table.add_column(head, justify="right")
-    table.add_column("limited by", no_wrap=True)
-    for row in thinned(envelope.offset_rows()):
-        table.add_row(
+    heads = ("offset [m]", "rudder [deg]", "95 % within [deg]", "held", "held, known ship", "safe [kn]",
+             "safe, known ship [kn]", "50 % of cases [kn]", "limited by")  # fmt: skip
+    rows = (
+        (
             f"{row['offset']:+.1f}", _cell(row["rudder"], "+.1f"), _cell(row["rudder_95"], ".1f"),
             f"{100 * row['held']:.0f} %", f"{100 * row['known']:.0f} %",
-            _speeds(row["lowest_speed"], row["highest_speed"]), _cell(row["highest_speed_known"], ".1f"),
+            _span(row["lowest_speed"], row["highest_speed"]), _cell(row["highest_speed_known"], ".1f"),
             _cell(row["highest_speed_median"], ".1f"), row["limited_by"],
-        )  # fmt: skip
-    return table
+        )
+        for row in thinned(envelope.offset_rows())
+    )  # fmt: skip
+    return table_of(heads, rows, left=("limited by",))
 
 
 def _by_speed(envelope: SafeEnvelope) -> Table:
@@ -332,12 +320,8 @@ def _by_speed(envelope: SafeEnvelope) -> Table:
     return table_of(("speed [kn]", "under the keel [m]", "safest offset [m]"), rows)
 
 
-def _speeds(low: float, high: float) -> str:
-    return f"{low:.1f} to {high:.1f}" if math.isfinite(low) and math.isfinite(high) else "-"
-
-
 def _cell(value: float, form: str) -> str:
-    return f"{value:{form}}" if math.isfinite(value) else "-"
+    return f"{value:{form}}" if np.isfinite(value) else "-"
 
 
 STYLES = ("-", "--", ":")

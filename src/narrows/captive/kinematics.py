@@ -1,0 +1,253 @@
+"""Kinematic consistency: each motion is the rate of another, and a mistake in one has a sign or a unit."""
+
+import math
+from collections.abc import Iterable, Mapping
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from narrows.captive import settings
+from narrows.captive.columns import COLUMNS
+from narrows.captive.tests import cuts
+from narrows.errors import InputError
+from narrows.readers.headers import Column
+
+DEGREE = math.pi / 180
+# Columns that determine the rate of each column.
+RATES = {"y": ("u", "v", "psi"), "psi": ("r",), "u": ("udot",), "v": ("vdot",), "r": ("rdot",)}
+SAYS = {"y": "what u, v and psi say", "psi": "r", "u": "udot", "v": "vdot", "r": "rdot"}
+
+# Columns whose signs are reversed together, the fewest first.
+MIRRORED = (
+    ("y",), ("psi",), ("v",), ("r",), ("vdot",), ("rdot",), ("udot",), ("psi", "r"), ("r", "rdot"), ("v", "vdot"),
+    ("psi", "r", "rdot"), ("y", "v", "vdot"),
+)  # fmt: skip
+
+TURNING = (("psi",), ("r",), ("rdot",), ("psi", "r"), ("r", "rdot"), ("psi", "r", "rdot"))
+MOVING = (("y",), ("u",), ("v",), ("vdot",), ("udot",), ("v", "vdot"), ("u", "v"), ("u", "v", "udot", "vdot"))
+
+# Columns that are in another unit together: how many of the first unit one of the second is.
+UNITS = (
+    *((names, DEGREE, "rad", "deg") for names in TURNING), *((names, 1 / DEGREE, "deg", "rad") for names in TURNING),
+    *((names, 1e-3, "m", "mm") for names in MOVING),
+    *((names, 0.514444, "m/s", "kn") for names in (("u",), ("v",), ("u", "v"))),
+    (("t",), 1e-3, "s", "ms"), (("t",), 60.0, "s", "minute"),
+)  # fmt: skip
+
+
+class Agreement(NamedTuple):
+    """Agreement of a column's changes with its rate, one number per test."""
+
+    correlation: np.ndarray  # (tests,) Correlation of the two [1]
+    factor: np.ndarray  # (tests,) The column's change relative to its rate; 0 if a test carries no information [1]
+
+    @property
+    def alike(self) -> np.ndarray:
+        """Tests in which the two are the same motion up to size or sign, (tests,) of bool."""
+        return np.asarray((self.factor > 0) & (np.abs(self.correlation) > settings.LEAST_CORRELATION))
+
+    @property
+    def apart(self) -> np.ndarray:
+        """Tests that contradict it, (tests,) of bool."""
+        far = (
+            (self.correlation < 0)
+            | (self.factor > settings.SLOPE_TOLERANCE)
+            | (self.factor < 1 / settings.SLOPE_TOLERANCE)
+        )
+        return np.asarray(self.alike & far)
+
+
+class MotionColumns(NamedTuple):
+    columns: Columns  # (rows,) Columns meant to be in SI, test by test
+    starts: np.ndarray  # (tests + 1,) First row of each test, and the number of rows
+    length: float  # Length of the ship [m]
+
+    def only(self, tests: np.ndarray) -> "MotionColumns":
+        rows = np.diff(self.starts)
+        kept = np.repeat(tests, rows)
+        starts = np.concatenate([[0], np.cumsum(rows[tests])])
+        return self._replace(columns={name: column[kept] for name, column in self.columns.items()}, starts=starts)
+
+
+def check_axes(motions: MotionColumns, table: str) -> None:
+    """Raise if u and v are the velocities along and across the canal, not those in the axes of a ship that yaws."""
+    columns = motions.columns
+    if not {"t", "y", "psi", "u", "v"} <= columns.keys():
+        return
+    u, v, psi, lapses = columns["u"], columns["v"], columns["psi"], _lapses(motions, {})
+    known = lapses > 0
+    if not known.any():
+        return
+    own, canal = (
+        float(np.std((np.diff(columns["y"]) - 0.5 * (rate[1:] + rate[:-1]) * lapses)[known]))
+        for rate in (u * np.sin(psi) + v * np.cos(psi), v)
+    )
+    if own > 4 * canal and own > settings.LEAST_LEEWAY * float(np.mean(np.abs(u[1:] * lapses)[known])):
+        raise InputError(
+            f"{table}: dy/dt is v, not u sin(psi) + v cos(psi), so u and v are along and across the canal; give those "
+            "in the ship's axes, u cos(psi) + v sin(psi) and v cos(psi) - u sin(psi), and their rates or none"
+        )
+
+
+def check_kinematics(
+    motions: MotionColumns, names: Iterable[str], by_name: Mapping[str, Column], table: str
+) -> tuple[str, ...]:
+    """Raise if a column has the wrong sign or unit; return other disagreements."""
+    agreements = kinematic_consistency(motions)
+    wrong = sum((agreement.apart for agreement in agreements.values()), np.zeros(1, bool)) > 0
+    if not wrong.any():
+        return ()
+    sentence = _disagreement(agreements, [name for name, bad in zip(names, wrong, strict=True) if bad])
+    for some in (motions, motions.only(wrong)):
+        agreement = kinematic_consistency(some)
+        if causes := _turned_round(some, agreement, by_name) or _in_another_unit(some, agreement, by_name):
+            raise InputError(f"{table}: {sentence}; {causes}")
+    return (f"{sentence[0].upper()}{sentence[1:]}: check these columns.",)
+
+
+def kinematic_consistency(motions: MotionColumns) -> dict[str, Agreement]:
+    """Compare the changes of each column with its rate, by column."""
+    rates = {name: rate for name, rate in rates_of(motions.columns).items() if _moves(motions, name)}
+    lapses = _lapses(motions, rates)
+    return {name: _agreement(motions.columns[name], rate, lapses, motions.starts) for name, rate in rates.items()}
+
+
+def rates_of(columns: Columns) -> dict[str, np.ndarray]:
+    """Return the rates of columns computed from other columns, midway between rows, (rows - 1,)."""
+    known = [name for name, asked in RATES.items() if {name, *asked} <= columns.keys()]
+    rates = {
+        name: columns["u"] * np.sin(columns["psi"]) + columns["v"] * np.cos(columns["psi"])
+        if name == "y"
+        else columns[RATES[name][0]]
+        for name in known
+    }
+    return {name: 0.5 * (rate[1:] + rate[:-1]) for name, rate in rates.items()}
+
+
+def _moves(motions: MotionColumns, name: str) -> bool:
+    """Return whether a column varies by more than a carriage's vibration."""
+    speed = float(np.abs(motions.columns.get("u", np.ones(1))).mean())
+    least = {"y": motions.length, "psi": 1.0, "u": speed, "v": speed, "r": speed / motions.length}[
+        name
+    ] * settings.SHAKE
+    return bool(np.std(motions.columns[name]) > least)
+
+
+def _lapses(motions: MotionColumns, rates: Columns) -> np.ndarray:
+    """Time between rows [s]: from t, from the path, or constant of unknown size; 0 if unknown."""
+    columns, starts = motions.columns, motions.starts
+    inside = np.ones(int(starts[-1]) - 1, bool)
+    inside[starts[1:-1] - 1] = False
+    if "t" in columns:
+        return _without_gaps(np.diff(columns["t"]), inside, starts)
+    if {"x", "u", "v", "psi"} <= columns.keys():
+        ahead = columns["u"] * np.cos(columns["psi"]) - columns["v"] * np.sin(columns["psi"])
+        with np.errstate(all="ignore"):
+            lapses = np.abs(2 * np.diff(columns["x"]) / (ahead[1:] + ahead[:-1]))
+        if (lapses[inside] > 0).all() and np.isfinite(lapses[inside]).all():
+            return _without_gaps(lapses, inside, starts)
+    return _even(columns, starts, rates, inside)
+
+
+def _without_gaps(lapses: np.ndarray, inside: np.ndarray, starts: np.ndarray) -> np.ndarray:
+    """Leave out steps between tests, and those over excluded rows."""
+    known = np.where(inside, lapses, 0.0)
+    usual = np.repeat([np.median(known[a : b - 1]) if b - a > 1 else 0.0 for a, b in pairwise(starts)], np.diff(starts))
+    return np.where(known > settings.ROW_GAP * usual[:-1], 0.0, known)
+
+
+def _even(columns: Columns, starts: np.ndarray, rates: Columns, inside: np.ndarray) -> np.ndarray:
+    """Constant time between rows in each test, the median over its columns; 0 if only one column determines it."""
+    seen = [_agreement(columns[name], rate, inside * 1.0, starts) for name, rate in rates.items()]
+    if not seen:
+        return inside * 1.0
+    told = np.array([np.where(one.alike, one.factor, np.nan) for one in seen])
+    enough = np.isfinite(told).sum(axis=0) >= settings.FEWEST_RATES
+    step = np.array(
+        [np.nanmedian(factors) if several else 0.0 for factors, several in zip(told.T, enough, strict=True)]
+    )
+    return np.asarray(inside * np.repeat(step, np.diff(starts))[:-1])
+
+
+def _agreement(column: np.ndarray, rate: np.ndarray, lapses: np.ndarray, starts: np.ndarray) -> Agreement:
+    """Compare over stretches of each test; a test of few stretches, or of small changes, carries no information."""
+    ends = [start + cuts(int(stop - start) - 1, settings.STRETCHES) for start, stop in pairwise(starts)]
+    edges, count = np.concatenate(ends), len(ends)
+    test = np.repeat(np.arange(count), [len(edge) for edge in ends])
+    way, unknown = (np.concatenate([[0.0], np.cumsum(column_of)])[edges] for column_of in (rate * lapses, lapses == 0))
+    whole = np.diff(unknown) == 0
+    whose, change, expected = test[1:][whole], np.diff(column[edges])[whole], np.diff(way)[whole]
+    cc, ee, ce = (np.bincount(whose, product, count) for product in (change**2, expected**2, change * expected))
+    rows = np.bincount(whose, minlength=count)
+    told = (rows >= settings.FEWEST_STRETCHES) & (
+        np.minimum(_strong(cc, rows), _strong(ee, rows)) > settings.FAINT_SHARE**2
+    )
+    with np.errstate(all="ignore"):
+        return Agreement(np.where(told, ce / np.sqrt(cc * ee), 0.0), np.where(told, np.sqrt(cc / ee), 0.0))
+
+
+def _strong(squares: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Mean square of each test relative to the largest."""
+    mean = squares / np.maximum(rows, 1)
+    return np.asarray(mean / max(mean.max(), 1e-300))
+
+
+def _disagreement(agreements: Mapping[str, Agreement], tests: list[str]) -> str:
+    """Describe the disagreement, with the numbers of the first informative test."""
+    parts = []
+    for name, agreement in agreements.items():
+        if agreement.apart.any():
+            i = int(np.argmax(agreement.apart))
+            parts.append(
+                f"d{name}/dt is {math.copysign(agreement.factor[i], agreement.correlation[i]):.2g} times {SAYS[name]}"
+            )
+    others = f" and {len(tests) - 1} more" if len(tests) > 1 else ""
+    return f"in test {tests[0]}{others}, {' and '.join(parts)}"
+
+
+def _turned_round(motions: MotionColumns, agreements: Mapping[str, Agreement], by_name: Mapping[str, Column]) -> str:
+    """Describe the fewest columns that agree with all others after a change of sign."""
+    mended = [names for names in MIRRORED if _mends(motions, agreements, dict.fromkeys(names, -1.0))]
+    fewest = [names for names in mended if len(names) == len(mended[0])]
+    if not fewest:
+        return ""
+    choices = ", or ".join(_listed(names, by_name) for names in fewest)
+    return f"turn the sign of {choices} (y and v count to starboard, angles clockwise from above)"
+
+
+def _in_another_unit(motions: MotionColumns, agreements: Mapping[str, Agreement], by_name: Mapping[str, Column]) -> str:
+    """Describe the fewest columns that agree with all others in another unit."""
+    mended = [
+        (names, usual, unit)
+        for names, scale, usual, unit in UNITS
+        # A header with a unit may be wrong only if that is not the usual one.
+        if all(name in by_name and by_name[name].stated == (unit == "rad") for name in names)
+        and _mends(motions, agreements, dict.fromkeys(names, scale))
+    ]
+    fewest = min((len(names) for names, _, _ in mended), default=0)
+    parts = []
+    for names, usual, unit in (mend for mend in mended if len(mend[0]) == fewest):
+        units = [COLUMNS[name].unit.replace(usual, unit, 1) if unit != "rad" else COLUMNS[name].unit for name in names]
+        heads = " and ".join(f"'{name} [{spelled}]'" for name, spelled in zip(names, units, strict=True))
+        parts.append(f"{_listed(names, by_name)} {'look' if len(names) > 1 else 'looks'} like {units[0]}; head {heads}")
+    return ", or ".join(parts)
+
+
+def _mends(motions: MotionColumns, agreements: Mapping[str, Agreement], scales: Mapping[str, float]) -> bool:
+    """Return whether all columns agree once some are scaled, with no fewer informative tests."""
+    columns = motions.columns
+    if not columns.keys() >= scales.keys():
+        return False
+    again = kinematic_consistency(
+        motions._replace(columns={**columns, **{n: columns[n] * k for n, k in scales.items()}})
+    )
+    return all(
+        name in again and not again[name].apart.any() and again[name].alike.sum() >= agreement.alike.sum()
+        for name, agreement in agreements.items()
+    )
+
+
+def _listed(names: tuple[str, ...], by_name: Mapping[str, Column]) -> str:
+    headers = [repr(by_name[name].header) if name in by_name else repr(name) for name in names]
+    return " and ".join([", ".join(headers[:-1]), headers[-1]] if len(headers) > 1 else headers)
