@@ -36,6 +36,9 @@ UNITS = (
 )  # fmt: skip
 
 
+Columns = Mapping[str, np.ndarray]
+
+
 class Agreement(NamedTuple):
     """Agreement of a column's changes with its rate, one number per test."""
 

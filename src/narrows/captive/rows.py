@@ -11,7 +11,7 @@ import pandas as pd
 
 from narrows.captive import check, formats, settings
 from narrows.captive.columns import COLUMNS, columns_with
-from narrows.captive.kinematics import MotionColumns, check_kinematics
+from narrows.captive.kinematics import MotionColumns, check_axes, check_kinematics
 from narrows.captive.synonyms import begun, renamed
 from narrows.captive.tests import LABELS, CaptiveTests, Headers
 from narrows.errors import InputError, near_miss, reason, shown
@@ -158,7 +158,7 @@ def _physical_sense(
     motions = MotionColumns(
         {name: column[order] for name, column in columns.items()}, starts, configuration.ship.length
     )
-    check.check_axes(motions, table)
+    check_axes(motions, table)
     check.check_drift(columns, by_name, table)
     return notes + check_kinematics(motions, names, by_name, table)
 
