@@ -39,7 +39,6 @@ def known(twins: str) -> float:
     return 2 * (0.95 * 0.05 / int(twins)) ** 0.5
 
 
-@pytest.mark.xfail(reason="b_bank after one transit is covered in 85 % of 40 twins", strict=True)
 def test_intervals_cover_as_far_as_so_many_twins_tell() -> None:
     """Within two standard errors of 95 % by the number of twins."""
     for row in table().values():

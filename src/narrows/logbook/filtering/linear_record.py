@@ -22,8 +22,8 @@ from narrows.logbook.filtering.record_grid import RecordGrid
 from narrows.logbook.filtering.recorded_motion import CURRENT, PUSHES, RecordedMotion
 
 INPUTS = (*PUSHES, RUDDER_OFFSET, CURRENT_X, CURRENT_Y)
-# Least standard deviation of a step, over lengths, radians and speeds of the ship: for rounding alone.
-LEAST = 1e-5 * np.array([1.0, 1.0, 0.3, 1.0, 1.0, 0.3])
+# Standard deviation of a step of each state, relative to the others.
+WALKS = np.array([1.0, 1.0, 0.3, 1.0, 1.0, 0.3])
 # Random walk of a held speed in a second, over itself.
 SPEED_WALK = 2e-3
 # Standard deviation of a start about the first guess, over lengths, radians and speeds of the ship.
@@ -63,6 +63,7 @@ class Scales(NamedTuple):
 
     states: np.ndarray  # (6,) Length, length, radian, speed, speed, speed over length
     held: bool  # True where the speed is held
+    walk: float  # Standard deviation of a step over lengths, radians and speeds of the ship
 
 
 @dataclass(frozen=True)
@@ -125,7 +126,7 @@ class LinearRecord:
         kept = model.kept(step)
         gusty = np.array([one.name in model.gusts for one in model.processes], bool)
         met = np.where(gusty, 0.0, kept)
-        usual = (LEAST * scale) ** 2
+        usual = (self.scales.walk * WALKS * scale) ** 2
         usual[3] += (SPEED_WALK * scale[3]) ** 2 * step * self.scales.held
         return (
             np.stack([kept, met, kept]),

@@ -67,6 +67,9 @@ class LogProblem:
     inertia: PushInertia
     model: StochasticModel
     correlated: float = 1.0  # Readings for each independent one
+    # Standard deviation of a step over ship lengths and speeds, for rounding alone. At 1e-5 the filter follows a
+    # position that is measured to millimetres instead of the model, and the estimated noise vanishes.
+    walk: float = 1e-7
 
     @property
     def count(self) -> int:
@@ -78,7 +81,7 @@ class LogProblem:
         """Scales of the ship's states."""
         length, u = self.motion.model.configuration.ship.length, float(self.motion.choices["u"])
         held = self.motion.integrator.ship.surge == "held"
-        return Scales(np.array([length, length, 1.0, u, u, u / length]), held)
+        return Scales(np.array([length, length, 1.0, u, u, u / length]), held, self.walk)
 
     @cached_property
     def precision(self) -> np.ndarray:

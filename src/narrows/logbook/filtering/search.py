@@ -24,6 +24,7 @@ FIRST, GENTLER, HARDER, MOST = 1e-3, 0.1, 10.0, 1e4
 KEPT_STEPS = 200_000  # steps of records whose paths are kept; a longer log smooths each path again and again
 RESTARTS = 3  # of the search with another number of correlated readings
 SETTLED = 1.2  # ratio of this number to the one before, below which it stays
+LOOSE_WALK = 1e-3  # of a step over lengths and speeds of the ship, where the model cannot follow a whole record
 
 Grids = Iterable[RecordGrid]
 
@@ -38,6 +39,7 @@ class SearchResult:
     steps: int = 0
     converged: bool = False
     interrupted: bool = False
+    diverged: bool = False
 
     @property
     def scaled(self) -> np.ndarray:
@@ -56,12 +58,15 @@ class SearchResult:
 
 
 def search(problem: LogProblem, grids: Grids, steps: int = MOST_STEPS) -> SearchResult | None:
-    """Maximise the posterior; None where the motion diverges from the start.
+    """Maximise the posterior, over short stretches where whole records diverge; None where these diverge too.
 
     Where nothing disturbs the ship, what a model leaves of a record is correlated: the likelihood counts one reading of
     so many that are correlated, as a composite likelihood does.
     """
     found = _maximum(problem, grids, np.zeros(len(problem.precision)), (), steps)
+    if found is None or found.diverged:
+        problem = replace(problem, walk=LOOSE_WALK)
+        found = _maximum(problem, grids, np.zeros(len(problem.precision)), (), steps)
     for _ in range(RESTARTS * (not problem.model.gusts)):
         if found is None or found.interrupted or not found.records:
             break
@@ -81,7 +86,7 @@ def _maximum(
     for number in range(1, steps + 1):
         after = scored(problem, grids, unknowns, paths, PASSES if found else FIRST_PASSES)
         if after is None or (after.interrupted and found):
-            return found and replace(found, interrupted=after is not None)
+            return found and replace(found, interrupted=after is not None, diverged=after is None)
         found = replace(after, steps=number)
         step, gain = _step(problem, found, 0.0)
         if gain < ENOUGH or found.interrupted:

@@ -31,7 +31,7 @@ class ExpectedInformation:
         copies = count / len(self.found.records)
         records = tuple(replace(one, information=copies * one.information) for one in self.found.records)
         once = replace(records[0], information=np.sum([one.information for one in records], axis=0))
-        return log_posterior(self.model, self.before, replace(self.found, records=(once,)), count)
+        return log_posterior(self.model, self.before, replace(self.found, records=(once,)))
 
 
 def expected_information(model: Model, posed: PosedLog, gusts: np.ndarray, memory: float) -> ExpectedInformation:

@@ -1,6 +1,6 @@
 """Posterior of all coefficients after a log: Gaussian, with standard errors by the scatter of records."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,9 +10,6 @@ from narrows.model.model import Model
 
 TOLD = 1e-3  # of a variance before, by which a log is to move a combination that counts
 EXPECTED_SCATTER = 10  # records that the expected scatter of scores counts for, against that of the records
-# Correlation between the errors of transits: a pilot who sees more than the sensors makes the rudder informative about
-# the ship, and a likelihood that takes the rudder as given errs alike in each. Twins at five transits give it.
-ALIKE = 0.25
 
 
 @dataclass(frozen=True)
@@ -33,9 +30,8 @@ class LogPosterior:
         return float(chi2.sf(self.disagreement, max(self.freedom, 1)))
 
 
-def log_posterior(model: Model, before: np.ndarray, found: SearchResult, count: int | None = None) -> LogPosterior:
-    """Return what is known after a log of so many records, from the covariance (n, n) before."""
-    found = _less_informative(found, count or len(found.records))
+def log_posterior(model: Model, before: np.ndarray, found: SearchResult) -> LogPosterior:
+    """Return what is known after a log, from the covariance (n, n) before."""
     problem, prior = found.problem, found.problem.prior
     scaled = sandwich(problem, found)[: problem.count, : problem.count]
     weights = _weights(model, before, prior)
@@ -45,16 +41,6 @@ def log_posterior(model: Model, before: np.ndarray, found: SearchResult, count: 
     values = np.array([model.coefficients[name] for name in model.terms.names]) + weights @ (prior.scale * found.scaled)
     disagreement = _disagreement(problem, found.information, found.scaled)
     return LogPosterior(values, (covariance + covariance.T) / 2, scaled, *disagreement)
-
-
-def _less_informative(found: SearchResult, count: int) -> SearchResult:
-    """Divide the information by the design effect of records whose errors are correlated."""
-    # Kish (1965), Survey Sampling, section 5.4.
-    if not found.problem.model.gusts or not found.problem.motion.model.feels_bank:
-        return found
-    root = np.sqrt(1 + (count - 1) * ALIKE)
-    records = (replace(one, score=one.score / root, information=one.information / root**2) for one in found.records)
-    return replace(found, records=tuple(records))
 
 
 def sandwich(problem: LogProblem, found: SearchResult) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 from narrows.logbook.filtering.gauss_markov import SWAY, YAW
 from narrows.logbook.filtering.likelihood import RecordScore
 from narrows.logbook.filtering.log_problem import LogProblem
-from narrows.logbook.filtering.search import SearchResult
+from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult
 from narrows.logbook.learned_coefficient import learned_coefficients, learned_model
 from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise
 from narrows.logbook.learning.log_posterior import log_posterior
@@ -19,6 +19,10 @@ from narrows.model.data_range import Range
 from narrows.model.model import Model
 from narrows.terms.term import TermKind
 
+STRETCHES = (
+    "The model cannot follow whole records: it was fitted to short stretches; predict no whole manoeuvres with it."
+)
+
 
 def log_result(posed: PosedLog, found: SearchResult, log: LogSource, free: Sequence[str]) -> LogFit:
     """Return the answer of a search."""
@@ -28,7 +32,12 @@ def log_result(posed: PosedLog, found: SearchResult, log: LogSource, free: Seque
     answers = record_answers(found, source)
     came = learned_model(prior, learned, after.covariance, "", *_ranges(found.records))
     stopped = (f"Interrupted: the answer is of {len(found.records)} records, after {found.steps} steps.",)
-    about = (*said_granted(found.problem, free, answers), *source.left_out, *stopped * found.interrupted)
+    about = (
+        *(STRETCHES,) * (found.problem.walk == LOOSE_WALK),
+        *said_granted(found.problem, free, answers),
+        *source.left_out,
+        *stopped * found.interrupted,
+    )
     return LogFit(
         replace(came, source=log.after(prior, len(answers))), prior, learned, answers, _gusts(found), _noise(found),
         after.disagreement, after.freedom, after.probability, _inertia(posed.model, found.problem), about,
