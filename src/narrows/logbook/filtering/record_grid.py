@@ -21,8 +21,6 @@ class Readings:
 
     values: np.ndarray  # (n,) In the unit of the signal
     window: np.ndarray  # (n,) In which each lies
-    # (n,) The node before each, where the nodes of all windows stand one after the other, their ends included
-    row: np.ndarray
     share: np.ndarray  # (n,) Share of the step that is over [1]
     elapsed: np.ndarray  # (n,) Since the window began [s]
     counted: np.ndarray  # (n,) Number of values in each mean
@@ -141,5 +139,5 @@ def _readings(name: str, signal: Signal, times: np.ndarray, first: np.ndarray, w
     before = np.minimum(position.astype(int), steps - 1)
     window = np.searchsorted(first, before, side="right") - 1
     kept = whole[window]
-    read = Readings(values, window, before + window, position - before, t - times[first[window]], counted)
+    read = Readings(values, window, position - before, t - times[first[window]], counted)
     return Readings(*(getattr(read, entry.name)[kept] for entry in fields(Readings)))
