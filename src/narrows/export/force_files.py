@@ -77,7 +77,7 @@ def force_text(model: Model, path: str | Path, prefix: str) -> str:
     return filled(
         f"bank_force{suffix}.j2", prefix=prefix, lines=lines, contact=CONTACT,
         tested=[(sizes[name], bit, repr(low), repr(high)) for name, (bit, low, high) in ends],
-        reach=f"{y} + {0.5 * hull.length!r} * {sine} + {0.5 * hull.beam!r} * cos_psi",
+        reach=f"{0.5 * hull.length!r} * {sine} + {0.5 * hull.beam!r} * cos_psi", draft=repr(hull.draft),
         about=[commented(line) for line in passport(model)],
     )  # fmt: skip
 

@@ -69,6 +69,6 @@ def ends_of_data(model: Model, names: Iterable[str]) -> dict[str, tuple[int, flo
     for name in names:
         pair = getattr(model.data_range, name)
         if pair is not None:
-            slack, scale = SLACK * max(map(abs, pair)), scales.get(name, 1.0)
-            ends[name] = (MEASURES[name].bit, scale * (pair[0] - slack), scale * (pair[1] + slack))
+            (low, high), scale = pair, scales.get(name, 1.0)
+            ends[name] = (MEASURES[name].bit, scale * (low - SLACK * abs(low)), scale * (high + SLACK * abs(high)))
     return ends

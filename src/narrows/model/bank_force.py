@@ -127,12 +127,11 @@ def bank_force(
     canal = model.configuration.canal
     depth = canal.depth if depth is None else depth
     deep: Number = 0.0 if depth is None else depth
-    right, left = (
-        (canal.width / 2 if foot is None else foot) + 0.5 * slope * deep
-        for foot, slope in ((starboard, slope_starboard), (port, slope_port))
-    )
+    feet = [canal.width / 2 if foot is None else foot for foot in (starboard, port)]
+    slopes = [np.asarray(slope, float) for slope in (slope_starboard, slope_port)]
+    right, left = (foot + 0.5 * slope * deep for foot, slope in zip(feet, slopes, strict=True))
     width, offset = right + left, y - 0.5 * (right - left)
-    if depth is None and np.any(np.not_equal(slope_starboard, 0.0) | np.not_equal(slope_port, 0.0)):
+    if depth is None and any(map(np.any, slopes)):
         raise InputError("a sloped bank needs a depth of the water; give depth")
     ship = model.configuration.ship
     deep_enough = depth is None or np.all(np.asarray(depth) > ship.draft)
@@ -143,7 +142,11 @@ def bank_force(
     forces = [_with_deviation(model, force, values) for force in "YN"]
     asked = {"speed": u, "abs_y": abs(offset), "abs_psi": abs(psi), "width_to_beam": width / ship.beam}
     asked |= {} if depth is None else {"depth_to_draft": depth / ship.draft}
-    touches = 2 * abs(offset) + ship.length * abs(np.sin(psi)) + ship.beam * np.cos(psi) >= width
+    # The keel touches a slope at its draft, if not the side the equivalent wall before.
+    free = np.minimum(0.5 * deep, deep - ship.draft)
+    reach = 0.5 * ship.length * abs(np.sin(psi)) + 0.5 * ship.beam * np.cos(psi)
+    walls = [foot + slope * free for foot, slope in zip(feet, slopes, strict=True)]
+    touches = (y + reach >= walls[0]) | (reach - y >= walls[1])
     notes = (*model.bank_notes, *extrapolation(model.data_range, asked), *[NO_MEANING] * bool(np.any(touches)))
     (Y, Y_deviation), (N, N_deviation) = forces
     beyond = sum_beyond(model.data_range, asked) + CONTACT * np.asarray(touches, int)

@@ -10,8 +10,8 @@ import numpy as np
 from narrows.quantities.names import Number
 
 Range = tuple[float, float]
-# Tolerance relative to the larger end of a range, within which a value still counts as covered: the accuracy of a depth
-# or a speed.
+# Tolerance relative to an end of a range, within which a value still counts as covered: the accuracy of a depth or a
+# speed.
 SLACK = 0.01
 
 
@@ -81,8 +81,7 @@ class DataRange:
             Values in its unit.
         """
         low, high = getattr(self, name) or (-np.inf, np.inf)
-        slack = SLACK * max(abs(low), abs(high))
-        return np.logical_or(values < low - slack, values > high + slack)
+        return np.logical_or(values < low - SLACK * abs(low), values > high + SLACK * abs(high))
 
     def covers(self, name: str, values: Number) -> Number:
         """Return whether the data covered each value; False if the range is unknown.
