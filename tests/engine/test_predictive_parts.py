@@ -15,7 +15,7 @@ from scipy.linalg import expm
 from scipy.optimize import minimize
 
 import narrows as nw
-from narrows.codegen.derivatives import LINEARISED
+from narrows.codegen.linearisation import LINEARISED
 from narrows.control.local_motion import LocalMotion, LocalWater
 from narrows.control.predictive.course_ahead import margins_of, regulator_of, weights_of
 from narrows.control.predictive.line_frame import HELD, WaterAhead, line_slopes, over_interval, share_of, water_ahead

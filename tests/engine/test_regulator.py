@@ -241,7 +241,7 @@ def test_what_there_is_not_is_not_seen() -> None:
         def orders(self, at: Any) -> tuple[dict[str, Any], dict[str, Any]]:
             return {"rudder": at.water("fish", at.x)}, self.memory({})
 
-    with pytest.raises(nw.InputError, match="seen of the water = 'fish' is unknown"):
+    with pytest.raises(nw.InputError, match="the observed section = 'fish' is unknown"):
         nw.simulate(steered(), 0.1, 1.0, 1.0, controller=Curious())
 
 

@@ -51,7 +51,10 @@ def test_forces_are_equal_to_the_last_bit(
     assert back(model, file).forces(motion) == model.forces(motion)
 
 
-@given(length=SIZES, beam=st.floats(0.01, 0.3), draft=SIZES, block=st.floats(0.1, 1.0), density=SIZES, x_g=MEASURED)
+@given(
+    length=SIZES, beam=st.floats(0.01, 0.3), draft=SIZES, block=st.floats(0.1, 1.0), density=st.floats(950, 1240),
+    x_g=MEASURED,
+)  # fmt: skip
 def test_the_setting_comes_back(
     dtc: nw.Model, file: Path, length: float, beam: float, draft: float, block: float, density: float, x_g: float
 ) -> None:

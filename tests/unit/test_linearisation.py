@@ -8,7 +8,7 @@ import pytest
 
 import narrows as nw
 from engine_models import ACTUATED, SURGE_INERTIA, TABLES, model_of, states
-from narrows.codegen.derivatives import LINEARISED
+from narrows.codegen.linearisation import LINEARISED
 from narrows.simulation.ship import SimulatedShip
 
 AT = {"x": 0.0, "y": 1.3, "psi": -0.4, "u": 0.8, "v": 0.11, "r": -0.07}

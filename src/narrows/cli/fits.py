@@ -107,6 +107,7 @@ def _confirmed(table: Path) -> Path | None:
 def _drafted(table: Path, ship: Path) -> str:
     """Draft the columns of a table that was refused; return what was done and what to type."""
     from narrows.captive.draft import draft_columns
+    from narrows.files import write_whole
     from narrows.readers.frames import read_frame
 
     path = table.with_name("columns.toml")
@@ -117,7 +118,7 @@ def _drafted(table: Path, ship: Path) -> str:
         draft = draft_columns(read_frame(table).frame)
         if not draft.entries:
             return ""
-        path.write_text(draft.toml(table.name, command), encoding="utf-8")
+        write_whole(path, draft.toml(table.name, command))
     except (InputError, OSError):
         return ""
     return f"; {path} is drafted, {draft.summary()}: check it, and type {command}"

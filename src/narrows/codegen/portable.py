@@ -7,8 +7,9 @@ from functools import cached_property
 import sympy
 
 from narrows.codegen.choices import COUNTED, LENGTH, Actuated, Choices, Law, control_names
-from narrows.codegen.derivatives import LINEARISED, coefficient_slopes, linear_slopes, with_tangents
+from narrows.codegen.derivatives import coefficient_slopes, linear_slopes, with_tangents
 from narrows.codegen.free_motion import INPUTS, OPEN, STATE, Expr, FreeMotion
+from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program, real, straight_lines
 from narrows.codegen.step import Rates, Step, rate_here, room_left, section_here, step_of
 from narrows.codegen.tape import tape_of

@@ -18,8 +18,8 @@ from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
     from narrows.codegen.choices import Actuated, Choices
-    from narrows.codegen.derivatives import Linearisation
     from narrows.codegen.free_motion import Surge
+    from narrows.codegen.linearisation import Linearisation
     from narrows.codegen.step import Rates, Step
 
 # Values of the numbers that a caller may omit.
@@ -97,7 +97,7 @@ class System:
     def linearisation(
         self, values: Mapping[str, Number], actuators: Sequence["Actuated"], section: tuple[str, ...] = ()
     ) -> "Linearisation":
-        from narrows.codegen.derivatives import Linearisation
+        from narrows.codegen.linearisation import Linearisation
 
         scope = _derivatives(self, tuple(actuators), section)
         constants = _evaluated(scope["constants"], scope["PARAMETERS"], values)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.codegen.derivatives import LINEARISED
 from narrows.codegen.free_motion import INPUTS, STATE
+from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.system import System
 from narrows.control.steady_course import moving
 from narrows.errors import InputError

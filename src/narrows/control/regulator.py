@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.codegen.derivatives import LINEARISED
+from narrows.codegen.linearisation import LINEARISED
 from narrows.control.linear_system import LinearSystem
 from narrows.control.linearization import linearize
 from narrows.control.regulator_gains import USUAL, RegulatorWeights, best_gains, regulator_gains

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import LinAlgError, solve_continuous_are
 
-from narrows.codegen.derivatives import LINEARISED
+from narrows.codegen.linearisation import LINEARISED
 from narrows.control.linear_system import LinearSystem
 from narrows.control.regulator_law import FELT
 from narrows.control.settings import LEAST_DECAY

@@ -12,8 +12,8 @@ from textwrap import wrap
 from typing import Any
 
 from narrows.codegen.choices import COUNTED
-from narrows.codegen.derivatives import LINEARISED
 from narrows.codegen.free_motion import OPEN
+from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.portable import ALONG
 from narrows.codegen.printers.c import C
 from narrows.export.exported_ship import ExportedShip

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from types import MappingProxyType
 
-from narrows.codegen.derivatives import LINEARISED
 from narrows.codegen.free_motion import OPEN
+from narrows.codegen.linearisation import LINEARISED
 from narrows.export.exported_ship import ExportedNumber, ExportedShip
 from narrows.export.passport import BEYOND
 from narrows.quantities.dimensions import dimension_of

@@ -9,8 +9,8 @@ from importlib.metadata import version
 from io import BytesIO
 
 from narrows.codegen.choices import COUNTED, LENGTH
-from narrows.codegen.derivatives import LINEARISED
 from narrows.codegen.free_motion import INPUTS, OPEN
+from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program
 from narrows.codegen.printers.c import C, CTranslation, c_block
 from narrows.codegen.printers.language import JavaScript, Matlab, PythonFile

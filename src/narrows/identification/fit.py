@@ -67,7 +67,7 @@ class Fit(Prediction):
     Examples
     --------
     >>> fit.verdicts["b_bank"].status
-    'imprecise'
+    'not separable'
     """
 
     tests: Tests

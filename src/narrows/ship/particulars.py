@@ -142,7 +142,7 @@ class Water:
 
     def __post_init__(self) -> None:
         check_fields(self, {"density": "density"}, "water")
-        if not LIGHTEST <= self.density <= HEAVIEST:
+        if self.density is not None and not LIGHTEST <= self.density <= HEAVIEST:
             raise InputError(
                 f"[water] density = {self.density:g} is of no water; give kg/m3: 1000 is fresh, 1025 the sea's"
             )

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.codegen.derivatives import LINEARISED
 from narrows.codegen.free_motion import INPUTS, STATE, Surge
+from narrows.codegen.linearisation import LINEARISED
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, Number

@@ -6,8 +6,8 @@ from functools import cached_property, lru_cache
 from typing import Any
 
 from narrows.codegen.choices import Actuated, Choices, Law, Pushed
-from narrows.codegen.derivatives import Linearisation
 from narrows.codegen.free_motion import OPEN, Outline, Surge
+from narrows.codegen.linearisation import Linearisation
 from narrows.codegen.system import System
 from narrows.errors import InputError
 from narrows.model.model import Model

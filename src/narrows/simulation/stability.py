@@ -5,8 +5,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from narrows.codegen.derivatives import LINEARISED
 from narrows.codegen.free_motion import INPUTS as PUSHES
+from narrows.codegen.linearisation import LINEARISED
 from narrows.model.model import Model
 from narrows.ship.particulars import Configuration
 from narrows.simulation.grid import grid_of

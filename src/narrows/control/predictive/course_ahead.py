@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from narrows.codegen.derivatives import LINEARISED
+from narrows.codegen.linearisation import LINEARISED
 from narrows.control.predictive.line_frame import (
     FORCED,
     HELD,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.codegen.derivatives import LINEARISED
+from narrows.codegen.linearisation import LINEARISED
 from narrows.model.model import Model
 
 if TYPE_CHECKING:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.codegen.derivatives import LINEARISED, JacobianBatch
 from narrows.codegen.free_motion import INPUTS
+from narrows.codegen.linearisation import LINEARISED, JacobianBatch
 from narrows.control.predictive.course_ahead import Weights
 from narrows.control.predictive.line_frame import (
     FORCED,

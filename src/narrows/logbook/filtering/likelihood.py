@@ -83,7 +83,8 @@ class RecordLikelihood:
         about = self.linear(unknowns, path.reference)
         at = about.innovations(problem.model.at(unknowns[count:]), path.weights)
         by_value, by_variance = np.zeros((2, len(unknowns), len(at.values)))
-        for place in np.flatnonzero(problem.moves):
+        # Of held coefficients too: the posterior allows for their errors.
+        for place in range(len(unknowns)):
             moved = unknowns + DIFFERENCE * (np.arange(len(unknowns)) == place)
             there = self.linear(moved, path.reference) if place < count else about
             found = there.innovations(problem.model.at(moved[count:]), path.weights)

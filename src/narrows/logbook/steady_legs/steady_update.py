@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from narrows.codegen.derivatives import LINEARISED
+from narrows.codegen.linearisation import LINEARISED
 from narrows.control.steady_course import self_propulsion
 from narrows.logbook.learned_coefficient import Blocks, NormalPrior, Posterior, updated
 from narrows.logbook.settings import UPDATE_ROUNDS, UPDATE_SETTLED

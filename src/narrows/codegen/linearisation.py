@@ -1,0 +1,109 @@
+"""Jacobian matrices of the motion: by state, by control, by coefficient."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+
+from narrows.codegen.choices import Actuated, control_names
+from narrows.codegen.free_motion import INPUTS, STATE
+from narrows.quantities.names import FORCES, Number
+
+# State of a linearised model; the heading is one angle [rad] here.
+LINEARISED = ("x", "y", "psi", "u", "v", "r")
+
+
+def controlled(actuators: Sequence[Actuated]) -> tuple[str, ...]:
+    """Return the inputs of a linearised model: external forces and positions of actuators."""
+    return (*INPUTS.values(), *(actuator.name for actuator in actuators))
+
+
+def arguments(actuators: Sequence[Actuated], section: Sequence[str] = ()) -> tuple[str, ...]:
+    """Return the arguments of the generated functions before the constants: state, external forces, controls."""
+    return (*STATE, *INPUTS.values(), *(name for actuator in actuators for name in control_names(actuator)), *section)
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """Derivatives of the motion of one ship, or of a fleet if the values were columns."""
+
+    functions: Mapping[str, Any]  # The generated functions, for floats and columns
+    constants: tuple[Number, ...]  # Constants of the ship
+    names: tuple[str, ...]  # Coefficients, in the order of the columns of ``coefficients``
+    actuators: tuple[Actuated, ...]  # Actuators of the model
+    compiled: Callable[[], ModuleType]  # Returns the module of the same functions, compiled
+    section: tuple[str, ...] = ()  # Water quantities that ``at`` gives, point by point
+
+    @property
+    def controlled(self) -> tuple[str, ...]:
+        return controlled(self.actuators)
+
+    def linear(self, at: Mapping[str, Number]) -> np.ndarray:
+        """Differentiate the rates of x, y, psi, u, v, r by the same six and by ``controlled``: (..., 6, 6 + n)."""
+        return self._matrix("linear", at, len(LINEARISED))
+
+    def batch(self, points: int) -> "JacobianBatch":
+        """Return the same, compiled, for many points of one ship; its arrays are allocated once."""
+        columns = len(arguments(self.actuators, self.section))
+        size = len(LINEARISED) * (len(LINEARISED) + len(self.controlled))
+        constants = np.array([float(np.ravel(value)[0]) for value in self.constants])
+        values, out = np.zeros((points, columns)), np.zeros((points, size))
+        return JacobianBatch(self.compiled(), constants, values, out, self.actuators, self.section)
+
+    def state(self, at: Mapping[str, Number]) -> np.ndarray:
+        """Differentiate the rates of x, y, psi, u, v, r by x, y, psi, u, v, r: (..., 6, 6)."""
+        return self.linear(at)[..., : len(LINEARISED)]
+
+    def controls(self, at: Mapping[str, Number]) -> np.ndarray:
+        """Differentiate the same rates by ``controlled``: (..., 6, n)."""
+        return self.linear(at)[..., len(LINEARISED) :]
+
+    def coefficients(self, at: Mapping[str, Number]) -> np.ndarray:
+        """Differentiate the same rates by every coefficient of the table: (..., 6, n)."""
+        slopes = self._matrix("coefficients", at, len(FORCES))
+        return np.concatenate([np.zeros_like(slopes), slopes], axis=-2)
+
+    def _matrix(self, name: str, at: Mapping[str, Number], rows: int) -> np.ndarray:
+        values = [*argument_values(at, self.actuators, self.section), *self.constants]
+        entries = self.functions[name](*values)
+        shape = np.broadcast_shapes(*(np.shape(value) for value in values))
+        matrix = np.empty((*shape, len(entries)))
+        for index, entry in enumerate(entries):
+            matrix[..., index] = entry
+        return matrix.reshape(*shape, rows, -1)
+
+
+def argument_values(
+    at: Mapping[str, Number], actuators: Sequence[Actuated], section: Sequence[str] = ()
+) -> list[Number]:
+    values = dict(at)
+    for name in ("psi", *(actuator.name for actuator in actuators if actuator.angle)):
+        if f"cos_{name}" not in values:
+            position = values.get(name, 0.0)
+            values |= {f"cos_{name}": np.cos(position), f"sin_{name}": np.sin(position)}
+    return [values[name] if name in section else values.get(name, 0.0) for name in arguments(actuators, section)]
+
+
+@dataclass(frozen=True)
+class JacobianBatch:
+    """Derivatives by state and control at many points of one ship, compiled."""
+
+    module: ModuleType  # The generated functions
+    constants: np.ndarray  # Constants of the ship
+    values: np.ndarray  # (points, arguments) Arguments at each point; ``points`` fills it
+    out: np.ndarray  # (points, entries) The derivatives, row by row
+    actuators: tuple[Actuated, ...]  # Actuators of the model
+    section: tuple[str, ...] = ()  # Water quantities that points give
+
+    def points(self, at: Mapping[str, Number]) -> np.ndarray:
+        """Return the arguments of the functions at points, (points, arguments)."""
+        for column, value in enumerate(argument_values(at, self.actuators, self.section)):
+            self.values[:, column] = value
+        return self.values
+
+    def __call__(self, values: np.ndarray) -> np.ndarray:
+        """Return the derivatives at points, (points, 6, 6 + n), in an array that the next call overwrites."""
+        self.module.batch(values, self.constants, self.out)
+        return self.out.reshape(len(self.out), len(LINEARISED), -1)
