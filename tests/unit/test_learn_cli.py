@@ -45,7 +45,7 @@ def test_a_log_makes_a_model_and_a_page(cli, folder: Path) -> None:
     learned = nw.load_model(model)
     assert abs(learned["N_v"] / kvlcc2()["N_v"] - 1) < 0.06
     assert (
-        "learned from 2 records of the ship itself (zigzag +20 to zigzag -20, 0 s to 900 s, sensors basin"
+        "learned from 2 records of the ship itself (zigzag +20 to zigzag -20, 0 s to 600 s, sensors basin"
         in learned.source.text
     )
     text = page.read_text(encoding="utf-8")

@@ -83,8 +83,7 @@ class RecordLikelihood:
         about = self.linear(unknowns, path.reference)
         at = about.innovations(problem.model.at(unknowns[count:]), path.weights)
         by_value, by_variance = np.zeros((2, len(unknowns), len(at.values)))
-        # Of held coefficients too: the posterior allows for their errors.
-        for place in range(len(unknowns)):
+        for place in np.flatnonzero(problem.moves):
             moved = unknowns + DIFFERENCE * (np.arange(len(unknowns)) == place)
             there = self.linear(moved, path.reference) if place < count else about
             found = there.innovations(problem.model.at(moved[count:]), path.weights)

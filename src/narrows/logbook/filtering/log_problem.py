@@ -19,7 +19,7 @@ class CoefficientPrior:
     scale: np.ndarray  # (p,) Its standard deviation
     precision: np.ndarray  # (p, p) Inverse of the correlation [1]
     bounds: np.ndarray  # (p, 2) Lowest and highest value, in its own unit
-    moves: np.ndarray  # (p,) Which may move; the posterior allows for errors of the others
+    moves: np.ndarray  # (p,) Which may move
 
     @property
     def members(self) -> tuple[str, ...]:

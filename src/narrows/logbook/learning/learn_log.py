@@ -45,8 +45,8 @@ def learn(
     log : ShipLog, StreamedLog, ShipRecord, path, or a sequence of records
         What was recorded.
     free : sequence of str, optional
-        Coefficients that may move, all that have a spread unless given; of the others it is allowed for that they may
-        be wrong.
+        Coefficients that may move, all that have a spread unless given. The errors of the others are not counted: the
+        standard errors are too small where those matter.
     sensors : {"rtk", "vdr", "ais", "basin"} or SensorGrade
         How well it was measured; in a basin, noise is estimated and no wind blows.
     spread : float or mapping of str to float, optional
