@@ -128,7 +128,7 @@ def bank_force(
     depth = canal.depth if depth is None else depth
     deep: Number = 0.0 if depth is None else depth
     feet = [canal.width / 2 if foot is None else foot for foot in (starboard, port)]
-    slopes = [np.asarray(slope, float) for slope in (slope_starboard, slope_port)]
+    slopes = (slope_starboard, slope_port)
     right, left = (foot + 0.5 * slope * deep for foot, slope in zip(feet, slopes, strict=True))
     width, offset = right + left, y - 0.5 * (right - left)
     if depth is None and any(map(np.any, slopes)):
