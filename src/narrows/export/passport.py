@@ -9,7 +9,7 @@ from textwrap import wrap
 
 import numpy as np
 
-from narrows.model.data_range import MEASURES, SLACK
+from narrows.model.data_range import MEASURES, tolerated
 from narrows.model.model import Model
 
 # Quantities that move in a voyage, by their bit in the sum ``beyond``.
@@ -69,6 +69,6 @@ def ends_of_data(model: Model, names: Iterable[str]) -> dict[str, tuple[int, flo
     for name in names:
         pair = getattr(model.data_range, name)
         if pair is not None:
-            (low, high), scale = pair, scales.get(name, 1.0)
-            ends[name] = (MEASURES[name].bit, scale * (low - SLACK * abs(low)), scale * (high + SLACK * abs(high)))
+            (low, high), scale = tolerated(pair), scales.get(name, 1.0)
+            ends[name] = (MEASURES[name].bit, scale * low, scale * high)
     return ends

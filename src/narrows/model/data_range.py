@@ -80,8 +80,8 @@ class DataRange:
         values : number
             Values in its unit.
         """
-        low, high = getattr(self, name) or (-np.inf, np.inf)
-        return np.logical_or(values < low - SLACK * abs(low), values > high + SLACK * abs(high))
+        low, high = tolerated(getattr(self, name) or (-np.inf, np.inf))
+        return np.logical_or(values < low, values > high)
 
     def covers(self, name: str, values: Number) -> Number:
         """Return whether the data covered each value; False if the range is unknown.
@@ -94,6 +94,12 @@ class DataRange:
             Values in its unit.
         """
         return np.logical_and(getattr(self, name) is not None, np.logical_not(self.outside(name, values)))
+
+
+def tolerated(covered: Range) -> Range:
+    """Return the ends of a range with their tolerance."""
+    low, high = covered
+    return low - SLACK * abs(low), high + SLACK * abs(high)
 
 
 def sum_beyond(known: DataRange, asked: Mapping[str, Number]) -> Number:

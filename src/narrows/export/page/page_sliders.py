@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from narrows.export.exported_ship import ExportedShip
-from narrows.model.data_range import SLACK, Range
+from narrows.model.data_range import Range, tolerated
 from narrows.model.model import SETTLED, Model
 
 VOYAGE, CANAL, UNKNOWN = "The voyage", "The canal", "Uncertainty"
@@ -126,8 +126,8 @@ def covered(known: Range | None, scale: float = 1.0) -> Range | None:
     """Return the range covered by the data, by the rule of ``DataRange.outside``."""
     if known is None:
         return None
-    slack = SLACK * max(map(abs, known))
-    return scale * (known[0] - slack), scale * (known[1] + slack)
+    low, high = tolerated(known)
+    return scale * low, scale * high
 
 
 def both_ways(known: Range | None, scale: float = 1.0) -> Range | None:
