@@ -235,8 +235,8 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
     chosen = SQUAT[name]
     doubts = [f"{name} is {chosen.status}"] if chosen.status == UNVERIFIED else []
     notes = (*doubts, *chosen.outside(configuration, u))
-    sinkage, narrow = chosen.sinkage(configuration, u), float(_of_voyages(configuration, u)[gives])
-    if formula is None and narrow > sinkage:
+    sinkage = chosen.sinkage(configuration, u)
+    if formula is None and (narrow := float(_of_voyages(configuration, u)[gives])) > sinkage:
         less = f"{name} gives less than continuity and energy in this canal, which are used instead"
         return Squat(narrow, "continuity", gives, critical, (less,))
     return Squat(sinkage, name, gives, critical, notes)
