@@ -16,8 +16,8 @@ def __getattr__(name: str) -> Any:
     try:
         return _loaded(name)
     except AttributeError:
-        from narrows.errors import public_name, same_function
+        from narrows.aliases import FUNCTIONS, name_here, public_name
 
-        if function := same_function(name):
+        if function := name_here(name, FUNCTIONS):
             return _loaded(function)
         raise AttributeError(f"narrows has no {name!r}{public_name(name, __all__)}") from None

@@ -16,39 +16,6 @@ UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\ud800-\udfff]")
 LONGEST_SENTENCE = 2000
 # Longest quotation of another library's message, or of a value [characters].
 LONGEST = 200
-# Least similarity of two public names for a suggestion [1].
-NAMES_ALIKE = 0.8
-# Functions here by the names in the command line and other libraries.
-FUNCTIONS = {
-    "identify": ("fit", "regress"), "read_captive": ("read_csv", "read_table", "read_excel"), "load_model": ("load",),
-    "simulate": ("sail", "run", "integrate"), "scale_model": ("scale",), "plan_tests": ("plan",),
-    "safe_envelope": ("envelope",), "sail_trials": ("trials",), "published": ("list_published", "published_models"),
-}  # fmt: skip
-OTHER_FUNCTIONS = {
-    "jacobian or control.linearize": ("linearize", "linearise", "linear"),
-    "PAPER, SPEED, CROSSFLOW, MMG, or a name as in terms='speed'": ("tables", "terms_tables", "list_tables"),
-    "measured_tests": ("datasets", "load_dataset", "example_data", "demo_tests", "load_kcs"),
-    "read_captive, or measured_tests for tests of the package": ("read_tests", "load_tests", "load_data", "read_data"),
-    "read_ship, or load_model for a model": ("load_ship", "read_toml", "load_toml", "read_model"),
-    "squat(model, u, formula=...)": ("barrass", "squat_barrass", "huuska", "icorels", "tuck", "sinkage"),
-    "turning_circle or zigzag": ("manoeuvre", "maneuver", "spiral", "pullout"),
-    "safe_envelope, or speed_limits along a waterway": ("safe_speed", "speed_limit", "max_speed"),
-    "8 * 0.514444 for 8 knots: speeds are in m/s": ("knots", "kn", "knot", "kts"),
-    "estimation.Estimator": ("kalman_filter", "Kalman", "ekf", "ukf", "filter"),
-    "`narrows monitor` in a terminal": ("monitor", "Monitor", "warning"),
-    "Autopilot, or control.regulator": ("PID", "pid", "Pilot", "HeadingController"),
-    "export.write_fmu": ("to_fmu", "fmu", "export_fmu"), "export.write_c": ("to_c", "c_code"),
-    "model.plot(), voyage.plot() or map_figure, by what is drawn": ("plot", "figure", "draw"),
-    "published": ("list_models", "models", "example_model", "demo", "demo_model", "load_example"),
-    "ready_ships": ("ships", "list_ships", "known_ships"),
-    "read_waterway": ("read_geojson", "read_canal", "load_waterway"),
-    "Configuration": ("Config", "Setup"), "steady_course": ("steady_state", "trim", "equilibrium"),
-    "waterway.straight_waterway(canal, length)": ("straight_canal", "straight_waterway"),
-    "fit.bootstrap()": ("bootstrap", "resample"), "estimate_model": ("from_dimensions", "from_particulars"),
-    "bank_force": ("bank_effect", "bank_forces"), "report.map_figure": ("plot_map", "draw_map"),
-    "learn": ("learn_log", "calibrate"),
-    "identify": ("estimate", "curve_fit"), "ensemble": ("map", "grounding_map", "fleet", "sweep", "monte_carlo"),
-}  # fmt: skip
 
 
 class InputError(ValueError):
@@ -86,20 +53,6 @@ def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Return ``'; did you mean X?'`` for a near miss, else the list of what is known."""
     known = sorted(known)
     return near_miss(word, known) or f"; known: {', '.join(known)}"
-
-
-def same_function(name: str) -> str | None:
-    """Return this package's function for another library's name."""
-    return next((ours for ours, theirs in FUNCTIONS.items() if name in theirs), None)
-
-
-def public_name(name: str, known: Iterable[str]) -> str:
-    """Return the replacement for an unknown name, as the end of a sentence."""
-    known = sorted(known)
-    if meant := next((ours for ours, theirs in OTHER_FUNCTIONS.items() if name in theirs), ""):
-        return f"; write {meant}"
-    longer = [word for word in known if len(name) > 2 and name.lower() in word.lower()]
-    return f"; write {' or '.join(longer)}" if longer else near_miss(name, known, NAMES_ALIKE)
 
 
 def shown(value: object) -> str:

@@ -55,9 +55,9 @@ def test_a_state_is_six_numbers(bad: object) -> None:
 
 def test_an_unknown_actuator_is_refused() -> None:
     for ask in (DTC.derivative, lambda state, **given: DTC.step(state, 0.1, **given)):
-        with pytest.raises(nw.InputError, match="no actuator of the model is called that"):
+        with pytest.raises(nw.InputError, match="no actuator of the model has this name"):
             ask(STATE, rudder=0.1)
-    with pytest.raises(nw.InputError, match="no actuator of the model is called that"):
+    with pytest.raises(nw.InputError, match="no actuator of the model has this name"):
         nw.jacobian(DTC, rudder=0.1)
 
 

@@ -7,6 +7,7 @@ from typing import Any, NoReturn
 
 import click
 
+from narrows.aliases import VERBS, name_here
 from narrows.errors import InputError, near_miss, reason, shown
 from narrows.progress import listening
 
@@ -18,13 +19,6 @@ GROUPS = {
     "On board": ("envelope", "learn", "monitor"),
     "Other programs": ("export",),
 }
-# Names of verbs in other programs.
-ELSEWHERE = {
-    "identify": ("fit", "regress", "train"), "simulate": ("run", "sail", "voyage"), "map": ("sweep", "ensemble"),
-    "envelope": ("safe", "chart", "limits"), "trials": ("manoeuvre", "zigzag", "turn"), "monitor": ("watch", "serve"),
-    "waterway": ("canal", "channel"), "explain": ("check", "compare", "report"), "export": ("convert", "fmu"),
-    "plan": ("design",), "learn": ("update", "log"), "demo": ("example", "test"),
-}  # fmt: skip
 SHELLS = ("bash", "zsh", "fish")
 
 
@@ -40,7 +34,7 @@ class Verbs(click.Group):
                 click.echo(ctx.get_help())
                 ctx.exit()
         if self.get_command(ctx, word) is None and not word.startswith("-"):
-            meant = next((verb for verb, others in ELSEWHERE.items() if word.lower() in others), "")
+            meant = name_here(word.lower(), VERBS)
             near = f"; write narrows {meant}" if meant else near_miss(word, self.commands)
             raise InputError(f"there is no verb {shown(word)}{near or self._all}")
         return super().resolve_command(ctx, args)

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from narrows.aliases import CONTROL, remedy
 from narrows.control.closed_loop import ClosedLoop as ClosedLoop
 from narrows.control.closed_loop import closed_loop as closed_loop
 from narrows.control.design import RegulatorDesign as RegulatorDesign
@@ -19,17 +20,7 @@ from narrows.control.speed_governor import SpeedGovernor as SpeedGovernor
 from narrows.control.speed_governor import speed_governor as speed_governor
 from narrows.control.steady_course import self_propulsion as self_propulsion
 from narrows.control.steady_course import steady_course as steady_course
-from narrows.errors import near_miss
-
-# Names of other libraries, and the name here.
-ELSEWHERE = {
-    "PredictiveHelm": ("mpc", "MPC", "nmpc"), "regulator, or nw.Autopilot": ("pid", "PID", "lqg", "pole_placement"),
-    "nw.estimation.Estimator": ("kalman", "Kalman", "ekf", "ukf", "observer", "lqe"),
-    "linearize(model, y=, u=).state_space()": ("ss", "StateSpace", "tf", "to_ss"),
-}  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:
-    meant = next((ours for ours, theirs in ELSEWHERE.items() if name in theirs), "")
-    remedy = f"; write {meant}" if meant else near_miss(name, globals())
-    raise AttributeError(f"nw.control has no {name!r}{remedy}")
+    raise AttributeError(f"nw.control has no {name!r}{remedy(name, CONTROL, globals())}")

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.codegen.free_motion import Surge
 from narrows.control.linear_system import LinearSystem
 from narrows.control.local_motion import MOVED, WATER, LocalMotion, LocalWater, local_water
@@ -21,6 +22,7 @@ Columns = dict[str, np.ndarray]
 FORCES = {"held": ("Y", "N"), "free": ("X", "Y", "N")}
 
 
+@accept_aliases
 def linearize(
     model: Model, y: Any = 0.0, u: Any = 1.0, *, waterway: "Waterway | None" = None, at: float = 0.0,
     surge: Surge = "held", surge_inertia: float | None = None, **values: float,

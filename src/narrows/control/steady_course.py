@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from narrows.aliases import accept_aliases
 from narrows.codegen import kernels
 from narrows.codegen.cache import generated
 from narrows.codegen.choices import Actuated, Law
@@ -31,6 +32,7 @@ RUDDER = "rudder"
 BLOCK = 16_384  # Courses per task of a thread
 
 
+@accept_aliases
 def steady_course(
     model: Model, *, samples: int = 0, seed: int = 0, workers: int | None = None, **vary: Any
 ) -> xr.Dataset:  # fmt: skip

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from narrows.errors import near_miss
+from narrows.aliases import ESTIMATION, remedy
 from narrows.estimation.consistency import Consistency as Consistency
 from narrows.estimation.consistency import consistency as consistency
 from narrows.estimation.estimate import Estimate as Estimate
@@ -14,10 +14,6 @@ from narrows.estimation.sensors import *  # noqa: F403  its sensors are those of
 from narrows.estimation.states import Prior as Prior
 from narrows.estimation.states import ProcessNoise as ProcessNoise
 
-# The filter by other programs' names.
-FILTERS = ("UnscentedKalmanFilter", "KalmanFilter", "kalman", "ukf", "UKF", "ekf", "EKF")
-
 
 def __getattr__(name: str) -> Any:
-    remedy = "; write Estimator" if name in FILTERS else near_miss(name, globals())
-    raise AttributeError(f"nw.estimation has no {name!r}{remedy}")
+    raise AttributeError(f"nw.estimation has no {name!r}{remedy(name, ESTIMATION, globals())}")

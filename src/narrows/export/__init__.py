@@ -5,7 +5,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from narrows.errors import check_choice, public_name
+from narrows.aliases import public_name
+from narrows.errors import check_choice
 from narrows.export.exporters import EXPORTERS
 from narrows.files import form_of
 

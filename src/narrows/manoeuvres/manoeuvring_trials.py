@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.results import BaseResult
@@ -207,6 +208,7 @@ class Trials(BaseResult):
         return {order: test.to_dict() for order, test in self.zigzags.items()}
 
 
+@accept_aliases
 def turning_circle(model: Model, rudder: float = 35.0, speed: float | None = None) -> Turning:
     """Simulate a turning circle in open water.
 
@@ -231,6 +233,7 @@ def turning_circle(model: Model, rudder: float = 35.0, speed: float | None = Non
     return _TrialShip.of(model, speed).turn(rudder)
 
 
+@accept_aliases
 def zigzag(model: Model, rudder: float = 10.0, heading: float = 10.0, speed: float | None = None) -> ZigzagTest:
     """Simulate a zigzag in open water, the rudder first to starboard.
 

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import partial, reduce
-from inspect import isfunction, signature
 from numbers import Real
 from operator import add
 from pathlib import Path
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import narrows
-from narrows.errors import InputError, check_choice, did_you_mean, same_function, shown
+from narrows.errors import InputError, check_choice, did_you_mean, shown
 from narrows.model.data_range import DataRange
 from narrows.model.sections import Source, fields_of, sections_of
 from narrows.quantities.names import MOTION, Number
@@ -101,13 +100,9 @@ class Operations(BaseResult):
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
-            """Methods ``to_c``, ``to_fmu`` ..., and every public function that takes a model first."""
+            """Methods ``to_c``, ``to_fmu`` ..."""
             if name.startswith("to_") and name[3:] in narrows.export.LANGUAGES:
                 return partial(narrows.export.to_language, self, name[3:])
-            ours = same_function(name) or name
-            function = getattr(narrows, ours, None) if ours in narrows.__all__ else None
-            if isfunction(function) and next(iter(signature(function).parameters), "") in ("model", "ship"):
-                return partial(function, self)
             return super().__getattr__(name)
 
 
@@ -168,8 +163,7 @@ class Model(Configured, Operations):
                 raise InputError(f"the verdict {shown(verdict)} on {name!r} is no words on a coefficient; leave it out")
 
     def __repr__(self) -> str:
-        ship = self.configuration.ship.name
-        return f"<Model of {ship}: {len(self.coefficients)} coefficients of the terms {self.terms.name}>"
+        return f"<Model of {self.ship.name}: {len(self.coefficients)} coefficients of the terms {self.terms.name}>"
 
     def __eq__(self, other: object) -> bool:
         """Return whether another model has the same ship, terms, numbers and source."""

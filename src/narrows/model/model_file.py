@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import narrows
 from narrows.errors import InputError
 from narrows.files import form_of, write_whole
 from narrows.model.model import Model
@@ -67,7 +68,7 @@ def load_model(path: str | Path, terms: TermTable | None = None) -> Model:
     Parameters
     ----------
     path : str or Path
-        The file.
+        The file, or the name of a published model.
     terms : TermTable, optional
         The user's own table, if the file was made with one.
 
@@ -87,6 +88,8 @@ def load_model(path: str | Path, terms: TermTable | None = None) -> Model:
     >>> nw.load_model("dtc.toml") == model
     True
     """
+    if isinstance(path, str) and not Path(path).suffix and path in narrows.published():
+        return narrows.published(path)
     tables = load_toml(path)
     try:
         return Model.from_dict(tables, terms)

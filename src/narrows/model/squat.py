@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.water import water_under_way
 from narrows.physics import squat_and_depth as formulas
@@ -192,6 +193,7 @@ def configuration_of(ship: Configured | Configuration) -> Configuration:
     return ship
 
 
+@accept_aliases
 def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship", formula: str | None = None) -> Squat:
     """Estimate the sinkage of a ship at a speed.
 

@@ -28,7 +28,7 @@ from narrows.report.pilot_page import foresight_figure, pilot_page
 from narrows.report.steady_report import change_figure, steady_figure
 from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREY, ORANGE, drawing_on, notes_below, panels
 from narrows.report.transit_report import transit_figure
-from narrows.report.voyage_figures import paths_figure, voyage_figure
+from narrows.report.voyage_figures import paths_figure, voyage_figure, waterway_figure
 from narrows.safety import OutsideRules, SafeEnvelope
 from narrows.ship.motion import Motion
 from narrows.simulation.derivative import Jacobian
@@ -36,6 +36,7 @@ from narrows.simulation.sensitivities import Sensitivities
 from narrows.simulation.voyage import Voyage
 from narrows.studies.mikkelsen2025 import Reproduction
 from narrows.warning.monitoring.watched_transit import WatchedTransit
+from narrows.waterway.waterway import Waterway
 
 MOST_CURVES = 5
 
@@ -69,6 +70,8 @@ _drawn.register(Fit, intervals_figure)
 _drawn.register(OutsideRules, rules_figure)
 
 _drawn.register(SafeEnvelope, envelope_chart)
+
+_drawn.register(Waterway, waterway_figure)
 
 
 def track_figure(track: EstimatedTrack, truth: np.ndarray | None = None) -> Figure:

@@ -33,7 +33,7 @@ from narrows.report.style import (
 from narrows.ship.particulars import Configuration
 from narrows.simulation.maps import grounding_distance, grounding_probability, map_summary
 from narrows.simulation.voyage import Voyage
-from narrows.waterway.waterway import Waterway
+from narrows.waterway.waterway import Section, Waterway
 
 PANEL_GREY = "#5A5A5A"
 # Width of a track, height of a panel below it [in].
@@ -106,18 +106,29 @@ def track_on_map(axes: Axes, voyage: Voyage, waterway: Waterway) -> None:
     length, colour = voyage.configuration.ship.length, _colour(voyage)
     near, far = (float(end) for end in (voyage.x.min() - 2 * length, voyage.x.max() + 2 * length))
     s = np.linspace(max(near, 0.0), min(far, waterway.line.length), BANK_POINTS)
-    room = waterway.room(s, voyage.configuration.ship.draft)
-    for sign in (-1, 1):
-        bank, _ = waterway.to_map(s, room.middle + sign * room.width / 2)
-        axes.plot(*bank.T, color=PANEL_GREY, linewidth=2)
+    _banks_on_map(axes, waterway, s, waterway.room(s, voyage.configuration.ship.draft))
     path, heading = waterway.to_map(voyage.x, voyage.y, voyage.psi)
     axes.plot(*path.T, color=colour, linewidth=1.0)
     for i in {*range(0, len(path) - 1, max(1, len(path) // 6)), len(path) - 1}:
         ahead = np.array([np.sin(heading[i]), np.cos(heading[i])])
         shape = _shape(voyage) @ np.array([ahead, [ahead[1], -ahead[0]]]) + path[i]
         axes.add_patch(_drawn(shape, colour if i == len(path) - 1 else PANEL_GREY, 0.7 if i == len(path) - 1 else 0.25))
+
+
+def _banks_on_map(axes: Axes, waterway: Waterway, s: np.ndarray, section: Section) -> None:
+    for sign in (-1, 1):
+        bank, _ = waterway.to_map(s, section.middle + sign * section.width / 2)
+        axes.plot(*bank.T, color=PANEL_GREY, linewidth=2)
     origin = "" if waterway.origin is None else f" of {waterway.origin[0]:.5g} E, {waterway.origin[1]:.5g} N"
     axes.set(aspect="equal", xlabel=f"east{origin} [m]", ylabel=f"north{origin} [m]")
+
+
+def waterway_figure(waterway: Waterway) -> Figure:
+    figure = Picture(figsize=(WIDTH, 4.0), layout="constrained")
+    s = np.linspace(0.0, waterway.line.length, BANK_POINTS)
+    _banks_on_map(figure.subplots(), waterway, s, waterway.section(s))
+    headed(figure, waterway.name, [waterway.summary().partition(": ")[2]])
+    return figure
 
 
 def paths_figure(voyages: Sequence[Voyage], configuration: Configuration) -> Figure:

@@ -2,13 +2,17 @@
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from functools import partial
 from html import escape
+from inspect import isfunction, signature
+from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import narrows
+from narrows.aliases import ATTRIBUTES, FIRST, FUNCTIONS, INSTEAD, MADE_BY, WHY, name_here
+from narrows.errors import did_you_mean
 from narrows.files import write_whole
 from narrows.results.saving import FORMS, csv_of, forms_of, to_json, write
 
@@ -16,6 +20,10 @@ if TYPE_CHECKING:
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+
+# Marks methods in the tables of names.
+CALL = "()"
 
 
 @runtime_checkable
@@ -72,35 +80,56 @@ def _given_or_written(content: str | bytes | None, path: str | Path | None) -> A
 def other_names(thing: Any) -> list[str]:
     """Return the names of other libraries that an object supports."""
     known = _known(thing)
-    return [
-        name.removesuffix(CALL) for ours, theirs in SAME.items() if ours.removesuffix(CALL) in known for name in theirs
-    ]
+    return [name.removesuffix(CALL) for ours, theirs in ATTRIBUTES.items() if _head(ours) in known for name in theirs]
+
+
+def _head(path: str) -> str:
+    return re.split(r"[(.]", path)[0]
 
 
 def _known(thing: Any) -> set[str]:
     return {*dir(type(thing)), *getattr(type(thing), "__dataclass_fields__", ())}
 
 
-def answer(thing: Any, name: str) -> Any:
+def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
     """Return an object's value under another library's name."""
-    known = _known(thing)
-    for ours, theirs in SAME.items():
-        attribute = ours.removesuffix(CALL)
-        if attribute in known and (name in theirs or name + CALL in theirs):
-            value = getattr(thing, attribute)
-            called, calls = name + CALL in theirs, ours.endswith(CALL)
-            if called == calls:
+    known = {*_known(thing), *columns}
+    for ours, theirs in ATTRIBUTES.items():
+        called = name + CALL in theirs
+        attribute, is_method = ours.removesuffix(CALL), isfunction(getattr(type(thing), _head(ours), None))
+        if _head(ours) in known and (called or name in theirs) and not ("." in ours and is_method):
+            value = attrgetter(attribute)(thing)
+            if called == ours.endswith(CALL):
                 return value
-            return partial(getattr, thing, attribute) if called else value()
-    remedy = next((it for it in ANOTHER.get(name, ()) if re.split(r"[(.]", it)[0] in {*known, "nw"}), None)
-    if remedy is None:
+            return partial(attrgetter(attribute), thing) if called else value()
+    ours = name_here(name, FUNCTIONS) or name
+    function = getattr(narrows, ours) if ours in dir(narrows) else None
+    if isfunction(function) and next(iter(signature(function).parameters), "") in FIRST.get(type(thing).__name__, ()):
+        return partial(function, thing)
+    remedy = next((it for it in INSTEAD.get(name, ()) if re.split(r"[ (.,]", it)[0] in {*known, "nw"}), None)
+    if name.startswith("_"):
         return object.__getattribute__(thing, name)
     why = f": {WHY[name]}" if name in WHY else ""
-    raise AttributeError(f"a {type(thing).__name__} has no {name!r}{why}; write {remedy}", name=None, obj=None)
+    kinds = (kind for kind in type(thing).__mro__ if kind.__module__.startswith("narrows"))
+    own = {
+        *columns,
+        *getattr(type(thing), "__dataclass_fields__", ()),
+        *(it for kind in kinds for it in vars(kind)),
+    }
+    other = f"; write {remedy}" if remedy else did_you_mean(name, {word for word in own if word[0] != "_"})
+    raise AttributeError(f"{type(thing).__name__} has no {name!r}{why}{other}", name=None, obj=None)
+
+
+class Answering(type):
+    """Names the function that makes an object, where a class lacks the constructor of another library."""
+
+    def __getattr__(cls, name: str) -> Any:
+        made = MADE_BY.get(cls.__name__)
+        raise AttributeError(f"{cls.__name__} has no {name!r}" + (f"; write {made}" if made else ""))
 
 
 # Summary of an object.
-class BaseSummary:
+class BaseSummary(metaclass=Answering):
     """An object with a one-line summary, a longer one in a notebook, and names of other libraries.
 
     It has ``summary()``, and ``to_dataframe()`` and ``notes`` if applicable.
@@ -218,66 +247,6 @@ def shortened(text: str, most: int = 120) -> str:
     """Return the first line of a text, shortened if it is long."""
     line = text.partition("\n")[0].rstrip(".")
     return line if len(line) <= most else f"{line[: most - 3]}..."
-
-
-# Names in other libraries: aliases, and names with another solution here.
-CALL = "()"
-
-# Names here by other libraries' names; brackets mark methods.
-SAME = {
-    "coefficients": ("params", "coef_", "coef"),
-    "std": ("bse", "stderr", "standard_errors", "std_errors"),
-    "covariance": ("pcov", "cov()", "cov_params()"),
-    "intervals": ("confidence_intervals", "ci"),
-    "residuals": ("resid",),
-    "predict()": ("fittedvalues", "fitted"),
-    "corr()": ("correlation", "correlation_matrix"),
-    "latex()": ("to_latex()", "equations()"),
-    "poles()": ("eigenvalues()", "eigvals()"), "eigenvalues()": ("poles()", "eigvals()"),
-    "state_space()": ("to_ss()", "ss()", "to_control()"),
-    "with_coefficients()": ("replace()", "set_params()", "assign()", "set_coefficients()", "with_values()"),
-    "with_parts()": ("replace()",),
-    "to_dataframe()": ("df", "to_frame()", "to_pandas()"),
-    "save()": ("write()", "dump()", "to_toml()", "to_file()"),
-    "t": ("time", "times"),
-    "length": ("L", "Lpp"), "beam": ("B",), "draft": ("T",), "block_coefficient": ("Cb",),
-}  # fmt: skip
-
-# Names with another meaning, and what to use here instead.
-ANOTHER = {
-    **dict.fromkeys(("success", "status", "message"), ("outcome",)),
-    **dict.fromkeys(("show", "figure"), ("plot()",)),
-    **dict.fromkeys(("pvalues", "tvalues", "zvalues"), ("verdicts",)),
-    **dict.fromkeys(("aic", "bic", "llf"), ("left_out",)),
-    **dict.fromkeys(("heading", "psi_deg", "heading_deg"), ("psi",)),
-    **dict.fromkeys(("data", "values_"), ("to_dataframe()",)),
-    **dict.fromkeys(("trajectory", "states", "positions", "path", "forces"), ("to_dataframe()",)),
-    **dict.fromkeys(("plot_trajectory", "plot_track", "plot_coefficients", "plot_forces"), ("plot()",)),
-    **dict.fromkeys(("bode", "nyquist", "step_response", "root_locus"), ("state_space() for python-control",)),
-    **dict.fromkeys(("is_stable", "stable", "damping"), ("modes()", "eigenvalues()", "poles()")),
-    **dict.fromkeys(("info", "describe"), ("summary()",)),
-    **dict.fromkeys(("write", "to_geojson"), ("nw.write_waterway(waterway, path)",)),
-    "distance": ("outcome.distance",), "time_to_grounding": ("outcome.time",), "max_heading": ("psi",),
-    "r2": ("rsquared",), "chi2": ("scores",), "nparams": ("coefficients",), "outliers": ("influence",),
-    "condition_number": ("diagnostics.overall",), "is_identified": ("verdicts",), "compare": ("nw.compare(tests)",),
-    "confidence_interval": ("conf_int()",), "simulate": ("model.simulate()",), "copy": ("with_coefficients()",),
-    "predict": ("forces(u=..., y=...)",), "scale_to": ("scale(length)",),
-    "derivatives": ("nw.nondimensional(model)",),
-    "width": ("section(s).width", "configuration.canal.width"), "length": ("line.length",),
-    "tests": ("test(name)",), "speed": ("u",), "get_influence": ("influence",), "f_test": ("verdicts",),
-    "rsquared_adj": ("left_out",), "plot_bank_force": ("plot()",), "rudder_angle": ("rudder",),
-    "grounding_time": ("outcome.time",), "min_distance": ("outcome",), "distance_to_bank": ("outcome",),
-    **dict.fromkeys(("max_speed", "safe_speed", "limits"), ("highest_speed()",)), "is_safe": ("safe()",),
-    **dict.fromkeys(("ss", "to_ss"), ("linearize().state_space()",)), "steady_state": ("nw.steady_course(model)",),
-    "draft": ("ship.draft",), "depth": ("configuration.canal.depth",),
-    "popt": ("coefficients",),  # SciPy's is an array; these go by name
-}  # fmt: skip
-
-# Reasons why an object lacks such a number.
-WHY = {
-    **dict.fromkeys(("pvalues", "tvalues", "zvalues"), "rows of one run share its errors, and such tests assume none"),
-    **dict.fromkeys(("aic", "bic", "llf"), "rows of one run are not independent"),
-}
 
 
 # A result of table rows.

@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
+from narrows.aliases import accept_aliases
 from narrows.control.steady_course import check_rudder, solved, with_propulsion
 from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
@@ -22,6 +23,7 @@ from narrows.simulation.inputs import check_workers, finite_numbers
 from narrows.simulation.ship import SimulatedShip
 
 
+@accept_aliases
 def safe_envelope(
     model: Model, y: np.ndarray | None = None, u: np.ndarray | None = None, *,
     disturbance: Disturbance | None = None, reserve: float = settings.RESERVE, keel: float | None = None,

@@ -7,12 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError, shown
 from narrows.results import BaseSummary
 from narrows.ship.actuators import STANDARD, Part, Propeller, Rudder, SteeringGear, free
 from narrows.ship.checks import check_fields, check_particulars
 
 
+@accept_aliases
 @dataclass(frozen=True, repr=False)
 class Ship(BaseSummary):
     """A hull's main particulars.
@@ -79,6 +81,7 @@ class Ship(BaseSummary):
         return f"{self.name}, {self.length:.4g} x {self.beam:.4g} x {self.draft:.4g} m"
 
 
+@accept_aliases
 @dataclass(frozen=True)
 class Canal:
     """A straight canal between two vertical walls.

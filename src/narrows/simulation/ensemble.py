@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 import xarray as xr
 
+from narrows.aliases import accept_aliases
 from narrows.codegen.free_motion import OPEN, Surge
 from narrows.errors import InputError, check_choice, path_of
 from narrows.model.data_range import Measure
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 
+@accept_aliases
 def ensemble(
     model: Model, *, duration: float | None = None, dt: float | None = None, samples: int = 0, seed: int = 0,
     surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,

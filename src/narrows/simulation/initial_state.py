@@ -40,23 +40,10 @@ def check_positions(positions: Mapping[str, float], ship: SimulatedShip) -> None
         if name not in known:
             stem = name.removesuffix("_deg")
             in_degrees = stem != name and stem in {*POSE, *known, "rudder"}
-            meant = next((ours for ours, theirs in ELSEWHERE.items() if name in theirs), "")
-            if in_degrees or meant:
-                raise InputError(
-                    f"a voyage knows no {name!r}; write {f'{stem}=np.radians(...)' if in_degrees else meant}"
-                )
+            if in_degrees:
+                raise InputError(f"there is no argument {name!r}; write {stem}=np.radians(...)")
             hint = did_you_mean(name, known) if known else "; it has none"
-            raise InputError(f"a voyage knows no {name!r}, and no actuator of the model is called that{hint}")
-
-
-# Names of other simulators for the arguments here.
-ELSEWHERE = {
-    "duration": ("t_end", "tmax", "t_max", "tend", "T", "time", "t_final", "t_span"), "dt": ("step", "h", "delta_t"),
-    "y": ("y0", "offset"), "u": ("u0", "speed", "U"), "x": ("x0",), "psi": ("psi0", "heading"), "v": ("v0",),
-    "r": ("r0",), "controller": ("pilot", "autopilot", "control"), "rudder": ("delta", "rudder_angle"),
-    "Y=... and N=... of nw.wind_force": ("wind", "wind_speed"), "waterway=... with a current": ("current",),
-    "y=..., u=..., psi=...": ("initial", "state", "start", "initial_state"),
-}  # fmt: skip
+            raise InputError(f"there is no argument {name!r}, and no actuator of the model has this name{hint}")
 
 
 def initial_state(

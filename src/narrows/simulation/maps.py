@@ -7,6 +7,7 @@ import xarray as xr
 
 import narrows
 from narrows.errors import InputError
+from narrows.results.base_results import answer
 from narrows.simulation.outcome import Code
 
 if TYPE_CHECKING:
@@ -122,6 +123,24 @@ class Fleet(xr.Dataset):  # type: ignore[misc]
         fleet = cls(voyages.data_vars, coords=voyages.coords, attrs=voyages.attrs)
         fleet._model, fleet._waterway = model, waterway
         return fleet
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            try:
+                return super().__getattr__(name)
+            except AttributeError:
+                if name.startswith("_"):
+                    raise
+                return answer(self, name, [str(own) for own in self.variables])
+
+    def summary(self) -> str:
+        """Return how many ground, on which side, and the nearest, in words."""
+        return str(map_summary(self)["summary"])
+
+    def to_xarray(self) -> xr.Dataset:
+        """Return the data as a plain Dataset."""
+        return xr.Dataset(self.data_vars, self.coords, self.attrs)
 
     @property
     def plot(self) -> "FleetPlot":

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import narrows
+from narrows.aliases import accept_aliases
 from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, Surge
 from narrows.codegen.kernels import event
@@ -219,6 +220,7 @@ class Voyage(Tabulated):
         return Track(self.t, longitude, latitude, from_north, self.configuration.ship.name, self.outcome.sentence)
 
 
+@accept_aliases
 def simulate(
     model: Model, y: float = 0.0, u: float | None = None, duration: float | None = None, dt: float | None = None, *,
     x: float = 0.0, psi: float = 0.0, v: float = 0.0, r: float = 0.0,

@@ -2,16 +2,21 @@
 
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 import narrows
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.results import BaseSummary
 from narrows.ship.particulars import Canal, Ship
 from narrows.waterway.banks import Bank
 from narrows.waterway.centreline import Centreline
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 STATIONS = 2000
 # Depth greater than any sea's [m].
@@ -121,6 +126,16 @@ class Waterway(BaseSummary):
             The file.
         """
         return narrows.read_waterway(path)
+
+    def plot(self, ax: "Axes | None" = None) -> "Figure":
+        """Draw its banks on a map.
+
+        Parameters
+        ----------
+        ax : matplotlib Axes, optional
+            Axes to draw on; a new figure unless given.
+        """
+        return narrows.report.figure_of(self, ax)
 
     def summary(self) -> str:
         """Describe its length, width, depth, sharpest bend and current."""
@@ -264,6 +279,7 @@ def _turned(angle: np.ndarray) -> np.ndarray:
     return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi)
 
 
+@accept_aliases
 def straight_waterway(canal: Canal, length: float, heading: float = 0.0) -> Waterway:
     """Return a straight canal as a waterway.
 

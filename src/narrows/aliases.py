@@ -1,0 +1,237 @@
+"""Names of pandas, SciPy, statsmodels, python-control and other simulators, and the names here: one row each."""
+
+import inspect
+from collections.abc import Callable, Iterable, Mapping
+from functools import wraps
+from typing import Any, TypeVar
+
+from narrows.errors import InputError, near_miss
+
+Rows = Mapping[str, tuple[str, ...]]
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+# Least similarity of two public names for a suggestion [1].
+NAMES_ALIKE = 0.8
+
+# Attributes of results that are accepted under another name; brackets mark methods.
+ATTRIBUTES: Rows = {
+    "coefficients": ("params", "parameters", "coef_", "coef", "coeffs", "get_params()", "values"),
+    "std": ("bse", "stderr", "standard_errors", "std_errors"),
+    "covariance": ("pcov", "cov()", "cov_params()", "covariance_matrix", "cov_matrix", "vcov"),
+    "intervals": ("confidence_intervals", "ci"),
+    "residuals": ("resid",), "notes": ("warnings", "caveats", "messages"), "rsquared": ("r2", "r_squared"),
+    "predict()": ("fittedvalues", "fitted"),
+    "forces()": ("predict()", "force()", "evaluate()"),
+    "corr()": ("correlation", "correlation_matrix", "correlation()"),
+    "latex()": ("to_latex()", "equations()"),
+    "poles()": ("eigenvalues()", "eigvals()", "eig()"), "eigenvalues()": ("poles()", "eigvals()", "eig()"),
+    "modes()": ("damp()",), "states": ("state_labels", "state_names"),
+    "controls": ("input_labels", "input_names", "inputs"),
+    "state_space()": ("to_ss()", "ss()", "to_control()"),
+    "with_coefficients()": ("replace()", "set_params()", "assign()", "set_coefficients()", "with_values()", "copy()",
+                            "update()"),
+    "with_parts()": ("replace()",),
+    "to_dataframe()": ("df", "to_frame()", "to_pandas()", "trajectory", "dataframe()"),
+    "dataset()": ("ds", "to_dataset()"),
+    "save()": ("write()", "dump()", "to_toml()", "to_file()"),
+    "plot()": ("show()", "draw()", "plot_trajectory()", "plot_track()", "plot_coefficients()", "plot_forces()"),
+    "t": ("time", "times"), "y": ("offset", "lateral_position", "lateral_offset"), "x": ("along", "distance_along"),
+    "u": ("speed", "surge"), "v": ("sway",), "r": ("yaw_rate",),
+    "psi": ("heading", "yaw"), "rudder": ("rudder_angle", "delta"),
+    "outcome.time": ("time_to_grounding", "grounding_time", "end_time", "t_end"),
+    "outcome.distance": ("distance", "distance_travelled"),
+    "outcome.sentence": ("message",), "outcome.kind": ("status", "reason"), "outcome.side": ("side",),
+    "length": ("L", "Lpp"), "beam": ("B",), "draft": ("T",), "block_coefficient": ("Cb",),
+    "ship.length": ("length", "L", "Lpp"), "ship.beam": ("beam", "B"), "ship.draft": ("draft", "T"),
+    "configuration.ship": ("ship", "particulars", "hull"), "ship": ("particulars", "hull", "vessel"),
+    "configuration.canal": ("canal",), "canal.depth": ("depth",),
+    "canal.width": ("width",), "line.length": ("length",),
+    "highest_speed()": ("max_speed()", "safe_speed()", "maximum_speed()", "max_safe_speed()"), "safe()": ("is_safe()",),
+    "summary()": ("summary2()", "report()"), "conf_int()": ("confint()",), "nobs": ("n_observations", "n_obs", "n"),
+    "terms.names": ("names", "param_names", "feature_names_in_", "model_names"), "names": ("test_names",),
+    "ship.name": ("name",), "derivative()": ("rhs()", "dynamics()", "ode()"),
+    "controllability()": ("is_controllable()", "ctrb()"), "simulate()": ("run()",),
+    "verdicts": ("identifiability",), "influence": ("get_influence()",),
+}  # fmt: skip
+
+# Arguments at the head of public functions, by the class that has these functions as methods.
+FIRST: Rows = {
+    "Model": ("model", "ship"), "Fleet": ("voyages",), "Waterway": ("waterway",), "CaptiveTests": ("tests",),
+    "Voyage": ("voyage",), "Configuration": ("configuration", "ship"),
+}  # fmt: skip
+
+# Attributes with another meaning here, and what to use instead; the first that the object has is named.
+INSTEAD: Rows = {
+    **dict.fromkeys(("success", "converged"), ("outcome", "notes")), "figure": ("plot()",),
+    **dict.fromkeys(("pvalues", "tvalues", "zvalues", "wald_test", "f_test", "t_test"), ("verdicts",)),
+    **dict.fromkeys(("aic", "bic", "llf", "rsquared_adj", "fvalue", "f_pvalue"), ("left_out",)),
+    **dict.fromkeys(("df_resid", "df_model", "dof"), ("nobs and coefficients",)),
+    **dict.fromkeys(("psi_deg", "heading_deg"), ("psi, in radians",)),
+    **dict.fromkeys(("data", "values_", "values"), ("to_dataframe()",)),
+    **dict.fromkeys(("states", "positions", "path", "forces", "state"), ("to_dataframe()",)),
+    **dict.fromkeys(("bode", "nyquist", "step_response", "root_locus", "impulse_response", "lsim"),
+                    ("state_space() for python-control",)),
+    **dict.fromkeys(("is_stable", "stable", "damping", "damping_ratio", "frequencies"),
+                    ("modes()", "eigenvalues()", "poles()")),
+    **dict.fromkeys(("info", "describe"), ("summary()",)),
+    **dict.fromkeys(("write", "save"), ("nw.write_waterway(waterway, path)",)),
+    **dict.fromkeys(("get_prediction", "forecast", "fitted_values"), ("predict()",)),
+    **dict.fromkeys(("cook_distance", "cooks_distance", "hat", "leverage", "outliers"), ("influence",)),
+    **dict.fromkeys(("mass_matrix", "M", "added_mass"), ("coefficients, in which b_vdot and c_rdot have the masses",)),
+    **dict.fromkeys(("mass", "inertia"), ("ship.mass and ship.inertia, given or None",)),
+    **dict.fromkeys(("limits",), ("highest_speed()",)), "max_heading": ("psi",),
+    **dict.fromkeys(("grounded_fraction", "probability"), ("grounding_probability(distance)",)),
+    **dict.fromkeys(("std", "bse", "stderr"), ("to_dataframe(), column std",)),
+    **dict.fromkeys(("min_distance", "distance_to_bank", "clearance"), ("outcome",)),
+    **dict.fromkeys(("mse", "sse", "ssr"), ("rmse",)), "interval": ("intervals",),
+    **dict.fromkeys(("t_values", "p_values", "HC0_se", "significance"), ("verdicts",)),
+    **dict.fromkeys(("sel", "isel", "where"), ("dataset()",)), "velocity_range": ("data_range.speed",),
+    **dict.fromkeys(("speed_range", "range", "valid_range", "limits_of_validity"), ("data_range",)),
+    **dict.fromkeys(("bend_radius", "radius", "curvature"), ("section(s).curvature",)),
+    **dict.fromkeys(("get_width", "get_depth"), ("section(s)",)),
+    "chi2": ("scores",), "nparams": ("coefficients",), "plot_bank_force": ("plot()",),
+    "condition_number": ("diagnostics.overall",), "is_identified": ("verdicts",), "compare": ("nw.compare(tests)",),
+    "confidence_interval": ("conf_int()",), "simulate": ("model.simulate()",), "scale_to": ("scale(length)",),
+    "derivatives": ("nw.nondimensional(model)",), "width": ("section(s).width",), "tests": ("test(name)",),
+    **dict.fromkeys(("ss", "to_ss"), ("linearize().state_space()",)), "steady_state": ("nw.steady_course(model)",),
+    **dict.fromkeys(("C", "D"), ("state_space() for python-control: the outputs are the states",)),
+    **dict.fromkeys(("points", "coordinates", "xy", "centerline", "centreline"), ("line",)),
+    **dict.fromkeys(("left_bank", "right_bank", "banks", "bank"), ("port and starboard",)),
+    "popt": ("coefficients",),  # SciPy's is an array; these go by name
+}  # fmt: skip
+
+# Reasons why an object lacks such a number.
+WHY = {
+    **dict.fromkeys(("pvalues", "tvalues", "zvalues"), "rows of one run share its errors, and such tests assume none"),
+    **dict.fromkeys(("aic", "bic", "llf", "df_resid"), "rows of one run are not independent"),
+}
+
+# Classes, and the functions that make their objects.
+MADE_BY = {
+    "Waterway": "nw.read_waterway(path) or nw.straight_waterway(canal, length)", "Fit": "nw.identify(tests)",
+    "Model": "nw.load_model(path), nw.published(name) or nw.estimate_model(ship, canal)",
+    "CaptiveTests": "nw.read_captive(path, ship)", "Voyage": "nw.simulate(model)", "ShipLog": "nw.read_log(path)",
+    "SafeEnvelope": "nw.safe_envelope(model)", "LinearSystem": "nw.control.linearize(model)",
+    "Ship": "nw.read_ship(path).ship", "Configuration": "nw.read_ship(path)", "Plan": "nw.plan_tests(configuration)",
+}  # fmt: skip
+
+# Arguments that are accepted under another name.
+ARGUMENTS: Rows = {
+    "duration": ("t_end", "tmax", "t_max", "tend", "t_final", "tfinal", "tf"),
+    "dt": ("h", "delta_t", "time_step", "timestep"),
+    "y": ("y0", "offset", "lateral_offset", "initial_offset"),
+    "u": ("u0", "speed", "U", "U0", "velocity", "initial_speed"), "x": ("x0",), "v": ("v0",),
+    "psi": ("psi0",), "r": ("r0",), "controller": ("pilot", "autopilot", "control"), "rudder": ("delta",),
+    "samples": ("n_samples", "nsamples", "draws"), "seed": ("random_state", "rng"),
+    "workers": ("n_jobs", "n_workers", "num_workers"),
+    "length": ("L", "Lpp", "lpp"), "beam": ("B", "breadth"), "draft": ("T", "draught"),
+    "block_coefficient": ("Cb", "cb", "CB"), "width": ("W", "breadth"), "depth": ("h", "water_depth"),
+}  # fmt: skip
+
+# Arguments with another meaning here, and what to write instead.
+OTHER_ARGUMENTS: Rows = {
+    "duration=..., and at=... for the times of the output": ("t_span", "tspan", "t_eval", "time", "t", "T"),
+    "y=..., u=..., psi=...": ("initial", "state", "start", "initial_state", "initial_conditions", "ic"),
+    "psi=..., in radians": ("heading", "heading0", "yaw"), "rudder=..., in radians": ("rudder_angle",),
+    "Y=... and N=... of nw.wind_force": ("wind", "wind_speed"), "waterway=... with a current": ("current",),
+    "dt=...": ("step",), "nothing: the method is Runge-Kutta of order 4": ("method", "solver", "rtol", "atol"),
+}  # fmt: skip
+
+# Functions that are accepted under another name.
+FUNCTIONS: Rows = {
+    "identify": ("fit", "regress"), "read_captive": ("read_csv", "read_table", "read_excel"), "load_model": ("load",),
+    "simulate": ("sail", "run", "integrate"), "scale_model": ("scale",), "plan_tests": ("plan",),
+    "safe_envelope": ("envelope",), "sail_trials": ("trials",), "published": ("list_published", "published_models"),
+    "read_waterway": ("read_geojson", "read_canal", "load_waterway"), "ready_ships": ("ships", "list_ships"),
+    "steady_course": ("steady_state", "trim", "equilibrium"), "straight_waterway": ("straight_canal",),
+    "write_waterway": ("to_geojson", "write_geojson"),
+    "ensemble": ("monte_carlo", "sweep", "fleet"), "bank_force": ("bank_effect", "bank_forces"),
+    "estimate_model": ("from_dimensions", "from_particulars"), "Configuration": ("Config",),
+}  # fmt: skip
+
+# Functions with another meaning here, and what to write instead.
+OTHER_FUNCTIONS: Rows = {
+    "jacobian or control.linearize": ("linearize", "linearise", "linear"),
+    "PAPER, SPEED, CROSSFLOW, MMG, or a name as in terms='speed'": ("tables", "terms_tables", "list_tables"),
+    "measured_tests": ("datasets", "load_dataset", "example_data", "demo_tests", "load_kcs"),
+    "read_captive, or measured_tests for tests of the package": ("read_tests", "load_tests", "load_data", "read_data"),
+    "read_ship, or load_model for a model": ("load_ship", "read_toml", "load_toml", "read_model"),
+    "squat(model, u, formula=...)": ("barrass", "squat_barrass", "huuska", "icorels", "tuck", "sinkage"),
+    "turning_circle or zigzag": ("manoeuvre", "maneuver", "spiral", "pullout"),
+    "safe_envelope, or speed_limits along a waterway": ("safe_speed", "speed_limit", "max_speed"),
+    "8 * 0.514444 for 8 knots: speeds are in m/s": ("knots", "kn", "knot", "kts"),
+    "estimation.Estimator": ("kalman_filter", "Kalman", "ekf", "ukf", "filter"),
+    "`narrows monitor` in a terminal": ("monitor", "Monitor", "warning"),
+    "Autopilot, or control.regulator": ("PID", "pid", "Pilot", "HeadingController"),
+    "export.write_fmu": ("to_fmu", "fmu", "export_fmu"), "export.write_c": ("to_c", "c_code"),
+    "model.plot(), voyage.plot() or map_figure, by what is drawn": ("plot", "figure", "draw"),
+    "published": ("list_models", "models", "example_model", "demo", "demo_model", "load_example"),
+    "ready_ships": ("known_ships",), "Configuration": ("Setup",), "control": ("lqr", "LQR", "mpc", "MPC"),
+    "estimate_model": ("estimate",), "identify": ("curve_fit", "least_squares", "OLS", "ols"),
+    "fit.bootstrap()": ("bootstrap", "resample"), "report.map_figure": ("plot_map", "draw_map"),
+    "learn": ("learn_log", "calibrate"), "ensemble": ("map", "grounding_map"),
+}  # fmt: skip
+
+# Parts of subpackages by other libraries' names.
+CONTROL: Rows = {
+    "PredictiveHelm": ("mpc", "MPC", "nmpc"), "regulator, or nw.Autopilot": ("pid", "PID", "lqg", "pole_placement"),
+    "nw.estimation.Estimator": ("kalman", "Kalman", "ekf", "ukf", "observer", "lqe"),
+    "linearize(model, y=, u=).state_space()": ("ss", "StateSpace", "tf", "to_ss"),
+}  # fmt: skip
+ESTIMATION: Rows = {"Estimator": ("UnscentedKalmanFilter", "KalmanFilter", "kalman", "ukf", "UKF", "ekf", "EKF")}
+
+# Verbs of the command line in other programs.
+VERBS: Rows = {
+    "identify": ("fit", "regress", "train"), "simulate": ("run", "sail", "voyage"), "map": ("sweep", "ensemble"),
+    "envelope": ("safe", "chart", "limits"), "trials": ("manoeuvre", "zigzag", "turn"), "monitor": ("watch", "serve"),
+    "waterway": ("canal", "channel"), "explain": ("check", "compare", "report"), "export": ("convert", "fmu"),
+    "plan": ("design",), "learn": ("update", "log"), "demo": ("example", "test"),
+}  # fmt: skip
+
+
+def name_here(name: str, rows: Rows) -> str | None:
+    """Return the name here of another library's name."""
+    return next((ours for ours, theirs in rows.items() if name in theirs), None)
+
+
+def remedy(name: str, rows: Rows, known: Iterable[str]) -> str:
+    """Return what to write instead of an unknown name, as the end of a sentence."""
+    meant = name_here(name, rows)
+    return f"; write {meant}" if meant else near_miss(name, known)
+
+
+def public_name(name: str, known: Iterable[str]) -> str:
+    """Return what to write instead of an unknown public name, as the end of a sentence."""
+    longer = [word for word in sorted(known) if len(name) > 2 and name.lower() in word.lower()]
+    meant = name_here(name, OTHER_FUNCTIONS) or " or ".join(longer)
+    return f"; write {meant}" if meant else near_miss(name, known, NAMES_ALIKE)
+
+
+def accept_aliases(function: Function) -> Function:
+    """Accept the other names of a function's arguments, or of a class's fields."""
+    if isinstance(function, type):
+        function.__init__ = accept_aliases(function.__init__)  # type: ignore[misc]
+        return function
+    parameters = inspect.signature(function).parameters
+    any_name = any(own.kind is own.VAR_KEYWORD for own in parameters.values())
+    # A name can be that of two arguments (h: a step or a depth): the function has one of them.
+    aliases = {
+        name: ours
+        for ours, theirs in reversed(tuple(ARGUMENTS.items()))
+        if ours in parameters or any_name
+        for name in theirs
+    }
+
+    @wraps(function)
+    def called(*values: Any, **given: Any) -> Any:
+        for name in given.keys() - parameters.keys():
+            ours = aliases.get(name)
+            if ours and ours not in given:
+                given[ours] = given.pop(name)
+            elif ours:
+                raise InputError(f"{name} and {ours} are one argument; give {ours}")
+            elif meant := name_here(name, OTHER_ARGUMENTS):
+                raise InputError(f"{function.__name__} has no argument {name!r}; write {meant}")
+        return function(*values, **given)
+
+    return called  # type: ignore[return-value]
