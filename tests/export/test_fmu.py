@@ -1,5 +1,6 @@
 """FMUs beside the package's own voyages, by FMPy: validated, sailed in both kinds, differentiated, put back."""
 
+import re
 import shutil
 import struct
 import subprocess
@@ -72,6 +73,17 @@ def test_the_formal_rules_of_the_standard_are_kept(name: str, checker: str, requ
         pytest.skip(f"{checker} is not here: github.com/INTO-CPS-Association/FMI-VDM-Model builds it")
     done = subprocess.run([program, request.getfixturevalue(name)], capture_output=True, text=True)
     assert done.stdout.strip().endswith("No errors found."), done.stdout
+
+
+@pytest.mark.parametrize("kind", ["cs", "me"])
+@pytest.mark.parametrize("name", ["paper", "steered"])
+def test_the_compliance_checker_has_no_remark(name: str, kind: str, request: pytest.FixtureRequest) -> None:
+    program = shutil.which("fmuCheck.linux64")
+    if program is None:
+        pytest.skip("fmuCheck.linux64 is not here: github.com/modelica-tools/FMUComplianceChecker builds it")
+    command = [program, "-k", kind, "-l", "3", "-n", "100", "-o", "/dev/null", request.getfixturevalue(name)]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert (done.returncode, re.findall(r"\[(?:WARNING|ERROR|FATAL)\].*", done.stdout + done.stderr)) == (0, [])
 
 
 @pytest.mark.parametrize("name", ["paper", "third"])

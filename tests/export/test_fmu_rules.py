@@ -297,6 +297,8 @@ def test_a_full_size_ship_has_an_experiment_of_its_size(fmus: Fmus, tmp_path: Pa
     stops = [float(one.stopTime) for one in sizes]
     assert stops[1] / stops[0] == pytest.approx((355.0 / 3.984) ** 0.5, rel=0.1)
     assert all(float(one.stepSize) < float(one.stopTime) / 100 for one in sizes)
+    steps = [float(one.stopTime) / float(one.stepSize) for one in sizes]
+    assert steps == pytest.approx([round(number) for number in steps], abs=1e-6)
 
 
 @pytest.mark.parametrize("fmi", [2, 3])

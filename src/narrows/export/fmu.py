@@ -55,10 +55,12 @@ def fmu_bytes(
     header, variables, model = c_text(exported), variables_of(exported, speed, dt), exported.ship.model
     token = token_of(header, identifier, speed, dt, fmi)
     usual = voyage_defaults(model, speed)
+    output = OUTPUT_STEPS * usual.dt
+    stop = round(round(usual.duration / output) * output, 6)  # No step of a default experiment passes its end
     outcomes = [(name, OUTCOME_CODES.index(name.upper()), words) for name, words in OUTCOMES.items()]
     description = description_text(
-        model, variables, fmi, identifier=identifier, token=token, stop=usual.duration, output=OUTPUT_STEPS * usual.dt,
-        outcomes=outcomes, derivatives="true",
+        model, variables, fmi, identifier=identifier, token=token, stop=stop, output=output, outcomes=outcomes,
+        derivatives="true",
     )  # fmt: skip
     sources = {"ship.h": header, "choices.h": _choices(exported, variables, token, speed, dt)}
     return fmu_of({**sources, "instance.h": source_of("instance.h")}, description, model, identifier, builds, fmi)

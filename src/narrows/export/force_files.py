@@ -88,16 +88,9 @@ def force_fmu(model: Model, identifier: str, fmi: int) -> bytes:
     token = token_of(header, identifier, fmi)
     variables = tuple(replace(one, reference=place) for place, one in enumerate(_variables(model)))
     description = description_text(
-        model,
-        variables,
-        fmi,
-        identifier=identifier,
-        token=token,
-        stop=1.0,
-        output=0.1,
-        outcomes=(),
+        model, variables, fmi, identifier=identifier, token=token, stop=1.0, output=0.1, outcomes=(),
         derivatives="false",
-    )
+    )  # fmt: skip
     inputs = [one for one in variables if one.kind is Kind.INPUT]
     choices = filled(
         "bank_choices.h.j2", token=token, deviations=2 * (model.covariance is not None), reals=REALS, integers=INTEGERS,
