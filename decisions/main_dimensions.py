@@ -6,6 +6,7 @@ KVLCC2 is estimated by the other ships. Its measured circles and zigzags are tho
 """
 
 import math
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -13,10 +14,12 @@ from manoeuvres import APPROACH, CIRCLES, OVERSHOOTS
 from pages import markdown, publish
 
 import narrows as nw
+from narrows.empirical.bank_evidence import BANK_EVIDENCE, bank_effects, bank_prior, left_out_banks
 from narrows.empirical.calibration import SIGNED, Calibration, left_out
 from narrows.empirical.formulas import FORMULAS
 from narrows.empirical.known_ships import KNOWN_SHIPS
-from narrows.empirical.main_dimensions import BANK_EVIDENCE, bank_prior, estimated
+from narrows.empirical.main_dimensions import estimated
+from narrows.quantities.names import KNOT
 from narrows.simulation.grid import sampled
 
 DRAWN = 60
@@ -115,25 +118,90 @@ def trials_table(sailed: bool) -> str:
 def bank_table() -> str:
     """The evidence on the bank's coefficients, and their distribution."""
     rows = [
-        (row.ship, row.source, "not known" if row.depth_to_draft is None else f"{row.depth_to_draft:g}",
-         f"{row.suction:.3f}", f"{row.cushion:.3f}")
+        (row.ship, row.source, "not printed" if row.depth_to_draft is None else f"{row.depth_to_draft:g}",
+         _with_error(row.suction, row.suction_error), _with_error(row.cushion, row.cushion_error))
         for row in BANK_EVIDENCE
     ]  # fmt: skip
-    prior = bank_prior()
-    pair = (prior["Y_bank"], prior["N_bank"])
-    rows.append(
-        ("a further ship", "mean and standard deviation", "any", *(f"{one.value:.2f} ± {one.std:.2f}" for one in pair))
-    )
+    effects, prior = bank_effects(), bank_prior()
+    pair = (effects["Y_bank"], effects["N_bank"])
+    rows += [
+        ("all", "mean", "", *(_with_error(one.mean, one.mean_error) for one in pair)),
+        ("", "standard deviation between ships", "", *(f"{one.between:.2f}" for one in pair)),
+        ("", "standard deviation within a ship", "", *(f"{one.within:.2f}" for one in pair)),
+        ("a further ship", "", "any", *(f"{prior[name].value:.2f} ± {prior[name].std:.2f}" for name in prior)),
+    ]
     return markdown(("ship", "source", "h/T", "b_bank", "c_bank"), rows)
 
 
+def _with_error(value: float | None, error: float) -> str:
+    return "" if value is None else f"{value:.2f} ± {error:.2f}" if error else f"{value:.2f}"
+
+
+def left_out_banks_table() -> str:
+    """How many coefficients of the bank the 95 % intervals by the other ships hold."""
+    found = left_out_banks()
+    rows = []
+    for ship in dict.fromkeys(row.ship for row in found):
+        group = [row for row in found if row.ship == ship]
+        missed = ", ".join(f"{row.coefficient} {row.known:.2f}" for row in group if not row.held)
+        rows.append((ship, str(len(group)), str(sum(row.held for row in group)), missed))
+    rows.append(("all", str(len(found)), str(sum(row.held for row in found)), ""))
+    return markdown(("ship", "coefficients", "in their 95 % interval", "outside"), rows)
+
+
+PLACES = {
+    "KCS, 300 x 16.2 m": (nw.published("estimated_kcs"), 8.0),
+    "366 m, 300 x 24 m": (nw.estimate_model(nw.Ship(366, 51, 15, 0.65), nw.Canal(300, 24)), 8.0),
+    "400 m, 205 x 24 m (Suez)": (nw.estimate_model(nw.Ship(400, 58.8, 16, 0.68), nw.Canal(205, 24)), 7.0),
+}
+"""Ships in canals, and a speed [knots]."""
+
+KNOWN_PARTS = {
+    "as estimated": (),
+    "hull known": ("X_my", "Y_my", "N_jz", "Y_v", "Y_r", "N_v", "N_r"),
+    "rudder known": ("X_rudder", "Y_rudder", "N_rudder"),
+    "bank known": ("Y_bank", "N_bank"),
+}
+"""Coefficients without uncertainty."""
+
+CASES = 400
+
+
+def narrowing_table(sailed: bool) -> str:
+    """Shares of controllable cases, each with one source of spread switched off; heads alone where none is sailed."""
+    columns = (*KNOWN_PARTS, "heading 1 deg off, not 2")
+    rows = []
+    for name, (model, knots) in PLACES.items() if sailed else ():
+        beam = model.configuration.ship.beam
+        models = [replace(model, covariance=_without(model, parts)) for parts in KNOWN_PARTS.values()]
+        asked = [(one, None) for one in models] + [(model, nw.Disturbance(heading_deg=1.0))]
+        places, shares = np.array([0.0, beam / 2, beam]), []
+        for one, disturbance in asked:
+            found = nw.safe_envelope(one, places, np.array([knots * KNOT]), disturbance=disturbance, samples=CASES)
+            shares.append(found.to_xarray()["held"].values[:, 0])
+        rows += [
+            (name, f"{place:.0f}", *(f"{100 * share[index]:.0f} %" for share in shares))
+            for index, place in enumerate(places)
+        ]
+    return markdown(("ship and canal", "offset [m]", *columns), rows)
+
+
+def _without(model: nw.Model, parts: tuple[str, ...]) -> np.ndarray:
+    """Covariance without some coefficients."""
+    kept = np.array([name not in parts for name in model.terms.names], float)
+    return np.asarray(model.covariance * np.outer(kept, kept))
+
+
 def text(sailed: bool = True) -> str:
-    """All tables, each below its words; without the trials, which take half a minute, where none is sailed."""
+    """All tables, each below its words; without the trials, which take two minutes, where none is sailed."""
     return "\n\n".join((
         "A formula over the known value, ship by ship, in deep water:", formula_table(),
         "Each ship estimated by the others:", left_out_table(),
         "KVLCC2's 7 m model, from length, beam, draft and block coefficient, by the other ships:", trials_table(sailed),
-        "What is known of the bank's coefficients, in the paper's form:", bank_table(),
+        "Evidence on the bank's coefficients, in the form `distance`:", bank_table(),
+        "The bank's coefficients of each ship by the other ships:", left_out_banks_table(),
+        "Cases that stay controllable at 8 knots (in Suez 7), each with one source of spread switched off:",
+        narrowing_table(sailed),
     ))  # fmt: skip
 
 

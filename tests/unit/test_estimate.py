@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 import narrows as nw
+from narrows.empirical.bank_evidence import BANK_EVIDENCE, bank_prior, left_out_banks, random_effects
 from narrows.empirical.calibration import Calibration, left_out
 from narrows.empirical.formulas import FORMULAS, Hull, depth_factor
 from narrows.empirical.known_ships import KCS, KNOWN_SHIPS, KVLCC2
-from narrows.empirical.main_dimensions import BANK_EVIDENCE, bank_prior
 from narrows.empirical.propulsion import balanced_revolutions, resistance_prime
+from narrows.physics.clearance import bank_distance, suction
 
 PANAMAX = nw.Ship(length=366, beam=51, draft=15, block_coefficient=0.65)
 CANAL = nw.Canal(300, 24)
@@ -61,9 +62,10 @@ def test_added_mass_grows_with_shallow_water_as_measured() -> None:
 
 
 def test_kcs_row_is_what_its_tests_give() -> None:
-    """The rows of the KCS and of its banks are those of least squares, at one depth."""
+    """The rows of the KCS and of its banks, at one depth."""
     tests = nw.measured_tests("kcs").by_condition()["C0101A01"]
-    found = nw.identify(tests, terms=nw.CROSSFLOW).least_squares
+    fit = nw.identify(tests, terms=nw.with_bank(nw.CROSSFLOW, "distance"))
+    found = fit.least_squares
     ship = nw.published("estimated_kcs").configuration.ship
     assert ship.length / ship.beam == pytest.approx(KCS.hull.length_to_beam, rel=1e-3)
     scale = 0.5 * 1000 * 4.3671 * 0.2051
@@ -71,14 +73,42 @@ def test_kcs_row_is_what_its_tests_give() -> None:
     assert -found["c_uv"] / scale / 4.3671 == pytest.approx(KCS.primes[2.0]["N_v"], rel=2e-3)
     assert found["b_vdot"] / scale / 4.3671 - 0.1823 == pytest.approx(KCS.primes[2.0]["X_my"], rel=2e-3)
     row = BANK_EVIDENCE[1]
-    assert (found["b_bank"], found["c_bank"]) == pytest.approx((row.suction, row.cushion), abs=1e-3)
+    given = (row.suction, row.suction_error, row.cushion, row.cushion_error)
+    measured = (fit.coefficients["b_bank"], fit.std["b_bank"], fit.coefficients["c_bank"], fit.std["c_bank"])
+    assert measured == pytest.approx(given, abs=2e-3)
 
 
-def test_intervals_hold_ships_left_out() -> None:
-    rows = left_out()
-    share = sum(row.held for row in rows) / len(rows)
-    assert 0.90 <= share <= 0.98
-    assert {row.depth_to_draft for row in rows} == {math.inf, 2.0, 1.5, 1.2}
+def test_bank_rows_of_the_steady_tests_are_their_forces() -> None:
+    tests = nw.measured_tests("lataire2009")
+    for index, name in enumerate(tests.names):
+        rows = [row for row in BANK_EVIDENCE if row.source.startswith(f"steady test {name} ")]
+        at = {key: float(np.ravel(column)[index]) for key, column in tests.columns.items()}
+        parameter = bank_distance(at["y"], 1.0, at["width"], 0.53)
+        unit = suction(parameter, at["u"], at["heave"], 4.01, at["draft"], 0.65, 1000.0)
+        for row in rows:
+            assert row.cushion is not None
+            assert (at["Y"] / unit, -at["N"] / unit / 4.01) == pytest.approx((row.suction, row.cushion), abs=1e-3)
+            clearance = (at["width"] / 2 - at["y"]) / 0.53 - 0.5
+            assert (at["depth"] / at["draft"], clearance) == pytest.approx(
+                (row.depth_to_draft, row.clearance_to_beam), abs=0.06
+            )
+        assert len(rows) == (name not in "AG")  # These have drift
+
+
+def test_random_effects_are_those_of_the_analysis_of_variance() -> None:
+    """Balanced rows without errors: the variances are the mean squares' of one-way analysis of variance."""
+    rows = np.random.default_rng(3).normal(size=(6, 4)) + 2 * np.random.default_rng(4).normal(size=(6, 1))
+    found = random_effects(rows.ravel(), np.zeros(24), [name for name in "abcdef" for _ in range(4)])
+    within = rows.var(axis=1, ddof=1).mean()
+    between = rows.mean(axis=1).var(ddof=1) - within / 4
+    assert found.mean == pytest.approx(rows.mean(), abs=1e-6)
+    assert (found.within, found.between) == pytest.approx((within**0.5, between**0.5), rel=1e-3)
+    assert found.mean_error == pytest.approx((rows.mean(axis=1).var(ddof=1) / 6) ** 0.5, rel=1e-3)
+
+
+@pytest.mark.parametrize("rows", [left_out(), left_out_banks()], ids=["hull", "banks"])
+def test_intervals_hold_ships_left_out(rows: list) -> None:
+    assert 0.90 <= sum(row.held for row in rows) / len(rows) <= 0.98
 
 
 def test_an_estimate_takes_every_ship_and_each_changes_it() -> None:
@@ -105,11 +135,12 @@ def test_circle_of_kvlcc2_from_dimensions_by_the_other_ships(monkeypatch: pytest
     assert found["tactical_diameter_over_length"] == pytest.approx(measured["tactical diameter/L"], rel=0.15)
 
 
-def test_the_bank_prior_holds_all_evidence() -> None:
-    prior = bank_prior()
-    for row in BANK_EVIDENCE:
-        for name, value in (("Y_bank", row.suction), ("N_bank", row.cushion)):
-            assert abs(value - prior[name].value) < 1.96 * prior[name].std
+def test_the_bank_prior_is_that_of_a_further_ship() -> None:
+    """Wider than the scatter of the rows about the mean, as one more ship and the mean's own error are in it."""
+    for name, column in (("Y_bank", "suction"), ("N_bank", "cushion")):
+        exact = [getattr(row, column) for row in BANK_EVIDENCE if row.source.startswith("steady test ")]
+        scatter = np.std([value for value in exact if value is not None], ddof=1)
+        assert bank_prior()[name].std > 0.9 * scatter
 
 
 class TestModel:

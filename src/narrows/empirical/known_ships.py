@@ -42,8 +42,25 @@ def _without_rudder(primes: Mapping[str, float], force: float, moment: float) ->
     return bare
 
 
+def _identified(
+    ship: tuple[float, float, float], sway: float, yaw: float, drift: tuple[float, float], turning: tuple[float, float]
+) -> dict[str, float]:
+    """Primes of the package's fit with the terms ``crossflow``, which include mass, lever and inertia of the ship."""
+    mass, lever, inertia = ship
+    surge = SURGE_SHARE * mass
+    return {
+        "X_my": sway - mass, "N_jz": yaw - inertia, "Y_v": -drift[0], "N_v": -drift[1],
+        "Y_r": mass + surge - turning[0], "N_r": mass * lever - turning[1],
+    }  # fmt: skip
+
+
+# m', x_G' and I_z' of the tests in shallow water.
+_KVLCC2 = (0.2935, 0.0340, 0.01808)
+
 KVLCC2 = KnownShip(
-    "KVLCC2", "Yasukawa and Yoshimura (2015)", Hull(7 / 1.27, 1.27 / 0.46, 0.81, 0.25 / 7),
+    "KVLCC2",
+    "Yasukawa and Yoshimura (2015); tests of Flanders Hydraulics, SIMMAN 2014, as identified here, in shallow water",
+    Hull(7 / 1.27, 1.27 / 0.46, 0.81, 0.25 / 7),
     {
         math.inf: {
             "X_mx": 0.022, "X_my": 0.223, "N_jz": 0.011,
@@ -51,7 +68,15 @@ KVLCC2 = KnownShip(
             "X_vv": -0.040, "X_vr": 0.002, "X_rr": 0.011, "X_vvvv": 0.771,
             "Y_vvv": -1.607, "Y_vvr": 0.379, "Y_vrr": -0.391, "Y_rrr": 0.008,
             "N_vvv": -0.030, "N_vvr": -0.294, "N_vrr": 0.055, "N_rrr": -0.013,
-        }
+        },
+        1.8: _identified(_KVLCC2, 0.6263, 0.0306, (0.3603, 0.2384), (0.2190, 0.0729)),
+        1.5: _identified(_KVLCC2, 0.6690, 0.0327, (0.4511, 0.3219), (0.2449, 0.0772)),
+        1.2: _identified(_KVLCC2, 0.8119, 0.0423, (0.8776, 0.4922), (0.2150, 0.1116)),
+    },
+    {
+        1.8: {"X_my": 0.06, "N_jz": 0.06, "Y_v": 0.07, "N_v": 0.04, "Y_r": 0.18, "N_r": 0.08},
+        1.5: {"X_my": 0.08, "N_jz": 0.05, "Y_v": 0.09, "N_v": 0.03, "Y_r": 0.46, "N_r": 0.12},
+        1.2: {"X_my": 0.14, "N_jz": 0.06, "Y_v": 0.18, "N_v": 0.06, "Y_r": 0.49, "N_r": 0.10},
     },
 )  # fmt: skip
 
@@ -111,25 +136,15 @@ ESSO_OSAKA = KnownShip(
     {math.inf: {"X_mx": 0.0467, "X_my": 0.2579}},
 )  # fmt: skip
 
-KCS_MASS, KCS_LEVER = 0.1823, -0.0139
-
-
-def _kcs(sway: float, yaw: float, drift: tuple[float, float], turning: tuple[float, float]) -> dict[str, float]:
-    """Primes of the package's fit with the terms ``crossflow``, over the same scales."""
-    surge = SURGE_SHARE * KCS_MASS
-    return {
-        "X_my": sway - KCS_MASS, "N_jz": yaw - 0.01195, "Y_v": -drift[0], "N_v": -drift[1],
-        "Y_r": KCS_MASS + surge - turning[0], "N_r": KCS_MASS * KCS_LEVER - turning[1],
-    }  # fmt: skip
-
+_KCS = (0.1823, -0.0139, 0.01195)
 
 KCS = KnownShip(
     "KCS", "tests of Flanders Hydraulics, SIMMAN 2014, as identified here",
-    Hull(4.3671 / 0.6114, 0.6114 / 0.2051, 0.651, KCS_LEVER),
+    Hull(4.3671 / 0.6114, 0.6114 / 0.2051, 0.651, _KCS[1]),
     {
-        2.0: _kcs(0.4097, 0.0210, (0.2208, 0.1340), (0.1311, 0.0576)),
-        1.5: _kcs(0.4957, 0.0236, (0.3353, 0.2073), (0.1482, 0.0708)),
-        1.2: _kcs(0.6166, 0.0320, (1.2901, 0.4074), (0.1591, 0.1538)),
+        2.0: _identified(_KCS, 0.4097, 0.0210, (0.2208, 0.1340), (0.1311, 0.0576)),
+        1.5: _identified(_KCS, 0.4957, 0.0236, (0.3353, 0.2073), (0.1482, 0.0708)),
+        1.2: _identified(_KCS, 0.6166, 0.0320, (1.2901, 0.4074), (0.1591, 0.1538)),
     },
     {
         2.0: {"X_my": 0.15, "N_jz": 0.06, "Y_v": 0.32, "N_v": 0.18, "Y_r": 0.42, "N_r": 0.10},

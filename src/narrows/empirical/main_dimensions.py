@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from narrows.empirical.bank_evidence import FORM, bank_prior, tested_places
 from narrows.empirical.calibration import COEFFICIENTS, SIGNED, Calibration, Spread
 from narrows.empirical.formulas import RANGES, Hull
 from narrows.empirical.propulsion import (
@@ -32,7 +33,7 @@ from narrows.ship.actuators import Propeller, Rudder, SteeringGear
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
 from narrows.terms.tables import table_named
 
-TABLE = "mmg+delta"
+TABLE = f"mmg+{FORM}"
 SEA = Water(1025.0)
 GYRATION = 0.25  # Radius of gyration over L, Yasukawa and Yoshimura (2015) for KVLCC2; 0.25 to 0.27 is usual
 
@@ -60,9 +61,9 @@ def estimate_model(
 ) -> Model:  # fmt: skip
     """Estimate the model of a ship from its main dimensions, with the errors of the formulas on known ships.
 
-    The terms are those of the MMG standard method with the paper's bank term. The covariance contains the errors of the
-    formulas on ships with known derivatives, and their disagreement; the bank's coefficients are those of ships tested
-    along banks. ``model.notes`` lists the assumed values.
+    The terms are those of the MMG standard method with the bank term of Vantorre et al. (2003). The covariance contains
+    the errors of the formulas on ships with known derivatives, and their disagreement; the bank's coefficients are
+    those of ships tested along banks. ``model.notes`` lists the assumed values.
 
     Parameters
     ----------
@@ -96,7 +97,7 @@ def estimate_model(
     >>> ship = nw.Ship(length=366, beam=51, draft=15, block_coefficient=0.65)
     >>> model = nw.estimate_model(ship, nw.Canal(300, 18))
     >>> model.terms.name
-    'mmg+delta'
+    'mmg+distance'
     """
     return estimated(ship, canal, water, kind, speed, propeller, rudder, steering, _all_ships())
 
@@ -134,7 +135,7 @@ def estimated(
         data_range=DataRange(
             speed=(0.0, FASTEST_FROUDE * math.sqrt(GRAVITY * known.length)),
             depth_to_draft=(SHALLOWEST, DEEPEST),
-            width_to_beam=tested_widths(),
+            **tested_places(known, canal),
         ),
         source=Source(
             text="formulas of the literature, calibrated on ships whose derivatives are known",
@@ -268,44 +269,3 @@ def _sentences(ship: Ship, filled: list[str], parts: list[str], usual: str, serv
     if outside:
         sentences.append(f"Outside the ships behind the formulas: {', '.join(outside)}.")
     return sentences
-
-
-class BankEvidence(NamedTuple):
-    ship: str
-    source: str
-    depth_to_draft: float | None
-    width_to_beam: float
-    suction: float  # b_bank
-    cushion: float  # c_bank
-
-
-_KCS = "harmonic tests, Flanders Hydraulics, with the terms crossflow"
-_LATAIRE = "steady tests along banks, Lataire et al. (2009), without drift"
-
-BANK_EVIDENCE = (
-    BankEvidence("DTC", "Mikkelsen et al. (2025)", None, 12.2, 1.07, 0.13),
-    BankEvidence("KCS", _KCS, 2.0, 11.4, -0.015, 0.055),
-    BankEvidence("KCS", _KCS, 1.5, 11.4, -0.086, 0.077),
-    BankEvidence("KCS", _KCS, 1.2, 11.4, -0.164, 0.214),
-    BankEvidence("8000 TEU ship", f"{_LATAIRE}, propeller on", None, 13.2, 0.107, 0.048),
-    BankEvidence("8000 TEU ship", f"{_LATAIRE}, propeller off", None, 13.2, -0.001, 0.018),
-)
-
-
-def bank_prior() -> dict[str, Spread]:
-    """Return suction and cushion of a ship without bank tests, ``Y_bank`` and ``N_bank``."""
-    widened = math.sqrt(1 + 1 / len(BANK_EVIDENCE))
-    columns = {
-        "Y_bank": [row.suction for row in BANK_EVIDENCE],
-        "N_bank": [row.cushion for row in BANK_EVIDENCE],
-    }
-    return {
-        name: Spread(float(np.mean(values)), widened * float(np.std(values, ddof=1)))
-        for name, values in columns.items()
-    }
-
-
-def tested_widths() -> tuple[float, float]:
-    """Return the smallest and the largest W/B of the evidence [1]."""
-    widths = [row.width_to_beam for row in BANK_EVIDENCE]
-    return min(widths), max(widths)
