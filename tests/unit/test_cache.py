@@ -24,7 +24,7 @@ model = nw.published("mikkelsen2025_dtc")
 nw.simulate(model, y=0.5, duration=1.0)
 plain = not {"sympy", "numba"} & set(sys.modules)
 ends = nw.ensemble(model, y=0.5, duration=40.0)
-stats = SimulatedShip(model, bottom=True).system().kernel("float64").sail.stats
+stats = SimulatedShip(model, bottom=True).system().kernel("float64").step.stats
 hits, misses = (sum(count.values()) for count in (stats.cache_hits, stats.cache_misses))
 print(plain, "sympy" in sys.modules, hits, misses, ends["distance"].item().hex())
 """
@@ -56,7 +56,7 @@ def test_two_processes_at_once_then_a_third_that_compiles_nothing(tmp_path: Path
     plain, with_sympy, hits, misses, x = said(started(tmp_path, "3"))
     assert (plain, with_sympy, hits, misses) == ("True", "False", "1", "0")
     assert first[-1] == second[-1] == x
-    assert sorted(name.partition("_")[0] for name in files) == ["event", "kernel", "plain"]
+    assert sorted(name.partition("_")[0] for name in files) == ["event", "kernel", "plain", "queue", "room"]
     assert files == {path.name: path.read_text() for path in (tmp_path / "compiled").glob("*.py")}
 
 

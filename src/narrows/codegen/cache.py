@@ -191,4 +191,8 @@ def compiled_loops(module: ModuleType) -> ModuleType:
     name = module.__name__.rpartition(".")[2]
     # The module docstring must not stand between the imports of the header and the functions.
     decorated = re.sub(r"^def ", "@cached\ndef ", text.split('"""\n', 1)[1], flags=re.MULTILINE)
-    return generated(name, [text, HEADER], lambda: HEADER.format(name=name) + decorated)
+    compiled = generated(name, [text, HEADER], lambda: HEADER.format(name=name) + decorated)
+    for imported, function in list(vars(compiled).items()):
+        if inspect.isfunction(function) and function.__module__.startswith("narrows."):  # Compiled code calls it so
+            setattr(compiled, imported, getattr(compiled_loops(sys.modules[function.__module__]), imported))
+    return compiled

@@ -27,6 +27,10 @@ TIME, LENGTH, SHARE = "t", "step_length", "share"
 COUNTED = "counted_psi"
 MIDSHIP_LEAVES = 0.9
 
+# Inputs that all vessels share, in their order in an array: the queue reads the last three too. Every other input is
+# per vessel, so that one kernel serves fleets in which other things vary; a lane reads both equally fast.
+SHARED = ("least_cos", "x_last", "x_first", "cells_a_metre", "most_speed", "most_rate")
+
 # An external force from ``push_end`` on, by its name before it.
 AFTER = "{}_after".format
 

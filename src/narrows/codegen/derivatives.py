@@ -6,7 +6,6 @@ Each line depends on few earlier ones, so its derivatives stay short; those of w
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 
 import sympy
 from sympy import Integer, sympify
@@ -14,6 +13,7 @@ from sympy import Integer, sympify
 from narrows.codegen.choices import LENGTH, ROW, Actuated
 from narrows.codegen.free_motion import ACCELERATIONS, STATE, Expr, FreeMotion, symbol
 from narrows.codegen.kernels.elementary import HEADER, elementary_text
+from narrows.codegen.kernels.sensitivity import DIRECTIONS
 from narrows.codegen.linearisation import LINEARISED, arguments, controlled
 from narrows.codegen.lines import FUNCTIONS, Assignment, Lines, real, straight_lines
 from narrows.codegen.printers.python import Arithmetic, constants_text, function_text
@@ -180,7 +180,6 @@ def coefficient_slopes(lines: Lines, rates: Rates, names: Sequence[str], values:
 # The tangent of a voyage: a step with the derivatives of its whole state; lanes are directions. The lines of the step
 # and their partial derivatives are floats, computed once. The derivatives along the directions are one loop over a
 # block of lanes, which LLVM vectorises: a direction costs a few additions and products per line.
-DIRECTIONS = 32  # Lanes of a block; more directions need more passes
 SLOPE = "d_{}".format
 
 
@@ -227,7 +226,7 @@ class Tangent:
     def text(self, printer: Arithmetic) -> str:
         """Print the function ``step(z, block, inputs, table)``, in place."""
         body = "\n    ".join(self._body(printer))
-        return f"@jit\ndef step(z, block, inputs, table):\n    {body}\n"
+        return f"@cached\ndef step(z, block, inputs, table):\n    {body}\n"
 
     def _body(self, printer: Arithmetic) -> Iterator[str]:
         floats, slopes = self._parts
@@ -248,16 +247,13 @@ def tangent_text(step: Step, kept: tuple[str, ...], moving: Sequence[str], versi
     """Write the module that integrates a voyage with its derivatives."""
     tangent, printer = Tangent(step.with_whole_steps(), kept, tuple(moving)), Arithmetic(column="{:.1f}".format)
     body = tangent.text(printer)
-    numbers = {"KEPT": len(kept), "MOVING": len(moving), "DIRECTIONS": DIRECTIONS, "CELL_ENTRIES": ROW}
-    numbers["LENGTH"] = tangent.inputs.index(LENGTH)
-    names = {"KEPT_NAMES": kept, "INPUTS": tangent.inputs}
+    numbers = {"CELL_ENTRIES": ROW, "INPUTS": tangent.inputs, "KEPT": len(kept), "MOVING": len(moving)}
     return "\n\n".join(
         [
             HEADER.format(version=version, precision="float64"),
-            "\n".join(f"{name} = {value!r}" for name, value in (numbers | names).items()),
+            "\n".join(f"{name} = {value!r}" for name, value in numbers.items()),
             elementary_text(body, "float64"),
             body,
-            Path(__file__).with_name("kernels").joinpath("sensitivity.py").read_text(encoding="utf-8"),
         ]
     )
 

@@ -1,14 +1,17 @@
 """A prepared run: arrays are allocated once, so that a call costs only the kernel's time."""
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import cached_property, partial
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 
+from narrows.codegen.cache import compiled_loops
+from narrows.codegen.choices import SHARED
 from narrows.codegen.kernels.event import PLACES
 from narrows.errors import InputError
 
@@ -62,25 +65,36 @@ class PreparedRun:
 
     def _arguments(self, part: slice) -> tuple[Any, ...]:
         inputs = self.vessel_inputs if len(self.vessel_inputs) == 1 else self.vessel_inputs[part]
-        own, water = (self.start[part], self.times[part], inputs), self.water
-        shared = (water.table, self.shared, water.track, water.outline, self.limits)
-        return (*own, *shared, self.end[part], self.time[part], self.codes[part])
+        return self.start[part], self.times[part], inputs, self.end[part], self.time[part], self.codes[part]
+
+    @cached_property
+    def _integrate(self) -> Callable[..., int]:
+        """The loop over vessels with the model's functions and the water."""
+        from narrows.codegen.addresses import address, ends_at, room_at, step_at
+        from narrows.codegen.kernels import queue
+
+        kernel, water = self.kernel, self.water
+        entries = (kernel.step, step_at), (kernel.room_of, room_at), (kernel.ends_of, ends_at)
+        functions = [address(function, entry, self.start.dtype) for function, entry in entries]
+        sizes = np.array([*functions, len(kernel.KEPT_NAMES), kernel.FIELDS, kernel.EXACT])
+        arrays = water.table, self.shared, water.track, water.outline, self.limits
+        return partial(compiled_loops(queue).integrate_fleet, sizes, kernel.LEAVES, *arrays)
 
     def __call__(self) -> int:
         """Integrate every vessel and return the number of lane-steps."""
         if not len(self.start):
             return 0
-        sail = self.kernel.sail
+        integrate = self._integrate
         if len(self._memories) == 1:
             memory = self._memories[0]
-            self.lane_steps = sum(sail(*arguments, *memory) for arguments in self._calls)
+            self.lane_steps = sum(integrate(*arguments, *memory) for arguments in self._calls)
             return self.lane_steps
         free = list(self._memories)
 
         def one(arguments: tuple[Any, ...]) -> int:
             memory = free.pop()
             try:
-                return int(sail(*arguments, *memory))
+                return int(integrate(*arguments, *memory))
             finally:
                 free.append(memory)
 
@@ -132,7 +146,7 @@ def prepare(
         stacked = np.stack(columns, axis=1) if columns else np.zeros((rows, 0))
         return np.ascontiguousarray(stacked.astype(precision))
 
-    shared = np.array([np.ravel(inputs[name])[0] for name in kernel.SHARED], precision)
+    shared = np.array([np.ravel(inputs.get(name, 0.0))[0] for name in SHARED], precision)
     kept = table(kernel.KEPT_NAMES, start, vessels)
     is_own = any(np.ndim(inputs[name]) for name in kernel.VESSEL_INPUTS)
     vessel_inputs = table(kernel.VESSEL_INPUTS, inputs, vessels if is_own else 1)

@@ -85,7 +85,25 @@ class Rates:
     def program(self) -> tuple[Lines, dict[str, Expr]]:
         lines = Lines()
         names = {*STATE, *self.moving}
-        return lines, self.written(lines, "", {name: real(name) for name in names})
+        return lines, Rates.written(self, lines, "", {name: real(name) for name in names})
+
+
+# The call of a function of the rates, which its printer writes, and one of its results.
+RATES, ITEM = (sympy.Function(name, real=True) for name in ("rates", "item"))
+
+
+class CalledRates(Rates):
+    """Rates as a function that the stages of a step call: a compiler then reads their lines once."""
+
+    @cached_property
+    def arguments(self) -> tuple[str, ...]:
+        return tuple(name for name in (*STATE, *self.moving) if self.depend_on(name))
+
+    def written(self, lines: Lines, tag: str, values: Mapping[str, Expr]) -> dict[str, Expr]:
+        call = lines.put(f"rates_{tag}", RATES(*(values[name] for name in self.arguments)))
+        rates = zip(STATE, self.derivatives, strict=True)
+        items = {name: ITEM(call, place) if rate else rate for place, (name, rate) in enumerate(rates)}
+        return {name: lines.put(f"d{tag}_{name}", item) for name, item in items.items()}
 
 
 @lru_cache(maxsize=32)

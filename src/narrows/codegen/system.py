@@ -113,19 +113,22 @@ class System:
         return lambda: generated("jacobian_batch", (*self.key, actuators, section), text)
 
     def kernel(self, precision: str) -> ModuleType:
-        """Return the module that integrates a fleet; its ``sail`` compiles at its first call."""
+        """Return the functions that integrate a fleet; they compile at their first use."""
 
         def text() -> str:
-            from narrows.codegen.kernel import LANES, kernel_text
+            from narrows.codegen.kernel import kernel_text
+            from narrows.codegen.kernels.queue import LANES
             from narrows.codegen.printers.lanes import Lanes
+            from narrows.codegen.step import CalledRates, step_of
 
-            lanes = Lanes(self.step.with_whole_steps(), self.choices.kept, LANES)
+            rates = CalledRates(self.rates.motion, self.rates.moving, self.rates.pushed)
+            lanes = Lanes(rates, step_of(rates, self.choices).with_whole_steps(), self.choices.kept, LANES)
             return kernel_text(lanes, self.choices, precision, version("narrows"))
 
         return generated("kernel", (*self.key, precision), text)
 
     def tangent(self, moving: tuple[str, ...]) -> ModuleType:
-        """Return the module that integrates a voyage with derivatives; ``integrate`` compiles at its first call."""
+        """Return the step of a voyage with derivatives; it compiles at its first use."""
 
         def text() -> str:
             from narrows.codegen.derivatives import tangent_text

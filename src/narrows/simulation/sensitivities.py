@@ -1,14 +1,15 @@
 """Sensitivity of a voyage to its start, coefficients and inputs: the exact tangent of every step."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.codegen.cache import compiled_loops
 from narrows.codegen.choices import COUNTED, LENGTH, stages_at
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.codegen.lines import FUNCTIONS
@@ -348,9 +349,10 @@ class TangentIntegrator:
         changing = np.array([orders[name] for name in known], float).reshape(len(known), len(lengths))
         count, by = len(lengths) + len(starts), len(self.by)
         states, slopes = np.empty((count, module.KEPT)), np.empty((count, module.KEPT, by))
-        module.integrate(
-            np.ascontiguousarray(starts, float), np.ascontiguousarray(start_slopes), np.asarray(first, np.int64),
-            values, along.reshape(module.MOVING, by), places, np.ascontiguousarray(changing.T), lengths, 1,
+        self._integrate(
+            np.ascontiguousarray(starts, float), np.ascontiguousarray(start_slopes),
+            np.asarray(first, np.int64), values,
+            along.reshape(module.MOVING, by), places, np.ascontiguousarray(changing.T), lengths, 1,
             self.integrator.channel.water.table, states, slopes,
         )  # fmt: skip
         return states, slopes
@@ -361,6 +363,16 @@ class TangentIntegrator:
         law, scalar = self.steering.parameters if self.steering else {}, self._system.scalar
         can = {*scalar.CONSTANTS, *law, *INPUTS.values(), *self._particulars, "current"}
         return self._system.tangent(tuple(name for name in scalar.STEP_INPUTS if name in can))
+
+    @cached_property
+    def _integrate(self) -> Callable[..., None]:
+        """The loop over segments with this voyage's step."""
+        from narrows.codegen.addresses import address, tangent_at
+        from narrows.codegen.kernels import sensitivity
+
+        module = self._module
+        sizes = address(module.step, tangent_at), module.KEPT, module.MOVING, module.INPUTS.index(LENGTH)
+        return partial(compiled_loops(sensitivity).integrate, np.array(sizes))
 
     def _pushes(self, times: np.ndarray) -> np.ndarray:
         """External X, Y and N in each step, (steps, 3)."""

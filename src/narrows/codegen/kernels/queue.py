@@ -1,166 +1,145 @@
 """The queue of vessels in a block of lanes: which lane integrates which vessel, arrivals, and contacts.
 
-This text is appended to every generated kernel, below ``step`` and ``room_of`` of that model, so that Numba stores the
-whole as one file. A lane integrates one vessel until its voyage ends, then takes the next of the queue. Locating a
-contact costs a few lane-steps, while the neighbours take whole ones.
+A lane integrates one vessel until its voyage ends, then takes the next of the queue. Locating a contact costs a few
+lane-steps, while the neighbours take whole ones. One compiled copy serves all models: they pass their functions by
+address.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import TypeVar
+from narrows.codegen.addresses import ends_at, room_at, step_at
+from narrows.codegen.kernels.event import (
+    ASTERN,
+    BACK,
+    CLOCK,
+    CLOSED,
+    COUNT,
+    FINISHED,
+    GROUNDED,
+    LOST,
+    NEXT,
+    TRIES,
+    accept_step,
+    begin,
+    cause,
+    cleared,
+)
+from narrows.waterway.room import exact_room
 
-    from narrows.codegen.kernels.event import (
-        ASTERN,
-        BACK,
-        CLOCK,
-        CLOSED,
-        COUNT,
-        FINISHED,
-        GROUNDED,
-        LOST,
-        NEXT,
-        TRIES,
-        accept_step,
-        begin,
-        cause,
-        cleared,
-    )  # fmt: skip
+Array = Any
 
-    Function = TypeVar("Function", bound=Callable[..., Any])
-    Array = np.ndarray[Any, Any]
-    LANES = FIELDS = KEPT = FIRST = NOW = OLD = STEP_LENGTH = LEFT = FLAG = ROOM = LEAN = ROOM_BEFORE = (
-        FIRST_VESSEL_INPUT
-    ) = 0
-    X = Y = COS = SIN = U = V = R = AT_MOST_SPEED = AT_MOST_RATE = AT_CELLS_A_METRE = 0
-    EXACT = False
-    LEAVES = 0.0
-    real = np.float64
-
-    def called(function: Function) -> Function:
-        """Compile."""
-
-    def cached(function: Function) -> Function:
-        """Compile once for all processes."""
-
-    def room_of(block: Array, lane: int, table: Array, shared: Array) -> tuple[float, float]:
-        """Clearance of a lane by the lanes' own rule, and its side [m]."""
-
-    def ends_of(block: Array, lane: int, first: int, table: Array, shared: Array) -> tuple[float, float, float, float]:
-        """Margins of a lane, now or before the step, to every end but a bank."""
-
-    def exact_room(track: Array, step: float, s: float, n: float, c: float, si: float, outline: Array) -> Any:
-        """Exact clearance from the banks themselves, and the side [m]."""
-
-    def step(block: Array, table: Array, shared: Array) -> bool:
-        """Step every lane; return whether any needs attention."""
-elif __name__ == "narrows.codegen.kernels.queue":  # Imported alone, by tools that import all modules
-    called = cached = staticmethod
-
-
+LANES = 64
+# Fields of a lane: these, the rest of the state, the state before the step, and the vessel's inputs.
+STEP_LENGTH, SHARE, LEFT, FLAG, ROOM, LEAN, ROOM_BEFORE, X, Y, COS, SIN, U, V, R = range(14)
+STATE = X
+# Places of the inputs that all vessels share.
+CELLS_A_METRE, MOST_SPEED, MOST_RATE = 3, 4, 5
 RUNNING, AFLOAT, DIVERGED = -1, 0, 2
 OUTCOME, SIDE = 0, 1
 TOLERANCE, NEAR = 0, 1
 CACHE_LINE = 16  # numbers: 64 bytes in single precision, two lines in double
 
 
-@called
-def true_room(
-    block: "Array", lane: int, first: int, table: "Array", track: "Array", outline: "Array", shared: "Array"
-) -> "Any":
-    """Clearance of a lane by the banks themselves and by the other ends of a voyage, and its side [m]."""
+class Program(NamedTuple):
+    """A model: its functions by address, and the sizes of its lanes."""
+
+    step: int  # Steps every lane; returns whether any needs attention
+    room_of: int  # Clearance of a lane by the lanes' own rule, and its side [m]
+    ends_of: int  # Margins of a lane, now or before the step, to every end but a bank [m]
+    kept: int  # Numbers carried from step to step
+    fields: int  # Numbers of a lane
+    exact: bool  # True if the lanes' clearance is a lower bound, so that a contact needs the exact one
+    leaves: float  # Least share of the clearance that a step leaves [1]
+
+
+class Water(NamedTuple):
+    """What all vessels share."""
+
+    table: Array  # Cells of the waterway
+    shared: Array  # Inputs
+    track: Array  # Nodes of line and banks
+    outline: Array  # Points of the hull [m]
+    limits: Array  # Tolerance of a contact, and distance at which a diverging motion counts as contact [m]
+
+
+def true_room(program: Program, block: Array, lane: int, first: int, water: Water) -> Any:
+    """Return the clearance of a lane by the banks themselves and by the other ends of a voyage, and its side [m]."""
     x, y = block[(first + X) * LANES + lane], block[(first + Y) * LANES + lane]
     cosine, sine = block[(first + COS) * LANES + lane], block[(first + SIN) * LANES + lane]
-    room, lean = exact_room(track, 1.0 / shared[AT_CELLS_A_METRE], x, y, cosine, sine, outline)
-    heading, ahead, astern, afloat = ends_of(block, lane, first, table, shared)
-    return min(room, heading, ahead, astern, afloat), lean
+    room, lean = exact_room(water.track, 1.0 / water.shared[CELLS_A_METRE], x, y, cosine, sine, water.outline)
+    ends = ends_at(program.ends_of, block)(block, lane, first, water.table, water.shared)
+    return min(room, ends[0], ends[1], ends[2], ends[3]), lean
 
 
-@called
-def is_sane(block: "Array", lane: int, room: float, shared: "Array", near: float) -> bool:
+def is_sane(program: Program, block: Array, lane: int, room: float, water: Water, near: float) -> bool:
     """Return whether the numbers are physical; a ship drawn to a bank that ends its voyage may have any speed."""
-    if LEAVES > 0.0 and room <= near:
+    if program.leaves > 0.0 and room <= near:
         return True
-    most = shared[AT_MOST_SPEED]
+    most = water.shared[MOST_SPEED]
     slow = abs(block[U * LANES + lane]) < most and abs(block[V * LANES + lane]) < most
-    return slow and abs(block[R * LANES + lane]) < shared[AT_MOST_RATE] and room == room  # not NaN
+    return slow and abs(block[R * LANES + lane]) < water.shared[MOST_RATE] and room == room  # not NaN
 
 
-@called
-def cause_of(block: "Array", lane: int, table: "Array", shared: "Array", tolerance: float) -> int:
+def cause_of(program: Program, block: Array, lane: int, water: Water, tolerance: float) -> int:
     """Return which end is met when the clearance is zero."""
-    heading, ahead, astern, afloat = ends_of(block, lane, NOW, table, shared)
-    return cause(heading, ahead, astern, afloat, tolerance)
+    ends = ends_at(program.ends_of, block)(block, lane, 0, water.table, water.shared)
+    return cause(ends[0], ends[1], ends[2], ends[3], tolerance)
 
 
-@called
-def handle_event(
-    block: "Array",
-    lane: int,
-    book: "Array",
-    table: "Array",
-    shared: "Array",
-    track: "Array",
-    outline: "Array",
-    limits: "Array",
-) -> int:
+def handle_event(program: Program, block: Array, lane: int, book: Array, water: Water) -> int:
     """Handle a lane that a step has flagged: return an outcome, or RUNNING with the next step set up."""
     room, before, left = block[ROOM * LANES + lane], block[ROOM_BEFORE * LANES + lane], block[LEFT * LANES + lane]
-    sane = is_sane(block, lane, room, shared, limits[NEAR])
-    if EXACT and sane and (room <= 0.0 or book[lane, TRIES] > 0.0):
+    tolerance, near, leaves = water.limits[TOLERANCE], water.limits[NEAR], program.leaves
+    sane = is_sane(program, block, lane, room, water, near)
+    if program.exact and sane and (room <= 0.0 or book[TRIES] > 0.0):
         # The lanes' own clearance is a lower bound: compute the exact one.
-        room, block[LEAN * LANES + lane] = true_room(block, lane, NOW, table, track, outline, shared)
-    if sane and cleared(room, before, LEAVES) > 0.0 and book[lane, TRIES] == 0.0 and left > 0.0:
+        room, block[LEAN * LANES + lane] = true_room(program, block, lane, 0, water)
+    if sane and cleared(room, before, leaves) > 0.0 and book[TRIES] == 0.0 and left > 0.0:
         return RUNNING
-    if EXACT and (book[lane, TRIES] > 0.0 or not (sane and room > 0.0)):
-        before = true_room(block, lane, OLD, table, track, outline, shared)[0]
-    outcome = accept_step(book[lane], left, room, before, sane, limits[TOLERANCE], limits[NEAR], LEAVES)
+    if program.exact and (book[TRIES] > 0.0 or not (sane and room > 0.0)):
+        before = true_room(program, block, lane, program.kept, water)[0]
+    outcome = accept_step(book, left, room, before, sane, tolerance, near, leaves)
     if outcome == CLOSED:
-        return cause_of(block, lane, table, shared, limits[NEAR] if room > limits[TOLERANCE] else limits[TOLERANCE])
+        return cause_of(program, block, lane, water, near if room > tolerance else tolerance)
     if outcome == FINISHED:
         return AFLOAT
     if outcome in (LOST, BACK):
-        for field in range(KEPT):
-            block[field * LANES + lane] = block[(OLD + field) * LANES + lane]
+        for field in range(STATE, STATE + program.kept):
+            block[field * LANES + lane] = block[(program.kept + field) * LANES + lane]
         block[ROOM * LANES + lane] = before
     if outcome == LOST:
-        return cause_of(block, lane, table, shared, limits[NEAR]) if before <= limits[NEAR] else DIVERGED
-    block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[lane, NEXT], book[lane, COUNT]
+        return cause_of(program, block, lane, water, near) if before <= near else DIVERGED
+    block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[NEXT], book[COUNT]
     return RUNNING
 
 
-@called
 def load_lane(
-    block: "Array", lane: int, book: "Array", vessel: int, start: "Array", times: "Array", vessel_inputs: "Array",
-    table: "Array", shared: "Array", track: "Array", outline: "Array", limits: "Array",
-) -> int:  # fmt: skip
+    program: Program, block: Array, lane: int, book: Array, water: Water, start: Array, times: Array, inputs: Array
+) -> int:
     """Put a vessel into a lane; return its outcome if the voyage ends where it begins, else RUNNING."""
-    for field in range(KEPT):
-        block[field * LANES + lane] = start[vessel, field]
-        block[(OLD + field) * LANES + lane] = start[vessel, field]
-    row = min(vessel, vessel_inputs.shape[0] - 1)  # One row serves all if nothing varies
-    for field in range(vessel_inputs.shape[1]):
-        block[(FIRST_VESSEL_INPUT + field) * LANES + lane] = vessel_inputs[row, field]
-    room, lean = room_of(block, lane, table, shared)
-    if EXACT and room <= 0.0:
-        room, lean = true_room(block, lane, NOW, table, track, outline, shared)
+    for number in range(program.kept):
+        block[(STATE + number) * LANES + lane] = start[number]
+        block[(STATE + program.kept + number) * LANES + lane] = start[number]
+    for number in range(len(inputs)):
+        block[(STATE + 2 * program.kept + number) * LANES + lane] = inputs[number]
+    room, lean = room_at(program.room_of, block)(block, lane, water.table, water.shared)
+    if program.exact and room <= 0.0:
+        room, lean = true_room(program, block, lane, 0, water)
     block[ROOM * LANES + lane], block[LEAN * LANES + lane] = room, lean
-    begin(book[lane], times[vessel, 0], times[vessel, 1], times[vessel, 2])
-    block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[lane, NEXT], book[lane, COUNT]
-    if not is_sane(block, lane, room, shared, 0.0):
+    begin(book, times[0], times[1], times[2])
+    block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[NEXT], book[COUNT]
+    if not is_sane(program, block, lane, room, water, 0.0):
         return DIVERGED
     if not room > 0.0:
-        outcome = cause_of(block, lane, table, shared, 0.0)
+        outcome = cause_of(program, block, lane, water, 0.0)
         if room < 0.0 or outcome != ASTERN:  # The first point of a waterway belongs to it
             return outcome
     return RUNNING if block[LEFT * LANES + lane] > 0.0 else AFLOAT
 
 
-@called
-def idle_lane(block: "Array", lane: int) -> None:
+def idle_lane(block: Array, lane: int) -> None:
     """Put an empty lane on the line, with steps of no length."""
     for field in (Y, SIN, V, R, STEP_LENGTH):
         block[field * LANES + lane] = 0.0
@@ -168,58 +147,59 @@ def idle_lane(block: "Array", lane: int) -> None:
     block[LEFT * LANES + lane] = np.inf
 
 
-@called
-def unload_lane(
-    block: "Array", lane: int, book: "Array", vessel: int, outcome: int, end: "Array", time: "Array", codes: "Array"
-) -> None:
-    """Write place, time and outcome of a voyage's end."""
-    for field in range(KEPT):
-        end[vessel, field] = block[field * LANES + lane]
-    time[vessel] = book[lane, CLOCK]
+def unload_lane(block: Array, lane: int, outcome: int, end: Array, codes: Array) -> None:
+    """Write place and outcome of a voyage's end."""
+    for number in range(len(end)):
+        end[number] = block[(STATE + number) * LANES + lane]
     lean = block[LEAN * LANES + lane]
-    codes[vessel, OUTCOME] = outcome
-    codes[vessel, SIDE] = (lean > 0.0) - (lean < 0.0) if outcome == GROUNDED else 0
+    codes[OUTCOME] = outcome
+    codes[SIDE] = (lean > 0.0) - (lean < 0.0) if outcome == GROUNDED else 0
 
 
-@cached
-def sail(
-    start: "Array", times: "Array", vessel_inputs: "Array", table: "Array", shared: "Array", track: "Array",
-    outline: "Array", limits: "Array",
-    end: "Array", time: "Array", codes: "Array", memory: "Array", book: "Array", who: "Array",
+def integrate_fleet(
+    sizes: Array, leaves: float, table: Array, shared: Array, track: Array, outline: Array, limits: Array,
+    start: Array, times: Array, vessel_inputs: Array, end: Array, time: Array, codes: Array,
+    memory: Array, books: Array, who: Array,
 ) -> int:  # fmt: skip
     """Integrate every vessel to its end; return the number of lane-steps."""
+    # ``sizes`` and ``leaves`` are those of the program: Numba takes 20 us to unpack a named tuple of a caller.
+    program = Program(sizes[0], sizes[1], sizes[2], sizes[3], sizes[4], sizes[5] != 0, leaves)
+    water = Water(table, shared, track, outline, limits)
     first = -(memory.ctypes.data // memory.itemsize) % CACHE_LINE
-    block = memory[first : first + FIELDS * LANES]  # a vector that straddles two cache lines costs twice
-    # With the literal 0 Numba would compile ``load_lane`` again.
-    active, lane_steps, queue, vessels = 0, 0, FIRST, len(codes)
-    for lane in range(LANES):
-        who[lane] = -1
-        load_lane(block, lane, book, FIRST, start, times, vessel_inputs, table, shared, track, outline, limits)
-        idle_lane(block, lane)
-        block[FLAG * LANES + lane] = 1.0
+    block = memory[first : first + program.fields * LANES]  # a vector that straddles two cache lines costs twice
+    step = step_at(program.step, block)
+    rows = vessel_inputs.shape[0]  # One row serves all if nothing varies
+    active, lane_steps, queue, vessels = 0, 0, 0, len(codes)
+    load_lane(program, block, 0, books[0], water, start[0], times[0], vessel_inputs[0])
+    idle_lane(block, 0)
+    block[FLAG * LANES] = 1.0
+    for field in range(program.fields):
+        block[field * LANES : (field + 1) * LANES] = block[field * LANES]
+    who[:] = -1
     flagged = True
     while True:
         for lane in range(LANES if flagged else 0):
             if block[FLAG * LANES + lane] == 0.0:
                 continue
             if who[lane] >= 0:
-                outcome = handle_event(block, lane, book, table, shared, track, outline, limits)
+                outcome = handle_event(program, block, lane, books[lane], water)
                 if outcome == RUNNING:
                     continue
-                unload_lane(block, lane, book, who[lane], outcome, end, time, codes)
+                unload_lane(block, lane, outcome, end[who[lane]], codes[who[lane]])
+                time[who[lane]] = books[lane, CLOCK]
                 who[lane], active = -1, active - 1
                 idle_lane(block, lane)
             while queue < vessels:
-                outcome = load_lane(
-                    block, lane, book, queue, start, times, vessel_inputs, table, shared, track, outline, limits
-                )
+                inputs = vessel_inputs[min(queue, rows - 1)]
+                outcome = load_lane(program, block, lane, books[lane], water, start[queue], times[queue], inputs)
                 queue += 1
                 if outcome == RUNNING:
                     who[lane], active = queue - 1, active + 1
                     break
-                unload_lane(block, lane, book, queue - 1, outcome, end, time, codes)
+                unload_lane(block, lane, outcome, end[queue - 1], codes[queue - 1])
+                time[queue - 1] = books[lane, CLOCK]
                 idle_lane(block, lane)
         if active == 0:
             return lane_steps
-        flagged = step(block, table, shared)
+        flagged = step(block, water.table, water.shared)
         lane_steps += LANES

@@ -1,33 +1,32 @@
 """A voyage and its derivatives: segments, each from its own start, integrated from sample to sample.
 
-This text is appended to every generated tangent module, below ``step`` of that model.
+One compiled copy serves all models: they pass their step by address.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import TypeVar
+from narrows.codegen.addresses import tangent_at
 
-    Function = TypeVar("Function", bound=Callable[..., Any])
-    Array = np.ndarray[Any, Any]
-    KEPT = MOVING = DIRECTIONS = LENGTH = 0
+Array = np.ndarray[Any, Any]
 
-    def cached(function: Function) -> Function:
-        """Compile once for all processes."""
-
-    def step(z: Array, block: Array, inputs: Array, table: Array) -> None:
-        """Take a step in place, with its derivatives along every direction of the block."""
-elif __name__ == "narrows.codegen.kernels.sensitivity":  # Imported alone, by tools that import all modules
-    cached = staticmethod
+DIRECTIONS = 32  # Lanes of a block; more directions need more passes
 
 
-@cached
+class TangentProgram(NamedTuple):
+    """A step with derivatives along every direction of a block, in place, and its sizes."""
+
+    step: int  # Its address
+    kept: int  # Numbers carried from step to step
+    moving: int  # Inputs with derivatives
+    length: int  # Place of the length of a step among the inputs
+
+
 def integrate(
-    start: "Array", start_slopes: "Array", first: "Array", inputs: "Array", input_slopes: "Array",
-    places: "Array", orders: "Array", lengths: "Array", parts: int, table: "Array", states: "Array", slopes: "Array",
+    sizes: Array,
+    start: Array, start_slopes: Array, first: Array, inputs: Array, input_slopes: Array,
+    places: Array, orders: Array, lengths: Array, parts: int, table: Array, states: Array, slopes: Array,
 ) -> None:  # fmt: skip
     """Integrate every segment from its start; write states and derivatives at each sample and at segment ends.
 
@@ -37,22 +36,23 @@ def integrate(
     (steps + segments, kept) and ``slopes`` (steps + segments, kept, directions), the samples of each segment with its
     end, one segment after the other.
     """
-    directions = start_slopes.shape[2]
-    block, z, now = np.zeros((KEPT + MOVING) * DIRECTIONS), np.empty(KEPT), inputs.copy()
+    program = TangentProgram(sizes[0], sizes[1], sizes[2], sizes[3])
+    directions, step = start_slopes.shape[2], tangent_at(program.step, table)
+    block, z, now = np.zeros((program.kept + program.moving) * DIRECTIONS), np.empty(program.kept), inputs.copy()
     for begun in range(0, directions, DIRECTIONS):
         count = min(DIRECTIONS, directions - begun)
         block[:] = 0.0
-        for i in range(MOVING):
+        for i in range(program.moving):
             for lane in range(count):
-                block[(KEPT + i) * DIRECTIONS + lane] = input_slopes[i, begun + lane]
+                block[(program.kept + i) * DIRECTIONS + lane] = input_slopes[i, begun + lane]
         row = 0
         for segment in range(start.shape[0]):
-            for i in range(KEPT):
+            for i in range(program.kept):
                 z[i] = start[segment, i]
                 for lane in range(count):
                     block[i * DIRECTIONS + lane] = start_slopes[segment, i, begun + lane]
             for taken in range(first[segment], first[segment + 1] + 1):
-                for i in range(KEPT):
+                for i in range(program.kept):
                     states[row, i] = z[i]
                     for lane in range(count):
                         slopes[row, i, begun + lane] = block[i * DIRECTIONS + lane]
@@ -61,6 +61,6 @@ def integrate(
                     break
                 for i in range(places.shape[0]):
                     now[places[i]] = orders[taken, i]
-                now[LENGTH] = lengths[taken] / parts
+                now[program.length] = lengths[taken] / parts
                 for _ in range(parts):
                     step(z, block, now, table)

@@ -12,17 +12,14 @@ from functools import cached_property
 
 import sympy
 
-from narrows.codegen.free_motion import Expr
-from narrows.codegen.lines import Assignment, rounds
+from narrows.codegen.choices import SHARED
+from narrows.codegen.free_motion import STATE, Expr
+from narrows.codegen.lines import Assignment, Lines, rounds
 from narrows.codegen.printers.python import Arithmetic
-from narrows.codegen.step import Step
+from narrows.codegen.step import ITEM, RATES, CalledRates, Step
 
-# Fields of a lane besides its state: the queue of vessels reads and writes them.
+# First fields of a lane, before its state: the queue of vessels reads and writes them.
 BOOK = ("step_length", "share", "left", "flag", "room", "lean", "room_before")
-
-# Inputs that all vessels share: the bookkeeping of the queue reads them too. Every other input is per vessel, so that
-# one kernel serves fleets in which other things vary; a lane reads both equally fast.
-SHARED = ("least_cos", "x_last", "x_first", "cells_a_metre", "most_speed", "most_rate")
 
 SPEED_LIMITS = {"u": "most_speed", "v": "most_speed", "r": "most_rate"}
 
@@ -74,11 +71,29 @@ class LaneFields:
         return sorted(name for name in made if self._last_use.get(name, -1) > number)
 
 
+class LaneArithmetic(Arithmetic):
+    """Arithmetic of one lane, which calls the rates of the same lane."""
+
+    def _print_Function(self, value: Expr) -> str:
+        if value.func == RATES:
+            return self.called("rates", "block", "lane", *map(self._print, value.args))
+        if value.func == ITEM:
+            return f"{self._print(value.args[0])}[{value.args[1]}]"
+        return str(super()._print_Function(value))
+
+
 @dataclass(frozen=True)
 class Lanes:
-    step: Step  # The program
+    rates: CalledRates
+    step: Step  # The program, which calls the rates
     kept: tuple[str, ...]  # Quantities carried from step to step
     count: int  # Lanes of a block
+
+    @cached_property
+    def _rates_program(self) -> tuple[Lines, list[Expr]]:
+        lines, rates = self.rates.program()
+        results = [rates[name] for name in STATE]
+        return lines.needed_for(results), results
 
     @cached_property
     def parts(self) -> list[list[Assignment]]:
@@ -91,8 +106,15 @@ class Lanes:
         made = {str(name) for part in self.parts for name, _ in part}
         asked = {name for part in self.parts for _, value in part for name in names_in(value)}
         asked |= {name for value in self.step.out.values() for name in names_in(value)}
-        asked |= set(SPEED_LIMITS.values())
+        asked |= {*SPEED_LIMITS.values(), *self._rates_inputs}
         return tuple(sorted(asked - made - {*self.kept, *BOOK}))
+
+    @cached_property
+    def _rates_inputs(self) -> list[str]:
+        """Inputs of the rates besides the arguments of their calls."""
+        lines, results = self._rates_program
+        asked = {*lines.inputs, *(name for rate in results for name in names_in(rate))}
+        return sorted(asked - {*self.rates.arguments, *(str(name) for name, _ in lines.assignments)})
 
     @property
     def vessel_inputs(self) -> tuple[str, ...]:
@@ -104,21 +126,29 @@ class Lanes:
 
     @cached_property
     def layout(self) -> LaneFields:
-        names = (*self.kept, *BOOK, *(f"old {name}" for name in self.kept), *self.vessel_inputs)
+        names = (*BOOK, *self.kept, *(f"old {name}" for name in self.kept), *self.vessel_inputs)
         return LaneFields(self.parts, tuple(self.step.out.values()), names)
 
     def entry(self, name: str) -> str:
         return f"block[{self.layout.fields[name] * self.count} + lane]"
 
+    def rates_text(self, printer: Arithmetic) -> str:
+        """Print the function ``rates(block, lane, ...)`` of one lane."""
+        lines, results = self._rates_program
+        body = [f"{name} = {self.entry(name)}" for name in self._rates_inputs]
+        body += [f"{target} = {printer.doprint(value)}" for target, value in lines.assignments]
+        body.append(f"return ({', '.join(map(printer.doprint, results))},)")
+        return "\n    ".join([f"@jit\ndef rates(block, lane, {', '.join(self.rates.arguments)}):", *body]) + "\n"
+
     def text(self, printer: Arithmetic, leaves: float = 0.0) -> str:
         """Print the function ``step(block, table, shared)``, which returns whether any lane needs attention."""
-        head = [f"{name} = shared[{number}]" for number, name in enumerate(self.shared_inputs)]
+        head = [f"{name} = shared[{SHARED.index(name)}]" for name in self.shared_inputs]
         body = [*head, "all_well = True"]
         for number, part in enumerate(self.parts):
             lines = [f"for lane in range({self.count}):"]
             lines += [f"    {line}" for line in self._round(number, part, printer, leaves)]
             body += _of_round(number, lines)
-        return "\n    ".join(["@jit\ndef step(block, table, shared):", *body, "return not all_well"]) + "\n"
+        return "\n    ".join(["@cached\ndef step(block, table, shared):", *body, "return not all_well"]) + "\n"
 
     def _round(self, number: int, part: Sequence[Assignment], printer: Arithmetic, leaves: float) -> Iterator[str]:
         last = number == len(self.parts) - 1

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.codegen.choices import SHARED
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.linearisation import LINEARISED, JacobianBatch
 from narrows.control.predictive.course_ahead import Weights
@@ -70,8 +71,8 @@ class PredictionLanes:
         pushed = {"Y": np.zeros(lanes), "N": np.zeros(lanes), PUSH_END: np.inf}
         prepared = run.prepared({**still, **pushed, "u": 1.0, **positions}, lanes, workers=1)
         kept, inputs = prepared.kernel.KEPT_NAMES, prepared.kernel.VESSEL_INPUTS
-        if "x_last" in prepared.kernel.SHARED:  # For a plan the waterway continues beyond its end with the last section
-            prepared.shared[prepared.kernel.SHARED.index("x_last")] = 1e12
+        # For a plan the waterway continues beyond its end with the last section
+        prepared.shared[SHARED.index("x_last")] = 1e12
         self._prepared = prepared
         self._places = {name: kept.index(name) for name in ("x", "y", "cos_psi", "sin_psi", "u", "v", "r", "rudder")}
         self._turning = inputs.index(PARAMETER("turning"))
