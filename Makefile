@@ -43,7 +43,7 @@ site-check: .venv/docs
 bench: .venv/dev
 	$(BIN)/python -m pip install --quiet 'pip>=25.1'
 	$(BIN)/python -m pip install --quiet --group bench
-	for work in $(filter-out benchmarks/common.py benchmarks/former_kernel.py,$(wildcard benchmarks/*.py)); do $(BIN)/python $$work || exit 1; done
+	for work in $(filter-out benchmarks/common.py,$(wildcard benchmarks/*.py)); do $(BIN)/python $$work || exit 1; done
 
 .venv/base: requirements/base.txt pyproject.toml
 	@$(PYTHON) requirements/check_machine.py

@@ -1,10 +1,9 @@
-"""The engine beside the kernel that came before it: vessel-steps, calls, voyages, groundings, Jacobians, first starts.
+"""The engine: vessel-steps, calls, voyages, groundings, Jacobians, first starts.
 
     python benchmarks/engine.py [VESSELS] [--small]
 
-``former_kernel.py`` is the text of that kernel: a straight canal, no rudder. Every row of a table is measured in the
-same run, rounds interleaved, medians of process time. No vessel grounds in the first table: a vessel-step is a
-lane-step. The former kernel stands there by itself: a call of it took as long again to lay out its arrays.
+Rows of a table are measured in the same run, rounds interleaved, medians of process time. No vessel grounds in the
+first table: a vessel-step is a lane-step.
 """
 
 import os
@@ -16,7 +15,6 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
-import former_kernel
 import numpy as np
 from common import machine, sizes
 from rich.console import Console
@@ -24,7 +22,6 @@ from rich.table import Table
 
 import narrows as nw
 from narrows.captive.measured import measured_files
-from narrows.codegen.run import PreparedRun
 from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.sensitivities import TangentIntegrator
@@ -33,7 +30,6 @@ from narrows.simulation.steering import steering_of
 from narrows.waterway import Bank, Centreline, Waterway
 
 PAPER, KVLCC2 = nw.published("mikkelsen2025_dtc"), nw.published("yasukawa2015_kvlcc2")
-VALUES = {**PAPER.configuration.values(), **PAPER.coefficients, "heave": 0.0}
 ROUNDS = 7
 STEPS = 240
 DIRECTIONS = 26
@@ -81,26 +77,6 @@ def prepared(model: nw.Model, speed: float, dt: float, vessels: int, steps: int 
     return run.prepared(values, vessels, 1)
 
 
-def former(vessels: int, steps: int = STEPS) -> Callable[[], int]:
-    """The kernel that came before, laid out in the same way."""
-    draw, length = np.random.default_rng(5), PAPER.configuration.ship.length
-    draw.uniform(2, 8, vessels)
-    y, psi = draw.uniform(-0.05, 0.05, vessels) * length, draw.uniform(-0.02, 0.02, vessels)
-    one, none = np.ones(vessels), np.zeros(vessels)
-    start = np.ascontiguousarray(np.stack([none, y, np.cos(psi), np.sin(psi), one, none, none], axis=1))
-    names = former_kernel.PARAMETERS
-    constants = np.array(former_kernel.constants(*(float(VALUES.get(name, 0.0)) for name in names)))
-    limits = np.array([np.cos(np.radians(85)), 100.0, 10.0, 1e-9, 7e-3])
-    pace, count, end, moments = 0.02 * one, steps * one, start.copy(), none.copy()
-    codes = np.zeros((vessels, 3), np.int64)
-
-    def call() -> int:
-        codes[:] = (-1, 0, 0)
-        return former_kernel.fleet(start, pace, count, constants, limits, end, moments, codes)
-
-    return call
-
-
 def interleaved(runs: dict[str, Callable[[], int]]) -> dict[str, list[float]]:
     """Process time a lane-step [ns], in rounds."""
     cost: dict[str, list[float]] = {name: [] for name in runs}
@@ -132,7 +108,6 @@ def vessel_steps(vessels: int, kcs: nw.Model, small: bool) -> None:
     far = replace(KVLCC2, configuration=replace(KVLCC2.configuration, canal=nw.Canal(14.0)))
     full, bends = (kcs, 4.5, 2.0), bent(kcs)
     runs = {
-        "before: straight canal, no rudder": former(vessels),
         "straight canal, no rudder": prepared(*dtc, vessels),
         "the same, single precision": prepared(*dtc, vessels, precision="float32"),
         "rudder, gear and pilot, straight": prepared(*full, vessels, controller=pilot(kcs, 4.5)),
@@ -149,7 +124,7 @@ def vessel_steps(vessels: int, kcs: nw.Model, small: bool) -> None:
         }
     cost = interleaved(runs)
     for name, run in runs.items():
-        if isinstance(run, PreparedRun) and run.codes.any():
+        if run.codes.any():
             raise SystemExit(f"{name}: vessels meet something, so that this is no row of plain steps")
     shown(f"one step of one vessel, {vessels} vessels", "ns", cost)
 

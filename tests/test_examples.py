@@ -22,7 +22,7 @@ from narrows.ship.ship_file import NEEDED, actuator_sections
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
-BENCHMARKS = sorted(path for path in (ROOT / "benchmarks").glob("*.py") if path.stem not in ("common", "former_kernel"))
+BENCHMARKS = sorted(path for path in (ROOT / "benchmarks").glob("*.py") if path.stem != "common")
 
 
 @pytest.mark.slow

@@ -6,7 +6,7 @@ from typing import Any
 from narrows.codegen.cache import lacks_compiler
 
 
-def _entry(signature: Callable[[Any, Any, Any], Any]) -> Any:
+def _entry(signature: Callable[[Any, Any, Any, Any], Any]) -> Any:
     """Return what makes a function of its address in compiled code; an array gives the precision."""
     if lacks_compiler():
         return lambda function, block: function
@@ -15,7 +15,8 @@ def _entry(signature: Callable[[Any, Any, Any], Any]) -> Any:
     from numba.extending import intrinsic
 
     def of(number: Any) -> Any:
-        return signature(types, number, types.Array(number, 1, "C"))
+        # The table of a waterway is in double precision in every kernel.
+        return signature(types, number, types.Array(number, 1, "C"), types.Array(types.float64, 1, "C"))
 
     @intrinsic  # type: ignore[untyped-decorator]
     def entry(context: Any, address: Any, block: Any) -> Any:
@@ -34,10 +35,12 @@ def _entry(signature: Callable[[Any, Any, Any], Any]) -> Any:
     return entry
 
 
-step_at = _entry(lambda types, _, array: types.boolean(array, array, array))
-room_at = _entry(lambda types, number, array: types.UniTuple(number, 2)(array, types.int64, array, array))
-ends_at = _entry(lambda types, number, array: types.UniTuple(number, 4)(array, types.int64, types.int64, array, array))
-tangent_at = _entry(lambda types, _, array: types.void(array, array, array, array))
+step_at = _entry(lambda types, _, array, table: types.boolean(array, table, array))
+room_at = _entry(lambda types, number, array, table: types.UniTuple(number, 2)(array, types.int64, table, array))
+ends_at = _entry(
+    lambda types, number, array, table: types.UniTuple(number, 4)(array, types.int64, types.int64, table, array)
+)
+tangent_at = _entry(lambda types, _, array, table: types.void(array, array, array, table))
 
 
 def address(function: Any, entry: Any, dtype: Any = float) -> Any:
