@@ -115,6 +115,7 @@ def test_a_rudder_without_particulars_is_asked_for(tmp_path, cli) -> None:
     assert code == 2
     assert f"add flow_straightening to section [ship] of {bare}: flow across the rudder" in err
     assert "usual are 0.4 to 0.64, those of KVLCC2 to port and to starboard (Yasukawa and Yoshimura 2015)" in err
+    assert not table.with_name("columns.toml").exists(), "its columns are not at fault"
 
 
 def test_what_the_mmg_terms_lack_is_asked_for_by_section_and_with_a_usual_value(tmp_path, cli) -> None:

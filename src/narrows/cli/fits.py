@@ -107,6 +107,7 @@ def _confirmed(table: Path) -> Path | None:
 def _drafted(table: Path, ship: Path) -> str:
     """Draft the columns of a table that was refused; return what was done and what to type."""
     from narrows.captive.draft import draft_columns
+    from narrows.captive.formats import is_known
     from narrows.files import write_whole
     from narrows.readers.frames import read_frame
 
@@ -115,8 +116,9 @@ def _drafted(table: Path, ship: Path) -> str:
     if path.exists():
         return f" ({path} is there: check it, and type {command})"
     try:
-        draft = draft_columns(read_frame(table).frame)
-        if not draft.entries:
+        frame = read_frame(table).frame
+        draft = draft_columns(frame)
+        if not draft.entries or is_known(frame):  # The columns of a known layout are not at fault.
             return ""
         write_whole(path, draft.toml(table.name, command))
     except (InputError, OSError):

@@ -41,6 +41,7 @@ ends_at = _entry(
     lambda types, number, array, table: types.UniTuple(number, 4)(array, types.int64, types.int64, table, array)
 )
 tangent_at = _entry(lambda types, _, array, table: types.void(array, array, array, table))
+balance_at = _entry(lambda types, number, array, _: types.UniTuple(number, 6)(number, number, array))
 
 
 def address(function: Any, entry: Any, dtype: Any = float) -> Any:

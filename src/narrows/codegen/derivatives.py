@@ -12,7 +12,7 @@ from sympy import Integer, sympify
 
 from narrows.codegen.choices import LENGTH, ROW, Actuated
 from narrows.codegen.free_motion import ACCELERATIONS, STATE, Expr, FreeMotion, symbol
-from narrows.codegen.kernels.elementary import HEADER, elementary_text
+from narrows.codegen.kernels.elementary import module_text
 from narrows.codegen.kernels.sensitivity import DIRECTIONS
 from narrows.codegen.linearisation import LINEARISED, arguments, controlled
 from narrows.codegen.lines import FUNCTIONS, Assignment, Lines, real, straight_lines
@@ -123,7 +123,7 @@ def batch(values, constants, out):
 """
 
 
-def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], version: str, section: Sequence[str] = ()) -> str:
+def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], section: Sequence[str] = ()) -> str:
     """Write the module of derivatives by state and control, for compilation."""
     rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
     (lines, results), printer = _linear(rates, actuators), Arithmetic(column="{:.1f}".format)
@@ -132,8 +132,7 @@ def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], version: str, 
     body += [f"{name} = {printer.doprint(value)}" for name, value in lines.needed_for(results).assignments]
     body.append(f"return ({', '.join(printer.doprint(sympify(value)) for value in results)},)")
     text = "\n    ".join(["@called\ndef linear(values, constants):", *body]) + "\n"
-    head = HEADER.format(version=version, precision="float64")
-    return "\n\n".join([head, "CELL_ENTRIES = 0", elementary_text(text, "float64"), text, BATCH])
+    return module_text("float64", 0, text, BATCH)
 
 
 def _linear(rates: Rates, actuators: Sequence[Actuated]) -> tuple[Lines, list[Expr]]:
@@ -243,19 +242,12 @@ class Tangent:
             yield f"    block[{i * DIRECTIONS} + lane] = {printer.doprint(slopes_out[name])}"
 
 
-def tangent_text(step: Step, kept: tuple[str, ...], moving: Sequence[str], version: str) -> str:
+def tangent_text(step: Step, kept: tuple[str, ...], moving: Sequence[str]) -> str:
     """Write the module that integrates a voyage with its derivatives."""
     tangent, printer = Tangent(step.with_whole_steps(), kept, tuple(moving)), Arithmetic(column="{:.1f}".format)
     body = tangent.text(printer)
-    numbers = {"CELL_ENTRIES": ROW, "INPUTS": tangent.inputs, "KEPT": len(kept), "MOVING": len(moving)}
-    return "\n\n".join(
-        [
-            HEADER.format(version=version, precision="float64"),
-            "\n".join(f"{name} = {value!r}" for name, value in numbers.items()),
-            elementary_text(body, "float64"),
-            body,
-        ]
-    )
+    numbers = {"INPUTS": tangent.inputs, "KEPT": len(kept), "MOVING": len(moving)}
+    return module_text("float64", ROW, "\n".join(f"{name} = {value!r}" for name, value in numbers.items()), body)
 
 
 def constants_slopes_text(rates: Rates) -> str:

@@ -6,27 +6,24 @@ import sympy
 
 from narrows.codegen.choices import SHARED, Choices
 from narrows.codegen.free_motion import MIDSHIP, OPEN, STATE, Expr
-from narrows.codegen.kernels.elementary import HEADER, NUMBER, elementary_text
+from narrows.codegen.kernels.elementary import NUMBER, module_text
 from narrows.codegen.lines import Lines, real
 from narrows.codegen.printers.lanes import LaneArithmetic, Lanes
 from narrows.codegen.printers.python import Arithmetic, constants_text, function_text
 from narrows.codegen.step import Rates, Step, ends_left, room_left
 
 
-def kernel_text(lanes: Lanes, choices: Choices, precision: str, version: str) -> str:
+def kernel_text(lanes: Lanes, choices: Choices, precision: str) -> str:
     """Write the functions of a model that the queue of vessels calls."""
     printer = LaneArithmetic(NUMBER[precision], column="{:.1f}".format)
     functions = [*_end_texts(lanes, choices, printer), lanes.rates_text(printer), lanes.text(printer, choices.leaves)]
-    body = "\n\n".join(functions)
     numbers = {
-        "LANES": lanes.count, "FIELDS": lanes.layout.size, "CELL_ENTRIES": choices.row,
+        "LANES": lanes.count, "FIELDS": lanes.layout.size,
         "KEPT_NAMES": lanes.kept, "VESSEL_INPUTS": lanes.vessel_inputs,
         "EXACT": choices.waterway and choices.contact not in (MIDSHIP, OPEN), "LEAVES": choices.leaves,
     }  # fmt: skip
     names = "\n".join(f"{name} = {value!r}" for name, value in numbers.items())
-    return "\n\n".join(
-        [HEADER.format(version=version, precision=precision), names, elementary_text(body, precision), body]
-    )
+    return module_text(precision, choices.row, names, *functions)
 
 
 def _end_texts(lanes: Lanes, choices: Choices, printer: Arithmetic) -> Iterator[str]:

@@ -4,7 +4,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from importlib.metadata import version
 from types import ModuleType, SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -108,7 +107,7 @@ class System:
         def text() -> str:
             from narrows.codegen.derivatives import batch_text
 
-            return batch_text(self.rates.motion, actuators, version("narrows"), section)
+            return batch_text(self.rates.motion, actuators, section)
 
         return lambda: generated("jacobian_batch", (*self.key, actuators, section), text)
 
@@ -123,7 +122,7 @@ class System:
 
             rates = CalledRates(self.rates.motion, self.rates.moving, self.rates.pushed)
             lanes = Lanes(rates, step_of(rates, self.choices).with_whole_steps(), self.choices.kept, LANES)
-            return kernel_text(lanes, self.choices, precision, version("narrows"))
+            return kernel_text(lanes, self.choices, precision)
 
         return generated("kernel", (*self.key, precision), text)
 
@@ -133,7 +132,7 @@ class System:
         def text() -> str:
             from narrows.codegen.derivatives import tangent_text
 
-            return tangent_text(self.step, self.choices.kept, moving, version("narrows"))
+            return tangent_text(self.step, self.choices.kept, moving)
 
         return generated("tangent", (*self.key, moving), text)
 

@@ -2,8 +2,6 @@
 
 from collections.abc import Mapping
 from functools import lru_cache
-from importlib.metadata import version
-from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -11,10 +9,11 @@ import numpy as np
 import xarray as xr
 
 from narrows.aliases import accept_aliases
-from narrows.codegen import kernels
-from narrows.codegen.cache import generated
+from narrows.codegen.addresses import address, balance_at
+from narrows.codegen.cache import compiled_loops, generated
 from narrows.codegen.choices import Actuated, Law
 from narrows.codegen.free_motion import INPUTS as FORCES
+from narrows.codegen.kernels import newton
 from narrows.codegen.run import cores, in_threads
 from narrows.codegen.tape import tape_of
 from narrows.errors import InputError
@@ -114,6 +113,7 @@ def solved(
     rudder = tuple(actuator for actuator in ship.actuators if actuator.name == RUDDER)
     system = ship.system(law=moving(rudder), pushed="until")
     module = balance_module(system)
+    balance = address(module.balance, balance_at)
     inputs = {**dict.fromkeys((*INPUTS, "path_curvature", "current"), 0.0), **ship.values(), **values}
     inputs |= {FORCES[name]: inputs[name] for name in INPUTS}
     drift, angle = np.empty(count), np.empty(count)
@@ -123,7 +123,7 @@ def solved(
         part |= system.constants(part)
         size = rows.stop - rows.start
         columns = [np.broadcast_to(np.asarray(part[name], float), size) for name in module.COLUMNS]
-        module.solve(np.ascontiguousarray(np.stack(columns, axis=1)), drift[rows], angle[rows])
+        compiled_loops(newton).solve(balance, np.ascontiguousarray(np.stack(columns, axis=1)), drift[rows], angle[rows])
 
     workers = workers or cores()
     in_threads(run, [slice(i, min(i + BLOCK, count)) for i in range(0, count, BLOCK)], workers)
@@ -138,7 +138,7 @@ def moving(actuators: tuple[Actuated, ...]) -> Law:
 
 
 def balance_module(system: "System") -> ModuleType:
-    """Return the module that finds steady courses; its ``solve`` compiles at its first call."""
+    """Return the module of a ship's ``balance`` on a steady course, which compiles at its first use."""
     # Its ``COLUMNS`` names the columns of its table: constants of the ship, y [m], u [m/s], external forces, the
     # curvature of the ship's own path ``path_curvature`` [1/m], to starboard, and the current along it [m/s].
     return generated("balance", system.key, lambda: _text(system))
@@ -149,7 +149,7 @@ def _text(system: "System") -> str:
 
     from narrows.codegen.derivatives import with_tangents
     from narrows.codegen.free_motion import STATE
-    from narrows.codegen.kernels.elementary import HEADER, elementary_text
+    from narrows.codegen.kernels.elementary import module_text
     from narrows.codegen.lines import FUNCTIONS, Lines, real
     from narrows.codegen.printers.python import Arithmetic
 
@@ -173,12 +173,9 @@ def _text(system: "System") -> str:
     body = [f"{name} = inputs[{number}]" for number, name in enumerate(inputs)]
     body += [f"{name} = {printer.doprint(value)}" for name, value in program.assignments]
     body.append(f"return {', '.join(printer.doprint(value) for value in out)}")
-    text = "\n    ".join(["@called\ndef balance(drift, angle, inputs):", *body]) + "\n"
-    tail = Path(kernels.__file__).with_name("newton.py").read_text(encoding="utf-8")
-    head = HEADER.format(version=version("narrows"), precision="float64")
+    text = "\n    ".join(["@cached\ndef balance(drift, angle, inputs):", *body]) + "\n"
     # The C library's functions suffice here: the kernels' series hold up to a quarter turn.
-    names = f"COLUMNS = {inputs!r}\nCELL_ENTRIES = 16\nsine, cosine = sin, cos\n"
-    return "\n\n".join([head, names, elementary_text(text.replace("sine(", ""), "float64"), text, tail])
+    return module_text("float64", 16, f"COLUMNS = {inputs!r}\nsine, cosine = sin, cos\n", text)
 
 
 def self_propulsion(model: Model, u: float) -> float:

@@ -29,6 +29,10 @@ LAYOUTS: tuple[Layout, ...] = tuple(
 )
 
 
+def is_known(frame: pd.DataFrame) -> bool:
+    return any(layout.recognises(frame) for layout in LAYOUTS)
+
+
 def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
     """Convert a frame of a known layout to the documented headers, with notes."""
     for layout in LAYOUTS:

@@ -2,8 +2,12 @@
 
 import re
 from functools import lru_cache
+from importlib.metadata import version
 from math import factorial, radians
+from types import ModuleType
 from typing import NamedTuple
+
+from narrows.codegen.cache import generated
 
 SINE_TERMS = 11
 """Terms of the series of sine and cosine: exact to the last place up to a quarter turn, enough for any rudder."""
@@ -34,13 +38,30 @@ except ImportError:  # The functions run as written. NumPy's roots and quotients
     def cached(function):
         return np.errstate(all="ignore")(function)
 
-    called = jit
+    called = inlined = jit
 else:
     FAST = {{"nsz", "contract"}}  # fused multiply-add, nothing reordered: the mirrored voyage is the mirror to the bit
     jit = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, forceinline=True)
     called = numba.njit(fastmath=FAST, error_model="numpy", nogil=True)
     cached = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, cache=True)
+    inlined = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, cache=True, forceinline=True)
 '''
+# Functions that all modules of a precision share, so that they are compiled once.
+SHARED = """
+from narrows.codegen.kernels.elementary import shared_functions
+
+shared = shared_functions("{precision}")
+minimum, maximum, choice, positive, whole = (
+    shared.minimum, shared.maximum, shared.choice, shared.positive, shared.whole
+)
+power, exp, sine, cosine, angle = shared.power, shared.exp, shared.sine, shared.cosine, shared.angle
+CELL_ENTRIES = {cells}
+
+
+@jit
+def entry(table, column, cell):
+    return table[np.uint64(CELL_ENTRIES * np.int64(cell) + np.int64(column))]
+"""
 
 SIMPLE = """
 @jit
@@ -71,11 +92,6 @@ def whole(number):
 @jit
 def power(base, exponent):
     return base**exponent
-
-
-@jit
-def entry(table, column, cell):
-    return table[np.uint64(CELL_ENTRIES * np.int64(cell) + np.int64(column))]
 """
 ANGLE = """
 @jit
@@ -93,25 +109,22 @@ def angle(cosine, sine):
 """
 
 
-def elementary_text(body: str, precision: str) -> str:
-    """Write the functions that a kernel's text calls.
+def module_text(precision: str, cells: int, *parts: str) -> str:
+    """Write a module that may call the elementary functions; ``cells`` is the width of a waterway's table."""
+    head = HEADER.format(version=version("narrows"), precision=precision)
+    return "\n\n".join([head, SHARED.format(precision=precision, cells=cells), *parts])
 
-    Parameters
-    ----------
-    body : str
-        The text.
-    precision : str
-        ``float64`` or ``float32``.
-    """
-    parts = [SIMPLE.strip()]
-    if "exp(" in body:
-        parts.append(exponential_text(precision).strip())
-    if "cosine(" in body or "sine(" in body:
-        parts += [_series("sine", 1), _series("cosine", 0)]
-    if "angle(" in body:
-        parts.append(_angle_text())
-    text = "\n\n\n".join(parts) + "\n"
-    return CAST.sub(r"\1", text) if precision == "float64" else text
+
+def shared_functions(precision: str) -> ModuleType:
+    """Return the elementary functions of a precision."""
+
+    def text() -> str:
+        functions = [SIMPLE, exponential_text(precision), _series("sine", 1), _series("cosine", 0), _angle_text()]
+        body = "\n\n\n".join(function.strip() for function in functions).replace("@jit", "@inlined") + "\n"
+        head = HEADER.format(version=version("narrows"), precision=precision)
+        return head + "\n\n" + (CAST.sub(r"\1", body) if precision == "float64" else body)
+
+    return generated("elementary", [precision], text)
 
 
 def _series(name: str, first: int) -> str:

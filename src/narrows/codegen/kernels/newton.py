@@ -1,28 +1,15 @@
-"""Newton's method for many steady courses, ship by ship: this text is appended to a generated module.
+"""Newton's method for many steady courses, ship by ship: one compiled copy serves all models.
 
-``balance(drift, angle, inputs)`` gives the accelerations in sway and yaw and their derivatives by relative drift and
-rudder angle. The search starts straight ahead with the rudder amidships and limits its steps.
+The search starts straight ahead with the rudder amidships and limits its steps.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from typing import TypeVar
+from narrows.codegen.addresses import balance_at
 
-    Function = TypeVar("Function", bound=Callable[..., Any])
-    Array = np.ndarray[Any, Any]
-
-    def cached(function: Function) -> Function:
-        """Compile once for all processes."""
-
-    def balance(drift: float, angle: float, inputs: Array) -> Any:
-        """Return accelerations in sway and yaw, and their derivatives."""
-elif __name__ == "narrows.codegen.kernels.newton":  # Imported alone, by tools that import all modules
-    cached = staticmethod
-
+Array = Any
 
 ROUNDS = 40
 DONE = 1e-11
@@ -30,9 +17,13 @@ FURTHEST = 1.2  # largest drift over speed, or rudder angle [rad], of the search
 LARGEST = 0.25  # largest step of the search
 
 
-@cached
-def solve(inputs: "Array", drifts: "Array", angles: "Array") -> None:
-    """Find drift over speed and rudder angle [rad] for every row of ``inputs``, NaN if no course is steady."""
+def solve(address: Any, inputs: Array, drifts: Array, angles: Array) -> None:
+    """Find drift over speed and rudder angle [rad] for every row of ``inputs``, NaN if no course is steady.
+
+    The function at the address, ``balance(drift, angle, inputs)``, gives the accelerations in sway and yaw and their
+    derivatives by relative drift and rudder angle.
+    """
+    balance = balance_at(address, inputs)
     for row in range(len(inputs)):
         drift, angle, converged = 0.0, 0.0, False
         for _ in range(ROUNDS):
