@@ -66,7 +66,7 @@ def test_the_headline_says_which_way_the_bow_turns(shown: tuple[Any, list[str]])
     for y, near, away in ((0.5, "starboard", "port"), (-0.5, "port", "starboard")):
         put(page, y=y)
         said = page.inner_text("#turning")
-        assert said == f"The {near} bank is nearer, and turns the bow to {away}, away from it."
+        assert said == f"At the start the {near} bank is nearer, and turns the bow to {away}, away from it."
         assert said in page.get_attribute("#canal", "aria-label")
     assert wrong == []
 
@@ -114,7 +114,7 @@ def test_settings_go_into_the_address_and_come_out_of_it(paper: Path, shown: tup
     values = page.evaluate("narrowsPage.settings.values")
     assert (values["u"], values["b_bank"], values["c_bank"]) == (1.0, 0.5, 0.13)
     assert "There is no room for that: the ship starts" in page.evaluate(BESIDE)
-    assert "Beyond the data: start, to starboard." in page.evaluate(BESIDE)
+    assert "Beyond the data: start, to starboard (tested: 0–0.91 m)." in page.evaluate(BESIDE)
     page.click("#first")
     drawn(page)
     assert page.evaluate("location.hash") in ("", "#")
@@ -154,6 +154,8 @@ def test_a_phone_held_upright_at_night(paper: Path, browser: Any) -> None:
     page.evaluate("document.querySelector('input[name=width]').scrollIntoView()")
     page.wait_for_function("scrollY > 0")
     assert abs(page.locator("#canal").bounding_box()["y"]) < 1, "the picture stays in sight of the sliders"
+    assert page.locator("#canal").bounding_box()["width"] > 700, "it is larger than the screen"
+    page.wait_for_function("strip.scrollLeft > 100")  # It follows the ship
 
 
 def test_a_headline_doubts_what_the_tests_do_not_settle(tmp_path: Path, browser: Any) -> None:
@@ -183,6 +185,8 @@ def test_a_model_without_a_bank_says_so(tmp_path: Path, browser: Any) -> None:
     page, wrong = opened(browser, tmp_path / "ship.html", 1280, 800)
     assert page.inner_text("#turning").startswith("This model has no bank force")
     assert "both banks" not in page.evaluate("document.body.innerText")
+    assert "without a bank force" in page.title()
+    assert not page.locator("#map").is_visible()
     assert not page.locator("#field").is_visible()
     assert page.locator("#canal").bounding_box()["height"] > 200
     assert "None of these ships meets a bank" in page.inner_text("#mapped")
@@ -217,6 +221,24 @@ def test_lengths_of_a_full_size_ship_are_written_out(tmp_path: Path, browser: An
     assert "this ship was not tested" in page.inner_text("#turning")
     assert "estimated from other ships" in page.evaluate(BESIDE)
     assert "tests" not in page.inner_text("#turning").replace("tested", "")
+
+
+def test_first_turn_and_end_of_an_estimated_ship_are_one_story(tmp_path: Path, browser: Any) -> None:
+    """Many ships turn away from one bank and ground on it later: the words say so, and that the maps show one ship."""
+    nw.export.write_page(nw.published("estimated_kcs"), tmp_path / "ship.html")
+    page, wrong = opened(browser, tmp_path / "ship.html", 1280, 800)
+    settled(page)
+    ended, first = page.evaluate(
+        "[narrowsPage.scene.now.ended, narrowsPage.scene.now.turning(narrowsPage.scene.now.first)]"
+    )
+    away, other = ("starboard", "port") if first > 0 else ("port", "starboard")
+    grounded = {side: sum(one["kind"] == side for one in ended) / len(ended) for side in (away, other)}
+    back, agree = page.evaluate("[narrowsPage.scene.now.back, narrowsPage.scene.now.agree]")
+    assert back >= grounded[other] - (1 - agree) - 0.06, "who ends on a side without a first turn to it came back"
+    assert ("come back from their first turn" in page.inner_text("#fleet")) == (back >= 0.05)
+    assert "solid ship alone" in page.inner_text("#single")
+    assert "the width of the canal (other ships: 367–425 m)" in page.evaluate(BESIDE)
+    assert wrong == []
 
 
 def test_a_page_without_scripts_and_for_screen_readers(paper: Path, shown: tuple[Any, list[str]]) -> None:

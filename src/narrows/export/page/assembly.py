@@ -39,7 +39,8 @@ def assembled(ship: SimulatedShip, title: str, speed: Number | None) -> tuple[st
     exported = ExportedShip(ship, None, SHIP, steering_of(helm, ship.actuators))
     lacking = lacks_zig("WebAssembly")
     wasm = None if lacking else wasm_of(exported)
-    own = title or f"{ship.model.configuration.ship.name} between the banks of a canal: every line is one ship"
+    where = "between the banks of a canal" if ship.model.feels_bank else "in a canal, without a bank force"
+    own = title or f"{ship.model.configuration.ship.name} {where}: every line is one ship"
     notes = (f"{SLOWER}: {lacking}" if lacking else "", why, ship.model.bank_note)
     return page_text(exported, u, own, why, wasm), tuple(filter(None, notes))
 

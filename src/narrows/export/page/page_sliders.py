@@ -32,15 +32,13 @@ class Slider:
     step: float
     value: float  # First value
     tested: Range | None = None  # Range of the data
-    beyond: str = "beyond the data"  # Note for a value beyond that
+    beyond: str | None = None  # That range in words, for a value beyond it
     told: str | None = None  # Name in the list of values beyond the data
     switch: bool = False  # True for an on-off switch
 
     def to_dict(self) -> dict[str, Any]:
         digits = max(0, -math.floor(math.log10(self.step) + 1e-9))
         told = {name: value for name, value in asdict(self).items() if value is not None and value is not False}
-        if self.tested is None:
-            del told["beyond"]
         return told | {"digits": digits}
 
 
@@ -60,15 +58,15 @@ def _voyage(exported: ExportedShip, speed: float, steered: bool) -> Iterator[Sli
     if steered:
         yield Slider("helm", "helm: hold the middle", "", VOYAGE, 0, 1, 1, 0, switch=True)
     fine = _fine(speed / 50)
-    yield Slider(
-        "u", "speed", "m/s", VOYAGE, _to(0.3 * speed, fine), _to(1.6 * speed, fine), fine, speed, covered(known.speed)
-    )
+    yield Slider("u", "speed", "m/s", VOYAGE, _to(0.3 * speed, fine), _to(1.6 * speed, fine), fine, speed,
+                 covered(known.speed), _in_words(model, known.speed, fine, "m/s"))  # fmt: skip
     fine = _fine(most / 200)
     yield Slider("y", "start, to starboard", "m", VOYAGE, _to(-most, fine), _to(most, fine), fine,
-                 _to(min(most / 9, ship.length), fine), both_ways(known.abs_y))  # fmt: skip
-    yield Slider(
-        "psi", "heading, to starboard", "°", VOYAGE, -12, 12, 0.1, 0, both_ways(known.abs_psi, math.degrees(1.0))
-    )
+                 _to(min(most / 9, ship.length), fine), both_ways(known.abs_y),
+                 _in_words(model, known.abs_y, fine, "m"))  # fmt: skip
+    degree = math.degrees(1.0)
+    yield Slider("psi", "heading, to starboard", "°", VOYAGE, -12, 12, 0.1, 0, both_ways(known.abs_psi, degree),
+                 _in_words(model, known.abs_psi, 0.1, "°", degree))  # fmt: skip
     if "rudder" in exported.portable.kept:
         limit = math.floor(math.degrees(model.configuration.gear.limit))
         yield Slider("rudder", "rudder, to starboard", "°", VOYAGE, -limit, limit, 0.5, 0)
@@ -84,11 +82,14 @@ def _canal(model: Model, deep: bool) -> Iterator[Slider]:
     fine = _fine(canal.width / 200)
     low, high = max(USUAL_WIDTHS[0] * canal.width, 1.6 * ship.beam), USUAL_WIDTHS[1] * canal.width
     yield Slider("width", "width", "m", CANAL, _to(low, fine), _to(high, fine), fine, canal.width,
-                 covered(known.width_to_beam, ship.beam), told="the width of the canal")  # fmt: skip
+                 covered(known.width_to_beam, ship.beam),
+                 _in_words(model, known.width_to_beam, fine, "m", ship.beam), "the width of the canal")  # fmt: skip
     if deep and canal.depth:
         fine, deepest = _fine(ship.draft / 100), max(4 * ship.draft, canal.depth)
         yield Slider("depth", "depth", "m", CANAL, _to(1.1 * ship.draft, fine), _to(deepest, fine), fine, canal.depth,
-                     covered(known.depth_to_draft, ship.draft), told="the depth of the canal")  # fmt: skip
+                     covered(known.depth_to_draft, ship.draft),
+                     _in_words(model, known.depth_to_draft, fine, "m", ship.draft),
+                     "the depth of the canal")  # fmt: skip
 
 
 def _unknown(model: Model) -> Iterator[Slider]:
@@ -117,9 +118,10 @@ def _coefficient(model: Model, name: str) -> Slider:
     verdict = model.verdicts.get(name, SETTLED)
     unit = model.terms[name].dimension.unit
     inside = None if model.covariance is None else (value - 2 * size / WIDE, value + 2 * size / WIDE)
-    label = name if verdict == SETTLED else f"{name}, {verdict}"
-    return Slider(name, label, "" if unit == "1" else unit, COEFFICIENTS, low, high, _fine(size / 100), value,
-                  inside, "beyond its interval", f"{name} beyond its interval")  # fmt: skip
+    label, fine = name if verdict == SETTLED else f"{name}, {verdict}", _fine(size / 100)
+    words = None if inside is None else f"interval: {_ends(inside, fine)}"
+    return Slider(name, label, "" if unit == "1" else unit, COEFFICIENTS, low, high, fine, value,
+                  inside, words, name)  # fmt: skip
 
 
 def covered(known: Range | None, scale: float = 1.0) -> Range | None:
@@ -128,6 +130,18 @@ def covered(known: Range | None, scale: float = 1.0) -> Range | None:
         return None
     low, high = tolerated(known)
     return scale * low, scale * high
+
+
+def _in_words(model: Model, known: Range | None, fine: float, unit: str, scale: float = 1.0) -> str | None:
+    """Return the range that the data cover, and whose data they are."""
+    if known is None:
+        return None
+    whose = "other ships" if model.source.estimate else "tested"
+    return f"{whose}: {_ends((scale * known[0], scale * known[1]), fine)}{'' if unit == '°' else ' '}{unit}"
+
+
+def _ends(known: Range, fine: float) -> str:
+    return ("–" if known[0] >= 0 else " to ").join(dict.fromkeys(f"{_to(end, fine):g}" for end in known))
 
 
 def both_ways(known: Range | None, scale: float = 1.0) -> Range | None:

@@ -1,6 +1,6 @@
 // The canal from above: a fan of ships, where they ground as histograms growing into the banks, and the ship itself.
 import { canalView } from "../../../web/canal.js";
-import { PORT, STARBOARD } from "./outcome.js";
+import { PORT, STARBOARD, metres as written } from "./outcome.js";
 
 const SHOWN = 600;
 const BINS = 90;
@@ -8,6 +8,7 @@ const ROOM = { bank: 62, narrow: 40, behind: 0.85, ahead: 0.35 };
 const TALLEST = 330;
 const LEAST = 0.5; // share of the picture's width that the voyage takes, however wide the canal
 const LYING = 24;
+const ENLARGED = 2; // times the width of a phone, which follows the ship
 
 /** `back` is the canvas of what stands, `front` that of what moves. */
 export function canalPicture(back, front, { length, beam, view }) {
@@ -18,10 +19,12 @@ export function canalPicture(back, front, { length, beam, view }) {
   /** The whole voyage across the canvas, at one scale; of a canal that is too wide for it the middle. */
   function framed(of, palette, narrow) {
     [width, colours, bank] = [of, palette, narrow ? ROOM.narrow : ROOM.bank];
-    const [along, space] = [view + (ROOM.behind + ROOM.ahead) * length, back.parentElement.clientWidth];
+    const strip = back.parentElement;
+    const [along, space] = [view + (ROOM.behind + ROOM.ahead) * length, strip.clientWidth * (narrow ? ENLARGED : 1)];
+    strip.tabIndex = narrow ? 0 : -1;
     const tallest = narrow ? TALLEST / 2 : TALLEST;
     const metres = Math.max(along / space, Math.min(width / tallest, along / space / LEAST));
-    for (const canvas of [back, front]) canvas.style.height = `${Math.min(width / metres, tallest) + 2 * bank}px`;
+    for (const canvas of [back, front]) Object.assign(canvas.style, { width: `${space}px`, height: `${Math.min(width / metres, tallest) + 2 * bank}px` });
     camera = { along: -ROOM.behind * length, across: 0, metresPerPixel: metres, right: 0, down: 0.5, heading: -Math.PI / 2 };
   }
 
@@ -80,11 +83,14 @@ export function canalPicture(back, front, { length, beam, view }) {
     const pen = back.getContext("2d");
     pen.font = "600 12px system-ui, sans-serif";
     for (const [side, sign] of [[PORT, -1], [STARBOARD, 1]]) {
-      const [, y] = canal.toPixels([camera.along, sign * width / 2]);
+      const y = canal.toPixels([camera.along, sign * width / 2])[1] + sign * 14;
+      const [tall, below] = [back.clientHeight, y > back.clientHeight];
+      const end = below ? tall - 44 : Math.max(14, y); // The scale stands below.
+      const name = end === y ? `${side} bank` : `${side} bank: ${written(width / 2)} from the middle`;
       pen.fillStyle = colours[side];
       pen.textBaseline = "middle";
       pen.textAlign = bank < ROOM.bank ? "right" : "left"; // On a phone the scale stands at the left.
-      pen.fillText(`${side} bank`, bank < ROOM.bank ? back.clientWidth - 12 : 12, y + sign * 14);
+      pen.fillText(name, bank < ROOM.bank ? back.parentElement.clientWidth - 12 : 12, end);
     }
     pen.textAlign = "left";
   }
@@ -95,6 +101,8 @@ export function canalPicture(back, front, { length, beam, view }) {
     front.getContext("2d").clearRect(0, 0, front.width, front.height);
     canal.look(camera);
     const heading = Math.asin(sine);
+    const strip = back.parentElement;
+    if (bank < ROOM.bank) strip.scrollLeft = canal.toPixels([x, y])[0] - strip.clientWidth / 2;
     canal.ship({ along: x, across: y, heading }, hull, { fill: "ship", stroke: "panel", width: 1.2 });
     if (turning) arrow(canal, { x, y, heading, turning, side });
   }

@@ -32,8 +32,14 @@ export function tally(ended) {
 }
 
 const SURE = 0.95;
+const TOLD = 0.05; // least share of ships that a sentence is worth
 const NO_BANK = "This model has no bank force: the ship sails as in open water, until it touches a bank.";
 const MIDDLE = "In the middle of the canal both banks pull alike: the bow stays.";
+
+export const isSure = ({ settled, agree }) => settled && agree >= SURE;
+
+/** The side to which a yaw acceleration turns the bow. */
+export const sideOf = (turning) => (turning > 0 ? STARBOARD : PORT);
 
 /**
  * Which way the water turns the bow, beside which bank, and how sure that is; `agree` is the share of ships that turn so,
@@ -43,11 +49,11 @@ export function turningSentence({ y, turning, steers, middle, banks, settled, es
   if (!banks) return NO_BANK;
   if (Math.abs(y) < middle || !turning) return MIDDLE;
   const near = y > 0 ? STARBOARD : PORT;
-  const [way, other] = turning > 0 ? [STARBOARD, PORT] : [PORT, STARBOARD];
-  const nearer = `The <b class="${near}">${near}</b> bank is nearer`;
+  const [way, other] = [sideOf(turning), sideOf(-turning)];
+  const nearer = `At the start the <b class="${near}">${near}</b> bank is nearer`;
   const helm = steers ? " The helm answers with the rudder." : "";
   const turns = `the bow to <b class="${way}">${way}</b>, ${way === near ? "towards" : "away from"} it`;
-  if (settled && agree >= SURE) return `${nearer}, and turns ${turns}.${helm}`;
+  if (isSure({ settled, agree })) return `${nearer}, and turns ${turns}.${helm}`;
   const [doubt, basis] = estimated ? ["this ship was not tested", "estimate allows"] : ["the tests do not settle this", "tests allow"];
   const against = agree < 1 ? ` ${share(1 - agree, 1)} of the ships that the ${basis} turn to ${other}.` : "";
   return `${nearer}. It may turn ${turns}, but ${doubt}.${against}${helm}`;
@@ -61,20 +67,23 @@ export function leaves(path, { y, psi }, seconds) {
   return places.flatMap((place, kind) => (place < 0 ? [] : [`From ${(place * seconds).toFixed(1)} s on the ship is ${words[kind]} than in the tests.`]));
 }
 
-export function fleetSentence({ ships, port, starboard, sails, lost, half }, length, view) {
+/** What becomes of the ships; `back` is the share that grounds on the other side than that of its first turn. */
+export function fleetSentence({ ships, port, starboard, sails, lost, half }, length, view, back) {
   const grounded = [[port, PORT], [starboard, STARBOARD]].filter(([count]) => count)
     .map(([count, side]) => `<b class="${side}">${share(count, ships)}</b> ground on the <b class="${side}">${side}</b> bank`);
   if (!grounded.length) return `Of ${ships.toLocaleString("en")} ships <b>none grounds</b> within ${metres(view)}.`;
   const where = `, half of them within <b>${metres(half)}</b> (${(half / length).toFixed(1)} ship lengths)`;
   const rest = [[sails, "still sail"], [lost, "turn across the canal"]].filter(([count]) => count)
     .map(([count, what]) => `; ${share(count, ships)} ${what}`);
-  return `Of ${ships.toLocaleString("en")} ships ${grounded.join(" and ")}${where}${rest.join("")}.`;
+  const turned = back < TOLD ? "" : ` ${share(back, 1)} come back from their first turn and ground on the other side.`;
+  return `Of ${ships.toLocaleString("en")} ships ${grounded.join(" and ")}${where}${rest.join("")}.${turned}`;
 }
 
-export function aloneSentence({ kind, x, y, time }, length) {
+export function aloneSentence({ kind, x, y, time }, length, turned) {
   if (kind === SAILS) return `The solid ship still sails after ${metres(x)}, ${offset(y)}.`;
   if (kind === LOST) return `The solid ship turns across the canal after ${time.toFixed(1)} s.`;
-  return `The solid ship touches the ${kind} bank after ${time.toFixed(1)} s, ${metres(x)} on (${(x / length).toFixed(1)} ship lengths).`;
+  const way = turned && turned !== kind ? "comes back from its first turn and touches" : "touches";
+  return `The solid ship ${way} the ${kind} bank after ${time.toFixed(1)} s, ${metres(x)} on (${(x / length).toFixed(1)} ship lengths).`;
 }
 
 export const offset = (y) => `${Math.abs(y).toLocaleString("en", { maximumSignificantDigits: 2 })} m to ${y > 0 ? STARBOARD : PORT} of the middle`;

@@ -5,7 +5,7 @@ import { bankTurning, drawField, turningField } from "./field_chart.js";
 import { pathOf } from "./fleet_shape.js";
 import { drawMap, mapCells } from "./map_chart.js";
 import { model } from "./model.js";
-import { SAILS, metres, outcomes } from "./outcome.js";
+import { PORT, SAILS, STARBOARD, metres, outcomes, sideOf } from "./outcome.js";
 import { said } from "./sentences.js";
 
 const LEVELS = [40, 100];
@@ -34,7 +34,7 @@ export function sceneOf({ data, scenario, crew, here, settings, at }) {
     const turning = (state) => bankTurning(model, constants, inputs, state);
     const seconds = task.every * task.starts[shape.states];
     const field = turningField(model, constants, inputs, { start: task.starts, width: values.width });
-    return { values: { ...values }, start, path, seconds, turning, field, agree: now?.agree ?? 1, first: task.starts, alone: outcomes(answer, shape, current)[0] };
+    return { values: { ...values }, start, path, seconds, turning, field, agree: now?.agree ?? 1, back: now?.back ?? 0, first: task.starts, alone: outcomes(answer, shape, current)[0] };
   }
 
   function overGround(path, { starts, every }, current) {
@@ -42,25 +42,27 @@ export function sceneOf({ data, scenario, crew, here, settings, at }) {
     return path.map(([x, ...rest], place) => [x + current * Math.min(place * step, (path.length - 1) * step), ...rest]);
   }
 
-  /** The share of ships whose banks turn the bow as those of the ship as it is set do. */
-  function agreeing({ parameters, told }) {
+  /** The sides to which the banks first turn some of the ships, from the start of the solid one. */
+  function firstTurns({ parameters, told }) {
     const inputs = object(names.inputs, told);
-    const way = Math.sign(now.turning(now.first));
-    let [asked, alike] = [0, 0];
-    for (let row = shape.parameters; row < parameters.length && asked < ASKED; row += shape.parameters, asked += 1) {
+    return Array.from({ length: Math.min(ASKED, parameters.length / shape.parameters - 1) }, (_, place) => {
+      const row = (place + 1) * shape.parameters;
       const constants = model.prepare(object(names.parameters, parameters.subarray(row, row + shape.parameters)));
-      alike += Math.sign(bankTurning(model, constants, inputs, now.first)) === way;
-    }
-    return asked ? alike / asked : 1;
+      return sideOf(bankTurning(model, constants, inputs, now.first));
+    });
   }
 
   async function sailFan(mine) {
     const current = now.values.current || 0;
     const task = scenario.fan(now.values);
-    if (data.banks) now.agree = agreeing(task);
+    const turns = data.banks ? firstTurns(task) : [];
+    const share = (holds) => turns.filter(holds).length / turns.length;
+    if (turns.length) now.agree = share((side) => side === sideOf(now.turning(now.first)));
     const answer = await crew.sailed(task, () => mine === run);
     if (mine !== run) return;
     now.ended = outcomes(answer, shape, current);
+    const other = { [PORT]: STARBOARD, [STARBOARD]: PORT };
+    now.back = turns.length ? share((side, place) => now.ended[place + 1].kind === other[side]) : 0;
     now.tracks = Array.from(answer.kept, (_, place) => place).slice(0, 700)
       .map((place) => overGround(pathOf(answer, place, shape), task, current).map(([x, y]) => [x, y]));
     draw();
@@ -110,7 +112,9 @@ export function sceneOf({ data, scenario, crew, here, settings, at }) {
   function drawTheMap() {
     const { across } = now.map;
     const pixels = mapCells(now.map, across, colours, scenario.view, ship.length);
-    at.mapped.textContent = now.map.ended.every(({ kind }) => kind === SAILS) ? `None of these ships meets a bank within ${metres(scenario.view)}.` : "";
+    const none = now.map.ended.every(({ kind }) => kind === SAILS);
+    at.mapped.parentElement.classList.toggle("empty", none && !data.banks);
+    at.mapped.textContent = none ? `None of these ships meets a bank within ${metres(scenario.view)}.` : "";
     plots.map = drawMap(at.map, height(), { pixels, across }, { ...now, speeds: data.speeds, tested: data.tested, colours });
   }
 

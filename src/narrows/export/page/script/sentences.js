@@ -1,17 +1,20 @@
 // The words of the page: a headline, what the ship does, what to doubt, and the same for those who hear the page.
-import { aloneSentence, fleetSentence, leaves, offset, tally, turningSentence } from "./outcome.js";
+import { aloneSentence, fleetSentence, isSure, leaves, offset, sideOf, tally, turningSentence } from "./outcome.js";
 import { beyond } from "./settings.js";
 
 const MIDDLE = 1e-3;
+const SINGLE = "The maps show the solid ship alone. Other ships of the picture above may turn the other way.";
 
 export function said(at, data, now, view) {
   const { values, start, alone, ended, first } = now;
   const turning = now.turning(first);
   const middle = MIDDLE * values.width;
   const { banks, settled, estimated } = data;
+  const turns = banks && turning && Math.abs(start.y) >= middle;
   written(at.turning, turningSentence({ y: start.y, turning, steers: values.helm > 0, middle, banks, settled, estimated, agree: now.agree }));
-  if (ended.length) written(at.fleet, fleetSentence(tally(ended), data.ship.length, view));
-  written(at.alone, aloneSentence(alone, data.ship.length));
+  if (ended.length) written(at.fleet, fleetSentence(tally(ended), data.ship.length, view, turns ? now.back : 0));
+  written(at.alone, aloneSentence(alone, data.ship.length, turns && sideOf(turning)));
+  written(at.single, !banks || isSure({ settled, agree: now.agree }) ? "" : SINGLE);
   listed(at.caveats, caveats(data, now));
   at.canal.setAttribute("aria-label", `The canal from above. ${at.turning.textContent} ${at.fleet.textContent}`);
   at.map.setAttribute("aria-valuetext", `start ${offset(start.y)}, ${values.u} m/s; ${at.alone.textContent}`);
@@ -19,7 +22,7 @@ export function said(at, data, now, view) {
 
 /** What stands beside the headline: what the model says of itself, then what is beyond its data, assumed or moved. */
 function caveats(data, { values, start, path, seconds }) {
-  const out = beyond(data, values).map(({ label, told }) => told ?? label);
+  const out = beyond(data, values).map(({ label, told, beyond: range }) => `${told ?? label} (${range})`);
   const moved = start.moved ? [`There is no room for that: the ship starts ${offset(start.y)}.`] : [];
   const assumed = data.assumed && values.doubt > 0 ? [`${data.assumed}: each ± ${(100 * values.doubt * data.share).toFixed(0)} %.`] : [];
   const gone = leaves(path, data.tested, seconds);
