@@ -1,15 +1,18 @@
 """How often a verdict misleads and an interval misses, on twins that break assumptions: a table of the docs.
 
-    python decisions/trust_twins.py [--write] [--twins 10] [--processes 2] [kind ...]
+    python decisions/trust_twins.py [--write] [--counted] [--twins 10] [--processes 2] [kind ...]
 
 Each cell is of so many twins: the share in which a coefficient of the bank is called identified while its interval
 misses the truth, how often it is identified, and how often its interval holds the truth. Honest kinds, whose errors
 are those of runs alone, also have the half width over that of an oracle, which knows the errors' covariance.
+All rows are in ``trust_twins.csv``; the page has those with a miss. With ``--counted`` the file is read, not computed.
 """
 
+import csv
 import sys
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
+from pathlib import Path
 
 import numpy as np
 from pages import markdown, publish
@@ -20,6 +23,7 @@ import narrows as nw
 
 TWINS, FIRST = 10, 5000
 MAIN = ("b_vdot", "b_v", "b_r", "c_rdot", "c_v", "c_r")
+TABLE = Path(__file__).with_suffix(".csv")
 NAMES = ("b_bank", "c_bank", *MAIN)
 HEADER = (
     "kind", "strength", "identified and missed", "b_bank identified", "b_bank held", "c_bank identified",
@@ -55,15 +59,42 @@ def row(kind: Kind, strength: float, twins: int = TWINS, processes: int = 1) -> 
     return (f"`{kind.__name__}`: {word}", f"{strength:g}", *(f"{share:.0%}" for share in shares), hull, ratio)
 
 
-def text(twins: int, processes: int, kinds: tuple[str, ...]) -> str:
-    """Count, and write a row for each strength of each kind."""
+def counted(twins: int, processes: int, kinds: tuple[str, ...]) -> list[tuple[str, ...]]:
+    """Count, and return a row for each strength of each kind."""
     chosen = {kind: strengths for kind, strengths in KINDS.items() if not kinds or kind.__name__ in kinds}
     rows = []
     for kind, strengths in chosen.items():
         for strength in strengths:
             rows.append(row(kind, strength, twins, processes))
             print(rows[-1][0][:40], *rows[-1][1:], file=sys.stderr, flush=True)
-    return markdown(HEADER, rows)
+    return rows
+
+
+def kept() -> list[tuple[str, ...]]:
+    """Rows of the file."""
+    with TABLE.open(encoding="utf-8", newline="") as file:
+        return [tuple(line) for line in csv.reader(file)][1:]
+
+
+def with_a_miss(rows: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """Rows in which an interval misses the bank's truth, without the columns of honest kinds."""
+    return [line[:7] for line in rows if line[2] != "0%" or {line[4], line[6]} != {"100%"}]
+
+
+def text(rows: list[tuple[str, ...]]) -> str:
+    """Write the rows with a miss, and what the others have in common."""
+    missed, honest = with_a_miss(rows), [line for line in rows if line[8]]
+    over = np.array([[float(value) for value in line[8].split(";")] for line in honest]).reshape(-1, 2)
+    hull = [float(line[7].rstrip("%")) for line in honest]
+    held = len(rows) - len(missed)
+    lines = [f"In the other {held} of {len(rows)} cases all intervals of both coefficients hold the truth."]
+    if honest:
+        lines.append(
+            f"In honest kinds {min(hull):.0f} to {max(hull):.0f} % of the hull's intervals do; half widths are "
+            f"{over[:, 0].min():.2g} to {over[:, 0].max():.2g} times the oracle's for b_bank, "
+            f"{over[:, 1].min():.2g} to {over[:, 1].max():.2g} times in the median of eight coefficients."
+        )
+    return "\n".join([markdown(HEADER[:7], missed), "", *lines])
 
 
 if __name__ == "__main__":
@@ -73,4 +104,8 @@ if __name__ == "__main__":
         for name, usual in (("--twins", TWINS), ("--processes", 1))
     )
     kinds = tuple(word for word in given if not word.startswith("--"))
-    publish(__file__, "uncertainty.md", text(twins, processes, kinds))
+    rows = kept() if "--counted" in given else counted(twins, processes, kinds)
+    if "--write" in sys.argv and not kinds:
+        with TABLE.open("w", encoding="utf-8", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows([HEADER, *rows])
+    publish(__file__, "uncertainty.md", text(rows))

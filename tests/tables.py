@@ -16,6 +16,9 @@ beam = 0.572
 draft = 0.163
 block_coefficient = 0.661
 
+[water]
+density = 1000.0
+
 [canal]
 width = 7.0
 """

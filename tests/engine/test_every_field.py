@@ -267,8 +267,8 @@ def _configured(configuration: nw.Configuration) -> Any:
 
 
 BUILT = {name: own for name, own in built().items() if own is not None}
-HELD_ELSEWHERE = {("Configuration", "others")}
-"""Actuators of one's own: tests/property/test_actuators.py."""
+HELD_ELSEWHERE = {("Configuration", "others"), ("Configuration", "notes")}
+"""Actuators of one's own: tests/property/test_actuators.py; notes: tests/unit/test_assumptions.py."""
 
 
 def public_classes() -> set[str]:

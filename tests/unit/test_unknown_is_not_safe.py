@@ -57,7 +57,7 @@ class TestEnvelope:
     def test_what_is_not_counted_is_in_the_headline(self, with_bank: nw.Model) -> None:
         canal = replace(with_bank.configuration.canal, depth=None)
         dry = left_out(replace(with_bank, configuration=replace(with_bank.configuration, canal=canal)))
-        for words in ("uncertainty of the coefficients is not known", "depth of the canal is not known", "no verdicts"):
+        for words in ("uncertainty of the coefficients is not known", "depth of the canal is not known", "no verdict"):
             assert words in dry
 
     def test_of_equal_offsets_the_middle_is_safest(self, found: nw.SafeEnvelope) -> None:

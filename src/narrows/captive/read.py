@@ -215,5 +215,5 @@ def stream_captive(
     configuration = ship_from(ship, movers)
     source, named = Source("captive tests", path.name, sha256_of(path)), read_mapping(mapping)
     of_mapping = (f"columns by {named.name}",) if named else ()
-    notes = ("rows streamed from disk", *notes_of(path), *of_mapping)
+    notes = ("rows streamed from disk", *notes_of(path), *of_mapping, *configuration.notes)
     return StreamedTests(path, configuration, where, named, movers, source, notes, ship_file_of(ship))

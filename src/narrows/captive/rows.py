@@ -151,7 +151,7 @@ def _physical_sense(
     frame: pd.DataFrame, columns: dict[str, np.ndarray], test: np.ndarray, configuration: Configuration,
     by_name: dict[str, Column], table: str,
 ) -> tuple[str, ...]:  # fmt: skip
-    notes = check.check_mass(configuration, table)
+    notes = configuration.notes + check.check_mass(configuration, table)
     notes += check.check_heave(frame, columns, configuration, by_name.get("heave"), table)
     check.check_forces(columns, configuration, by_name, table)
     order, names, starts = _grouped(test)

@@ -164,7 +164,9 @@ def scale_model(
     configuration = hull.with_parts(part.scaled(units.factor) for part in old.parts.values())
     factors = np.array([units.factor(model.terms[name].dimension) for name in model.terms.names])
     coefficients = {n: model.coefficients[n] * f for n, f in zip(model.terms.names, factors.tolist(), strict=True)}
-    notes = (*model.bank_notes, *_scale_notes(model, friction), *_place_notes(model, configuration))
+    same = f"The water keeps its density of {water.density:g} kg/m3: the sea's is 1025 (density, --density)."
+    place = ((same,) if density is None and ratio > 1 else ()) + _place_notes(model, configuration)
+    notes = (*model.bank_notes, *_scale_notes(model, friction), *place)
     if friction:
         coefficients |= _with_friction(model, friction, configuration, coefficients)
     scaled = replace(

@@ -182,14 +182,12 @@ class Model(Configured, Operations):
     @property
     def notes(self) -> tuple[str, ...]:
         """Main notes: the data of an estimate, and uncertain bank coefficients."""
-        return tuple(filter(None, (self.source.estimate, *self.bank_notes)))
+        return tuple(filter(None, (self.source.estimate, *self.bank_notes, *self.configuration.notes)))
 
     def summary(self) -> str:
         """Describe the ship, the terms and the origin of the numbers."""
-        source = f"; {self.source.text}" if self.source.text else ""
-        return (
-            f"{self.configuration.summary()}.\n{len(self.terms)} coefficients of the terms {self.terms.name}{source}."
-        )
+        table = f"{len(self.terms)} coefficients of the terms {self.terms.name}"
+        return f"{self.configuration.summary()}.\n{table}{self.source.text and f'; {self.source.text}'}."
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the coefficients as a table: one row each, with value, std, unit and verdict."""
@@ -349,8 +347,17 @@ class Model(Configured, Operations):
 
     @property
     def bank_notes(self) -> tuple[str, ...]:
-        """First notes on the banks: no bank force, or bank coefficients that the tests do not determine."""
-        return tuple(note for note in (self.bank_note, self.trust_note) if note)
+        """First notes on the banks: no bank force, or coefficients that tests do not determine for certain."""
+        return tuple(note for note in (self.bank_note, self.trust_note, self.unknown_note) if note)
+
+    @property
+    def unknown_note(self) -> str:
+        """Note on bank coefficients without a verdict or a covariance; nothing otherwise."""
+        banks = [term.name for term in self.terms.terms if term.from_bank and self.coefficients[term.name]]
+        unjudged = [name for name in banks if name not in self.verdicts]
+        missing = ["verdict"] * bool(unjudged) + ["covariance"] * (self.covariance is None)
+        known = f"How well tests determine {', '.join(unjudged or banks)} is not known"
+        return f"{known}: the model has no {' and no '.join(missing)}." if banks and missing else ""
 
     def in_open_water(self) -> "Model":
         """Return the model without the terms of the banks; itself if it has none."""
@@ -359,12 +366,10 @@ class Model(Configured, Operations):
         terms = without_bank(self.terms)
         indices = [self.terms.names.index(name) for name in terms.names]
         return replace(
-            self,
-            terms=terms,
-            coefficients={name: self.coefficients[name] for name in terms.names},
+            self, terms=terms, coefficients={name: self.coefficients[name] for name in terms.names},
             covariance=None if self.covariance is None else self.covariance[np.ix_(indices, indices)],
             verdicts={name: verdict for name, verdict in self.verdicts.items() if name in terms.names},
-        )
+        )  # fmt: skip
 
     def _values(self, motion: Motion, positions: Mapping[str, Number] = MappingProxyType({})) -> dict[str, Number]:
         values = {**self.configuration.values(), **motion.values()}

@@ -154,10 +154,7 @@ def print_waterway(waterway: Waterway, draft: float = 0.0) -> None:
 
 
 def _sentence(summary: dict[str, Any], waterway: Waterway) -> str:
-    narrowest, place = summary["narrowest"], ""
-    if waterway.origin:  # A map with latitude first is seen by its place alone.
-        east, north = waterway.origin
-        place = f" (about {abs(north):.2f} {'NS'[north < 0]}, {abs(east):.2f} {'EW'[east < 0]})"
+    narrowest, place = summary["narrowest"], waterway.place and f" ({waterway.place})"
     return (
         f"{summary['name']}{place}: {summary['length']:.0f} m long; narrowest {narrowest['width']:.1f} m at "
         f"{narrowest['at']:.0f} m"

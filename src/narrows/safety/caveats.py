@@ -181,10 +181,7 @@ def untested_reasons(model: Model) -> str:
 
 def left_out(model: Model) -> str:
     """Return, in sentences, uncertainties that the result does not include."""
-    lines = [model.trust_note]
-    banks = [term.name for term in model.terms.terms if term.from_bank]
-    if banks and not model.verdicts:
-        lines.append(f"The model file has no verdicts: whether its tests determine {', '.join(banks)} is not known.")
+    lines = [model.trust_note, model.unknown_note]
     if model.covariance is None:
         lines.append("The uncertainty of the coefficients is not known, so it is not counted.")
     if model.configuration.canal.depth is None:

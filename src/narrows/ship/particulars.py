@@ -177,6 +177,8 @@ class Configuration(BaseSummary):
         For terms of the MMG standard method.
     others : tuple of Part
         The user's own actuator sections.
+    notes : tuple of str
+        Values that a file did not give, and what is assumed.
 
     Raises
     ------
@@ -198,6 +200,7 @@ class Configuration(BaseSummary):
     propeller: Propeller | None = None
     rudder: Rudder | None = None
     others: tuple[Part, ...] = ()
+    notes: tuple[str, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         sections = [part.SECTION for part in self._given]

@@ -81,7 +81,10 @@ def configuration_from(tables: Mapping[str, Any], file: str, actuators: Iterable
     try:
         main = {name: _section(cls, name, tables.get(name, {})) for name, cls in NEEDED.items()}
         parts = [_section(cls, name, tables[name]) for name, cls in sections.items() if name in tables]
-        return Configuration(**main, depths=dict(tables.get("depths", {}))).with_parts(parts)
+        density = main["water"].density
+        notes: tuple[str, ...] = (f"[water] density is not given: {density:g} kg/m3, that of fresh water, is assumed",)
+        notes *= "density" not in tables.get("water", {})
+        return Configuration(**main, depths=dict(tables.get("depths", {})), notes=notes).with_parts(parts)
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
 

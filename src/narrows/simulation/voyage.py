@@ -323,7 +323,7 @@ def simulate(
     log = _Log(ship, integrator, rows, ending, float(psi), float(rudder))
     outline = tuple(points_of(model.configuration.ship, ship.shape)) if ship.shape not in (MIDSHIP, OPEN) else ()
     return Voyage(
-        **log.columns(shown), outcome=log.outcome(dt), configuration=model.configuration, waterway=waterway,
+        **log.columns(shown), outcome=log.outcome(dt, waterway), configuration=model.configuration, waterway=waterway,
         outline=outline, moved=log.moved(shown),
     )  # fmt: skip
 
@@ -352,13 +352,14 @@ class _Log:
         check_ahead(next((column for one, column in moved.items() if one is PROPELLER), None))
         return moved
 
-    def outcome(self, dt: float) -> Outcome:
+    def outcome(self, dt: float, waterway: "Waterway | None") -> Outcome:
         columns = self.columns(self.rows)
         last = {name: float(column[-1]) for name, column in columns.items() if name != "rudder"}
         code, side = self._code_and_side(self.rows[-1].state)
         model = self.ship.model
         bank = () if self.ship.shape == OPEN else model.bank_notes
-        notes = (*bank, *self._beyond(columns), *self._coarse(dt))
+        place = (f"The waterway {waterway.name} lies {waterway.place}.",) if waterway and waterway.place else ()
+        notes = (*bank, *place, *self._beyond(columns), *self._coarse(dt))
         state = {name: last[name] for name in ("x", "y", "psi", "u", "v", "r")}
         distance = last["x"] - float(columns["x"][0])
         lengths = abs(distance) / model.configuration.ship.length

@@ -137,6 +137,14 @@ class Waterway(BaseSummary):
         """
         return narrows.report.figure_of(self, ax)
 
+    @property
+    def place(self) -> str:
+        """Its place on earth, by which a map with latitude before longitude is recognised; empty if unknown."""
+        if self.origin is None:
+            return ""
+        east, north = self.origin
+        return f"about {abs(north):.2f} {'NS'[north < 0]}, {abs(east):.2f} {'EW'[east < 0]}"
+
     def summary(self) -> str:
         """Describe its length, width, depth, sharpest bend and current."""
         there = self.section(np.linspace(0, self.line.length, STATIONS))
@@ -147,7 +155,7 @@ class Waterway(BaseSummary):
             f"sharpest bend of {1 / bend:.3g} m radius" if bend * self.line.length > STRAIGHT else "straight",
         ]  # fmt: skip
         current = f", current {self.current:g} m/s" if self.current else ""
-        return f"{self.name}: {', '.join(parts)}{current}"
+        return f"{self.name}{self.place and f' ({self.place})'}: {', '.join(parts)}{current}"
 
     def section(self, s: np.ndarray | float) -> Section:
         """Return the waterway at places along its line.
