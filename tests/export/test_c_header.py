@@ -112,15 +112,16 @@ def test_steps_and_derivatives_in_a_waterway(ships: Any, name: str) -> None:
 
 
 @pytest.mark.parametrize(("name", "curved"), [("paper", False), ("mmg+delta", False), ("steered", True)])
-def test_a_block_is_its_ships_to_the_bit(ships: Any, name: str, curved: bool) -> None:
-    """Every second one with half the inputs."""
+def test_a_block_is_its_ships(ships: Any, name: str, curved: bool) -> None:
+    """Every second one with half the inputs; to the bit without a rudder, whose sine is a polynomial there."""
     ship, at = ships(name, curved), states(name, 64)
     ship.set(Y_in=0.7, N_in=-0.4, **({"rudder_order": 0.2} if name in STEERED else {}))
     inputs = dict(zip(ship.names, ship.inputs.copy(), strict=True))
     block = ship.called("block", at.ravel(), 64 * (at.shape[1] + 2), 0.05).reshape(64, -1)
     for lane, state in enumerate(at):
         ship.set(**{one: value * (0.5 if lane % 2 else 1.0) for one, value in inputs.items()})
-        np.testing.assert_array_equal(block[lane], ship.called("step", state, len(state) + 2, 0.05))
+        alone = ship.called("step", state, len(state) + 2, 0.05)
+        np.testing.assert_allclose(block[lane], alone, rtol=1e-13 if name in STEERED else 0, atol=1e-15)
 
 
 def slope(ship: CompiledShip, state: Any, column: int, h: float = 1e-6) -> np.ndarray:

@@ -12,7 +12,7 @@ from narrows.codegen.choices import COUNTED, LENGTH
 from narrows.codegen.free_motion import INPUTS, OPEN
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program
-from narrows.codegen.printers.c import C, CTranslation, c_block
+from narrows.codegen.printers.c import BlockC, C, CTranslation, c_block, lane_functions
 from narrows.codegen.printers.language import JavaScript, Matlab, PythonFile
 from narrows.codegen.printers.translation import JavaScriptTranslation
 from narrows.export.exported_ship import ExportedNumber, ExportedShip
@@ -34,9 +34,10 @@ from narrows.simulation.initial_state import voyage_defaults
 
 def c_text(exported: ExportedShip) -> str:
     language, filling = C(exported.prefix), ("fill_table",) if exported.waterway else ()
-    bodies = {**bodies_of(exported, language), "step_block": "\n    ".join(_block(exported, language))}
+    bodies = {**bodies_of(exported, language), "step_block": "\n    ".join(_block(exported))}
+    lanes = lane_functions() if "_lane_" in bodies["step_block"] else {}
     return rendered(
-        "model.h.j2", exported, language, f=bodies, water=water_of(exported, language),
+        "model.h.j2", exported, language, f=bodies, lanes=lanes, water=water_of(exported, language),
         **translated(exported, partial(CTranslation, prefix=exported.prefix), *filling),
     )  # fmt: skip
 
@@ -49,7 +50,8 @@ def cpp_text(exported: ExportedShip) -> str:
     )  # fmt: skip
 
 
-def _block(exported: ExportedShip, language: C) -> list[str]:
+def _block(exported: ExportedShip) -> list[str]:
+    language = BlockC(exported.prefix)
     portable, places = exported.portable, places_in(exported, language)
     for column, rows in (("state", portable.kept), ("inputs", portable.inputs)):
         places |= {name: f"{column}[{number}][lane]" for number, name in enumerate(rows)}

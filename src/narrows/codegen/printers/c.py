@@ -2,11 +2,13 @@
 
 import ast
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from math import factorial
 from textwrap import wrap
 
 import sympy
 
 from narrows.codegen.free_motion import Expr
+from narrows.codegen.kernels.elementary import SINE_TERMS, WIDTHS
 from narrows.codegen.lines import Lines, reads_table, rounds
 from narrows.codegen.printers.lanes import LaneFields
 from narrows.codegen.printers.language import Language
@@ -234,6 +236,35 @@ def _is_truth(value: ast.expr | None) -> bool:
 PLAIN = ("fabs", "sqrt", "floor")
 
 CALLED = tuple(f"{name}(" for name in {*LIBRARY.values(), "angle"} - {*PLAIN})
+
+
+class BlockC(C):
+    """C in loops over lanes: sine, cosine and exponential are the polynomials of ``lane_functions``."""
+
+    def called(self, name: str, *arguments: str) -> str:
+        return super().called(f"lane_{name}" if name in ("sine", "cosine", "exp") else name, *arguments)
+
+
+def lane_functions() -> dict[str, tuple[str, str]]:
+    """Return the powers of the argument and the polynomial of each function of ``BlockC``."""
+    signs = [(-1) ** k for k in range(SINE_TERMS)]
+    return {
+        "sine": _estrin("q", [sign / factorial(2 * k + 1) for k, sign in enumerate(signs)]),
+        "cosine": _estrin("q", [sign / factorial(2 * k) for k, sign in enumerate(signs)]),
+        "exp": _estrin("r", [1 / factorial(k) for k in range(WIDTHS["float64"].degree + 1)]),
+    }
+
+
+def _estrin(x: str, coefficients: Sequence[float]) -> tuple[str, str]:
+    """Write a polynomial by Estrin's scheme, a shorter chain of operations than Horner's."""
+    terms, power, powers = [repr(one) for one in coefficients], x, list[str]()
+    while len(terms) > 1:
+        pairs = zip(terms[::2], [*terms[1::2], ""], strict=False)
+        terms = [f"({low} + {power}*{high})" if high else low for low, high in pairs]
+        if len(terms) > 1:
+            powers.append(f"{x}{2 ** (len(powers) + 1)} = {power}*{power}")
+            power = f"{x}{2 ** len(powers)}"
+    return ", ".join(powers), terms[0]
 
 
 def c_block(lines: Lines, results: Mapping[str, Expr], places: Mapping[str, str], printer: C, lanes: str) -> list[str]:
