@@ -49,7 +49,7 @@ def fly(fleet: Fleet, scene: Scene, helm: Any, seed: int = 3) -> dict[str, float
         off = np.abs(fleet.state["y"] - scene.wanted(t))
         far = np.where(fleet.alive, np.maximum(far, off), far)
         late = np.maximum(late, off) if t >= DURATION - LATE else late
-    lost = ~(fleet.alive & (late < fleet.model.configuration.ship.beam / 2))
+    fleet.lost = lost = ~(fleet.alive & (late < fleet.model.configuration.ship.beam / 2))
     afloat = fleet.alive if fleet.alive.any() else ~fleet.alive
     return {
         "deviation": float(np.median(far[afloat])), "deviation_95": float(np.quantile(far[afloat], 0.95)),

@@ -29,6 +29,8 @@ class Fleet:
     seed: int = 7
     waterway: Waterway | None = None
     state: dict[str, np.ndarray] = field(default_factory=dict)
+    psi: np.ndarray = field(init=False)
+    lost: np.ndarray = field(init=False)
 
     @cached_property
     def truths(self) -> dict[str, np.ndarray]:
@@ -37,6 +39,7 @@ class Fleet:
 
     def begin(self, y: Any, psi: Any, v: float, rudder: float) -> None:
         """Place every ship."""
+        self.psi = psi
         columns = {"x": 200.0, "y": y, "u": SPEED, "v": v, "r": 0.0, "rudder": rudder, "cos_psi": np.cos(psi)}
         columns |= {"sin_psi": np.sin(psi), "t": 0.0}
         self.state = {name: np.full(self.count, column, float) for name, column in columns.items()}

@@ -86,6 +86,21 @@ def test_a_log_at_0_from_the_start_is_found_out() -> None:
     assert abs(now["x"] - 4.5 * 39) < 5.0
 
 
+def test_slow_errors_of_fixes_that_are_not_declared_widen_the_band() -> None:
+    """At 230 m: fixes that count as white swing by 3 m within two minutes. They stay in use, and the band holds."""
+    model, random = nw.scale_model(steered(), 230.0, 1025.0).model, np.random.default_rng(2)
+    one = Estimator(model, [Gnss(coloured=None), Gyro(), RateOfTurn(), Log(), RudderIndicator()])
+    found = []
+    for t in range(400):
+        noise = random.standard_normal(6)
+        fix = 4.5 * t + 1.5 * noise[0], 1.5 * noise[1] + 3.0 * math.sin(math.tau * t / 120.0)
+        slow = {"gyro": 0.0035 * noise[2], "rate_of_turn": 5e-4 * noise[3], "log": 4.5 + 0.05 * noise[5]}
+        found.append(one.update(t, gnss=fix, rudder=2e-3 * noise[4], **slow))
+    assert any("gnss has slow errors that were not declared" in note for one in found for note in one.notes)
+    assert not found[-1].faults
+    assert np.mean([abs(one["y"]) < 1.96 * one.std["y"] for one in found[100:]]) > 0.9
+
+
 def test_nothing_is_blamed_where_nothing_is_wrong() -> None:
     for seed in (3, 8):
         assert not any(estimate.faults for estimate in estimated(lambda t, readings: None, seed)[0])

@@ -16,8 +16,11 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 from narrows.estimation.filter_run import FilterRun, Moment, replay
+from narrows.estimation.sensors import is_white, slowed
 from narrows.estimation.settings import (
+    BANK_THRESHOLD,
     DRIFT_START,
+    DRIFT_THRESHOLD,
     FAULT_PRIOR,
     FAULT_STD,
     JUDGE_WAIT,
@@ -42,6 +45,7 @@ class Hypothesis(NamedTuple):
     moments: list[Moment]  # Moments of the window
     run: FilterRun  # Filter run over them
     score: float  # Log-likelihood of all readings in the bank's window, less the penalty of the faults
+    slow: Faults = frozenset()  # Sensors with slow errors that were not declared
     anew: bool = False  # True if it starts from readings and not from the estimate
 
 
@@ -50,32 +54,38 @@ class FaultBank:
     filter: ShipFilter  # Filter without faults
     horizon: float  # Largest delay of a reading [s]
     faults: Faults = frozenset()  # Current faults: sensors, the rudder's indicator, the model
-    _filters: dict[Faults, ShipFilter] = field(default_factory=dict)
+    slow: Faults = frozenset()  # Sensors with slow errors that were not declared
+    _filters: dict[tuple[Faults, Faults], ShipFilter] = field(default_factory=dict)
     _refused: dict[str, float] = field(default_factory=dict)
     _same: dict[str, tuple[tuple[float, ...], int]] = field(default_factory=dict)
     _since: dict[str, float] = field(default_factory=dict)
+    _watched: float | None = None
     _next: float = 0.0
     _routine: float = 0.0
 
     def __post_init__(self) -> None:
         self.scale = self.filter.time_scale
         self.kept = max(self.horizon, REPLAY_TIME * self.scale)
-        self._filters[frozenset()] = self.filter
+        self._filters[frozenset(), frozenset()] = self.filter
 
     def begin(self, t: float) -> None:
-        self.faults, self._next, self._routine = frozenset(), t, t
+        self.slow = frozenset()
+        self.faults, self._watched, self._next, self._routine = frozenset(), None, t, t
         self._refused, self._same, self._since = {}, {}, {}
 
-    def faulty(self, faults: Faults) -> ShipFilter:
-        if faults not in self._filters:
-            self._filters[faults] = replace(self.filter, faults=faults)
-        return self._filters[faults]
+    def faulty(self, faults: Faults, slow: Faults | None = None) -> ShipFilter:
+        """Return the filter with faults and undeclared slow errors, those found unless given."""
+        key = faults, self.slow if slow is None else slow
+        if key not in self._filters:
+            sensors = {name: slowed(one) if name in key[1] else one for name, one in self.filter.sensors.items()}
+            self._filters[key] = replace(self.filter, sensors=sensors, faults=faults)
+        return self._filters[key]
 
     def judge(self, run: FilterRun) -> tuple[FilterRun, str]:
         """Return the run of the most likely hypothesis, and a sentence if the hypothesis changed."""
         t = run.last.t
-        refusing, leaning, stuck = self._refusing(run, t), self._leaning(run), self._stuck(run)
-        routine = (bool(stuck - self.faults) or bool(self.faults)) and t >= self._routine
+        refusing, leaning, stuck = self._refusing(run, t), self._leaning(run, t), self._stuck(run)
+        routine = bool(stuck - self.faults or self.faults) and t >= self._routine
         young = t - run.begun < REPLAY_TIME * self.scale
         if t < max(self._next, run.begun + 2 * JUDGE_WAIT * self.scale) or not (refusing or leaning or routine):
             return run, ""
@@ -88,14 +98,15 @@ class FaultBank:
         cost = 0.0 if young else FAULT_PRIOR
         if anew and (best is None or anew.score - cost > _likelihood(best.run, anew.run.begun) - _price(best)):
             best = anew
-        if best is None or (best.faults == self.faults and not best.anew):
+        if best is None or (best.faults == self.faults and best.slow == self.slow and not best.anew):
             return run, ""
         return self._adopted(run, best, t)
 
     def _adopted(self, run: FilterRun, best: Hypothesis, t: float) -> tuple[FilterRun, str]:
         """Return the run without the faulty sensors."""
-        own = self.faulty(best.faults & {RUDDER, MODEL})
-        first = best.moments[0]._replace(state=own.adopt(best.state, self.faulty(best.faults)), monitor=own.monitor())
+        own = self.faulty(best.faults & {RUDDER, MODEL}, best.slow)
+        state = own.adopt(best.state, self.faulty(best.faults, best.slow))
+        first = best.moments[0]._replace(state=state, monitor=own.monitor())
         after = replay(own, first, best.moments[1:], self.horizon, self.kept, best.faults)
         if after is None:
             return run, ""
@@ -104,15 +115,20 @@ class FaultBank:
             if own.states == run.filter.states:
                 before = bisect_left(run.history, first.t - SAME_TIME, key=lambda one: one.t)
                 after.history[:0] = run.history[:before]
-        said = _sentence(t, self.faults, best.faults, best.anew)
+        said = _sentence(t, self.faults, best.faults, best.slow - self.slow, best.anew)
         self._since |= dict.fromkeys(best.faults - self.faults, t)
-        self.faults, self._refused, after.results = best.faults, {}, []
+        self.faults, self.slow, self._refused, after.results = best.faults, best.slow, {}, []
         return after, said
 
     @property
     def _suspects(self) -> list[str]:
         rudder = [RUDDER] if RUDDER in self.filter.actuators else []
         return [*self.filter.sensors, *rudder, MODEL]
+
+    @property
+    def _white(self) -> Faults:
+        """Receivers without a slow error, neither declared nor found."""
+        return frozenset(name for name, one in self.filter.sensors.items() if is_white(one)) - self.slow
 
     def _refusing(self, run: FilterRun, t: float) -> bool:
         """Return whether a sensor has been refused for a long time."""
@@ -126,9 +142,15 @@ class FaultBank:
         periods = ((t - since) / self.filter.sensors[name].period for name, since in self._refused.items())
         return max(periods, default=0.0) >= REFUSED_PERIODS
 
-    @staticmethod
-    def _leaning(run: FilterRun) -> bool:
-        return any(result.suspects for result in run.results)
+    def _leaning(self, run: FilterRun, t: float) -> bool:
+        """Return whether a sensor drifts, or seemed to some readings ago: a step shows in the readings after it."""
+        lean = max((result.lean for result in run.results), default=0.0)
+        if self._watched is None and lean > BANK_THRESHOLD and not self.faults:
+            self._watched = t
+        if self._watched is not None and t >= self._watched + JUDGE_WAIT * self.scale:
+            self._watched = None
+            return True
+        return lean > DRIFT_THRESHOLD
 
     def _stuck(self, run: FilterRun) -> Faults:
         """Sensors, or the rudder's indicator, with a constant value for long: either stuck, or the motion is steady."""
@@ -138,7 +160,7 @@ class FaultBank:
         return frozenset(name for name, (_, count) in self._same.items() if count >= STUCK_READINGS)
 
     def _hypotheses(self, run: FilterRun, suspects: list[str], refusing: bool, stuck: Faults) -> Iterator[Hypothesis]:
-        """Return the hypotheses: no change, one sensor sound again, one more with a drift or a step."""
+        """Return the hypotheses: no change, one sensor sound again, one more with a drift, a step or a slow error."""
         moments, t, before = run.history, run.last.t, self.faulty(self.faults)
         begun = before.adopt(moments[0].state, run.filter)
         base = self._tried(self.faults, begun, moments, stuck)
@@ -151,6 +173,11 @@ class FaultBank:
                 lasting = base is not None and t - self._since[one] < LONGEST_FAULT * self.scale
                 cost = self._simplicity(one) if lasting and base and not self._small(base.run, one) else 0.0
                 yield again._replace(score=again.score - cost)
+        for one in self._white - self.faults:
+            slow = self.slow | {one}
+            wider = self._tried(self.faults, self.faulty(self.faults, slow).adopt(begun, before), moments, stuck, slow)
+            if wider:
+                yield wider._replace(score=wider.score - FAULT_PRIOR)
         onset = min(self._refused.values()) if refusing else t - JUDGE_WAIT * self.scale
         place = max(bisect_left(moments, onset, key=lambda one: one.t) - 1, 0)
         for one in suspects:
@@ -167,12 +194,15 @@ class FaultBank:
                     known = _likelihood(base.run) - _likelihood(base.run, moments[place].t)
                     yield step._replace(score=step.score + known)
 
-    def _tried(self, faults: Faults, state: Gaussian, moments: list[Moment], stuck: Faults) -> Hypothesis | None:
-        own = self.faulty(faults)
+    def _tried(
+        self, faults: Faults, state: Gaussian, moments: list[Moment], stuck: Faults, slow: Faults | None = None
+    ) -> Hypothesis | None:
+        slow = self.slow if slow is None else slow
+        own = self.faulty(faults, slow)
         run = replay(own, moments[0]._replace(state=state, monitor=own.monitor()), moments[1:], self.horizon, self.kept)
         if run is None:
             return None
-        tried = Hypothesis(faults, state, moments, run, 0.0)
+        tried = Hypothesis(faults, state, moments, run, 0.0, slow)
         return tried._replace(score=_likelihood(run) - _price(tried, self.faults | stuck))
 
     def _simplicity(self, name: str) -> float:
@@ -226,7 +256,7 @@ def _price(tried: Hypothesis, known: Faults = frozenset()) -> float:
     return FAULT_PRIOR * len(tried.faults - known) * len(tried.faults)
 
 
-def _sentence(t: float, before: Faults, after: Faults, anew: bool) -> str:
+def _sentence(t: float, before: Faults, after: Faults, slow: Faults, anew: bool) -> str:
     new, back = sorted(after - before), sorted(before - after)
     parts = []
     if anew:
@@ -235,5 +265,9 @@ def _sentence(t: float, before: Faults, after: Faults, anew: bool) -> str:
         parts.append(f"{' and '.join(new)} contradicts the others: left out, and the estimate is less certain")
     if back:
         parts.append(f"{' and '.join(back)} agrees with the others again: used")
+    if slow:
+        parts.append(
+            f"{' and '.join(sorted(slow))} has slow errors that were not declared: the estimate is less certain"
+        )
     said = "; ".join(parts)
     return f"At t = {t:g} s {said}." if said else ""

@@ -35,6 +35,7 @@ class UpdateResult(NamedTuple):
     suspects: tuple[str, ...]  # Sensors with biased innovations
     surprising: tuple[str, ...] = ()  # Sensors of several kinds that contradict the model at once; they are used
     log_likelihood: float = 0.0  # Log-likelihood of the readings, if requested; refused ones count as at the gate
+    lean: float = 0.0  # Largest fading sum of innovations [standard deviations]
 
 
 class NumberLayout(NamedTuple):
@@ -71,12 +72,15 @@ class DriftMonitor:
         """Add whitened innovations (numbers,); return the distance of the sums from zero [standard deviations]."""
         # Errors of considered coefficients, (considered, numbers), are common to all readings: they add up like a bias
         # and do not indicate a drift.
-        sums = FADING * self.sums[:, places]
+        sums, variances = self.sums[:, places], self.variances[:, places]  # Views of all, copies of some
+        sums *= FADING
         sums += np.minimum(np.maximum(whitened, -DRIFT_MOST_INNOVATION), DRIFT_MOST_INNOVATION)
-        variances = SQUARED * self.variances[:, places] + 1.0
+        variances *= SQUARED
+        variances += 1.0
         if self.considered:
             variances -= np.minimum((shared * shared).sum(axis=0), 1.0)
-        self.sums[:, places], self.variances[:, places] = sums, variances
+        if not isinstance(places, slice):
+            self.sums[:, places], self.variances[:, places] = sums, variances
         if self.considered:
             common = FADING[:, :, None] * self.common[..., places] + shared
             self.common[..., places] = common
@@ -181,11 +185,12 @@ class Recursion:
         leans = monitor.lean(whitened, layout.places, shared)
         after = self._update(now, layout, expected, innovation, covariance, refused)
         suspects: tuple[str, ...] = ()
-        if leans.max() > DRIFT_THRESHOLD:
+        lean = float(leans.max())
+        if lean > DRIFT_THRESHOLD:
             parts = zip(layout.names, layout.parts, strict=True)
             suspects = tuple(name for name, part in parts if leans[part].max() > DRIFT_THRESHOLD)
         likelihood = self._log_likelihood(layout, innovation, covariance, refused) if weigh else 0.0
-        return UpdateResult(after, nis, refused, suspects, surprising, likelihood)
+        return UpdateResult(after, nis, refused, suspects, surprising, likelihood, lean)
 
     def _log_likelihood(
         self, layout: NumberLayout, innovation: np.ndarray, covariance: np.ndarray, refused: tuple[str, ...]

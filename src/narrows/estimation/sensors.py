@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import KW_ONLY, dataclass, replace
-from typing import ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
@@ -306,6 +306,16 @@ class CourseOverGround(Antenna):
     def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
         """Return nothing: current and drift separate these velocities from the state."""
         return {}
+
+
+def is_white(sensor: object) -> bool:
+    """Return whether a sensor is a receiver that declares no slow error."""
+    return isinstance(sensor, Antenna) and sensor.coloured is None
+
+
+def slowed(sensor: Any) -> Any:
+    """Return a sensor with a slow error as large as its noise."""
+    return replace(sensor, coloured=GaussMarkov(sensor.noise, GNSS_TIME))
 
 
 # Sensors that measure states, by the usual name of their readings; the rudder's indicator is an input of the model.

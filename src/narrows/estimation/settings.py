@@ -49,6 +49,9 @@ GROSS_ERROR_NIS = 1e4
 DRIFT_MEMORIES = (6.0, 12.0, 24.0)
 # Size of such a sum that raises a suspicion [standard deviations]: by chance once in 1.7 million independent sums.
 DRIFT_THRESHOLD = 5.0
+# Size of such a sum at which the bank of filters is run and decides [standard deviations]: slow errors of fixes, as
+# states, take up half of a step.
+BANK_THRESHOLD = 3.5
 # Limit of an innovation in these sums [standard deviations]: larger ones are left to the gate.
 DRIFT_MOST_INNOVATION = 5.0
 

@@ -141,6 +141,11 @@ def _upper(size: int) -> np.ndarray:
     return np.triu(np.ones((size, size)))
 
 
+@lru_cache(maxsize=64)
+def _unit(size: int) -> np.ndarray:
+    return np.eye(size)
+
+
 def triangular_root(rows: np.ndarray) -> np.ndarray:
     """Return the lower triangular root of the sum of outer products of rows, (n, n), by QR."""
     count, size = rows.shape
@@ -152,8 +157,6 @@ def triangular_root(rows: np.ndarray) -> np.ndarray:
 
 def downdated_root(root: np.ndarray, column: np.ndarray) -> np.ndarray:
     """Return the lower triangular root of L L^T - c c^T; if that is no covariance, L itself, which is conservative."""
-    inside, failed = lapack.dtrtrs(root, column, lower=1)
-    left = 1.0 - float(inside @ inside)
-    if failed or not left > 0.0:
-        return root
-    return np.asarray(root @ np.linalg.cholesky(np.eye(len(root)) - np.outer(inside, inside)))
+    inside, singular = lapack.dtrtrs(root, column, lower=1)
+    rest, failed = lapack.dpotrf(_unit(len(root)) - inside[:, None] * inside, lower=1)
+    return root if singular or failed else np.asarray(root @ rest)
