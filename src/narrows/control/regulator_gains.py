@@ -6,7 +6,6 @@ from math import isfinite, radians
 from typing import Any
 
 import numpy as np
-from scipy.linalg import LinAlgError, solve_continuous_are
 
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control.linear_system import LinearSystem
@@ -141,7 +140,7 @@ def best_gains(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.
     if not known.size:
         return gains
     with np.errstate(all="ignore"):
-        cost = _doubled(motion[known], push[known], weights)
+        cost = _doubled(motion[known], push[known, :, None] * push[known, None, :], weights)
         found = np.einsum("ni,nij->nj", push[known], cost)
     usable = np.isfinite(found).all(axis=1)
     known, found = known[usable], found[usable]
@@ -151,9 +150,10 @@ def best_gains(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.
     return gains
 
 
-def _doubled(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return the stabilising solution; infinite or NaN if there is none."""
-    size, effect = motion.shape[-1], push[:, :, None] * push[:, None, :]
+def _doubled(motion: np.ndarray, effect: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Return the stabilising solution of many continuous-time Riccati equations; infinite or NaN if there is none."""
+    # A Cayley transform to discrete time. effect: the controls' B R^-1 B'.
+    size = motion.shape[-1]
     shift = 1.1 * np.maximum(np.abs(motion).sum(axis=2).max(axis=1), 1.0)[:, None, None]
     moved = motion - shift * np.eye(size)
     driven = _solved(moved, effect)
@@ -161,6 +161,12 @@ def _doubled(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.nd
     step = np.eye(size) + 2 * shift * inverse.swapaxes(1, 2)
     reach = 2 * shift * driven @ inverse
     cost = 2 * shift * inverse @ weights @ _solved(moved, np.broadcast_to(np.eye(size), moved.shape))
+    return discrete_riccati(step, reach, cost)
+
+
+def discrete_riccati(step: np.ndarray, reach: np.ndarray, cost: np.ndarray) -> np.ndarray:
+    """Return the stabilising solution of many discrete-time equations from A, B R^-1 B' and Q; NaN for none."""
+    size = step.shape[-1]
     for _ in range(40):  # Each round doubles the time horizon
         both = _solved(np.eye(size) + reach @ cost, np.concatenate([step, reach], axis=2))
         back, change = step.swapaxes(1, 2), step.swapaxes(1, 2) @ cost @ both[..., :size]
@@ -219,9 +225,10 @@ def lqr(linear: LinearSystem, Q: Any, R: Any, *controls: str) -> tuple[np.ndarra
     for name, matrix, names in zip("QR", weights, (linear.states, used), strict=True):
         if matrix.shape != (len(names), len(names)):
             raise InputError(f"{name} has the shape {matrix.shape}; give a row and a column for {', '.join(names)}")
-    try:
-        riccati = solve_continuous_are(A, B, *weights)
-    except (LinAlgError, ValueError):
-        raise InputError("no gains hold this ship with these weights; give R over 0, and Q over 0 for y") from None
-    gains = np.linalg.solve(weights[1], B.T @ riccati)
-    return gains, riccati, np.linalg.eigvals(A - B @ gains)
+    with np.errstate(all="ignore"):
+        riccati = _doubled(A[None], (B @ _solved(weights[1][None], B.T[None])[0])[None], weights[0])[0]
+    gains = _solved(weights[1][None], (B.T @ riccati)[None])[0]
+    poles = np.linalg.eigvals(A - B @ gains) if np.isfinite(gains).all() else np.full(len(A), np.inf)
+    if not poles.real.max() < 0:
+        raise InputError("no gains hold this ship with these weights; give R over 0, and Q over 0 for y")
+    return gains, riccati, poles

@@ -20,6 +20,7 @@ from narrows.control.predictive.line_frame import (
     share_of,
 )
 from narrows.control.predictive.push_estimate import BankSpread, Push
+from narrows.control.regulator_gains import discrete_riccati
 from narrows.control.settings import (
     FURTHEST,
     MOST_PLACES,
@@ -299,14 +300,9 @@ def weights_of(half_beam: float, passing: float) -> Weights:
 
 def regulator_of(A: np.ndarray, B: np.ndarray, weights: Weights) -> tuple[np.ndarray, np.ndarray]:
     """Return the gains of the best linear helm (5,) and the infinite-horizon cost matrix (5, 5)."""
-    from scipy.linalg import LinAlgError, solve_discrete_are
-
-    column = B[:, None]
-    try:
-        cost = solve_discrete_are(A, column, np.diag(weights.states), np.array([[weights.rate]]))
-    except (LinAlgError, ValueError):
-        raise InputError(IN_VAIN) from None
-    gains = np.asarray(B @ cost @ A / (weights.rate + B @ cost @ B))
-    if not np.abs(np.linalg.eigvals(A - column * gains)).max() < 1.0:
+    with np.errstate(all="ignore"):
+        (cost,) = discrete_riccati(A[None], np.outer(B, B)[None] / weights.rate, np.diag(weights.states)[None])
+        gains = np.asarray(B @ cost @ A / (weights.rate + B @ cost @ B))
+    if not np.isfinite(gains).all() or not np.abs(np.linalg.eigvals(A - np.outer(B, gains))).max() < 1.0:
         raise InputError(IN_VAIN)
     return gains, np.asarray((cost + cost.T) / 2)
