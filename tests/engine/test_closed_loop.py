@@ -11,7 +11,7 @@ from full_size import Exactly, full_size, geared
 
 import narrows as nw
 from narrows.control import ClosedLoop, PredictiveHelm, closed_loop, regulator
-from narrows.estimation import Gnss, Gyro, Log, RateOfTurn, RudderIndicator
+from narrows.estimation import GaussMarkov, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
 
 SPEED, HOLD = 4.5, 50.0
 
@@ -90,13 +90,14 @@ def test_margins_of_gains_are_those_of_the_law_at_short_steps() -> None:
 
 @pytest.mark.parametrize("dt", [0.1, 1.0, 2.0])
 @pytest.mark.parametrize("helm", ["track", "regulator", "predictive"])
-def test_every_controller_stands_two_seconds_of_delay_and_a_lag(helm: str, dt: float) -> None:
+def test_every_controller_holds_its_line_with_delay_and_lag(helm: str, dt: float) -> None:
+    """The track pilot with 2 s of delay and 2.5 s of lag, the others with 5 s and 4 s."""
     made: dict[str, Any] = {"track": nw.track_pilot, "regulator": regulator, "predictive": PredictiveHelm}
     if helm == "predictive":
         pytest.importorskip("daqp")
-    voyage = closed_loop(full_size(), made[helm](full_size(), HOLD, SPEED), gear=SLOW, u=SPEED, dt=dt).simulate(
-        400.0, y=HOLD + 1.0
-    )
+    gear = SLOW if helm == "track" else nw.SteeringGear(dead_time=5.0, lag=4.0)
+    law = made[helm](full_size(), HOLD, SPEED)
+    voyage = closed_loop(full_size(), law, gear=gear, u=SPEED, dt=dt).simulate(400.0, y=HOLD + 1.0)
     assert voyage.outcome.kind == "afloat"
     assert np.abs(voyage.y - HOLD).max() < 2.0
 
@@ -110,6 +111,13 @@ def test_a_loop_with_sensors_keeps_its_line() -> None:
     assert np.abs(one.y - HOLD).max() < 4.0
     np.testing.assert_array_equal(one.y, same.y)
     assert np.abs(one.y - other.y).max() > 0.01
+
+
+def test_declared_errors_of_sensors_are_drawn() -> None:
+    """Fixes with a slow error of 1.5 m move the ship off its line by about as much; certain ones do not."""
+    sure, slow = ([Gnss(0.1, coloured=error), *SENSORS[1:]] for error in (None, GaussMarkov(1.5, 60.0)))
+    off = [np.std([loop(sensors=own).simulate(300.0, seed).y[150:] - HOLD for seed in (1, 2)]) for own in (sure, slow)]
+    assert off[0] < 0.5 < off[1] < 3.0
 
 
 def test_late_readings_are_of_the_past() -> None:

@@ -92,6 +92,11 @@ class _SensedOrders:
         self._measuring = [sensor for sensor in self.helm.sensors if hasattr(sensor, "measured")]
         self._indicator = next((one for one in self.helm.sensors if not hasattr(one, "measured")), None)
         self._longest = max((sensor.late for sensor in self._measuring), default=0.0)
+        # Declared errors of the sensors, drawn: component, standard deviation, correlation time [s]; and their values.
+        self._errors = {one.name: narrows.estimation.sensor.error_states(one).values() for one in self._measuring}
+        draw = self.random.standard_normal
+        self._slow = {name: [std * draw() for _, std, _ in errors] for name, errors in self._errors.items()}
+        self._bias = self._indicator.bias * draw() if self._indicator is not None else 0.0
 
     def __call__(self, t: float, state: VoyageState) -> float:
         self._past = [(then, seen) for then, seen in self._past if then > t - self._longest - 2 * self.helm.dt]
@@ -106,7 +111,7 @@ class _SensedOrders:
 
     def _indicated(self, rudder: float) -> float:
         noise = self._indicator.noise if self._indicator is not None else 0.0
-        return rudder + noise * float(self.random.standard_normal())
+        return rudder + float(noise * self.random.standard_normal() - self._bias)
 
     def _readings(self, t: float) -> Mapping[str, Any]:
         readings = {}
@@ -116,6 +121,11 @@ class _SensedOrders:
             self._due[sensor.name] = t + sensor.period
             true = sensor.measured(self._at(t - sensor.late))
             noise = np.asarray(sensor.sigma) * self.random.standard_normal(len(sensor.fields))
+            slow = self._slow[sensor.name]
+            for number, (place, std, time) in enumerate(self._errors[sensor.name]):
+                left = math.exp(-sensor.period / time)
+                slow[number] = left * slow[number] + std * math.sqrt(1.0 - left**2) * self.random.standard_normal()
+                noise[place] += slow[number]
             told = sensor.reading(tuple(float(value) + off for value, off in zip(true, noise, strict=True)))
             readings[sensor.name] = tuple(map(float, told)) if len(told) > 1 else float(told[0])
         return readings
