@@ -15,8 +15,8 @@ import narrows as nw
 
 REFUSED = 6
 # A step of 1000 s would take this ship of 4 m through the canal many times over.
-STEPS = [(0.0, 20.0), (1e-12, 20.0), (-1.0, 20.0), (1000.0, 20.0), (np.nan, 20.0), (np.inf, 20.0), (0.05, -1.0),
-         (0.05, np.nan), (0.05, np.inf)]  # fmt: skip
+STEPS = [(0.0, 20.0), (1e-12, 20.0), (-1.0, 20.0), (1000.0, 20.0), (np.nan, 20.0), (np.inf, 20.0), (np.inf, 1.0),
+         (0.05, -1.0), (0.05, np.nan), (0.05, np.inf)]  # fmt: skip
 SECTIONS = np.array([[0.0, 4.0, 3.5, 0.3, 0.0, 4.0, 3.5], [40.0, 3.0, 3.5, 0.3, 0.01, 3.0, 3.5]])
 
 

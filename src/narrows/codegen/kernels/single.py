@@ -5,7 +5,7 @@ exported file, printed from the lines of the model; ``event`` holds the rule for
 distances to its banks.
 """
 
-from math import floor
+from math import floor, inf
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from narrows.codegen.kernels.event import (
@@ -112,7 +112,7 @@ def begun(state: Array, closeness: Array, constants: Constants, waterway: Place)
 
 def can_sail(state: Array, constants: Constants, waterway: Place, length: float, duration: float) -> bool:
     """Return whether the ship moves less than its own length in a step, and there is water to sail in."""
-    if not (length > 0.0 and duration >= 0.0 and duration <= MOST_STEPS * length):
+    if not (length > 0.0 and length < inf and duration >= 0.0 and duration <= MOST_STEPS * length):
         return False
     if WATERWAY and not waterway.x_last > waterway.x_first:
         return False
