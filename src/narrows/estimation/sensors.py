@@ -69,16 +69,8 @@ class RateOfTurn(ScalarSensor):
     ----------
     noise : float [rad/s]
         Standard deviation of the white error.
-    period : float [s]
-        Time between readings.
-    late : float [s]
-        Delay of a reading.
-    name : str
-        Name of its readings.
-    bias : float [rad/s]
-        Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
-    coloured : GaussMarkov, optional
-        Error correlated in time, which becomes a state too.
+    period, late, name, bias, coloured : optional
+        As for ``Gyro``.
 
     Raises
     ------
@@ -100,16 +92,8 @@ class Log(ScalarSensor):
     ----------
     noise : float [m/s]
         Standard deviation of the white error.
-    period : float [s]
-        Time between readings.
-    late : float [s]
-        Delay of a reading.
-    name : str
-        Name of its readings.
-    bias : float [m/s]
-        Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
-    coloured : GaussMarkov, optional
-        Error correlated in time, which becomes a state too.
+    period, late, name, bias, coloured : optional
+        As for ``Gyro``.
 
     Raises
     ------
@@ -182,14 +166,8 @@ class Gnss(Antenna):
     ----------
     noise : float [m]
         Standard deviation of the white error along and across.
-    period : float [s]
-        Time between readings.
-    late : float [s]
-        Delay of a reading.
-    name : str
-        Name of its readings.
-    bias : float [m]
-        Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
+    period, late, name, bias : optional
+        As for ``Gyro``.
     coloured : GaussMarkov, optional
         Error correlated in time, which becomes a state too; by default as large as the noise, over a minute, as is
         usual for receivers. ``None``: white errors alone.
@@ -255,16 +233,8 @@ class CourseOverGround(Antenna):
     ----------
     noise : float [m/s]
         Standard deviation of the white error of the velocity along and across.
-    period : float [s]
-        Time between readings.
-    late : float [s]
-        Delay of a reading.
-    name : str
-        Name of its readings.
-    bias : float [m/s]
-        Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
-    coloured : GaussMarkov, optional
-        Error correlated in time, which becomes a state too.
+    period, late, name, bias, coloured : optional
+        As for ``Gyro``.
     forward, starboard : float [m]
         Position of the antenna relative to midship.
 
