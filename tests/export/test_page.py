@@ -225,7 +225,8 @@ def test_lengths_of_a_full_size_ship_are_written_out(tmp_path: Path, browser: An
 
 def test_first_turn_and_end_of_an_estimated_ship_are_one_story(tmp_path: Path, browser: Any) -> None:
     """Many ships turn away from one bank and ground on it later: the words say so, and that the maps show one ship."""
-    nw.export.write_page(nw.published("estimated_kcs"), tmp_path / "ship.html")
+    model = nw.published("estimated_inland")
+    nw.export.write_page(model, tmp_path / "ship.html")
     page, wrong = opened(browser, tmp_path / "ship.html", 1280, 800)
     settled(page)
     ended, first = page.evaluate(
@@ -237,7 +238,9 @@ def test_first_turn_and_end_of_an_estimated_ship_are_one_story(tmp_path: Path, b
     assert back >= grounded[other] - (1 - agree) - 0.06, "who ends on a side without a first turn to it came back"
     assert ("come back from their first turn" in page.inner_text("#fleet")) == (back >= 0.05)
     assert "solid ship alone" in page.inner_text("#single")
-    assert "the width of the canal (other ships: 367–425 m)" in page.evaluate(BESIDE)
+    assert model.data_range.width_to_beam is not None
+    least = model.data_range.width_to_beam[0] * model.configuration.ship.beam
+    assert f"the width of the canal (other ships: {least:.3g}–" in page.evaluate(BESIDE)
     assert wrong == []
 
 

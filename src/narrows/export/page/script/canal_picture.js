@@ -8,7 +8,8 @@ const ROOM = { bank: 62, narrow: 40, behind: 0.85, ahead: 0.35 };
 const TALLEST = 330;
 const LEAST = 0.5; // share of the picture's width that the voyage takes, however wide the canal
 const LYING = 24;
-const ENLARGED = 2; // times the width of a phone, which follows the ship
+const ENLARGED = [2, 4]; // times the width of a phone, which follows the ship
+const DEEP = 64; // [px] width of the canal there, if that suffices
 
 /** `back` is the canvas of what stands, `front` that of what moves. */
 export function canalPicture(back, front, { length, beam, view }) {
@@ -20,7 +21,9 @@ export function canalPicture(back, front, { length, beam, view }) {
   function framed(of, palette, narrow) {
     [width, colours, bank] = [of, palette, narrow ? ROOM.narrow : ROOM.bank];
     const strip = back.parentElement;
-    const [along, space] = [view + (ROOM.behind + ROOM.ahead) * length, strip.clientWidth * (narrow ? ENLARGED : 1)];
+    const along = view + (ROOM.behind + ROOM.ahead) * length;
+    const times = Math.min(ENLARGED[1], Math.max(ENLARGED[0], (DEEP * along) / width / strip.clientWidth));
+    const space = strip.clientWidth * (narrow ? times : 1);
     strip.tabIndex = narrow ? 0 : -1;
     const tallest = narrow ? TALLEST / 2 : TALLEST;
     const metres = Math.max(along / space, Math.min(width / tallest, along / space / LEAST));
