@@ -25,7 +25,7 @@ from narrows.warning.page.page_updates import packed, update_of
 
 SIZES = {"desktop": (1440, 900), "panel": (1280, 800), "old": (1024, 768), "phone": (390, 844)}
 PALETTES = ("day", "dusk", "night")
-MOMENTS = ("clear", "caution", "warning", "alarm", "emergency alarm")
+MOMENTS = ("watch", "caution", "warning", "alarm", "emergency alarm")
 """Of the demonstration, by the status that the page has some seconds after it came."""
 HELD, USUAL_SPEED, SETTLED, DPI = 2, 4.0, 400, 110
 

@@ -27,8 +27,8 @@ from watched.runs import BEFORE, EVERY, FROM, Run, averted, kept_runs
 from watched.truths import DEPTH, LENGTH, Physics, modelled
 
 from narrows.warning.alerts.alert import Thresholds
-from narrows.warning.forecasting.helmsman import escape_numbers
-from narrows.warning.settings import ATTENDED_SHARE, CLEAR_SHARE, NEAR_MISS
+from narrows.warning.forecasting.helmsman import Helmsmen, escape_numbers
+from narrows.warning.settings import CLEAR_SHARE, NEAR_MISS
 from narrows.warning.transit_scores import alert_spells
 
 RATES, DRAWS, WITHIN = (10.0, 2.0), 1000, (0.05, 0.95)
@@ -58,8 +58,17 @@ def predictors(run: Run) -> dict[str, np.ndarray]:
         "distance to the bank": by_time(run["room"]), CURVED: by_time(run["curve"]),
         "one run of the model": by_time(run["contact"]), "chance that the escape fails": run["failing"].astype(float),
         "time to act alone": by_time(left),
-        RULE: by_time(left / (ATTENDED_SHARE + (1.0 - ATTENDED_SHARE) * run["nobody"])),
+        RULE: by_time(level_times(run)),
     }  # fmt: skip
+
+
+def level_times(run: Run) -> np.ndarray:
+    """The time that makes the level, as the package learns what each hand lets come."""
+    hands, times = Helmsmen(run["room"].shape[1], LENGTH), []
+    for unattended, left, nobody in zip(run["unattended"], run["last_chance"], run["nobody"], strict=True):
+        hands.unattended = unattended
+        times.append(hands.level_time(left.astype(float), nobody.astype(float), EVERY))
+    return np.array(times)
 
 
 def spells(run: Run, number: np.ndarray, threshold: float, which: np.ndarray) -> dict[int, list[float]]:
@@ -251,8 +260,8 @@ def of_others(known: Watch, folder: Path | None) -> str:
 
 
 def of_clear(known: Watch) -> str:
-    """How often "clear" was shown within a minute before the last chance went, and why."""
-    gone, causes, shown, ticks = 0, [], 0, 0
+    """How often "clear" was shown within a minute before the last chance went, and what could be known then."""
+    gone, sudden, ordered, left, shown, ticks = 0, 0, [], [], 0, 0
     for run in known.runs:
         calm = np.isinf(run["last_chance"]) & (run["as_is"] <= CLEAR_SHARE) & (run["room"] >= NEAR_MISS)
         shown, ticks = shown + int(calm[:, normal(run)].sum()), ticks + calm[:, normal(run)].size
@@ -260,21 +269,30 @@ def of_clear(known: Watch) -> str:
         goes = (run["last_chance"][1:] < 0) & (run["last_chance"][:-1] >= 0) & (t[1:, None] < run["struck"])
         for place, ship in np.argwhere(goes):
             minute = slice(max(place + 1 - int(MINUTE / EVERY), 0), place + 1)
-            gone += 1
+            gone, since = gone + 1, t[place + 1] - run["when"][ship]
+            ordered += [since] if run["kind"][ship] == 1 and 0.0 <= since <= BEFORE else []
             if calm[minute, ship].any():
-                causes.append(sudden(run, ship, float(t[minute][calm[minute, ship]][-1]), float(t[place + 1])))
+                clear = float(t[minute][calm[minute, ship]][-1])
+                left.append(after_turn(run, ship, clear, float(t[place + 1])))
+                sudden += bool(np.isfinite(left[-1]) or 0.0 <= since <= LATELY)
+    turns = [time for time in left if np.isfinite(time)]
     return (
-        f'The last chance went {gone} times. "Clear" was shown within 60 s before in {len(causes)}; in '
-        f"{sum(causes)} of these the rudder was turned by more than 10 degrees then, or a lapse (a wrong order, a bank "
-        f"that grows up to fourfold) had begun within 90 s. "
-        f'A ship without a lapse is "clear" in {100 * shown / ticks:.0f} % of the time.'
+        f'The last chance went {gone} times. "Clear" was shown within 60 s before in {len(left)}; in {sudden} of these '
+        "the rudder was turned by more than 10 degrees then, or a lapse (a wrong order, a bank that grows up to "
+        'fourfold) had begun within 90 s. The status then left "clear" at the latest '
+        f"{max(turns, default=0.0):.0f} s after a turn of 10 degrees. Of {len(ordered)} wrong orders, "
+        f"{sum(time <= MINUTE for time in ordered)} took the last chance within 60 s, the fastest in "
+        f'{min(ordered, default=np.nan):.0f} s. A ship without a lapse is "clear" in {100 * shown / ticks:.0f} % of '
+        "the time."
     )
 
 
-def sudden(run: Run, ship: int, clear: float, gone: float) -> bool:
-    """Whether the rudder was turned since a little before the status was clear, or a lapse had begun lately."""
-    rudder = run["seen"][max(int(clear - GEAR_TIME), 0) : int(gone) + 1, 4, ship]
-    return bool(np.ptp(rudder) > TURNED or 0.0 <= gone - run["when"][ship] <= LATELY)
+def after_turn(run: Run, ship: int, clear: float, gone: float) -> float:
+    """Time from a rudder that has turned by 10 degrees to the end of "clear" [s]; infinite without such a turn."""
+    begin = max(int(clear - GEAR_TIME), 0)
+    rudder = run["seen"][begin : int(gone) + 1, 4, ship]
+    turned = np.abs(rudder - rudder[0]) > TURNED
+    return max(clear + EVERY - begin - int(turned.argmax()), 0.0) if turned.any() else np.inf
 
 
 def text(folder: Path | None = None, others: bool = False) -> str:

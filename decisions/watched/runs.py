@@ -15,7 +15,7 @@ SENSORS = (Gnss(), Gyro(), RateOfTurn(), Log(), RudderIndicator())
 ABREAST, MEMBERS = 128, 96
 FROM, EVERY, BEFORE, ESCAPED = 120, 2, 300, 180
 """From when on it is forecast, between two forecasts; what is looked at before a contact and after an alert [s]."""
-AROUND = 120, 900
+AROUND = 120, 480
 """What is forecast before and after a lapse begins [s]."""
 STATE = ("x", "y", "cos_psi", "sin_psi", "u", "v", "r", "rudder", "order", "t")
 Run = dict[str, np.ndarray]

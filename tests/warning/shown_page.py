@@ -43,7 +43,7 @@ def forecast(contact: float = math.inf, last_chance: float = math.inf, unattende
     likely = LikelyRun(contact, side, last_chance)
     chances = (0.0, 1.0, unattended, 0.2, 0.3) if math.isfinite(contact) else (0.0, 0.0, unattended, 0.0, 0.0)
     return BankForecast(
-        0.0, likely, last_chance, *chances, escape, contact, 0.1, -0.3, math.radians(35), tracks()
+        0.0, likely, last_chance, last_chance, *chances, escape, contact, 0.1, -0.3, math.radians(35), tracks()
     )  # fmt: skip
 
 

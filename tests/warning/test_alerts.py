@@ -187,9 +187,9 @@ def test_the_most_urgent_comes_first_and_what_is_over_last() -> None:
     assert [alert.state for alert in desk.alerts] == [AlertState.ACKNOWLEDGED, AlertState.RECTIFIED]
 
 
-def forecast(left: float = math.inf, nobody: float = 1.0, gone: bool = False) -> BankForecast:
+def forecast(left: float = math.inf, gone: bool = False) -> BankForecast:
     escape, likely = Escape("then steady", -0.6, 0.6, 20.0), LikelyRun(50.0, "port", -1.0 if gone else 10.0)
-    return BankForecast(0.0, likely, left, 0.0, nobody, 1.0, 0.0, 0.0, escape, 50.0, 0.0, 0.1, 0.6)
+    return BankForecast(0.0, likely, left, left, 0.0, 1.0, 1.0, 0.0, 0.0, escape, 50.0, 0.0, 0.1, 0.6)
 
 
 USUAL = Thresholds()
@@ -201,12 +201,10 @@ USUAL = Thresholds()
         ({}, Priority.NONE), ({"left": 60.1}, Priority.NONE), ({"left": 60.0}, Priority.CAUTION),
         ({"left": 30.0}, Priority.WARNING), ({"left": 15.0}, Priority.ALARM), ({"left": -1.0}, Priority.ALARM),
         ({"left": -1.0, "gone": True}, Priority.EMERGENCY_ALARM),
-        ({"left": 16.0, "nobody": 0.0}, Priority.CAUTION), ({"left": 15.0, "nobody": 0.0}, Priority.WARNING),
-        ({"left": -1.0, "nobody": 0.0}, Priority.ALARM),
     ],
 )  # fmt: skip
 def test_the_time_that_is_left_to_act_makes_the_level(told: dict[str, float], level: Priority) -> None:
-    """A minute, 30 s, 15 s; half of that where somebody acts for certain."""
+    """A minute, 30 s, 15 s."""
     assert Thresholds().level(forecast(**told)) is level
 
 

@@ -19,7 +19,7 @@ STILL = dict.fromkeys(("x", "y", "psi", "u", "v", "r"), 0.0)
 
 def told(left: float, curved: float = math.inf) -> BankForecast:
     escape, likely = Escape("then steady", -0.6, 0.6, 20.0), LikelyRun(math.inf, "", left)
-    return BankForecast(0.0, likely, left, 0.0, 1.0, 1.0, 0.0, 0.0, escape, curved, 0.0, 0.0, 0.6)
+    return BankForecast(0.0, likely, left, left, 0.0, 1.0, 1.0, 0.0, 0.0, escape, curved, 0.0, 0.0, 0.6)
 
 
 @pytest.mark.parametrize("every", [1.0, 2.0])

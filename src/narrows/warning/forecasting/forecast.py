@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from narrows.results import BaseSummary
-from narrows.warning.settings import ATTENDED_SHARE, CLEAR_SHARE, HORIZON, TAKEOVERS
+from narrows.warning.settings import CLEAR_SHARE, HORIZON, TAKEOVERS
 
 NUMBERS = (
     "t", "last_chance", "failing", "nobody", "unattended", "soon", "as_is", "curved", "rudder", "rudder_needed",
@@ -58,6 +58,7 @@ class BankForecast(BaseSummary):
     t: float  # When it was made [s]
     likely: LikelyRun  # The most likely run
     last_chance: float  # Last chance of the 95 % ship: infinite beyond the horizon, negative where it has passed [s]
+    level_time: float  # Time that makes the level [s]: longer where somebody probably acts in time
     failing: float  # Share of samples that meet a bank in spite of the best escape now [1]
     nobody: float  # Chance that a bank is met because nobody acts in time [1]
     unattended: float  # Chance that nobody is at the helm [1]
@@ -79,11 +80,6 @@ class BankForecast(BaseSummary):
     def clear(self) -> bool:
         """Whether no last chance is in sight, and next to no sample meets a bank."""
         return self.last_chance == math.inf and self.as_is <= CLEAR_SHARE
-
-    @property
-    def level_time(self) -> float:
-        """Time that makes the level [s]: to the last chance, up to twice that where somebody probably acts in time."""
-        return self.last_chance / (ATTENDED_SHARE + (1.0 - ATTENDED_SHARE) * self.nobody)
 
     @property
     def side(self) -> str:
@@ -122,8 +118,8 @@ class BankForecast(BaseSummary):
             return f"No contact within {HORIZON:.0f} s, rudder as it is"
         side = f" to {self.side}" if self.side else ""
         if self.gone:
-            when = f"{run.contact:.0f} s to bank{side}" if math.isfinite(run.contact) else f"Bank{side}"
-            return f"{when}, last chance gone. {self.escape.words()}"
+            left = f"{run.contact:.0f} s to contact" if math.isfinite(run.contact) else "No time left"
+            return f"{left}: bank{side}. {self.escape.words()}"
         return f"{self.last_chance:.0f} s to act: bank{side}. {self.escape.words()}"
 
     def to_dict(self) -> dict[str, Any]:

@@ -32,9 +32,8 @@ TAKEOVERS, CHANCES = np.array(settings.TAKEOVERS), np.array(settings.LIKELY_TAKE
 # Times of the tracks that are drawn [s].
 TIMES = np.arange(5.0, AFTER + 1.0, 5.0)
 FAN_EVERY, FAN_MEMBERS = 2, 32  # Every second time, and the samples, of the fan
-UNCONTROLLED = (Case(AFTER), Case(AFTER, 0.0))
-# The first: the rudder as it is; the second: the helmsman steers as in the last minutes.
-AS_IS, HELMSMAN = 0, 1
+# The rudder as it is; the helmsman steers as in the last minutes.
+AS_IS, HELMSMAN = Case(AFTER), Case(AFTER, 0.0)
 
 
 class Samples(NamedTuple):
@@ -66,8 +65,8 @@ class Forecaster:
     @cached_property
     def _lanes(self) -> FutureLanes:
         count, cases = self.ships, escapes(self.manoeuvres, TAKEOVERS)
-        likely = [UNCONTROLLED[AS_IS], *escapes(self.manoeuvres, CHANCES)]
-        blocks = (UNCONTROLLED, self.members.count), (cases, self.escaping.count), (likely, 1)
+        likely = [AS_IS, *escapes(self.manoeuvres, CHANCES)]
+        blocks = ((AS_IS, HELMSMAN), self.members.count), (cases, self.escaping.count), (likely, 1)
         return self.laid_out(*(FutureBlock(each, count * members) for each, members in blocks))
 
     @cached_property
@@ -101,7 +100,8 @@ class Forecaster:
         seen = judged(outcomes, self.ships, len(self.manoeuvres), helmsman.unattended)
         best = int(seen.best[0])
         tracks = self._tracks(mean, root, rudder, law, self._flow(now, positions), best)
-        return self._forecast(estimate, positions, seen, tracks, float(helmsman.unattended[0]))
+        level_time = helmsman.level_time(seen.last_chance, seen.nobody)
+        return self._forecast(estimate, positions, seen, tracks, float(level_time[0]), float(helmsman.unattended[0]))
 
     def _forecast(
         self,
@@ -109,6 +109,7 @@ class Forecaster:
         positions: Mapping[str, float],
         seen: "JudgedFutures",
         tracks: Tracks,
+        level_time: float,
         unattended: float,
     ) -> BankForecast:
         now, gear, best = estimate.values, self.filter.model.configuration.gear, int(seen.best[0])
@@ -119,9 +120,9 @@ class Forecaster:
         escape = Escape(self.manoeuvres[best].words, order, gear.limit, left)
         likely = LikelyRun(float(seen.contact[0]), _side(seen.side[0]), float(seen.likely_chance[0]))
         return BankForecast(
-            estimate.t, likely, float(seen.last_chance[0]), float(seen.failing[0, best, 0]), float(seen.nobody[0]),
-            unattended, float(seen.soon[0]), float(seen.as_is[0]), escape, self.curved(now), rudder, needed,
-            gear.limit, tracks,
+            estimate.t, likely, float(seen.last_chance[0]), level_time, float(seen.failing[0, best, 0]),
+            float(seen.nobody[0]), unattended, float(seen.soon[0]), float(seen.as_is[0]), escape, self.curved(now),
+            rudder, needed, gear.limit, tracks,
         )  # fmt: skip
 
     def order(self, now: Mapping[str, float]) -> float:

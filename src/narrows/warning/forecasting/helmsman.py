@@ -1,12 +1,12 @@
 """The helmsman's control law, identified as the ship sails, and the probability that nobody steers.
 
 The law is linear in offset, heading and yaw rate, with a delay; a Kalman filter for each of some delays learns its
-gains. The helm is attended or not: a hidden semi-Markov model of two states. A hand moves the rudder after log-normal
-times, whose mean and variance are learned; without a hand it stays still.
+gains. The helm is attended or not: a hidden Markov model of two states. The rudder of a hand scatters about its law, as
+widely as is learned; a rudder that nobody holds has any angle, and moves less often.
 
 References
 ----------
-Yu (2010), Artificial Intelligence 174, Hidden semi-Markov models.
+Rabiner (1989), Proceedings of the IEEE 77, A tutorial on hidden Markov models.
 """
 
 import math
@@ -16,31 +16,37 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.special import log_ndtr
 
 from narrows.quantities.arithmetic import choice, clip
 from narrows.results import BaseSummary
 from narrows.simulation.controllers import EARLY, Named
 from narrows.warning.settings import (
+    ATTENDED_SHARE,
+    DEVIATION_TIME,
     ENGINE_KICK,
     ESCAPE_ANGLE,
     ESCAPE_HEADING_GAIN,
     ESCAPE_TURN_GAIN,
+    HABIT_FACTOR,
+    HABIT_MEMORY,
+    HABIT_TIME,
+    HABIT_UNATTENDED,
     HELM_DELAYS,
+    HELM_FREEDOM,
     HELM_GAINS,
     HELM_GAINS_SIGMA,
     HELM_MEMORY,
-    HELM_MOVES,
     LAPSE_INTERVAL,
     LEAST_HELM_LIMIT,
     LEAST_HELM_SCATTER,
-    MOST_EVIDENCE,
     ORDER_INTERVAL,
-    ORDER_INTERVAL_SPREAD,
+    PERIOD,
     REACH_LENGTHS,
     RETURN_TIME,
     RUDDER_MOVES,
+    UNATTENDED_BOUNDS,
     UNATTENDED_MOVES,
+    UNATTENDED_SCATTER,
 )
 
 
@@ -58,11 +64,9 @@ class Helmsmen:
         self.unattended = np.full(count, 0.02)  # Chance that nobody steers [1]
         self.off = np.zeros(count)  # The rudder from the law's [rad]
         self.limit = np.full(count, LEAST_HELM_LIMIT)  # The largest angle that is used [rad]
-        # Times for which the rudder stays still: mean and variance of their logarithms.
-        self._still_mean = np.full(count, math.log(ORDER_INTERVAL))
-        self._still_variance = np.full(count, ORDER_INTERVAL_SPREAD**2)
-        self._still = np.zeros(count)  # Since the rudder last moved [s]
-        self._held: np.ndarray | None = None  # Its angle since then [rad]
+        # Shortest level time that this hand let come: of the last half hour, and of now [s].
+        self._shortest, self._dip = np.full(count, np.inf), np.full(count, np.inf)
+        self._held: np.ndarray | None = None  # Angle of the rudder since it last moved [rad]
 
     @property
     def delay(self) -> np.ndarray:
@@ -91,23 +95,24 @@ class Helmsmen:
         """One step of the filter of the hidden state."""
         self._held = rudder.copy() if self._held is None else self._held
         moved = np.abs(rudder - self._held) > RUDDER_MOVES
-        before = self.unattended + (1.0 - self.unattended) / LAPSE_INTERVAL - self.unattended / RETURN_TIME
-        stays = self._log_survival(self._still + 1.0) - self._log_survival(self._still)
-        moves = np.log(UNATTENDED_MOVES / np.clip(-np.expm1(stays), UNATTENDED_MOVES, 1.0))
-        odds = np.log(before / (1.0 - before)) + np.where(moved, moves, np.minimum(-stays, MOST_EVIDENCE))
-        self.unattended = np.clip(1.0 / (1.0 + np.exp(-odds)), 2e-3, 0.999)
-        ended = moved & (self._still > 1.0)
-        off = np.log(np.maximum(self._still, 1.0)) - self._still_mean
-        share = np.where(ended, (1.0 - self.unattended) / HELM_MOVES, 0.0)
-        self._still_mean += share * off
-        self._still_variance += share * (off**2 - self._still_variance)
-        self._still = np.where(moved, 0.0, self._still + 1.0)
         self._held = np.where(moved, rudder, self._held)
+        before = self.unattended + (1.0 - self.unattended) / LAPSE_INTERVAL - self.unattended / RETURN_TIME
+        scatter = np.sqrt(self._squares[np.arange(self.count), self._best])
+        evidence = (log_student(self.off, UNATTENDED_SCATTER) - log_student(self.off, scatter)) / DEVIATION_TIME
+        odds = np.log(before / (1.0 - before)) + evidence + moved * math.log(UNATTENDED_MOVES * ORDER_INTERVAL)
+        self.unattended = np.clip(1.0 / (1.0 + np.exp(-odds)), *UNATTENDED_BOUNDS)
 
-    def _log_survival(self, still: np.ndarray) -> np.ndarray:
-        """Logarithm of the chance that a hand leaves the rudder still for a time [s]."""
-        off = np.log(np.maximum(still, 0.5)) - self._still_mean
-        return np.asarray(log_ndtr(-off / np.sqrt(self._still_variance)))
+    def level_time(self, last_chance: np.ndarray, nobody: np.ndarray, period: float = PERIOD) -> np.ndarray:
+        """Return the time that makes the level [s]: longer where somebody probably acts, or this hand often waits."""
+        time = np.maximum(last_chance, 0.0) / (ATTENDED_SHARE + (1.0 - ATTENDED_SHARE) * nobody)
+        usual = np.clip(HABIT_TIME / np.maximum(self._shortest, 1.0), 1.0, HABIT_FACTOR)
+        # A dip counts once it is over, and only if a hand ended it.
+        over = time > HABIT_TIME
+        self._shortest *= math.exp(period / HABIT_MEMORY)
+        self._shortest = np.where(over, np.minimum(self._shortest, self._dip), self._shortest)
+        self._dip = np.where(over, np.inf, np.minimum(self._dip, time))
+        self._dip[self.unattended > HABIT_UNATTENDED] = np.inf
+        return np.asarray(time * usual)
 
     def _learn(self, seen: np.ndarray, off: np.ndarray, weight: np.ndarray) -> None:
         """One step of the Kalman filters; what is done while nobody steers teaches nothing."""
@@ -126,10 +131,15 @@ class Helmsmen:
         trim, by_y, by_psi, by_r = np.moveaxis(self.gains[np.arange(self.count), self._best], -1, 0)
         heading = np.maximum(by_psi, 0.05)
         return {
-            "since": self.delay + 0.5 * np.exp(self._still_mean), "trim": trim, "line": np.zeros(self.count),
+            "since": self.delay + 0.5 * ORDER_INTERVAL, "trim": trim, "line": np.zeros(self.count),
             "reach": by_y / self.length / heading, "by_psi": heading,
             "by_r": by_r * self.length / np.maximum(u, 0.1), "most": self.limit,
         }  # fmt: skip
+
+
+def log_student(off: np.ndarray, scale: float | np.ndarray) -> np.ndarray:
+    """Log density of Student's t with ``HELM_FREEDOM`` degrees of freedom, less its constant."""
+    return np.asarray(-np.log(scale) - 0.5 * (HELM_FREEDOM + 1.0) * np.log1p((off / scale) ** 2 / HELM_FREEDOM))
 
 
 REVOLUTIONS = "revolutions"

@@ -70,7 +70,8 @@ function rudder(find, write, forecast) {
   const place = (angle) => RAIL * Math.max(-1, Math.min(1, (angle ?? 0) / (limit ?? 1)));
   const danger = forecast && forecast.last_chance !== null;
   write("escape", danger ? forecast.escape.words : forecast ? "nothing" : UNKNOWN);
-  write("leaves", danger ? `: keeps ${metres(forecast.escape.clearance)} clear` : "");
+  const clear = forecast?.escape.clearance > 0 ? `: keeps ${metres(forecast.escape.clearance)} clear` : ": too late to stay clear";
+  write("leaves", danger ? clear : "");
   write("rudder", sided(forecast?.rudder));
   write("limit-port", sided(limit === null ? null : -limit));
   write("limit-starboard", sided(limit));
