@@ -2,6 +2,8 @@
 
 import inspect
 from collections.abc import Callable
+from functools import lru_cache
+from types import FunctionType
 from typing import Any, NamedTuple
 
 # A float, a NumPy array or a symbol: any type with arithmetic and ``abs()``.
@@ -58,7 +60,14 @@ REGRESSOR_INPUTS = MOTION | PARTICULARS
 def asked_by(function: Callable[..., Number]) -> tuple[str, ...]:
     """Return the names of a function's arguments, in order."""
     stated: tuple[str, ...] | None = getattr(function, "inputs", None)
-    return tuple(inspect.signature(function).parameters) if stated is None else stated
+    if stated is not None:
+        return stated
+    return _parameters(function) if isinstance(function, FunctionType) else tuple(inspect.signature(function).parameters)
+
+
+@lru_cache(maxsize=1024)
+def _parameters(function: FunctionType) -> tuple[str, ...]:
+    return tuple(inspect.signature(function).parameters)
 
 
 def name_of(function: Callable[..., Number]) -> str:
