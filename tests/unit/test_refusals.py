@@ -138,7 +138,7 @@ SHIPS = {
     "true for a width": (DTC_SHIP.replace("7.0", "true"), "width = True is not a finite number"),
     "endless": (DTC_SHIP.replace("7.0", "inf"), "width = inf is not a finite number"),
     "zero": (DTC_SHIP.replace("3.984", "0"), "length = 0 must be positive"),
-    "text for a centre of gravity": (DTC_SHIP.replace("[canal]", 'x_g = "aft"\n[canal]'), "x_g = 'aft'"),
+    "text for a centre of gravity": (DTC_SHIP.replace("[water]", 'x_g = "aft"\n[water]'), "x_g = 'aft'"),
     "block coefficient in per cent": (DTC_SHIP.replace("0.661", "66.1"), "block_coefficient = 66.1 is over 1"),
     "unknown section": (DTC_SHIP + "[bank]\nslope = 1\n", r"unknown section \[bank\]; known: canal"),
     "no canal": (DTC_SHIP.partition("[canal]")[0], r"\[canal\] lacks width"),
