@@ -180,10 +180,18 @@ class TestModel:
         assert "beam 32.9 m, draft 9.96 m, block coefficient 0.65" in filled.notes[0]
 
 
+def test_water_shallower_than_that_of_known_ships_is_named() -> None:
+    assert (
+        "h/T 1.01 is less than that of any known ship (1.2)" in nw.estimate_model(PANAMAX, nw.Canal(300, 15.1)).notes[0]
+    )
+    assert "h/T" not in nw.estimate_model(PANAMAX, CANAL).notes[0]
+
+
 @pytest.mark.parametrize(
     ("ship", "canal", "sentence"),
     [
         ({"length": 366, "beam": 51, "draft": 15}, CANAL, "the ship has no block coefficient"),
+        ({"length": 366, "beam": 51}, CANAL, "the ship has no draft, block coefficient; give them"),
         ({"beam": 51, "draft": 15}, CANAL, "the ship has no length"),
         ({"length": 366, "beam": 51, "draft": 15, "block_coefficient": 65}, CANAL, "is over 1"),
         ({"length": 366, "beam": 51, "draft": 25, "block_coefficient": 0.65}, CANAL, "leaves no water under"),

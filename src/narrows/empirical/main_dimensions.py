@@ -139,7 +139,7 @@ def estimated(
         ),
         source=Source(
             text="formulas of the literature, calibrated on ships whose derivatives are known",
-            estimate=" ".join(_sentences(known, filled, parts, usual_words, service, hull)),
+            estimate=" ".join(_sentences(known, filled, parts, usual_words, service, hull, depth_to_draft)),
         ),
         verdicts=dict.fromkeys(bank_prior(), BANK_VERDICT),
     )
@@ -165,7 +165,8 @@ def _completed(ship: Ship | Mapping[str, Any], kind: str | None) -> tuple[Ship, 
     missing = [name for name in NEEDED if name not in given]
     if missing and kind is None:
         words = ", ".join(name.replace("_", " ") for name in missing)
-        raise InputError(f"the ship has no {words}; give it, or a kind of ship: {', '.join(SHIP_TYPES)}")
+        those = "it" if len(missing) == 1 else "them"
+        raise InputError(f"the ship has no {words}; give {those}, or a kind of ship: {', '.join(SHIP_TYPES)}")
     filled = []
     for name in missing:
         given[name] = _usual_dimension(name, given, SHIP_TYPES[str(kind)])
@@ -250,7 +251,9 @@ def _assembled(spreads: Mapping[str, Spread], hull: Hull, correlation: np.ndarra
     return _Assembled(terms.names, np.array([values[tied.get(name, name)] for name in terms.names]), table @ table.T)
 
 
-def _sentences(ship: Ship, filled: list[str], parts: list[str], usual: str, service: float, hull: Hull) -> list[str]:
+def _sentences(
+    ship: Ship, filled: list[str], parts: list[str], usual: str, service: float, hull: Hull, depth_to_draft: float
+) -> list[str]:
     """Describe the basis of the estimate and the assumed values."""
     sentences = [
         f"The model is estimated from main dimensions ({ship.length:.4g} x {ship.beam:.4g} x {ship.draft:.4g} m, block "
@@ -268,4 +271,6 @@ def _sentences(ship: Ship, filled: list[str], parts: list[str], usual: str, serv
     ]
     if outside:
         sentences.append(f"Outside the ships behind the formulas: {', '.join(outside)}.")
+    if depth_to_draft < SHALLOWEST:
+        sentences.append(f"h/T {depth_to_draft:.3g} is less than that of any known ship ({SHALLOWEST:g}).")
     return sentences
