@@ -62,11 +62,11 @@ def asked_by(function: Callable[..., Number]) -> tuple[str, ...]:
     stated: tuple[str, ...] | None = getattr(function, "inputs", None)
     if stated is not None:
         return stated
-    return _parameters(function) if isinstance(function, FunctionType) else tuple(inspect.signature(function).parameters)
+    return _parameters(function) if isinstance(function, FunctionType) else _parameters.__wrapped__(function)
 
 
 @lru_cache(maxsize=1024)
-def _parameters(function: FunctionType) -> tuple[str, ...]:
+def _parameters(function: Callable[..., Number]) -> tuple[str, ...]:
     return tuple(inspect.signature(function).parameters)
 
 

@@ -42,7 +42,7 @@ TOLERANCE, NEAR = 0, 1
 CACHE_LINE = 16  # numbers: 64 bytes in single precision, two lines in double
 
 
-class Program(NamedTuple):
+class LaneProgram(NamedTuple):
     """A model: its functions by address, and the sizes of its lanes."""
 
     step: int  # Steps every lane; returns whether any needs attention
@@ -54,8 +54,8 @@ class Program(NamedTuple):
     leaves: float  # Least share of the clearance that a step leaves [1]
 
 
-class Water(NamedTuple):
-    """What all vessels share."""
+class SharedInputs(NamedTuple):
+    """Inputs that all vessels share."""
 
     table: Array  # Cells of the waterway
     shared: Array  # Inputs
@@ -64,7 +64,7 @@ class Water(NamedTuple):
     limits: Array  # Tolerance of a contact, and distance at which a diverging motion counts as contact [m]
 
 
-def true_room(program: Program, block: Array, lane: int, first: int, water: Water) -> Any:
+def true_room(program: LaneProgram, block: Array, lane: int, first: int, water: SharedInputs) -> Any:
     """Return the clearance of a lane by the banks themselves and by the other ends of a voyage, and its side [m]."""
     x, y = block[(first + X) * LANES + lane], block[(first + Y) * LANES + lane]
     cosine, sine = block[(first + COS) * LANES + lane], block[(first + SIN) * LANES + lane]
@@ -73,7 +73,7 @@ def true_room(program: Program, block: Array, lane: int, first: int, water: Wate
     return min(room, ends[0], ends[1], ends[2], ends[3]), lean
 
 
-def is_sane(program: Program, block: Array, lane: int, room: float, water: Water, near: float) -> bool:
+def is_sane(program: LaneProgram, block: Array, lane: int, room: float, water: SharedInputs, near: float) -> bool:
     """Return whether the numbers are physical; a ship drawn to a bank that ends its voyage may have any speed."""
     if program.leaves > 0.0 and room <= near:
         return True
@@ -82,13 +82,13 @@ def is_sane(program: Program, block: Array, lane: int, room: float, water: Water
     return slow and abs(block[R * LANES + lane]) < water.shared[MOST_RATE] and room == room  # not NaN
 
 
-def cause_of(program: Program, block: Array, lane: int, water: Water, tolerance: float) -> int:
+def cause_of(program: LaneProgram, block: Array, lane: int, water: SharedInputs, tolerance: float) -> int:
     """Return which end is met when the clearance is zero."""
     ends = ends_at(program.ends_of, block)(block, lane, 0, water.table, water.shared)
     return cause(ends[0], ends[1], ends[2], ends[3], tolerance)
 
 
-def handle_event(program: Program, block: Array, lane: int, book: Array, water: Water) -> int:
+def handle_event(program: LaneProgram, block: Array, lane: int, book: Array, water: SharedInputs) -> int:
     """Handle a lane that a step has flagged: return an outcome, or RUNNING with the next step set up."""
     room, before, left = block[ROOM * LANES + lane], block[ROOM_BEFORE * LANES + lane], block[LEFT * LANES + lane]
     tolerance, near, leaves = water.limits[TOLERANCE], water.limits[NEAR], program.leaves
@@ -116,7 +116,14 @@ def handle_event(program: Program, block: Array, lane: int, book: Array, water: 
 
 
 def load_lane(
-    program: Program, block: Array, lane: int, book: Array, water: Water, start: Array, times: Array, inputs: Array
+    program: LaneProgram,
+    block: Array,
+    lane: int,
+    book: Array,
+    water: SharedInputs,
+    start: Array,
+    times: Array,
+    inputs: Array,
 ) -> int:
     """Put a vessel into a lane; return its outcome if the voyage ends where it begins, else RUNNING."""
     for number in range(program.kept):
@@ -163,8 +170,8 @@ def integrate_fleet(
 ) -> int:  # fmt: skip
     """Integrate every vessel to its end; return the number of lane-steps."""
     # ``sizes`` and ``leaves`` are those of the program: Numba takes 20 us to unpack a named tuple of a caller.
-    program = Program(sizes[0], sizes[1], sizes[2], sizes[3], sizes[4], sizes[5] != 0, leaves)
-    water = Water(table, shared, track, outline, limits)
+    program = LaneProgram(sizes[0], sizes[1], sizes[2], sizes[3], sizes[4], sizes[5] != 0, leaves)
+    water = SharedInputs(table, shared, track, outline, limits)
     first = -(memory.ctypes.data // memory.itemsize) % CACHE_LINE
     block = memory[first : first + program.fields * LANES]  # a vector that straddles two cache lines costs twice
     step = step_at(program.step, block)
