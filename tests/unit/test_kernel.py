@@ -271,8 +271,9 @@ def test_a_block_is_stepped_by_vectors(name: str) -> None:
         way = bent(model.configuration.ship.length, model.configuration.canal.width)
         prepared = fleet(SimulatedShip(model), y=0.5, x=40.0, controller=LAWS["pilot"], waterway=way).prepared
     kernel = prepared.kernel
-    kernel.step(np.zeros(kernel.FIELDS * kernel.LANES), prepared.water.table, prepared.shared)
-    (assembly,) = kernel.step.inspect_asm().values()
+    step = kernel.called(kernel.step.py_func)  # Code that comes from the cache shows no assembly.
+    step(np.zeros(kernel.FIELDS * kernel.LANES), prepared.water.table, prepared.shared)
+    (assembly,) = step.inspect_asm().values()
     assert "divpd" in assembly
     assert "divsd" not in assembly
     assert "exp" not in [line.split()[-1].lstrip("$") for line in assembly.splitlines() if "call" in line]
