@@ -2,23 +2,20 @@
 
 import math
 from types import SimpleNamespace
+from typing import Any
 
-import numba
 import numpy as np
 import pytest
 
 from narrows.codegen.choices import ROW
-from narrows.codegen.kernels.elementary import elementary_text
+from narrows.codegen.kernels.elementary import module_text
 from narrows.codegen.system import column_functions, scalar_functions
-
-BODY = "exp( sine( cosine( angle("
 
 
 def compiled(precision: str) -> SimpleNamespace:
     """All of them, for numbers of a precision, on whole columns."""
-    jit = numba.njit(fastmath={"nsz", "contract"}, error_model="numpy")
-    scope = {"np": np, "real": getattr(np, precision), "jit": jit, "CELL_ENTRIES": ROW}
-    exec(elementary_text(BODY, precision), scope)
+    scope: dict[str, Any] = {}
+    exec(module_text(precision, ROW), scope)
 
     def column(name: str, arguments: int):
         given = ", ".join("abc"[:arguments])
