@@ -10,10 +10,9 @@ from functools import cached_property
 import sympy
 from sympy import Integer, sympify
 
-from narrows.codegen.choices import LENGTH, ROW, Actuated
+from narrows.codegen.choices import DIRECTIONS, LENGTH, ROW, Actuated
 from narrows.codegen.free_motion import ACCELERATIONS, STATE, Expr, FreeMotion, symbol
 from narrows.codegen.kernels.elementary import module_text
-from narrows.codegen.kernels.sensitivity import DIRECTIONS
 from narrows.codegen.linearisation import LINEARISED, arguments, controlled
 from narrows.codegen.lines import FUNCTIONS, Assignment, Lines, real, straight_lines
 from narrows.codegen.printers.python import Arithmetic, constants_text, function_text

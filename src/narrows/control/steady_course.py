@@ -9,11 +9,9 @@ import numpy as np
 import xarray as xr
 
 from narrows.aliases import accept_aliases
-from narrows.codegen.addresses import address, balance_at
 from narrows.codegen.cache import compiled_loops, generated
 from narrows.codegen.choices import Actuated, Law
 from narrows.codegen.free_motion import INPUTS as FORCES
-from narrows.codegen.kernels import newton
 from narrows.codegen.run import cores, in_threads
 from narrows.codegen.tape import tape_of
 from narrows.errors import InputError
@@ -110,6 +108,9 @@ def solved(
     """Solve for the sway velocity [m/s] and the rudder angle [rad] of many steady courses."""
     # By Newton's method with exact derivatives, compiled. With ``path_curvature`` [1/m] and ``current`` [m/s] among the
     # values the course is a steady turn along a bend.
+    from narrows.codegen.addresses import address, balance_at
+    from narrows.codegen.kernels import newton
+
     rudder = tuple(actuator for actuator in ship.actuators if actuator.name == RUDDER)
     system = ship.system(law=moving(rudder), pushed="until")
     module = balance_module(system)

@@ -1,1 +1,1 @@
-"""Texts appended to a generated kernel: elementary functions, events, the queue of vessels."""
+"""Loops and functions that the kernels of all models share, compiled once."""

@@ -47,7 +47,7 @@ else:
     inlined = numba.njit(fastmath=FAST, error_model="numpy", nogil=True, cache=True, forceinline=True)
 '''
 # Functions that all modules of a precision share, so that they are compiled once.
-SHARED = """
+CALLS = """
 from narrows.codegen.kernels.elementary import shared_functions
 
 shared = shared_functions("{precision}")
@@ -112,7 +112,7 @@ def angle(cosine, sine):
 def module_text(precision: str, cells: int, *parts: str) -> str:
     """Write a module that may call the elementary functions; ``cells`` is the width of a waterway's table."""
     head = HEADER.format(version=version("narrows"), precision=precision)
-    return "\n\n".join([head, SHARED.format(precision=precision, cells=cells), *parts])
+    return "\n\n".join([head, CALLS.format(precision=precision, cells=cells), *parts])
 
 
 def shared_functions(precision: str) -> ModuleType:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from narrows.codegen.addresses import ends_at, room_at, step_at
+from narrows.codegen.choices import SHARED
 from narrows.codegen.kernels.event import (
     ASTERN,
     BACK,
@@ -34,8 +35,7 @@ LANES = 64
 # Fields of a lane: these, the rest of the state, the state before the step, and the vessel's inputs.
 STEP_LENGTH, SHARE, LEFT, FLAG, ROOM, LEAN, ROOM_BEFORE, X, Y, COS, SIN, U, V, R = range(14)
 STATE = X
-# Places of the inputs that all vessels share.
-CELLS_A_METRE, MOST_SPEED, MOST_RATE = 3, 4, 5
+CELLS_A_METRE, MOST_SPEED, MOST_RATE = (SHARED.index(name) for name in ("cells_a_metre", "most_speed", "most_rate"))
 RUNNING, AFLOAT, DIVERGED = -1, 0, 2
 OUTCOME, SIDE = 0, 1
 TOLERANCE, NEAR = 0, 1
@@ -154,13 +154,17 @@ def idle_lane(block: Array, lane: int) -> None:
     block[LEFT * LANES + lane] = np.inf
 
 
-def unload_lane(block: Array, lane: int, outcome: int, end: Array, codes: Array) -> None:
-    """Write place and outcome of a voyage's end."""
-    for number in range(len(end)):
-        end[number] = block[(STATE + number) * LANES + lane]
+def unload_lane(
+    block: Array, lane: int, book: Array, vessel: int, outcome: int, end: Array, time: Array, codes: Array
+) -> None:
+    """Write place, time and outcome of a voyage's end, and leave the lane empty."""
+    for number in range(end.shape[1]):
+        end[vessel, number] = block[(STATE + number) * LANES + lane]
+    time[vessel] = book[CLOCK]
     lean = block[LEAN * LANES + lane]
-    codes[OUTCOME] = outcome
-    codes[SIDE] = (lean > 0.0) - (lean < 0.0) if outcome == GROUNDED else 0
+    codes[vessel, OUTCOME] = outcome
+    codes[vessel, SIDE] = (lean > 0.0) - (lean < 0.0) if outcome == GROUNDED else 0
+    idle_lane(block, lane)
 
 
 def integrate_fleet(
@@ -192,10 +196,8 @@ def integrate_fleet(
                 outcome = handle_event(program, block, lane, books[lane], water)
                 if outcome == RUNNING:
                     continue
-                unload_lane(block, lane, outcome, end[who[lane]], codes[who[lane]])
-                time[who[lane]] = books[lane, CLOCK]
+                unload_lane(block, lane, books[lane], who[lane], outcome, end, time, codes)
                 who[lane], active = -1, active - 1
-                idle_lane(block, lane)
             while queue < vessels:
                 inputs = vessel_inputs[min(queue, rows - 1)]
                 outcome = load_lane(program, block, lane, books[lane], water, start[queue], times[queue], inputs)
@@ -203,9 +205,7 @@ def integrate_fleet(
                 if outcome == RUNNING:
                     who[lane], active = queue - 1, active + 1
                     break
-                unload_lane(block, lane, outcome, end[queue - 1], codes[queue - 1])
-                time[queue - 1] = books[lane, CLOCK]
-                idle_lane(block, lane)
+                unload_lane(block, lane, books[lane], queue - 1, outcome, end, time, codes)
         if active == 0:
             return lane_steps
         flagged = step(block, water.table, water.shared)

@@ -8,10 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from narrows.codegen.addresses import tangent_at
+from narrows.codegen.choices import DIRECTIONS
 
 Array = np.ndarray[Any, Any]
-
-DIRECTIONS = 32  # Lanes of a block; more directions need more passes
 
 
 class TangentProgram(NamedTuple):
