@@ -23,8 +23,13 @@ PAGES = pytest.StashKey[dict[Any, list[Example]]]()
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Compile once a run: one cache for all workers and for the commands they start, kept for the next run."""
+    """Compile once a run: one cache for all workers and for the commands they start, kept for the next run.
+
+    One worker a core is enough: threads of a linear algebra library wait for each other, which takes time of the rest.
+    """
     os.environ.setdefault("NARROWS_CACHE_DIR", str(config.cache.mkdir("narrows")))
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def pytest_collection_finish(session: pytest.Session) -> None:

@@ -15,6 +15,8 @@ def one_thread(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def run(*args: P.args, **kwargs: P.kwargs) -> R:
+        import scipy.linalg.lapack  # noqa: F401  # SciPy's own BLAS, which a limit set before its import does not reach
+
         with threadpool_limits(limits=1):
             return function(*args, **kwargs)
 
