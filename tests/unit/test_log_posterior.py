@@ -34,14 +34,14 @@ def found(prior: CoefficientPrior, scaled: np.ndarray, *informations: np.ndarray
 
 
 @pytest.mark.parametrize("free", [None, FREE], ids=["all free", "inertia held"])
-def test_a_log_of_the_same_ship_moves_as_far_as_expected(free: frozenset[str] | None) -> None:
-    """Draws of the ship and of what its log tells, of the equations themselves."""
+def test_a_log_of_the_same_ship_moves_and_errs_as_expected(free: frozenset[str] | None) -> None:
+    """Draws of the ship and of its log by the linear equations; errors of held coefficients are part of the errors."""
     model, covariance = ship()
     prior = coefficient_prior(model, covariance, "held", free)
     draw, count = np.random.default_rng(1), len(prior.names)
     root = draw.normal(size=(count, count))
     information = 20 * root @ root.T
-    moves, squares = prior.moves, []
+    moves, squares, errors = prior.moves, [], []
     for _ in range(400):
         truth = np.linalg.cholesky(np.linalg.inv(prior.precision)) @ draw.normal(size=count)
         pull = information @ truth + np.linalg.cholesky(information) @ draw.normal(size=count)
@@ -49,7 +49,9 @@ def test_a_log_of_the_same_ship_moves_as_far_as_expected(free: frozenset[str] | 
         scaled[moves] = np.linalg.solve((information + prior.precision)[np.ix_(moves, moves)], pull[moves])
         after = log_posterior(model, covariance, found(prior, scaled, information, scores=np.zeros((1, count))))
         squares.append(after.disagreement / after.freedom)
+        errors.append((scaled - truth) ** 2 / np.diag(after.scaled))
     assert np.mean(squares) == pytest.approx(1.0, abs=0.1)
+    np.testing.assert_allclose(np.mean(errors, axis=0), 1.0, atol=0.25)
 
 
 def test_a_log_that_disagrees_is_unlikely() -> None:

@@ -77,13 +77,13 @@ class RecordLikelihood:
         return about.cost / self.problem.correlated
 
     @np.errstate(all="ignore")
-    def scored(self, unknowns: np.ndarray, path: RecordPath) -> RecordScore:
-        """Return score and information by differences about a path."""
+    def scored(self, unknowns: np.ndarray, path: RecordPath, held: bool = False) -> RecordScore:
+        """Return score and information by differences about a path, if asked also by coefficients that are held."""
         problem, count = self.problem, self.problem.count
         about = self.linear(unknowns, path.reference)
         at = about.innovations(problem.model.at(unknowns[count:]), path.weights)
         by_value, by_variance = np.zeros((2, len(unknowns), len(at.values)))
-        for place in np.flatnonzero(problem.moves):
+        for place in np.flatnonzero(problem.moves | held):
             moved = unknowns + DIFFERENCE * (np.arange(len(unknowns)) == place)
             there = self.linear(moved, path.reference) if place < count else about
             found = there.innovations(problem.model.at(moved[count:]), path.weights)

@@ -5,6 +5,7 @@ Each record contributes a score and an information matrix; these add. A record i
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 
@@ -76,7 +77,14 @@ def search(problem: LogProblem, grids: Grids, steps: int = MOST_STEPS) -> Search
             break
         problem = replace(problem, correlated=counted)
         found = _maximum(problem, grids, found.unknowns, [one.path for one in found.records], steps) or found
-    return found
+    return found if found is None or found.problem.moves.all() else _with_held(found, grids)
+
+
+def _with_held(found: SearchResult, grids: Grids) -> SearchResult:
+    """Score the held coefficients too: their errors are part of those of the free ones."""
+    done, paths = islice(grids, len(found.records)), [one.path for one in found.records]
+    again = scored(found.problem, done, found.unknowns, paths, 0, held=True)
+    return found if again is None or again.interrupted else replace(found, records=again.records)
 
 
 def _maximum(
@@ -103,8 +111,9 @@ def _maximum(
 
 
 def scored(
-    problem: LogProblem, grids: Grids, unknowns: np.ndarray, paths: list[RecordPath | None], passes: int
-) -> SearchResult | None:
+    problem: LogProblem, grids: Grids, unknowns: np.ndarray, paths: list[RecordPath | None], passes: int,
+    held: bool = False,
+) -> SearchResult | None:  # fmt: skip
     """Smooth the path of every record and score it there; None where the motion diverges.
 
     Interrupted by hand, it has the records that were done.
@@ -119,7 +128,7 @@ def scored(
                 )
                 if path is None:
                     return None
-                one, steps = likelihood.scored(unknowns, path), steps + len(grid)
+                one, steps = likelihood.scored(unknowns, path, held), steps + len(grid)
                 if not np.isfinite(one.cost):
                     return None
                 scores.append(one if steps <= KEPT_STEPS else replace(one, path=None))

@@ -45,8 +45,8 @@ def learn(
     log : ShipLog, StreamedLog, ShipRecord, path, or a sequence of records
         What was recorded.
     free : sequence of str, optional
-        Coefficients that may move, all that have a spread unless given. The errors of the others are not counted: the
-        standard errors are too small where those matter.
+        Coefficients that may change, all that have a spread unless given. The others keep their mean and covariance,
+        and their errors are part of the standard errors of the free ones (consider covariance).
     sensors : {"rtk", "vdr", "ais", "basin"} or SensorGrade
         How well it was measured; in a basin, noise is estimated and no wind blows.
     spread : float or mapping of str to float, optional

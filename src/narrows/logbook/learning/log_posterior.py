@@ -62,7 +62,8 @@ def sandwich(problem: LogProblem, found: SearchResult) -> np.ndarray:
 
 
 def posterior_covariance(problem: LogProblem, information: np.ndarray) -> np.ndarray:
-    """Return the covariance of all unknowns by information (P, P) and prior; those that are held may be wrong."""
+    """Return the covariance of all unknowns by information (P, P) and prior; held ones keep their prior covariance."""
+    # Consider covariance: Tapley, Schutz and Born (2004), Statistical Orbit Determination, chapter 6.
     moves, held = problem.moves, ~problem.moves
     whole = information + problem.precision
     free = np.linalg.inv(whole[np.ix_(moves, moves)])

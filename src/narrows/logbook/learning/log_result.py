@@ -9,7 +9,7 @@ from narrows.logbook.filtering.gauss_markov import SWAY, YAW
 from narrows.logbook.filtering.likelihood import RecordScore
 from narrows.logbook.filtering.log_problem import LogProblem
 from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult
-from narrows.logbook.learned_coefficient import learned_coefficients, learned_model
+from narrows.logbook.learned_coefficient import LearnedCoefficient, learned_coefficients, learned_model
 from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise
 from narrows.logbook.learning.log_posterior import log_posterior
 from narrows.logbook.learning.log_source import LogSource
@@ -34,7 +34,7 @@ def log_result(posed: PosedLog, found: SearchResult, log: LogSource, free: Seque
     stopped = (f"Interrupted: the answer is of {len(found.records)} records, after {found.steps} steps.",)
     about = (
         *(STRETCHES,) * (found.problem.walk == LOOSE_WALK),
-        *said_granted(found.problem, free, answers),
+        *said_granted(found.problem, [learned[name] for name in free], answers),
         *source.left_out,
         *stopped * found.interrupted,
     )
@@ -78,17 +78,23 @@ def _noise(found: SearchResult) -> dict[str, SignalNoise]:
 
 
 # What an answer takes for granted, in sentences that stand among its notes.
-def said_granted(problem: LogProblem, free: Sequence[str], answers: Sequence[RecordAnswer]) -> tuple[str, ...]:
+def said_granted(
+    problem: LogProblem, free: Sequence[LearnedCoefficient], answers: Sequence[RecordAnswer]
+) -> tuple[str, ...]:
     """Return what is said of what was held, of ship and water as they were taken, and of ships that passed."""
     return (*_held(free), *_ship_and_water(problem), *_met(sum(answer.met for answer in answers)))
 
 
-def _held(free: Sequence[str]) -> tuple[str, ...]:
+def _held(free: Sequence[LearnedCoefficient]) -> tuple[str, ...]:
     if not free:
         return ()
-    return (
-        f"Only {', '.join(free)} might move; where the others err, the log disagrees with what was known, and the "
-        "intervals are the wider for it.",
+    kept = f"Only {', '.join(c.name for c in free)} may change; the intervals include the errors of the others."
+    worse = [c.name for c in free if c.std >= c.prior_std]
+    if not worse:
+        return (kept,)
+    return kept, (
+        f"With the others held, this log does not determine {', '.join(worse)}: with the errors of the held "
+        "coefficients the result is less certain than the prior; let more coefficients change."
     )
 
 
