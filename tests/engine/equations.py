@@ -51,13 +51,20 @@ class Equations:
     ) -> None:  # fmt: skip
         self.model, self.free, self.surge_inertia, self.forces = model, surge == "free", surge_inertia, forces
         self.place = straight_place(model) if waterway is None else place_along(waterway)
-        self.current = 0.0 if waterway is None else waterway.current
+        # The same discharge passes every section: a current times width and depth.
+        begin = self.place(0.0)
+        self.discharge = 0.0 if waterway is None else waterway.current * begin[0] * self.deep(begin)
         self.own_mass = (model.configuration.ship.mass or 0.0) if coriolis else 0.0
         self.fixed = {**model.configuration.values(), "x": 0.0, "heave": 0.0, **dict.fromkeys(ACCELERATIONS, 0.0)}
         self.terms = [
             [(model.coefficients[term.name], term.regressor, term.inputs) for term in model.terms.forces[force]]
             for force in FORCES
         ]
+
+    @staticmethod
+    def deep(place: Place) -> float:
+        """Depth, the same everywhere where it is not known [m]."""
+        return 1.0 if math.isnan(place[2]) else place[2]
 
     def rates(self, state: State, turning: float) -> list[float]:
         """Return the time derivatives of the state."""
@@ -70,7 +77,8 @@ class Equations:
         s, n, psi, u, v, r, rudder = state
         width, middle, depth, curvature = self.place(s)
         cosine, sine = math.cos(psi), math.sin(psi)
-        pace = (u * cosine - v * sine + self.current) / (1 - curvature * n)
+        current = self.discharge / width / self.deep(self.place(s))
+        pace = (u * cosine - v * sine + current) / (1 - curvature * n)
         values = {
             **self.fixed, "y": n - middle, "cos_psi": cosine, "sin_psi": sine, "u": u, "v": v, "r": r,
             "cos_rudder": math.cos(rudder), "sin_rudder": math.sin(rudder), "width": width,

@@ -70,12 +70,13 @@ SECOND_WRITINGS: Mapping[type, Callable[[Any], Order]] = {
 def _by_its_own_arithmetic(law: ControlLaw, model: nw.Model, waterway: nw.Waterway | None) -> Order:
     """The law on plain floats: what holds the engine that traces, prints and compiles it."""
     gear, ahead = model.configuration.gear, water_ahead(model, waterway)
-    about = {"rudder_limit": gear.limit, "rudder_rate": gear.rate, "current": ahead.current}
+    about = {"rudder_limit": gear.limit, "rudder_rate": gear.rate}
     about["water"] = lambda name, x: float(ahead.at(np.array([x]))[WATER[f"water_{name}"]][0])
     memory: dict[str, Any] = {}
 
     def order(time: float, dt: float, state: State) -> float:
         x, y, psi, u, v, r, rudder = state.tolist()
+        about["current"] = float(ahead.at(np.array([x]))["current"][0])
         motion = {"x": x, "y": y, "u": u, "v": v, "r": r, "rudder": rudder}
         motion |= {"cos_psi": math.cos(psi), "sin_psi": math.sin(psi)}
         if not memory:

@@ -66,11 +66,11 @@ def test_slopes_beside_a_bending_line_are_those_of_differences() -> None:
     at = {"y": 0.7, "psi": 0.05, "u": 1.1, "v": 0.03, "r": 0.02, "rudder": 0.1}
     linear = ship.system().linearisation(ship.values(), ship.actuators, ("width", "depth"))
     batch = linear.batch(1)
-    columns = {name: np.array([value]) for name, value in {**at, "curvature": curvature}.items()}
+    columns = {name: np.array([value]) for name, value in {**at, "curvature": curvature, "current": current}.items()}
     matrix = batch(batch.points({**at, **section}))
     np.testing.assert_allclose(matrix[0], linear.linear({**at, **section}), rtol=1e-12, atol=1e-12)
     rudder = len(LINEARISED) + linear.controlled.index("rudder")
-    found = line_slopes(matrix, rudder, columns, current)[0]
+    found = line_slopes(matrix, rudder, columns)[0]
     water = {"curvature": curvature, "current": current}
 
     def rates(name: str, step: float) -> np.ndarray:
@@ -302,7 +302,7 @@ def test_the_water_ahead_is_the_waterway_and_goes_on_beyond_its_ends() -> None:
 def test_shares_count_from_wall_to_wall() -> None:
     there = {"middle": np.array([1.0, 1.0]), "width": np.array([10.0, 10.0])}
     np.testing.assert_allclose(share_of(np.array([-4.0, 6.0]), there), [-1.0, 1.0])
-    assert WaterAhead(np.zeros((2, 6)), 1.0, straight=True).length == 0.0
+    assert WaterAhead(np.zeros((2, 7)), 1.0, straight=True).length == 0.0
 
 
 def test_margins_grow_by_what_the_push_at_the_start_leaves_unexplained() -> None:

@@ -143,10 +143,10 @@ class Step:
 
     def rates(self, z: Any, share: float) -> Any:
         x, y, cosine, sine, u, v, r = casadi.vertsplit(z)
-        width, middle, depth, curvature = self.section(x)
+        width, middle, depth, curvature, flow = self.section(x)
         at = {"y": y - middle, "cos_psi": cosine, "sin_psi": sine, "u": u, "v": v, "r": r, "width": width}
         moved = self.accelerations({**at, **self.rudder(share), **({} if depth is None else {"depth": depth})})
-        current = 0.0 if self.nodes is None else self.case.waterway.current + self.numbers[4]
+        current = 0.0 if self.nodes is None else flow * (self.case.waterway.current + self.numbers[4])
         pace = (u * cosine - v * sine + current) / (1 - curvature * y)
         turn = r - curvature * pace
         return casadi.vertcat(pace, u * sine + v * cosine, -turn * sine, turn * cosine, moved)
@@ -173,10 +173,10 @@ class Step:
         return sum((c * term.regressor(*(values[name] for name in term.inputs)) for c, term in terms), casadi.SX(0))
 
     def section(self, x: Any) -> tuple[Any, ...]:
-        """Width, middle, depth and curvature, straight from node to node."""
+        """Width, middle, depth, curvature and the current over that at the beginning, straight from node to node."""
         canal = self.case.model.configuration.canal
         if self.nodes is None:
-            return canal.width, 0.0, canal.depth, 0.0
+            return canal.width, 0.0, canal.depth, 0.0, 1.0
         s, *columns = self.nodes
         return tuple(casadi.pw_lin(x, s, column) if np.isfinite(column).all() else None for column in columns)
 
@@ -185,4 +185,6 @@ def nodes_about(case: Case, x: float) -> list[np.ndarray]:
     way = case.waterway
     s = np.linspace(0.0, way.line.length, int(np.ceil(way.line.length / CELL)) + 1)
     near = np.abs(s - x) < NEAR * s[1]
-    return [s[near], *(np.broadcast_to(column, s.shape)[near] for column in way.section(s))]
+    section = way.section(s)
+    columns = (*section, section.width[0] / section.width)
+    return [s[near], *(np.broadcast_to(column, s.shape)[near] for column in columns)]

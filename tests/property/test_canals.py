@@ -254,7 +254,7 @@ def test_a_voyage_starts_on_the_waterway() -> None:
 
 
 def test_water_that_is_none_is_named() -> None:
-    with pytest.raises(nw.InputError, match="give numbers"):
+    with pytest.raises(nw.InputError, match="none of a waterway"):
         canal().with_water(current=float("nan"))
     with pytest.raises(nw.InputError, match="raise the level of -1 m"):
         canal().with_water(level=-1.0)

@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
 from strategies import numbers
 
 import narrows as nw
@@ -169,6 +170,37 @@ def test_a_current_carries_her_along() -> None:
     assert carried.outcome.distance - still.outcome.distance == pytest.approx(0.5 * still.outcome.time, rel=1e-9)
 
 
+def narrowing(**water: Any) -> Waterway:
+    """From 300 m wide to 120 m, and from 16 m deep to 10 m."""
+    s, line = np.array([0.0, 1000.0, 3000.0]), Centreline(np.array([[0.0, 0.0], [0.0, 3000.0]]))
+    banks = [Bank(side, s, np.array([150.0, 60.0, 60.0])) for side in ("starboard", "port")]
+    return Waterway(line, *banks, (s, np.array([16.0, 16.0, 10.0])), origin=(5.0, 52.0), **water)
+
+
+def test_a_current_passes_the_same_discharge_through_every_section() -> None:
+    way = narrowing(current=0.4)
+    s = np.linspace(0.0, 3000.0, 31)
+    here = way.section(s)
+    np.testing.assert_allclose(way.current_at(s) * here.width * here.depth, 0.4 * 300 * 16, rtol=1e-12)
+    assert way.current_at(1000.0) == pytest.approx(1.0)
+    assert "current 0.4 to 1.6 m/s" in way.summary()
+    lower = way.with_water(level=-2.0)  # which keeps the current
+    assert lower.current_at(3000.0) == pytest.approx(0.4 * 300 * 14 / (120 * 8))
+
+
+@pytest.mark.parametrize("current", [0.4, -0.4, [(0.0, 0.2), (1500.0, -0.3), (3000.0, 1.0)]])
+def test_a_ship_is_carried_by_the_current_of_its_place(current: Any, tmp_path: Path) -> None:
+    """A ship without forces, by another integrator; law, fleet and file have the same current."""
+    way = narrowing(current=current)
+    nw.write_waterway(way, tmp_path / "way.geojson")
+    s = np.linspace(0.0, 3000.0, 7)
+    np.testing.assert_allclose(nw.read_waterway(tmp_path / "way.geojson").current_at(s), way.current_at(s), rtol=1e-6)
+    expected = solve_ivp(lambda t, x: 2.0 + way.current_at(x), (0.0, 900.0), [100.0], rtol=1e-10, atol=1e-8).y[0, -1]
+    told = {"y": 0.0, "x": 100.0, "u": 2.0, "duration": 900.0, "dt": 5.0, "waterway": way}
+    assert nw.simulate(inert(), **told).x[-1] == pytest.approx(expected, abs=0.02)
+    assert 100.0 + nw.ensemble(inert(), **told)["distance"].item() == pytest.approx(expected, abs=0.02)
+
+
 def test_the_voyage_ends_where_the_waterway_ends() -> None:
     voyage = nw.simulate(DTC, y=0.0, u=1.0, duration=60.0, waterway=nw.straight_waterway(nw.Canal(7.0), 20.0))
     assert (voyage.outcome.kind, voyage.outcome.side) == ("left the waterway", "end")
@@ -247,6 +279,12 @@ def test_a_map_of_voyages_in_a_waterway(tmp_path: Path, cli) -> None:
                        waterway=way)  # fmt: skip
     with xr.open_dataset(tmp_path / "map.nc", engine="scipy") as written:
         np.testing.assert_array_equal(written["distance"].transpose(*ends["distance"].dims), ends["distance"])
+    one = ("simulate", "mikkelsen2025_dtc", "--duration", 30, "--waterway", path, "--json")
+    speeds = [[0.0, 0.2], [40.0, 0.4]]
+    told = [cli(*one, "--current", ",".join(f"{place}:{speed}m/s" for place, speed in speeds))[1]]
+    nw.write_waterway(way.with_water(speeds), path)
+    assert [*told, cli(*one, "--current", "0.2m/s")[1]] != [cli(*one)[1]] * 2
+    assert told == [cli(*one)[1]]
     for wrong in (("--width", "6", "--waterway", path), ("--current", "1m/s"), ("--waterway", path, "--x", "61")):
         code, _, error = cli(*words, *wrong)
         assert (code, error.count("\n")) == (2, 1)
@@ -312,10 +350,12 @@ def test_a_ship_that_does_not_fit_is_told_where() -> None:
         nw.simulate(DTC, waterway=nw.straight_waterway(nw.Canal(7.0, 0.1), 500.0))
 
 
-@pytest.mark.parametrize("current", [np.array([0.5, 1.0]), (0.5, 1.0), "1", None])
-def test_a_current_is_one_number(current: Any) -> None:
+@pytest.mark.parametrize(
+    "wrong", [np.array([0.5, 1.0]), (0.5, 1.0), "1", [[0, 1], [0, 2]], [[0, "1"]], [[0], 1], np.nan]
+)
+def test_a_current_is_one_number_or_pairs(wrong: Any) -> None:
     straight = nw.straight_waterway(nw.Canal(100.0, 10.0), 1000.0)
+    with pytest.raises(nw.InputError, match="one number for its beginning, or"):
+        straight.with_water(current=wrong)
     with pytest.raises(nw.InputError, match="one number"):
-        straight.with_water(current=current)
-    with pytest.raises(nw.InputError, match="one number"):
-        straight.with_water(level=current)
+        straight.with_water(level=wrong)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from narrows.cli.declarations import Argument, Option
 from narrows.cli.options import DatasetDelivery, numbers, speeds, verb
 from narrows.cli.options import speed as read_speed
+from narrows.cli.voyage_options import CurrentText, read_current
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
@@ -48,11 +49,12 @@ class SectionOptions:
         Path | None, Option(help="GeoJSON of a waterway, whose section replaces the model's canal.")
     ] = None
     at: Annotated[float, Option(help="Place along the waterway [m].")] = 0.0
+    current: CurrentText = None
     level: Annotated[float, Option(help="Water level above that of the depths [m].")] = 0.0
 
     def check(self) -> None:
-        if self.waterway is None and (self.at or self.level):
-            raise InputError("--at and --level are a waterway's; add --waterway, or leave them out")
+        if self.waterway is None and (self.at or self.level or self.current is not None):
+            raise InputError("--at, --current and --level are a waterway's; add --waterway, or leave them out")
 
     def placed(self, model: "Model") -> "tuple[Model, dict[str, Any], str]":
         """Return the model there, what the envelope is asked of the place, and where the middle is, in words."""
@@ -62,8 +64,7 @@ class SectionOptions:
         from narrows.safety.speed_limits import reach_at
         from narrows.waterway import read_waterway
 
-        waterway = read_waterway(self.waterway)
-        waterway = waterway.with_water(waterway.current, self.level)
+        waterway = read_waterway(self.waterway).with_water(read_current(self.current), self.level)
         if not 0 <= at <= waterway.line.length:
             raise InputError(f"--at {at:g} is beyond the waterway, which is {waterway.line.length:.0f} m long")
         reach = reach_at(model, waterway, at)

@@ -116,21 +116,33 @@ class PhysicsOptions:
     ] = True
 
 
+CurrentText = Annotated[
+    str | None, Option(help="Current along the waterway at its beginning: 0.5m/s, 1kn; or 0:0.5m/s,900:1m/s.")
+]
+
+
 @dataclass(frozen=True)
 class WaterOptions:
     waterway: WaterwayFile = None
-    current: Annotated[str, Option(help="Current along the waterway: 0.5m/s, 1kn.")] = "0m/s"
-    level: Annotated[float, Option(help="Water level above that of the waterway's depths [m].")] = 0.0
+    current: CurrentText = None
+    level: Annotated[float | None, Option(help="Water level above that of the waterway's depths [m].")] = None
 
     def read(self) -> "Waterway | None":
-        current = read_speed("--current", self.current)
         if self.waterway is None:
-            if current or self.level:
+            if self.current is not None or self.level is not None:
                 raise InputError("--current and --level are a waterway's; add --waterway, or leave them out")
             return None
         from narrows.waterway import read_waterway
 
-        return read_waterway(self.waterway).with_water(current, self.level)
+        return read_waterway(self.waterway).with_water(read_current(self.current), self.level)
+
+
+def read_current(text: str | None) -> "float | list[tuple[float, float]] | None":
+    """Read the speed of a current [m/s], or pairs of a place [m] and the speed there: ``0:0.4m/s,2000:1m/s``."""
+    if text is None or ":" not in text:
+        return None if text is None else read_speed("--current", text)
+    pairs = [pair.partition(":") for pair in text.split(",")]
+    return [(float(numbers("--current", place)[0]), read_speed("--current", speed)) for place, _, speed in pairs]
 
 
 @dataclass(frozen=True)

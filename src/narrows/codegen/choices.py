@@ -7,10 +7,10 @@ from typing import Any, Literal
 from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, STATE
 from narrows.codegen.tape import Tape
 
-# Columns of a waterway's table at each place: distances of the walls, depth and curvature of the line; the least
-# distance at which a hull can meet a bank; the distances at which the keel meets a bank.
+# Columns of a waterway's table at each place: distances of the walls, depth and curvature of the line; the current over
+# the number ``current``; the least distance at which a hull can meet a bank; the distances at which the keel does.
 COLUMNS = (
-    "starboard", "port", "depth", "curvature", "near_starboard", "near_port", "keel_starboard", "keel_port",
+    "starboard", "port", "depth", "curvature", "flow", "near_starboard", "near_port", "keel_starboard", "keel_port",
 )  # fmt: skip
 # Numbers per cell: for each column the value at its start and the rise to the next.
 ROW = 2 * len(COLUMNS)

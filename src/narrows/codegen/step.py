@@ -210,7 +210,9 @@ def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict
     """Write the law's orders: how far each actuator moves in the step, and the new memory."""
     if choices.law is None:
         return {}, {}
-    asked = {**z, "dt": real(LENGTH)} | ({} if choices.waterway else {"current": sympy.Integer(0)})
+    asked = {**z, "dt": real(LENGTH), "current": sympy.Integer(0)}
+    if choices.waterway and "current" in choices.law.tape.inputs:
+        asked["current"] = lines.put("current_seen", real("current") * _water(lines, choices, "flow", z["x"]))
     inputs = {name: asked.get(name, real(name)) for name in choices.law.tape.inputs}
     water = {name: partial(_water, lines, choices, column) for name, column in WATER.items()}
     results = choices.law.tape.replay(inputs, exact_number, {**FUNCTIONS, **water})
@@ -274,25 +276,28 @@ def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, 
     }
 
 
-def section_here(lines: Lines, rates: Rates, values: Mapping[str, Expr], tag: str) -> tuple[dict[str, Expr], Expr]:
-    """Write the local straight canal at a ship's place, and the curvature of the line."""
-    columns = ("starboard", "port", *(("depth",) if rates.depend_on("depth") else ()), "curvature")
+def section_here(
+    lines: Lines, rates: Rates, values: Mapping[str, Expr], tag: str
+) -> tuple[dict[str, Expr], dict[str, Expr]]:
+    """Write the local straight canal at a ship's place, and the waterway there by column."""
+    columns = ("starboard", "port", *(("depth",) if rates.depend_on("depth") else ()), "curvature", "flow")
     now = _section(lines, values["x"], columns, f"stage{tag}")
     here = {
         "width": lines.put(f"width_{tag}", now["starboard"] + now["port"]),
         "depth": now.get("depth", real("depth")),
         "y": lines.put(f"off_{tag}", values["y"] - sympy.Rational(1, 2) * (now["starboard"] - now["port"])),
     }
-    return {**values, **here}, now["curvature"]
+    return {**values, **here}, now
 
 
 def rate_here(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Expr], tag: str) -> dict[str, Expr]:
     """Write the rates in the waterway from those of the local straight canal."""
     if not choices.waterway:
         return {**rates.written(lines, tag, values), COUNTED: values["r"]}
-    here, curvature = section_here(lines, rates, values, tag)
-    straight = rates.written(lines, tag, here)
-    pace = lines.put(f"pace_{tag}", (straight["x"] + real("current")) / (1 - curvature * values["y"]))
+    here, now = section_here(lines, rates, values, tag)
+    straight, curvature = rates.written(lines, tag, here), now["curvature"]
+    over_ground = straight["x"] + real("current") * now["flow"]
+    pace = lines.put(f"pace_{tag}", over_ground / (1 - curvature * values["y"]))
     turn = lines.put(f"turn_{tag}", values["r"] - curvature * pace)
     heading = {"cos_psi": -turn * values["sin_psi"], "sin_psi": turn * values["cos_psi"]}
     return {

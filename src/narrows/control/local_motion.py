@@ -102,4 +102,5 @@ def local_water(model: Model, waterway: "Waterway | None", at: float) -> LocalWa
     canal, section = waterway.canal(at), waterway.section(at)
     depth = canal.depth if canal.depth is not None else model.configuration.canal.depth
     sections = {"width": canal.width} | ({} if depth is None else {"depth": depth})
-    return LocalWater(canal.width, sections, float(section.middle), float(section.curvature), waterway.current)
+    current = float(waterway.current_at(at))
+    return LocalWater(canal.width, sections, float(section.middle), float(section.curvature), current)

@@ -37,11 +37,13 @@ class LawOrders:
         assert steering is not None
         self._tape, self._begin = steering.law.tape, steering.memory
         ahead = water_ahead(self.model, self.waterway)
-        self._numbers = {**ship.values(), **steering.parameters, "step_length": self.dt, "current": ahead.current}
+        self._numbers = {**ship.values(), **steering.parameters, "step_length": self.dt}
         self._functions = {**COLUMNS, **{name: _water(ahead, column) for name, column in WATER.items()}}
+        self._current = _water(ahead, "current")
 
     def __call__(self, t: float, state: VoyageState) -> float:
         at: dict[str, Any] = {**state._asdict(), "t": t, "cos_psi": math.cos(state.psi), "sin_psi": math.sin(state.psi)}
+        at["current"] = float(self._current(state.x))
         self._memory = self._memory or dict(self._begin(at))
         found = self._tape.replay({**self._numbers, **at, **self._memory}, functions=self._functions)
         self._memory = {name: found[name] for name in self._memory}
@@ -137,6 +139,5 @@ class _SensedOrders:
         then = VoyageState(*(float(np.interp(time, times, column)) for column in columns))
         water = self._ahead.at(np.array([then.x]))
         calm = {"current_across": 0.0, "rudder_bias": 0.0, "bank": 1.0}
-        return SimpleNamespace(
-            **then._asdict(), **calm, current=self._ahead.current, curvature=float(water["curvature"][0])
-        )
+        along = {name: float(water[name][0]) for name in ("current", "curvature")}
+        return SimpleNamespace(**then._asdict(), **calm, **along)

@@ -97,7 +97,7 @@ class Start:
         """Return the state at a time from the readings and the priors."""
         filter, known = self.filter, self.values()
         names, places = filter.states.names, filter.states.places
-        current = filter.waterway.current if filter.waterway else 0.0
+        current = float(filter.waterway.current_at(known["x"].value)) if filter.waterway else 0.0
         mean = filter.states.vector({"current": current, **{name: one.value for name, one in known.items()}})
         root = np.diag([known[name].std if name in known else filter.spreads[name] for name in names])
         for name, one in known.items():

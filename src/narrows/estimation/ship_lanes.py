@@ -64,7 +64,6 @@ class ShipLanes:
         self._system, self._ship_values = self._run._system(self._values(1.0)), self.ship.values()
         self._base, self._slope = self._by_bank()
         self._water = self.prepared.water.table.reshape(-1, ROW) if self.waterway else None
-        self._known_current = self.waterway.current if self.waterway else 0.0
         self._velocities = slice(self.states.places["u"], self.states.places["r"] + 1)
 
     def _values(self, bank: float) -> dict[str, Any]:
@@ -95,11 +94,18 @@ class ShipLanes:
 
     def bend(self, x: float) -> float:
         """Return the curvature of the line at a place [1/m]."""
+        return self._column("curvature", x)
+
+    def _known_current(self, x: float) -> float:
+        """Return the waterway's own current at a place [m/s]."""
+        return self._column("flow", x) * (self.waterway.reference_current if self.waterway else 0.0)
+
+    def _column(self, name: str, x: float) -> float:
         if self._water is None or self.waterway is None:
             return 0.0
         cells = len(self._water)
         place = min(max(x / self.waterway.line.length * cells, 0.0), cells - 1e-9)
-        first, rise = self._water[int(place), 2 * COLUMNS.index("curvature") :][:2]
+        first, rise = self._water[int(place), 2 * COLUMNS.index(name) :][:2]
         return float(first + (place - int(place)) * rise)
 
     def advance(
@@ -112,6 +118,9 @@ class ShipLanes:
         self._load(after, duration, start, end, columns)
         self.prepared()
         self._unload(after)
+        if "current" in self.states.places:
+            changed = self._known_current(float(after[0, 0])) - self._known_current(float(points[0, 0]))
+            after[:, self.states.places["current"]] += changed
         self._drift(after, duration / 2)
         return after
 
@@ -120,8 +129,9 @@ class ShipLanes:
         if "current" in places and self._water is None:
             points[:, 0] += duration * points[:, places["current"]]
         elif "current" in places:
-            bend = self.bend(float(points[0, 0]))
-            gone = duration * (points[:, places["current"]] - self._known_current) / (1.0 - bend * points[:, 1])
+            x = float(points[0, 0])
+            bend = self.bend(x)
+            gone = duration * (points[:, places["current"]] - self._known_current(x)) / (1.0 - bend * points[:, 1])
             points[:, 2] -= bend * gone
             points[:, 0] += gone
         if "current_across" in places:

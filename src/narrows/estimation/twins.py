@@ -62,7 +62,7 @@ class _Fleet:
         """Draw the initial states of the twins."""
         filter, draw = self.filter, self.random.standard_normal
         means = {"x": x, "y": y, "psi": psi, "u": u, "bank": 1.0}
-        means |= {"current": filter.waterway.current if filter.waterway else 0.0}
+        means |= {"current": float(self.ahead.at(np.array([x]))["current"][0])}
         spreads = {**filter.spreads, "y": TWIN_START_STD[0] * filter.time_scale**2, "psi": TWIN_START_STD[1]}
         size = np.array([spreads.get(name, 0.0) for name in filter.states.names])
         return np.array(filter.states.vector(means) + size * draw((self.count, len(size))))
@@ -76,7 +76,7 @@ class _Fleet:
         at = {**columns, "cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"]), "t": t, "dt": dt}
         at |= {**dict(zip(names, positions.T, strict=True)), **self.law.parameters()}
         at |= {"rudder_limit": self.limit, "rudder_rate": self.rate, "water": self.water}
-        at.setdefault("current", self.ahead.current)
+        at.setdefault("current", self.ahead.at(columns["x"])["current"])
         if memory is None:
             memory = self.law.memory(at)
         try:

@@ -36,7 +36,7 @@ WALLS = ("wall_starboard", "wall_port")
 FORCES_FROM_OUTSIDE = {
     INPUTS[force]: Quantity(quantity.unit, f"{quantity.meaning}, from outside") for force, quantity in FORCES.items()
 }
-CURRENT = Quantity("m/s", "current along the line of the waterway")
+CURRENT = Quantity("m/s", "current along the line of the waterway where its flow is 1")
 OF_LAW = "{} of the controller, in SI units".format
 # Unit and meaning of an actuator's limits, by the ending of the name.
 GEAR = {
@@ -155,7 +155,7 @@ class ExportedShip:
         if name in FORCES_FROM_OUTSIDE:
             return ExportedNumber(name, 0.0, *FORCES_FROM_OUTSIDE[name])
         if name == "current" and self.waterway is not None:
-            return ExportedNumber(name, float(self.waterway.current), *CURRENT)
+            return ExportedNumber(name, self.waterway.reference_current, *CURRENT)
         if self.steering and name in self.steering.parameters:
             plain = name.removeprefix(PARAMETER(""))
             return ExportedNumber(name, float(self.steering.parameters[name]) + 0.0, "1", OF_LAW(plain))

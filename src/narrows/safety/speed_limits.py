@@ -34,7 +34,8 @@ def reach_at(model: Model, waterway: "Waterway", at: float) -> Reach:
     aside, half = float(room.middle) - middle, float(room.width) / 2
     there = replace(model, configuration=replace(model.configuration, canal=canal))
     asked = {
-        "walls": (half - aside, half + aside), "curvature": bend / (1 - bend * middle), "current": waterway.current,
+        "walls": (half - aside, half + aside), "curvature": bend / (1 - bend * middle),
+        "current": float(waterway.current_at(at)),
     }  # fmt: skip
     return Reach(there, middle, asked)
 

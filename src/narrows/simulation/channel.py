@@ -98,7 +98,7 @@ def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline, b
         cells[:, 2 * COLUMNS.index("depth") + 1] = 0.0
     inputs = {
         "x_first": 0.0, "x_last": float(table.s[-1]), "cells_a_metre": 1 / table.step,
-        "last_cell": float(len(cells) - 1), "current": waterway.current,
+        "last_cell": float(len(cells) - 1), "current": waterway.reference_current,
     }  # fmt: skip
     chokes = np.zeros(len(table.s), bool)
     if bottom:
@@ -120,7 +120,8 @@ def _tabulated(
     from narrows.waterway.table import least_walls, tabulate
 
     known = _TABLES.setdefault(waterway.line, {})
-    key = (draft, step, outline, waterway.level, id(waterway.starboard), id(waterway.port), id(waterway.depths))
+    flow = waterway.current if isinstance(waterway.current, tuple) else ()
+    key = (draft, step, outline, waterway.level, flow, *map(id, (waterway.starboard, waterway.port, waterway.depths)))
     if key not in known:
         table = tabulate(waterway, draft, step)
         near = least_walls(table, np.array(outline))
@@ -150,7 +151,7 @@ def bend_channel(
     s = np.linspace(0.0, length, int(np.ceil(length * STEPS_A_BEAM / ship.beam)) + 1)
     half = canal.width / 2
     port, starboard = (min(wall, half) for wall in walls)
-    columns = (half, half, starboard, port, canal.depth or math.nan, curvature)
+    columns = (half, half, starboard, port, canal.depth or math.nan, curvature, 1.0)
     table = WaterwayTable(s, *(np.full(len(s), column) for column in columns))
     outline = np.array(points_of(ship, contact))
     cells = _cells(table, least_walls(table, outline))

@@ -38,7 +38,8 @@ def read_waterway(path: str | Path) -> Waterway:
 
     A FeatureCollection of three LineStrings, each with a property ``role``: ``centreline``, ``starboard`` and ``port``,
     looking along the centreline. The centreline may have ``depth``: one number [m], or one for each of its points; or
-    ``depths``: pairs [distance along it, depth], rising [m]. A sloped bank has ``profile``: points [distance beyond its
+    ``depths``: pairs [distance along it, depth], rising [m]. It may have ``current``: its speed at the beginning [m/s],
+    or pairs [distance along it, speed]. A sloped bank has ``profile``: points [distance beyond its
     line, height above the bottom], outward [m]. Lines without roles are identified by their place. From two banks the
     centreline is computed; its direction is that of the first, or has the bank ``left`` to port.
 
@@ -64,7 +65,9 @@ def read_waterway(path: str | Path) -> Waterway:
         banks = {s: bank_from_points(s, metres[s], line, profile_of(features[s], s)) for s in ROLES[1:]}
         depths = _depths(features["centreline"], line)
         at = (float(origin[0]), float(origin[1]))
-        return Waterway(line, banks["starboard"], banks["port"], depths, name=Path(path).stem, origin=at)
+        current = features["centreline"].properties.get("current")
+        way = Waterway(line, banks["starboard"], banks["port"], depths, name=Path(path).stem, origin=at)
+        return way.with_water(current=current)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
 
@@ -132,7 +135,8 @@ def write_waterway(waterway: Waterway, path: str | Path) -> None:
         raise InputError(f"{waterway.name}: nothing says where on earth it is; give its origin, longitude and latitude")
     line, origin = waterway.line, np.array(waterway.origin)
     depth = {} if waterway.depths is None else {"depths": np.stack(waterway.depths, axis=1).tolist()}
-    features = [_feature("centreline", np.asarray(line.points), origin, depth)]
+    flow = {"current": waterway.current} if waterway.current else {}
+    features = [_feature("centreline", np.asarray(line.points), origin, {**depth, **flow})]
     for bank, sign in ((waterway.starboard, 1), (waterway.port, -1)):
         shape = {"profile": [list(point) for point in bank.profile]} if bank.profile else {}
         features.append(_feature(bank.side, _drawn(bank, sign, line), origin, shape))

@@ -30,6 +30,7 @@ class WaterwayTable:
     keel_port: np.ndarray  # (n,) Distance from line to contact of keel and bank, or nearer wall [m]
     depth: np.ndarray  # (n,) Depth; NaN if unknown [m]
     curvature: np.ndarray  # (n,) Curvature of the line, to starboard [1/m]
+    flow: np.ndarray  # (n,) Current along the line over that of the waterway [1]
 
     @property
     def step(self) -> float:
@@ -145,7 +146,9 @@ def tabulate(waterway: Waterway, draft: float, step: float) -> WaterwayTable:
     keel_starboard, keel_port = (
         np.fmin(wall, bank.keel(s, depth - draft)) for wall, bank in zip((starboard, port), banks, strict=True)
     )
-    return WaterwayTable(s, starboard, port, keel_starboard, keel_port, depth, waterway.line.curvature(s))
+    return WaterwayTable(
+        s, starboard, port, keel_starboard, keel_port, depth, waterway.line.curvature(s), waterway.flow(s)
+    )
 
 
 def _integrated(curvature: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,14 +1,15 @@
 """A waterway: a centreline, two banks, depths, a current and a level; a straight canal is its simplest case."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 import narrows
 from narrows.aliases import accept_aliases
-from narrows.errors import InputError
+from narrows.errors import InputError, shown
 from narrows.results import BaseSummary
 from narrows.ship.particulars import Canal, Ship
 from narrows.waterway.banks import Bank
@@ -50,8 +51,9 @@ class Waterway(BaseSummary):
         The banks.
     depths : pair of arrays [m], optional
         Places along the line, and the depth at each.
-    current : float [m/s]
-        Speed of the water along the line.
+    current : float [m/s] or pairs
+        Speed of the water along the line at its beginning, from where the same discharge passes every section; or
+        (place [m], speed [m/s]) pairs, linear between places. The water flows along the line, alike from bank to bank.
     level : float [m]
         Level of the water above that of the depths.
     name : str
@@ -78,25 +80,20 @@ class Waterway(BaseSummary):
     starboard: Bank
     port: Bank
     depths: tuple[np.ndarray, np.ndarray] | None = None
-    current: float = 0.0
+    current: "float | Sequence[Sequence[float]]" = 0.0
     level: float = 0.0
     name: str = "waterway"
     origin: tuple[float, float] | None = None
     step: float | None = None
 
     def __post_init__(self) -> None:
-        for what in ("current", "level"):
-            if np.ndim(getattr(self, what)) or np.asarray(getattr(self, what)).dtype.kind not in "iuf":
-                raise InputError(
-                    f"{self.name}: the {what} is one number for the waterway; cut it into reaches where it changes"
-                )
-        if not (abs(self.current) < FASTEST and abs(self.level) < DEEPEST):
-            raise InputError(
-                f"{self.name}: a current of {self.current} m/s, a level of {self.level} m; give numbers of a waterway"
-            )
+        object.__setattr__(self, "current", _checked_current(self.name, self.current))
+        is_number = isinstance(self.level, int | float | np.number) and not isinstance(self.level, bool)
+        if not is_number or not abs(self.level) < DEEPEST:
+            raise InputError(f"{self.name}: the level of {shown(self.level)} m is not one number; give metres")
         if self.depths is None and (self.starboard.profile or self.port.profile):
             raise InputError(f"{self.name}: a bank with a profile needs depths of the water; give them")
-        s = np.linspace(0, self.line.length, STATIONS)
+        s = self._stations
         bend = self.line.curvature(s)
         reach = np.where(bend > 0, self.starboard.at(s), self.port.at(s))
         sharpest = int((np.abs(bend) * reach).argmax())
@@ -145,17 +142,52 @@ class Waterway(BaseSummary):
         east, north = self.origin
         return f"about {abs(north):.2f} {'NS'[north < 0]}, {abs(east):.2f} {'EW'[east < 0]}"
 
+    @property
+    def _stations(self) -> np.ndarray:
+        return np.linspace(0, self.line.length, STATIONS)
+
+    @property
+    def reference_current(self) -> float:
+        """The speed that ``flow`` multiplies: that at the beginning, or the largest of the pairs [m/s]."""
+        if isinstance(self.current, tuple):
+            return float(max((speed for _, speed in self.current), key=abs))
+        return float(self.current)  # type: ignore[arg-type]
+
+    def flow(self, s: np.ndarray | float) -> np.ndarray:
+        """Return the current at places over ``reference_current`` [1]; by continuity it is inverse to the section.
+
+        Parameters
+        ----------
+        s : array or float [m]
+            Along the line.
+        """
+        if isinstance(self.current, tuple):
+            return np.asarray(np.interp(s, *np.transpose(self.current)) / (self.reference_current or 1.0))
+        begin, there = self.section(0.0), self.section(s)
+        deeper = 1.0 if self.depths is None else begin.depth / there.depth
+        return np.asarray(begin.width / there.width * deeper)
+
+    def current_at(self, s: np.ndarray | float) -> np.ndarray:
+        """Return the speed of the water along the line at places [m/s].
+
+        Parameters
+        ----------
+        s : array or float [m]
+            Along the line.
+        """
+        return self.reference_current * self.flow(s)
+
     def summary(self) -> str:
         """Describe its length, width, depth, sharpest bend and current."""
-        there = self.section(np.linspace(0, self.line.length, STATIONS))
+        there = self.section(self._stations)
         bend = float(np.abs(there.curvature).max())
         parts = [
             f"{self.line.length:.4g} m long", f"{_between(there.width)} m wide",
             "without a depth" if np.isnan(there.depth).all() else f"{_between(there.depth)} m deep",
             f"sharpest bend of {1 / bend:.3g} m radius" if bend * self.line.length > STRAIGHT else "straight",
         ]  # fmt: skip
-        current = f", current {self.current:g} m/s" if self.current else ""
-        return f"{self.name}{self.place and f' ({self.place})'}: {', '.join(parts)}{current}"
+        parts += [f"current {_between(self.current_at(self._stations))} m/s"] if self.reference_current else []
+        return f"{self.name}{self.place and f' ({self.place})'}: {', '.join(parts)}"
 
     def section(self, s: np.ndarray | float) -> Section:
         """Return the waterway at places along its line.
@@ -269,17 +301,37 @@ class Waterway(BaseSummary):
                     f"more than {need:g} m"
                 )
 
-    def with_water(self, current: float = 0.0, level: float = 0.0) -> "Waterway":
-        """Return the waterway with another current and level.
+    def with_water(
+        self, current: "float | Sequence[Sequence[float]] | None" = None, level: float | None = None
+    ) -> "Waterway":
+        """Return the waterway with another current or level.
 
         Parameters
         ----------
-        current : float [m/s]
-            Along the line.
-        level : float [m]
-            Level above that of the depths.
+        current : float [m/s] or pairs, optional
+            Along the line at its beginning, or (place [m], speed [m/s]) pairs; its own unless given.
+        level : float [m], optional
+            Level above that of the depths; its own unless given.
         """
-        return replace(self, current=current, level=level)
+        own = {"current": current, "level": level}
+        return replace(self, **{name: value for name, value in own.items() if value is not None})  # type: ignore[arg-type]
+
+
+def _checked_current(name: str, current: Any) -> float | tuple[tuple[float, float], ...]:
+    """Return a current as a float, or as pairs of place and speed that rise."""
+    try:
+        # An array of rows that are not alike is none of floats; words and truth values would turn into floats.
+        kind, values = np.asarray(current).dtype.kind, np.asarray(current, float)
+    except (TypeError, ValueError, OverflowError):
+        kind, values = "O", np.array(np.nan)
+    rows = values.ndim == 2 and values.shape[1] == 2 and bool((np.diff(values[:, 0]) > 0).all())
+    speeds = values[:, 1] if rows else values
+    if kind not in "iuf" or not (values.ndim == 0 or rows) or not (np.abs(speeds) < FASTEST).all():
+        raise InputError(
+            f"{name}: a current of {shown(current)} m/s is none of a waterway; give one number for its beginning, or "
+            "(place, speed) pairs along it"
+        )
+    return tuple((float(place), float(speed)) for place, speed in values) if rows else float(values)
 
 
 def _turned(angle: np.ndarray) -> np.ndarray:

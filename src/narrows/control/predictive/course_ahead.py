@@ -227,11 +227,11 @@ def _steady(
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Steady states at offsets, and whether they exist."""
     bend = there["curvature"] / (1 - there["curvature"] * y)
-    turning = {"path_curvature": bend, "current": np.full(len(y), water.current)}
+    turning = {"path_curvature": bend, "current": there["current"]}
     values = {**_values(ship, water, there, positions), **turning}
     v, rudder = solved(ship, {**values, "y": y - there["middle"], "u": np.full(len(y), u)}, len(y), 1)
     psi = -np.arctan(v / u)
-    turn = bend * (u * np.cos(psi) - v * np.sin(psi) + water.current)
+    turn = bend * (u * np.cos(psi) - v * np.sin(psi) + there["current"])
     known = np.isfinite(rudder)
     return np.stack([y, psi, v, turn, rudder], axis=1), known
 
@@ -261,7 +261,7 @@ def _slopes(
     by_push[:, [HELD.index("psi"), HELD.index("v"), RUDDER]] = -np.linalg.solve(
         matrix[:, BALANCED][:, :, sought], by_force
     )
-    slopes = line_slopes(matrix, column, {**at, "y": y, "curvature": there["curvature"]}, water.current)
+    slopes = line_slopes(matrix, column, {**at, "y": y, **{name: there[name] for name in ("curvature", "current")}})
     return by_push, np.linalg.inv(by_force[:, 1:]), slopes
 
 

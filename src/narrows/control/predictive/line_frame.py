@@ -19,11 +19,11 @@ PSI, RUDDER = HELD.index("psi"), HELD.index("rudder")
 FORCED = slice(HELD.index("v"), HELD.index("r") + 1)  # States that forces accelerate
 
 # Section of the water in plans, and the corresponding inputs of the terms.
-COLUMNS = ("width", "middle", "depth", "curvature", "keel_starboard", "keel_port")
+COLUMNS = ("width", "middle", "depth", "curvature", "keel_starboard", "keel_port", "current")
 SECTION = ("width", "depth")
 
 
-def line_slopes(linear: np.ndarray, rudder: int, at: Mapping[str, Any], current: float) -> np.ndarray:
+def line_slopes(linear: np.ndarray, rudder: int, at: Mapping[str, Any]) -> np.ndarray:
     """Return the derivatives of the rates of ``HELD`` by ``HELD``, (points, 5, 5)."""
     slopes = np.zeros((len(linear), len(HELD), len(HELD)))
     slopes[:, :4] = linear[:, MOVED][:, :, [*MOVED, rudder]]
@@ -32,7 +32,7 @@ def line_slopes(linear: np.ndarray, rudder: int, at: Mapping[str, Any], current:
         return slopes
     # The line turns under the ship by its curvature times the speed along it.
     room, sine, cosine = 1 - curvature * at["y"], np.sin(psi), np.cos(psi)
-    pace = (at["u"] * cosine - at["v"] * sine + current) / room
+    pace = (at["u"] * cosine - at["v"] * sine + at["current"]) / room
     slopes[:, PSI, 0] -= curvature**2 * pace / room
     slopes[:, PSI, PSI] += curvature * (at["u"] * sine + at["v"] * cosine) / room
     slopes[:, PSI, 2] += curvature * sine / room
@@ -52,9 +52,8 @@ def over_interval(slopes: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarr
 class WaterAhead:
     """Equal cells along the line, linear between their nodes; beyond the ends the section stays constant."""
 
-    nodes: np.ndarray  # (nodes, 6) ``COLUMNS`` at the ends of cells [m, m, m, 1/m, m, m]
+    nodes: np.ndarray  # (nodes, 7) ``COLUMNS`` at the ends of cells [m, m, m, 1/m, m, m, m/s]
     step: float  # Length of a cell [m]
-    current: float = 0.0  # Current along the line [m/s]
     straight: bool = False  # True for the model's own canal
 
     @property
@@ -84,7 +83,7 @@ def water_ahead(model: Model, waterway: "Waterway | None") -> WaterAhead:
     if waterway is None:
         values = model.configuration.values()
         walls = [float(values.get(name, canal.width / 2)) for name in ("wall_starboard", "wall_port")]
-        row = np.array([canal.width, 0.0, own_depth, 0.0, *walls])
+        row = np.array([canal.width, 0.0, own_depth, 0.0, *walls, 0.0])
         return WaterAhead(np.stack([row, row]), canal.width, straight=True)
     from narrows.waterway.table import tabulate
 
@@ -92,5 +91,6 @@ def water_ahead(model: Model, waterway: "Waterway | None") -> WaterAhead:
     table = tabulate(waterway, ship.draft, waterway.step or ship.beam)
     depth = np.full_like(table.s, own_depth) if np.isnan(table.depth).all() else table.depth
     width, middle = table.starboard + table.port, (table.starboard - table.port) / 2
-    columns = [width, middle, depth, table.curvature, table.keel_starboard, table.keel_port]
-    return WaterAhead(np.stack(columns, axis=1), table.step, waterway.current)
+    current = waterway.reference_current * table.flow
+    columns = [width, middle, depth, table.curvature, table.keel_starboard, table.keel_port, current]
+    return WaterAhead(np.stack(columns, axis=1), table.step)

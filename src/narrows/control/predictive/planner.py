@@ -170,7 +170,8 @@ class Planner:
     def first(self, x: float, state: np.ndarray, speed: float, reference: Reference) -> RudderPlan:
         """Return a starting plan: on the steady course, the rudder still."""
         horizon = self.horizon
-        places = x + (speed + self.water.current) * horizon.interval * np.arange(horizon.intervals + 1)
+        current = self.water.at(np.array([x]))["current"]
+        places = x + (speed + current) * horizon.interval * np.arange(horizon.intervals + 1)
         states = reference(places)
         states[:, RUDDER], states[0] = state[RUDDER], state
         return RudderPlan(places, states, np.zeros(horizon.intervals))
@@ -226,7 +227,7 @@ class Planner:
         section = {} if self.water.straight else {name: there[name] for name in SECTION}
         points = self.jacobians.points({**at, **section, "y": y - there["middle"]})
         linear, column = self.jacobians(points), len(LINEARISED) + 3
-        slopes = line_slopes(linear, column, {**at, "y": y, "curvature": there["curvature"]}, self.water.current)
+        slopes = line_slopes(linear, column, {**at, "y": y, **{name: there[name] for name in ("curvature", "current")}})
         return slopes, linear[:, MOVED[2:], len(LINEARISED) + 1 : len(LINEARISED) + 3]
 
     def _program(

@@ -199,7 +199,7 @@ def _duration(waterway: "Waterway | None", u: float) -> float:
     return (
         settings.ROUTINE
         if waterway is None
-        else min(0.95 * waterway.line.length / (u + waterway.current), settings.LONGEST_TRANSIT)
+        else min(0.95 * waterway.line.length / (u + waterway.reference_current), settings.LONGEST_TRANSIT)
     )
 
 

@@ -165,6 +165,6 @@ class TransitPilot:
         if self.waterway is None:
             return aim, rudder, psi, v, 0.0
         ahead = min(max(at.x + self.lead * at.u, 0.0), self.waterway.line.length)
-        turn = float(self.waterway.section(ahead).curvature) * (at.u + self.waterway.current)
+        turn = float(self.waterway.section(ahead).curvature) * (at.u + float(self.waterway.current_at(ahead)))
         by_psi, by_v, by_rudder = (float(slope) for slope in self.line.turning)
         return aim, rudder + by_rudder * turn, psi + by_psi * turn, v + by_v * turn, turn

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 # [s] a whole number of steps, as all times of the cases are.
 EVEN = 5.0
+# Flow [1] of a waterway below which an estimated current says nothing about that elsewhere: the tide turns there.
+LEAST_FLOW = 0.1
 AFTER, ESCAPE_TIME = settings.HORIZON, settings.ESCAPE_TIME
 TAKEOVERS, CHANCES = np.array(settings.TAKEOVERS), np.array(settings.LIKELY_TAKEOVERS)
 # Times of the tracks that are drawn [s].
@@ -170,7 +172,11 @@ class Forecaster:
 
     def _flow(self, now: Mapping[str, float], positions: Mapping[str, float]) -> tuple[float, float | None]:
         waterway = self.filter.waterway
-        return now.get("current", waterway.current if waterway else 0.0), positions.get(REVOLUTIONS)
+        if waterway is None:
+            return now.get("current", 0.0), positions.get(REVOLUTIONS)
+        flow = float(waterway.flow(now["x"]))
+        known = abs(flow) < LEAST_FLOW or "current" not in now
+        return waterway.reference_current if known else now["current"] / flow, positions.get(REVOLUTIONS)
 
     def samples(self, drawn: Samples, rudder: np.ndarray, law: Mapping[str, np.ndarray], members: int) -> Ships:
         terms = self.filter.model.terms

@@ -46,7 +46,7 @@ class BridgeReadings:
                 "its origin, or read it from GeoJSON"
             )
         self.waterway, self.choice = waterway, SourceSelection()
-        self._origin, self._along = np.array(waterway.origin), math.nan
+        self._origin, self._along, self._s = np.array(waterway.origin), math.nan, 0.0
         self._last: dict[str, float] = {}
         self._draft: float | None = None
         self._usual_draft = draft
@@ -89,7 +89,7 @@ class BridgeReadings:
         if not (-WATERWAY_REACH < s < length + WATERWAY_REACH and abs(n) < reach):
             self._off += 1
             return {}
-        self._along = along
+        self._along, self._s = along, s
         return {"gnss": (s, n)}
 
     def _directions(self, told: dict[str, Values]) -> dict[str, Reading]:
@@ -114,7 +114,7 @@ class BridgeReadings:
         if "u" in water:
             readings[WATER_LOG] = water["u"]
         elif "speed through the water" not in self._last and "speed_over_ground" in ground:
-            readings[GROUND_LOG] = ground["speed_over_ground"] - self.waterway.current
+            readings[GROUND_LOG] = ground["speed_over_ground"] - float(self.waterway.current_at(self._s))
         return readings
 
 
