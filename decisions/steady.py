@@ -19,6 +19,7 @@ from suez import CLEARANCES, measured
 
 import narrows as nw
 from narrows.control import regulator
+from narrows.logbook.settings import SETTLING
 from narrows.quantities.names import KNOT
 from narrows.simulation.grid import sampled
 
@@ -188,10 +189,10 @@ def _heave(model: nw.Model, speeds: np.ndarray) -> np.ndarray:
 
 
 def _sailed(truth: nw.Model, kind: Kind, draw: np.random.Generator) -> dict[str, Any] | None:
-    """Legs that a regulator holds in gusts, four ship lengths to settle and two minutes to read."""
+    """Legs that a regulator holds in gusts, with the time to settle of a plan and two minutes to read."""
     model, conditions = hulls()["C0101A02"], nw.SteadyConditions()
     wind = conditions.shared(truth)[:2] * draw.standard_normal(2)
-    settling = 4 * model.configuration.ship.length / SPEED
+    settling = SETTLING * model.configuration.ship.length / SPEED
     told: dict[str, Any] = {"u": SPEED, "duration": settling + conditions.leg_time, "dt": 1.0}
     if kind.thrust != 1.0:
         whole = truth.resistance(SPEED, rudder=0.0)
@@ -205,9 +206,10 @@ def _sailed(truth: nw.Model, kind: Kind, draw: np.random.Generator) -> dict[str,
         read = voyage.t > told["duration"] - conditions.leg_time
         if voyage.t[-1] < told["duration"] or np.abs(voyage.rudder[read]).max() > MOST:
             return None
-        means.append([part[read].mean() for part in (voyage.y, voyage.u, voyage.rudder, voyage.psi)])
-    y, u, rudder, psi = np.array(means).T
-    return {**_read(y, u, rudder, psi, kind, draw, nw.ReadingErrors()), "heave": np.zeros(len(y))}
+        drift = -np.arctan2(voyage.v, voyage.u)  # Heading less course, which is not that of the canal.
+        means.append([part[read].mean() for part in (voyage.y, voyage.u, voyage.rudder, drift)])
+    y, u, rudder, drift = np.array(means).T
+    return {**_read(y, u, rudder, drift, kind, draw, nw.ReadingErrors()), "heave": np.zeros(len(y))}
 
 
 def mass_of(model: nw.Model) -> float:

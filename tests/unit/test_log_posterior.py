@@ -6,10 +6,8 @@ import pytest
 import narrows as nw
 from engine_models import steered
 from narrows.logbook.filtering.gauss_markov import StochasticModel
-from narrows.logbook.filtering.likelihood import RecordScore
 from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem
-from narrows.logbook.filtering.search import SearchResult
-from narrows.logbook.learning.log_posterior import log_posterior
+from narrows.logbook.learning.log_posterior import LogPosterior, log_posterior
 from narrows.logbook.learning.log_prior import coefficient_prior
 
 FREE = frozenset(("b_bank", "c_bank", "b_uv"))
@@ -23,14 +21,11 @@ def ship() -> tuple[nw.Model, np.ndarray]:
     return model, mixed * np.outer(sizes, sizes)
 
 
-def found(prior: CoefficientPrior, scaled: np.ndarray, *informations: np.ndarray, scores: np.ndarray) -> SearchResult:
-    """Records of informations and scores."""
+def after(
+    prior: CoefficientPrior, scaled: np.ndarray, information: np.ndarray, scores: np.ndarray | None = None
+) -> LogPosterior:
     problem = LogProblem(None, prior, None, StochasticModel((), {}))  # type: ignore[arg-type]
-    ranges = np.zeros((2, 2))
-    records = (
-        RecordScore(score, one, 0.0, np.ones(1), ranges, {}) for one, score in zip(informations, scores, strict=True)
-    )
-    return SearchResult(problem, scaled, tuple(records))
+    return log_posterior(*ship(), problem, scaled, information, scores)
 
 
 @pytest.mark.parametrize("free", [None, FREE], ids=["all free", "inertia held"])
@@ -47,9 +42,9 @@ def test_a_log_of_the_same_ship_moves_and_errs_as_expected(free: frozenset[str] 
         pull = information @ truth + np.linalg.cholesky(information) @ draw.normal(size=count)
         scaled = np.zeros(count)
         scaled[moves] = np.linalg.solve((information + prior.precision)[np.ix_(moves, moves)], pull[moves])
-        after = log_posterior(model, covariance, found(prior, scaled, information, scores=np.zeros((1, count))))
-        squares.append(after.disagreement / after.freedom)
-        errors.append((scaled - truth) ** 2 / np.diag(after.scaled))
+        told = after(prior, scaled, information)
+        squares.append(told.disagreement / told.freedom)
+        errors.append((scaled - truth) ** 2 / np.diag(told.scaled))
     assert np.mean(squares) == pytest.approx(1.0, abs=0.1)
     np.testing.assert_allclose(np.mean(errors, axis=0), 1.0, atol=0.25)
 
@@ -58,12 +53,7 @@ def test_a_log_that_disagrees_is_unlikely() -> None:
     model, covariance = ship()
     prior = coefficient_prior(model, covariance, "held")
     count = len(prior.names)
-    near, far = (
-        log_posterior(
-            model, covariance, found(prior, np.full(count, size), 50 * np.eye(count), scores=np.zeros((1, count)))
-        )
-        for size in (0.5, 5.0)
-    )
+    near, far = (after(prior, np.full(count, size), 50 * np.eye(count)) for size in (0.5, 5.0))
     assert far.probability < 1e-3 < near.probability
     place = model.terms.names.index("c_bank")
     assert near.covariance[place, place] < covariance[place, place]
@@ -77,10 +67,7 @@ def test_scores_that_scatter_more_than_expected_widen_the_answer(count: int) -> 
     size, draw = len(prior.names), np.random.default_rng(2)
     expected = 50.0 * np.eye(size)
     once = draw.normal(size=(count, size)) * np.sqrt(50.0)
-    answers = [
-        log_posterior(model, covariance, found(prior, np.zeros(size), *[expected] * count, scores=factor * once)).scaled
-        for factor in (0.0, 1.0, 3.0)
-    ]
+    answers = [after(prior, np.zeros(size), count * expected, factor * once).scaled for factor in (0.0, 1.0, 3.0)]
     alone, usual, wide = (np.trace(answer) for answer in answers)
     assert alone <= usual < wide
     inverse = np.linalg.inv(count * expected + prior.precision)
@@ -94,7 +81,5 @@ def test_one_record_has_no_scatter() -> None:
     model, covariance = ship()
     prior = coefficient_prior(model, covariance, "held")
     size = len(prior.names)
-    after = log_posterior(
-        model, covariance, found(prior, np.zeros(size), 50 * np.eye(size), scores=np.full((1, size), 9.0))
-    )
-    np.testing.assert_allclose(after.scaled, np.linalg.inv(50 * np.eye(size) + prior.precision), atol=1e-10)
+    told = after(prior, np.zeros(size), 50 * np.eye(size), np.full((1, size), 9.0))
+    np.testing.assert_allclose(told.scaled, np.linalg.inv(50 * np.eye(size) + prior.precision), atol=1e-10)

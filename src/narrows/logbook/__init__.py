@@ -21,9 +21,9 @@ from narrows.logbook.ship_record import ShipRecord as ShipRecord
 from narrows.logbook.ship_record import Signal as Signal
 from narrows.logbook.steady_legs.learn_steady import SteadyFit as SteadyFit
 from narrows.logbook.steady_legs.learn_steady import learn_steady as learn_steady
+from narrows.logbook.steady_legs.plan_steady import PlannedLeg as PlannedLeg
+from narrows.logbook.steady_legs.plan_steady import SteadyPlan as SteadyPlan
 from narrows.logbook.steady_legs.plan_steady import plan_steady as plan_steady
-from narrows.logbook.steady_legs.steady_plan import PlannedLeg as PlannedLeg
-from narrows.logbook.steady_legs.steady_plan import SteadyPlan as SteadyPlan
 from narrows.logbook.steady_legs.steady_readings import ReadingErrors as ReadingErrors
 from narrows.logbook.steady_legs.steady_readings import SteadyConditions as SteadyConditions
 from narrows.logbook.steady_legs.steady_readings import SteadyReadings as SteadyReadings

@@ -58,9 +58,37 @@ class PushInertia:
         return np.asarray(self.held + self.by_coefficient @ values)
 
 
+class Unknowns:
+    """Scaled coefficients with their prior, then numbers with independent normal priors of mean 0."""
+
+    prior: CoefficientPrior
+
+    @property
+    def spreads(self) -> np.ndarray:
+        """Prior standard deviations of these numbers."""
+        raise NotImplementedError
+
+    @property
+    def count(self) -> int:
+        """Number of coefficients."""
+        return len(self.prior.groups)
+
+    @cached_property
+    def precision(self) -> np.ndarray:
+        """Prior precision, (P, P)."""
+        matrix = np.diag(np.concatenate([np.zeros(self.count), self.spreads**-2.0]))
+        matrix[: self.count, : self.count] = self.prior.precision
+        return matrix
+
+    @cached_property
+    def moves(self) -> np.ndarray:
+        """Unknowns that may move."""
+        return np.append(self.prior.moves, np.ones(len(self.spreads), bool))
+
+
 @dataclass(frozen=True)
-class LogProblem:
-    """Unknowns with their priors."""
+class LogProblem(Unknowns):
+    """Unknowns of a fit to records, and how the ship moves."""
 
     motion: RecordedMotion  # How the ship moves under its recorded rudder
     prior: CoefficientPrior
@@ -72,9 +100,9 @@ class LogProblem:
     walk: float = 1e-7
 
     @property
-    def count(self) -> int:
-        """Number of coefficients."""
-        return len(self.prior.groups)
+    def spreads(self) -> np.ndarray:
+        """Prior standard deviations of the estimated numbers of the stochastic model."""
+        return self.model.spreads
 
     @cached_property
     def scales(self) -> Scales:
@@ -82,18 +110,6 @@ class LogProblem:
         length, u = self.motion.model.configuration.ship.length, float(self.motion.choices["u"])
         held = self.motion.integrator.ship.surge == "held"
         return Scales(np.array([length, length, 1.0, u, u, u / length]), held, self.walk)
-
-    @cached_property
-    def precision(self) -> np.ndarray:
-        """Prior precision of coefficients and of the stochastic model."""
-        matrix = np.diag(np.concatenate([np.zeros(self.count), self.model.spreads**-2.0]))
-        matrix[: self.count, : self.count] = self.prior.precision
-        return matrix
-
-    @cached_property
-    def moves(self) -> np.ndarray:
-        """Unknowns that may move."""
-        return np.append(self.prior.moves, np.ones(len(self.model.estimated), bool))
 
     def at(self, scaled: np.ndarray) -> tuple[RecordedMotion, np.ndarray]:
         """Return the motion and the inertia at scaled coefficients (p,)."""

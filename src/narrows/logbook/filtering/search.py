@@ -11,7 +11,7 @@ import numpy as np
 
 from narrows.identification.regression.solve import solve
 from narrows.logbook.filtering.likelihood import RecordLikelihood, RecordPath, RecordScore, readings_for_one
-from narrows.logbook.filtering.log_problem import LogProblem
+from narrows.logbook.filtering.log_problem import LogProblem, Unknowns
 from narrows.logbook.filtering.record_grid import RecordGrid
 from narrows.progress import bar, is_shown
 
@@ -96,7 +96,7 @@ def _maximum(
         if after is None or (after.interrupted and found):
             return found and replace(found, interrupted=after is not None, diverged=after is None)
         found = replace(after, steps=number)
-        step, gain = _step(problem, found, 0.0)
+        step, gain = bounded_step(problem, unknowns, found.score, found.information)
         if gain < ENOUGH or found.interrupted:
             return replace(found, unknowns=unknowns + step, converged=gain < ENOUGH)
         paths = [one.path for one in found.records]
@@ -153,23 +153,25 @@ def _helpful(problem: LogProblem, found: SearchResult, grids: Grids, damping: fl
 
     here = sum(one.cost for one in found.records) + float(found.unknowns @ problem.precision @ found.unknowns)
     while damping < MOST:
-        step, gain = _step(problem, found, damping)
+        step, gain = bounded_step(problem, found.unknowns, found.score, found.information, damping)
         if here - cost(found.unknowns + step) > LEAST_GAIN * gain:
             return step, damping
         damping = max(damping, FIRST) * HARDER
     return None
 
 
-def _step(problem: LogProblem, found: SearchResult, damping: float) -> tuple[np.ndarray, float]:
-    """The best step within the bounds, and what it is expected to gain."""
+def bounded_step(
+    problem: Unknowns, unknowns: np.ndarray, score: np.ndarray, information: np.ndarray, damping: float = 0.0
+) -> tuple[np.ndarray, float]:
+    """Return the step of Fisher scoring within the bounds, and its expected gain of minus twice the log-posterior."""
     moves, count = problem.moves, problem.count
-    right = (found.score - problem.precision @ found.unknowns)[moves]
-    matrix = (found.information + problem.precision)[np.ix_(moves, moves)]
+    right = (score - problem.precision @ unknowns)[moves]
+    matrix = (information + problem.precision)[np.ix_(moves, moves)]
     damped = matrix + damping * np.diag(np.diag(matrix))
     root = np.sqrt(np.diag(damped))
     low, high = np.full(len(moves), -LONGEST_MOVE), np.full(len(moves), LONGEST_MOVE)
     for ends, limit, pick in zip((low, high), problem.prior.limits, (np.maximum, np.minimum), strict=True):
-        ends[:count] = pick(ends[:count], limit - found.unknowns[:count])
+        ends[:count] = pick(ends[:count], limit - unknowns[:count])
     low, high = np.minimum(low[moves] * root, 0.0), np.maximum(high[moves] * root, 0.0)
     inside = solve(damped / np.outer(root, root), right / root, low, high).z / root
     step = np.zeros(len(moves))

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem
-from narrows.logbook.filtering.search import SearchResult
+from narrows.logbook.filtering.log_problem import CoefficientPrior, Unknowns
 from narrows.model.model import Model
 
 TOLD = 1e-3  # of a variance before, by which a log is to move a combination that counts
@@ -30,38 +29,46 @@ class LogPosterior:
         return float(chi2.sf(self.disagreement, max(self.freedom, 1)))
 
 
-def log_posterior(model: Model, before: np.ndarray, found: SearchResult) -> LogPosterior:
-    """Return what is known after a log, from the covariance (n, n) before."""
-    problem, prior = found.problem, found.problem.prior
-    scaled = sandwich(problem, found)[: problem.count, : problem.count]
-    weights = _weights(model, before, prior)
+def log_posterior(
+    model: Model, before: np.ndarray, problem: Unknowns, unknowns: np.ndarray, information: np.ndarray,
+    scores: np.ndarray | None = None,
+) -> LogPosterior:  # fmt: skip
+    """Return the posterior by the covariance before (n, n), the information (P, P), and scores of records (N, P)."""
+    prior, count = problem.prior, problem.count
+    covariance = posterior_covariance(problem, information)
+    if scores is not None and len(scores) > 1:
+        covariance = sandwich(problem, covariance, information, scores)
+    weights = regression_on_estimated(model, before, prior)
     places = [model.terms.names.index(name) for name in prior.names]
-    known = scaled * np.outer(prior.scale, prior.scale)
-    covariance = before + weights @ (known - before[np.ix_(places, places)]) @ weights.T
-    values = np.array([model.coefficients[name] for name in model.terms.names]) + weights @ (prior.scale * found.scaled)
-    disagreement = _disagreement(problem, found.information, found.scaled)
-    return LogPosterior(values, (covariance + covariance.T) / 2, scaled, *disagreement)
+    known = covariance[:count, :count] * np.outer(prior.scale, prior.scale)
+    after = before + weights @ (known - before[np.ix_(places, places)]) @ weights.T
+    values = np.array([model.coefficients[name] for name in model.terms.names])
+    values = values + weights @ (prior.scale * unknowns[:count])
+    disagreement = _disagreement(problem, information, unknowns[:count])
+    return LogPosterior(values, (after + after.T) / 2, covariance[:count, :count], *disagreement)
 
 
-def sandwich(problem: LogProblem, found: SearchResult) -> np.ndarray:
+def expected_std(model: Model, before: np.ndarray, problem: Unknowns, information: np.ndarray) -> dict[str, float]:
+    """Return the standard error of every coefficient that this information (P, P) leaves."""
+    after = log_posterior(model, before, problem, np.zeros(len(information)), information)
+    return dict(zip(model.terms.names, np.sqrt(np.diag(after.covariance)).tolist(), strict=True))
+
+
+def sandwich(problem: Unknowns, covariance: np.ndarray, information: np.ndarray, scores: np.ndarray) -> np.ndarray:
     """Return the covariance of all unknowns, wider where the scores of records scatter more than expected, (P, P)."""
     # White (1982), Econometrica 50, for the sandwich; Kauermann and Carroll (2001), J. Am. Stat. Assoc. 96, on its
     # small samples: below some ten records the expected scatter has the larger weight.
-    covariance = posterior_covariance(problem, found.information)
-    count = len(found.records)
-    if count < 2:
-        return covariance
-    scores = np.stack([one.score for one in found.records])
+    count = len(scores)
     centred = (scores - scores.mean(axis=0)) * problem.moves
     scatter = centred.T @ centred * count / (count - 1)
     root = np.linalg.cholesky(covariance + 1e-12 * np.eye(len(covariance)))
-    excess = root.T @ (scatter - found.information * np.outer(problem.moves, problem.moves)) @ root
+    excess = root.T @ (scatter - information * np.outer(problem.moves, problem.moves)) @ root
     sizes, axes = np.linalg.eigh(count / (count + EXPECTED_SCATTER) * (excess + excess.T) / 2)
     wider = (axes * np.maximum(sizes, 0.0)) @ axes.T
     return np.asarray(covariance + root @ wider @ root.T)
 
 
-def posterior_covariance(problem: LogProblem, information: np.ndarray) -> np.ndarray:
+def posterior_covariance(problem: Unknowns, information: np.ndarray) -> np.ndarray:
     """Return the covariance of all unknowns by information (P, P) and prior; held ones keep their prior covariance."""
     # Consider covariance: Tapley, Schutz and Born (2004), Statistical Orbit Determination, chapter 6.
     moves, held = problem.moves, ~problem.moves
@@ -75,8 +82,8 @@ def posterior_covariance(problem: LogProblem, information: np.ndarray) -> np.nda
     return np.asarray((covariance + covariance.T) / 2)
 
 
-def _weights(model: Model, before: np.ndarray, prior: CoefficientPrior) -> np.ndarray:
-    """Regression of every coefficient on the estimated ones: ties, and correlations of the prior."""
+def regression_on_estimated(model: Model, before: np.ndarray, prior: CoefficientPrior) -> np.ndarray:
+    """Return the regression of every coefficient on the estimated ones: ties, and correlations of the prior."""
     names = model.terms.names
     places = [names.index(name) for name in prior.names]
     across = before[:, places] / prior.scale @ prior.precision / prior.scale
@@ -86,7 +93,7 @@ def _weights(model: Model, before: np.ndarray, prior: CoefficientPrior) -> np.nd
     return np.asarray(across)
 
 
-def _disagreement(problem: LogProblem, whole: np.ndarray, moved: np.ndarray) -> tuple[float, int]:
+def _disagreement(problem: Unknowns, whole: np.ndarray, moved: np.ndarray) -> tuple[float, int]:
     """Squares of how far the log moved combinations, over how far it was to move them."""
     count, moves = problem.count, problem.prior.moves
     nuisance = np.linalg.solve((whole + problem.precision)[count:, count:], whole[count:, :count])

@@ -27,7 +27,8 @@ STRETCHES = (
 def log_result(posed: PosedLog, found: SearchResult, log: LogSource, free: Sequence[str]) -> LogFit:
     """Return the answer of a search."""
     source, prior = posed.source, replace(posed.model, covariance=posed.before)
-    after = log_posterior(posed.model, posed.before, found)
+    scores = np.stack([one.score for one in found.records])
+    after = log_posterior(posed.model, posed.before, found.problem, found.unknowns, found.information, scores)
     learned = learned_coefficients(prior, after.values, after.covariance)
     answers = record_answers(found, source)
     came = learned_model(prior, learned, after.covariance, "", *_ranges(found.records))

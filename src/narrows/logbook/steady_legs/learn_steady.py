@@ -1,6 +1,6 @@
 """The five-minute experiment: a ship held to one side, then to the other, and the steady rudder and drift read."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,7 +18,9 @@ from narrows.logbook.learned_coefficient import (
     learned_model,
     pairs,
 )
+from narrows.logbook.learning.log_posterior import log_posterior, posterior_covariance
 from narrows.logbook.settings import CONTRADICTION, WRONG_SIGN_GAIN
+from narrows.logbook.steady_legs.leg_balance import LegFit, LegProblem
 from narrows.logbook.steady_legs.steady_readings import (
     UNKNOWN,
     ReadingErrors,
@@ -26,7 +28,6 @@ from narrows.logbook.steady_legs.steady_readings import (
     SteadyReadings,
     steady_readings,
 )
-from narrows.logbook.steady_legs.steady_update import SteadyProblem, SteadyUpdate
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 
@@ -187,17 +188,18 @@ def learn_steady(
     readings, conditions = steady_readings(observations, errors), conditions or SteadyConditions()
     canal, ship = model.configuration.canal, model.configuration.ship
     check_inside(readings.values["y"], canal.width, ship.beam)
-    problem = SteadyProblem.of(model, readings, conditions)
-    found = problem.update(readings)
-    checks = steady_checks(model, readings, found, problem.update)
-    mean, covariance = found.posterior.mean, found.posterior.covariance
-    count = len(model.terms.names)
-    learned = learned_coefficients(model, mean[:count], covariance[:count, :count])
+    problem = LegProblem.of(model, conditions)
+    found = problem.fit(readings)
+    checks = steady_checks(readings, found, problem)
+    posterior = log_posterior(model, np.asarray(model.covariance), problem, found.unknowns, found.information)
+    learned = learned_coefficients(model, posterior.values, posterior.covariance)
     after = learned_model(
-        model, learned, covariance[:count, :count], f"learned from {readings.summary()} ({readings.source})",
+        model, learned, posterior.covariance, f"learned from {readings.summary()} ({readings.source})",
         _ends(abs(readings.values["y"])), _ends(readings.values["u"]), checks.contradicted,
     )  # fmt: skip
-    shared = shared_of(mean, covariance)
+    std = np.sqrt(np.diag(posterior_covariance(problem, found.information)))[problem.count :] * problem.common
+    value = found.unknowns[problem.count :] * problem.common
+    shared = dict(zip(UNKNOWN, zip(value.tolist(), std.tolist(), strict=True), strict=True))
     return SteadyFit(after, model, readings, conditions, learned, shared, found.latent, checks)
 
 
@@ -227,12 +229,6 @@ WHOSE = (
 )
 
 
-def shared_of(mean: np.ndarray, covariance: np.ndarray) -> dict[str, tuple[float, float]]:
-    std = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    last = zip(mean[-len(UNKNOWN) :].tolist(), std[-len(UNKNOWN) :].tolist(), strict=True)
-    return dict(zip(UNKNOWN, last, strict=True))
-
-
 # Readings that are often written with the other sign.
 TURNED = ("rudder", "drift", "heading")
 
@@ -244,29 +240,21 @@ ONE_SIDE = (
 SCALE = "A steady balance tells ratios of forces: their common size is that of the tests."
 
 
-def steady_checks(
-    model: Model, readings: SteadyReadings, update: SteadyUpdate, again: Callable[[SteadyReadings], SteadyUpdate]
-) -> SteadyChecks:  # fmt: skip
-    posterior = update.posterior
-    each = _probability(posterior.beside, update.counted // len(readings))
-    legs = dict(zip(readings.legs, each.tolist(), strict=True))
-    chance = float(_probability(np.array(posterior.chi_square), update.counted))
-    findings = [] if readings.both_sides else [ONE_SIDE]
-    if chance < CONTRADICTION:
-        findings.append(_contradiction(posterior.chi_square, update.counted, legs))
-    findings += _other_sign(readings, posterior.chi_square, again)
-    if not update.settled:
-        findings.append("The search for where the ship truly was did not come to rest; give smaller errors of y and u.")
-    asked = {"speed": readings.values["u"], "abs_y": np.abs(readings.values["y"])}
-    known = {name: column for name, column in asked.items() if getattr(model.data_range, name)}
-    findings += extrapolation(model.data_range, known)
-    return SteadyChecks(posterior.chi_square, update.counted, chance, legs, (*findings, SCALE))
-
-
-def _probability(squares: np.ndarray, freedom: int) -> np.ndarray:
+def steady_checks(readings: SteadyReadings, found: LegFit, problem: LegProblem) -> SteadyChecks:
     from scipy.special import chdtrc
 
-    return np.asarray(chdtrc(freedom, np.maximum(squares, 0.0)))
+    each = chdtrc(found.counted // len(readings), np.maximum(found.left_out, 0.0))
+    legs = dict(zip(readings.legs, each.tolist(), strict=True))
+    chance = float(chdtrc(found.counted, max(found.chi_square, 0.0)))
+    findings = [] if readings.both_sides else [ONE_SIDE]
+    if chance < CONTRADICTION:
+        findings.append(_contradiction(found.chi_square, found.counted, legs))
+    findings += _other_sign(readings, found.chi_square, problem)
+    if not found.converged:
+        findings.append("The search for the true states of the legs did not converge; give smaller errors of y and u.")
+    asked, covered = {"speed": readings.values["u"], "abs_y": np.abs(readings.values["y"])}, problem.model.data_range
+    findings += extrapolation(covered, {name: column for name, column in asked.items() if getattr(covered, name)})
+    return SteadyChecks(found.chi_square, found.counted, chance, legs, (*findings, SCALE))
 
 
 def _contradiction(squares: float, freedom: int, legs: dict[str, float]) -> str:
@@ -277,10 +265,10 @@ def _contradiction(squares: float, freedom: int, legs: dict[str, float]) -> str:
     )
 
 
-def _other_sign(readings: SteadyReadings, squares: float, again: Callable[[SteadyReadings], SteadyUpdate]) -> list[str]:
+def _other_sign(readings: SteadyReadings, squares: float, problem: LegProblem) -> list[str]:
     if squares <= WRONG_SIGN_GAIN:  # There is nothing to be won.
         return []
-    turned = {name: again(_turned(readings, name)).posterior.chi_square for name in TURNED if name in readings.values}
+    turned = {name: problem.fit(_turned(readings, name)).chi_square for name in TURNED if name in readings.values}
     return [
         f"With the other sign of {name} the legs fit far better, {other:.1f} instead of {squares:.1f}: is it positive "
         "where it turns the bow to starboard, or where the bow is to starboard?"

@@ -1,15 +1,17 @@
 """``plan_steady``: which offsets and speeds to hold, so that a few legs tell most of the bank, within what is safe."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 from narrows.control.steady_course import check_inside, check_rudder, steady_course
 from narrows.errors import InputError, check_count, shown
-from narrows.logbook.learned_coefficient import learnable
+from narrows.logbook.learned_coefficient import ON_TWINS, learnable
+from narrows.logbook.learning.log_posterior import expected_std, log_posterior, regression_on_estimated
 from narrows.logbook.settings import (
     FASTEST_LEG,
     LEG_SPEEDS,
@@ -17,22 +19,155 @@ from narrows.logbook.settings import (
     MOST_PLAN_SAMPLES,
     OFFSET_STEPS,
     PLAN_SAMPLES,
+    SETTLING,
     SLOWEST_LEG,
 )
 from narrows.logbook.steady_legs.learn_steady import check_covariance
-from narrows.logbook.steady_legs.steady_plan import PlannedLeg, SteadyPlan
+from narrows.logbook.steady_legs.leg_balance import LegProblem
 from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyConditions, SteadyReadings
-from narrows.logbook.steady_legs.steady_update import LegReadings, SteadyBalance, felt_on, steady_prior
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
+from narrows.results import BaseResult
 from narrows.safety.request import keel_at
 from narrows.safety.settings import KEEL_SHARE, RESERVE, SURE_SHARE
 from narrows.ship.checks import is_finite
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 WHO_HOLDS = (
     "The plan looks at the steady rudder, the side and the keel; whether a pilot holds the ship there is what the safe "
     "envelope says, and the master decides."
 )
+
+
+@dataclass(frozen=True)
+class PlannedLeg:
+    """A leg to hold.
+
+    Parameters
+    ----------
+    offset : float [m]
+        Offset to starboard of the middle.
+    speed : float [m/s]
+        Through the water.
+    rudder : tuple of float [rad]
+        Rudder that holds it: 5 %, 50 % and 95 % quantiles, given the uncertainty of the tests.
+    drift : tuple of float [rad]
+        Likewise; the bow to starboard of the course is positive.
+    """
+
+    offset: float
+    speed: float
+    rudder: tuple[float, float, float]
+    drift: tuple[float, float, float]
+
+    @property
+    def side(self) -> str:
+        """``starboard``, ``port`` or ``middle``."""
+        return "starboard" if self.offset > 0 else "port" if self.offset < 0 else "middle"
+
+
+@dataclass(frozen=True, repr=False)
+class SteadyPlan(BaseResult):
+    """Legs to hold, in the order to hold them.
+
+    Parameters
+    ----------
+    legs : tuple of PlannedLeg
+        Nearest the middle first; none where none is allowed.
+    targets : tuple of str
+        The coefficients that they are chosen for.
+    std : mapping of str to array (legs + 1,)
+        Standard error of each of them before the first leg and after each, in the coefficient's unit.
+    model : Model
+        The ship.
+    errors : ReadingErrors
+        Errors of the readings.
+    conditions : SteadyConditions
+        Wind, zeros and what is left of motion.
+    reserve : float [1]
+        Rudder that every leg leaves.
+    clearance : float [m]
+        Clearance from the hull's side to a bank that every leg leaves.
+    considered : int
+        Number of candidate pairs of legs.
+    farthest : tuple of float [m]
+        Largest allowed offset of legs now, and probably after these.
+    notes : tuple of str
+        Rejected legs and why, and assumptions.
+    """
+
+    legs: tuple[PlannedLeg, ...]
+    targets: tuple[str, ...]
+    std: Mapping[str, np.ndarray]
+    model: Model
+    errors: ReadingErrors
+    conditions: SteadyConditions
+    reserve: float
+    clearance: float
+    considered: int
+    farthest: tuple[float, float]
+    notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<SteadyPlan of {len(self.legs)} legs for {', '.join(self.targets)}>"
+
+    @property
+    def most_rudder(self) -> float:
+        """Rudder [rad] at which a leg is to be broken off: what leaves the reserve."""
+        return (1 - self.reserve) * self.model.configuration.gear.limit
+
+    @property
+    def settling(self) -> float:
+        """Settling time on the slowest leg before it is read [s]."""
+        return SETTLING * self.model.configuration.ship.length / min((leg.speed for leg in self.legs), default=np.inf)
+
+    def summary(self) -> str:
+        """Expected information of the legs, and their largest allowed offset."""
+        now, then = self.farthest
+        if not self.legs:
+            return "No leg off the middle is allowed: what the tests leave open of the rudder is more than its reserve."
+        gains = (f"{name}: standard error {self.std[name][0]:.2g} now, {self.std[name][-1]:.2g} after"
+                 for name in self.targets)  # fmt: skip
+        reach = f"Legs are allowed to {now:.3g} m off the middle now" + (
+            f", and probably to {then:.3g} m after these." if then > now else "."
+        )
+        return "\n".join(
+            (f"{len(self.legs)} legs of {self.conditions.leg_time:g} s: {'; '.join(gains)}.", reach, ON_TWINS)
+        )
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Give a row a leg, in metres, knots and degrees, with the standard errors once it is read."""
+        names = ("low", "median", "high")
+        return [
+            {"offset": leg.offset, "side": leg.side, "speed": leg.speed / KNOT}
+            | {f"rudder_{name}": float(np.degrees(angle)) for name, angle in zip(names, leg.rudder, strict=True)}
+            | {f"drift_{name}": float(np.degrees(angle)) for name, angle in zip(names, leg.drift, strict=True)}
+            | {f"std {name}": float(self.std[name][i + 1]) for name in self.targets}
+            for i, leg in enumerate(self.legs)
+        ]
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the legs as a table."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows())
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name."""
+        return {
+            "summary": self.summary(),
+            "legs": self.rows(),
+            "targets": {
+                name: {"std": float(std[0]), "std_after": float(std[-1])} for name, std in self.std.items()
+            },
+            "break_off_rudder": float(np.degrees(self.most_rudder)),
+            "clearance": self.clearance,
+            "considered": self.considered,
+            "farthest": list(self.farthest),
+            "notes": list(self.notes),
+        }  # fmt: skip
 
 
 def plan_steady(
@@ -92,15 +227,17 @@ def plan_steady(
     check_inside(beside, model.configuration.canal.width, model.configuration.ship.beam)
     found = candidates(model, beside, ahead, reserve, side, samples, seed)
     allowed = np.flatnonzero(found.allowed(SURE_SHARE))
-    design = pair_design(model, found, allowed, errors, conditions)
-    best = design.chosen([model.terms.names.index(name) for name in names], legs // 2)
+    problem, before = LegProblem.of(model, conditions), np.asarray(model.covariance)
+    pairs = pair_informations(problem, found, allowed, errors)
+    best = best_pairs(problem, pairs.sum(axis=1), names, legs // 2)
     order = sorted(best, key=lambda i: (found.offsets[allowed[i]], found.speeds[allowed[i]]))
     planned = [leg for turn, i in enumerate(order) for leg in _both_sides(found, allowed[i], turn)]
-    roots = design.roots_after(order)
-    std = {name: np.linalg.norm(roots[:, model.terms.names.index(name)], axis=1) for name in names}
-    part = roots[-1][: len(model.terms.names)]
-    after = replace(model, covariance=part @ part.T)
-    then = candidates(after, beside, ahead, reserve, side, samples, seed) if order else found
+    sides = [pairs[i, side] for turn, i in enumerate(order) for side in ((1, 0) if turn % 2 else (0, 1))]
+    told = np.cumsum([np.zeros(problem.precision.shape), *sides], axis=0)
+    known = [expected_std(model, before, problem, one) for one in told]
+    std = {name: np.array([one[name] for one in known]) for name in names}
+    after = log_posterior(model, before, problem, np.zeros(len(told[-1])), told[-1]).covariance
+    then = candidates(replace(model, covariance=after), beside, ahead, reserve, side, samples, seed) if order else found
     far = _farthest(found), max(_farthest(found), _farthest(then))
     return SteadyPlan(
         tuple(planned), names, std, model, errors, conditions, reserve, side, len(allowed), far,
@@ -178,57 +315,37 @@ def _refused(found: Candidates, reserve: float, clearance: float) -> list[str]:
     return notes
 
 
-@dataclass(frozen=True)
-class PairDesign:
-    """Legs as readings with independent errors of size one, of independent unknowns of size one."""
-
-    root: np.ndarray  # (n, rank) Root of the prior covariance of the unknowns: ``root`` times the independent ones
-    rows: np.ndarray  # (pairs, 2, 2, rank) Rows of sway and yaw on the legs to starboard and to port
-
-    def chosen(self, wanted: list[int], pairs: int) -> list[int]:
-        best: list[int] = []
-        for _ in range(pairs if len(self.rows) else 0):
-            best.append(self._next(best, wanted))
-        for place in range(len(best)):
-            best[place] = self._next(best[:place] + best[place + 1 :], wanted)
-        return best
-
-    def roots_after(self, order: list[int]) -> np.ndarray:
-        """Return roots of the covariance before the first leg and after each, (legs + 1, n, rank)."""
-        legs = self.rows[order].reshape(-1, 2, self.rows.shape[-1])
-        inners = [self._inner(legs[:count]) for count in range(len(legs) + 1)]
-        return np.array([np.linalg.solve(inner, self.root.T).T for inner in inners])
-
-    def _inner(self, legs: np.ndarray) -> np.ndarray:
-        rows = legs.reshape(-1, self.rows.shape[-1])
-        return np.linalg.cholesky(np.eye(rows.shape[1]) + rows.T @ rows)
-
-    def _next(self, held: list[int], wanted: list[int]) -> int:
-        inner = self._inner(self.rows[held])
-        now = np.linalg.solve(inner, self.root[wanted].T)
-        seen = np.linalg.solve(inner, self.rows.reshape(len(self.rows), -1, self.rows.shape[-1]).swapaxes(1, 2))
-        more = np.eye(seen.shape[2]) + seen.swapaxes(1, 2) @ seen
-        gain = np.linalg.solve(np.linalg.cholesky(more), seen.swapaxes(1, 2) @ now)
-        before = np.sum(self.root[wanted] ** 2, axis=1)
-        left = np.sum(now**2, axis=0) - np.sum(gain**2, axis=1)
-        return int((left / np.where(before > 0, before, np.inf)).sum(axis=1).argmin())
-
-
-def pair_design(
-    model: Model, found: Candidates, allowed: np.ndarray, errors: ReadingErrors, conditions: SteadyConditions
-) -> PairDesign:
-    prior = steady_prior(model, conditions)
+def pair_informations(problem: LegProblem, found: Candidates, allowed: np.ndarray, errors: ReadingErrors) -> np.ndarray:
+    """Return the information of the legs to starboard and to port at each allowed place, (places, 2, P, P)."""
+    size = len(problem.precision)
     if not allowed.size:
-        return PairDesign(prior.root, np.zeros((0, 2, 2, prior.root.shape[1])))
+        return np.zeros((0, 2, size, size))
     values = {name: np.concatenate([column[allowed], sign * column[allowed]])
               for name, column, sign in (("y", found.offsets, -1), ("u", found.speeds, 1),
                                          ("rudder", found.rudder, -1), ("drift", found.psi, -1))}  # fmt: skip
-    size = {name: np.full(2 * len(allowed), errors.of(name)) for name in values}
-    read = LegReadings.of(SteadyReadings(tuple(map(str, range(2 * len(allowed)))), values, size))
-    balance = SteadyBalance(model, felt_on(model, values["u"], {}))
-    blocks, _ = read.blocks(balance, read.first(), prior.mean, conditions.left_over(model))
-    rows = blocks.whitened()[1] @ prior.root
-    return PairDesign(prior.root, np.stack([rows[: len(allowed)], rows[len(allowed) :]], axis=1))
+    stated = {name: np.full(2 * len(allowed), errors.of(name)) for name in values}
+    legs = SteadyReadings(tuple(map(str, range(2 * len(allowed)))), values, stated)
+    return problem.informations(legs).reshape(2, len(allowed), size, size).swapaxes(0, 1)
+
+
+def best_pairs(problem: LegProblem, pairs: np.ndarray, names: Sequence[str], count: int) -> list[int]:
+    """Return the pairs of legs with the least variances of some coefficients, added one by one, then exchanged."""
+    # pairs (places, P, P); Fedorov (1972), Theory of Optimal Experiments, on exchange.
+    model, before, inside = problem.model, np.asarray(problem.model.covariance), slice(problem.count)
+    places = [model.terms.names.index(name) for name in names if before[model.terms.names.index(name)].any()]
+    rows = (regression_on_estimated(model, before, problem.prior) * problem.prior.scale)[places]
+    rows = rows / np.sqrt(np.diag(before))[places, None]
+
+    def next_pair(held: list[int]) -> int:
+        after = np.linalg.inv(problem.precision + pairs[held].sum(axis=0) + pairs)[:, inside, inside]
+        return int(np.einsum("ni,pij,nj->p", rows, after, rows).argmin())
+
+    best: list[int] = []
+    for _ in range(count if len(pairs) else 0):
+        best.append(next_pair(best))
+    for place in range(len(best)):
+        best[place] = next_pair(best[:place] + best[place + 1 :])
+    return best
 
 
 # Number of offsets to either side, about, and their steps times a power of ten.

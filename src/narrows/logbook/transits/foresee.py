@@ -11,6 +11,7 @@ from narrows.errors import InputError, check_count
 from narrows.logbook import settings
 from narrows.logbook.learned_coefficient import learnable
 from narrows.logbook.learning.foretold import expected_information
+from narrows.logbook.learning.log_posterior import expected_std
 from narrows.logbook.learning.posed_log import posed_log
 from narrows.logbook.sensor_grades import SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
@@ -186,9 +187,9 @@ def _expected_std(asked: _Asked, excursion: Excursion, number: int) -> list[list
     record = recorded(f"transit {number}", plan.sailed(excursion, number), asked.grade, number, current=0.0)
     posed = posed_log(plan.model, ShipLog((record,), plan.waterway), asked.grade, gusts=True)
     push = plan.conditions.gust_push(plan.model)
-    told = expected_information(plan.model, posed, push @ push.T, plan.conditions.gust_time)
-    after = [np.sqrt(np.diag(told.after(count).covariance)) for count in asked.transits]
-    return [list(_std(plan.model, asked.names, one).values()) for one in after]
+    told = expected_information(posed, push @ push.T, plan.conditions.gust_time)
+    after = [expected_std(plan.model, posed.before, posed.problem, count * told) for count in asked.transits]
+    return [[one[name] for name in asked.names] for one in after]
 
 
 def _std(model: Model, names: Sequence[str], std: np.ndarray) -> dict[str, float]:
