@@ -11,16 +11,15 @@ from common import installed, median_seconds, show, sizes
 from scipy.optimize import lsq_linear
 
 import narrows as nw
-from narrows.identification.regression.accumulation import accumulate, products
-from narrows.identification.regression.design_matrix import DesignMatrix
-from narrows.identification.regression.normal_equations import NormalEquations
-from narrows.identification.regression.problem import reduced
-from narrows.identification.regression.solve import solve
+from narrows.identification.accumulation import accumulate, products
+from narrows.identification.design_matrix import DesignMatrix
+from narrows.identification.least_squares import reduced, solve
+from narrows.identification.normal_equations import NormalEquations
 
 
 def formed(tests: nw.CaptiveTests) -> tuple[DesignMatrix, np.ndarray]:
     """Every column of the design, (m, rows)."""
-    layout = DesignMatrix(nw.PAPER)
+    layout = DesignMatrix(nw.PAPER, effects=False)
     return layout, np.concatenate([layout.evaluate(block).copy() for block in tests.blocks()], axis=1)
 
 

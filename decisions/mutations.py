@@ -51,7 +51,7 @@ TESTS = {
     "warning/transit_scores.py": ["warning/test_scores.py", "warning/test_watched_transits.py"],
     "safety": ["unit/test_envelope_parts.py", "unit/test_envelope.py", "unit/test_pilots.py"],
     "safety/channel_rules.py": ["unit/test_channel_rules.py"],
-    "identification/regression": ["unit/test_solve.py", "unit/test_normal_equations.py", "unit/test_split.py"],
+    "identification/least_squares.py": ["unit/test_solve.py", "unit/test_normal_equations.py", "unit/test_split.py"],
 }
 PACKAGES = [name for name in TESTS if "/" not in name or name.startswith("identification")]
 TIME_LIMIT = 300  # [s], after which a mutation counts as noticed: it made something endless
@@ -155,7 +155,8 @@ def drawn(count: int, seed: int, package: str | None) -> list[Mutation]:
     draw, packages = random.Random(seed), [package] if package else PACKAGES
     chosen = []
     for number, name in enumerate(packages):
-        files = sorted((ROOT / "src/narrows" / name).rglob("*.py"))
+        place = ROOT / "src/narrows" / name
+        files = [place] if place.is_file() else sorted(place.rglob("*.py"))
         every = [m for path in files for m in mutations(path.relative_to(ROOT / "src/narrows"))]
         share = count // len(packages) + (number < count % len(packages))
         chosen += draw.sample(every, min(share, len(every)))

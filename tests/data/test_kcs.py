@@ -3,7 +3,7 @@
 import pytest
 
 import narrows as nw
-from narrows.identification.regression.scores import score
+from narrows.identification.normal_equations import score
 
 GUIDE = {
     100: {"b_vdot": 730, "c_rdot": 785, "Y": 0.98, "N": 0.96},

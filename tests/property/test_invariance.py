@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import narrows as nw
-from narrows.identification.regression.accumulation import accumulate
+from narrows.identification.accumulation import accumulate
 from tables import SHORT_RUNS, frame_of, many_runs, short_twin, written
 
 BLOCKS = st.sampled_from([1, 7, 64, 100, 444, 445, 1000])
@@ -138,7 +138,7 @@ def test_unit_of_one_of_two_dependent_columns(factor: float) -> None:
 @given(seed=st.integers(0, 1000))
 @settings(max_examples=8)
 def test_score_from_sums_is_score_from_rows(seed: int) -> None:
-    from narrows.identification.regression.scores import score
+    from narrows.identification.normal_equations import score
 
     tests = short_twin(seed)
     draw = np.random.default_rng(seed)

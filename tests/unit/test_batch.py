@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import lsq_linear
 
-from narrows.identification.regression.solve import solve, solve_many
+from narrows.identification.least_squares import solve, solve_many
 
 
 def problems(seed: int, size: int = 6, count: int = 40) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -52,7 +52,7 @@ def test_a_direction_without_data_stays_at_rest() -> None:
 
 
 def test_what_cycles_goes_to_the_exact_solver(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("narrows.identification.regression.solve.ROUNDS", 1)
+    monkeypatch.setattr("narrows.identification.least_squares.ROUNDS", 1)
     h, g, lower, upper = problems(4)
     exact = np.array([solve(own, right, lower, upper).z for own, right in zip(h, g, strict=True)])
     np.testing.assert_allclose(solve_many(h, g, lower, upper), exact, rtol=1e-6, atol=1e-8)

@@ -97,7 +97,7 @@ def test_options_reach_the_fit(ship_file: Path, tmp_path: Path, cli) -> None:
 
 def test_unsolved_problem_leaves_with_one(good: Path, ship_file: Path, cli, monkeypatch) -> None:
     """The command ran, and says that its answer is not the optimum."""
-    monkeypatch.setattr("narrows.identification.regression.solve.KKT_TOLERANCE", -1.0)
+    monkeypatch.setattr("narrows.identification.least_squares.KKT_TOLERANCE", -1.0)
     code, out, _ = cli("identify", good, "--ship", ship_file, "--json")
     assert code == 1
     assert json.loads(out)["kkt"]["satisfied"] is False

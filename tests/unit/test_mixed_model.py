@@ -11,10 +11,9 @@ import pytest
 
 import narrows as nw
 from narrows.captive.tests import CaptiveTests
-from narrows.identification.mixed_model import BlockErrors, Conditional, MixedModel
+from narrows.identification.mixed_model import BlockErrors, Conditional, MixedModel, one_thread
 from narrows.identification.motions import numbered
 from narrows.identification.scale_integration import ScaleMixture, integrate, search
-from narrows.identification.threads import one_thread
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "decisions"))
 from trust_kinds import honest, zero_of_a_day

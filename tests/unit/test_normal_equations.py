@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.identification.diagnosis import diagnose
+from narrows.identification.accumulation import accumulate, products
+from narrows.identification.collinearity import diagnose
+from narrows.identification.design_matrix import ONE
 from narrows.identification.motions import distinct_motions
-from narrows.identification.regression.accumulation import PART_ROWS, PARTS, accumulate, products
-from narrows.identification.regression.normal_equations import ONE, count
+from narrows.identification.normal_equations import count
 from tables import many_runs, short_twin
 
 
@@ -37,7 +38,7 @@ def test_over_all_rows_and_over_each_test(short: nw.CaptiveTests) -> None:
     assert_products(equations, equations.total, rows_of(short))
     assert count(equations.total, equations.columns) == short.rows
     assert equations.names == short.names
-    for name, sums in zip(short.names, equations.by_test(), strict=True):
+    for name, sums in zip(short.names, equations.by_test(equations.sums), strict=True):
         assert_products(equations, sums, rows_of(short, short.test(name)))
 
 
@@ -72,9 +73,9 @@ def test_coefficients_of_one_regressor_share_a_column(short: nw.CaptiveTests) ->
 
 
 @pytest.mark.parametrize("columns", [1, 4, 15, 16, 23])
-@pytest.mark.parametrize("rows", [1, 2047, 2048, 2049, PARTS * PART_ROWS + 7])
+@pytest.mark.parametrize("rows", [1, 2047, 2048, 2049, 96_007])
 def test_products_of_any_size(rows: int, columns: int) -> None:
-    """Short ones in one go, long ones in strips, the longest shared among threads."""
+    """Short ones in one go, long ones in strips."""
     design = np.random.default_rng(rows).standard_normal((columns, rows))
     found = products(design)
     np.testing.assert_allclose(found, design @ design.T, rtol=1e-11, atol=1e-10)

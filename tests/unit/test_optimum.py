@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import lsq_linear
 
 import narrows as nw
-from narrows.identification.regression.solve import check, solve
+from narrows.identification.least_squares import check, solve
 
 
 def problem(seed: int, rank: int, size: int = 5) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

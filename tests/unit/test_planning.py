@@ -10,7 +10,7 @@ import narrows as nw
 from narrows.experiment_design.candidates import candidates
 from narrows.experiment_design.information import RATE, choose, planned_run, spread
 from narrows.experiment_design.plan import expected_forces
-from narrows.identification.regression.problem import slots
+from narrows.identification.least_squares import free_parameters
 
 SETTING = nw.published("mikkelsen2025_dtc").configuration
 TANK = nw.Tank(speeds=(0.7, 1.0))
@@ -42,7 +42,7 @@ def test_what_a_run_tells_is_its_second_level() -> None:
         told = planned_run(run, SETTING, nw.PAPER, forces, {"X": 1.0, "Y": 9.0, "N": 12.0}, errors=errors)
         tests = nw.twin(runs=[run], rate=RATE, noise={})
         values = {**SETTING.values(), **tests.columns}
-        slot, gram = slots(nw.PAPER), np.zeros(2 * (told.d.shape[2],))
+        slot, gram = free_parameters(nw.PAPER), np.zeros(2 * (told.d.shape[2],))
         for part in nw.PAPER.forces.values():
             block = np.zeros((tests.rows, told.d.shape[2]))
             for term in part:

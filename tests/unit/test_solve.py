@@ -7,9 +7,8 @@ import pytest
 from scipy.optimize import lsq_linear
 
 import narrows as nw
-from narrows.identification.regression.accumulation import accumulate
-from narrows.identification.regression.problem import reduced
-from narrows.identification.regression.solve import check, solve
+from narrows.identification.accumulation import accumulate
+from narrows.identification.least_squares import check, reduced, solve
 
 
 def stacked(tests: nw.CaptiveTests, terms: nw.TermTable = nw.PAPER) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

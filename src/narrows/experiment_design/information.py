@@ -9,13 +9,13 @@ import numpy as np
 from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.synthetic import Run, StraightRun, motion_of, twin
 from narrows.errors import InputError
+from narrows.identification.accumulation import accumulate
 from narrows.identification.estimates import HALF
 from narrows.identification.fit import Fit
 from narrows.identification.force_rows import ForceRows
+from narrows.identification.least_squares import free_parameters, reduced
 from narrows.identification.motions import distinct_motions
-from narrows.identification.regression.accumulation import accumulate
-from narrows.identification.regression.normal_equations import NormalEquations
-from narrows.identification.regression.problem import reduced, slots
+from narrows.identification.normal_equations import NormalEquations
 from narrows.identification.run_blocks import run_blocks
 from narrows.identification.run_errors import RunErrors
 from narrows.identification.systematic_effects import assemble
@@ -87,7 +87,7 @@ def planned_run(
             raise InputError(f"the terms need {name}, which the ship file does not give; add it")
     fitted = {force: part for force, part in terms.forces.items() if part}
     width = 1 + max(len(part) for part in fitted.values())
-    slot, expected = slots(terms), forces(motion, run.depth)
+    slot, expected = free_parameters(terms), forces(motion, run.depth)
     d = np.zeros((len(fitted), width, max(slot.values()) + 1))
     one, v = np.zeros(d.shape[:2]), np.tile(np.eye(width), (len(fitted), 1, 1))
     for i, (force, part) in enumerate(fitted.items()):
@@ -248,7 +248,7 @@ def expected_std(
         model, _, unit = assemble(rows, errors, truth.configuration)
         spread = model.at(np.where(model.prior > 0, np.log(TYPICAL), 0.0)).covariance
         size = np.sqrt(np.diag(spread)[: len(unit)]) * unit
-        std |= {term.name: float(size[rows.slots.index(problem.slot[term.name])]) for _, term in rows.terms}
+        std |= {term.name: float(size[rows.free_parameters.index(problem.slot[term.name])]) for _, term in rows.terms}
     return std
 
 

@@ -24,10 +24,10 @@ from narrows.experiment_design.information import (
     planned_run,
     zero_of,
 )
+from narrows.identification.design_matrix import ONE
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
-from narrows.identification.regression.normal_equations import ONE
-from narrows.identification.regression.problem import slots
+from narrows.identification.least_squares import free_parameters
 from narrows.identification.run_errors import RunErrors
 from narrows.model.data_range import DataRange
 from narrows.model.froude import scale_model
@@ -229,7 +229,7 @@ def plan_tests(
     ]
     adds = np.array([[run.information for run in forms] for forms in told])
     known = known_information(made, adds.shape[1:])
-    index = [slots(terms)[name] for name in names]
+    index = [free_parameters(terms)[name] for name in names]
     parameters = sorted(set(index))  # tied coefficients are equal
     best = _separating(offered, adds, known, min(runs, SEPARATING) * bool(_bank(terms) & set(names)), parameters)
     rest = np.setdiff1d(np.arange(len(offered)), best)
@@ -391,7 +391,7 @@ def known_information(made: list[Fit], shape: tuple[int, ...]) -> np.ndarray:
             for f, force in enumerate(rows.blocks.forces):
                 own = np.arange(f * rows.each, (f + 1) * rows.each)[rows.blocks.is_mean[rows.blocks.block]]
                 columns = np.zeros((len(own), shape[-1]))
-                columns[:, rows.slots] = rows.x[own]
+                columns[:, rows.free_parameters] = rows.x[own]
                 number = fitted.index(force) * ZEROS + zero[rows.blocks.motion[rows.blocks.block]][own - f * rows.each]
                 one = rows.raw(ONE)[own - f * rows.each]
                 columns[np.arange(len(own)), shape[-1] - ZEROS * len(fitted) + number] = one

@@ -4,9 +4,8 @@ import numpy as np
 
 from narrows.captive.accelerations import RATES
 from narrows.captive.tests import CaptiveTests, Tests
-from narrows.identification.regression.normal_equations import NormalEquations
-from narrows.identification.regression.problem import Problem
-from narrows.identification.regression.solve import Solution
+from narrows.identification.least_squares import Problem, Solution
+from narrows.identification.normal_equations import NormalEquations
 
 # Share of the size of the accelerations that is taken for noise.
 SHARE = 0.1

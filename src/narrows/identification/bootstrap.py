@@ -9,9 +9,8 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.identification.estimates import CoefficientEstimates
 from narrows.identification.interval import LEVEL, bounded_interval
+from narrows.identification.least_squares import Problem, solve_many
 from narrows.identification.motions import DistinctMotions
-from narrows.identification.regression.problem import Problem
-from narrows.identification.regression.solve import solve_many
 from narrows.terms.term import TermTable
 
 Kind = Literal["errors", "tests"]

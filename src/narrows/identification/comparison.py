@@ -8,8 +8,8 @@ from narrows.captive.read import as_tests
 from narrows.errors import InputError
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
-from narrows.identification.regression.normal_equations import Balance
-from narrows.identification.regression.problem import Weights
+from narrows.identification.least_squares import Weights
+from narrows.identification.normal_equations import Balance
 from narrows.identification.verdict import NOT_SEPARABLE
 from narrows.results import BaseResult
 from narrows.ship.ship_file import ShipSource

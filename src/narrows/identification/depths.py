@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from narrows.identification.estimates import HALF, estimates
+from narrows.identification.least_squares import Problem
 from narrows.identification.motions import DistinctMotions, distinct_motions
-from narrows.identification.regression.normal_equations import NormalEquations
-from narrows.identification.regression.problem import Problem
+from narrows.identification.normal_equations import NormalEquations
 from narrows.identification.run_errors import RunErrors
 from narrows.ship.particulars import Configuration
 

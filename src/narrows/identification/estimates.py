@@ -8,15 +8,14 @@ import numpy as np
 
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.interval import bounded_interval
+from narrows.identification.least_squares import Problem, solve
+from narrows.identification.mixed_model import one_thread
 from narrows.identification.motions import DistinctMotions
-from narrows.identification.regression.normal_equations import NormalEquations
-from narrows.identification.regression.problem import Problem
-from narrows.identification.regression.solve import solve
+from narrows.identification.normal_equations import NormalEquations
 from narrows.identification.run_blocks import run_blocks
 from narrows.identification.run_errors import RunErrors
 from narrows.identification.scale_integration import ScaleMixture, integrate
 from narrows.identification.systematic_effects import Effect, assemble
-from narrows.identification.threads import one_thread
 from narrows.ship.particulars import Configuration
 
 # Standard errors beyond a bound at which the data reject it: the coefficient is held there.
@@ -39,9 +38,9 @@ class ForcePosterior:
     posterior: ScaleMixture
 
     @property
-    def slots(self) -> list[int]:
+    def free_parameters(self) -> list[int]:
         """Indices of these parameters."""
-        return self.rows.slots
+        return self.rows.free_parameters
 
 
 @dataclass(frozen=True)
@@ -81,8 +80,8 @@ class CoefficientEstimates:
             shifts = np.abs(part.posterior.shifts * part.unit[:, None])
             for i, name in enumerate(result):
                 slot = self.problem.slot[name]
-                if slot in part.slots and np.isfinite(distance[i]):
-                    needed = distance[i] / np.maximum(shifts[part.slots.index(slot)], 1e-300)
+                if slot in part.free_parameters and np.isfinite(distance[i]):
+                    needed = distance[i] / np.maximum(shifts[part.free_parameters.index(slot)], 1e-300)
                     sizes = [
                         (e, min(float(n * e.usual), e.linear))
                         for e, n in zip(part.effects, needed, strict=True)
@@ -111,7 +110,7 @@ def estimates(
     values, std, covariance = np.zeros(size), np.zeros(size), np.zeros((size, size))
     ends, held = np.zeros((size, 2)), np.zeros(size, bool)
     for part in parts:
-        at = np.array(part.slots)
+        at = np.array(part.free_parameters)
         bounds = np.stack([problem.lower, problem.upper], axis=1)[at] / problem.scale[at, None]
         one = _within_bounds(part, bounds)
         free[at], free_half[at], values[at], std[at], ends[at], held[at] = one[:6]

@@ -12,7 +12,7 @@ from narrows.captive.read import as_tests
 from narrows.identification.comparison import Comparison, compare, ready_tables
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
-from narrows.identification.regression.scores import Score, score
+from narrows.identification.normal_equations import Score, score
 from narrows.identification.shapley import KINDS
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
@@ -175,6 +175,9 @@ def explain(model: Model, tests: Any, tables: Sequence[str] = (), ship: ShipSour
         model,
         fit,
         score(equations, equations.total, model.terms, model.coefficients),
-        {name: score(equations, equations.of_test(name), model.terms, model.coefficients) for name in equations.names},
+        {
+            name: score(equations, sums, model.terms, model.coefficients)
+            for name, sums in zip(equations.names, equations.by_test(equations.sums), strict=True)
+        },
         compare(tests, (model.terms, *(t for t in tables or ready_tables() if t != model.terms.name))),
     )

@@ -13,21 +13,16 @@ from narrows.identification import shapley
 from narrows.identification.acceleration_noise import noise_bias, noise_sentence
 from narrows.identification.bootstrap import Bootstrap, resampled
 from narrows.identification.bootstrap import Kind as DrawnBy
-from narrows.identification.correlation import CorrelatedPair, correlated_pairs
-from narrows.identification.cross_validation import Validation, left_out_by_speed
+from narrows.identification.collinearity import CorrelatedPair, Diagnostics, correlated_pairs
 from narrows.identification.depths import DepthTest, depth_tests
-from narrows.identification.diagnostics import Diagnostics
+from narrows.identification.design_matrix import ONE, DesignMatrix
 from narrows.identification.estimates import CoefficientEstimates, estimates, scales_of
-from narrows.identification.influence import Influence, influence
-from narrows.identification.left_out import LeftOutMotion, Predictiveness, left_out_motions, predictiveness
+from narrows.identification.least_squares import Problem, Solution
+from narrows.identification.left_out import Influence, Predictiveness, influence, predictiveness
 from narrows.identification.motions import DistinctMotions
+from narrows.identification.normal_equations import NormalEquations, Score, count, score, score_groups
 from narrows.identification.plausibility import Judged, implausible, unmodelled_rudder
 from narrows.identification.prediction import Prediction
-from narrows.identification.regression.design_matrix import design_rows
-from narrows.identification.regression.normal_equations import ONE, NormalEquations, count
-from narrows.identification.regression.problem import Problem
-from narrows.identification.regression.scores import Score, score
-from narrows.identification.regression.solve import Solution
 from narrows.identification.run_errors import RunErrors
 from narrows.identification.shapley import Kind as ShareKind
 from narrows.identification.systematic_effects import Effect
@@ -57,8 +52,10 @@ class Fit(Prediction):
         The optimum and the check of it.
     motions : DistinctMotions
         The distinct motions: what the standard errors take as independent.
-    validation : Validation
-        Scores on rows left out, and how they were.
+    left_out : mapping of str to Score
+        R2 and RMSE of each force on rows left out.
+    split : str
+        Rows left out: ``test``, those of each distinct motion in turn, or ``random``.
     data_range : DataRange
         What the rows cover.
     errors : RunErrors
@@ -75,7 +72,8 @@ class Fit(Prediction):
     problem: Problem
     solution: Solution
     motions: DistinctMotions
-    validation: Validation
+    left_out: Mapping[str, Score]
+    split: str
     data_range: DataRange
     errors: RunErrors
 
@@ -85,16 +83,6 @@ class Fit(Prediction):
     def __getitem__(self, name: str) -> float:
         """The value of a coefficient [SI]."""
         return self.model[name]
-
-    @property
-    def left_out(self) -> Mapping[str, Score]:
-        """R2 and RMSE of each force on rows left out, by distinct motion or at random."""
-        return self.validation.scores
-
-    @property
-    def split(self) -> str:
-        """Kind of split: ``test`` or ``random``."""
-        return self.validation.split
 
     @property
     def terms(self) -> TermTable:
@@ -145,7 +133,11 @@ class Fit(Prediction):
     @cached_property
     def left_out_speeds(self) -> dict[str, Score]:
         """Scores at each speed of a fit to the other speeds; empty where there is one speed."""
-        return left_out_by_speed(self.problem, self.normal_equations, self.motions)
+        groups = np.stack([self.motions.sums[members].sum(axis=0) for members in self.motions.by_speed])
+        if len(groups) < 2:
+            return {}
+        others = self.problem.fits(groups.sum(axis=0) - groups)
+        return score_groups(self.normal_equations, groups, self.terms, others)
 
     @cached_property
     def estimates(self) -> CoefficientEstimates:
@@ -159,16 +151,10 @@ class Fit(Prediction):
         return {" and ".join(part.rows.blocks.forces): dict(scales_of(part)) for part in self.estimates.forces}
 
     @cached_property
-    def left_out_motions(self) -> list[LeftOutMotion]:
-        """Forces of each motion as the others predict them, with their predictive intervals."""
-        if len(self.motions) < 2:
-            return []
-        return [one for part in self.estimates.forces for one in left_out_motions(part)]
-
-    @property
     def predictiveness(self) -> tuple[Predictiveness, ...]:
         """Prediction errors on left-out motions, by force."""
-        return predictiveness(self.left_out_motions)
+        parts = self.estimates.forces if len(self.motions) > 1 else ()
+        return tuple(one for part in parts for one in predictiveness(part))
 
     @property
     def covariance(self) -> np.ndarray:
@@ -228,7 +214,7 @@ class Fit(Prediction):
     @cached_property
     def influence(self) -> Influence:
         """Influence of each distinct motion on each coefficient: its information, and the change without it."""
-        return influence(self.problem, self.motions, self.estimates)
+        return influence(self.motions, self.estimates, self.solution)
 
     def bootstrap(self, resamples: int = 10_000, kind: DrawnBy = "errors", seed: int = 0) -> Bootstrap:
         """Fit resamples of the tests, each under the constraints.
@@ -381,7 +367,9 @@ class Fit(Prediction):
         total, one = self.normal_equations.unweighted.sum(axis=0), self.normal_equations.columns[ONE]
         rows = total[one, one]
         mean = total[: one + 1, one] / rows
-        sums = sum(np.abs(d - mean[:, None]).sum(axis=1) for _, d in design_rows(self.tests, self.terms))
+        matrix = DesignMatrix(self.terms, effects=False)
+        designs = (matrix.evaluate(block) for block in self.tests.blocks(1))
+        sums = sum(np.abs(design - mean[:, None]).sum(axis=1) for design in designs)
         return {name: float(np.asarray(sums)[self.normal_equations.columns[name]] / rows) for name in self.terms.names}
 
 

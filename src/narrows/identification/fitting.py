@@ -10,15 +10,12 @@ from narrows.captive.read import as_tests
 from narrows.captive.split import random_split
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.errors import InputError, check_choice, check_count, shown
-from narrows.identification.cross_validation import Validation, left_out_coefficients, left_out_score
+from narrows.identification.accumulation import accumulate
 from narrows.identification.fit import Fit
+from narrows.identification.least_squares import Weights, reduced
 from narrows.identification.motions import distinct_motions, numbered
+from narrows.identification.normal_equations import Balance, Score, score, score_groups
 from narrows.identification.plausibility import unmodelled_rudder
-from narrows.identification.regression.accumulation import accumulate
-from narrows.identification.regression.normal_equations import Balance
-from narrows.identification.regression.problem import Weights, reduced
-from narrows.identification.regression.scores import score
-from narrows.identification.regression.solve import solve
 from narrows.identification.run_errors import RunErrors
 from narrows.ship.ship_file import ShipSource
 from narrows.terms.additions import pooled
@@ -113,15 +110,16 @@ def identify(
     if len(equations.tests) < 2:
         raise InputError(f"one row of test {equations.tests[0]} is all there is; standard errors need two or more")
     problem = reduced(equations, terms, weights)
-    solution = solve(*problem.normal(equations.total), problem.lower, problem.upper)
+    solution = problem.solve(equations.total)
     motions = distinct_motions(equations)
-    if checked is None:
-        without = left_out_coefficients(problem, motions.without)
-        left_out = left_out_score(equations, terms, motions.sums, without)
-    else:
+    if checked is not None:
         rest, _ = accumulate(checked, terms, balance=balance)
         left_out = score(rest, rest.total, terms, problem.named(solution.z))
-    return Fit(fitted, equations, problem, solution, motions, Validation(left_out, split), data_range, errors)
+    elif len(motions) > 1:
+        left_out = score_groups(equations, motions.sums, terms, problem.fits(motions.without))
+    else:
+        left_out = {force: Score(float("nan"), float("nan")) for force, part in terms.forces.items() if part}
+    return Fit(fitted, equations, problem, solution, motions, left_out, split, data_range, errors)
 
 
 def depths_of(tests: Tests) -> list[float]:

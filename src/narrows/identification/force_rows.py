@@ -4,9 +4,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from narrows.identification.design_matrix import ONE
+from narrows.identification.least_squares import Problem
 from narrows.identification.motions import DistinctMotions
-from narrows.identification.regression.normal_equations import ONE
-from narrows.identification.regression.problem import Problem
 from narrows.identification.run_blocks import RunBlocks
 from narrows.terms.term import Term
 
@@ -27,12 +27,12 @@ class ForceRows:
         self.blocks, self.problem, self.names = blocks, problem, names
         self.each, self.count = len(blocks.block), len(blocks.forces)
         self.terms = [(f, term) for f, force in enumerate(blocks.forces) for term in problem.terms.forces[force]]
-        self.slots = sorted({problem.slot[term.name] for _, term in self.terms})
+        self.free_parameters = sorted({problem.slot[term.name] for _, term in self.terms})
         rows = np.sqrt(np.add.reduceat(blocks.reference[:, names[ONE]] ** 2, blocks.starts))
         self.length = np.repeat(rows, blocks.sizes)  # root of the number of rows that a block stands for
         self._describe(motions)
         self.y = np.concatenate([blocks.columns[:, names[force]] for force in blocks.forces])
-        self.x = np.zeros((self.each * self.count, len(self.slots)))
+        self.x = np.zeros((self.each * self.count, len(self.free_parameters)))
         for f, term in self.terms:
             self.x[:, self.place(term)] += self.of(f, self.raw(term.name))
         self.theta = self._first_fit()
@@ -59,7 +59,7 @@ class ForceRows:
 
     def place(self, term: Term) -> int:
         """Return the column of ``x`` that a term adds to."""
-        return self.slots.index(self.problem.slot[term.name])
+        return self.free_parameters.index(self.problem.slot[term.name])
 
     def of(self, force: int, column: np.ndarray) -> np.ndarray:
         """A column in the rows of one force, zero elsewhere."""
@@ -88,7 +88,7 @@ class ForceRows:
 
     def units(self) -> np.ndarray:
         """Value of each coefficient at which its term is as large as the force."""
-        unit = np.full(len(self.slots), np.inf)
+        unit = np.full(len(self.free_parameters), np.inf)
         for f, term in self.terms:
             own = self.blocks.level[f] / max(self.rms(self.raw(term.name)), 1e-300)
             unit[self.place(term)] = min(unit[self.place(term)], own)

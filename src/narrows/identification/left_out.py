@@ -1,28 +1,18 @@
-"""Predict each motion from the others, and measure the information that the others hold."""
+"""Leave each distinct motion out in turn, its repeats with it: predictions of its forces, and its influence."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.identification.estimates import HALF, ForcePosterior
+from narrows.errors import InputError, did_you_mean
+from narrows.identification.estimates import HALF, CoefficientEstimates, ForcePosterior
+from narrows.identification.least_squares import Solution
+from narrows.identification.mixed_model import one_thread
 from narrows.identification.motions import DistinctMotions
-from narrows.identification.threads import one_thread
 
 # Least share of errors that leverage leaves: of what one motion alone informs it can cancel to less than nothing.
 ROUNDING = 1e-9
-
-
-@dataclass(frozen=True)
-class LeftOutMotion:
-    """Forces of one motion predicted by the others, in a few independent directions of its rows."""
-
-    motion: int
-    force: str
-    level: float  # root mean square of the measured force
-    error: float  # root mean square of measured less predicted
-    half: float  # half width of the 95 % predictive interval, root mean square over the directions
-    scores: np.ndarray  # (directions,) measured less predicted, in predictive standard errors
 
 
 @dataclass(frozen=True)
@@ -45,51 +35,83 @@ class Predictiveness:
         )
 
 
-def predictiveness(left_out: list[LeftOutMotion]) -> tuple[Predictiveness, ...]:
-    """Summarise left-out motions by force."""
-    result = []
-    for force in dict.fromkeys(one.force for one in left_out):
-        own = [one for one in left_out if one.force == force]
-        scores = np.concatenate([one.scores for one in own])
-        relative = np.median([one.half / max(one.level, 1e-300) for one in own])
-        half = float(np.median([one.half for one in own]))
-        result.append(Predictiveness(force, float((np.abs(scores) < HALF).mean()), half, float(relative), len(own)))
-    return tuple(result)
-
-
 @one_thread
-def left_out_motions(part: ForcePosterior) -> list[LeftOutMotion]:
+def predictiveness(part: ForcePosterior) -> list[Predictiveness]:
     """Predict each motion by the others, at the scales that all motions together show."""
-    rows, blocks = part.rows, part.rows.blocks
-    weights, result = part.posterior.weights, []
-    for motion, own, mean_rows in _motions(part):
+    rows, weights = part.rows, part.posterior.weights
+    # In the independent directions of a motion's rows: measured less predicted over its standard error; then half
+    # widths of the predictive interval and the measured force, as root mean squares over the motion.
+    forces = rows.blocks.forces
+    scores: dict[str, list[np.ndarray]] = {force: [] for force in forces}
+    sizes: dict[str, list[tuple[float, float]]] = {force: [] for force in forces}
+    for _, own, mean_rows in _motions(part):
         without = [without_rows(part, i, own) for i in range(len(part.posterior.parts))]
         chosen = own[mean_rows]
         means = np.stack([one.mean for one in without])[:, mean_rows]
         spreads = np.stack([np.diag(one.covariance) for one in without])[:, mean_rows]
         mean = weights @ means
         variances = weights @ (spreads + (means - mean) ** 2)
-        for f, force in enumerate(blocks.forces):
-            of_force = (chosen // rows.each) == f
-            error, variance = (rows.y[chosen] - mean)[of_force], variances[of_force]
-            root = rows.length[chosen[of_force] % rows.each]
-            level = float(np.sqrt(((rows.y[chosen][of_force] / root) ** 2).sum()))
-            half = float(HALF * np.sqrt((variance / root**2).sum()))
-            size = float(np.sqrt(((error / root) ** 2).sum()))
-            result.append(LeftOutMotion(motion, force, level, size, half, error / np.sqrt(variance)))
+        measured, length = rows.y[chosen], rows.length[chosen % rows.each]
+        for f, force in enumerate(forces):
+            at = chosen // rows.each == f
+            scores[force].append((measured - mean)[at] / np.sqrt(variances[at]))
+            half = HALF * np.sqrt((variances[at] / length[at] ** 2).sum())
+            sizes[force].append((float(half), float(np.sqrt(((measured[at] / length[at]) ** 2).sum()))))
+    result = []
+    for force in forces:
+        halves, levels = np.transpose(sizes[force])
+        held = float((np.abs(np.concatenate(scores[force])) < HALF).mean())
+        relative = float(np.median(halves / np.maximum(levels, 1e-300)))
+        result.append(Predictiveness(force, held, float(np.median(halves)), relative, len(halves)))
     return result
 
 
+@dataclass(frozen=True)
+class Influence:
+    """Influence of each distinct motion on each coefficient: the jackknife."""
+
+    tests: tuple[str, ...]  # The motions, each called by its first test and the number of its repeats
+    names: tuple[str, ...]  # The coefficients
+    # (tests, n) Share of the information on a coefficient that is gone without the test: 1 less the ratio of the
+    # variance with all tests to the variance without this one [1]
+    information: np.ndarray
+    moved: np.ndarray  # (tests, n) Change of the constrained estimate by the test, in the coefficient's unit
+
+    def most_informing(self, name: str) -> tuple[str, float]:
+        """Return the test that holds most of the information on a coefficient, and its share [1]."""
+        return self._most(self.information, name)
+
+    def most_moving(self, name: str) -> tuple[str, float]:
+        """Return the test that moves a coefficient most, and how far, in the coefficient's unit."""
+        return self._most(self.moved, name)
+
+    def of(self, name: str) -> dict[str, str | float]:
+        """Give the test with most information on a coefficient and the one that moves it most."""
+        (informing, share), (moving, by) = self.most_informing(name), self.most_moving(name)
+        return {"most_informing": informing, "share": share, "most_moving": moving, "moved_by": by}
+
+    def _most(self, values: np.ndarray, name: str) -> tuple[str, float]:
+        if name not in self.names:
+            raise InputError(f"unknown coefficient {name!r}{did_you_mean(name, self.names)}")
+        column = values[:, self.names.index(name)]
+        most = int(np.abs(column).argmax())
+        return self.tests[most], float(column[most])
+
+
 @one_thread
-def information_gone(part: ForcePosterior, motions: DistinctMotions) -> np.ndarray:
-    """Share of what is known of each coefficient that is gone without each motion, (motions, p)."""
-    gone = np.zeros((len(motions), len(part.slots)))
-    best = int(part.posterior.weights.argmax())
-    variances = np.diag(part.posterior.parts[best].covariance)[: len(part.slots)]
-    for motion, own, _ in _motions(part):
-        added = without_rows(part, best, own).added[: len(part.slots)]
-        gone[motion] = added / np.maximum(variances + added, 1e-300)
-    return gone
+def influence(motions: DistinctMotions, found: CoefficientEstimates, solution: Solution) -> Influence:
+    """Leave out each distinct motion in turn."""
+    problem = found.problem
+    gone = np.zeros((len(motions), len(problem.scale)))
+    for part in found.forces:
+        best, p = int(part.posterior.weights.argmax()), len(part.free_parameters)
+        variances = np.diag(part.posterior.parts[best].covariance)[:p]
+        for motion, own, _ in _motions(part):
+            added = without_rows(part, best, own).added[:p]
+            gone[motion, part.free_parameters] = added / np.maximum(variances + added, 1e-300)
+    shares = gone[:, [problem.slot[name] for name in problem.terms.names]]
+    moved = problem.coefficients(solution.z) - problem.fits(motions.without)
+    return Influence(motions.labels, problem.terms.names, shares, moved)
 
 
 def _motions(part: ForcePosterior) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:

@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from narrows.identification.regression.normal_equations import NormalEquations
+from narrows.identification.normal_equations import NormalEquations
 
 # Tolerance of each feature, or of a fifth of its largest value if more: within it two tests are one motion.
 SAME_MOTION = 0.03

@@ -8,10 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.captive.tests import CaptiveTests, Tests
-from narrows.identification.regression.normal_equations import ONE, NormalEquations
-from narrows.identification.regression.problem import Problem
-from narrows.identification.regression.scores import score
-from narrows.identification.regression.solve import solve
+from narrows.identification.design_matrix import ONE
+from narrows.identification.least_squares import Problem
+from narrows.identification.normal_equations import NormalEquations, score
 from narrows.model.masses import added_sway, added_yaw, ship_inertia, ship_mass
 from narrows.terms.term import TermKind, TermTable
 
@@ -63,7 +62,7 @@ def fits_reversed(evidence: Judged, force: str) -> bool:
     turned = total.copy()
     turned[equations.columns[force], :] *= -1
     turned[:, equations.columns[force]] *= -1
-    again = problem.named(solve(*problem.normal(turned), problem.lower, problem.upper).z)
+    again = problem.named(problem.solve(turned).z)
     now = score(equations, total, problem.terms, evidence.coefficients)[force].rmse
     return score(equations, turned, problem.terms, again)[force].rmse < CLEARLY * now
 

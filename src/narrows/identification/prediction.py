@@ -11,9 +11,8 @@ from narrows.captive.columns import check_given
 from narrows.captive.read import as_tests
 from narrows.captive.tests import Block, Tests
 from narrows.errors import InputError, shown
-from narrows.identification.regression.accumulation import accumulate
-from narrows.identification.regression.normal_equations import NormalEquations
-from narrows.identification.regression.scores import Score, score
+from narrows.identification.accumulation import accumulate
+from narrows.identification.normal_equations import NormalEquations, Score, score
 from narrows.results import BaseResult
 from narrows.ship.ship_file import ShipSource
 from narrows.terms.term import TermTable

@@ -1,12 +1,14 @@
 """Reduce the rows of each motion and force to a few with the same sums of products."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from narrows.identification.design_matrix import ONE
 from narrows.identification.motions import DistinctMotions
-from narrows.identification.regression.normal_equations import ONE, NormalEquations
+from narrows.identification.normal_equations import NormalEquations
 
 FAINT = (
     1e-1  # square of a direction's size, over the columns' in the table: below it a direction is noise of the motion
@@ -43,10 +45,10 @@ class RunBlocks:
 
 def run_blocks(equations: NormalEquations, motions: DistinctMotions, forces: Sequence[str]) -> RunBlocks:
     """Reduce sums of products to blocks of rows; exact copies of a test count once."""
-    sums = by_test(equations)
+    sums = equations.by_test(equations.unweighted)
     position = {name: i for i, name in enumerate(equations.names)}
     basis = np.unique([i for name, i in equations.columns.items() if not _is_measured(name)])
-    level = np.array([_root_mean_square(equations, force) for force in forces])
+    level = np.sqrt([max(equations.mean_square(force), 1e-300) for force in forces])
     noise = np.maximum(_noise(equations, sums, forces), (LEAST_NOISE * level) ** 2)
     one = equations.columns[ONE]
     total = sums.sum(axis=0)
@@ -78,22 +80,13 @@ def _is_measured(name: str) -> bool:
     return name in "XYN" or name.startswith(("column |X|", "column |Y|", "column |N|", "mount of"))
 
 
-def by_test(equations: NormalEquations) -> np.ndarray:
-    position = {name: i for i, name in enumerate(equations.names)}
-    sums = np.zeros((len(position), *equations.sums.shape[1:]))
-    np.add.at(sums, [position[name] for name in equations.tests], equations.unweighted)
-    return sums
-
-
 def _early(equations: NormalEquations) -> np.ndarray:
     """Sums over each test whose stretches count 1, 1/e, 1/e2 and so on."""
-    position = {name: i for i, name in enumerate(equations.names)}
-    passed: dict[str, int] = {}
-    sums = np.zeros((len(position), *equations.sums.shape[1:]))
-    for name, own in zip(equations.tests, equations.unweighted, strict=True):
-        sums[position[name]] += own * np.exp(-passed.setdefault(name, 0))
+    passed, order = Counter[str](), np.zeros(len(equations.tests))
+    for i, name in enumerate(equations.tests):
+        order[i] = passed[name]
         passed[name] += 1
-    return sums
+    return equations.by_test(equations.unweighted * np.exp(-order)[:, None, None])
 
 
 def _distinct(tests: list[int], sums: np.ndarray) -> list[int]:
@@ -104,11 +97,6 @@ def _distinct(tests: list[int], sums: np.ndarray) -> list[int]:
 
 def _key(gram: np.ndarray) -> tuple[float, ...]:
     return tuple(float(f"{x:.10e}") for x in np.diag(gram))
-
-
-def _root_mean_square(equations: NormalEquations, force: str) -> float:
-    total, one, column = equations.unweighted.sum(axis=0), equations.columns[ONE], equations.columns[force]
-    return float(np.sqrt(max(total[column, column] / total[one, one], 1e-300)))
 
 
 def _turn(gram: np.ndarray, basis: np.ndarray, usual: np.ndarray | None = None) -> np.ndarray:
@@ -145,14 +133,12 @@ def _noise(equations: NormalEquations, sums: np.ndarray, forces: Sequence[str]) 
     index = np.array(sorted({equations.columns[name] for name in names}))
     y, one = np.array([equations.columns[force] for force in forces]), equations.columns[ONE]
     pieces = equations.unweighted
-    position = {name: i for i, name in enumerate(equations.names)}
-    test = np.array([position[name] for name in equations.tests])
     score, rest, freedom, rows = np.zeros(len(y)), np.zeros(len(y)), 0.0, 0.0
     for i in sorted(range(len(sums)), key=lambda i: _key(sums[i])):
         whole = sums[i]
         turn = _turn(whole, index)
         seen = turn @ whole[np.ix_(index, y)]
-        own = pieces[test == i]
+        own = pieces[equations.test == i]
         grams = turn @ own[:, index[:, None], index] @ turn.T
         left = turn @ own[:, index[:, None], y] - grams @ seen
         score += (left**2).sum(axis=(0, 1))

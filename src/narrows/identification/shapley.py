@@ -7,7 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.identification.regression.normal_equations import NormalEquations
+from narrows.identification.normal_equations import NormalEquations
 from narrows.terms.term import TermTable
 
 Kind = Literal["mse", "mean_abs", "lmg"]

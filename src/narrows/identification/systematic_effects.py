@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from narrows.identification.design_matrix import ONE
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.mixed_model import BlockErrors, MixedModel
-from narrows.identification.regression.normal_equations import ONE
 from narrows.identification.run_errors import RunErrors
 from narrows.ship.particulars import Configuration
 
@@ -272,7 +272,7 @@ def assemble(
     freedom = np.array([USUAL_FREEDOM] * len(runs) + [FREEDOM.get(name, USUAL_FREEDOM) for name in groups])
     rivals = tuple(places[name] for name in RIVALS if name in places)
     taken = _taken(rows, x, found.effects)
-    model = MixedModel(x, rows.y, len(rows.slots), group, _block_errors(rows), prior, freedom, rivals, taken)
+    model = MixedModel(x, rows.y, len(rows.free_parameters), group, _block_errors(rows), prior, freedom, rivals, taken)
     return model, found.effects, unit
 
 
@@ -281,7 +281,7 @@ def _taken(rows: ForceRows, x: np.ndarray, effects: list[Effect]) -> np.ndarray:
 
     A hull coefficient is that of the terms which fit the hull's forces best; a bank's is the slope at the centreline.
     """
-    p = len(rows.slots)
+    p = len(rows.free_parameters)
     hull = np.array(sorted({rows.place(term) for _, term in rows.terms if not term.from_bank}), int)
     changes = np.array([effect.group.split(" by ")[0] in (DAMPING, INERTIA, HULL) for effect in effects], bool)
     taken = np.zeros((p, len(effects)))

@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from narrows.identification.diagnosis import INVOLVED, Diagnosis
-from narrows.identification.diagnostics import Diagnostics
+from narrows.identification.collinearity import INVOLVED, Diagnosis, Diagnostics
 from narrows.identification.estimates import HALF, CoefficientEstimates
 from narrows.identification.systematic_effects import Effect
 from narrows.terms.term import Term, TermTable
@@ -117,7 +116,9 @@ def _judged(term: Term, index: int, terms: TermTable, found: CoefficientEstimate
 def _usual(name: str, found: CoefficientEstimates) -> float:
     """Value at which the term is as large as its force."""
     slot = found.problem.slot[name]
-    return next(float(part.unit[part.slots.index(slot)]) for part in found.forces if slot in part.slots)
+    return next(
+        float(part.unit[part.free_parameters.index(slot)]) for part in found.forces if slot in part.free_parameters
+    )
 
 
 def _named(errors: list[tuple[Effect, float]]) -> tuple[str, ...]:

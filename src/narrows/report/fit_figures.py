@@ -8,8 +8,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from narrows.captive.tests import CaptiveTests
 from narrows.identification import Comparison, Fit
-from narrows.identification.cross_validation import left_out_coefficients
-from narrows.identification.diagnosis import Diagnosis
+from narrows.identification.collinearity import Diagnosis
 from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import Range
@@ -72,7 +71,7 @@ def force_residuals_figure(fit: Fit, forces: list[str]) -> Figure:
 def left_out_figure(fit: Fit, tests: CaptiveTests) -> Figure:
     """Draw measured forces against predictions from the other motions."""
     values = {**tests.configuration.values(), **tests.columns}
-    without = left_out_coefficients(fit.problem, fit.motions.without)
+    without = fit.problem.fits(fit.motions.without)
     motion = {name: i for i, members in enumerate(fit.motions.members) for name in members}
     rows = np.repeat([motion[name] for name in tests.names], np.diff(tests.starts))
     forces = [force for force in ("Y", "N") if fit.terms.forces[force]]

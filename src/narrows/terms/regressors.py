@@ -1,6 +1,6 @@
 """Regressors composed of physics functions."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
@@ -25,10 +25,7 @@ class Composed:
 
     def __call__(self, *values: Number) -> Number:
         at = dict(zip(self.inputs, values, strict=True))
-        return self.of(self.parameter(*[at[name] for name in asked_by(self.parameter)]), at)
-
-    def of(self, result: Number, at: Mapping[str, Number]) -> Number:
-        """Evaluate it with a given result of its parameter."""
+        result = self.parameter(*[at[name] for name in asked_by(self.parameter)])
         return self.law(result, *[at[name] for name in asked_by(self.law)[1:]])
 
 

@@ -9,7 +9,7 @@ from itertools import islice
 
 import numpy as np
 
-from narrows.identification.regression.solve import solve
+from narrows.identification.least_squares import solve
 from narrows.logbook.filtering.likelihood import RecordLikelihood, RecordPath, RecordScore, readings_for_one
 from narrows.logbook.filtering.log_problem import LogProblem, Unknowns
 from narrows.logbook.filtering.record_grid import RecordGrid

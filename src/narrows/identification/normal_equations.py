@@ -6,12 +6,14 @@ from these sums, so its cost after the pass over the rows, and its memory, do no
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from functools import cached_property
+from typing import Literal, NamedTuple
 
 import numpy as np
 
-# Name of the column of ones.
-ONE = "1"
+from narrows.identification.design_matrix import ONE
+from narrows.terms.term import TermTable
+
 # Weights of strata in a fit.
 Balance = Literal["tests", "rows"]
 
@@ -34,9 +36,8 @@ class NormalEquations:
     def balanced(self) -> "NormalEquations":
         """Return the same with each test counting alike, however many rows it has."""
         one = self.columns[ONE]
-        rows = {name: float(self.of_test(name)[one, one]) for name in self.names}
-        mean = sum(rows.values()) / len(rows)
-        weights = np.array([mean / rows[test] for test in self.tests])
+        rows = self.by_test(self.sums[:, one, one])
+        weights = (rows.mean() / rows)[self.test]
         return replace(self, sums=self.sums * weights[:, None, None], weights=weights)
 
     @property
@@ -59,13 +60,17 @@ class NormalEquations:
         """The tests, once each."""
         return tuple(dict.fromkeys(self.tests))
 
-    def of_test(self, name: str) -> np.ndarray:
-        """Return the sums over one test, (m, m)."""
-        return np.asarray(self.sums[[test == name for test in self.tests]].sum(axis=0))
+    @cached_property
+    def test(self) -> np.ndarray:
+        """Index of the test of each piece, (pieces,)."""
+        position = {name: i for i, name in enumerate(self.names)}
+        return np.array([position[name] for name in self.tests])
 
-    def by_test(self) -> np.ndarray:
-        """Return the sums over each test, (tests, m, m)."""
-        return np.stack([self.of_test(name) for name in self.names])
+    def by_test(self, values: np.ndarray) -> np.ndarray:
+        """Add up values of pieces, (pieces, ...), over each test: (tests, ...)."""
+        sums = np.zeros((len(self.names), *values.shape[1:]))
+        np.add.at(sums, self.test, values)
+        return sums
 
     def pick(self, sums: np.ndarray, rows: list[str], columns: list[str] | None = None) -> np.ndarray:
         """Return the sums of some columns."""
@@ -74,8 +79,47 @@ class NormalEquations:
         j = [self.columns[name] for name in columns] if columns else i
         return sums[..., np.array(i)[:, None], np.array(j)[None, :]]
 
+    def mean_square(self, name: str) -> float:
+        """Mean square of a column over all rows, each alike."""
+        total, one, column = self.unweighted.sum(axis=0), self.columns[ONE], self.columns[name]
+        return float(total[column, column] / total[one, one])
+
 
 def count(sums: np.ndarray, columns: Mapping[str, int]) -> int:
     """Return the number of rows behind some sums."""
     # sums (m, m)
     return round(float(sums[columns[ONE], columns[ONE]]))
+
+
+class Score(NamedTuple):
+    """Errors of one reproduced force."""
+
+    r2: float  # Share of the variance explained [1]
+    rmse: float  # Root mean squared error [N]
+
+
+def score(
+    equations: NormalEquations, sums: np.ndarray, terms: TermTable, coefficients: Mapping[str, float]
+) -> dict[str, Score]:
+    """Score coefficients on the rows behind some sums."""
+    # sums (m, m)
+    return score_groups(equations, sums[None], terms, np.array([[coefficients[name] for name in terms.names]]))
+
+
+def score_groups(
+    equations: NormalEquations, sums: np.ndarray, terms: TermTable, values: np.ndarray
+) -> dict[str, Score]:
+    """Score coefficients (groups, n), each on the rows of its own group, with sums (groups, m, m): force -> score."""
+    one, total = equations.columns[ONE], sums.sum(axis=0)
+    rows, scores = total[one, one], {}
+    for force, part in terms.forces.items():
+        if not part:
+            continue
+        names, y = [term.name for term in part], equations.columns[force]
+        own = values[:, [terms.names.index(name) for name in names]]
+        cross = equations.pick(sums, names, [force])[..., 0]
+        fitted = np.einsum("gi,gij,gj->g", own, equations.pick(sums, names), own)
+        error = np.maximum(sums[:, y, y] - 2 * (own * cross).sum(axis=1) + fitted, 0.0).sum()
+        spread = total[y, y] - total[one, y] ** 2 / rows
+        scores[force] = Score(float(1 - error / spread) if spread > 0 else float("nan"), float(np.sqrt(error / rows)))
+    return scores

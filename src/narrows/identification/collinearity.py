@@ -1,0 +1,191 @@
+"""Collinearity of the columns of each force: rank, condition number, variance inflation factors, correlation."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from narrows.identification.design_matrix import ONE
+from narrows.identification.least_squares import RANK_TOLERANCE, RIDGE, Problem
+from narrows.identification.motions import DistinctMotions
+from narrows.identification.normal_equations import NormalEquations
+from narrows.terms.term import Term, TermTable
+
+# A column takes part in a direction of unit length where its share is larger than this.
+INVOLVED = 1e-3
+# Correlation of two estimates beyond which they are named as a pair.
+STRONG = 0.9
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """The columns of one force over some rows."""
+
+    names: tuple[str, ...]  # The coefficients
+    rank: int  # Number of directions with data
+    condition: float  # Condition number of the matrix with columns scaled to one; infinite where the rank is short [1]
+    # Variance inflation, 1/(1 - R2) of a column on the others, without intercept as the model has none; infinite
+    # where the column is a combination of others, NaN where it is zero [1]
+    vif: Mapping[str, float]
+    correlation: np.ndarray  # (n, n) Correlation of the columns; NaN where one does not vary
+    # (n, n) Cosine between the columns, which is what a model without intercept feels; NaN where one is zero
+    alignment: np.ndarray
+    empty: tuple[str, ...]  # Coefficients whose column is zero
+    # (k, n) Directions without data, of unit length, among the columns that are not zero, each scaled to one
+    missing: np.ndarray
+
+    def partner(self, name: str) -> tuple[str, float]:
+        """Return the coefficient whose column is most like this one's, and their alignment [1]."""
+        index = self.names.index(name)
+        row = np.nan_to_num(self.alignment[index])
+        row[index] = 0.0
+        most = int(np.abs(row).argmax())
+        return self.names[most], float(row[most])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give rank, number of columns, condition and variance inflations."""
+        return {
+            "rank": self.rank,
+            "columns": len(self.names),
+            "condition": self.condition,
+            "vif": dict(self.vif),
+        }
+
+
+def diagnose(equations: NormalEquations, sums: np.ndarray, terms: tuple[Term, ...]) -> Diagnosis:
+    """Diagnose the columns of one force over the rows behind some sums."""
+    # sums (m, m)
+    names = tuple(term.name for term in terms)
+    gram = equations.pick(sums, list(names))
+    norm = np.sqrt(np.diag(gram))
+    live = norm > 0
+    lengths = np.where(live, norm, np.nan)
+    alignment = gram / np.outer(lengths, lengths)
+    values, vectors = np.linalg.eigh(alignment[np.ix_(live, live)])
+    singular = np.sqrt(np.maximum(values, 0.0))
+    kept = singular > RANK_TOLERANCE * singular.max(initial=1e-300)
+    rank = int(kept.sum())
+    full = rank == len(names)
+    return Diagnosis(
+        names,
+        rank,
+        float(singular[-1] / singular[0]) if full else float("inf"),
+        dict(zip(names, _vif(values, vectors, kept, live).tolist(), strict=True)),
+        _correlation(equations, sums, names),
+        alignment,
+        tuple(name for name, alive in zip(names, live, strict=True) if not alive),
+        _spread(vectors[:, ~kept].T, live),
+    )
+
+
+def _vif(values: np.ndarray, vectors: np.ndarray, kept: np.ndarray, live: np.ndarray) -> np.ndarray:
+    inflation = (vectors[:, kept] ** 2 / values[kept]).sum(axis=1)
+    inflation[(np.abs(vectors[:, ~kept]) > INVOLVED).any(axis=1)] = np.inf
+    result = np.full(len(live), np.nan)
+    result[live] = np.maximum(inflation, 1.0)
+    return result
+
+
+def _spread(directions: np.ndarray, live: np.ndarray) -> np.ndarray:
+    wide = np.zeros((len(directions), len(live)))
+    wide[:, live] = directions
+    return wide
+
+
+def _correlation(equations: NormalEquations, sums: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
+    rows = equations.pick(sums, [ONE])[0, 0]
+    mean = equations.pick(sums, list(names), [ONE])[:, 0] / rows
+    gram = equations.pick(sums, list(names)) / rows
+    covariance = gram - np.outer(mean, mean)
+    variance = np.diag(covariance)
+    # A constant column leaves only rounding.
+    spread = np.sqrt(np.where(variance > 1e-12 * np.diag(gram), variance, np.nan))
+    return np.asarray(np.clip(covariance / np.outer(spread, spread), -1.0, 1.0))
+
+
+@dataclass(frozen=True)
+class Diagnostics:
+    """The columns of every force, whatever the forces are; each diagnosis is made when it is first asked for."""
+
+    equations: NormalEquations  # The sums
+    terms: TermTable  # The terms
+    motions: DistinctMotions  # The distinct motions, and their speeds
+
+    @cached_property
+    def overall(self) -> dict[str, Diagnosis]:
+        """Over all rows: force -> diagnosis."""
+        return self.over(self.equations.total)
+
+    @cached_property
+    def by_test(self) -> dict[str, dict[str, Diagnosis]]:
+        """Within each test by itself: test -> force -> diagnosis."""
+        sums = self.equations.by_test(self.equations.sums)
+        return {name: self.over(own) for name, own in zip(self.equations.names, sums, strict=True)}
+
+    @cached_property
+    def by_speed(self) -> dict[float, dict[str, Diagnosis]]:
+        """Over the tests of each speed together: mean speed [m/s] -> force -> diagnosis."""
+        motions = self.motions
+        return {
+            float(np.mean(motions.features["speed"][members])): self.over(motions.sums[members].sum(axis=0))
+            for members in motions.by_speed
+        }
+
+    def over(self, sums: np.ndarray) -> dict[str, Diagnosis]:
+        """Diagnose each force that has terms over the rows behind some sums."""
+        # sums (m, m)
+        return {force: diagnose(self.equations, sums, part) for force, part in self.terms.forces.items() if part}
+
+    def determined(self, name: str) -> bool:
+        """Return whether rows determine a coefficient, through its own force or through one that it is tied to."""
+        tied = {name, *(other for tie in self.terms.ties if name in tie for other in tie)}
+        return any(np.isfinite(d.vif[other]) for d in self.overall.values() for other in tied if other in d.names)
+
+
+@dataclass(frozen=True)
+class CorrelatedPair:
+    """Two coefficients that the tests hardly separate."""
+
+    first: str  # Coefficients
+    second: str  # Coefficients
+    correlation: float  # Correlation of their estimates, by the columns alone [1]
+    # Change of ``second`` for a change of ``first`` by one, the fit staying as good as it can, in the unit of
+    # ``second`` over that of ``first``
+    slope: float
+
+    @property
+    def sentence(self) -> str:
+        """One sentence of the pair."""
+        return (
+            f"{self.first} and {self.second} trade against each other (correlation {self.correlation:+.3f}): "
+            f"{self.first} up by 1 moves {self.second} by {self.slope:+.3g}"
+        )
+
+
+def correlated_pairs(problem: Problem, total: np.ndarray) -> tuple[CorrelatedPair, ...]:
+    """Find the pairs, the closest first."""
+    # total (m, m)
+    inverse = np.linalg.inv(_ridged(problem.normal(total)[0]))
+    size = np.sqrt(np.diag(inverse))
+    correlation = inverse / np.outer(size, size)
+    names = {slot: name for name, slot in reversed(list(problem.slot.items()))}
+    known = [slot for slot in names if size[slot] < 1 / np.sqrt(np.sqrt(RIDGE))]
+    pairs = [
+        CorrelatedPair(
+            names[i],
+            names[j],
+            float(correlation[i, j]),
+            float(inverse[i, j] / inverse[i, i] * problem.scale[i] / problem.scale[j]),
+        )
+        for i in known
+        for j in known
+        if i < j and abs(correlation[i, j]) > STRONG
+    ]
+    return tuple(sorted(pairs, key=lambda pair: -abs(pair.correlation)))
+
+
+def _ridged(h: np.ndarray) -> np.ndarray:
+    empty = np.diag(h) == 0
+    return np.asarray(h + np.diag(np.where(empty, 1.0, RIDGE)))
