@@ -21,7 +21,7 @@ from narrows.empirical.bank_evidence import BANK_EVIDENCE, bank_effects
 from narrows.empirical.formulas import FORMULAS, depth_factor
 from narrows.empirical.main_dimensions import hull_of
 from narrows.logbook.sensor_grades import VDR
-from narrows.logbook.transits.foresee import safe_offset
+from narrows.logbook.transits.predict_information import safe_offset
 from narrows.logbook.transits.transit_twins import TransitTwin, drawn_truth, transits_of
 from narrows.quantities.names import KNOT
 

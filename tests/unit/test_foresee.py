@@ -9,11 +9,10 @@ import pytest
 import narrows as nw
 from engine_models import steered
 from narrows.logbook import GRADES
-from narrows.logbook.learning.foretold import expected_information
 from narrows.logbook.learning.log_posterior import expected_std
 from narrows.logbook.learning.posed_log import PosedLog, posed_log
-from narrows.logbook.transits.planned_transit import Excursion, PlannedTransit
-from narrows.logbook.transits.transit_twins import recorded
+from narrows.logbook.transits.predict_information import expected_information
+from narrows.logbook.transits.transit_twins import Excursion, TransitTwin, recorded
 from pictures import assert_readable
 
 BREEZE = nw.TransitConditions(wind=0.5, gust=0.2, gust_time=2.0, wander=0.05, wander_time=15.0, gust_correlation=0.4)
@@ -50,11 +49,8 @@ def foreseen(**told) -> nw.Foresight:
 
 def posed(*seeds: int) -> PosedLog:
     """Transits of the ship, as a fit is given them."""
-    plan = PlannedTransit(ship(), SPEED, 60.0, BREEZE)
-    records = [
-        recorded(f"{number}", plan.sailed(Excursion("routine"), seed), OWN, seed, current=0.0)
-        for number, seed in enumerate(seeds)
-    ]
+    plan = TransitTwin(ship(), SPEED, 60.0, BREEZE)
+    records = [recorded(f"{number}", plan.sailed(seed), OWN, seed, current=0.0) for number, seed in enumerate(seeds)]
     return posed_log(ship(), nw.ShipLog(tuple(records)), OWN, gusts=True)
 
 
@@ -79,7 +75,7 @@ def test_what_is_foretold_of_transits_is_what_fits_to_them_find() -> None:
 def test_where_a_ship_is_along_her_canal_need_not_be_read() -> None:
     """A log without x teaches as one with it: the chain of places that nothing holds is no singular matrix."""
     with_x = nw.SensorGrade("with x", "a tank's", {**OWN.signals, "x": nw.SignalGrade(0.01)})
-    voyage = PlannedTransit(ship(), SPEED, 60.0, BREEZE).sailed(Excursion("routine"), 1)
+    voyage = TransitTwin(ship(), SPEED, 60.0, BREEZE).sailed(1)
     fits = [nw.learn(ship(), recorded("a", voyage, grade, 1), sensors=grade, gusts=True) for grade in (OWN, with_x)]
     for name in ("b_bank", "c_bank"):
         assert fits[0].std[name] == pytest.approx(fits[1].std[name], rel=0.1)

@@ -45,7 +45,7 @@ class LegFit:
     unknowns: np.ndarray  # (P,) Scaled coefficients, then ``UNKNOWN`` over their standard deviations
     information: np.ndarray  # (P, P)
     latent: np.ndarray  # (legs, 4) Most likely ``LATENT``
-    chi_square: float  # Of the readings under the prior [1]
+    chi_square: float  # Chi-square of the readings under the prior [1]
     left_out: np.ndarray  # (legs,) The part of it that is gone without each leg [1]
     counted: int  # Degrees of freedom
     converged: bool
@@ -58,7 +58,7 @@ class LegProblem(Unknowns):
     model: Model  # With terms of a rudder
     prior: CoefficientPrior
     common: np.ndarray  # (6,) Standard deviations of ``UNKNOWN``
-    left_over: np.ndarray  # (5,) Of ``SteadyConditions.left_over``
+    left_over: np.ndarray  # (5,) ``SteadyConditions.left_over``
 
     @classmethod
     def of(cls, model: Model, conditions: SteadyConditions) -> "LegProblem":
@@ -123,7 +123,7 @@ class LinearLegs:
 
     value: np.ndarray  # (legs, q)
     design: np.ndarray  # (legs, q, n + 6)
-    covariance: np.ndarray  # (legs, q, q) Of the error
+    covariance: np.ndarray  # (legs, q, q) Covariance of the error
     through: np.ndarray  # (legs, q, readings) Slopes by the readings
 
     def whitened(self, problem: LegProblem) -> tuple[np.ndarray, np.ndarray]:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean, shown
-from narrows.logbook.beam_wind import beam_wind
+from narrows.logbook.beam_wind import BeamWind
 from narrows.logbook.settings import MISPLACED, MOST_ANGLE
 from narrows.model.model import Model
 from narrows.quantities.names import Quantity
@@ -227,7 +227,7 @@ UNKNOWN = ("wind_Y", "wind_N", "rudder_zero", "drift_zero", "heading_zero", "y_z
 
 
 @dataclass(frozen=True, repr=False)
-class SteadyConditions(BaseSummary):
+class SteadyConditions(BeamWind):
     """Standard deviations of the common errors of all legs, and of those that change from leg to leg.
 
     Force and moment of the wind are the same on every leg but for ``wind_change`` of their standard deviations, and so
@@ -268,9 +268,6 @@ class SteadyConditions(BaseSummary):
     2.0
     """
 
-    wind: float = 8.0
-    windage: float | None = None
-    wind_lever: float | None = None
     wind_change: float = 0.2
     rudder_zero_deg: float = 1.0
     drift_zero_deg: float = 1.0
@@ -280,13 +277,6 @@ class SteadyConditions(BaseSummary):
     yaw_change_deg: float = 0.01
     sway_change: float = 0.02
     leg_time: float = 120.0
-
-    def __post_init__(self) -> None:
-        for entry in fields(self):
-            value = getattr(self, entry.name)
-            missing = value is None and entry.default is None
-            if not missing and (not is_finite(value) or value < 0 or (entry.name == "leg_time" and value == 0)):
-                raise InputError(f"conditions of legs: {entry.name} = {shown(value)} must be a finite number from 0")
 
     def summary(self) -> str:
         """The standard deviations."""
@@ -307,7 +297,7 @@ class SteadyConditions(BaseSummary):
         """
         zeros = map(math.radians, (self.rudder_zero_deg, self.drift_zero_deg, self.heading_zero_deg))
         aside = MISPLACED * model.configuration.ship.beam if self.y_zero is None else self.y_zero
-        return np.array([*self._wind(model), *zeros, aside], float)
+        return np.array([*self.steady_push(model), *zeros, aside], float)
 
     def left_over(self, model: Model) -> np.ndarray:
         """Return what is left on each leg: force and moment [N, N m], yaw rate [rad/s], accelerations [m/s2, rad/s2].
@@ -317,9 +307,6 @@ class SteadyConditions(BaseSummary):
         model : Model
             The ship.
         """
-        gust = self.wind_change * self._wind(model)
+        gust = self.wind_change * self.steady_push(model)
         rates = self.sway_change / self.leg_time, math.radians(self.yaw_change_deg) / self.leg_time
         return np.array([*gust, math.radians(self.yaw_rate_deg), *rates])
-
-    def _wind(self, model: Model) -> np.ndarray:
-        return np.array(beam_wind(model.configuration.ship.length, self.wind, self.windage, self.wind_lever))

@@ -1,7 +1,7 @@
 """Assumed conditions of a routine transit: wind, correlated gusts, and the wander of a pilot's aim."""
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,11 +11,9 @@ from narrows.control.regulator import regulator
 from narrows.control.regulator_law import HeldLine
 from narrows.control.steady_course import steady_course
 from narrows.errors import InputError, shown
-from narrows.logbook.beam_wind import beam_wind
+from narrows.logbook.beam_wind import BeamWind
 from narrows.logbook.settings import PILOT_COURSES
 from narrows.model.model import Model
-from narrows.results import BaseSummary
-from narrows.ship.checks import is_finite
 from narrows.simulation.controllers import Order, VoyageState
 
 if TYPE_CHECKING:
@@ -23,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, repr=False)
-class TransitConditions(BaseSummary):
+class TransitConditions(BeamWind):
     """Wind and aim of transits, as standard deviations.
 
     Parameters
@@ -56,9 +54,6 @@ class TransitConditions(BaseSummary):
     2.0
     """
 
-    wind: float = 8.0
-    windage: float | None = None
-    wind_lever: float | None = None
     gust: float = 0.3
     gust_time: float = 40.0
     wander: float = 3.0
@@ -66,14 +61,7 @@ class TransitConditions(BaseSummary):
     gust_correlation: float = 0.0
 
     def __post_init__(self) -> None:
-        for entry in fields(self):
-            value, least = getattr(self, entry.name), entry.name.endswith("_time")
-            missing = value is None and entry.default is None
-            if not missing and (not is_finite(value) or value < 0 or (least and value == 0)):
-                from_where = "over" if least else "from"
-                raise InputError(
-                    f"conditions of transits: {entry.name} = {shown(value)}: give a finite number {from_where} 0"
-                )
+        super().__post_init__()
         if self.gust_correlation > 1:
             raise InputError(f"gust_correlation = {shown(self.gust_correlation)}: a correlation is 1 at most")
 
@@ -83,16 +71,6 @@ class TransitConditions(BaseSummary):
             f"beam wind {self.wind:g} m/s, gusts of {100 * self.gust:.0f} % of its force that stay {self.gust_time:g} s"
             f", an aim that wanders by {self.wander:g} m in {self.wander_time:g} s (standard deviations)"
         )
-
-    def steady_push(self, model: Model) -> np.ndarray:
-        """Return sway force [N] and yaw moment [N m] of the wind, (2,).
-
-        Parameters
-        ----------
-        model : Model
-            The ship.
-        """
-        return np.array(beam_wind(model.configuration.ship.length, self.wind, self.windage, self.wind_lever))
 
     def gust_push(self, model: Model) -> np.ndarray:
         """Return sway force [N] and yaw moment [N m] of two independent gusts of size one, (2, 2).

@@ -7,10 +7,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.control.steady_course import self_propulsion
 from narrows.errors import InputError
 from narrows.identification.conditions import bundled_ship
 from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
-from narrows.logbook.settings import AIM_STEP, CURRENT, MOST_DRAWS, MOST_SHIPS, ORDER_INTERVAL, PUSH_STEP
+from narrows.logbook.settings import (
+    AIM_LENGTHS,
+    AIM_STEP,
+    CURRENT,
+    GUST_PIECES,
+    MOST_DRAWS,
+    MOST_SHIPS,
+    ORDER_INTERVAL,
+    ORDERS_A_LENGTH,
+    PUSH_STEP,
+    TRANSIT_STEPS,
+)
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord, Signal
 from narrows.logbook.transits.transit_conditions import TransitConditions, TransitPilot, wandering
@@ -31,52 +43,90 @@ DEGREE = math.pi / 180
 class WholeDegrees:
     """A pilot at the wheel: an order every few seconds, in whole degrees."""
 
-    pilot: TransitPilot  # Whose orders they are
+    pilot: TransitPilot
+    interval: float  # Time between two orders [s]
 
     def begin(self) -> Order:
+        """Return what gives the orders of one voyage."""
         inner, memory = self.pilot.begin(), {"next": 0.0, "order": 0.0}
 
         def order(t: float, at: VoyageState) -> float:
             if t >= memory["next"] - 1e-6:
                 memory["order"] = round(inner(t, at) / DEGREE) * DEGREE
-                memory["next"] = t + ORDER_INTERVAL
+                memory["next"] = t + self.interval
             return memory["order"]
 
         return order
 
 
 @dataclass(frozen=True)
-class TransitTwin:
-    truth: Model  # What the ship is
-    u: float  # Through the water [m/s]
-    duration: float = 2400.0  # How long [s]
-    conditions: TransitConditions = field(default_factory=TransitConditions)  # Wind, gusts, and how an aim wanders
-    passes: Sequence[float] = ()  # When another ship passes, pushed off and drawn on as in a meeting [s]
-    waterway: "Waterway | None" = None  # That it sails along from where it begins, instead of the model's own canal
+class Excursion:
+    """Offset that a pilot takes on purpose, and its duration."""
 
-    def sailed(self, seed: int) -> Voyage:
+    words: str  # What it is like
+    offset: float = 0.0  # How far; 0 for none [m]
+    sides: tuple[int, ...] = ()  # 1 to starboard, -1 to port, one after the other, spread over the transit
+    stay: float = 0.0  # How long on each [s]
+    turn: float = 0.0  # How long an aim takes to get there [s]
+
+    def aims(self, times: np.ndarray, wander: np.ndarray) -> np.ndarray:
+        """Return where a pilot wants to be [m]: who goes aside on purpose does not go farther."""
+        aim = wander.copy()
+        for number, side in enumerate(self.sides):
+            middle = times[-1] * (number + 0.5) / len(self.sides)
+            edge = (self.stay / 2 + self.turn - np.abs(times - middle)) / self.turn
+            aim += side * self.offset * np.clip(edge, 0.0, 1.0)
+        return np.clip(aim, -self.offset, self.offset) if self.sides else aim
+
+
+ROUTINE = Excursion("routine")
+
+
+@dataclass(frozen=True)
+class TransitTwin:
+    """A transit by a pilot whose aim wanders, in wind and gusts."""
+
+    truth: Model
+    u: float  # Through the water [m/s]
+    duration: float = 2400.0  # [s]
+    conditions: TransitConditions = field(default_factory=TransitConditions)  # Wind, gusts, and wander of the aim
+    passes: Sequence[float] = ()  # Times at which another ship passes [s]
+    waterway: "Waterway | None" = None  # Instead of the model's own canal
+
+    def sailed(self, seed: int, excursion: Excursion = ROUTINE) -> Voyage:
+        """Simulate the transit."""
         draw, told = np.random.default_rng((seed, 11)), self.conditions
-        count = math.ceil(self.duration / AIM_STEP) + 1
-        aims = wandering(told.wander, told.wander_time, AIM_STEP, count, draw)[:, 0]
-        times = AIM_STEP * np.arange(count)
-        pilot = WholeDegrees(TransitPilot.of(self.truth, self.u, times, aims, self.waterway))
-        pushes: dict[str, Any] = dict(zip("YN", self._pushes(draw), strict=True))
-        voyage = simulate(
-            self.truth, y=float(aims[0]), u=self.u, duration=self.duration, dt=PUSH_STEP, controller=pilot,
-            waterway=self.waterway, **pushes,
-        )  # fmt: skip
+        step = min(AIM_STEP, AIM_LENGTHS * self._length_time)
+        times = step * np.arange(math.ceil(self.duration / step) + 1)
+        aims = excursion.aims(times, wandering(told.wander, told.wander_time, step, len(times), draw)[:, 0])
+        pilot = TransitPilot.of(self.truth, self.u, times, aims, self.waterway)
+        helm = WholeDegrees(pilot, min(ORDER_INTERVAL, self._length_time / ORDERS_A_LENGTH))
+        started: dict[str, Any] = {"y": float(aims[0]), "u": self.u, **self._pushes(draw)}
+        if self.truth.terms.propelled:
+            started["revolutions"] = self_propulsion(self.truth, self.u)
+        dt = min(PUSH_STEP, self._length_time / TRANSIT_STEPS)
+        voyage = simulate(self.truth, duration=self.duration, dt=dt, controller=helm, waterway=self.waterway, **started)
         if voyage.t[-1] < self.duration - PUSH_STEP:
-            raise InputError("this ship does not come through in these gusts; draw another")
+            raise InputError(f"{excursion.words}: in these gusts the ship does not come through")
         return voyage
 
-    def _pushes(self, draw: np.random.Generator) -> list[list[tuple[float, float]]]:
+    @property
+    def _length_time(self) -> float:
+        """Time of a ship length [s]."""
+        return self.truth.configuration.ship.length / self.u
+
+    def _pushes(self, draw: np.random.Generator) -> dict[str, list[tuple[float, float]]]:
         """Sway force and yaw moment through the transit: wind, gusts, and ships that pass."""
-        told, times = self.conditions, np.arange(0.0, self.duration, PUSH_STEP)
-        gusts = wandering(1.0, told.gust_time, PUSH_STEP, len(times), draw, 2) @ told.gust_push(self.truth).T
+        told, step = self.conditions, min(PUSH_STEP, self.conditions.gust_time / GUST_PIECES)
+        times = np.arange(0.0, self.duration, step)
+        gusts = wandering(1.0, told.gust_time, step, len(times), draw, 2) @ told.gust_push(self.truth).T
         pushes = gusts + draw.standard_normal(2) * told.steady_push(self.truth)
         for passed in self.passes:
             pushes += _passing(self.truth, self.u, times - passed)
-        return [list(zip(times.tolist(), column, strict=True)) for column in pushes.T.tolist()]
+        return {
+            name: list(zip(times.tolist(), column, strict=True))
+            for name, column in zip("YN", pushes.T.tolist(), strict=True)
+        }
 
 
 def _passing(model: Model, u: float, since: np.ndarray) -> np.ndarray:

@@ -1,7 +1,7 @@
 """``foresee``: how tight the bank's coefficients will get after some transits, and which excursions would help most."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -9,23 +9,27 @@ import numpy as np
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, check_count
 from narrows.logbook import settings
-from narrows.logbook.learned_coefficient import learnable
-from narrows.logbook.learning.foretold import expected_information
+from narrows.logbook.filtering.gauss_markov import SWAY, YAW
+from narrows.logbook.filtering.search import FIRST_PASSES, scored
+from narrows.logbook.learned_coefficient import ON_TWINS, learnable
 from narrows.logbook.learning.log_posterior import expected_std
-from narrows.logbook.learning.posed_log import posed_log
+from narrows.logbook.learning.posed_log import PosedLog, posed_log
 from narrows.logbook.sensor_grades import SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.steady_legs.learn_steady import check_covariance
 from narrows.logbook.steady_legs.plan_steady import usual_offsets, usual_speeds
-from narrows.logbook.transits.planned_transit import Excursion, ForeseenTransit, Foresight, PlannedTransit
 from narrows.logbook.transits.transit_conditions import TransitConditions
-from narrows.logbook.transits.transit_twins import recorded
+from narrows.logbook.transits.transit_twins import ROUTINE, Excursion, TransitTwin, recorded
 from narrows.model.model import Model
 from narrows.progress import bar, is_shown
+from narrows.quantities.names import KNOT
+from narrows.results import BaseResult
 from narrows.safety.envelope import safe_envelope
 from narrows.simulation.inputs import check_waterway, finite_numbers
 
 if TYPE_CHECKING:
+    import pandas as pd
+
     from narrows.waterway.waterway import Waterway
 
 TRANSITS = (1, 5, 20)
@@ -38,6 +42,130 @@ NOWHERE = (
     "No excursion is looked at: the safe envelope lets this ship off the middle nowhere at {:.3g} m/s with what is "
     "known now; hold steady legs first (plan_steady), or sail routine transits and ask again."
 )
+TOO_COARSE = (
+    "what these sensors read leaves a ship of this size anywhere in its canal, and no fit could follow it; give a "
+    "grade of sensors that are finer"
+)
+LEAST = 0.01  # of usual gusts, how strong gusts are taken to be at least
+
+
+@dataclass(frozen=True)
+class ForeseenTransit:
+    """Expected information of transits of one kind."""
+
+    excursion: Excursion  # Excursion from the middle; the first kind has none
+    std: Mapping[str, np.ndarray]  # (transits,) Standard error of each target after so many, in the coefficient's unit
+
+
+@dataclass(frozen=True, repr=False)
+class Foresight(BaseResult):
+    """Expected standard errors of coefficients.
+
+    Parameters
+    ----------
+    kinds : tuple of ForeseenTransit
+        Routine first, then with excursions; only routine where none is safe.
+    transits : tuple of int
+        How many are sailed.
+    targets : tuple of str
+        The coefficients.
+    prior_std : mapping of str to float
+        Their standard errors now.
+    model : Model
+        The ship.
+    grade : SensorGrade
+        Its sensors.
+    conditions : TransitConditions
+        Wind, gusts, wander of the aim.
+    u : float [m/s]
+        Through the water.
+    duration : float [s]
+        Duration of a transit.
+    safe_offset : float [m]
+        How far off the middle the safe envelope lets it go on purpose.
+    reasons : tuple of str
+        Why nothing is foretold, why no excursion is among the kinds.
+    """
+
+    kinds: tuple[ForeseenTransit, ...]
+    transits: tuple[int, ...]
+    targets: tuple[str, ...]
+    prior_std: Mapping[str, float]
+    model: Model
+    grade: SensorGrade
+    conditions: TransitConditions
+    u: float
+    duration: float
+    safe_offset: float
+    reasons: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        return f"<Foresight of {', '.join(self.targets)} by sensors {self.grade.name}>"
+
+    @property
+    def best(self) -> ForeseenTransit | None:
+        """The kind that leaves least of the targets after the fewest transits; None where nothing is foretold."""
+        return min(self.kinds, key=self._left, default=None)
+
+    def _left(self, kind: ForeseenTransit) -> float:
+        return float(
+            sum((kind.std[name][0] / self.prior_std[name]) ** 2 for name in self.targets if self.prior_std[name])
+        )
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Reasons for missing forecasts, and assumptions."""
+        taken = (
+            f"Taken for granted: {self.conditions.summary()}; sensors {self.grade.summary()}; the terms of the model, "
+            "the banks where the chart has them but for a zero, wind and zeros of each transit its own, no other ship."
+        )
+        return (*self.reasons, taken, ON_TWINS)
+
+    def summary(self) -> str:
+        """Expected error of each target by routine transits, and the most informative excursion."""
+        if not self.kinds:
+            return "\n".join((*self.reasons, ON_TWINS))
+        routine, best = self.kinds[0], self.best
+        after = " and ".join(map(str, self.transits))
+        gains = "; ".join(
+            f"{name} from {self.prior_std[name]:.2g} to {', '.join(f'{std:.2g}' for std in routine.std[name])}"
+            for name in self.targets
+        )
+        lines = [f"Standard errors after {after} routine transits of {self.duration / 60:.0f} minutes at "
+                 f"{self.u / KNOT:.3g} knots, sensors {self.grade.name}: {gains}."]  # fmt: skip
+        if best is not None and best is not routine:
+            helped = ", ".join(
+                f"{name} {best.std[name][0]:.2g} instead of {routine.std[name][0]:.2g}" for name in self.targets
+            )
+            lines.append(f"Most is gained by {best.excursion.words}: after {self.transits[0]}, {helped}.")
+        return "\n".join((*lines, *self.reasons, ON_TWINS))
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Give a row for each kind and number of transits, with the standard error of each target."""
+        return [
+            {"excursion": kind.excursion.words, "offset": kind.excursion.offset, "transits": count}
+            | {f"std {name}": float(kind.std[name][i]) for name in self.targets}
+            for kind in self.kinds for i, count in enumerate(self.transits)
+        ]  # fmt: skip
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the rows as a table."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows())
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name."""
+        return {
+            "summary": self.summary(),
+            "speed": self.u / KNOT,
+            "duration": self.duration,
+            "sensors": self.grade.name,
+            "safe_offset": self.safe_offset,
+            "targets": dict(self.prior_std),
+            "kinds": self.rows(),
+            "notes": list(self.notes),
+        }
 
 
 def foresee(
@@ -105,14 +233,14 @@ def foresee(
 
 def _plan(
     model: Model, waterway: "Waterway | None", u: float | None, duration: float | None, conditions: TransitConditions
-) -> PlannedTransit:
+) -> TransitTwin:
     speed = float(usual_speeds(model)[0]) if u is None else finite_numbers(u=u)["u"]
     if speed <= 0:
         raise InputError(f"u = {speed:g} m/s is no speed ahead; give one over 0")
     lasting = _duration(waterway, speed) if duration is None else finite_numbers(duration=duration)["duration"]
     if not 0 < lasting <= settings.MOST_TIME:
         raise InputError(f"a transit of {lasting:g} s is none; give a duration over 0, to {settings.MOST_TIME:g}")
-    return PlannedTransit(model, speed, lasting, conditions, waterway)
+    return TransitTwin(model, speed, lasting, conditions, waterway=waterway)
 
 
 def _counts(transits: int | Sequence[int]) -> tuple[int, ...]:
@@ -131,7 +259,7 @@ def _within(offset: float) -> float:
 
 
 class _Asked(NamedTuple):
-    plan: PlannedTransit
+    plan: TransitTwin
     grade: SensorGrade
     names: tuple[str, ...]
     transits: tuple[int, ...]
@@ -140,8 +268,8 @@ class _Asked(NamedTuple):
 
 def _kinds(asked: _Asked, safe: float) -> tuple[tuple[ForeseenTransit, ...], tuple[str, ...]]:
     """Expected information of routine transits and of each possible excursion; why others are left out."""
-    kinds, reasons = [_foreseen(asked, Excursion("routine"))], []
-    for excursion in excursions(safe, asked.plan.model.configuration.ship.length / asked.plan.u):
+    kinds, reasons = [_foreseen(asked, ROUTINE)], []
+    for excursion in excursions(safe, asked.plan.truth.configuration.ship.length / asked.plan.u):
         try:
             kinds.append(_foreseen(asked, excursion))
         except InputError as error:
@@ -184,11 +312,11 @@ def _foreseen(asked: _Asked, excursion: Excursion) -> ForeseenTransit:
 def _expected_std(asked: _Asked, excursion: Excursion, number: int) -> list[list[float]]:
     """Standard errors after transits like one, (counts, names)."""
     plan = asked.plan
-    record = recorded(f"transit {number}", plan.sailed(excursion, number), asked.grade, number, current=0.0)
-    posed = posed_log(plan.model, ShipLog((record,), plan.waterway), asked.grade, gusts=True)
-    push = plan.conditions.gust_push(plan.model)
+    record = recorded(f"transit {number}", plan.sailed(number, excursion), asked.grade, number, current=0.0)
+    posed = posed_log(plan.truth, ShipLog((record,), plan.waterway), asked.grade, gusts=True)
+    push = plan.conditions.gust_push(plan.truth)
     told = expected_information(posed, push @ push.T, plan.conditions.gust_time)
-    after = [expected_std(plan.model, posed.before, posed.problem, count * told) for count in asked.transits]
+    after = [expected_std(plan.truth, posed.before, posed.problem, count * told) for count in asked.transits]
     return [[one[name] for name in asked.names] for one in after]
 
 
@@ -211,3 +339,23 @@ def _narrowest(model: Model, waterway: "Waterway | None") -> Model:
     canal = min(canals, key=lambda one: one.width)
     depth = canal.depth if canal.depth is not None else model.configuration.canal.depth
     return replace(model, configuration=replace(model.configuration, canal=replace(canal, depth=depth)))
+
+
+def expected_information(posed: PosedLog, gusts: np.ndarray, memory: float) -> np.ndarray:
+    """Return the information of records at the prior mean, with gusts of covariance (2, 2) and memory [s], (P, P)."""
+    problem = posed.problem
+    unknowns, usual = np.zeros(len(problem.precision)), {one.name: one for one in problem.model.processes}
+    size = np.sqrt(np.diag(gusts)) / problem.inertia.at(problem.prior.mean)[1:]
+    strong = dict(zip((SWAY, YAW), size.tolist(), strict=True))
+    for place, (of, names, _) in enumerate(problem.model.estimated, start=problem.count):
+        if of == "std" and names[0] in strong:
+            unknowns[place] = np.log(max(strong[names[0]] / usual[names[0]].std, LEAST))
+        elif of == "memory" and SWAY in names:
+            unknowns[place] = np.log(memory / usual[SWAY].memory)
+        elif of == "correlation":
+            product = max(float(np.sqrt(gusts[0, 0] * gusts[1, 1])), np.finfo(float).tiny)
+            unknowns[place] = np.arctanh(np.clip(gusts[0, 1] / product, -0.99, 0.99))
+    found = scored(problem, posed.source, unknowns, [], FIRST_PASSES)
+    if found is None:
+        raise InputError(TOO_COARSE)
+    return found.information
