@@ -1,7 +1,10 @@
 """The bottom ends voyages: continuity and energy in one dimension by a root finder; fleet, columns and voyage alike."""
 
+import runpy
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,6 +15,7 @@ from scipy.optimize import brentq
 import narrows as nw
 from narrows.model.water import speeds_afloat, water_under_way
 from narrows.simulation import kernel_run
+from narrows.warning.monitoring import bridge_monitor
 from narrows.waterway import Bank, Centreline, Waterway
 
 G, MIDSHIP = 9.81, 0.98
@@ -153,3 +157,27 @@ def test_no_ship_is_clear_of_the_bottom_at_a_speed_that_touches_it_in_a_voyage(b
     assert nw.squat(configuration, 0.999 * float(afloat.touching), "largest").sinkage >= 0.99 * (
         12.0 - configuration.ship.draft
     )
+
+
+@pytest.mark.parametrize("waterway", [None, way(depths=SHALLOWS)])
+def test_an_exported_file_says_that_it_knows_no_bottom(waterway: Any, tmp_path: Path) -> None:
+    """From the speed that ends voyages; along a waterway from that of its shallowest place."""
+    nw.export.write_python(kcs(), tmp_path / "ship.py", waterway=waterway)
+    canal = kcs().configuration.canal
+    least = least_speed(canal.width, canal.depth) if waterway is None else least_speed(120.0, 11.0)
+    ship, told = runpy.run_path(str(tmp_path / "ship.py")), (tmp_path / "ship.py").read_text()
+    assert f"This file knows no bottom. From {least:.4g} m/s" in " ".join(told.split())
+    state = ship["rest"]()
+    for share, bit in ((0.999, 0), (1.001, 128), (-1.001, 128)):
+        state[ship["U"]] = share * least
+        assert int(ship["beyond"](state)) & 128 == bit
+    nw.export.write_python(kcs(width=300.0), tmp_path / "deep.py")
+    assert "This file knows no bottom." in (tmp_path / "deep.py").read_text()
+
+
+def test_a_bridge_is_told_that_its_forecast_knows_no_bottom() -> None:
+    waterway = way(depths=SHALLOWS)
+    for speed in (0.99, 1.01):
+        now = {"x": 3000.0, "y": 0.0, "psi": 0.0, "u": speed * least_speed(120.0, 11.0)}
+        told = bridge_monitor.extrapolations(kcs(), waterway, SimpleNamespace(values=now))
+        assert any("touches the bottom" in sentence for sentence in told) == (speed > 1)

@@ -104,7 +104,7 @@ class CompiledShip:
 
     def lie_in(self, sections: np.ndarray, nodes: int, told: int | None = None) -> tuple[np.ndarray, np.ndarray]:
         """Sail from now on in a waterway that is filled by sections, of so many nodes as told; its table and track."""
-        self.water = np.zeros(16 * (nodes - 1)), np.zeros(9 * (nodes + 2))
+        self.water = np.zeros(18 * (nodes - 1)), np.zeros(9 * (nodes + 2))
         rows = np.ascontiguousarray(sections, float)
         self.library.of_sections(pointer(rows), len(rows), nodes if told is None else told, *map(pointer, self.water))
         return self.water

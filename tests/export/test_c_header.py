@@ -148,11 +148,11 @@ def test_a_waterway_filled_in_c_is_that_of_python(ships: Any) -> None:
     """By the walls, depths and curvatures of every node: the same table, the same line and banks, the same voyages."""
     ship, water = ships("steered", True), along_waterway(bent("steered"), model_of("steered"), "corners").water
     cells = water.table.reshape(-1, len(COLUMNS), 2)
-    nodes = np.concatenate([cells[:, :, 0], cells[-1:].sum(axis=2)])[:, [0, 1, 2, 3, 6, 7]]
+    nodes = np.concatenate([cells[:, :, 0], cells[-1:].sum(axis=2)])[:, [0, 1, 2, 3, 7, 8]]
     along = np.linspace(0.0, bent("steered").line.length, len(nodes))
     try:
         table, track = ship.lie_in(np.column_stack([along, nodes]), len(nodes))
-        close(np.delete(table.reshape(cells.shape), (4, 5), axis=1), np.delete(cells, (4, 5), axis=1), 1e-12)
+        close(np.delete(table.reshape(cells.shape), (5, 6), axis=1), np.delete(cells, (5, 6), axis=1), 1e-12)
         close(track, water.track, 1e-12)
         voyages_agree(ship, "steered", bent("steered"), "corners")
     finally:

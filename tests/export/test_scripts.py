@@ -18,6 +18,7 @@ from exported import STEERED, bent, model_of, speed_of, states
 
 import narrows as nw
 from narrows.model.data_range import DataRange
+from narrows.model.water import speeds_afloat
 from narrows.terms.term import TermKind
 
 CASES = [("own", False), ("steered", True)]
@@ -117,7 +118,8 @@ def bits(state: np.ndarray) -> int:
     """By the rule of the package, a measure at a time."""
     _, y, cosine, sine, u, _, r = state
     sizes = {"speed": u, "abs_y": abs(y), "abs_psi": abs(np.arctan2(sine, cosine)), "abs_r": abs(r)}
-    return sum(bit * bool(BOUNDED.outside(name, sizes[name])) for name, bit in zip(sizes, (1, 2, 4, 8), strict=True))
+    out = sum(bit * bool(BOUNDED.outside(name, sizes[name])) for name, bit in zip(sizes, (1, 2, 4, 8), strict=True))
+    return out + 128 * bool(abs(u) > min(speeds_afloat(model_of("paper").configuration.values())))
 
 
 def test_beyond_the_tests_in_python_and_javascript(tmp_path: Path) -> None:

@@ -1,6 +1,8 @@
 """A propeller whose thrust is known ahead alone: at no door does it push the ship ahead when it turns astern."""
 
 import importlib.util
+import runpy
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -8,6 +10,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
+from narrows.model.data_range import DataRange
 
 KVLCC2 = nw.published("yasukawa2015_kvlcc2")
 FREE = {"u": 1.0, "surge": "free", "contact": "none", "duration": 5.0, "dt": 0.1}
@@ -75,6 +78,28 @@ def test_way_astern_is_noted_of_voyages_and_fleets() -> None:
     assert "astern" not in nw.simulate(model, u=1.0, **told).summary()
     fleet = nw.ensemble(model, u=[1.0, -1.0], **told)
     assert "50.0% of these voyages begin or end with a way astern outside the data (ahead alone)." in fleet.notes
+    tested = replace(model, data_range=DataRange(speed=(0.5, 1.0)))
+    assert "way astern of -1 m/s is outside the data (0.5 to 1 m/s)" in nw.simulate(tested, u=-1.0, **told).summary()
     backed = nw.simulate(KVLCC2, u=0.1, surge="free", contact="none", X=-2000.0, duration=20.0, dt=0.1)
     assert backed.u[-1] < 0
     assert "astern" in " ".join(backed.notes)
+
+
+def test_way_astern_is_noted_at_the_other_doors(tmp_path: Path) -> None:
+    """Or refused: steady courses, envelopes and helms are those of a ship ahead."""
+    model = nw.published("mikkelsen2025_dtc")
+    words = "Beyond the data: way astern -1 m/s; they covered ahead alone."
+    force = nw.bank_force(model, 0.5, 0.0, -1.0)
+    assert (words in force.notes, int(force.beyond) & 1) == (True, 1)
+    assert words in nw.stability(model, u=-1.0).notes
+    assert "astern" not in nw.stability(model, u=1.0).notes
+    nw.export.write_python(model, tmp_path / "ship.py")
+    ship = runpy.run_path(str(tmp_path / "ship.py"))
+    state = ship["rest"]()
+    for speed, bit in ((-1.0, 1), (1.0, 0)):
+        state[ship["U"]] = speed
+        assert int(ship["beyond"](state)) == bit
+    kcs = nw.published("estimated_kcs")
+    for refused in (nw.steady_course, lambda one, u: nw.safe_envelope(one, u=np.array([u]))):
+        with pytest.raises(nw.InputError, match="over 0"):
+            refused(kcs, u=-1.0)

@@ -11,14 +11,15 @@ import numpy as np
 import sympy
 from sympy import Float
 
-from narrows.codegen.choices import TIME
+from narrows.codegen.choices import AFLOAT_SPEED, TIME
 from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, SURGE_INERTIA, Expr
 from narrows.codegen.lines import Program, real
 from narrows.codegen.portable import ORDERED, Portable
 from narrows.codegen.system import DEFAULTS
 from narrows.errors import InputError
-from narrows.export.passport import passport
+from narrows.export.passport import BEYOND, passport
 from narrows.files import is_stream
+from narrows.model.water import BOUNDLESS
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Quantity
 from narrows.simulation.channel import Channel, along_waterway, limits_of, straight_channel
 from narrows.simulation.settings import NEAR_THE_BANK
@@ -196,8 +197,20 @@ class ExportedShip:
             "KEPT": len(self.portable.kept),
         }  # fmt: skip
 
+    @cached_property
+    def afloat_speed(self) -> float:
+        """Least speed through the water at which the ship touches the bottom or chokes a section [m/s]."""
+        if self.waterway is None:
+            return float(straight_channel(self.ship.values(), self.ship.shape, bottom=True).inputs[AFLOAT_SPEED])
+        channel = along_waterway(self.waterway, self.ship.model, self.ship.shape, bottom=True)
+        first, rise = channel.water.table.reshape(int(channel.inputs["last_cell"]) + 1, -1)[:, -2:].T
+        return float(np.minimum(first, first + rise).min())
+
     def about(self) -> Iterator[str]:
-        return passport(self.ship.model)
+        yield from passport(self.ship.model)
+        fast, bit = self.afloat_speed, BEYOND["bottom"][0]
+        until = f" From {fast:.4g} m/s the ship touches it or chokes the section: voyages go on, beyond has {bit}."
+        yield "This file knows no bottom." + (until if fast < BOUNDLESS else "")
 
 
 def prefix_of(path: str | Path) -> str:

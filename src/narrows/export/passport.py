@@ -14,6 +14,8 @@ from narrows.model.model import Model
 
 # Quantities that move in a voyage, by their bit in the sum ``beyond``.
 BEYOND = {name: (MEASURES[name].bit, MEASURES[name].short) for name in ("speed", "abs_y", "abs_psi", "abs_r")}
+# A speed at which the ship touches the bottom or chokes the section, which ends a voyage of ``simulate``.
+BEYOND |= {"bottom": (128, "bottom")}
 # Inputs of the bank's force, by size in the unit of the range.
 ASKED_OF_BANK = ("speed", "abs_y", "abs_psi", "width_to_beam", "depth_to_draft")
 LICENCE = "This file may be used, changed and passed on freely, for any purpose, without warranty."
@@ -67,7 +69,7 @@ def ends_of_data(model: Model, names: Iterable[str]) -> dict[str, tuple[int, flo
     ends, ship = {}, model.configuration.ship
     scales = {"width_to_beam": ship.beam, "depth_to_draft": ship.draft}
     for name in names:
-        pair = getattr(model.data_range, name)
+        pair = model.data_range.range_of(name)
         if pair is not None:
             (low, high), scale = tolerated(pair), scales.get(name, 1.0)
             ends[name] = (MEASURES[name].bit, scale * low, scale * high)

@@ -137,9 +137,11 @@ def _tested(
     exported: ExportedShip, language: Language, sizes: Mapping[str, str]
 ) -> Iterator[tuple[str, int, str, str]]:
     """Comparison of a state with the data: the size, its bit, the limits."""
-    for name, (bit, low, high) in ends_of_data(exported.ship.model, BEYOND).items():
+    for name, (bit, low, high) in ends_of_data(exported.ship.model, sizes).items():
         size = language.called("abs", sizes[name]) if name.startswith("abs") else sizes[name]
         yield size, bit, language.literal(low), language.literal(high)
+    fast, afloat = language.called("abs", sizes["speed"]), language.literal(exported.afloat_speed)
+    yield fast, BEYOND["bottom"][0], language.literal(0.0), afloat
 
 
 def rendered(template: str, exported: ExportedShip, language: Language, **told: Any) -> str:

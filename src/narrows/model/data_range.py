@@ -36,6 +36,9 @@ MEASURES = {
     "depth_to_draft": Measure("h/T", "", 1.0, "depth", 32),
     "width_to_beam": Measure("W/B", "", 1.0, "width", 16),
 }
+# Motion astern: the forms of banks, hull and rudder hold ahead only, so that an unknown range of speeds is any ahead.
+ASTERN = Measure("way astern", "m/s", 1.0, "speed", 1)
+AHEAD = (0.0, 1000.0)
 
 
 @dataclass(frozen=True)
@@ -70,6 +73,30 @@ class DataRange:
     depth_to_draft: Range | None = None
     width_to_beam: Range | None = None
 
+    def range_of(self, name: str) -> Range | None:
+        """Return a range; None if it is unknown. An unknown range of speeds is that of all speeds ahead.
+
+        Parameters
+        ----------
+        name : str
+            As for ``outside``.
+        """
+        known: Range | None = getattr(self, name)
+        return AHEAD if known is None and name == "speed" else known
+
+    def shown(self, name: str, measures: Mapping[str, Measure] = MEASURES) -> str:
+        """Return a range in words.
+
+        Parameters
+        ----------
+        name : str
+            As for ``outside``.
+        measures : mapping, optional
+            Words and units by name.
+        """
+        covered = self.range_of(name) or (-math.inf, math.inf)
+        return "ahead alone" if covered == AHEAD else measures[name].shown(*covered)
+
     def outside(self, name: str, values: Number) -> Number:
         """Return whether each value lies outside the range of the data; False if the range is unknown.
 
@@ -80,7 +107,7 @@ class DataRange:
         values : number
             Values in its unit.
         """
-        low, high = tolerated(getattr(self, name) or (-np.inf, np.inf))
+        low, high = tolerated(self.range_of(name) or (-np.inf, np.inf))
         return np.logical_or(values < low, values > high)
 
     def covers(self, name: str, values: Number) -> Number:
@@ -102,6 +129,11 @@ def tolerated(covered: Range) -> Range:
     return low - SLACK * abs(low), high + SLACK * abs(high)
 
 
+def measure_of(name: str, values: Number, measures: Mapping[str, Measure] = MEASURES) -> Measure:
+    """Return the measure of a quantity: motion astern is named."""
+    return ASTERN if name == "speed" and np.any(np.asarray(values) < 0) else measures[name]
+
+
 def sum_beyond(known: DataRange, asked: Mapping[str, Number]) -> Number:
     """Return the quantities outside the data, as a sum of the bits of ``MEASURES``."""
     bits: Number = 0
@@ -116,12 +148,12 @@ def extrapolation(
     """Return one sentence for each quantity outside the data."""
     sentences = []
     for name, values in ((name, np.asarray(value, float)) for name, value in asked.items()):
-        covered, measure = getattr(known, name), measures[name]
-        if covered is None and unknown:
+        measure = measure_of(name, values, measures)
+        if getattr(known, name) is None and unknown and measure is not ASTERN:
             sentences.append(
                 f"Not known whether tested: the model gives no range of {measure.words} that its data covered."
             )
         elif np.any(known.outside(name, values)):
             there = measure.shown(float(np.min(values)), float(np.max(values)))
-            sentences.append(f"Beyond the data: {measure.words} {there}; they covered {measure.shown(*covered)}.")
+            sentences.append(f"Beyond the data: {measure.words} {there}; they covered {known.shown(name, measures)}.")
     return tuple(sentences)

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from narrows.model.data_range import MEASURES, DataRange, Measure, extrapolation
+from narrows.model.data_range import DataRange, Measure, extrapolation, measure_of
 from narrows.model.model import Model
 from narrows.quantities.names import Number
 
@@ -169,9 +169,6 @@ def _feature(geometry: Mapping[str, object], properties: Mapping[str, object]) -
     return {"type": "Feature", "properties": properties, "geometry": geometry}
 
 
-# Motion astern, if the model does not give the speeds of its tests: bank and rudder forces are known ahead only.
-ASTERN = Measure("way astern", "m/s")
-
 # A sentence on a measure: its words, the range of the data in words, a mask of values outside, the values.
 Sentence = Callable[[Measure, str, Any, Any], str]
 
@@ -190,8 +187,10 @@ def section_ratios(values: Mapping[str, Number], banks: bool) -> dict[str, Numbe
 
 
 def section_notes(model: Model, values: Mapping[str, Number], banks: bool = True) -> tuple[str, ...]:
-    """Return notes on a section outside the tested range, for results that are no voyage."""
-    return extrapolation(model.data_range, section_ratios(values, banks))
+    """Return notes on a section outside the tested range and on motion astern, for results that are no voyage."""
+    astern = np.minimum(np.asarray(values.get("u", 0.0)), 0.0)
+    backwards = {"speed": astern} if astern.any() else {}
+    return extrapolation(model.data_range, {**section_ratios(values, banks), **backwards})
 
 
 def outside_notes(known: DataRange, moments: Sequence[Mapping[str, Any]], sentence: Sentence) -> Iterator[str]:
@@ -199,7 +198,5 @@ def outside_notes(known: DataRange, moments: Sequence[Mapping[str, Any]], senten
     for name, values in moments[0].items():
         outside = reduce(np.logical_or, [known.outside(name, moment[name]) for moment in moments])
         if np.any(outside):
-            yield sentence(MEASURES[name], MEASURES[name].shown(*getattr(known, name)), outside, values)
-    astern = reduce(np.logical_or, [moment["speed"] < 0 for moment in moments])
-    if known.speed is None and np.any(astern):
-        yield sentence(ASTERN, "ahead alone", astern, moments[0]["speed"])
+            there = np.concatenate([np.ravel(moment[name]) for moment in moments])
+            yield sentence(measure_of(name, there), known.shown(name), outside, values)

@@ -8,9 +8,9 @@ from narrows.waterway.room import ROW, advanced_along
 Array = Any
 Filled = Any
 """An output array."""
-CELL_ENTRIES = 16
+CELL_ENTRIES = 18
 """Numbers per cell of the table."""
-CURVATURE, KEEL_STARBOARD, KEEL_PORT = 6, 12, 14
+STARBOARD, PORT, DEPTH, CURVATURE, FLOW, NEAR, KEEL_STARBOARD, KEEL_PORT = 0, 2, 4, 6, 8, 10, 14, 16
 """Their columns."""
 SECTION = 7
 """Numbers per section: along the line; starboard, port, depth, curvature, keel_starboard, keel_port."""
@@ -22,6 +22,7 @@ FAR_WIDTHS = 100.0
 
 def fill_cells(sections: Array, count: int, nodes: int, table: Filled) -> float:
     """Fill the cells from sections, linear in between, in order along the line; return the cell length [m]."""
+    discharge = (sections[1] + sections[2]) * sections[3]
     spacing = (sections[SECTION * (count - 1)] - sections[0]) / (nodes - 1)
     before = 0
     for node in range(nodes):
@@ -32,15 +33,22 @@ def fill_cells(sections: Array, count: int, nodes: int, table: Filled) -> float:
         share = (s - sections[row]) / (sections[row + SECTION] - sections[row])
         for column in range(1, SECTION):
             value = sections[row + column] + share * (sections[row + SECTION + column] - sections[row + column])
-            entry = CELL_ENTRIES * node + 2 * (column - 1) + (4 if column > 4 else 0)
-            if node < nodes - 1:
-                table[entry] = value
-            if node > 0:
-                table[entry - CELL_ENTRIES + 1] = value - table[entry - CELL_ENTRIES]
+            put_value(table, nodes, node, 2 * (column - 1) + (KEEL_STARBOARD - FLOW if column > 4 else 0), value)
+        wide = node_value(table, nodes, node, STARBOARD) + node_value(table, nodes, node, PORT)
+        put_value(table, nodes, node, FLOW, discharge / (wide * node_value(table, nodes, node, DEPTH)))
     for cell in range(nodes - 1):
-        for entry in range(8, 12):
+        for entry in range(NEAR, KEEL_STARBOARD):
             table[CELL_ENTRIES * cell + entry] = 0.0
     return spacing  # type: ignore[no-any-return]
+
+
+def put_value(table: Filled, nodes: int, node: int, column: int, value: float) -> None:
+    """Write a column's value at a node: the start of its cell, and the rise of the one before."""
+    entry = CELL_ENTRIES * node + column
+    if node < nodes - 1:
+        table[entry] = value
+    if node > 0:
+        table[entry - CELL_ENTRIES + 1] = value - table[entry - CELL_ENTRIES]
 
 
 def node_value(table: Array, nodes: int, node: int, column: int) -> float:

@@ -14,6 +14,8 @@ from narrows.estimation.estimator import Estimator
 from narrows.estimation.sensors import CourseOverGround, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
+from narrows.model.water import speeds_afloat
+from narrows.quantities.names import KNOT
 from narrows.warning import settings
 from narrows.warning.alerts.alert import (
     ANY_SENSOR,
@@ -169,6 +171,11 @@ class BridgeMonitor:
         return conditions
 
 
+NO_BOTTOM = (
+    "From {:.1f} knots the ship touches the bottom here by its squat, or chokes the section: no forecast has it."
+)
+
+
 def extrapolations(model: Model, waterway: Waterway, estimate: Estimate) -> tuple[str, ...]:
     """Return the conditions here and now that the model's tests did not cover."""
     ship, now = model.configuration.ship, estimate.values
@@ -176,7 +183,10 @@ def extrapolations(model: Model, waterway: Waterway, estimate: Estimate) -> tupl
     asked = {"speed": now["u"], "abs_y": abs(now["y"] - float(here.middle)), "abs_psi": abs(now["psi"])}
     asked |= {"width_to_beam": float(here.width) / ship.beam, "depth_to_draft": float(here.depth) / ship.draft}
     known = {name: value for name, value in asked.items() if math.isfinite(value)}
-    return tuple(extrapolation(model.data_range, known, unknown=True))
+    water = {**model.configuration.values(), "width": here.width, "depth": here.depth}
+    fastest = min(speeds_afloat(water)) if math.isfinite(here.depth) else math.inf
+    bottom = (NO_BOTTOM.format(fastest / KNOT),) if abs(now["u"]) > fastest else ()
+    return (*extrapolation(model.data_range, known, unknown=True), *bottom)
 
 
 def other_draft_or_depth(model: Model, waterway: Waterway, estimate: Estimate, heard: Messages) -> Condition:
