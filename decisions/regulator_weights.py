@@ -41,7 +41,7 @@ def main(ships: int = 250, rounds: int = 30) -> None:
         flown = [(share, flight.fly(weights)) for share, flight in tuning] if weights else [(1.0, None)]
         return sum(math.inf if one is None else share * cost_of(one) for share, one in flown)
 
-    found = weights_at(searched(cost, np.append(np.zeros(len(TUNED)), USUAL.bank), rounds, 1, lambda done: None))
+    found = weights_at(searched(cost, np.append(np.zeros(len(TUNED)), USUAL.bank), rounds, lambda done: None))
     print(found)
     for _, flight in flights(10 * ships, 99):
         for weights in (found, USUAL):

@@ -7,8 +7,8 @@ import numpy as np
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.settings import GROSS_ERROR_NIS, START_READINGS
 from narrows.estimation.ship_filter import Start
-from narrows.estimation.ship_lanes import ShipLanes
 from narrows.estimation.unscented import Gaussian, sigma_point_weights
+from narrows.simulation.ship_lanes import ShipLanes
 
 REFUSED, TINY = 1e12, 1e-12
 TURN = 2 * np.pi
@@ -31,7 +31,8 @@ class FiltersAbreast:
         self.size = len(self.filter.states)
         self.whole = self.size + self.filter.estimated
         self.spread = sigma_point_weights(self.whole)
-        self.lanes = ShipLanes(self.filter.ship, self.filter.states, count * (1 + 2 * self.whole), self.filter.waterway)
+        lanes = count * (1 + 2 * self.whole)
+        self.lanes = ShipLanes(self.filter.ship, self.filter.states.names, lanes, self.filter.waterway)
         self.left, noise = recursion.process.over(1.0)
         self.noise = noise.T @ noise
         layout = recursion._layout(tuple(self.filter.sensors))
@@ -77,11 +78,10 @@ class FiltersAbreast:
         moved = moved.reshape(count, 1 + 2 * pairs, self.whole)
         first, ahead, behind = moved[:, 0], moved[:, 1 : pairs + 1], moved[:, pairs + 1 :]
         off = ahead + behind - 2.0 * first[:, None]
-        shift = np.einsum("k,bkn->bn", spread.mean, off)
-        slopes, bends = (ahead - behind) * spread.slope, (off - 2.0 * shift[:, None]) * spread.slope
-        self.mean = first + shift
-        square = slopes.transpose(0, 2, 1) @ slopes + bends.transpose(0, 2, 1) @ bends
-        self.covariance = square + spread.centre * shift[:, :, None] * shift[:, None, :] + self.noise
+        total = off.sum(axis=1)
+        slopes, bends = (ahead - behind) * spread.slope, (off + spread.bend * total[:, None]) * spread.slope
+        self.mean = first + spread.mean * total
+        self.covariance = slopes.transpose(0, 2, 1) @ slopes + bends.transpose(0, 2, 1) @ bends + self.noise
         return lost
 
     def _sailed(self, points: np.ndarray, before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

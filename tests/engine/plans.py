@@ -8,10 +8,11 @@ from arguments import uncertain
 
 import narrows as nw
 from narrows.control import PredictiveHelm
-from narrows.control.predictive.planner import RudderPlan, RudderTurning
+from narrows.control.predictive.planner import RudderPlan
 from narrows.control.predictive.predictive_helm import VoyageOrders
 from narrows.control.predictive.push_estimate import no_push
 from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.ship_lanes import ActuatorRates
 from narrows.simulation.steering import steering_of
 
 SPEED, HOLD = 1.0, 0.6
@@ -55,7 +56,7 @@ def right_hand_side(casadi: Any, z: Any, rate: Any) -> Any:
     if hasattr(casadi.GlobalOptions, "setNumpyMode"):
         casadi.GlobalOptions.setNumpyMode(1)  # NumPy's functions give symbols of symbols, without a word
     simulated = SimulatedShip(ship())
-    law = steering_of(RudderTurning(np.zeros(2)), simulated.actuators).law
+    law = steering_of(ActuatorRates(("rudder",)), simulated.actuators).law
     system = simulated.system(law=law)
     y, psi, v, r, rudder = casadi.vertsplit(z)
     values = simulated.values()

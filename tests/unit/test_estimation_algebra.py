@@ -6,10 +6,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from narrows.estimation.recursion import gate, normalised_innovation_squared
-from narrows.estimation.smoothing import Stage, smoothed
+from narrows.estimation.ship_filter import MotionStep
+from narrows.estimation.smoothing import smoothed
 from narrows.estimation.unscented import (
     Gaussian,
-    downdated_root,
     innovation_covariance,
     predict,
     sigma_point_weights,
@@ -40,7 +40,7 @@ def measured_by(now: Gaussian, told: np.ndarray, seen: np.ndarray = SEEN, spread
     """The unscented step, for a measurement that is linear."""
     spread = spread or sigma_point_weights(SIZE)
     expected = unscented_transform(sigma_points(now.mean, now.root, spread) @ seen.T, spread)
-    covariance = innovation_covariance(expected, SIGMA, spread)
+    covariance = innovation_covariance(expected, SIGMA)
     return update(now, expected, told - expected.mean, covariance, SIGMA, spread)
 
 
@@ -83,7 +83,7 @@ def test_a_bent_system_has_the_filter_of_filterpy(alpha: float, beta: float, kap
         peer.update(told)
         now = predict(now, bent, noise, spread)[0]
         expected = unscented_transform(seen(sigma_points(now.mean, now.root, spread)), spread)
-        covariance = innovation_covariance(expected, SIGMA, spread)
+        covariance = innovation_covariance(expected, SIGMA)
         now = update(now, expected, told - expected.mean, covariance, SIGMA, spread)
     np.testing.assert_allclose(now.mean, peer.x, rtol=1e-7)
     np.testing.assert_allclose(now.covariance, peer.P, rtol=1e-6, atol=1e-9)
@@ -122,7 +122,7 @@ def test_the_smoother_is_batch_least_squares() -> None:
     now, stages = start, []
     for row in told:
         after, how = predict(now, moved, noise, sigma_point_weights(SIZE))
-        stages.append(Stage(now, how, after))
+        stages.append(MotionStep(now, after, how, False))
         now = measured_by(after, row)
     back = smoothed(stages, now)
     unknowns = SIZE * (steps + 1)
@@ -142,16 +142,20 @@ def test_the_smoother_is_batch_least_squares() -> None:
         np.testing.assert_allclose(spread, covariance[part, part], rtol=1e-7, atol=1e-9)
 
 
-@given(st.integers(0, 10**6), st.floats(0.0, 0.99))
+@given(st.integers(0, 10**6), st.floats(0.05, 1.0), st.floats(0.0, 3.0), st.floats(0.0, 3.0))
 @settings(max_examples=50, deadline=None)
-def test_a_downdate_is_taken_away_or_nothing_is(seed: int, share: float) -> None:
-    random = np.random.default_rng(seed)
-    root = np.tril(random.standard_normal((3, 3))) + 2.0 * np.eye(3)
-    direction = random.standard_normal(3)
-    column = share * root @ direction / np.linalg.norm(direction)
-    less = downdated_root(root, column)
-    np.testing.assert_allclose(less @ less.T, root @ root.T - np.outer(column, column), atol=1e-9)
-    assert downdated_root(root, 3.0 * root @ direction / np.linalg.norm(direction)) is root
+def test_the_weight_of_the_central_point_is_a_part_of_the_squares(
+    seed: int, alpha: float, beta: float, kappa: float
+) -> None:
+    """Covariances by van der Merwe's weights of every point, which may be negative for the central one."""
+    values = np.random.default_rng(seed).standard_normal((1 + 2 * SIZE, MEASURED))
+    found = unscented_transform(values, sigma_point_weights(SIZE, 0, alpha, beta, kappa))
+    pair = 0.5 / (alpha**2 * (SIZE + kappa))
+    off, centre = values - found.mean, 1 - 2 * SIZE * pair + 1 - alpha**2 + beta
+    covariance = centre * np.outer(off[0], off[0]) + pair * off[1:].T @ off[1:]
+    np.testing.assert_allclose(found.mean, values[0] + pair * (values[1:] - values[0]).sum(axis=0), rtol=1e-9)
+    squares = found.slopes.T @ found.slopes + found.bends.T @ found.bends
+    np.testing.assert_allclose(squares, covariance, rtol=1e-7, atol=1e-9 * pair)
 
 
 def test_a_root_of_too_few_rows_is_still_square() -> None:

@@ -1,11 +1,15 @@
 """Numbers of the estimator against scaling laws and hand computations; no filter runs here."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from narrows.estimation import Prior, ProcessNoise
+from narrows.estimation.filter_run import Records
 from narrows.estimation.recursion import DriftMonitor
-from narrows.estimation.smoothing import _held
+from narrows.estimation.smoothing import _positions
 from narrows.estimation.unscented import sigma_point_weights
 
 
@@ -31,11 +35,11 @@ def test_priors_of_another_ship_follow_froudes_law() -> None:
 def test_sigma_points_meet_the_fourth_moment_of_a_gaussian() -> None:
     """Along each axis E[x^2] = 1 and E[x^4] = 3, which root 3 alone does (Julier and Uhlmann, 1997)."""
     weights = sigma_point_weights(5)
-    second, fourth = (2 * weights.mean[0] * weights.distance[0] ** power for power in (2, 4))
+    second, fourth = (2 * weights.mean * weights.distance[0] ** power for power in (2, 4))
     assert (second, fourth) == pytest.approx((1.0, 3.0))
     assert weights.slope[0, 0] == pytest.approx(1 / (2 * np.sqrt(3.0)))
-    # van der Merwe's centre of the covariance: 1 - n / 3 + 1 - alpha^2 + beta with alpha = 1/2 and beta = 2.
-    assert weights.centre == pytest.approx(1 - 5 / 3 + 1 - 0.25 + 2)
+    # With n = 5, alpha = 1/2 and beta = 2: root(1 + (2 - 1/4) 5 / 3) = 1 + 5 bend.
+    assert weights.bend == pytest.approx((np.sqrt(1 + 1.75 * 5 / 3) - 1) / 5)
 
 
 def test_drifts_are_geometric_sums_of_innovations() -> None:
@@ -58,5 +62,6 @@ def test_errors_in_common_widen_the_sums_that_are_usual() -> None:
 
 def test_a_position_is_held_until_the_next_is_told() -> None:
     told = np.array([np.nan, 1.0, np.nan, 2.0, np.nan])
-    np.testing.assert_array_equal(_held(told, 7.0, 5), [7.0, 1.0, 1.0, 2.0, 2.0])
-    np.testing.assert_array_equal(_held(None, 3.0, 2), [3.0, 3.0])
+    filter: Any = SimpleNamespace(actuators=("rudder", "revolutions"), at_rest=np.array([7.0, 3.0]))
+    found = _positions(filter, Records(np.arange(5.0), {}, {"rudder": told}))
+    np.testing.assert_array_equal(found.T, [[7.0, 1.0, 1.0, 2.0, 2.0], [3.0] * 5])

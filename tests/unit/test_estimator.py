@@ -54,9 +54,9 @@ def estimator(*sensors: Any, **options: Any) -> Estimator:
 
 
 def lanes(count: int = 3, waterway: nw.Waterway | None = None) -> Any:
-    from narrows.estimation.ship_lanes import ShipLanes
+    from narrows.simulation.ship_lanes import ShipLanes
 
-    return ShipLanes(estimator().filter.ship, estimator().filter.states, count, waterway)
+    return ShipLanes(estimator().filter.ship, estimator().filter.states.names, count, waterway)
 
 
 STATE = {"x": 3.0, "y": 0.4, "psi": 0.03, "u": 1.0, "v": 0.02, "r": 0.01, "bank": 1.0}

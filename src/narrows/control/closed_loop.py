@@ -10,8 +10,8 @@ import numpy as np
 import xarray as xr
 
 from narrows.codegen.choices import COUNTED, TIME
+from narrows.control.linear_system import loop_margins
 from narrows.control.linearization import linearize
-from narrows.control.loop_margins import loop_margins
 from narrows.control.sensed_helm import SensedHelm
 from narrows.control.settings import (
     DELAY_DIGITS,
@@ -277,13 +277,7 @@ class ClosedLoop(BaseSummary):
         if self.poles()[0].real > 0:
             none = dict.fromkeys(("gain", "gain_down", "phase_deg", "delay", "distance"), 0.0)
             return {**none, "sensitivity_peak": math.inf}
-        unit = np.eye(len(A))
-
-        def response(omega: np.ndarray) -> np.ndarray:
-            z = np.exp(1j * omega * self.dt)[:, None, None]
-            return np.asarray(-(C @ np.linalg.solve(z * unit - A, np.broadcast_to(B, (len(omega), *B.shape))))[:, 0, 0])
-
-        return loop_margins(response, 1e-2 * slowest, math.pi / self.dt)
+        return loop_margins(A, B, -C, 1e-2 * slowest, math.pi / self.dt, self.dt)
 
     def tolerated_delay(self, seed: int = 0) -> float:
         """Return the longest additional dead time of the gear under which the ship keeps its line [s].

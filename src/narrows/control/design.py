@@ -2,7 +2,8 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from narrows.control.regulator_law import Regulator
 from narrows.control.settings import (
     DESIGN_JUDGES,
     DESIGN_STEP,
+    DESIGNS_A_ROUND,
     FLIGHT_LENGTHS,
     FULL_TRAVEL,
     OFF_SHARE,
@@ -128,8 +130,7 @@ def design(
 
     References
     ----------
-    Hansen and Ostermeier (2001), Completely derandomized self-adaptation in evolution strategies, Evolutionary
-    Computation 9(2), 159-195.
+    Nelder and Mead (1965), A simplex method for function minimization, The Computer Journal 7(4), 308-313.
     """
     check_rudder(model)
     if model.covariance is None:
@@ -148,7 +149,7 @@ def design(
         return math.inf if flown is None else cost_of(flown)
 
     with bar(rounds, progress) as advance:
-        best = searched(cost, np.append(np.zeros(len(TUNED)), USUAL.bank), rounds, seed, advance)
+        best = searched(cost, np.append(np.zeros(len(TUNED)), USUAL.bank), rounds, advance)
     weights = weights_at(best) or USUAL
     judge = Flights(flown, y, u, scenes, DESIGN_JUDGES * ships, seed + 1, noise)
     return RegulatorDesign(model, float(y), float(u), weights, _judged(judge, weights))
@@ -156,8 +157,6 @@ def design(
 
 def with_gear(model: Model, gear: SteeringGear) -> Model:
     """Return the model with another steering gear."""
-    from dataclasses import replace
-
     return replace(model, configuration=replace(model.configuration, steering=gear))
 
 
@@ -190,35 +189,18 @@ def _judged(flights: Flights, weights: RegulatorWeights) -> dict[str, dict[str, 
 
 
 def searched(
-    cost: Callable[[np.ndarray], float], start: np.ndarray, rounds: int, seed: int, advance: Callable[[int], Any]
+    cost: Callable[[np.ndarray], float], start: np.ndarray, rounds: int, advance: Callable[[int], Any]
 ) -> np.ndarray:
-    """Return the best point of an evolution strategy with an adapted covariance (CMA-ES)."""
-    random, n = np.random.default_rng(seed), len(start)
-    count = 4 + 2 * int(2 * math.log(n))
-    share = np.log(count / 2 + 0.5) - np.log(np.arange(1, count // 2 + 1))
-    share /= share.sum()
-    effective = 1 / (share**2).sum()
-    path_rate, step_rate = 4 / (n + 4), (effective + 2) / (n + effective + 5)
-    one = 2 / ((n + 1.3) ** 2 + effective)
-    several = min(1 - one, 2 * (effective - 2 + 1 / effective) / ((n + 2) ** 2 + effective))
-    expected = math.sqrt(n) * (1 - 1 / (4 * n) + 1 / (21 * n * n))
-    mean, size, covariance = start.copy(), DESIGN_STEP, np.eye(n)
-    path, step_path, best = np.zeros(n), np.zeros(n), (cost(start), start)
-    for _ in range(rounds):
-        lengths, axes = np.linalg.eigh(covariance)
-        moves = (random.standard_normal((count, n)) * np.sqrt(lengths)) @ axes.T
-        costs = np.array([cost(mean + size * move) for move in moves])
-        order = np.argsort(costs, kind="stable")
-        if costs[order[0]] < best[0]:
-            best = float(costs[order[0]]), mean + size * moves[order[0]]
-        chosen = moves[order[: count // 2]]
-        move = share @ chosen
-        mean = mean + size * move
-        whitened = axes @ ((axes.T @ move) / np.sqrt(lengths))
-        step_path = (1 - step_rate) * step_path + math.sqrt(step_rate * (2 - step_rate) * effective) * whitened
-        path = (1 - path_rate) * path + math.sqrt(path_rate * (2 - path_rate) * effective) * move
-        covariance = (1 - one - several) * covariance + one * np.outer(path, path)
-        covariance += several * (chosen.T * share) @ chosen
-        size *= math.exp(step_rate / (1 + step_rate) * (float(np.linalg.norm(step_path)) / expected - 1))
-        advance(1)
-    return best[1]
+    """Return the best point of a simplex search that stays away from infinite costs."""
+    from scipy.optimize import minimize
+
+    flown = count(1)
+
+    def counted(point: np.ndarray) -> float:
+        advance(int(next(flown) % DESIGNS_A_ROUND == 0))
+        return cost(point)
+
+    # The last number, the bank's share, moves down: it may be 1 already.
+    corners = start + np.vstack([np.zeros(len(start)), np.diag([*[DESIGN_STEP] * (len(start) - 1), -DESIGN_STEP])])
+    options: Any = {"maxfev": DESIGNS_A_ROUND * rounds, "initial_simplex": corners, "xatol": 1e-4, "fatol": 0.0}
+    return np.asarray(minimize(counted, start, method="Nelder-Mead", options=options).x)

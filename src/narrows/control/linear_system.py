@@ -1,13 +1,14 @@
 """The linear state-space system of a ship about a steady course, with named states and inputs."""
 
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.control.local_motion import MOVED, LocalMotion
-from narrows.control.loop_margins import loop_margins
+from narrows.control.settings import FREQUENCIES
 from narrows.errors import InputError, check_choice, needs
 from narrows.results import BaseResult
 
@@ -33,7 +34,7 @@ class LinearSystem(BaseResult):
     """A ship near its steady course: dx/dt = A x + B u + G d, exact in the limit of small x, u and d.
 
     x, u and d are deviations of state, controls and disturbances from the course. With several courses, the dimensions
-    of ``course`` come first in the matrices.
+    of ``course`` come first in the matrices; methods about one course then raise ``InputError``: take it by ``one``.
 
     Parameters
     ----------
@@ -113,11 +114,6 @@ class LinearSystem(BaseResult):
         ----------
         coefficients : mapping of str to array (samples,)
             Values by name.
-
-        Raises
-        ------
-        InputError
-            If there are several courses.
         """
         self._of_one(self.A)
         count = max(len(column) for column in coefficients.values())
@@ -138,11 +134,6 @@ class LinearSystem(BaseResult):
         """Return the modes of one course: growth rate, doubling or halving time, period, damping ratio, shape.
 
         The shape is the eigenvector with states in ship lengths and speeds, its largest entry 1.
-
-        Raises
-        ------
-        InputError
-            If there are several courses.
         """
         import pandas as pd
 
@@ -172,17 +163,14 @@ class LinearSystem(BaseResult):
         Raises
         ------
         InputError
-            If there is no such control, or there are several courses.
+            If there is no such control.
         """
         matrix, scales, time = self._of_one(self.A), self._scales(), self._time()
         A = time * matrix * scales / scales[:, None]
         B = self._of_one(self.B)[:, self._columns(controls)] / scales[:, None]
         sizes = np.linalg.norm(B, axis=0)
         step = B / np.where(sizes > 0, sizes, 1.0)
-        steps = [step]
-        for _ in range(len(A) - 1):
-            steps.append(A @ steps[-1])
-        reached = np.hstack(steps)
+        reached = np.hstack([np.linalg.matrix_power(A, power) @ step for power in range(len(A))])
         return int(np.linalg.matrix_rank(reached, tol=RANK_TOLERANCE * np.linalg.norm(reached, 2)))
 
     def margins(self, gains: Any, control: str = "rudder") -> dict[str, float]:
@@ -218,13 +206,7 @@ class LinearSystem(BaseResult):
             whole = np.zeros((count + 2, count + 2))
             whole[:count, :count], whole[count], whole[count + 1, self.states.index("y")] = A, -gains, 1.0
             A, B, C = whole, np.vstack([B, np.zeros((2, 1))]), -np.eye(count + 2)[count : count + 1]
-        unit = np.eye(len(A))
-
-        def response(omega: np.ndarray) -> np.ndarray:
-            right = np.broadcast_to(B, (len(omega), *B.shape))
-            return np.asarray((C @ np.linalg.solve(1j * omega[:, None, None] * unit - A, right))[:, 0, 0])
-
-        return loop_margins(response, LOWEST / self._time(), HIGHEST / self._time())
+        return loop_margins(A, B, C, LOWEST / self._time(), HIGHEST / self._time())
 
     def state_space(self) -> Any:
         """Return one course as a state space of python-control, with named states, inputs and outputs.
@@ -234,16 +216,14 @@ class LinearSystem(BaseResult):
         Raises
         ------
         InputError
-            If there are several courses, or python-control is not installed (``pip install narrows[control]``).
+            If python-control is not installed (``pip install narrows[control]``).
         """
         with needs("control", "state_space"):
             import control
-        inputs, count = (*self.controls, *self.disturbances), len(self.states)
+        inputs, states = [*self.controls, *self.disturbances], list(self.states)
         driven = np.hstack([self._of_one(self.B), self._of_one(self.G)])
-        return control.ss(
-            self._of_one(self.A), driven, np.eye(count), np.zeros((count, len(inputs))), states=list(self.states),
-            inputs=list(inputs), outputs=list(self.states), name="ship",
-        )  # fmt: skip
+        named: dict[str, Any] = {"inputs": inputs, "states": states, "outputs": states, "name": "ship"}
+        return control.ss(self._of_one(self.A), driven, np.eye(len(states)), 0, **named)
 
     def nonlinear(self) -> Any:
         """Return the nonlinear ship as a system of python-control, with the names of ``state_space``.
@@ -254,7 +234,7 @@ class LinearSystem(BaseResult):
         Raises
         ------
         InputError
-            If there are several courses, or python-control is not installed (``pip install narrows[control]``).
+            If python-control is not installed (``pip install narrows[control]``).
         """
         self._of_one(self.A)
         with needs("control", "nonlinear"):
@@ -268,26 +248,14 @@ class LinearSystem(BaseResult):
         return control.nlsys(update, None, inputs=inputs, states=states, outputs=states, name="ship")
 
     def operating_point(self) -> tuple[np.ndarray, np.ndarray]:
-        """Return absolute states and inputs of one course, for ``nonlinear``.
-
-        Raises
-        ------
-        InputError
-            If there are several courses.
-        """
+        """Return absolute states and inputs of one course, for ``nonlinear``."""
         self._of_one(self.A)
         names = (*self.controls, *self.disturbances)
         state, inputs = (np.array([float(self.course[name]) for name in part]) for part in (self.states, names))
         return state, inputs
 
     def latex(self) -> str:
-        """Write the system of one course in LaTeX, with four digits.
-
-        Raises
-        ------
-        InputError
-            If there are several courses.
-        """
+        """Write the system of one course in LaTeX, with four digits."""
         parts = ((self.A, self.states), (self.B, self.controls), (self.G, self.disturbances))
         rates = _column([rf"\Delta\dot{{{SYMBOLS.get(name, name)}}}" for name in self.states])
         products = [_matrix(self._without_rounding(matrix)) + " " + _changes(names) for matrix, names in parts]
@@ -340,11 +308,6 @@ class LinearSystem(BaseResult):
     def to_dataframe(self) -> "pd.DataFrame":
         """Return A, B and G of one course side by side: one row per rate, one column per state, control and
         disturbance.
-
-        Raises
-        ------
-        InputError
-            If there are several courses.
         """
         import pandas as pd
 
@@ -391,3 +354,47 @@ def _matrix(matrix: np.ndarray) -> str:
 def _number(value: float) -> str:
     digits, _, exponent = f"{value + 0.0:.{DIGITS}g}".partition("e")
     return rf"{digits} \cdot 10^{{{int(exponent)}}}" if exponent else digits
+
+
+def loop_margins(
+    A: np.ndarray, B: np.ndarray, C: np.ndarray, lowest: float, highest: float, dt: float = 0.0
+) -> dict[str, float]:
+    """Return the margins of an opened loop, with the sign of negative feedback; it is discrete if dt is over 0."""
+    # Astrom and Murray (2021), Feedback Systems, 2nd ed., section 10.3. Crossings between two frequencies of a fine
+    # grid are refined by bisection.
+    unit = np.eye(len(A))
+
+    def response(omega: np.ndarray) -> np.ndarray:
+        s = np.exp(1j * omega * dt) if dt else 1j * omega
+        right = np.broadcast_to(B, (len(omega), *B.shape))
+        return np.asarray((C @ np.linalg.solve(s[:, None, None] * unit - A, right))[:, 0, 0])
+
+    omega = np.geomspace(lowest, highest, FREQUENCIES)
+    loop = response(omega)
+
+    def crossings(value: Callable[[np.ndarray], np.ndarray], where: np.ndarray) -> np.ndarray:
+        signs = value(loop) > 0
+        first = np.flatnonzero((signs[1:] != signs[:-1]) & where[:-1])
+        low, high, start = omega[first], omega[first + 1], signs[first]
+        for _ in range(40):
+            middle = np.sqrt(low * high)
+            same = (value(response(middle)) > 0) == start if len(middle) else np.zeros(0, bool)
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        return np.sqrt(low * high)
+
+    at_one = crossings(lambda at: np.abs(at) - 1.0, np.ones(len(omega), bool))
+    # Phase crossing at half a turn: the imaginary part changes its sign while the real part is negative.
+    at_half_turn = crossings(np.imag, loop.real < 0)
+    factors = 1.0 / np.abs(response(at_half_turn)) if len(at_half_turn) else np.zeros(0)
+    phase = np.angle(-response(at_one)) if len(at_one) else np.zeros(0)
+    # A delay turns the loop clockwise: the delay margin is the clockwise angle to half a turn.
+    delays = np.mod(phase, 2 * math.pi) / at_one
+    distance = float(np.abs(1.0 + loop).min())
+    return {
+        "gain": float(factors[factors > 1].min(initial=math.inf)),
+        "gain_down": float(factors[factors < 1].max(initial=0.0)),
+        "phase_deg": float(np.degrees(np.abs(phase)).min(initial=math.inf)),
+        "delay": float(delays.min(initial=math.inf)),
+        "distance": distance,
+        "sensitivity_peak": 1.0 / distance,
+    }

@@ -75,7 +75,7 @@ def linearize(
     width, beam = given.get("width", water.width), given.get("beam", model.configuration.ship.beam)
     check_inside(asked["y"] - water.middle, width, beam)
     offsets, speeds = (part.ravel() for part in np.meshgrid(asked["y"], asked["u"], indexing="ij"))
-    motion, course = _steady(ship, water, offsets, speeds, given)
+    motion, course = steady_courses(ship, water, offsets, speeds, given)
     varied = {name: column for (name, column), told in zip(asked.items(), (y, u), strict=True) if np.ndim(told)}
     known = np.isfinite(course["rudder"]) if "rudder" in course else np.ones(1, bool)
     if not varied and not known.any():
@@ -107,7 +107,7 @@ def _checked(ship: SimulatedShip, values: Mapping[str, float]) -> dict[str, floa
     return finite_numbers(**values)
 
 
-def _steady(
+def steady_courses(
     ship: SimulatedShip, water: LocalWater, y: np.ndarray, u: np.ndarray, given: Mapping[str, float]
 ) -> tuple[LocalMotion, Columns]:
     """Solve for the steady courses, with the propeller's revolutions if the speed is free."""

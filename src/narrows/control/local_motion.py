@@ -26,14 +26,14 @@ WATER = ("current", "curvature")
 
 @dataclass(frozen=True)
 class LocalWater:
-    """The water at a place, assumed constant along the line."""
+    """The water at a place, or at many, assumed constant along the line."""
 
-    width: float  # Width of the section [m]
+    width: Any  # Width of the section [m]
     # Width and depth for the terms instead of the model's own canal [m]
-    sections: Mapping[str, float] = field(default_factory=dict)
-    middle: float = 0.0  # Middle of the section, to starboard of the line [m]
-    curvature: float = 0.0  # Curvature of that line, to starboard [1/m]
-    current: float = 0.0  # Current along it [m/s]
+    sections: Mapping[str, Any] = field(default_factory=dict)
+    middle: Any = 0.0  # Middle of the section, to starboard of the line [m]
+    curvature: Any = 0.0  # Curvature of that line, to starboard [1/m]
+    current: Any = 0.0  # Current along it [m/s]
 
 
 @dataclass(frozen=True)
@@ -70,23 +70,36 @@ class LocalMotion:
 
     def slopes(self, at: Mapping[str, Any]) -> dict[str, np.ndarray]:
         """Return the derivatives of the five rates by each quantity: a column (..., 5) by each name."""
-        linear = self.ship.linearisation(self.values)
         shifted = {**at, "y": at["y"] - self.water.middle} | {INPUTS[f]: at.get(f, 0.0) for f in FORCES}
-        matrix = linear.linear(shifted)
+        matrix = along_line(self.ship.linearisation(self.values).linear(shifted), at)
         names = (*LINEARISED, *FORCES, *(actuator.name for actuator in self.ship.actuators))
         felt = [LINEARISED.index(name) for name in MOVED]
         columns = {name: matrix[..., felt, index] for index, name in enumerate(names)}
-        ahead = {name: matrix[..., LINEARISED.index("x"), index] for index, name in enumerate(names)}
-        curvature, current = (np.asarray(at.get(name, 0.0), float) for name in ("curvature", "current"))
-        room, heading = 1 - curvature * at["y"], MOVED.index("psi")
-        speed = at["u"] * np.cos(at["psi"]) - at["v"] * np.sin(at["psi"]) + current
-        for name, column in columns.items():
-            column[..., heading] -= curvature / room * ahead[name]
-        columns["y"][..., heading] -= curvature**2 * speed / room**2
-        for name, slope in (("current", -curvature / room), ("curvature", -speed / room**2)):
+        curvature, pace, room = _along(at)
+        for name, slope in (("current", -curvature / room), ("curvature", -pace / room)):
             columns[name] = np.zeros((*matrix.shape[:-2], len(MOVED)))
-            columns[name][..., heading] = slope
+            columns[name][..., MOVED.index("psi")] = slope
         return columns
+
+
+def along_line(matrix: np.ndarray, at: Mapping[str, Any]) -> np.ndarray:
+    """Return derivatives of the rates in the frame of a curved line, (..., 6, n), from those in a straight frame."""
+    # The line turns under the ship by its curvature times the speed along it.
+    curvature, pace, room = _along(at)
+    if not np.any(curvature):
+        return matrix
+    x, y, psi = (LINEARISED.index(name) for name in ("x", "y", "psi"))
+    matrix = matrix.copy()
+    matrix[..., psi, :] -= np.asarray(curvature / room)[..., None] * matrix[..., x, :]
+    matrix[..., psi, y] -= curvature**2 * pace / room
+    return matrix
+
+
+def _along(at: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Curvature of the line, speed along it, and the share of its radius between centre and ship."""
+    curvature, current = (np.asarray(at.get(name, 0.0), float) for name in WATER[::-1])
+    room = 1 - curvature * at["y"]
+    return curvature, (at["u"] * np.cos(at["psi"]) - at["v"] * np.sin(at["psi"]) + current) / room, room
 
 
 def local_water(model: Model, waterway: "Waterway | None", at: float) -> LocalWater:

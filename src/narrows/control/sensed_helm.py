@@ -1,7 +1,7 @@
 """A controller with sensors and an estimator."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
@@ -10,12 +10,12 @@ import numpy as np
 
 import narrows
 from narrows.codegen.choices import WATER
-from narrows.control.predictive.line_frame import WaterAhead, water_ahead
+from narrows.control.predictive.line_frame import water_ahead
+from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.controllers import EARLY, ControlLaw, Order, VoyageState
 from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import steering_of
+from narrows.simulation.steering import WATER_PREFIX
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -23,35 +23,38 @@ if TYPE_CHECKING:
 
 @dataclass
 class LawOrders:
-    """Orders of a law in arithmetic, step by step, as a function of time and state."""
+    """Orders of a law in arithmetic, step by step, of one ship or of columns of ships."""
 
     model: Model
     law: ControlLaw
     dt: float
     waterway: "Waterway | None" = None
-    _memory: dict[str, Any] = field(init=False, default_factory=dict)
+    _memory: Mapping[str, Any] | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
-        ship = SimulatedShip(self.model)
-        steering = steering_of(self.law, ship.actuators)
-        assert steering is not None
-        self._tape, self._begin = steering.law.tape, steering.memory
-        ahead = water_ahead(self.model, self.waterway)
-        self._numbers = {**ship.values(), **steering.parameters, "step_length": self.dt}
-        self._functions = {**COLUMNS, **{name: _water(ahead, column) for name, column in WATER.items()}}
-        self._current = _water(ahead, "current")
+        self._ahead = water_ahead(self.model, self.waterway)
+        self._known = {**SimulatedShip(self.model).values(), **self.law.parameters(), "dt": self.dt}
+        self._known |= {"water": self._water}
 
     def __call__(self, t: float, state: VoyageState) -> float:
-        at: dict[str, Any] = {**state._asdict(), "t": t, "cos_psi": math.cos(state.psi), "sin_psi": math.sin(state.psi)}
-        at["current"] = float(self._current(state.x))
-        self._memory = self._memory or dict(self._begin(at))
-        found = self._tape.replay({**self._numbers, **at, **self._memory}, functions=self._functions)
-        self._memory = {name: found[name] for name in self._memory}
-        return float(found["rudder"])
+        return float(self.orders(t, state._asdict())["rudder"])
 
+    def orders(self, t: float, state: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return the orders of a time; they change the memory."""
+        at = {**self._known, "t": t, "current": self._along("current", state["x"]), **state}
+        at |= {"cos_psi": np.cos(at["psi"]), "sin_psi": np.sin(at["psi"])}
+        memory = self.law.memory(at) if self._memory is None else self._memory
+        try:
+            orders, self._memory = self.law.orders(SimpleNamespace(**{**at, **memory}))
+        except AttributeError as lacking:
+            raise InputError(f"the {type(self.law).__name__} asks for an unknown ({lacking}); take another") from None
+        return orders
 
-def _water(ahead: WaterAhead, column: str) -> Any:
-    return lambda x: ahead.at(np.atleast_1d(x))[column][0]
+    def _water(self, name: str, x: Any) -> Any:
+        return self._along(WATER[f"{WATER_PREFIX}{name}"], x)
+
+    def _along(self, column: str, x: Any) -> np.ndarray:
+        return self._ahead.at(np.ravel(x))[column].reshape(np.shape(x))
 
 
 @dataclass(frozen=True)
@@ -94,43 +97,27 @@ class _SensedOrders:
         self._measuring = [sensor for sensor in self.helm.sensors if hasattr(sensor, "measured")]
         self._indicator = next((one for one in self.helm.sensors if not hasattr(one, "measured")), None)
         self._longest = max((sensor.late for sensor in self._measuring), default=0.0)
-        # Declared errors of the sensors, drawn: component, standard deviation, correlation time [s]; and their values.
-        self._errors = {one.name: narrows.estimation.sensor.error_states(one).values() for one in self._measuring}
-        draw = self.random.standard_normal
-        self._slow = {name: [std * draw() for _, std, _ in errors] for name, errors in self._errors.items()}
-        self._bias = self._indicator.bias * draw() if self._indicator is not None else 0.0
+        self._errors = {one.name: narrows.estimation.sensor.ErrorProcess(one, self.random) for one in self._measuring}
+        self._bias = self._indicator.bias * self.random.standard_normal() if self._indicator is not None else 0.0
 
     def __call__(self, t: float, state: VoyageState) -> float:
         self._past = [(then, seen) for then, seen in self._past if then > t - self._longest - 2 * self.helm.dt]
         self._past.append((t, state))
-        readings = dict(self._readings(t)) | {"rudder": self._indicated(state.rudder)}
-        estimate = self.estimator.update(t, readings)
+        noise = self._indicator.noise if self._indicator is not None else 0.0
+        rudder = state.rudder + float(noise * self.random.standard_normal() - self._bias)
+        estimate = self.estimator.update(t, {**dict(self._readings(t)), "rudder": rudder})
         if not estimate.ready:
             # No estimate yet: the rudder stays.
             return state.rudder
         seen = {name: estimate[name] for name in ("x", "y", "psi", "u", "v", "r")}
-        return self.inner(t, VoyageState(**seen, rudder=readings["rudder"]))
+        return self.inner(t, VoyageState(**seen, rudder=rudder))
 
-    def _indicated(self, rudder: float) -> float:
-        noise = self._indicator.noise if self._indicator is not None else 0.0
-        return rudder + float(noise * self.random.standard_normal() - self._bias)
-
-    def _readings(self, t: float) -> Mapping[str, Any]:
-        readings = {}
+    def _readings(self, t: float) -> Iterator[tuple[str, Any]]:
         for sensor in self._measuring:
             if t < self._due.get(sensor.name, -math.inf) - EARLY * self.helm.dt or t < sensor.late:
                 continue
             self._due[sensor.name] = t + sensor.period
-            true = sensor.measured(self._at(t - sensor.late))
-            noise = np.asarray(sensor.sigma) * self.random.standard_normal(len(sensor.fields))
-            slow = self._slow[sensor.name]
-            for number, (place, std, time) in enumerate(self._errors[sensor.name]):
-                left = math.exp(-sensor.period / time)
-                slow[number] = left * slow[number] + std * math.sqrt(1.0 - left**2) * self.random.standard_normal()
-                noise[place] += slow[number]
-            told = sensor.reading(tuple(float(value) + off for value, off in zip(true, noise, strict=True)))
-            readings[sensor.name] = tuple(map(float, told)) if len(told) > 1 else float(told[0])
-        return readings
+            yield sensor.name, self._errors[sensor.name].reading(self._at(t - sensor.late))
 
     def _at(self, time: float) -> SimpleNamespace:
         """Return the state at a time, linear between stored ones, with further quantities for sensors."""

@@ -7,108 +7,75 @@ import numpy as np
 # Bryson's rule for the track pilot and the plans: deviations of heading and rudder [rad] that cost as much as half a
 # beam off the line.
 OFF_HEADING, OFF_RUDDER = math.radians(5.0), math.radians(10.0)
-
 # Time of looking ahead for bends.
 LEAD_TIME = 0.45
-
 # Lowest speed relative to a regulator's design speed, below which its gains stay constant [1].
 SLOWEST = 0.05
-
 # Least decay rate of the slowest motion relative to the fastest that counts as stable [1]: rounding moves poles by
 # less.
 LEAST_DECAY = 1e-7
-
 # Deceleration of a speed plan relative to that with the propeller stopped [1].
 EASE = 0.5
-
 # Default of the engine's most revolutions, relative to those that keep the fastest limit [1].
 ENGINE_RESERVE = 1.5
-
 # Time constant of the speed governor's integral.
 GOVERNOR_TIME = 3.0
-
 # Linear pieces of a change of speed: along the way the square of the speed is linear, the speed is not.
 PIECES = 4
-
 # Predictive helm: horizon of a plan [ship lengths], its default number of intervals, the largest number, and plans per
 # interval.
 HORIZON_LENGTHS = 2.4
-
 INTERVALS, MOST_INTERVALS, PLANS_AN_INTERVAL = 30, 60, 5
-
 # Rounds of sequential quadratic programming for a first plan, and iterations of each program.
 FIRST_ROUNDS, MOST_ITERATIONS = 6, 500
-
 # Tolerance for an early plan, relative to the period [1]: times are sums with rounding errors.
 EARLY = 1e-6
-
 # Runge-Kutta steps per interval.
 STEPS = 2
-
 # Default of the least distance between hull and bank [beams].
 MARGIN = 0.15
-
 # Linear and quadratic cost of half a beam of missing clearance.
 SHORT, SHORT_SQUARED = 50.0, 10.0
-
 # Clearance beyond the margin above which a corner needs no constraint [half beams]: less is used up between plans.
 SPARE = 4.0
-
 # Rudder turned through the usual weight within this many ship lengths ...
 RUDDER_LENGTHS = 0.16
-
 # ... weighs this share of it [1].
 RUDDER_RATE_WEIGHT = 0.1
-
 # Limits of linearising a plan: heading [rad], clearance [half beams], sway over speed, yaw over speed by half length
 # [1].
 MOST_HEADING = np.radians(25.0)
-
 LEAST_CLEARANCE, MOST_DRIFT, MOST_TURN = 0.2, 0.5, 1.0
-
 # Share of the rudder's limit that holding an offset may take [1]: beyond it the helm moves towards the middle. It takes
 # at least this many time constants of the force estimate for the whole way back.
 RESERVE, RETURNING = 0.7, 20.0
-
 # Distance in which the estimate of an external force comes two thirds of the way [ship lengths].
 PUSH_LENGTHS = 0.3
-
 # Uncertainty of the bank's force: largest share of the way to a bank, and number of places.
 FURTHEST, SHARES = 0.9, 61
-
 # Steady courses: places per ship length, largest number, and offsets from the requested one to the middle.
 PLACES_A_LENGTH, MOST_PLACES, WAYS = 2, 4000, 9
-
 # Relative change of speed that triggers new steady courses [1].
 OTHER_SPEED = 0.02
-
 # Closed loop: number of frequencies of its margins.
 FREQUENCIES = 3000
-
 # Largest number of Newton rounds for a loop's steady state, and its tolerance relative to the scales of the states [1].
 NEWTON_ROUNDS, SAME_STATE = 20, 1e-9
-
 # Default duration of a voyage [ship lengths].
 LOOP_DURATION = 40.0
-
 # Voyages that determine a loop's tolerated delay: duration [ship lengths], starting offset [beams], late offset
 # relative to it that counts as lost [1], longest delay [ship lengths], and tolerance [1].
 LOOP_TIME, LOOP_OFFSET, LOST_LOOP, MOST_DELAY, DELAY_DIGITS = 120.0, 0.03, 1.0, 2.0, 0.02
-
 # Flights that design a regulator: length [ship lengths], its last part in which the offset counts, and steps per ship
 # length.
 FLIGHT_LENGTHS, LATE_LENGTHS, FLIGHT_STEPS = 11.7, 1.2, 50
-
 # Standard deviations of the regulator's readings: offset [beams]; heading [rad], also as a share of the speed for sway
 # velocity and of a turn a ship length for yaw rate.
 FLIGHT_NOISE = 0.01, np.radians(0.1)
-
 # Standard deviation of the heading at the start [rad].
 FLIGHT_HEADING = np.radians(1.0)
-
 # Cost of a design besides the share of lost ships, as shares of a lost ship [1]: late offset of half a beam, and rudder
 # travel of so much per ship length [rad].
 OFF_SHARE, TRAVEL_SHARE, FULL_TRAVEL = 0.3, 0.1, np.radians(10.0)
-
-# First step of the search, in logarithms [1]; ratio of testing to tuning ships.
-DESIGN_STEP, DESIGN_JUDGES = 0.3, 10
+# First step of the search, in logarithms [1]; designs of a round; ratio of testing to tuning ships.
+DESIGN_STEP, DESIGNS_A_ROUND, DESIGN_JUDGES = 0.3, 12, 10

@@ -12,12 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_count
 from narrows.estimation.estimator import Estimator
-from narrows.estimation.settings import COEFFICIENT_MEMORY, CONFIDENCE, REFERENCE_LENGTH, SETTLING_TIME
-from narrows.estimation.ship_filter import Coefficients
-from narrows.estimation.states import Prior, ProcessNoise, described
+from narrows.estimation.settings import CONFIDENCE, REFERENCE_LENGTH, SETTLING_TIME
+from narrows.estimation.states import described
 from narrows.estimation.twins import Twins, check_law, sail_twins
 from narrows.model.model import Model
 from narrows.results import BaseResult
@@ -189,9 +187,7 @@ def consistency(
     model: Model, sensors: Sequence[Any], y: float = 0.0, u: float = 1.0, *, twins: int = 40, duration: float = 600.0,
     drawn: bool = False, seed: int = 0, x: float = 0.0, controller: "ControlLaw | None" = None,
     excitation: float = math.radians(3.0), fault: Fault | None = None, waterway: "Waterway | None" = None,
-    noise: ProcessNoise | None = None, prior: Prior | None = None, coefficients: Coefficients = "estimated",
-    memory: float = COEFFICIENT_MEMORY, refusing: float = 1e-5, step: float | None = None, surge: Surge = "held",
-    surge_inertia: float | None = None, coriolis: bool = False,
+    **filtering: Any,
 ) -> Consistency:  # fmt: skip
     """Test an estimator on twins: simulated ships with known truth.
 
@@ -221,8 +217,11 @@ def consistency(
         Alternating rudder added to the orders, so that the motion carries information.
     fault : callable, optional
         Takes time and readings and returns faulty readings: a jump, an outage, a spoof.
-    waterway, noise, prior, coefficients, memory, refusing, step, surge, surge_inertia, coriolis : optional
-        As for ``Estimator``.
+    waterway : Waterway, optional
+        Waterway instead of the model's own canal.
+    **filtering : Any
+        Other options of ``Estimator``: noise, prior, coefficients, memory, refusing, step, surge, surge_inertia,
+        coriolis.
 
     Returns
     -------
@@ -240,13 +239,7 @@ def consistency(
     if not (math.isfinite(duration) and duration > 0.0):
         raise InputError(f"duration = {duration} is no time to sail; give seconds over 0")
 
-    def estimator() -> Estimator:
-        return Estimator(
-            model, sensors, waterway=waterway, noise=noise, prior=prior, coefficients=coefficients, memory=memory,
-            refusing=refusing, step=step, surge=surge, surge_inertia=surge_inertia, coriolis=coriolis,
-        )  # fmt: skip
-
-    first = estimator()
+    first = Estimator(model, sensors, waterway=waterway, **filtering)
     psi = 0.0
     if controller is None:
         from narrows.control.regulator import track_pilot

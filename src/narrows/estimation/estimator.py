@@ -88,8 +88,6 @@ class Estimator(BaseSummary):
         )  # fmt: skip
         self._bank = FaultBank(self.filter, max(sensor.late for sensor in by_name.values()))
         self._last: Gaussian | None = None
-        values = self.filter.ship.values()
-        self._at_rest = np.array([float(values.get(name) or 0.0) for name in self.filter.actuators])
         self._begin_anew()
 
     def _begin_anew(self) -> None:
@@ -241,7 +239,7 @@ class Estimator(BaseSummary):
         if start.lacking:
             notes.append(f"An estimate starts from {START_READINGS} readings each; it still lacks {start.lacking}.")
             return self._estimate(t, self._last, False, notes)
-        at = self._at_rest.copy()
+        at = self.filter.at_rest.copy()
         for number, name in enumerate(self.filter.actuators):
             at[number] = positions.get(name, at[number])
         first = Moment(t - late, start.state(t - late), at, {}, self.filter.monitor())

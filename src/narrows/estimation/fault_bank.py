@@ -33,8 +33,8 @@ from narrows.estimation.settings import (
     STUCK_READINGS,
 )
 from narrows.estimation.ship_filter import MODEL, ShipFilter, Start
-from narrows.estimation.ship_lanes import RUDDER
 from narrows.estimation.unscented import Gaussian
+from narrows.simulation.ship_lanes import RUDDER
 
 Faults = frozenset[str]
 

@@ -12,7 +12,7 @@ from narrows.errors import InputError, did_you_mean
 from narrows.estimation.recursion import DriftMonitor, UpdateResult
 from narrows.estimation.sensor import Sensor
 from narrows.estimation.settings import SAME_TIME
-from narrows.estimation.ship_filter import ShipFilter
+from narrows.estimation.ship_filter import MotionStep, ShipFilter
 from narrows.estimation.unscented import Gaussian
 
 Readings = dict[str, tuple[float, ...]]
@@ -26,6 +26,7 @@ class Moment(NamedTuple):
     positions: np.ndarray  # (actuators,) Indicated positions
     readings: Readings  # Readings of that time
     monitor: DriftMonitor  # Drift monitor after them
+    steps: Sequence[MotionStep] = ()  # Steps of the motion since the moment before
 
 
 @dataclass
@@ -87,7 +88,7 @@ class FilterRun:
     def advance(self, time: float, positions: np.ndarray, readings: Readings) -> bool:
         """Advance from the last moment to a time and use its readings; return False if the mean met a bank."""
         last = self.last
-        state, monitor, known = last.state, last.monitor, last.readings
+        state, monitor, known, taken = last.state, last.monitor, last.readings, last.steps
         if time - last.t > SAME_TIME:
             taken = self.filter.steps(state, time - last.t, last.positions, positions)
             if taken[-1].aground:
@@ -104,7 +105,7 @@ class FilterRun:
             self.results.append(result)
             if self.times is not None:
                 self.times.append(time)
-        self.history.append(Moment(time, state, positions, {**known, **readings}, monitor))
+        self.history.append(Moment(time, state, positions, {**known, **readings}, monitor, taken))
         return True
 
 

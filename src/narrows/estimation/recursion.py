@@ -8,9 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.estimation.sensor import Sensor, error_states
+from narrows.estimation.sensor import MarkovProcess, Sensor, error_states
 from narrows.estimation.settings import DRIFT_MEMORIES, DRIFT_MOST_INNOVATION, DRIFT_THRESHOLD, GROSS_ERROR_NIS
-from narrows.estimation.ship_lanes import ShipLanes
 from narrows.estimation.states import Columns, StateNames
 from narrows.estimation.unscented import (
     Gaussian,
@@ -22,8 +21,7 @@ from narrows.estimation.unscented import (
     unscented_transform,
     update,
 )
-
-RUDDER = "rudder"
+from narrows.simulation.ship_lanes import RUDDER, ShipLanes
 
 
 class UpdateResult(NamedTuple):
@@ -44,14 +42,14 @@ class NumberLayout(NamedTuple):
     places: np.ndarray | slice  # Places of the components among those of all sensors
     gates: tuple[float, ...]  # Largest normalised innovation squared of each sensor [1]
     sigma: np.ndarray  # Standard deviations
-    angles: np.ndarray  # True for angles
+    angles: tuple[int, ...]  # Components that are angles
     seen: np.ndarray | None  # (numbers, states) Derivatives, if all are linear in the state
+    none: np.ndarray  # (0, numbers) The nonlinear part of a linear measurement
     errors: tuple[tuple[int, int], ...]  # Components, and places of their errors among the states
 
 
-# Share of a sum that remains after each reading, (memories, 1).
-FADING = 1.0 - 1.0 / np.array(DRIFT_MEMORIES)[:, None]
-SQUARED = FADING * FADING
+# Share of a sum and of its variance that remains after each reading, (2, memories, 1).
+FADING = (1.0 - 1.0 / np.array(DRIFT_MEMORIES)[:, None]) ** np.array([1, 2])[:, None, None]
 
 
 @dataclass
@@ -60,60 +58,36 @@ class DriftMonitor:
 
     size: int  # Number of components of all sensors
     considered: int = 0  # Number of considered coefficient errors
-    sums: np.ndarray = field(init=False)
-    variances: np.ndarray = field(init=False)
-    common: np.ndarray = field(init=False)
+    sums: np.ndarray = field(init=False)  # (2, memories, size) The sums, and their variances
+    common: np.ndarray = field(init=False)  # (memories, considered, size) Sums of the errors in common
 
     def __post_init__(self) -> None:
-        self.sums, self.variances = np.zeros((2, len(DRIFT_MEMORIES), self.size))
+        self.sums = np.zeros((2, len(DRIFT_MEMORIES), self.size))
         self.common = np.zeros((len(DRIFT_MEMORIES), self.considered, self.size))
 
     def lean(self, whitened: np.ndarray, places: np.ndarray | slice, shared: np.ndarray) -> np.ndarray:
         """Add whitened innovations (numbers,); return the distance of the sums from zero [standard deviations]."""
         # Errors of considered coefficients, (considered, numbers), are common to all readings: they add up like a bias
         # and do not indicate a drift.
-        sums, variances = self.sums[:, places], self.variances[:, places]  # Views of all, copies of some
-        sums *= FADING
+        parts = self.sums[..., places]  # A view of all, a copy of some
+        parts *= FADING
+        sums, variances = parts
         sums += np.minimum(np.maximum(whitened, -DRIFT_MOST_INNOVATION), DRIFT_MOST_INNOVATION)
-        variances *= SQUARED
         variances += 1.0
         if self.considered:
             variances -= np.minimum((shared * shared).sum(axis=0), 1.0)
         if not isinstance(places, slice):
-            self.sums[:, places], self.variances[:, places] = sums, variances
+            self.sums[..., places] = parts
         if self.considered:
-            common = FADING[:, :, None] * self.common[..., places] + shared
+            common = FADING[0, :, None] * self.common[..., places] + shared
             self.common[..., places] = common
             variances = variances + (common * common).sum(axis=1)
         return np.asarray((np.abs(sums) / np.sqrt(variances)).max(axis=0))
 
     def copy(self) -> "DriftMonitor":
         other = DriftMonitor(self.size, self.considered)
-        other.sums, other.variances, other.common = self.sums.copy(), self.variances.copy(), self.common.copy()
+        other.sums, other.common = self.sums.copy(), self.common.copy()
         return other
-
-
-class MarkovProcess:
-    """First-order Gauss-Markov processes; random walks if the time is infinite."""
-
-    def __init__(self, walks: np.ndarray, times: np.ndarray) -> None:
-        self.walks, self.times = walks, times  # (n,) Random walks per root second; correlation times [s]
-        self.places = np.flatnonzero(np.isfinite(times))
-        self._rows = np.flatnonzero(walks > 0.0)
-        self._over: dict[float, tuple[np.ndarray, np.ndarray]] = {}
-
-    def over(self, duration: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the remaining share of the states at ``places`` after a time, and a root of the noise, (j, n)."""
-        if duration not in self._over:
-            if len(self._over) > 64:
-                self._over.clear()
-            share = duration / self.times
-            grown = np.full(len(share), duration)
-            grown[self.places] = -np.expm1(-2.0 * share[self.places]) * self.times[self.places] / 2.0
-            noise = np.zeros((len(self._rows), len(self.walks)))
-            noise[np.arange(len(self._rows)), self._rows] = (self.walks * np.sqrt(grown))[self._rows]
-            self._over[duration] = np.exp(-share[self.places]), noise
-        return self._over[duration]
 
 
 class Recursion:
@@ -164,45 +138,42 @@ class Recursion:
     ) -> UpdateResult:
         """Return the state after the readings of one moment that pass the gates, with their log-likelihood."""
         layout = self._layout(tuple(readings))
-        expected = self._expected(now, layout)
-        covariance = innovation_covariance(expected, layout.sigma, self.measuring)
+        expected, sigma = self._expected(now, layout), layout.sigma
+        covariance = innovation_covariance(expected, sigma)
         innovation = self._innovation(layout, readings, expected.mean)
+        spread = np.sqrt(covariance.diagonal())
+        whitened = innovation / spread
         # Normalised innovations squared by sensor: those of one component all at once.
-        single = (innovation * innovation / covariance.diagonal()).tolist()
+        single = (whitened * whitened).tolist()
+        named = tuple(zip(layout.names, layout.parts, layout.gates, strict=True))
         nis = {
             name: single[part.start]
             if part.stop - part.start == 1
             else normalised_innovation_squared(innovation[part], covariance[part, part])
-            for name, part in zip(layout.names, layout.parts, strict=True)
+            for name, part, _ in named
         }
-        odd = tuple(name for name, most in zip(layout.names, layout.gates, strict=True) if not nis[name] <= most)
+        odd = tuple(name for name, _, most in named if not nis[name] <= most)
         surprising = odd if self._agree(odd, nis) else ()
         refused = () if surprising else odd
-        spread = np.sqrt(covariance.diagonal())
-        whitened, shared = innovation / spread, expected.slopes[: self.measuring.considered] / spread
-        for name, part in zip(layout.names, layout.parts, strict=True) if odd else ():
+        kept = np.ones(len(sigma), bool)
+        for name, part, _ in named if odd else ():
             whitened[part] *= name not in odd  # Gross errors are left to the gate
-        leans = monitor.lean(whitened, layout.places, shared)
-        after = self._update(now, layout, expected, innovation, covariance, refused)
-        suspects: tuple[str, ...] = ()
+            kept[part] = name not in refused
+        leans = monitor.lean(whitened, layout.places, expected.slopes[: self.measuring.considered] / spread)
         lean = float(leans.max())
-        if lean > DRIFT_THRESHOLD:
-            parts = zip(layout.names, layout.parts, strict=True)
-            suspects = tuple(name for name, part in parts if leans[part].max() > DRIFT_THRESHOLD)
-        likelihood = self._log_likelihood(layout, innovation, covariance, refused) if weigh else 0.0
-        return UpdateResult(after, nis, refused, suspects, surprising, likelihood, lean)
-
-    def _log_likelihood(
-        self, layout: NumberLayout, innovation: np.ndarray, covariance: np.ndarray, refused: tuple[str, ...]
-    ) -> float:
-        kept, total = np.ones(len(innovation), bool), float(np.linalg.slogdet(covariance)[1])
-        for name, part, most in zip(layout.names, layout.parts, layout.gates, strict=True):
-            if name in refused:
-                kept[part] = False
-                total += most
-        if kept.any():
-            total += normalised_innovation_squared(innovation[kept], covariance[np.ix_(kept, kept)])
-        return -0.5 * total
+        leaning = named if lean > DRIFT_THRESHOLD else ()
+        suspects = tuple(name for name, part, _ in leaning if leans[part].max() > DRIFT_THRESHOLD)
+        likelihood = 0.0
+        if weigh:
+            likelihood -= 0.5 * float(np.linalg.slogdet(covariance)[1])
+            likelihood -= 0.5 * sum(most for name, _, most in named if name in refused)
+        if refused:
+            expected = Transformed(*(part[..., kept] for part in expected))
+            innovation, sigma, covariance = innovation[kept], sigma[kept], covariance[np.ix_(kept, kept)]
+        if len(innovation):
+            likelihood -= 0.5 * normalised_innovation_squared(innovation, covariance) if weigh else 0.0
+            now = update(now, expected, innovation, covariance, sigma, self.measuring)
+        return UpdateResult(now, nis, refused, suspects, surprising, likelihood, lean)
 
     def _agree(self, odd: tuple[str, ...], nis: Mapping[str, float]) -> bool:
         """Return whether sensors of several kinds agree against the prediction: then the model is wrong."""
@@ -225,7 +196,8 @@ class Recursion:
                 for part, own in zip(parts, known, strict=True)
                 for state, (place, _, _) in own.items()
             )
-            layout = NumberLayout(names, parts, places, gates, sigma, np.flatnonzero(angles), None, errors)
+            turns, none = tuple(np.flatnonzero(angles).tolist()), np.zeros((0, len(sigma)))
+            layout = NumberLayout(names, parts, places, gates, sigma, turns, None, none, errors)
             if all(sensor.straight for sensor in sensors):
                 unit = np.eye(len(self.process.walks))
                 layout = layout._replace(seen=self._measured(unit, layout).T.copy())
@@ -235,8 +207,7 @@ class Recursion:
     def _expected(self, now: Gaussian, layout: NumberLayout) -> Transformed:
         """Predicted measurement by the sigma points; by the root itself if the measurement is linear."""
         if layout.seen is not None:
-            none = np.zeros((0, len(layout.sigma)))
-            return Transformed(layout.seen @ now.mean, (layout.seen @ now.root).T, none, none.sum(axis=0))
+            return Transformed(layout.seen @ now.mean, (layout.seen @ now.root).T, layout.none)
         points = sigma_points(now.mean, now.root, self.measuring)
         return unscented_transform(self._measured(points, layout), self.measuring)
 
@@ -251,29 +222,14 @@ class Recursion:
             values[:, number] += points[:, place]
         return values
 
-    def _update(
-        self, now: Gaussian, layout: NumberLayout, expected: Transformed, innovation: np.ndarray,
-        covariance: np.ndarray, refused: tuple[str, ...],
-    ) -> Gaussian:  # fmt: skip
-        sigma = layout.sigma
-        if refused:
-            kept = np.ones(len(sigma), bool)
-            for name, part in zip(layout.names, layout.parts, strict=True):
-                kept[part] = name not in refused
-            if not kept.any():
-                return now
-            expected = Transformed(*(part[..., kept] for part in expected))
-            innovation, sigma, covariance = innovation[kept], sigma[kept], covariance[np.ix_(kept, kept)]
-        return update(now, expected, innovation, covariance, sigma, self.measuring)
-
     def _innovation(
         self, layout: NumberLayout, readings: Mapping[str, Sequence[float]], expected: np.ndarray
     ) -> np.ndarray:
         numbers = [number for name in layout.names for number in self.sensors[name].numbers(readings[name])]
-        innovation = np.array(numbers, float) - expected
+        off = [number - mean for number, mean in zip(numbers, expected.tolist(), strict=True)]
         for angle in layout.angles:
-            innovation[angle] = math.remainder(innovation[angle], 2.0 * math.pi)
-        return np.asarray(innovation)
+            off[angle] = math.remainder(off[angle], 2.0 * math.pi)
+        return np.array(off, float)
 
 
 @lru_cache(maxsize=64)

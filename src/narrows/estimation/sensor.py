@@ -5,9 +5,11 @@ direction.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, ClassVar, Protocol, runtime_checkable
+
+import numpy as np
 
 from narrows.errors import InputError
 from narrows.estimation.settings import FAULT_STD, FAULT_WALK
@@ -157,3 +159,56 @@ def error_states(sensor: Sensor, faulty: bool = False) -> dict[str, tuple[int, f
                 more = "" if f"{field}_{kind}" not in found else f"_{len(found)}"
                 found[f"{field}_{kind}{more}"] = (place, float(std), error.time)
     return found
+
+
+class MarkovProcess:
+    """First-order Gauss-Markov processes; random walks if the time is infinite."""
+
+    def __init__(self, walks: np.ndarray, times: np.ndarray) -> None:
+        self.walks, self.times = walks, times  # (n,) Random walks per root second; correlation times [s]
+        self.places = np.flatnonzero(np.isfinite(times))
+        self._rows = np.flatnonzero(walks > 0.0)
+        self._over: dict[float, tuple[np.ndarray, np.ndarray]] = {}
+
+    def over(self, duration: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the remaining share of the states at ``places`` after a time, and a root of the noise, (j, n)."""
+        if duration not in self._over:
+            if len(self._over) > 64:
+                self._over.clear()
+            share = duration / self.times
+            grown = np.full(len(share), duration)
+            grown[self.places] = -np.expm1(-2.0 * share[self.places]) * self.times[self.places] / 2.0
+            noise = np.zeros((len(self._rows), len(self.walks)))
+            noise[np.arange(len(self._rows)), self._rows] = (self.walks * np.sqrt(grown))[self._rows]
+            self._over[duration] = np.exp(-share[self.places]), noise
+        return self._over[duration]
+
+    def after(self, values: np.ndarray, duration: float, random: np.random.Generator) -> np.ndarray:
+        """Draw the values after a time, (..., n)."""
+        left, noise = self.over(duration)
+        values[..., self.places] *= left
+        return np.asarray(values + random.standard_normal((*values.shape[:-1], len(noise))) @ noise)
+
+
+def drawn_reading(sensor: Sensor, at: Any, errors: Mapping[str, Any], random: np.random.Generator) -> Values:
+    """Draw a reading from states, with white errors and the given states of the others."""
+    numbers = np.stack([np.asarray(number, float) for number in sensor.measured(at)], axis=-1)
+    numbers += np.array(sensor.sigma) * random.standard_normal(numbers.shape)
+    for state, (place, _, _) in error_states(sensor).items():
+        numbers[..., place] += errors[state]
+    return sensor.reading(tuple(np.moveaxis(numbers, -1, 0)))
+
+
+class ErrorProcess:
+    """The declared errors of one sensor, drawn from reading to reading."""
+
+    def __init__(self, sensor: Sensor, random: np.random.Generator) -> None:
+        self.sensor, self.random, self.known = sensor, random, error_states(sensor)
+        std, times = np.array([(std, time) for _, std, time in self.known.values()]).reshape(-1, 2).T
+        self.process = MarkovProcess(std * np.sqrt(2.0 / times), times)
+        self.values = std * random.standard_normal(len(std))
+
+    def reading(self, at: Any) -> Any:
+        self.values = self.process.after(self.values, self.sensor.period, self.random)
+        told = drawn_reading(self.sensor, at, dict(zip(self.known, self.values, strict=True)), self.random)
+        return tuple(map(float, told)) if len(told) > 1 else float(told[0])

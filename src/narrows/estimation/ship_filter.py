@@ -10,8 +10,8 @@ import numpy as np
 
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError
-from narrows.estimation.recursion import DriftMonitor, MarkovProcess, Recursion
-from narrows.estimation.sensor import Sensor, error_states
+from narrows.estimation.recursion import DriftMonitor, Recursion
+from narrows.estimation.sensor import MarkovProcess, Sensor, error_states
 from narrows.estimation.sensors import SENSORS, RudderIndicator
 from narrows.estimation.settings import (
     MODEL_FAULT,
@@ -21,13 +21,13 @@ from narrows.estimation.settings import (
     START_READINGS,
     STEPS_A_PERIOD,
 )
-from narrows.estimation.ship_lanes import RUDDER, ShipLanes, directions, lanes_of_directions
 from narrows.estimation.states import MOTION_STATES, STATES, Columns, Prior, ProcessNoise, StateNames
 from narrows.estimation.unscented import Gaussian, Transformed, sigma_point_weights, triangular_root
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY
 from narrows.simulation.inputs import Contact
 from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.ship_lanes import RUDDER, ShipLanes
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -37,6 +37,7 @@ Coefficients = Literal["considered", "certain", "estimated"]
 
 
 class MotionStep(NamedTuple):
+    before: Gaussian  # State before the step
     state: Gaussian  # State after the step
     how: Transformed  # Transformation of the root
     aground: bool  # True if the mean met a bank, or is NaN
@@ -173,6 +174,12 @@ class ShipFilter:
         return tuple(actuator.name for actuator in self.ship.actuators)
 
     @cached_property
+    def at_rest(self) -> np.ndarray:
+        """Positions of the actuators before any reading, (actuators,)."""
+        values = self.ship.values()
+        return np.array([float(values.get(name) or 0.0) for name in self.actuators])
+
+    @cached_property
     def errors(self) -> dict[str, tuple[int, float, float]]:
         """Errors of the sensors: component, standard deviation, correlation time [s]."""
         known = (error_states(sensor, name in self.faults) for name, sensor in self.sensors.items())
@@ -221,7 +228,11 @@ class ShipFilter:
         solved = [force for force in terms.forces if force != "X" or self.surge == "free"]
         felt = {term.name for force in solved for term in terms.forces[force]}
         counts = np.array([name in felt for name in terms.names])
-        return directions(np.where(np.outer(counts, counts), covariance, 0.0))
+        size = np.where(counts & (covariance.diagonal() > 0.0), np.sqrt(covariance.diagonal()), np.inf)
+        scale = np.where(np.isfinite(size), size, 1.0)
+        share, axes = np.linalg.eigh(covariance / np.outer(size, size))
+        certain = share <= 1e-9 * max(float(share.max()), 0.0)
+        return np.asarray(scale[:, None] * axes[:, ~certain] * np.sqrt(share[~certain]))
 
     @property
     def considered(self) -> int:
@@ -241,19 +252,22 @@ class ShipFilter:
         walks, times = np.array([*(self.walks[name] for name in self.states.names), *fading]).T
         moving = sigma_point_weights(len(walks) + (noise > 0.0), self.considered)
         measuring = sigma_point_weights(len(walks), self.considered)
+        lanes = self._lanes(moving.distance[: self.considered], len(moving.distance))
         return Recursion(
-            self._lanes(moving.distance), self.states, self.sensors, self.faults, MarkovProcess(walks, times), moving,
-            measuring, noise, self.refusing, self._middle, self.root[:, : self.estimated],
+            lanes, self.states, self.sensors, self.faults, MarkovProcess(walks, times), moving, measuring, noise,
+            self.refusing, self._middle, self.root[:, : self.estimated],
         )  # fmt: skip
 
     @property
     def _middle(self) -> np.ndarray:
         return np.array([self.model.coefficients[name] for name in self.model.terms.names])
 
-    def _lanes(self, distance: np.ndarray) -> ShipLanes:
-        p = self.considered
-        coefficients = lanes_of_directions(self._middle, self.root[:, :p], distance[:p], len(distance) - p)
-        return ShipLanes(self.ship, self.states, len(coefficients), self.waterway, coefficients)
+    def _lanes(self, distance: np.ndarray, pairs: int) -> ShipLanes:
+        """Lanes of the sigma points; the first pairs have coefficients on either side of the fit's."""
+        steps = np.zeros((pairs, len(self._middle)))
+        steps[: len(distance)] = self.root[:, : len(distance)].T * distance[:, None]
+        coefficients = self._middle + np.concatenate([np.zeros_like(steps[:1]), steps, -steps])
+        return ShipLanes(self.ship, self.states.names, len(coefficients), self.waterway, coefficients)
 
     def adopt(self, now: Gaussian, other: "ShipFilter", size: float = 1.0) -> Gaussian:
         """Return the state of a filter with other faults for this one; new states have a share of their prior."""
@@ -282,7 +296,7 @@ class ShipFilter:
                 here, there = (start + share * (end - start) for share in (number / count, (number + 1) / count))
             after, how, met = self.recursion.predict(now, duration / count, here, there)
             aground = met or not math.isfinite(after.mean.sum())
-            taken.append(MotionStep(after, how, aground))
+            taken.append(MotionStep(now, after, how, aground))
             if aground:
                 break
             now = after

@@ -2,25 +2,22 @@
 
 import math
 from dataclasses import dataclass
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-from narrows.codegen.choices import STAGES, WATER
-from narrows.control.predictive.line_frame import water_ahead
+from narrows.codegen.choices import STAGES
+from narrows.control.sensed_helm import LawOrders
 from narrows.errors import InputError
-from narrows.estimation.recursion import MarkovProcess
-from narrows.estimation.sensor import Sensor, error_states
+from narrows.estimation.sensor import MarkovProcess, Sensor, drawn_reading
 from narrows.estimation.settings import STEPS_A_PERIOD, TWIN_SIDE_TIME, TWIN_START_STD
 from narrows.estimation.ship_filter import ShipFilter, default_step
-from narrows.estimation.ship_lanes import RUDDER, ShipLanes
 from narrows.estimation.states import Columns
 from narrows.physics.rudder import gear_motion
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.controllers import ControlLaw
 from narrows.simulation.grid import sampled
-from narrows.simulation.steering import WATER_PREFIX
+from narrows.simulation.ship_lanes import RUDDER, ShipLanes
 
 
 @dataclass(frozen=True)
@@ -42,56 +39,43 @@ class _Fleet:
     excitation: float
     random: np.random.Generator
     coefficients: np.ndarray
+    dt: float
 
     def __post_init__(self) -> None:
         filter = self.filter
-        self.lanes = ShipLanes(filter.ship, filter.states, self.count, filter.waterway, self.coefficients)
+        self.lanes = ShipLanes(filter.ship, filter.states.names, self.count, filter.waterway, self.coefficients)
         self.process = MarkovProcess(*np.array([filter.walks[name] for name in filter.states.names]).T)
         gear = filter.model.configuration.gear
-        self.limit, self.rate = gear.limit, gear.rate
+        self.limit, self.stages = gear.limit, list[np.ndarray]()
         self.gear = {name.removeprefix("rudder_"): value for name, value in gear.values().items()}
-        self.stages: list[np.ndarray] = []
         self.side = TWIN_SIDE_TIME * STEPS_A_PERIOD * default_step(filter.model)
-        self.ahead = water_ahead(filter.model, filter.waterway)
-
-    def water(self, name: str, x: np.ndarray) -> np.ndarray:
-        """Return the water quantities of a control law at places along it, by the names of ``steering.water``."""
-        return self.ahead.at(x)[WATER[f"{WATER_PREFIX}{name}"]]
+        self.orders = LawOrders(filter.model, self.law, self.dt, filter.waterway) if self.law else None
 
     def started(self, x: float, y: float, u: float, psi: float) -> np.ndarray:
         """Draw the initial states of the twins."""
         filter, draw = self.filter, self.random.standard_normal
         means = {"x": x, "y": y, "psi": psi, "u": u, "bank": 1.0}
-        means |= {"current": float(self.ahead.at(np.array([x]))["current"][0])}
+        means |= {"current": float(filter.waterway.current_at(x)) if filter.waterway else 0.0}
         spreads = {**filter.spreads, "y": TWIN_START_STD[0] * filter.time_scale**2, "psi": TWIN_START_STD[1]}
         size = np.array([spreads.get(name, 0.0) for name in filter.states.names])
         return np.array(filter.states.vector(means) + size * draw((self.count, len(size))))
 
-    def steered(self, states: np.ndarray, positions: np.ndarray, t: float, dt: float, memory: Any) -> tuple[Any, Any]:
+    def steered(self, states: np.ndarray, positions: np.ndarray, t: float) -> np.ndarray:
+        """Return the positions of the actuators a step later."""
         after, names = positions.copy(), self.filter.actuators
-        if self.law is None or RUDDER not in names:
-            return after, memory
+        if self.orders is None or RUDDER not in names:
+            return after
         place = names.index(RUDDER)
-        columns = dict(zip(self.filter.states.names, states.T, strict=True))
-        at = {**columns, "cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"]), "t": t, "dt": dt}
-        at |= {**dict(zip(names, positions.T, strict=True)), **self.law.parameters()}
-        at |= {"rudder_limit": self.limit, "rudder_rate": self.rate, "water": self.water}
-        at.setdefault("current", self.ahead.at(columns["x"])["current"])
-        if memory is None:
-            memory = self.law.memory(at)
-        try:
-            orders, memory = self.law.orders(SimpleNamespace(**{**at, **memory}))
-        except AttributeError as lacking:
-            raise InputError(
-                f"the {type(self.law).__name__} asks for more than twins have ({lacking}); take another"
-            ) from None
+        known = {**dict(zip(self.filter.states.names, states.T, strict=True)), **dict(zip(names, after.T, strict=True))}
         turn = int(t / self.side)
         swing = self.excitation * (turn % 2 * 2 - 1) * (turn % 3 == 0)
-        order = np.clip(orders[RUDDER] + swing, -self.limit, self.limit)
+        order = np.clip(self.orders.orders(t, known)[RUDDER] + swing, -self.limit, self.limit)
         stages = self.stages or [positions[:, place]] * STAGES
-        moved, self.stages = gear_motion(order, positions[:, place], stages, self.gear, dt, {**COLUMNS, "exp": np.exp})
+        moved, self.stages = gear_motion(
+            order, positions[:, place], stages, self.gear, self.dt, {**COLUMNS, "exp": np.exp}
+        )
         after[:, place] += moved
-        return after, memory
+        return after
 
 
 def sail_twins(
@@ -100,11 +84,10 @@ def sail_twins(
 ) -> Twins:  # fmt: skip
     """Simulate ships by the model with the process noise of the estimator."""
     many = max(count, 2)  # One lane alone would share its inputs
-    random = np.random.default_rng(seed)
-    fleet = _Fleet(filter, law, many, excitation, random, _coefficients(filter, many, drawn, seed))
-    dt = min(sensor.period for sensor in filter.sensors.values())
+    random, dt = np.random.default_rng(seed), min(sensor.period for sensor in filter.sensors.values())
+    fleet = _Fleet(filter, law, many, excitation, random, _coefficients(filter, many, drawn, seed), dt)
     times = dt * np.arange(math.floor(duration / dt + 1e-9) + 1)
-    states, indicated, aground = _sailed(fleet, start, times, dt)
+    states, indicated, aground = _sailed(fleet, start, times)
     noisy = indicated.copy()
     if RUDDER in filter.actuators and filter.indicator.noise:
         place = filter.actuators.index(RUDDER)
@@ -121,24 +104,18 @@ def _coefficients(filter: ShipFilter, count: int, drawn: bool, seed: int) -> np.
     return np.stack([columns[name].to_numpy() for name in model.terms.names], axis=1)
 
 
-def _sailed(fleet: _Fleet, start: tuple[float, ...], times: np.ndarray, dt: float) -> tuple[np.ndarray, ...]:
-    filter, lanes, count = fleet.filter, fleet.lanes, fleet.count
-    x, y, u, psi = start
-    now = fleet.started(x, y, u, psi)
-    values = filter.ship.values()
-    positions = np.tile([float(values.get(name) or 0.0) for name in filter.actuators], (count, 1))
+def _sailed(fleet: _Fleet, start: tuple[float, ...], times: np.ndarray) -> tuple[np.ndarray, ...]:
+    filter, lanes, dt = fleet.filter, fleet.lanes, fleet.dt
+    now, positions = fleet.started(*start), np.tile(filter.at_rest, (fleet.count, 1))
     parts = max(1, math.ceil(dt / filter.step - 1e-9))
-    states, indicated = [now], [positions]
-    aground, memory = np.zeros(count, bool), None
+    states, indicated, aground = [now], [positions], np.zeros(fleet.count, bool)
     for t in times[:-1]:
-        after, memory = fleet.steered(now, positions, float(t), dt, memory)
+        after = fleet.steered(now, positions, float(t))
         for part in range(parts):
             here, there = (positions + share * (after - positions) for share in (part / parts, (part + 1) / parts))
             now = lanes.advance(now, dt / parts, here, there)
             aground |= lanes.aground
-            left, noise = fleet.process.over(dt / parts)
-            now[:, fleet.process.places] *= left
-            now = now + fleet.random.standard_normal((len(now), len(noise))) @ noise
+            now = fleet.process.after(now, dt / parts, fleet.random)
         positions = after
         states.append(now)
         indicated.append(positions)
@@ -147,22 +124,16 @@ def _sailed(fleet: _Fleet, start: tuple[float, ...], times: np.ndarray, dt: floa
 
 def _told(fleet: _Fleet, sensor: Sensor, times: np.ndarray, states: np.ndarray) -> np.ndarray:
     """Readings of a sensor at their arrival: of the state when measured, linear between the times."""
-    dt = times[1] - times[0]
-    every = max(1, round(sensor.period / dt))
+    every = max(1, round(sensor.period / fleet.dt))
     told = np.full((len(times), fleet.count, len(sensor.fields)), np.nan)
     for number in range(0, len(times), every):
-        measured = max(0.0, times[number] - sensor.late) / dt
-        before = min(int(measured), len(times) - 2)
-        share = measured - before
         if times[number] < sensor.late:
             continue
-        then = (1.0 - share) * states[before] + share * states[before + 1]
+        measured = (times[number] - sensor.late) / fleet.dt
+        before = min(int(measured), len(times) - 2)
+        then = states[before] + (measured - before) * (states[before + 1] - states[before])
         at = Columns(then, fleet.filter.states, fleet.lanes.bend(float(then[0, 0])))
-        noise = np.array(sensor.sigma) * fleet.random.standard_normal((fleet.count, len(sensor.fields)))
-        numbers = [np.asarray(value) for value in sensor.measured(at)]
-        for state, (place, _, _) in error_states(sensor).items():
-            noise[:, place] += then[:, fleet.filter.states.places[state]]
-        told[number] = np.stack(sensor.reading(tuple(np.stack(numbers) + noise.T)), axis=1)
+        told[number] = np.stack(drawn_reading(sensor, at, vars(at), fleet.random), axis=1)
     return told
 
 

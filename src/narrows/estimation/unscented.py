@@ -34,16 +34,15 @@ class Transformed(NamedTuple):
     mean: np.ndarray  # (m,) Mean of the values
     slopes: np.ndarray  # (k, m) Change along each column of the root
     bends: np.ndarray  # (j, m) Nonlinear part along each corrected column
-    centre: np.ndarray  # (m,) Value at the central point minus the mean
 
 
 class SigmaPointWeights(NamedTuple):
     """Distances and weights of the sigma points."""
 
     distance: np.ndarray  # (k,) Distance of each pair, in standard deviations
-    mean: np.ndarray  # (k,) Weight of each pair in the mean
+    mean: float  # Weight of each corrected pair in the mean
     slope: np.ndarray  # (k, 1) One over the distance within each pair
-    centre: float  # Weight of the central point in the covariance
+    bend: float  # Share of the sum of all second differences in the nonlinear part of each pair
     # The first pairs, along errors that are carried and not corrected: linear, without weight in the mean
     considered: int
 
@@ -51,12 +50,13 @@ class SigmaPointWeights(NamedTuple):
 def unscented_transform(values: np.ndarray, spread: SigmaPointWeights) -> Transformed:
     """Return mean and deviations of the values at sigma points."""
     # values (1 + 2 k, m)
-    k = len(spread.distance)
+    k, p = len(spread.distance), spread.considered
     first, ahead, behind = values[0], values[1 : k + 1], values[k + 1 :]
-    off = ahead + behind - 2.0 * first
-    shift = spread.mean @ off
-    bends = (off[spread.considered :] - 2.0 * shift) * spread.slope[spread.considered :]
-    return Transformed(first + shift, (ahead - behind) * spread.slope, bends, -shift)
+    off = ahead[p:] + behind[p:] - 2.0 * first
+    total = off.sum(axis=0)
+    return Transformed(
+        first + spread.mean * total, (ahead - behind) * spread.slope, (off + spread.bend * total) * spread.slope[p:]
+    )
 
 
 def predict(
@@ -64,24 +64,17 @@ def predict(
 ) -> tuple[Gaussian, Transformed]:
     """Return the distribution after a motion, and the transformation of its root."""
     # noise (j, n)
-    after = unscented_transform(move(sigma_points(now.mean, now.root, spread)), spread)
-    p, centre = spread.considered, spread.centre
-    parts = [after.slopes[p:], after.bends, noise]
-    if centre > 0.0:
-        parts.append(np.sqrt(centre) * after.centre[None])
-    root = triangular_root(np.concatenate(parts))
-    if centre < 0.0:
-        root = downdated_root(root, np.sqrt(-centre) * after.centre)
+    after, p = unscented_transform(move(sigma_points(now.mean, now.root, spread)), spread), spread.considered
+    root = triangular_root(np.concatenate([after.slopes[p:], after.bends, noise]))
     root = np.concatenate([after.slopes[:p].T, root], axis=1) if p else root
     return Gaussian(after.mean, root), after
 
 
-def innovation_covariance(expected: Transformed, sigma: np.ndarray, spread: SigmaPointWeights) -> np.ndarray:
+def innovation_covariance(expected: Transformed, sigma: np.ndarray) -> np.ndarray:
     """Return the covariance of the innovation, (m, m)."""
-    s, b, c = expected.slopes, expected.bends, expected.centre
-    covariance = s.T @ s
-    if len(b):
-        covariance += b.T @ b + spread.centre * np.outer(c, c)
+    covariance = expected.slopes.T @ expected.slopes
+    if len(expected.bends):
+        covariance += expected.bends.T @ expected.bends
     covariance.flat[:: len(sigma) + 1] += sigma * sigma
     return np.asarray(covariance)
 
@@ -94,18 +87,9 @@ def update(
     # innovation (m,); covariance (m, m); sigma (m,) Joseph's form is a sum of squares: it stays a covariance for any
     # gain.
     p, s = spread.considered, expected.slopes
-    shared = now.root @ s
-    gain = lapack.dposv(covariance, shared.T)[1].T
+    gain = lapack.dposv(covariance, (now.root @ s).T)[1].T
     rest = now.root - gain @ s.T
-    parts = [rest[:, p:].T, gain.T * sigma[:, None]]
-    curved = len(expected.bends) > 0
-    if curved:
-        parts.append(expected.bends @ gain.T)
-        if spread.centre > 0.0:
-            parts.append(np.sqrt(spread.centre) * (gain @ expected.centre)[None])
-    root = triangular_root(np.concatenate(parts))
-    if curved and spread.centre < 0.0:
-        root = downdated_root(root, np.sqrt(-spread.centre) * (gain @ expected.centre))
+    root = triangular_root(np.concatenate([rest[:, p:].T, gain.T * sigma[:, None], expected.bends @ gain.T]))
     root = np.concatenate([rest[:, :p], root], axis=1) if p else root
     return Gaussian(now.mean + gain @ innovation, root)
 
@@ -118,9 +102,10 @@ def sigma_point_weights(
     """Return the weights of van der Merwe's scaled points."""
     squared = SQUARED_DISTANCE if kappa is None else alpha * alpha * (size + kappa)
     distance = np.concatenate([np.full(considered, CONSIDERED_DISTANCE), np.full(size, np.sqrt(squared))])
-    mean = np.concatenate([np.zeros(considered), np.full(size, 0.5 / squared)])
-    centre = 1.0 - size / squared + 1.0 - alpha * alpha + beta
-    return SigmaPointWeights(distance, mean, 0.5 / distance[:, None], centre, considered)
+    # The covariance has the pairs' second differences d about the mean, and the central point by the weight 1 - n/h^2 +
+    # 1 - alpha^2 + beta, which may be negative. Both together are sums of squares of (d_i + bend sum d) / 2 h.
+    bend = (np.sqrt(max(1.0 + (beta - alpha * alpha) * size / squared, 0.0)) - 1.0) / size
+    return SigmaPointWeights(distance, 0.5 / squared, 0.5 / distance[:, None], float(bend), considered)
 
 
 def sigma_points(mean: np.ndarray, root: np.ndarray, spread: SigmaPointWeights) -> np.ndarray:
@@ -141,11 +126,6 @@ def _upper(size: int) -> np.ndarray:
     return np.triu(np.ones((size, size)))
 
 
-@lru_cache(maxsize=64)
-def _unit(size: int) -> np.ndarray:
-    return np.eye(size)
-
-
 def triangular_root(rows: np.ndarray) -> np.ndarray:
     """Return the lower triangular root of the sum of outer products of rows, (n, n), by QR."""
     count, size = rows.shape
@@ -153,10 +133,3 @@ def triangular_root(rows: np.ndarray) -> np.ndarray:
         rows = np.vstack([rows, np.zeros((size - count, size))])
     factored = lapack.dgeqrf(rows)[0]
     return np.asarray((factored[:size] * _upper(size)).T)
-
-
-def downdated_root(root: np.ndarray, column: np.ndarray) -> np.ndarray:
-    """Return the lower triangular root of L L^T - c c^T; if that is no covariance, L itself, which is conservative."""
-    inside, singular = lapack.dtrtrs(root, column, lower=1)
-    rest, failed = lapack.dpotrf(_unit(len(root)) - inside[:, None] * inside, lower=1)
-    return root if singular or failed else np.asarray(root @ rest)

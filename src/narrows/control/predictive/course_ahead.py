@@ -4,18 +4,17 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from statistics import NormalDist
-from typing import Any
 
 import numpy as np
 
-from narrows.codegen.linearisation import LINEARISED
+from narrows.control.linearization import steady_courses
+from narrows.control.local_motion import MOVED, LocalWater
 from narrows.control.predictive.line_frame import (
     FORCED,
     HELD,
     RUDDER,
     SECTION,
     WaterAhead,
-    line_slopes,
     over_interval,
     share_of,
 )
@@ -33,7 +32,6 @@ from narrows.control.settings import (
     SHARES,
     WAYS,
 )
-from narrows.control.steady_course import solved
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.ship import SimulatedShip
@@ -186,10 +184,6 @@ class CourseAhead:
         return BankSpread(furthest, np.sqrt(np.maximum(variance, 0.0)) * np.sign(forces.sum(axis=2)))
 
 
-# Accelerations that vanish on a steady course, by choice of psi, v and the rudder.
-BALANCED = [LINEARISED.index(name) for name in ("y", "v", "r")]
-
-
 def steady_track(
     ship: SimulatedShip, water: WaterAhead, y: float, u: float, margin: float, positions: Mapping[str, float]
 ) -> SteadyTrack:
@@ -205,64 +199,33 @@ def steady_track(
     middle = (there["keel_starboard"] - there["keel_port"]) / 2
     y_held = (offset + np.linspace(0.0, 1.0, WAYS)[:, None] * (middle - offset)).ravel()
     everywhere = {name: np.tile(column, WAYS) for name, column in there.items()}
-    states, known = _steady(ship, water, y_held, u, everywhere, positions)
+    section = {} if water.straight else {name: everywhere[name] for name in SECTION}
+    line = {name: everywhere[name] for name in ("width", "middle", "curvature", "current")}
+    place = LocalWater(sections=section, **line)
+    motion, course = steady_courses(ship, place, y_held, np.full(len(y_held), u), positions)
+    states = np.stack([course[name] for name in HELD], axis=1).reshape(WAYS, count, -1)
+    known = np.isfinite(states[..., RUDDER])
     if not known.any():
         raise InputError(f"no rudder holds this ship {y:g} m off the line at {u:g} m/s; choose a place nearer to it")
-    known = known.reshape(WAYS, count)
-    states = states.reshape(WAYS, count, -1)
     # If there is no course, use drift and rudder of the next one nearer to the middle, or zero.
     states[-1, ~known[-1], 1:] = 0.0
     for way in range(WAYS - 2, -1, -1):
         states[way, ~known[way], 1:] = states[way + 1, ~known[way], 1:]
-    flat = states.reshape(WAYS * count, -1)
-    parts = _slopes(ship, water, flat, u, everywhere, positions)
-    by_push, force_of, slopes = (part.reshape(WAYS, count, *part.shape[1:]) for part in parts)
-    shares = share_of(states[:, :, 0], there)
-    return SteadyTrack(places, states, by_push, force_of, slopes, known, shares, ship.model.configuration.gear.limit)
-
-
-def _steady(
-    ship: SimulatedShip, water: WaterAhead, y: np.ndarray, u: float, there: Mapping[str, np.ndarray],
-    positions: Mapping[str, float],
-) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Steady states at offsets, and whether they exist."""
-    bend = there["curvature"] / (1 - there["curvature"] * y)
-    turning = {"path_curvature": bend, "current": there["current"]}
-    values = {**_values(ship, water, there, positions), **turning}
-    v, rudder = solved(ship, {**values, "y": y - there["middle"], "u": np.full(len(y), u)}, len(y), 1)
-    psi = -np.arctan(v / u)
-    turn = bend * (u * np.cos(psi) - v * np.sin(psi) + there["current"])
-    known = np.isfinite(rudder)
-    return np.stack([y, psi, v, turn, rudder], axis=1), known
-
-
-def _values(
-    ship: SimulatedShip, water: WaterAhead, there: Mapping[str, np.ndarray], positions: Mapping[str, float]
-) -> dict[str, Any]:  # fmt: skip
-    section = {} if water.straight else {name: there[name] for name in SECTION}
-    return {**ship.values(**positions), **section}
-
-
-def _slopes(
-    ship: SimulatedShip, water: WaterAhead, states: np.ndarray, u: float, there: Mapping[str, np.ndarray],
-    positions: Mapping[str, float],
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
-    """Change of steady states per force, force per acceleration, and the derivatives of the rates."""
-    values = _values(ship, water, there, positions)
-    linear = ship.linearisation(values)
-    y, psi, v, r, rudder = states.T
-    at = {"psi": psi, "u": np.full(len(y), u), "v": v, "r": r, "rudder": rudder, **positions}
-    matrix = linear.linear({**at, "y": y - there["middle"]})
-    column = len(LINEARISED) + linear.controlled.index("rudder")
-    forces = [len(LINEARISED) + linear.controlled.index(name) for name in ("Y_in", "N_in")]
-    sought = [LINEARISED.index("psi"), LINEARISED.index("v"), column]
-    by_force = matrix[:, BALANCED][:, :, forces]
-    by_push = np.zeros((len(y), len(HELD), 2))
-    by_push[:, [HELD.index("psi"), HELD.index("v"), RUDDER]] = -np.linalg.solve(
-        matrix[:, BALANCED][:, :, sought], by_force
+    by = motion.slopes({**course, **dict(zip(HELD, states.reshape(-1, len(HELD)).T, strict=True))})
+    # Accelerations that vanish on a steady course, by choice of psi, v and the rudder.
+    balanced = [MOVED.index(name) for name in ("y", "v", "r")]
+    by_choice, by_force = (
+        np.stack([by[name][:, balanced] for name in names], axis=-1) for names in (("psi", "v", "rudder"), ("Y", "N"))
     )
-    slopes = line_slopes(matrix, column, {**at, "y": y, **{name: there[name] for name in ("curvature", "current")}})
-    return by_push, np.linalg.inv(by_force[:, 1:]), slopes
+    by_push = np.zeros((len(y_held), len(HELD), 2))
+    by_push[:, [HELD.index("psi"), HELD.index("v"), RUDDER]] = -np.linalg.solve(by_choice, by_force)
+    slopes = np.zeros((len(y_held), len(HELD), len(HELD)))
+    rows = [MOVED.index(name) for name in HELD[:RUDDER]]
+    slopes[:, :RUDDER] = np.stack([by[name][:, rows] for name in HELD], axis=-1)
+    parts = (by_push, np.linalg.inv(by_force[:, 1:]), slopes)
+    by_push, force_of, slopes = (part.reshape(WAYS, count, *part.shape[1:]) for part in parts)
+    limit = ship.model.configuration.gear.limit
+    return SteadyTrack(places, states, by_push, force_of, slopes, known, share_of(states[:, :, 0], there), limit)
 
 
 def margins_of(

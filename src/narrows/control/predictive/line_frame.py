@@ -1,8 +1,7 @@
-"""Derivatives of the rates of y, psi, v, r and rudder along a line, in a bend and a current."""
+"""The water along a line, and the motion over an interval of a plan."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,30 +12,15 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 # State of a plan; the speed is constant, and the rudder's rate is the input.
+MOTION = ("x", "y", "psi", "u", "v", "r")
 HELD = ("y", "psi", "v", "r", "rudder")
 MOVED = [LINEARISED.index(name) for name in HELD[:4]]
-PSI, RUDDER = HELD.index("psi"), HELD.index("rudder")
+RUDDER = HELD.index("rudder")
 FORCED = slice(HELD.index("v"), HELD.index("r") + 1)  # States that forces accelerate
 
 # Section of the water in plans, and the corresponding inputs of the terms.
 COLUMNS = ("width", "middle", "depth", "curvature", "keel_starboard", "keel_port", "current")
 SECTION = ("width", "depth")
-
-
-def line_slopes(linear: np.ndarray, rudder: int, at: Mapping[str, Any]) -> np.ndarray:
-    """Return the derivatives of the rates of ``HELD`` by ``HELD``, (points, 5, 5)."""
-    slopes = np.zeros((len(linear), len(HELD), len(HELD)))
-    slopes[:, :4] = linear[:, MOVED][:, :, [*MOVED, rudder]]
-    curvature, psi = at["curvature"], at["psi"]
-    if not np.any(curvature):
-        return slopes
-    # The line turns under the ship by its curvature times the speed along it.
-    room, sine, cosine = 1 - curvature * at["y"], np.sin(psi), np.cos(psi)
-    pace = (at["u"] * cosine - at["v"] * sine + at["current"]) / room
-    slopes[:, PSI, 0] -= curvature**2 * pace / room
-    slopes[:, PSI, PSI] += curvature * (at["u"] * sine + at["v"] * cosine) / room
-    slopes[:, PSI, 2] += curvature * sine / room
-    return slopes
 
 
 def over_interval(slopes: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:

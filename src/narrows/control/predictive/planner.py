@@ -2,22 +2,21 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from narrows.codegen.choices import SHARED
-from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.linearisation import LINEARISED, JacobianBatch
+from narrows.control.local_motion import along_line
 from narrows.control.predictive.course_ahead import Weights
 from narrows.control.predictive.line_frame import (
     FORCED,
     HELD,
+    MOTION,
     MOVED,
     RUDDER,
     SECTION,
     WaterAhead,
-    line_slopes,
     over_interval,
     share_of,
 )
@@ -37,67 +36,32 @@ from narrows.control.settings import (
     STEPS,
 )
 from narrows.errors import InputError, check_count, needs
-from narrows.simulation.kernel_run import PUSH_END, KernelRun
 from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import PARAMETER, steering_of
+from narrows.simulation.ship_lanes import ShipLanes
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 
-class RudderTurning:
-    """A law that turns the rudder at a rate, a different one in every lane."""
-
-    def __init__(self, turning: np.ndarray) -> None:
-        self.turning = turning
-
-    def parameters(self) -> Mapping[str, Any]:
-        return {"turning": self.turning}
-
-    def memory(self, start: Mapping[str, Any]) -> Mapping[str, Any]:
-        return {}
-
-    def orders(self, at: Any) -> tuple[Mapping[str, Any], Mapping[str, Any]]:
-        return {"rudder": at.rudder + at.turning * at.dt}, {}
+def prediction_lanes(ship: SimulatedShip, waterway: "Waterway | None", lanes: int) -> ShipLanes:
+    return ShipLanes(ship, MOTION, lanes, waterway, pushed=True, endless=True)
 
 
-class PredictionLanes:
-    """Lanes of one ship, allocated once: each starts from its own state and lasts one interval."""
-
-    def __init__(self, ship: SimulatedShip, waterway: "Waterway | None", lanes: int, **positions: float) -> None:
-        steering = steering_of(RudderTurning(np.zeros(lanes)), ship.placed_actuators)
-        run = KernelRun(ship, 1.0, 1.0, steering=steering, waterway=waterway)
-        still = dict.fromkeys(("x", "y", "psi", "v", "r", "X", "rudder"), 0.0)
-        pushed = {"Y": np.zeros(lanes), "N": np.zeros(lanes), PUSH_END: np.inf}
-        prepared = run.prepared({**still, **pushed, "u": 1.0, **positions}, lanes, workers=1)
-        kept, inputs = prepared.kernel.KEPT_NAMES, prepared.kernel.VESSEL_INPUTS
-        # For a plan the waterway continues beyond its end with the last section
-        prepared.shared[SHARED.index("x_last")] = 1e12
-        self._prepared = prepared
-        self._places = {name: kept.index(name) for name in ("x", "y", "cos_psi", "sin_psi", "u", "v", "r", "rudder")}
-        self._turning = inputs.index(PARAMETER("turning"))
-        self._pushes = [inputs.index(INPUTS[name]) for name in ("Y", "N")]
-
-    def __call__(
-        self, x: np.ndarray, states: np.ndarray, speed: float, rates: np.ndarray, push: np.ndarray, time: float
-    ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        """Return the lanes' states after a time: x (lanes,) [m] and y, psi, v, r, rudder (lanes, 5)."""
-        # rates (lanes,) [rad/s]; push (lanes, 2) [N, N m]. A lane that meets a bank stays there.
-        run, at = self._prepared, self._places
-        start, end = run.start, run.end
-        psi = states[:, 1]
-        begin = np.maximum(x, 1e-3)  # A lane at the very start of a waterway would be at its end
-        start[:, at["x"]], start[:, at["y"]], start[:, at["u"]] = begin, states[:, 0], speed
-        start[:, at["cos_psi"]], start[:, at["sin_psi"]] = np.cos(psi), np.sin(psi)
-        start[:, at["v"]], start[:, at["r"]], start[:, at["rudder"]] = states[:, 2], states[:, 3], states[:, 4]
-        run.times[:] = time / STEPS, STEPS, 0.0
-        run.vessel_inputs[:, self._turning] = rates
-        run.vessel_inputs[:, self._pushes] = push
-        run()
-        after = np.empty_like(states)
-        after[:, 0], after[:, 1] = end[:, at["y"]], np.arctan2(end[:, at["sin_psi"]], end[:, at["cos_psi"]])
-        after[:, 2], after[:, 3], after[:, 4] = end[:, at["v"]], end[:, at["r"]], end[:, at["rudder"]]
-        return x + (end[:, at["x"]] - begin), after
+def predict(
+    lanes: ShipLanes, x: np.ndarray, states: np.ndarray, speed: float, rates: np.ndarray, push: np.ndarray,
+    time: float, positions: Mapping[str, float],
+) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
+    """Return states after a time, one per lane: x (lanes,) [m] and y, psi, v, r, rudder (lanes, 5)."""
+    # rates (lanes,) [rad/s]; push (lanes, 2) [N, N m]. A lane that meets a bank stays there.
+    points = np.empty((len(x), len(MOTION)))
+    points[:, 0], points[:, 1:3], points[:, 3], points[:, 4:] = x, states[:, :2], speed, states[:, 2:4]
+    start = np.stack([states[:, RUDDER] if n == "rudder" else positions[n] + 0.0 * x for n in lanes.actuators], axis=1)
+    end = start.copy()
+    end[:, lanes.actuators.index("rudder")] += rates * time
+    after = lanes.advance(points, time, start, end, None, push, STEPS)
+    reached = np.empty_like(states)
+    reached[:, :2], reached[:, 2:4], reached[:, RUDDER] = after[:, 1:3], after[:, 4:], states[:, RUDDER] + rates * time
+    return after[:, 0], reached
 
 
 # Steady states as the reference of a plan, (places, 5), at places along the line.
@@ -158,7 +122,7 @@ class Horizon:
 @dataclass(frozen=True)
 class Planner:
     horizon: Horizon  # Prediction horizon
-    lanes: PredictionLanes  # One lane per interval
+    lanes: ShipLanes  # One lane per interval
     jacobians: JacobianBatch  # One point per interval
     water: WaterAhead  # The waterway
     margins: np.ndarray  # (intervals,) Distance between hull and bank after each interval [m]
@@ -185,7 +149,9 @@ class Planner:
         plan = RudderPlan(plan.x, nodes, plan.rates)
         there = self.water.at(plan.x[:-1])
         pushes, by_share = push.at(share_of(plan.states[:-1, 0], there))
-        end, reached = self.lanes(plan.x[:-1], plan.states[:-1], speed, plan.rates, pushes, interval)
+        end, reached = predict(
+            self.lanes, plan.x[:-1], plan.states[:-1], speed, plan.rates, pushes, interval, self.positions
+        )
         slopes, by_force = self._slopes(plan, end, reached, speed)
         A, integral = over_interval(slopes, interval)
         # The external force of an interval is that of the place where it begins.
@@ -226,8 +192,10 @@ class Planner:
         at = {"psi": psi, "u": speed, "v": v, "r": r, "rudder": rudder, **self.positions}
         section = {} if self.water.straight else {name: there[name] for name in SECTION}
         points = self.jacobians.points({**at, **section, "y": y - there["middle"]})
-        linear, column = self.jacobians(points), len(LINEARISED) + 3
-        slopes = line_slopes(linear, column, {**at, "y": y, **{name: there[name] for name in ("curvature", "current")}})
+        line = {name: there[name] for name in ("curvature", "current")}
+        linear = along_line(self.jacobians(points), {**at, **line, "y": y})
+        slopes = np.zeros((len(x), len(HELD), len(HELD)))
+        slopes[:, : len(MOVED)] = linear[:, MOVED][:, :, [*MOVED, len(LINEARISED) + 3]]
         return slopes, linear[:, MOVED[2:], len(LINEARISED) + 1 : len(LINEARISED) + 3]
 
     def _program(
@@ -257,7 +225,7 @@ def planner_of(
     linear = ship.system().linearisation(ship.values(**positions), ship.actuators, section)
     hull, gear = configuration.ship, configuration.gear
     return Planner(
-        horizon, PredictionLanes(ship, waterway, horizon.intervals, **positions), linear.batch(horizon.intervals),
+        horizon, prediction_lanes(ship, waterway, horizon.intervals), linear.batch(horizon.intervals),
         water, margins, (hull.length / 2, hull.beam / 2), (gear.limit, gear.rate), weights, positions,
     )  # fmt: skip
 

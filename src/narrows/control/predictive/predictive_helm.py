@@ -12,7 +12,15 @@ import numpy as np
 from narrows.codegen.choices import STAGES
 from narrows.control.predictive.course_ahead import CourseAhead, weights_of
 from narrows.control.predictive.line_frame import FORCED, RUDDER, share_of, water_ahead
-from narrows.control.predictive.planner import Horizon, Planner, PredictionLanes, RudderPlan, horizon_of, planner_of
+from narrows.control.predictive.planner import (
+    Horizon,
+    Planner,
+    RudderPlan,
+    horizon_of,
+    planner_of,
+    predict,
+    prediction_lanes,
+)
 from narrows.control.predictive.push_estimate import Push, no_push, updated_push
 from narrows.control.settings import EARLY, FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING
 from narrows.control.steady_course import check_inside, check_rudder, self_propulsion
@@ -24,6 +32,7 @@ from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import VoyageState
 from narrows.simulation.inputs import check_waterway, finite_numbers
 from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.ship_lanes import ShipLanes
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -53,7 +62,7 @@ class VoyageOrders:
 
     planner: Planner  # Makes plans
     course: CourseAhead  # The course to hold
-    observer: PredictionLanes  # Predicts the state for comparison
+    observer: ShipLanes  # Predicts the state for comparison
     push_time: float  # Time constant of the force estimate [s]
     seconds: float  # Time limit of a plan; 0 for none [s]
     gear: SteeringGear  # Gear that follows the orders
@@ -108,11 +117,8 @@ class VoyageOrders:
         x, state, stages, delay = seen.x, seen.state.copy(), self._stages, self.gear.delay
         parts = math.ceil(2 * delay / self.planner.horizon.interval)
         for _ in range(parts):
-            time, both = delay / parts, np.tile(state, (2, 1))
-            turned, stages = self._turned(float(state[RUDDER]), stages, time)
-            pushes, _ = self.push.at(self._share(np.full(2, x), state[0]))
-            places, after = self.observer(np.full(2, x), both, seen.speed, np.full(2, turned / time), pushes, time)
-            x, state = float(places[0]), after[0]
+            turned, stages = self._turned(float(state[RUDDER]), stages, delay / parts)
+            x, state = self._predicted(x, state, seen.speed, turned, delay / parts)
         state[RUDDER] = self._order
         return Seen(seen.t + delay, x, seen.speed, state)
 
@@ -128,12 +134,19 @@ class VoyageOrders:
             begun = state.x if math.isfinite(state.x) else 0.0
             return Seen(0.0, begun, self.course.speed, self.course.track.at(np.array([begun]), self.push)[0])
         there = state.rudder if math.isfinite(state.rudder) else self._order
-        rate = (there - last.state[RUDDER]) / elapsed
-        x, both = np.full(2, last.x), np.tile(last.state, (2, 1))  # two lanes, each with its own rate
-        pushes, _ = self.push.at(self._share(x, last.state[0]))
-        x, after = self.observer(x, both, last.speed, np.full(2, rate), pushes, elapsed)
-        after[0, RUDDER] = there
-        return Seen(last.t + elapsed, float(x[0]), last.speed, after[0])
+        x, after = self._predicted(last.x, last.state, last.speed, there - last.state[RUDDER], elapsed)
+        return Seen(last.t + elapsed, x, last.speed, after)
+
+    def _predicted(
+        self, x: float, state: np.ndarray, speed: float, turned: float, time: float
+    ) -> tuple[float, np.ndarray]:
+        """Return place and state after a time in which the rudder turns by an angle."""
+        x_twice, both = np.full(2, x), np.tile(state, (2, 1))  # One lane alone would share its inputs
+        push, _ = self.push.at(self._share(x_twice, state[0]))
+        places, after = predict(
+            self.observer, x_twice, both, speed, np.full(2, turned / time), push, time, self.planner.positions
+        )
+        return float(places[0]), after[0]
 
     def _estimate(self, seen: Seen, expected: Seen, elapsed: float) -> None:
         force_of = self.course.track.force_of[0, self.course.track.nearest(seen.x)]
@@ -287,7 +300,7 @@ class PredictiveHelm(BaseSummary):
             )
         margins = course.margins(horizon.intervals, self.confidence)
         planner = planner_of(ship, self.waterway, water, horizon, margins, weights, positions)
-        observer = PredictionLanes(ship, self.waterway, 2, **positions)
+        observer = prediction_lanes(ship, self.waterway, 2)
         return VoyageOrders(planner, course, observer, PUSH_LENGTHS * passing, self.seconds, gear)
 
     def _positions(self) -> dict[str, float]:

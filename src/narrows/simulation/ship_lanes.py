@@ -1,0 +1,183 @@
+"""Many states of one ship, advanced at once by the compiled kernel: arrays are allocated once."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from narrows.codegen.choices import COLUMNS, ROW, SHARED
+from narrows.codegen.free_motion import INPUTS as FORCES
+from narrows.codegen.run import PreparedRun
+from narrows.errors import InputError
+from narrows.quantities.names import Number
+from narrows.simulation.inputs import INPUTS, START
+from narrows.simulation.kernel_run import PUSH_END, KernelRun
+from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.steering import PARAMETER, steering_of
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
+
+RUDDER = "rudder"
+# Place along a waterway that no lane reaches [m].
+ENDLESS = 1e12
+
+
+class ActuatorRates:
+    """A law of prescribed rates of actuators."""
+
+    def __init__(self, names: Sequence[str]) -> None:
+        self.names = tuple(names)
+
+    def parameters(self) -> dict[str, float]:
+        return {f"turning_{name}": 0.0 for name in self.names}
+
+    def memory(self, start: Any) -> dict[str, Number]:
+        return {}
+
+    def orders(self, at: Any) -> tuple[dict[str, Number], dict[str, Number]]:
+        return {name: getattr(at, name) + getattr(at, f"turning_{name}") * at.dt for name in self.names}, {}
+
+
+class ShipLanes:
+    """States of one ship, one per lane, each with its own forces, bank strength and coefficients."""
+
+    def __init__(
+        self, ship: SimulatedShip, states: Sequence[str], lanes: int, waterway: "Waterway | None" = None,
+        coefficients: np.ndarray | None = None, *, pushed: bool = False, endless: bool = False,
+    ) -> None:  # fmt: skip
+        # states: x, y, psi, u, v, r, then any of bank, current, current_across and rudder_bias. coefficients (lanes,
+        # coefficients), the model's unless given. endless: beyond its ends the waterway has its last sections.
+        self.ship, self.lanes, self.waterway, self.coefficients = ship, lanes, waterway, coefficients
+        self.places = {name: place for place, name in enumerate(states)}
+        self.actuators = tuple(actuator.name for actuator in ship.actuators)
+        self.silent = {term.name: 0.0 for term in ship.model.terms.terms if term.from_bank}
+        law = ActuatorRates(self.actuators)
+        steering = steering_of(law, ship.placed_actuators) if self.actuators else None
+        self._run = KernelRun(ship, 1.0, 1.0, steering=steering, waterway=waterway)
+        # With an end of the push, forces are inputs of their own that each call may change.
+        self._forces = {**dict.fromkeys(INPUTS, np.zeros(lanes)), PUSH_END: np.inf} if pushed else dict(INPUTS)
+        self.prepared = self._laid_out(1.0)
+        kernel = self.prepared.kernel
+        self._kept = [kernel.KEPT_NAMES.index(name) for name in self.actuators]
+        self._inputs = {name: place for place, name in enumerate(kernel.VESSEL_INPUTS)}
+        self._rates = [self._inputs[PARAMETER(f"turning_{name}")] for name in self.actuators]
+        self._pushes = [self._inputs[name] for name in (FORCES["Y"], FORCES["N"])] if pushed else []
+        self._system, self._ship_values = self._run._system(self._values(1.0)), ship.values()
+        self._base, self._slope = self._by_bank()
+        self._water = self.prepared.water.table.reshape(-1, ROW) if waterway else None
+        self._least_x = -np.inf
+        if endless:
+            # A lane at the very start of a waterway would be at its end.
+            self.prepared.shared[SHARED.index("x_last")], self._least_x = ENDLESS, 1e-3
+
+    def _values(self, bank: float) -> dict[str, Any]:
+        model = self.ship.model
+        numbers = {name: np.full(self.lanes, value) for name, value in model.coefficients.items()}
+        if self.coefficients is not None:
+            numbers = dict(zip(model.terms.names, self.coefficients.T, strict=True))
+        numbers |= {name: bank * numbers[name] for name in self.silent}
+        # An actuator is at its indicated position: no limit and no rate apply.
+        limits = {f"{name}_{of}": 1e9 for name in self.actuators for of in ("limit", "rate")}
+        law = {PARAMETER(f"turning_{name}"): np.zeros(self.lanes) for name in self.actuators}
+        return {**dict.fromkeys(START, 0.0), **self._forces, "u": 1.0, **numbers, **limits, **law}
+
+    def _laid_out(self, bank: float) -> PreparedRun:
+        return self._run.prepared(self._values(bank), self.lanes, workers=1)
+
+    def _by_bank(self) -> tuple[np.ndarray, np.ndarray]:
+        """Inputs of each lane without a bank, and the addition of a bank of strength 1."""
+        full = self.prepared.vessel_inputs.copy()
+        if "bank" not in self.places or not self.silent:
+            return full, np.zeros_like(full)
+        none, double = self._laid_out(0.0).vessel_inputs, self._laid_out(2.0).vessel_inputs
+        # If a lane's inputs are affine in the strength, they are this sum.
+        if not (np.abs(double - 2 * full + none) <= 1e-9 * (np.abs(full) + np.abs(none))).all():
+            raise InputError("the bank's terms of this model hold accelerations, so its strength cannot be estimated")
+        return none, full - none
+
+    def bend(self, x: float) -> float:
+        """Return the curvature of the line at a place [1/m]."""
+        return self._column("curvature", x)
+
+    def _known_current(self, x: float) -> float:
+        """Return the waterway's own current at a place [m/s]."""
+        return self._column("flow", x) * (self.waterway.reference_current if self.waterway else 0.0)
+
+    def _column(self, name: str, x: float) -> float:
+        if self._water is None or self.waterway is None:
+            return 0.0
+        cells = len(self._water)
+        place = min(max(x / self.waterway.line.length * cells, 0.0), cells - 1e-9)
+        first, rise = self._water[int(place), 2 * COLUMNS.index(name) :][:2]
+        return float(first + (place - int(place)) * rise)
+
+    def advance(
+        self, points: np.ndarray, duration: float, start: np.ndarray, end: np.ndarray,
+        columns: np.ndarray | None = None, pushes: np.ndarray | None = None, steps: int = 1,
+    ) -> np.ndarray:  # fmt: skip
+        """Advance states (lanes, states), with actuators from start to end (actuators,) or (lanes, actuators)."""
+        # columns: inputs of the lanes, (lanes, inputs); pushes: sway force and yaw moment, (lanes, 2) [N, N m].
+        # The current's difference from the waterway's moves the ship half before and half after the step.
+        run, places, inputs = self.prepared, self.places, self.prepared.vessel_inputs
+        after = points.copy()
+        self._drift(after, duration / 2)
+        rows, ended = run.start, run.end
+        rows[:, 0], rows[:, 1] = np.maximum(after[:, 0], self._least_x), after[:, 1]
+        np.cos(after[:, 2], out=rows[:, 2])
+        np.sin(after[:, 2], out=rows[:, 3])
+        rows[:, 4:7] = after[:, 3:6]
+        run.times[:, 0], run.times[:, 1], run.times[:, 2] = duration / steps, steps, 0.0
+        if columns is not None:
+            inputs[:] = columns
+        elif "bank" in places:
+            np.multiply(points[:, places["bank"], None], self._slope, out=inputs)
+            inputs += self._base
+        if pushes is not None:
+            inputs[:, self._pushes] = pushes
+        for number, name in enumerate(self.actuators):
+            bias = points[:, places["rudder_bias"]] if name == RUDDER and "rudder_bias" in places else 0.0
+            rows[:, self._kept[number]] = start[..., number] + bias
+            inputs[:, self._rates[number]] = (end[..., number] - start[..., number]) / duration
+        run()
+        # The heading by its change, so that whole turns are kept.
+        cosine, sine, final_cosine, final_sine = rows[:, 2], rows[:, 3], ended[:, 2], ended[:, 3]
+        after[:, 0] += ended[:, 0] - rows[:, 0]
+        after[:, 1] = ended[:, 1]
+        after[:, 2] += np.arctan2(final_sine * cosine - final_cosine * sine, final_cosine * cosine + final_sine * sine)
+        after[:, 3:6] = ended[:, 4:7]
+        if "current" in places and self._water is not None:
+            known, before = (self._known_current(float(rows[0, 0])) for rows in (after, points))
+            after[:, places["current"]] += known - before
+        self._drift(after, duration / 2)
+        return after
+
+    def _drift(self, points: np.ndarray, duration: float) -> None:
+        places = self.places
+        if "current" in places and self._water is None:
+            points[:, 0] += duration * points[:, places["current"]]
+        elif "current" in places:
+            x = float(points[0, 0])
+            bend = self.bend(x)
+            gone = duration * (points[:, places["current"]] - self._known_current(x)) / (1.0 - bend * points[:, 1])
+            points[:, 2] -= bend * gone
+            points[:, 0] += gone
+        if "current_across" in places:
+            points[:, 1] += duration * points[:, places["current_across"]]
+
+    @property
+    def aground(self) -> np.ndarray:
+        """Lanes that met a bank, an end of the waterway or the limit of heading in the last step."""
+        return np.asarray(self.prepared.codes[:, 0] != 0)
+
+    def columns_of(self, coefficients: np.ndarray, bank: np.ndarray) -> np.ndarray:
+        """Return the inputs of lanes of other coefficients, (lanes, inputs)."""
+        model = self.ship.model
+        numbers = dict(zip(model.terms.names, coefficients.T, strict=True))
+        numbers |= {name: bank * numbers[name] for name in self.silent}
+        constants = self._system.constants({**self._ship_values, **numbers})
+        columns = self._base.copy()
+        for name, place in self._inputs.items():
+            if name in constants:
+                columns[:, place] = constants[name]
+        return columns
