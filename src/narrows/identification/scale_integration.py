@@ -69,8 +69,9 @@ def integrate(model: MixedModel, points: int = POINTS) -> "ScaleMixture":
         return ScaleMixture(model, nothing, nothing[None], np.ones(1), [model.at(nothing)])
     modes = search(model)
     densities = [_fitted(model, mode) for mode in modes]
+    known: dict[bytes, Conditional] = {}  # points of a sequence that is drawn on are those drawn before, and more
     while True:
-        mixture, weight = _weighed(model, densities, points)
+        mixture, weight = _weighed(model, densities, points, known)
         heaviest = int(weight.argmax())
         if weight[heaviest] < HEAVY or len(modes) == MOST_MODES:
             return mixture
@@ -81,7 +82,9 @@ def integrate(model: MixedModel, points: int = POINTS) -> "ScaleMixture":
         modes = more
 
 
-def _weighed(model: MixedModel, densities: list[SplitNormal], points: int) -> tuple["ScaleMixture", np.ndarray]:
+def _weighed(
+    model: MixedModel, densities: list[SplitNormal], points: int, known: dict[bytes, Conditional]
+) -> tuple["ScaleMixture", np.ndarray]:
     """The mixture, whose weights are truncated, and the weights before that."""
     sizes = np.exp([one.log_size - max(d.log_size for d in densities) for one in densities])
     share = np.maximum(sizes / sizes.sum(), LEAST_SHARE)
@@ -93,7 +96,8 @@ def _weighed(model: MixedModel, densities: list[SplitNormal], points: int) -> tu
     )
     whole = np.zeros((len(drawn), len(model.prior)))
     whole[:, model.learned] = np.clip(drawn, LOWEST, HIGHEST)
-    parts = [model.at(z) for z in whole]
+    known |= {z.tobytes(): model.at(z) for z in whole if z.tobytes() not in known}
+    parts = [known[z.tobytes()] for z in whole]
     log_weight = np.array([one.log_density for one in parts]) - proposal
     weight = np.exp(log_weight - log_weight.max())
     weight /= weight.sum()
