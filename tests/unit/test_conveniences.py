@@ -198,7 +198,7 @@ def test_signatures_are_short(name: str) -> None:
     ("function", "name"),
     [(nw.identify, "weights"), (nw.identify, "split"), (nw.identify, "accelerations"), (nw.simulate, "surge"),
      (nw.simulate, "contact"), (nw.ensemble, "precision"), (nw.squat, "gives"), (nw.nondimensional, "system"),
-     (nw.Fit.shapley, "kind"), (nw.Fit.bootstrap, "kind")],
+     (nw.Fit.shapley, "kind")],
     ids=lambda value: value if isinstance(value, str) else value.__name__,
 )  # fmt: skip
 def test_choices_are_types(function, name: str) -> None:

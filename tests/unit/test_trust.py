@@ -15,11 +15,6 @@ def fit() -> nw.Fit:
     return nw.identify(short_twin(5, many_runs(12)), errors=nw.RunErrors(0, 0, 0))
 
 
-@pytest.fixture(scope="module", params=["errors", "tests"])
-def kind(request: pytest.FixtureRequest) -> str:
-    return str(request.param)
-
-
 def repeated(tests: CaptiveTests, times: np.ndarray) -> CaptiveTests:
     """Return tests, each as often as it was drawn."""
     rows = np.concatenate(
@@ -32,7 +27,7 @@ def repeated(tests: CaptiveTests, times: np.ndarray) -> CaptiveTests:
 
 
 def test_a_resample_is_the_fit_to_the_tests_that_were_drawn(fit: nw.Fit) -> None:
-    found = fit.bootstrap(20, "tests", seed=3)
+    found = fit.bootstrap(20, seed=3)
     times = np.random.default_rng(3).multinomial(12, np.full(12, 1 / 12), size=20)
     for i in (0, 7, 19):
         refit = nw.identify(repeated(fit.tests, times[i]))
@@ -42,34 +37,31 @@ def test_a_resample_is_the_fit_to_the_tests_that_were_drawn(fit: nw.Fit) -> None
             assert own == pytest.approx(refit.least_squares[name], rel=1e-5, abs=1e-6 * abs(fit.std[name]))
 
 
-def test_draws_keep_the_bounds_and_the_tie(fit: nw.Fit, kind: str) -> None:
-    draws = dict(zip(NAMES, fit.bootstrap(400, kind).samples.T, strict=True))
+def test_draws_keep_the_bounds_and_the_tie(fit: nw.Fit) -> None:
+    draws = dict(zip(NAMES, fit.bootstrap(400).samples.T, strict=True))
     np.testing.assert_array_equal(draws["b_rdot"], draws["c_vdot"])
     for term in nw.PAPER.terms:
         assert (draws[term.name] >= term.bound[0] - 1e-9).all()
 
 
-def test_bootstrap_and_jackknife_agree(fit: nw.Fit, kind: str) -> None:
-    found = fit.bootstrap(4000, kind)
+def test_bootstrap_and_jackknife_agree(fit: nw.Fit) -> None:
+    found = fit.bootstrap(4000)
     known = [i for i, n in enumerate(NAMES) if fit.verdicts[n].determined]
     ratio = found.std[known] / fit.estimates.free_std[known]
     assert np.median(ratio) == pytest.approx(1.0, abs=0.3)
-    if kind == "errors":  # the same errors, drawn instead of summed
-        np.testing.assert_allclose(ratio, 1.0, atol=0.06)
     for name, (low, high) in found.intervals().items():
         assert low <= high, name
 
 
-def test_the_same_seed_gives_the_same_draws(fit: nw.Fit, kind: str) -> None:
-    one, two, other = (fit.bootstrap(50, kind, seed).samples for seed in (1, 1, 2))
+def test_the_same_seed_gives_the_same_draws(fit: nw.Fit) -> None:
+    one, two, other = (fit.bootstrap(50, seed).samples for seed in (1, 1, 2))
     np.testing.assert_array_equal(one, two)
     assert not np.array_equal(one, other)
 
 
-@pytest.mark.parametrize(("resamples", "kind", "said"), [(1, "tests", "no spread"), (10, "rows", "errors or tests")])
-def test_bootstrap_refuses(fit: nw.Fit, resamples: int, kind: str, said: str) -> None:
-    with pytest.raises(nw.InputError, match=said):
-        fit.bootstrap(resamples, kind)
+def test_one_resample_is_refused(fit: nw.Fit) -> None:
+    with pytest.raises(nw.InputError, match="no spread"):
+        fit.bootstrap(1)
 
 
 def test_a_trade_off_is_that_of_harmonic_yaw() -> None:

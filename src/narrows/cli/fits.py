@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from narrows.captive.tests import Tests
     from narrows.experiment_design import Tank
     from narrows.identification import Fit
-    from narrows.identification.bank_answer import Answer
+    from narrows.identification.bank_summary import BankSummary
     from narrows.terms.term import TermTable
 
 
@@ -192,10 +192,10 @@ def publish(
     fits: dict[str, "Fit"], title: str, delivery: ModelDelivery, first: Mapping[str, "Fit"] = MappingProxyType({})
 ) -> None:
     """Save, report and print fits; earlier ones are not saved."""
-    from narrows.identification.bank_answer import answer_of
+    from narrows.identification.bank_summary import summarise_bank
 
     every = {**first, **fits}
-    answers = {label: answer_of(fit) for label, fit in every.items()}
+    answers = {label: summarise_bank(fit) for label, fit in every.items()}
     written = [_save(fit, delivery.output, label if len(fits) > 1 else "") for label, fit in fits.items()]
     if delivery.report:
         from narrows.progress import stage
@@ -218,7 +218,7 @@ def _save(fit: "Fit", output: Path | None, label: str) -> Path | None:
     return path
 
 
-def _show(fits: dict[str, "Fit"], answers: dict[str, "Answer"], json: bool) -> None:
+def _show(fits: dict[str, "Fit"], answers: dict[str, "BankSummary"], json: bool) -> None:
     if json:
         shown = {label: {"answer": answers[label].to_dict(), **fit.to_dict()} for label, fit in fits.items()}
         print_json(next(iter(shown.values())) if len(shown) == 1 else {"conditions": shown})

@@ -11,6 +11,7 @@ from narrows.identification.fitting import identify
 from narrows.identification.least_squares import Weights
 from narrows.identification.normal_equations import Balance
 from narrows.identification.verdict import NOT_SEPARABLE
+from narrows.quantities.names import FORCES
 from narrows.results import BaseResult
 from narrows.ship.ship_file import ShipSource
 from narrows.terms.bank_forms import FORMS, OPEN_WATER
@@ -68,14 +69,13 @@ class Comparison(BaseResult):
     def summary(self) -> str:
         """Best table for each force on left-out tests, compared with the first table: a line each."""
         first = next(iter(self.fits))
-        unit = {"X": "N", "Y": "N", "N": "N m"}
         sentences = []
         for force in self.forces:
             best = self.best(force)
             errors = {n: fit.left_out[force].rmse for n, fit in self.fits.items() if force in fit.left_out}
             against = f", {first} by {errors[first]:.3g}" if best != first and first in errors else ""
             sentences.append(
-                f"{force}: {best} errs least on what was left out, by {errors[best]:.3g} {unit[force]}{against}."
+                f"{force}: {best} errs least on what was left out, by {errors[best]:.3g} {FORCES[force].unit}{against}."
             )
         return "\n".join(sentences)
 

@@ -43,7 +43,7 @@ def depth_tests(
 ) -> dict[str, DepthTest]:  # fmt: skip
     """Compare the bank's coefficients by the tests at each depth; empty where there is one depth."""
     bank = [i for i, term in enumerate(problem.terms.terms) if term.from_bank]
-    depth, group = motions.features["depth"], motions.strata["depth"]
+    depth, group = motions.features["depth"], motions.level("depth")
     if group.max() == 0 or not bank:
         return {}
     by_depth = {}

@@ -12,7 +12,6 @@ from narrows.captive.tests import CaptiveTests, Tests
 from narrows.identification import shapley
 from narrows.identification.acceleration_noise import noise_bias, noise_sentence
 from narrows.identification.bootstrap import Bootstrap, resampled
-from narrows.identification.bootstrap import Kind as DrawnBy
 from narrows.identification.collinearity import CorrelatedPair, Diagnostics, correlated_pairs
 from narrows.identification.depths import DepthTest, depth_tests
 from narrows.identification.design_matrix import ONE, DesignMatrix
@@ -216,25 +215,22 @@ class Fit(Prediction):
         """Influence of each distinct motion on each coefficient: its information, and the change without it."""
         return influence(self.motions, self.estimates, self.solution)
 
-    def bootstrap(self, resamples: int = 10_000, kind: DrawnBy = "errors", seed: int = 0) -> Bootstrap:
-        """Fit resamples of the tests, each under the constraints.
+    def bootstrap(self, resamples: int = 10_000, seed: int = 0) -> Bootstrap:
+        """Draw distinct motions with replacement, each with all its repeats, and fit under the constraints.
 
         Parameters
         ----------
         resamples : int
             Number of resamples.
-        kind : str
-            ``errors``: the tests stay, errors as large as those of the fit are drawn; ``tests``: distinct motions are
-            drawn with replacement, each with all its repeats, which says little where there are few.
         seed : int
             Seed of the draws.
 
         Raises
         ------
         InputError
-            Where the kind is unknown, or there are fewer than 2 resamples.
+            Where there are fewer than 2 resamples.
         """
-        return resampled(self.problem, self.motions, self.estimates, resamples, kind, seed)
+        return resampled(self.problem, self.motions, self.estimates, resamples, seed)
 
     def shapley(
         self, kind: ShareKind = "mse", coefficients: Mapping[str, float] | None = None

@@ -10,6 +10,7 @@ from narrows.identification.estimates import HALF, CoefficientEstimates, ForcePo
 from narrows.identification.least_squares import Solution
 from narrows.identification.mixed_model import one_thread
 from narrows.identification.motions import DistinctMotions
+from narrows.quantities.names import FORCES
 
 # Least share of errors that leverage leaves: of what one motion alone informs it can cancel to less than nothing.
 ROUNDING = 1e-9
@@ -28,10 +29,10 @@ class Predictiveness:
     @property
     def sentence(self) -> str:
         """One sentence of the result."""
-        unit = "N m" if self.force == "N" else "N"
         return (
             f"{self.force} of {self.motions} motions left out in turn: {self.held:.0%} lie within the 95 % predictive "
-            f"interval, whose median half width is {self.half:.2g} {unit} ({self.relative:.0%} of the force)."
+            f"interval, whose median half width is {self.half:.2g} {FORCES[self.force].unit} ({self.relative:.0%} of "
+            "the force)."
         )
 
 

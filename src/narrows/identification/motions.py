@@ -10,8 +10,8 @@ from narrows.identification.normal_equations import NormalEquations
 
 # Tolerance of each feature, or of a fifth of its largest value if more: within it two tests are one motion.
 SAME_MOTION = 0.03
-# Tolerance of speed, period or depth against the first test of a stratum.
-SAME_STRATUM = 0.05
+# Tolerance of speed, period or depth against the first test of a level.
+SAME_LEVEL = 0.05
 # Standard deviations within a test under which nothing oscillates: over speed, in radians, over the ship's length.
 STEADY = {"v": 0.015, "sin_psi": 0.01, "y": 0.01}
 FLOOR = 0.2
@@ -23,27 +23,34 @@ SIDE = 0.15
 
 @dataclass(frozen=True)
 class DistinctMotions:
-    """The distinct motions of a table, and the strata that they fall into."""
+    """The distinct motions of a table, and what was done in them."""
 
     # A group is kept against its own first member, never against its last: neighbours do not chain.
 
     sums: np.ndarray  # (motions, m, m) Sums of products over all tests of a motion
     members: tuple[tuple[str, ...], ...]  # The tests of each motion: the first one and its repeats
-    # (motions,) ``speed``, ``period``, ``depth`` and ``side`` of each motion, numbered; period 0 holds the steady
-    # ones where there are any
-    strata: Mapping[str, np.ndarray]
-    steady: np.ndarray  # (motions,) Nothing oscillates
-    reach: np.ndarray  # (motions,) Offset from the centreline that a motion comes to, about [m]
-    # (motions,) Mean speed [m/s], period [s], 0 of steady motions, and depth [m] of each
+    # (motions,) Mean ``speed`` [m/s], ``period`` [s], 0 of steady motions, ``depth`` [m], ``side`` (-1, 0 or 1) and
+    # ``reach``, the offset from the centreline that a motion comes to, about [m]
     features: Mapping[str, np.ndarray]
+    steady: np.ndarray  # (motions,) Nothing oscillates
 
     def __len__(self) -> int:
         return len(self.members)
 
     @property
+    def reach(self) -> np.ndarray:
+        """Offset from the centreline that each motion comes to, about [m]."""
+        return self.features["reach"]
+
+    def level(self, feature: str) -> np.ndarray:
+        """Number of the speed, period, depth or side of each motion, (motions,)."""
+        return numbered(self.features[feature])
+
+    @property
     def labels(self) -> tuple[str, ...]:
         """Name of each motion: its first test, and its number of repeats."""
-        return tuple(_label(tests) for tests in self.members)
+        repeats = ("", " and 1 repeat", *(f" and {n} repeats" for n in range(2, max(map(len, self.members)))))
+        return tuple(first + repeats[len(more)] for first, *more in self.members)
 
     @cached_property
     def without(self) -> np.ndarray:
@@ -56,7 +63,7 @@ class DistinctMotions:
     @property
     def by_speed(self) -> list[np.ndarray]:
         """The motions of each speed, slowest first."""
-        group = self.strata["speed"]
+        group = self.level("speed")
         groups = [np.flatnonzero(group == number) for number in range(group.max() + 1)]
         return sorted(groups, key=lambda members: float(self.features["speed"][members[0]]))
 
@@ -71,33 +78,20 @@ class DistinctMotions:
         )
 
 
-def _label(tests: tuple[str, ...]) -> str:
-    again = len(tests) - 1
-    return tests[0] + (f" and {again} repeat{'s' * (again > 1)}" if again else "")
-
-
 def distinct_motions(equations: NormalEquations) -> DistinctMotions:
     """Group tests by what was done in them."""
     runs = _Runs(equations)
     group = _same_motion(runs)
     count = np.bincount(group)
-    mean = {name: np.bincount(group, values) / count for name, values in runs.features_of_motions.items()}
+    mean = {name: np.bincount(group, values) / count for name, values in runs.done.items()}
     names = np.array(equations.names, dtype=object)
-    test = {name: i for i, name in enumerate(equations.names)}
     sums = np.zeros((len(count), *equations.sums.shape[1:]))
-    np.add.at(sums, group[[test[name] for name in equations.tests]], equations.sums)
-    strata = {name: mean[name] for name in ("speed", "period", "depth", "side")}
-    return DistinctMotions(
-        sums,
-        tuple(tuple(names[group == g]) for g in range(len(count))),
-        {name: numbered(values) for name, values in strata.items()},
-        mean["steady"] > 0.5,
-        mean["reach"],
-        strata,
-    )
+    np.add.at(sums, group[equations.test], equations.sums)
+    members = tuple(tuple(names[group == g]) for g in range(len(count)))
+    return DistinctMotions(sums, members, mean, np.bincount(group, runs.steady) / count > 0.5)
 
 
-def numbered(values: Sequence[float] | np.ndarray, tolerance: float = SAME_STRATUM) -> np.ndarray:
+def numbered(values: Sequence[float] | np.ndarray, tolerance: float = SAME_LEVEL) -> np.ndarray:
     """Number values by the first one that each is within a tolerance of."""
     # values (n,)
     # The smallest comes first, so that the order of the tests does not matter.
@@ -119,14 +113,8 @@ class _Runs:
     """Features of each test from the sums of what moved; a quantity that is not in the table is 0."""
 
     def __init__(self, equations: NormalEquations) -> None:
-        self.moved, self.length = equations.moved, equations.length
-        names = equations.names
-        test = np.array([names.index(name) for name in equations.tests])
-        self.totals = {
-            quantity: np.stack([np.bincount(test, part, len(names)) for part in parts.T])
-            for quantity, parts in equations.moved.items()
-        }
-        self.count = len(names)
+        self.length, self.count = equations.length, len(equations.names)
+        self.totals = {quantity: equations.by_test(parts).T for quantity, parts in equations.moved.items()}
 
     def mean(self, quantity: str) -> np.ndarray:
         rows, total, _ = self._sums(quantity)
@@ -163,38 +151,34 @@ class _Runs:
         return np.asarray(np.abs(self.mean("y")) + np.sqrt(2) * self.std("y"))
 
     @property
-    def strata(self) -> dict[str, np.ndarray]:
+    def done(self) -> dict[str, np.ndarray]:
+        """Speed, period, depth, side and reach of each test."""
         side = np.where(np.abs(self.mean("y")) > SIDE * max(self.reach.max(), 1e-9), np.sign(self.mean("y")), 0.0)
         depth = self.mean("depth") if "depth" in self.totals else np.ones(self.count)
-        return {"speed": self.speed, "period": self.period, "depth": depth, "side": side}
-
-    @property
-    def features_of_motions(self) -> dict[str, np.ndarray]:
-        """Return the features of a motion: its strata, its reach, whether nothing oscillates."""
-        return {**self.strata, "reach": self.reach, "steady": self.steady.astype(float)}
+        return {"speed": self.speed, "period": self.period, "depth": depth, "side": side, "reach": self.reach}
 
     def features(self) -> tuple[np.ndarray, np.ndarray]:
         """Mean and amplitude of everything that moved, (tests, features), and the size that each is seen against."""
         fast, long = float(self.speed.max()), self.length
         natural = {"u": fast, "v": fast, "r": fast / long, "y": 0.1 * long, "sin_psi": 1.0, "rudder": 1.0}
         natural |= {"udot": fast**2 / long, "vdot": fast**2 / long, "rdot": fast**2 / long**2}
-        columns, sizes = [self.period], [float(self.period.max())]
+        columns, scales = [self.period], [float(self.period.max())]
         for name in self.totals:
             rates = name in ("udot", "vdot", "rdot")
             for values in (self.mean(name),) if rates else (self.mean(name), np.sqrt(2) * self.std(name)):
                 columns.append(values)
-                sizes.append(max(float(np.abs(values).max()), natural.get(name, 0.0)))
-        return np.stack(columns, axis=1), np.maximum(sizes, 1e-12)
+                scales.append(max(float(np.abs(values).max()), natural.get(name, 0.0)))
+        return np.stack(columns, axis=1), np.maximum(scales, 1e-12)
 
 
 def _same_motion(runs: _Runs) -> np.ndarray:
     """Number of each test's motion; tests are taken by their features, so that their order does not matter."""
-    features, sizes = runs.features()
+    features, scales = runs.features()
     firsts: list[int] = []
     group = np.zeros(len(features), int)
     for i in np.lexsort(features.T[::-1]):
         seen = features[firsts]
-        near = np.abs(features[i] - seen) <= EDGE * SAME_MOTION * np.maximum(np.abs(seen), FLOOR * sizes)
+        near = np.abs(features[i] - seen) <= EDGE * SAME_MOTION * np.maximum(np.abs(seen), FLOOR * scales)
         same = np.flatnonzero(near.all(axis=1) & (runs.steady[firsts] == runs.steady[i]))
         if not same.size:
             firsts.append(int(i))

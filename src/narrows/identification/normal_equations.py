@@ -14,7 +14,7 @@ import numpy as np
 from narrows.identification.design_matrix import ONE
 from narrows.terms.term import TermTable
 
-# Weights of strata in a fit.
+# What counts alike in a fit.
 Balance = Literal["tests", "rows"]
 
 

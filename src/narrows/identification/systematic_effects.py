@@ -8,6 +8,7 @@ from narrows.identification.design_matrix import ONE
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.mixed_model import BlockErrors, MixedModel
 from narrows.identification.run_errors import RunErrors
+from narrows.quantities.names import FORCES
 from narrows.ship.particulars import Configuration
 
 DEGREE = np.pi / 180
@@ -185,7 +186,7 @@ class Effects:
         }
         for f in self._lateral():
             force = rows.blocks.forces[f]
-            unit = f"{'N m' if force == 'N' else 'N'} {place}"
+            unit = f"{FORCES[force].unit} {place}"
             usual = SIZES["force with y"] * rows.blocks.level[f]
             for name, (words, scale) in powers.items():
                 column = rows.of(f, rows.raw(f"column {name}") / (scale * rows.reach))
@@ -236,7 +237,7 @@ class Effects:
         rows = self.rows
         fitted, early = rows.fitted(rows.blocks.columns), rows.fitted(rows.blocks.early)
         for f, (force, level) in enumerate(zip(rows.blocks.forces, rows.blocks.level, strict=True)):
-            one, unit = rows.of(f, rows.raw(ONE)), "N m" if force == "N" else "N"
+            one, unit = rows.of(f, rows.raw(ONE)), FORCES[force].unit
             self.add(f"zero of {force}", one, SIZES["common zero"] * level, CAMPAIGN, unit)
             if rows.mixed:
                 still = rows.all(rows.steady)

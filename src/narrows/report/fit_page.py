@@ -11,7 +11,7 @@ import numpy as np
 from narrows.captive.tests import CaptiveTests
 from narrows.files import write_whole
 from narrows.identification import Fit
-from narrows.identification.bank_answer import Answer, answer_of
+from narrows.identification.bank_summary import BankSummary, summarise_bank
 from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import Range
@@ -44,7 +44,7 @@ ENVELOPE = {
 
 
 def write_report(
-    fits: Mapping[str, Fit], path: str | Path, title: str = "narrows", answers: Mapping[str, Answer] | None = None
+    fits: Mapping[str, Fit], path: str | Path, title: str = "narrows", answers: Mapping[str, BankSummary] | None = None
 ) -> None:
     """Write one HTML file with all results of some fits, their main results first.
 
@@ -56,7 +56,7 @@ def write_report(
         Output file.
     title : str
         Title of the page.
-    answers : mapping of str to Answer, optional
+    answers : mapping of str to BankSummary, optional
         Main results by condition, if computed already.
 
     Raises
@@ -64,7 +64,7 @@ def write_report(
     InputError
         If the file cannot be written.
     """
-    answers = answers or {label: answer_of(fit) for label, fit in fits.items()}
+    answers = answers or {label: summarise_bank(fit) for label, fit in fits.items()}
     sections = [section(label, fit, number, answers[label]) for number, (label, fit) in enumerate(fits.items())]
     page = render("fits.html.j2", title=title, sections=sections, comparison=_comparison(fits))
     write_whole(path, page)
@@ -84,7 +84,7 @@ def figure(picture: Any, caption: str) -> dict[str, str]:
     return {"svg": svg(picture), "caption": caption}
 
 
-def section(label: str, fit: Fit, number: int, answer: Answer | None = None) -> dict[str, Any]:
+def section(label: str, fit: Fit, number: int, answer: BankSummary | None = None) -> dict[str, Any]:
     """Collect the page's contents on a fit."""
     source, envelope = fit.tests.source, asdict(fit.data_range)
     shares = {kind: fit.shapley(kind) for kind in KINDS}

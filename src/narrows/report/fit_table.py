@@ -5,7 +5,7 @@ from rich.table import Table
 from rich.text import Text
 
 from narrows.identification import Fit
-from narrows.identification.bank_answer import Answer, answer_of
+from narrows.identification.bank_summary import BankSummary, summarise_bank
 from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED, ZERO
 from narrows.report.terminal import everything, print_notes
@@ -18,14 +18,14 @@ COLOURS = {
 
 
 def print_fit(
-    fit: Fit, label: str = "", console: Console | None = None, answer: Answer | None = None, table: bool = True
+    fit: Fit, label: str = "", console: Console | None = None, answer: BankSummary | None = None, table: bool = True
 ) -> None:
     """Print a fit, its main result first; with --verbose all results."""
     console = console or Console(highlight=False, markup=False, soft_wrap=False)
     console.print(f"\n{heading(fit, label)}", style="bold")
     for sentence in fit.implausible:
         console.print(sentence, style="bold red")
-    answer = answer or answer_of(fit)
+    answer = answer or summarise_bank(fit)
     for sentence in answer.sentences:
         console.print(sentence)
     if table or everything():

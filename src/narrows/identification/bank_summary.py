@@ -11,19 +11,19 @@ from narrows.errors import InputError
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.verdict import IDENTIFIED
+from narrows.quantities.names import FORCES
 from narrows.results.base_results import interval, readable
 from narrows.terms.tables import BARE, table_named
 from narrows.terms.term import TermTable
 
 # Error on what was left out, over that of the given terms, below which tests prefer other terms.
 BETTER = 0.98
-UNITS = {"X": "N", "Y": "N", "N": "N m"}
 # Share of the half width of the canal: offset that makes a straight run informative of a bank.
 OFF_CENTRE = 0.1
 
 
 @dataclass(frozen=True)
-class Answer:
+class BankSummary:
     """The hull, the bank and the next runs of a fit, a sentence each; then what lies behind them."""
 
     fit: Fit  # Fit with the requested terms
@@ -56,7 +56,7 @@ class Answer:
         hull = [term.name for term in self.fit.terms.terms if not term.from_bank]
         known = sum(self.fit.verdicts[name].status == IDENTIFIED for name in hull)
         first = f"The tests identify {known} of {len(hull)} hull coefficients"
-        parts = [f"{one.half:.2g} {UNITS[one.force]} in {one.force}" for one in self.fit.predictiveness]
+        parts = [f"{one.half:.2g} {FORCES[one.force].unit} in {one.force}" for one in self.fit.predictiveness]
         return f"{first}; the model predicts left-out motions within {listed(parts)} (95 %)." if parts else f"{first}."
 
     def _bank(self) -> str:
@@ -78,7 +78,9 @@ class Answer:
         if self.preferred is None:
             return ""
         other, fit = self.preferred.left_out, self.fit.left_out
-        errors = [f"{other[f].rmse:.3g} instead of {fit[f].rmse:.3g} {UNITS[f]} in {f}" for f in _forces(self.fit)]
+        errors = [
+            f"{other[f].rmse:.3g} instead of {fit[f].rmse:.3g} {FORCES[f].unit} in {f}" for f in _forces(self.fit)
+        ]
         first = f"The terms {self.preferred.terms.name} predict left-out motions better (rms error {listed(errors)})"
         doubts, apart = _doubts(self.preferred), self._apart()
         more = [
@@ -109,9 +111,9 @@ class Answer:
         return f"Run next: {what}; narrows plan --after chooses them."
 
 
-def answer_of(fit: Fit) -> Answer:
+def summarise_bank(fit: Fit) -> BankSummary:
     """Put the answer of a fit first: its bank's coefficients, under its terms and under those that its tests prefer."""
-    return Answer(fit, preferred_fit(fit) if _comparable(fit) else None)
+    return BankSummary(fit, preferred_fit(fit) if _comparable(fit) else None)
 
 
 def bank_names(fit: Fit) -> list[str]:
@@ -136,15 +138,15 @@ def preferred_fit(fit: Fit) -> Fit | None:
 
 def missing_runs(fit: Fit) -> list[str]:
     """Name the kinds of runs that part a bank from the hull and are not among the tests."""
-    motions, strata = fit.motions, fit.motions.strata
+    motions = fit.motions
     off = motions.steady & (motions.reach > OFF_CENTRE * fit.tests.configuration.canal.width / 2)
     speeds = sorted({round(float(motions.features["speed"][group].mean()), 2) for group in motions.by_speed})
     fastest = f"{speeds[-1]:g} m/s"
     asks = []
-    if len(set(strata["side"][off].tolist())) < 2:
+    if len(set(motions.level("side")[off].tolist())) < 2:
         asks.append(f"straight runs off the centreline to both sides at {fastest}")
-    harmonic = ~motions.steady
-    periods = [len(set(strata["period"][group][harmonic[group]].tolist())) for group in motions.by_speed]
+    harmonic, period = ~motions.steady, motions.level("period")
+    periods = [len(set(period[group][harmonic[group]].tolist())) for group in motions.by_speed]
     if max(periods, default=0) < 2:
         asks.append(f"harmonic yaw at two periods or more at {fastest}")
     return asks

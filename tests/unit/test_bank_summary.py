@@ -9,7 +9,7 @@ import pytest
 
 import narrows as nw
 from narrows.captive.measured import measured_files
-from narrows.identification.bank_answer import answer_of, missing_runs, preferred_fit
+from narrows.identification.bank_summary import missing_runs, preferred_fit, summarise_bank
 from narrows.report.envelope_chart import envelope_chart
 from narrows.report.voyage_figures import map_figure, voyage_figure
 
@@ -28,7 +28,7 @@ def settled() -> nw.Fit:
 
 def test_first_sentences_of_the_kcs(kcs_fits: dict[int, nw.Fit]) -> None:
     fit = kcs_fits[100]
-    answer = answer_of(fit)
+    answer = summarise_bank(fit)
     hull, bank, runs = answer.sentences
     known = sum(fit.verdicts[term.name].status == "identified" for term in fit.terms.terms if not term.from_bank)
     assert hull.startswith(f"The tests identify {known} of 15 hull coefficients; the model predicts left-out motions")
@@ -49,7 +49,7 @@ def test_the_preferred_terms_err_least(kcs_fits: dict[int, nw.Fit]) -> None:
 
 
 def test_runs_that_part_the_bank_are_not_asked_for_again(settled: nw.Fit, dtc: nw.Model) -> None:
-    answer = answer_of(settled)
+    answer = summarise_bank(settled)
     assert answer.settled
     assert answer.sentences[1].startswith("The tests identify the bank: b_bank 1.")
     assert answer.details[0].startswith("b_bank is off by a standard error with ")
@@ -62,9 +62,9 @@ def test_runs_that_part_the_bank_are_not_asked_for_again(settled: nw.Fit, dtc: n
 
 
 def test_terms_without_a_bank_and_tests_that_are_wrong(kcs_tests: dict[int, nw.CaptiveTests]) -> None:
-    assert answer_of(nw.identify(kcs_tests[100], "paper+open_water")).sentences[1].endswith("have no bank.")
+    assert summarise_bank(nw.identify(kcs_tests[100], "paper+open_water")).sentences[1].endswith("have no bank.")
     turned = replace(kcs_tests[100], columns={**kcs_tests[100].columns, "N": -kcs_tests[100].columns["N"]})
-    wrong = answer_of(nw.identify(turned)).sentences[1]
+    wrong = summarise_bank(nw.identify(turned)).sentences[1]
     assert wrong.startswith("Do not trust the bank's coefficients: N of the other sign")
 
 
@@ -72,7 +72,7 @@ def test_first_in_terminal_report_and_json(kcs_fits: dict[int, nw.Fit], tmp_path
     table, ship = measured_files("kcs")
     words = ("identify", table, "--ship", ship, "--condition", "C0101A01", "--report", tmp_path / "r.html")
     code, out, _ = cli(*words)
-    told = answer_of(kcs_fits[100])
+    told = summarise_bank(kcs_fits[100])
     assert code == 0
     assert " ".join(out.split()).partition("h/T = 2.00 ")[2].startswith(told.sentences[0])
     page = (tmp_path / "r.html").read_text()
