@@ -71,24 +71,31 @@ def moved(forward: float) -> Spoil:
     return spoil
 
 
-def heading(change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Spoil:
-    return lambda record: record.with_signals(
-        psi=nw.Signal(record["psi"].t, change(record["psi"].t, record["psi"].values))
-    )
+def late(delay: float, *names: str) -> Spoil:
+    """Signals that are recorded late."""
+    return lambda record: record.with_signals(**{
+        name: nw.Signal(record[name].t, record[name].at(np.maximum(record[name].t - delay, record[name].t[0])))
+        for name in names
+    })  # fmt: skip
 
 
-def blown(change: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]) -> Spoil:
-    """A wind, as a complex number towards where it comes from, changed by the ship's velocity and heading."""
+def off(zero: float, name: str, share: float = 0.0) -> Spoil:
+    """A signal with a zero, from a share of the record on."""
 
     def spoil(record: nw.ShipRecord) -> nw.ShipRecord:
-        psi = record["psi"].values
-        ship = (record["u_ground"].values + 1j * record["v_ground"].values) * np.exp(1j * psi)
-        wind = record["wind_speed"].values * np.exp(1j * record["wind_direction"].values)
-        told, t = change(wind, ship, psi), record["psi"].t
-        direction = np.unwrap(np.angle(told))
-        return record.with_signals(wind_speed=nw.Signal(t, np.abs(told)), wind_direction=nw.Signal(t, direction))
+        own = record[name]
+        after = own.t >= record.start + share * record.duration
+        return record.with_signals(**{name: nw.Signal(own.t, own.values + zero * after)})
 
     return spoil
+
+
+def repeated(count: int, *names: str) -> Spoil:
+    """Values that are written again and again."""
+    return lambda record: record.with_signals(**{
+        name: nw.Signal(record[name].t, record[name].values[np.arange(len(record[name])) // count * count])
+        for name in names
+    })  # fmt: skip
 
 
 def rolling(record: nw.ShipRecord) -> nw.ShipRecord:
@@ -104,40 +111,40 @@ def cut(record: nw.ShipRecord) -> nw.ShipRecord:
 
 
 FAULTS: dict[str, tuple[Spoil, str, str]] = {
-    "a rudder positive to port": (scaled(-1.0, "rudder"), "rudder's sign", '[positive] rudder = "port"'),
+    "a rudder positive to port": (scaled(-1.0, "rudder"), "rudder", '[positive] rudder = "port"'),
     "a rudder in degrees": (scaled(DEGREES, "rudder"), "rudder", "head it 'rudder [deg]'"),
-    "a rudder in radians read as degrees": (scaled(1 / DEGREES, "rudder"), "rudder's unit", "radians taken as degrees"),
-    "no rudder": (without("rudder"), "missing", "voyage data recorder"),
+    "a rudder in radians read as degrees": (scaled(1 / DEGREES, "rudder"), "rudder", "radians were read as degrees"),
+    "a rudder half as large": (scaled(0.5, "rudder"), "rudder gain", "calibration"),
+    "no rudder": (without("rudder"), "missing", "record what is missing"),
     "a rudder that never moves": (scaled(0.0, "rudder"), "rudder", "another column"),
-    "a heading to port": (scaled(-1.0, "psi"), "heading", "psi counts to port"),
-    "a heading in degrees": (scaled(DEGREES, "psi"), "heading", "psi counts degrees"),
-    "heading and yaw rate in degrees": (scaled(DEGREES, "psi", "r"), "yaw rate", "degrees a second"),
-    "a heading that wraps": (heading(lambda t, psi: (psi + 3.0 + np.pi) % (2 * np.pi) - np.pi), "heading", "unwrap"),
-    "a compass that was reset": (heading(lambda t, psi: psi + 0.35 * (t > 450.0)), "heading", "compass"),
+    "a rudder 8 s late": (late(8.0, "rudder"), "rudder delay", "[late] rudder"),
+    "a heading to port": (scaled(-1.0, "psi"), "psi", '[positive] psi = "port"'),
+    "a heading in degrees": (scaled(DEGREES, "psi"), "psi", "psi [deg]"),
+    "heading and yaw rate in degrees": (scaled(DEGREES, "psi", "r"), "psi and r", "degrees a second"),
+    "a heading 12 degrees off": (off(12 / DEGREES, "psi"), "psi zero", "correct its zero"),
+    "a compass that was reset": (off(0.35, "psi", 0.5), "psi step", "begin another record"),
     "a compass that is stuck": (held("psi"), "stuck", "leave that time out"),
-    "a yaw rate to port": (scaled(-1.0, "r"), "yaw rate", '[positive] r = "port"'),
-    "a yaw rate in degrees a second": (scaled(DEGREES, "r"), "yaw rate", "degrees a second"),
-    "a yaw rate in degrees a minute": (scaled(60 * DEGREES, "r"), "yaw rate", "or a minute"),
-    "a yaw rate half as large": (scaled(0.5, "r"), "yaw rate", "calibration"),
-    "a roll rate for the yaw rate": (rolling, "yaw rate", "roll rate"),
+    "a yaw rate to port": (scaled(-1.0, "r"), "r", '[positive] r = "port"'),
+    "a yaw rate in degrees a second": (scaled(DEGREES, "r"), "r", "degrees a second"),
+    "a yaw rate in degrees a minute": (scaled(60 * DEGREES, "r"), "r", "degrees a minute"),
+    "a yaw rate half as large": (scaled(0.5, "r"), "r gain", "calibration"),
+    "a roll rate for the yaw rate": (rolling, "r gain", "calibration"),
     "a gyro that is stuck": (held("r"), "stuck", "leave that time out"),
     "a position that is stuck": (held("x", "y"), "stuck", "leave that time out"),
-    "y to port": (scaled(-1.0, "y"), "heading", "y counts to port"),
-    "velocities in fixed axes": (turned(1j), "velocity over ground", "x_rate and y_rate"),
-    "velocities turned once too often": (turned(-1j), "velocity over ground", "along the ship already"),
-    "a sway velocity to port": (scaled(-1.0, "v_ground"), "velocity over ground", "v_ground counts to port"),
-    "velocities in knots": (scaled(KNOTS, "u_ground", "v_ground"), "velocity over ground", "knots"),
-    "a speed over ground in knots": (scaled(KNOTS, "speed_over_ground"), "speed over ground", "knots"),
-    "a course to port": (scaled(-1.0, "course"), "speed over ground", "course counts to port"),
-    "a course in degrees": (scaled(DEGREES, "course"), "speed over ground", "course counts degrees"),
-    "a log in knots": (scaled(KNOTS, "u"), "speed through the water", "knots"),
-    "revolutions a minute": (scaled(60.0, "revolutions"), "revolutions", "revolutions [rpm]"),
-    "a clock that was set back": (clocked(-20.0), "clock", "sort"),
-    "a clock that was set on": (clocked(60.0), "clock", "jump"),
+    "y to port": (scaled(-1.0, "y"), "y", '[positive] y = "port"'),
+    "a position that jumps 15 m": (off(15.0, "y", 0.5), "y step", "begin another record"),
     "an antenna on the deckhouse": (moved(-130.0), "antenna", "antenna's place"),
-    "the wind as felt on board": (blown(lambda wind, ship, psi: wind + ship), "wind", "felt on board"),
-    "a wind told by where it goes": (blown(lambda wind, ship, psi: -wind - 2 * ship), "wind", "where the wind goes"),
-    "a wind told from the bow": (blown(lambda wind, ship, psi: wind * np.exp(-1j * psi)), "wind", "from the bow"),
+    "values written ten times": (repeated(10, "x", "y"), "repeats", "leave repeated values out"),
+    "velocities in fixed axes": (turned(1j), "u_ground and v_ground", "x_rate and y_rate"),
+    "velocities turned once too often": (turned(-1j), "u_ground and v_ground", "along the ship already"),
+    "a sway velocity to port": (scaled(-1.0, "v_ground"), "v_ground", '[positive] v_ground = "port"'),
+    "velocities in knots": (scaled(KNOTS, "u_ground", "v_ground"), "u_ground and v_ground", "knots"),
+    "a speed over ground in knots": (scaled(KNOTS, "speed_over_ground"), "speed_over_ground", "knots"),
+    "a course to port": (scaled(-1.0, "course"), "course", '[positive] course = "port"'),
+    "a course in degrees": (scaled(DEGREES, "course"), "course", "course [deg]"),
+    "a log in knots": (scaled(KNOTS, "u"), "u", "knots"),
+    "revolutions a minute": (scaled(60.0, "revolutions"), "revolutions", "turns a minute"),
+    "a clock that was set back": (clocked(-20.0), "clock", "sort"),
 }  # fmt: skip
 
 

@@ -8,7 +8,8 @@ from _extension.markdown import table
 from narrows.captive.formats import LAYOUTS
 from narrows.estimation.sensors import SENSORS
 from narrows.export.exporters import EXPORTERS
-from narrows.logbook.checking.check_log import CHECKS
+from narrows.logbook.checking.faults import FAULTS
+from narrows.logbook.checking.record_checks import RECORD_CHECKS
 from narrows.safety.pilots import PILOTS
 from narrows.simulation.controllers import CONTROLLERS
 
@@ -36,8 +37,10 @@ def _parts() -> Iterator[tuple[str, tuple[str, ...], Iterable[tuple[str, ...]]]]
     yield "Layouts of tables", ("layout", "whose tables"), layouts
     exporters = [(f"`{kind}`", ", ".join(own.suffixes), own.words) for kind, own in EXPORTERS.items()]
     yield "Exporters", ("`narrows export`", "file", "what it is"), exporters
-    checks = [(f"`{own.check.__name__}`", own.stage.name.lower(), _said(own.check)) for own in CHECKS]
-    yield "Checks of a ship's log", ("check", "rests on", "what it finds"), checks
+    checks = [(f"`{own.__name__}`", _said(own)) for own in RECORD_CHECKS]
+    yield "Checks of single records", ("check", "what it finds"), checks
+    faults = [(f"`{name}`", own.sentence.replace("{", "").replace("}", ""), own.remedy) for name, own in FAULTS.items()]
+    yield "Faults with a score test", ("fault", "what is found", "remedy"), faults
 
 
 def _said(thing: Any) -> str:

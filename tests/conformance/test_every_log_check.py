@@ -1,73 +1,55 @@
-"""Every check of ``CHECKS``: it finds a fault that a record may have, and leaves good records alone."""
+"""Every check of a record finds a fault and leaves good records alone; every kind of fault has an example."""
 
-from collections.abc import Iterator
-from functools import cache
+from collections.abc import Callable, Iterator
 
+import numpy as np
 import pytest
 
 import narrows as nw
-from faults import FAULTS, ashore
+from faults import FAULTS as EXAMPLES
+from faults import ashore
 from logs import bend, bent_waterway, circle, kvlcc2, zigzag
-from narrows.logbook.checking.agreement import even_motion
-from narrows.logbook.checking.check_log import CHECKS
-from narrows.logbook.checking.finding import Examined, Finding, LogCheck
-
-every_check = pytest.mark.parametrize("own", CHECKS, ids=lambda own: own.check.__name__)
-
-
-def examined(record: nw.ShipRecord, waterway: nw.Waterway | None = None) -> Examined:
-    motion = even_motion(record, kvlcc2().configuration.ship.length, waterway)
-    assert motion is not None
-    return Examined(record, motion, kvlcc2(), waterway)
+from narrows.logbook.checking.faults import FAULTS, MISREADINGS, Misreading
+from narrows.logbook.checking.finding import Finding
+from narrows.logbook.checking.record_checks import RECORD_CHECKS, Checked
+from narrows.logbook.ship_record import SIGNALS
 
 
-@cache
-def way() -> nw.Waterway:
-    return bent_waterway(length=9000.0)
+def checked(record: nw.ShipRecord, waterway: nw.Waterway | None = None) -> Checked:
+    return Checked(record, kvlcc2(), waterway, kvlcc2().ship.length / 7.0)
 
 
-def spoiled(own: LogCheck) -> Iterator[Examined]:
-    """Its own example, or else every record with a fault that the tests know."""
-    if own.example is not None:
-        yield examined(own.example(zigzag()))
-        return
-    yield from (examined(spoil(zigzag())) for spoil, *_ in FAULTS.values())
-    yield examined(ashore(bend()), way())
+def spoiled() -> list[Checked]:
+    seldom = zigzag().with_signals(rudder=nw.Signal(zigzag()["rudder"].t[::20], zigzag()["rudder"].values[::20]))
+    others = [
+        Checked(zigzag(), kvlcc2(), None, 1.0),
+        checked(seldom),
+        checked(ashore(bend()), bent_waterway(length=9000.0)),
+    ]
+    cut = zigzag().with_signals(
+        x=nw.Signal(np.delete(zigzag()["x"].t, slice(300, 400)), np.delete(zigzag()["x"].values, slice(300, 400)))
+    )
+    return [*others, checked(cut), *(checked(spoil(zigzag())) for spoil, *_ in EXAMPLES.values())]
 
 
-def found_by(own: LogCheck) -> list[Finding]:
-    """What it finds in the first record in which it finds anything wrong."""
-    for record in spoiled(own):
-        if found := [one for one in own.check(record) if one.wrong]:
-            return found
-    return []
+@pytest.mark.parametrize("check", RECORD_CHECKS, ids=lambda check: check.__name__)
+def test_a_check_finds_a_fault_and_leaves_good_records_alone(check: Callable[[Checked], Iterator[Finding]]) -> None:
+    assert any(list(check(at)) for at in spoiled())
+    good = [checked(zigzag()), checked(circle()), checked(bend(), bent_waterway(length=9000.0))]
+    assert [one for at in good for one in check(at)] == []
+    few = nw.ShipRecord("few", {name: zigzag()[name] for name in ("x", "y")})
+    assert all(isinstance(one, Finding) for one in check(checked(few)))
 
 
-@every_check
-def test_it_finds_a_fault_and_says_what_to_do(own: LogCheck) -> None:
-    found = found_by(own)
-    assert found, "no fault of tests/faults.py is found by it, and it has no example"
-    for one in found:
-        assert one.check
-        assert one.sentence
-        assert one.remedy
+@pytest.mark.parametrize("other", MISREADINGS, ids=lambda other: other.sentence)
+def test_a_misreading_names_signals_and_changes_them(other: Misreading) -> None:
+    assert set(other.signals) <= set(SIGNALS)
+    full = zigzag().with_signals(v=zigzag()["v_ground"])
+    again = other.reread(full)
+    assert any(not np.array_equal(again[name].values, full[name].values) for name in other.signals)
 
 
-@every_check
-def test_good_records_are_left_alone(own: LogCheck) -> None:
-    good = [examined(zigzag()), examined(zigzag(-10.0, 1)), examined(circle()), examined(bend(), way())]
-    assert [one for record in good for one in own.check(record)] == []
-
-
-@every_check
-def test_a_record_that_has_hardly_a_signal_is_passed_over(own: LogCheck) -> None:
-    """Whatever is missing is for the check of what is missing to say; no other stumbles over it."""
-    record = zigzag()
-    for kept in ({"x", "y"}, {"x", "y", "psi"}, {"u", "rudder"}, {"x", "y", "r"}):
-        signals = {name: record[name] for name in record if name in kept}
-        assert all(isinstance(one, Finding) for one in own.check(examined(nw.ShipRecord("few", signals))))
-
-
-def test_each_check_is_there_once() -> None:
-    names = [own.check.__name__ for own in CHECKS]
-    assert len(set(names)) == len(names)
+def test_every_kind_of_fault_has_an_example() -> None:
+    checks = {check for _, check, _ in EXAMPLES.values()}
+    for kind in FAULTS:
+        assert any(check.endswith(kind) for check in checks), kind

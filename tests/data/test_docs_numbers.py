@@ -33,6 +33,7 @@ CHECKED = {
     "helms": {"chosen": ("gust",)},
     "estimation": {"ways": ("considered",)},
     "sensor_errors": {"chosen": ("white, 1.5 m",)},
+    "log_faults": {"chosen": ("a rudder half as large",)},
     "suez": {"intervals": ("as identified",)},
 }
 """What of a table is made again where all of it takes minutes."""

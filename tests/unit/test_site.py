@@ -12,7 +12,8 @@ from narrows.captive.columns import COLUMNS
 from narrows.cli import app
 from narrows.estimation.sensors import SENSORS
 from narrows.export.exporters import EXPORTERS
-from narrows.logbook.checking.check_log import CHECKS
+from narrows.logbook.checking.faults import FAULTS
+from narrows.logbook.checking.record_checks import RECORD_CHECKS
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS
 from narrows.safety.pilots import PILOTS
 from narrows.terms.tables import BASES
@@ -36,7 +37,7 @@ def said() -> Iterator[tuple[str, list[str]]]:
     yield "bank-forms", [f"`{name}`" for name in nw.FORMS]
     yield "squat-formulas", [f"`{name}`" for name in nw.SQUAT]
     yield "public-names", [f"`nw.{name}" for name in nw.__all__ if name != "__version__"]
-    members = (*PILOTS, *SENSORS, *EXPORTERS, *(own.check.__name__ for own in CHECKS))
+    members = (*PILOTS, *SENSORS, *EXPORTERS, *FAULTS, *(own.__name__ for own in RECORD_CHECKS))
     yield "registries", [f"`{name}`" for name in members]
     yield "schemas", [f"## {path.stem}\n" for path in (ROOT / "src" / "narrows" / "schemas").glob("*.json")]
 

@@ -140,16 +140,16 @@ def _learn(
     from narrows.logbook import learn as learned
 
     log = _read(logs, logged, ahead)
-    doubts = () if logged.unchecked else _doubts(model, log)
+    doubts = () if logged.unchecked else _doubts(model, log, logged)
     free = tuple(filter(None, map(str.strip, logged.free.split(","))))
     fit = learned(model, log, free=free, sensors=logged.sensors, spread=logged.spread)
     return _deliver(replace(fit, about=(*doubts, *fit.about)), delivery)
 
 
-def _doubts(model: "Model", log: "ShipLog | StreamedLog") -> tuple[str, ...]:
+def _doubts(model: "Model", log: "ShipLog | StreamedLog", logged: LogOptions) -> tuple[str, ...]:
     from narrows.logbook import check_log
 
-    findings = check_log(log, model)
+    findings = check_log(log, model, sensors=logged.sensors, spread=logged.spread)
     if wrong := findings.wrong:
         more = f" ({len(wrong) - 1} more: see nw.check_log)" if len(wrong) > 1 else ""
         raise InputError(f"{wrong[0].record}: {wrong[0].sentence}; {wrong[0].remedy}{more}, or give --unchecked")

@@ -1,47 +1,41 @@
-"""A ship's own log beside its model, before any fit: what is wrong with it, with evidence and remedy."""
+"""Faults of a ship's own log, by the filter that learns from it."""
 
-import pkgutil
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from importlib import import_module
-from typing import NamedTuple
+
+import numpy as np
 
 from narrows.errors import InputError
-from narrows.logbook import checking
-from narrows.logbook.checking.agreement import even_motion
-from narrows.logbook.checking.clock_and_unit_checks import check_clock
-from narrows.logbook.checking.finding import CHECKS, Examined, Finding, LogFindings, LogStage
-from narrows.logbook.checking.heading_checks import judge_yaw_rates, rate_shown
-from narrows.logbook.checking.model_checks import check_antenna, judge_rudder, model_rates, rudder_effect
-from narrows.logbook.settings import SURE
-from narrows.logbook.ship_record import ShipRecord
+from narrows.logbook import settings
+from narrows.logbook.checking.faults import FAULTS
+from narrows.logbook.checking.finding import Finding, LogFindings
+from narrows.logbook.checking.record_checks import check_place, checked_record, record_findings
+from narrows.logbook.checking.score_tests import FaultTest, FaultTests, misreading, stuck
+from narrows.logbook.filtering.predicted_signals import RUDDER
+from narrows.logbook.filtering.record_grid import RecordGrid
+from narrows.logbook.filtering.search import search
+from narrows.logbook.learning.log_prior import Spread
+from narrows.logbook.learning.posed_log import PosedLog, posed_log
+from narrows.logbook.sensor_grades import SensorGrade
+from narrows.logbook.ship_log import ShipLog
+from narrows.logbook.ship_record import SIGNALS, ShipRecord
 from narrows.model.model import Model
+from narrows.progress import stage
 from narrows.waterway import Waterway
 
 ALL = "all records"
-# Checks whose findings leave nothing for the next stage to go by.
-SPOILING = ("heading", "speed", "stuck", "yaw rate")
-
-# Each module of checks adds its own to ``CHECKS``.
-for found in pkgutil.iter_modules(checking.__path__):
-    if found.name.endswith("_checks"):
-        import_module(f"{checking.__name__}.{found.name}")
 
 
-class _Told(NamedTuple):
-    """Weak evidence of each record, with standard errors: the rudder's effect, and the yaw rate's sign."""
+def check_log(
+    log: Iterable[ShipRecord], model: Model, waterway: Waterway | None = None, *, sensors: str | SensorGrade = "vdr",
+    spread: Spread | None = None,
+) -> LogFindings:  # fmt: skip
+    """Find what is wrong with a ship's log: signs, units, zeros, gains, delays, the antenna's place, steps.
 
-    rudders: list[tuple[float, float]]
-    yaw_rates: list[tuple[float, float]]
-
-
-def check_log(log: Iterable[ShipRecord], model: Model, waterway: Waterway | None = None) -> LogFindings:
-    """Find what is wrong with a ship's log before anything is fitted to it.
-
-    Clocks, gaps, stuck sensors; units and signs of rudder, heading, yaw rate, speeds, revolutions, wind; velocities in
-    fixed axes taken for the ship's; a yaw rate that is not the heading's derivative; a hull in a bank; an antenna that
-    stands elsewhere. What rests on a signal that is wrong already is not looked at. A quiet record has little
-    information: no finding is no proof.
+    Clocks, gaps and sizes are checked in each record. Then the model is fitted to the first 20 records as ``learn``
+    does, and each fault is one parameter of the same filter, tested by its score (Lagrange multiplier test). Signs,
+    units and axes are compared by their likelihood. The strongest fault is named with its size and its effect on
+    the coefficients; mend it and check again. A quiet record has little information: no finding is no proof.
 
     Parameters
     ----------
@@ -51,6 +45,10 @@ def check_log(log: Iterable[ShipRecord], model: Model, waterway: Waterway | None
         Model of the ship, at its size.
     waterway : Waterway, optional
         That x and y are told along; the log's own unless given, and the model's canal where its banks are felt.
+    sensors : {"rtk", "vdr", "ais", "basin"} or SensorGrade
+        How well it was measured.
+    spread : float or mapping of str to float, optional
+        As for ``learn``; a tenth of each coefficient where the model has no covariance.
 
     Returns
     -------
@@ -63,62 +61,118 @@ def check_log(log: Iterable[ShipRecord], model: Model, waterway: Waterway | None
         Where there is no record.
     """
     water = getattr(log, "waterway", None) if waterway is None else waterway
-    findings: list[Finding] = []
-    told, records = _Told([], []), 0
+    findings, good, count = list[Finding](), list[ShipRecord](), 0
     for whole in log:
         record = replace(whole, signals={name: whole[name] for name in whole if len(whole[name]) > 1})
-        records += 1
-        found = list(check_clock(record, model.configuration.ship.length))
-        if not _wrong(found):
-            found += _of_motion(record, model, water, told)
+        count += 1
+        found = list(_alone(record, model, water))
         findings += found
-    if not records:
+        if not any(one.wrong for one in found) and len(good) < settings.MOST_CHECKED:
+            good.append(replace(record, name=f"{record.name} ({count})") if record.name in _names(good) else record)
+    if not count:
         raise InputError("there is no record to check; give one or more")
-    if records > 1:
-        findings += _together(told, {own.check for own in findings})
-    return LogFindings(tuple(findings), records)
+    if good:
+        checked = ShipLog(tuple(good), water)
+        spread = settings.CHECKED_SPREAD if spread is None and model.covariance is None else spread
+        with stage("checking the records"):
+            findings += _by_filter(checked, model, sensors, spread)
+        if not any(one.wrong for one in findings):  # A hull in a bank follows from other faults.
+            findings += [one for record in good for one in check_place(checked_record(record, model, water))]
+    return LogFindings(tuple(findings), count)
 
 
-def _together(told: _Told, before: set[str]) -> list[Finding]:
-    """Pool the evidence of quiet records; of the rudder, where the sign of the yaw rate is right."""
-    found = [] if "yaw rate" in before else list(judge_yaw_rates(told.yaw_rates, ALL))
-    if not found and not any(check.startswith("rudder") for check in before):
-        found += judge_rudder(told.rudders, ALL)
-    return found
+def _names(records: Iterable[ShipRecord]) -> set[str]:
+    return {record.name for record in records}
 
 
-def _wrong(findings: Iterable[Finding]) -> bool:
-    return any(own.wrong for own in findings)
+def _alone(record: ShipRecord, model: Model, waterway: Waterway | None) -> Iterator[Finding]:
+    try:
+        yield from record_findings(record, model, waterway)
+    except InputError as error:
+        yield Finding("missing", record.name, str(error), "leave it out, or record what is missing")
 
 
-def _of_motion(record: ShipRecord, model: Model, waterway: Waterway | None, told: _Told) -> list[Finding]:
-    """Yield faults of the recorded motion; compared with the model only where its signals have none."""
-    motion = even_motion(record, model.configuration.ship.length, waterway)
-    if motion is None:
-        said = "the record is too short, or tells neither the ship's place nor its speed: nothing of it was looked at"
-        return [Finding("missing", record.name, said, "leave it out, or record the position")]
-    at = Examined(record, motion, model, waterway)
-    found: list[Finding] = []
-    for stage in LogStage:
-        if stage is LogStage.MODEL and _wrong(found):
-            return found
-        found += [own for one in CHECKS if one.stage is stage for own in one.check(at)]
-        if any(own.wrong and own.check in SPOILING for own in found):
-            return found
-    if shown := rate_shown(at):
-        told.yaw_rates.append((float(shown.values[0]), float(shown.errors[0])))
-    return found + list(_beside_model(at, told))
-
-
-def _beside_model(at: Examined, told: _Told) -> Iterator[Finding]:
-    rates = model_rates(at)
-    if rates is None:
+def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: Spread | None) -> Iterator[Finding]:
+    """Yield the strongest fault of the records by the filter."""
+    posed = posed_log(model, log, sensors, spread=spread)
+    for note in posed.source.left_out:
+        yield Finding("missing", log.names[0], note.removesuffix("."), "leave it out, or record what is missing")
+    if not (grids := list(posed.source)):
         return
-    found = rudder_effect(at, rates)
-    if found is None:
+    where = grids[0].record.name if len(grids) == 1 else ALL
+    held = [
+        Finding("stuck", grid.record.name, f"{name} says the same from t = {begin:.6g} to {end:.6g} s, while the ship "
+                "moves by all other signals", "leave that time out, or that signal", {"from": begin, "to": end})
+        for grid in grids for name, begin, end in stuck(posed.problem, grid)
+    ]  # fmt: skip
+    if held:
+        yield from held
+    elif best := misreading(posed.problem, grids[: settings.MOST_REREAD]):
+        gain, other = best
+        better = f": read otherwise, the log-likelihood rises by {gain / 2:.3g}" if np.isfinite(gain) else ""
+        check, evidence = " and ".join(other.signals[:2]), {"log_likelihood_ratio": gain / 2} if better else {}
+        yield Finding(check, where, other.sentence + better, other.remedy, evidence)
+    else:
+        gusty = posed.source.assumptions.gusts
+        pushed = posed if gusty else posed_log(model, log, sensors, spread=spread, gusts=True)
+        yield from _tested(posed, pushed, grids, where)
+
+
+def _tested(posed: PosedLog, pushed: PosedLog, grids: list[RecordGrid], where: str) -> Iterator[Finding]:
+    """Yield the fault with the strongest score after a fit that harms, and the strongest that does not."""
+    learned = _scores(posed, grids)
+    # Where nothing disturbs the ship, what the model leaves must not pass for a sensor's fault: it is a force then.
+    scores = learned if pushed is posed else _scores(pushed, list(pushed.source))
+    if not (learned and scores):
+        said = "the model cannot follow this log at all: its motion goes to infinity"
+        yield Finding("model", where, said, "look at signs, units and axes, and at the size of the model")
         return
-    effect, error = float(found.values[0]), float(found.errors[0])
-    told.rudders.append((effect, error))
-    yield from judge_rudder(told.rudders[-1:], at.record.name)
-    if effect > SURE * error:  # What the ship drifts by rests on a rudder that is right.
-        yield from check_antenna(at, rates)
+    known = list[int]()
+    while len(known) < settings.MOST_HARMLESS:
+        tests = scores.tested(known)
+        beyond = [one for one in tests if one.probability < settings.FALSE_ALARM / len(tests)]
+        if not beyond:
+            return
+        best = max(beyond, key=lambda one: abs(one.significance))
+        finding = _finding(best, learned)
+        if finding.wrong or not known:
+            yield finding
+        if finding.wrong:  # Others may follow from it.
+            return
+        known.append(best.place)
+
+
+def _scores(posed: PosedLog, grids: list[RecordGrid]) -> FaultTests | None:
+    found = search(posed.problem, posed.source, settings.CHECK_STEPS)
+    return FaultTests.of(found, grids, ALL) if found and found.records and not found.diverged else None
+
+
+def _finding(test: FaultTest, learned: FaultTests) -> Finding:
+    """Put a test into words."""
+    fault, kind = test.fault, FAULTS[test.fault.kind]
+    unit, factor = SIGNALS[fault.signal].unit, 1.0
+    if unit.startswith("rad") and fault.kind in ("zero", "step"):
+        unit, factor = unit.replace("rad", "deg"), 180 / np.pi
+    value = factor * test.size + (fault.kind == "gain")
+    name = "position" if fault.signal == "x" and fault.kind == "delay" else fault.signal
+    words = {"name": name, "unit": unit, "size": f"{value:.4g} +- {1.96 * factor * test.error:.2g}", "at": fault.at,
+             "value": value, "column": fault.signal}  # fmt: skip
+    effect, likely = learned.mended(test)
+    names, model = learned.found.problem.prior.names, learned.found.problem.motion.model
+    bank = [place for place, own in enumerate(names) if model.terms[own].from_bank]
+    most = max(bank or range(len(names)), key=lambda place: abs(effect[place]))
+    harm = float(effect[most])
+    said = (
+        f"{kind.sentence.format(**words)} (at {abs(test.significance):.1f} standard errors); mended, {names[most]} "
+        f"moves by {harm:+.1f} of its standard errors"
+    )
+    # The prior alone separates a rudder's fault from another force of the rudder, and here it is contradicted.
+    of_model = fault.signal == RUDDER and likely < settings.CONTRADICTION
+    if of_model:
+        said += (
+            f", and the coefficients still contradict their prior (p < {settings.CONTRADICTION}): it may be the model"
+        )
+    evidence = {"size": test.size, "error": test.error, "significance": test.significance, "effect": harm}
+    check = fault.kind if fault.kind == "antenna" else f"{name} {fault.kind}"
+    remedy = f"{kind.remedy.format(**words)}; then check again"
+    return Finding(check, test.record, said, remedy, evidence, abs(harm) > settings.HARM and not of_model)

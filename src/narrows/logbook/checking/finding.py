@@ -1,17 +1,10 @@
 """Faults of a record: the evidence in numbers, and the remedy."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from enum import IntEnum
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from narrows.logbook.checking.agreement import EvenMotion
-from narrows.logbook.ship_record import ShipRecord
-from narrows.model.model import Model
 from narrows.results import BaseResult
-from narrows.waterway import Waterway
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -87,7 +80,7 @@ class LogFindings(BaseResult):
     @property
     def notes(self) -> tuple[str, ...]:
         """Note that a clean check is no proof."""
-        return ("where nothing is found, nothing contradicts: a quiet record hardly tells the rudder's sign",)
+        return ("no finding is no proof: a quiet record has little information on the sign of its rudder",)
 
     def summary(self) -> str:
         """Each fault once for all records that have it, with the numbers of the first."""
@@ -110,68 +103,3 @@ class LogFindings(BaseResult):
 
         rows = [(own.record, own.check, own.wrong, own.sentence, own.remedy) for own in self.findings]
         return pd.DataFrame(rows, columns=["record", "check", "wrong", "sentence", "remedy"])
-
-
-# A record as the checks take it: with the ship that it is of, and its motion at even times.
-class Examined(NamedTuple):
-    record: ShipRecord  # As it was measured
-    motion: EvenMotion  # The same at even times
-    model: Model  # Model of the ship
-    waterway: Waterway | None  # That x and y are told along
-
-    @property
-    def length(self) -> float:
-        return self.model.configuration.ship.length
-
-    @property
-    def speed(self) -> float:
-        return self.length / self.motion.pace
-
-    def finding(
-        self, check: str, sentence: str, remedy: str, evidence: Mapping[str, float], wrong: bool = True
-    ) -> Finding:
-        return Finding(
-            check, self.record.name, sentence, remedy, {name: float(n) for name, n in evidence.items()}, wrong
-        )
-
-    @property
-    def turning(self) -> np.ndarray | None:
-        """Yaw rate at even times [rad/s], by the sensor or else by the heading; None where there is neither."""
-        if "r" in self.motion:
-            return self.motion["r"]
-        return np.gradient(self.motion.heading, self.motion.dt) if "psi" in self.motion else None
-
-
-# The checks by stage: what a later one rests on must be right by the earlier ones.
-class LogStage(IntEnum):
-    """Stage at which a check runs."""
-
-    SENSORS = 0  # Rests on nothing else
-    HEADING = 1  # On sensors that are well
-    MOTION = 2  # On a heading that is right
-    PLACE = 3  # The same, and reports after the checks of the motion
-    MODEL = 4  # Only where nothing is wrong so far
-
-
-Check = Callable[[Examined], Iterator[Finding]]
-
-
-class LogCheck(NamedTuple):
-    """A check of single records."""
-
-    check: Check
-    stage: LogStage
-    example: Callable[[ShipRecord], ShipRecord] | None  # Spoils a good record of a zigzag by what the check finds
-
-
-CHECKS: list[LogCheck] = []
-
-
-def log_check(stage: LogStage, example: Callable[[ShipRecord], ShipRecord] | None = None) -> Callable[[Check], Check]:
-    """Add a function to the checks; in a module of this folder whose name ends in ``_checks`` it is found."""
-
-    def added(check: Check) -> Check:
-        CHECKS.append(LogCheck(check, stage, example))
-        return check
-
-    return added

@@ -6,11 +6,12 @@ for the information by the slopes of innovations and of their variances.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from narrows.logbook.filtering.first_guess import first_guess
-from narrows.logbook.filtering.linear_record import LinearRecord, Reference, linear_record, weights_of
+from narrows.logbook.filtering.linear_record import Innovations, LinearRecord, Reference, linear_record, weights_of
 from narrows.logbook.filtering.log_problem import LogProblem
 from narrows.logbook.filtering.record_grid import RecordGrid
 
@@ -38,6 +39,15 @@ class RecordScore:
     ranges: np.ndarray  # (2, 2) Least distance off the middle and speed, and largest
     outliers: Mapping[str, tuple[int, int]]  # Readings of each signal that count less, and all of them
     path: RecordPath | None = None  # None in a long log
+
+
+class InnovationSlopes(NamedTuple):
+    """Innovations of a record, and their slopes by the unknowns."""
+
+    about: LinearRecord
+    at: Innovations
+    by_value: np.ndarray  # (P, N) Slopes of the innovations
+    by_variance: np.ndarray  # (P, N) Slopes of their variances
 
 
 @dataclass(frozen=True)
@@ -77,8 +87,8 @@ class RecordLikelihood:
         return about.cost / self.problem.correlated
 
     @np.errstate(all="ignore")
-    def scored(self, unknowns: np.ndarray, path: RecordPath, held: bool = False) -> RecordScore:
-        """Return score and information by differences about a path, if asked also by coefficients that are held."""
+    def slopes(self, unknowns: np.ndarray, path: RecordPath, held: bool = False) -> "InnovationSlopes":
+        """Return innovations and their slopes by differences about a path, if asked also by held coefficients."""
         problem, count = self.problem, self.problem.count
         about = self.linear(unknowns, path.reference)
         at = about.innovations(problem.model.at(unknowns[count:]), path.weights)
@@ -89,6 +99,13 @@ class RecordLikelihood:
             found = there.innovations(problem.model.at(moved[count:]), path.weights)
             by_value[place] = (found.values - at.values) / DIFFERENCE
             by_variance[place] = (found.variances - at.variances) / DIFFERENCE
+        return InnovationSlopes(about, at, by_value, by_variance)
+
+    @np.errstate(all="ignore")
+    def scored(self, unknowns: np.ndarray, path: RecordPath, held: bool = False) -> RecordScore:
+        """Return score and information about a path, if asked also by held coefficients."""
+        problem = self.problem
+        _, at, by_value, by_variance = self.slopes(unknowns, path, held)
         e, s = at.values, np.abs(at.variances)  # The cost is infinite where the filter diverges.
         score = -by_value @ (e / s) - 0.5 * by_variance @ (1 / s - (e / s) ** 2)
         information = (by_value / s) @ by_value.T + 0.5 * (by_variance / s**2) @ by_variance.T
@@ -100,19 +117,12 @@ class RecordLikelihood:
         )  # fmt: skip
 
     def _outliers(self, weights: np.ndarray) -> dict[str, tuple[int, int]]:
-        less, start, found = np.empty(len(weights), bool), 0, {}
-        less[self.grid.order] = weights < 1.0
-        for name, read in self.grid.readings.items():
-            part = less[start : (start := start + len(read.values))]
-            found[name] = (int(part.sum()), len(part))
-        return found
+        return {name: (int((own < 1.0).sum()), len(own)) for name, own in self.grid.by_signal(weights).items()}
 
     def _autocovariance(self, normalised: np.ndarray) -> np.ndarray:
         """Products of normalised innovations so many readings apart, over the signals."""
-        found, values, start = np.zeros(LAGS), np.empty(len(normalised)), 0
-        values[self.grid.order] = np.clip(normalised, -4.0, 4.0)
-        for read in self.grid.readings.values():
-            part = values[start : (start := start + len(read.values))]
+        found = np.zeros(LAGS)
+        for part in self.grid.by_signal(np.clip(normalised, -4.0, 4.0)).values():
             for lag in range(min(LAGS, len(part))):
                 found[lag] += part[lag:] @ part[: len(part) - lag]
         return found

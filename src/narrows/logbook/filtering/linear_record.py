@@ -168,8 +168,8 @@ def linear_record(
         there = (1 - share) * reference.states[at] + share * ends[at]
         errors = {key: value[at] for key, value in sums.items()}
         seen = PREDICTED[name](SeenStates(there, np.zeros(1), errors, grid.record.antenna))
-        row = _rows(seen, slopes[at], share, drives, names)
-        left[name] = read.values - seen.value
+        row = read.gain * _rows(seen, slopes[at], share, drives, names)
+        left[name] = read.values - read.gain * seen.value
         rows.append(row)
         residual.append(left[name] + np.einsum("ni,ni->n", row[:, 6:], reference.processes[at]))
     return LinearRecord(

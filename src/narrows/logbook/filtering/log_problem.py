@@ -113,5 +113,13 @@ class LogProblem(Unknowns):
 
     def at(self, scaled: np.ndarray) -> tuple[RecordedMotion, np.ndarray]:
         """Return the motion and the inertia at scaled coefficients (p,)."""
-        motion = self.motion.with_coefficients(self.prior.values(scaled))
-        return motion, self.inertia.at(self.prior.mean + self.prior.scale * scaled)
+        key = scaled.tobytes()
+        if key not in self._last:  # A motion is prepared once for all passes at the same coefficients.
+            self._last.clear()
+            motion = self.motion.with_coefficients(self.prior.values(scaled))
+            self._last[key] = motion, self.inertia.at(self.prior.mean + self.prior.scale * scaled)
+        return self._last[key]
+
+    @cached_property
+    def _last(self) -> dict[bytes, tuple[RecordedMotion, np.ndarray]]:
+        return {}

@@ -1,7 +1,7 @@
 """A record on even times: where its steps and windows begin, where its actuators are, what was read between."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -24,6 +24,7 @@ class Readings:
     share: np.ndarray  # (n,) Share of the step that is over [1]
     elapsed: np.ndarray  # (n,) Since the window began [s]
     counted: np.ndarray  # (n,) Number of values in each mean
+    gain: float = 1.0  # How many times the true value is read
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,12 @@ class RecordGrid:
     def first_readings(self) -> np.ndarray:
         """The first reading of each step in that order, (n + 1,)."""
         return np.searchsorted(self._steps[self.order], np.arange(len(self) + 1))
+
+    def by_signal(self, ordered: np.ndarray) -> dict[str, np.ndarray]:
+        """Return what is in the order of the readings (N,) by signal."""
+        values, ends = np.empty_like(ordered), np.cumsum([len(read.values) for read in self.readings.values()])
+        values[self.order] = ordered
+        return dict(zip(self.readings, np.split(values, ends[:-1]), strict=True))
 
     @cached_property
     def _steps(self) -> np.ndarray:
@@ -139,5 +146,5 @@ def _readings(name: str, signal: Signal, times: np.ndarray, first: np.ndarray, w
     before = np.minimum(position.astype(int), steps - 1)
     window = np.searchsorted(first, before, side="right") - 1
     kept = whole[window]
-    read = Readings(values, window, position - before, t - times[first[window]], counted)
-    return Readings(*(getattr(read, entry.name)[kept] for entry in fields(Readings)))
+    columns = values, window, position - before, t - times[first[window]], counted
+    return Readings(*(column[kept] for column in columns))

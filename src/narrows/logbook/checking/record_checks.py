@@ -1,0 +1,179 @@
+"""Checks of a record that need no filter: clocks, gaps, sensors that stand still, sizes that no ship has."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from narrows.logbook import settings
+from narrows.logbook.checking.finding import Finding
+from narrows.logbook.filtering.predicted_signals import RUDDER
+from narrows.logbook.learning.posed_log import speed_of
+from narrows.logbook.ship_record import ShipRecord, Signal
+from narrows.model.model import Model
+from narrows.quantities.names import GRAVITY
+from narrows.waterway import Waterway
+
+
+class Checked(NamedTuple):
+    """A record with the model of its ship."""
+
+    record: ShipRecord
+    model: Model
+    waterway: Waterway | None  # Along which x and y are told
+    pace: float  # Time of the way of a ship length [s]
+
+    def finding(self, check: str, sentence: str, remedy: str, wrong: bool = True, **evidence: float) -> Finding:
+        return Finding(check, self.record.name, sentence, remedy, evidence, wrong)
+
+
+def record_findings(record: ShipRecord, model: Model, waterway: Waterway | None) -> Iterator[Finding]:
+    """Yield what is wrong with a record by itself."""
+    at = checked_record(record, model, waterway)
+    if backward := list(check_clock(at)):
+        yield from backward
+        return
+    for check in RECORD_CHECKS[1:-1]:
+        yield from check(at)
+
+
+def checked_record(record: ShipRecord, model: Model, waterway: Waterway | None) -> Checked:
+    """Return a record with the model of its ship."""
+    return Checked(record, model, waterway, model.configuration.ship.length / speed_of(record))
+
+
+def check_clock(at: Checked) -> Iterator[Finding]:
+    """Find times that go back or stand still."""
+    for name, signal in at.record.signals.items():
+        steps = np.diff(signal.t)
+        if (back := steps <= 0).any():
+            worst, first = float(-steps.min()), float(signal.t[1:][back][0])
+            how = f"goes back by up to {worst:.4g} s" if worst > 0 else "stands still"
+            yield at.finding(
+                "clock", f"the time of {name} {how}, {int(back.sum())} times, first at t = {first:.6g} s",
+                "sort the log by time; where the clock was set, begin another record there", first=first, back=worst,
+            )  # fmt: skip
+            return
+
+
+def check_gaps(at: Checked) -> Iterator[Finding]:
+    """Find times without readings."""
+    longest = {
+        name: float(np.diff(own.t).max())
+        for name, own in at.record.signals.items()
+        if len(own) > 1 and np.diff(own.t).max() > max(settings.GAP_STEPS * own.step, settings.GAP_LENGTHS * at.pace)
+    }
+    if longest:
+        name = max(longest, key=lambda own: longest[own])
+        yield at.finding(
+            "gaps", f"nothing came of {' and '.join(longest)} for up to {longest[name]:.4g} s, where "
+            f"{at.record[name].step:.3g} s is usual",
+            "nothing, if the fit need not join over them; else cut the record there", False, longest=longest[name],
+        )  # fmt: skip
+
+
+def check_repeats(at: Checked) -> Iterator[Finding]:
+    """Find signals that are written more often than they are measured."""
+    for name, signal in at.record.signals.items():
+        runs = np.diff(np.flatnonzero(np.diff(signal.values, prepend=np.nan, append=np.nan) != 0))
+        if len(runs) < settings.FEWEST_RUNS or (usual := int(np.median(runs))) < 2:
+            continue
+        if np.mean(runs == usual) > settings.REGULAR and usual * signal.step > settings.REPEATED_LENGTHS * at.pace:
+            yield at.finding(
+                "repeats", f"{name} is written every {signal.step:.3g} s and changes every {usual * signal.step:.3g} s "
+                "only: values are repeated",
+                "leave repeated values out of the log", repeats=float(usual),
+            )  # fmt: skip
+
+
+def check_speed(at: Checked) -> Iterator[Finding]:
+    """Find speeds that no displacement ship reaches."""
+    length = at.model.configuration.ship.length
+    froude = length / at.pace / np.sqrt(GRAVITY * length)
+    if froude > settings.MOST_FROUDE:
+        yield at.finding(
+            "speed", f"at {length / at.pace:.3g} m/s a ship of {length:.4g} m has a Froude number of {froude:.2f}, "
+            "which no displacement ship reaches",
+            "give the log the model of its own ship's size (nw.scale_model), and positions and speeds in metres",
+            froude=float(froude),
+        )  # fmt: skip
+
+
+def check_rudder(at: Checked) -> Iterator[Finding]:
+    """Find a rudder that is read too seldom, or stands still while the ship swings."""
+    if RUDDER not in at.record or not len(rudder := at.record[RUDDER]):
+        return
+    lengths, moves = rudder.step / at.pace, float(np.std(np.diff(rudder.values))) if len(rudder) > 1 else 0.0
+    if lengths > settings.SELDOM and moves > settings.STILL:
+        yield at.finding(
+            "sampling", f"the rudder is read every {rudder.step:.3g} s only, in which the ship makes {lengths:.2g} of "
+            "its length: what it did between is unknown",
+            "record it each second", False, lengths=lengths,
+        )  # fmt: skip
+    start, stop = longest_run(rudder.values)
+    begin, end = float(rudder.t[start]), float(rudder.t[stop])
+    confined = at.waterway is not None or at.model.feels_bank
+    still, swings = (end - begin) / at.pace, _swings(at.record, begin, end)
+    if still > settings.RUDDER_REST and (
+        swings >= settings.SWINGS or (confined and still > settings.RUDDER_REST_BETWEEN_BANKS)
+    ):
+        yield at.finding(
+            "rudder", f"the rudder stays where it is from t = {begin:.6g} s for {still:.3g} ship lengths, while the "
+            f"ship swings {swings} times",
+            "look for another column of it, or for a sensor that fell silent", start=begin, end=end,
+        )  # fmt: skip
+
+
+def _swings(record: ShipRecord, begin: float, end: float) -> int:
+    """Return how often the heading turns from one side to the other, beyond any noise."""
+    if "psi" not in record or not len(record["psi"]):
+        return 0
+    seen, count, low, high, side = np.unwrap(record["psi"].between(begin, end).values), 0, np.inf, -np.inf, 0
+    for value in seen.tolist():
+        low, high = min(low, value), max(high, value)
+        turned = 1 if value - low > settings.LEAST_TURN else -1 if high - value > settings.LEAST_TURN else 0
+        if turned and turned != side:
+            count, side, low, high = count + (side != 0), turned, value, value
+    return count
+
+
+def longest_run(values: np.ndarray) -> tuple[int, int]:
+    """Return first and last place of the longest stretch of one value."""
+    # values (n,)
+    edges = np.flatnonzero(np.concatenate([[True], np.diff(values) != 0, [True]]))
+    longest = int(np.argmax(np.diff(edges)))
+    return int(edges[longest]), int(edges[longest + 1]) - 1
+
+
+def check_place(at: Checked) -> Iterator[Finding]:
+    """Find a hull that would lie in a bank."""
+    record, ship = at.record, at.model.configuration.ship
+    if not {"x", "y", "psi"} <= record.signals.keys() or not (at.waterway or at.model.feels_bank):
+        return
+    t = record["x"].t
+    y, psi = record["y"].at(t), record["psi"].at(t)
+    reach = ship.length / 2 * np.abs(np.sin(psi)) + ship.beam / 2 * np.abs(np.cos(psi))
+    beyond = _beyond(at, record["x"], y, reach)
+    if not (share := float(np.nanmean(beyond > 0))) > settings.ASHORE:
+        return
+    worst = int(np.nanargmax(beyond))
+    turned = float(np.nanmean(_beyond(at, record["x"], -y, reach) > 0)) <= settings.ASHORE
+    yield at.finding(
+        "banks", f"the hull reaches {beyond[worst]:.3g} m into a bank at t = {t[worst]:.6g} s, y = {y[worst]:.4g} m, "
+        f"and {share:.1%} of the time into one",
+        'y counts to port: [positive] y = "port"' if turned else "check the waterway, the datum of the position, the "
+        "antenna's place, and whether x and y are along and across it",
+        beyond=float(beyond[worst]), share=share,
+    )  # fmt: skip
+
+
+def _beyond(at: Checked, x: Signal, y: np.ndarray, reach: np.ndarray) -> np.ndarray:
+    """Return how far the hull reaches beyond the nearer bank [m]."""
+    starboard = port = np.full(len(y), at.model.configuration.canal.width / 2)
+    if at.waterway is not None:
+        here = at.waterway.room(x.values, at.model.configuration.ship.draft)
+        starboard, port = here.width / 2 + here.middle, here.width / 2 - here.middle
+    return np.asarray(np.fmax(y + reach - starboard, reach - y - port))
+
+
+RECORD_CHECKS = (check_clock, check_gaps, check_repeats, check_speed, check_rudder, check_place)

@@ -1,0 +1,222 @@
+"""Score tests of faults, one parameter a fault, by the innovations of the filter that learns.
+
+Rao (1948), Proc. Camb. Phil. Soc. 44: the score of a fault where it is taken to be absent, less what the fitted numbers
+explain of it, over the root of its information. One step of Fisher scoring gives the size of the fault. Where records
+scatter more than the model says, White (1982), Econometrica 50, gives the variance of their common score.
+"""
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+
+from narrows.logbook.checking.faults import MISREADINGS, Fault, Misreading, faults_of
+from narrows.logbook.checking.record_checks import longest_run
+from narrows.logbook.filtering.likelihood import DIFFERENCE, RecordLikelihood, RecordScore
+from narrows.logbook.filtering.log_problem import LogProblem
+from narrows.logbook.filtering.record_grid import RecordGrid, grid_of
+from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
+from narrows.logbook.settings import FALSE_ALARM, MOVED, OUTLYING, STUCK_LENGTHS, STUCK_READINGS
+
+STATES = {"x": 0, "y": 1, "psi": 2, "r": 5}  # signals that may be stuck, and their places among the states
+DETERMINED = 1e-6  # of the information on a fault that the fitted numbers leave, at least
+FEWEST = 4  # records whose scores have a variance
+CHI_SQUARE_MEDIAN = 0.4549  # of one degree of freedom
+
+
+class FaultTest(NamedTuple):
+    """A fault, tested."""
+
+    place: int  # Among the numbers of the tests
+    fault: Fault
+    record: str
+    size: float  # By one step of Fisher scoring
+    error: float  # Its standard error
+    probability: float  # Probability of such a score at any of the places that were tried, without a fault
+
+    @property
+    def significance(self) -> float:
+        """Size over its standard error."""
+        return self.size / self.error
+
+
+@dataclass(frozen=True)
+class FaultTests:
+    """Scores of the unknowns and of all faults, record by record."""
+
+    found: SearchResult
+    faults: tuple[tuple[Fault, str], ...]  # Each with its record, or the name of all records together
+    parts: tuple[np.ndarray, ...]  # (P + F, P + F) Information of each record
+    scores: np.ndarray  # (records, P + F)
+
+    @classmethod
+    def of(cls, found: SearchResult, grids: Iterable[RecordGrid], together: str) -> "FaultTests":
+        """Score every fault of each record, and those of one kind and signal in all records together."""
+        done = [_of_record(found, *pair) for pair in zip(grids, found.records, strict=False)]
+        count, faults = len(found.unknowns), [(fault, name) for name, own, *_ in done for fault in own]
+        alike: dict[tuple[str, str], list[int]] = {}
+        for place, (fault, _) in enumerate(faults):
+            if fault.kind != "step" and len(done) > 1:  # A step belongs to one record.
+                alike.setdefault(fault[:2], []).append(place)
+        sums, parts, scores, first = np.zeros((len(alike), len(faults))), [], [], 0
+        for row, places in zip(sums, alike.values(), strict=True):
+            row[places] = 1.0
+        for _, own, score, information in done:
+            spread = np.zeros((len(own), len(faults)))
+            spread[range(len(own)), range(first, first + len(own))] = 1.0
+            placed = np.zeros((count + len(own), count + len(faults) + len(alike)))
+            placed[:count, :count] = np.eye(count)
+            placed[count:, count:] = np.hstack([spread, spread @ sums.T])
+            parts.append(placed.T @ information @ placed)
+            scores.append(placed.T @ score)
+            first += len(own)
+        pooled = [(faults[places[0]][0], together) for places in alike.values()]
+        return cls(found, (*faults, *pooled), tuple(parts), np.array(scores))
+
+    @cached_property
+    def information(self) -> np.ndarray:
+        """Information of all records with the prior, (P + F, P + F)."""
+        whole, prior = np.sum(self.parts, axis=0), self.found.problem.precision
+        whole[: len(prior), : len(prior)] += prior
+        return np.asarray(whole)
+
+    def tested(self, known: Sequence[int] = ()) -> list[FaultTest]:
+        """Test each fault where known ones are estimated with the unknowns."""
+        problem, count = self.found.problem, len(self.found.unknowns)
+        fitted = np.array([*np.flatnonzero(problem.moves), *known])
+        whole, score = self.information, self.scores.sum(axis=0)
+        score[:count] -= problem.precision @ self.found.unknowns
+        explained = np.linalg.solve(whole[np.ix_(fitted, fitted)], whole[fitted])
+        tests = list[FaultTest]()
+        for place, (fault, record) in enumerate(self.faults, start=count):
+            left = whole[place, place] - whole[place, fitted] @ explained[:, place]
+            if left <= DETERMINED * whole[place, place] or place in known:
+                continue
+            direction = np.zeros(len(whole))
+            direction[fitted], direction[place] = -explained[:, place], 1.0
+            size = float(score @ direction / left)
+            variance, freedom = self._variance(place, direction, size, left)
+            error = np.sqrt(variance) / left
+            probability = _probability(size / error, freedom, fault)
+            tests.append(FaultTest(place, fault, record, size, float(error), probability))
+        return tests
+
+    def mended(self, test: FaultTest) -> tuple[np.ndarray, float]:
+        """Return how far the coefficients move where a fault is mended, and how likely they are by their prior."""
+        # (p,) in standard errors after the log; the probability of coefficients as far from their prior
+        from scipy.stats import chi2
+
+        problem, shift = self.found.problem, np.zeros(len(self.found.unknowns))
+        moves, effect = np.flatnonzero(problem.moves), np.zeros(problem.count)
+        kinds = [(*fault[:2], record) for fault, record in self.faults]
+        place = len(shift) + kinds.index((*test.fault[:2], test.record))  # The test may be of another filter.
+        covariance = np.linalg.inv(self.information[np.ix_(moves, moves)])
+        shift[moves] = -test.size * covariance @ self.information[moves, place]
+        free = moves[moves < problem.count]
+        effect[free] = shift[free] / np.sqrt(np.diag(covariance))[: len(free)]
+        after = self.found.scaled + shift[: problem.count]
+        return effect, float(chi2.sf(after @ problem.prior.precision @ after, len(free)))
+
+    def _variance(self, place: int, direction: np.ndarray, size: float, left: float) -> tuple[float, float]:
+        """Return the variance of a score, and its degrees of freedom."""
+        holding = [i for i, part in enumerate(self.parts) if part[place, place] > 0]
+        if len(holding) < FEWEST:
+            return left, np.inf
+        own = [self.scores[i] @ direction - size * (direction @ self.parts[i] @ direction) for i in holding]
+        scattered = float(np.sum(np.square(own))) * len(own) / (len(own) - 1)
+        return (scattered, len(own) - 1.0) if scattered > left else (left, np.inf)
+
+
+def _probability(significance: float, freedom: float, fault: Fault) -> float:
+    from scipy.stats import norm, t
+
+    tail = norm.sf(abs(significance)) if np.isinf(freedom) else t.sf(abs(significance), freedom)
+    return float(min(1.0, 2 * tail * fault.tries))
+
+
+@np.errstate(all="ignore")
+def _of_record(
+    found: SearchResult, grid: RecordGrid, record: RecordScore
+) -> tuple[str, list[Fault], np.ndarray, np.ndarray]:
+    """Return the faults of a record, the scores of unknowns and faults, and their information."""
+    problem, path = found.problem, record.path
+    likelihood = RecordLikelihood(problem, grid)
+    path = path or likelihood.smoothed(found.unknowns, None, FIRST_PASSES)
+    if path is None:
+        return grid.record.name, [], record.score, record.information
+    _, at, by_value, by_variance = likelihood.slopes(found.unknowns, path)
+    model, e, s = problem.model.at(found.unknowns[problem.count :]), at.values, at.variances
+    faults = list(faults_of(grid, grid.by_signal(e / np.sqrt(s))))
+    values, variances = [*by_value], [*by_variance]
+    for fault in faults:
+        size = DIFFERENCE * fault.scale
+        about = RecordLikelihood(problem, fault.mended(size)).linear(found.unknowns, path.reference)
+        there = about.innovations(model, path.weights)
+        values.append((there.values - e) / size)
+        variances.append((there.variances - s) / size)
+    value, variance = np.array(values), np.array(variances)
+    score = -value @ (e / s) - 0.5 * variance @ (1 / s - (e / s) ** 2)
+    information = (value / s) @ value.T + 0.5 * (variance / s**2) @ variance.T
+    return grid.record.name, faults, score / problem.correlated, information / problem.correlated
+
+
+def misreading(problem: LogProblem, grids: Sequence[RecordGrid]) -> tuple[float, Misreading] | None:
+    """Return the most likely other way to read the records, and by how much the log-likelihood rises; None where the
+    records are likely enough as they are.
+    """
+    found, here = [], sum(_fitted(problem, grid, grid)[0] for grid in grids)
+    for other in MISREADINGS:
+        if all(name in grid.record for grid in grids for name in other.signals):
+            again = [grid_of(other.reread(one.record), one.step, one.step, problem.motion.positions) for one in grids]
+            read = sum(
+                len(one.readings[name].values) for one in again for name in other.signals if name in one.readings
+            )
+            fits = [_fitted(problem, *pair) for pair in zip(again, grids, strict=True)]
+            there = sum(cost for cost, _ in fits) + 2 * other.shrunk * read
+            found.append((np.inf if max(far for _, far in fits) > OUTLYING else there, other))
+    cost, other = min(found, key=lambda pair: pair[0])
+    return (here - cost, other) if here - cost > 2 * np.log(len(found) / FALSE_ALARM) and np.isfinite(cost) else None
+
+
+def _fitted(problem: LogProblem, grid: RecordGrid, recorded: RecordGrid) -> tuple[float, float]:
+    """Return minus twice the log-likelihood by the model before the log, and the largest share of outliers."""
+    likelihood, unknowns = RecordLikelihood(problem, grid), np.zeros(len(problem.precision))
+    for place, one in enumerate(problem.model.estimated, start=problem.count):
+        if one.of == "noise" and (name := one.names[0]) in recorded.record:
+            scatter = _scatter(recorded.record[name].values) / problem.model.noise[name]
+            unknowns[place] = np.log(max(scatter, 1.0))
+    path = likelihood.smoothed(unknowns, None, FIRST_PASSES)
+    if path is None:
+        return np.inf, 1.0
+    far = max(float(np.mean(own < 1.0)) for own in grid.by_signal(path.weights).values() if len(own))
+    return likelihood.cost(unknowns, path), far
+
+
+def _scatter(values: np.ndarray) -> float:
+    """Return the noise of a signal by its second differences."""
+    return float(1.4826 * np.median(np.abs(np.diff(values, 2))) / np.sqrt(6.0)) if len(values) > 2 else 0.0
+
+
+def stuck(problem: LogProblem, grid: RecordGrid) -> Iterator[tuple[str, float, float]]:
+    """Yield signals that say the same for long, while the ship moves by all others: from when to when [s]."""
+    lasting = STUCK_LENGTHS * problem.scales.states[0] / problem.scales.states[3]
+    for name, column in STATES.items():
+        if name not in grid.readings:
+            continue
+        start, stop = longest_run(grid.record[name].values)
+        begin, end = grid.record[name].t[[start, stop]].tolist()
+        if stop - start < STUCK_READINGS or end - begin < lasting:
+            continue
+        read = grid.readings[name]
+        t = grid.times[grid.first[read.window]] + read.elapsed
+        kept = (t < begin) | (t > end)
+        without = {own: getattr(read, own)[kept] for own in ("values", "window", "share", "elapsed", "counted")}
+        likelihood = RecordLikelihood(
+            problem, replace(grid, readings={**grid.readings, name: replace(read, **without)})
+        )
+        path = likelihood.smoothed(np.zeros(len(problem.precision)), None, FIRST_PASSES)
+        during = (grid.times[grid.first[:-1]] > begin) & (grid.times[grid.first[:-1]] < end)
+        if path and during.any() and np.ptp(path.reference.states[during, column]) > MOVED * problem.model.noise[name]:
+            yield name, begin, end
