@@ -19,12 +19,13 @@ from narrows.codegen.system import System
 SAIL = """
 import sys
 import narrows as nw
-from narrows.simulation.ship import SimulatedShip
 model = nw.published("mikkelsen2025_dtc")
 nw.simulate(model, y=0.5, duration=1.0)
 plain = not {"sympy", "numba"} & set(sys.modules)
 ends = nw.ensemble(model, y=0.5, duration=40.0)
-stats = SimulatedShip(model, bottom=True).system().kernel("float64").step.stats
+from narrows.codegen.cache import compiled_loops
+from narrows.codegen.kernels import queue
+stats = compiled_loops(queue).integrate_fleet.stats
 hits, misses = (sum(count.values()) for count in (stats.cache_hits, stats.cache_misses))
 print(plain, "sympy" in sys.modules, hits, misses, ends["distance"].item().hex())
 """
@@ -57,7 +58,6 @@ def test_two_processes_at_once_then_a_third_that_compiles_nothing(tmp_path: Path
     assert (plain, with_sympy, hits, misses) == ("True", "False", "1", "0")
     assert first[-1] == second[-1] == x
     assert sorted(name.partition("_")[0] for name in files) == [
-        "elementary",
         "event",
         "kernel",
         "plain",

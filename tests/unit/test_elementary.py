@@ -1,32 +1,59 @@
 """Elementary functions of the kernels, compiled as there, against NumPy and the C library."""
 
+import ctypes
 import math
-from types import SimpleNamespace
-from typing import Any
+from collections.abc import Callable
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
 
 from narrows.codegen.choices import ROW
 from narrows.codegen.kernels.elementary import module_text
+from narrows.codegen.native import address
 from narrows.codegen.system import column_functions, scalar_functions
+
+LANES = 64
+ARGUMENTS = {
+    "exp": 1, "sine": 1, "cosine": 1, "whole": 1, "positive": 1, "minimum": 2, "maximum": 2, "angle": 2, "power": 2,
+    "choice": 3,
+}  # fmt: skip
+READ_COLUMNS = (0, 5, ROW - 1)
+
+
+def over_lanes(name: str, call: str) -> str:
+    return (
+        f"def {name}_of(block, table):\n    for lane in range({LANES}):\n        block[{3 * LANES} + lane] = {call}\n"
+    )
 
 
 def compiled(precision: str) -> SimpleNamespace:
     """All of them, for numbers of a precision, on whole columns."""
-    scope: dict[str, Any] = {}
-    exec(module_text(precision, ROW), scope)
+    columns = [f"block[{LANES * k} + lane]" for k in range(3)]
+    calls = {name: f"{name}({', '.join(columns[:count])})" for name, count in ARGUMENTS.items()}
+    calls |= {f"entry_{column}": f"entry(table, {column}, {columns[0]})" for column in READ_COLUMNS}
+    text = module_text(precision, ROW, *(over_lanes(name, call) for name, call in calls.items()))
+    module = ModuleType("elementary_of_test")
+    exec(text, vars(module))
+    vars(module)["TEXT"] = text
+    return SimpleNamespace(**{name: lanes(module, name) for name in calls}, written=module)
 
-    def column(name: str, arguments: int):
-        given = ", ".join("abc"[:arguments])
-        exec(f"@jit\ndef of({given}): return {name}({given})", scope)
-        function = scope["of"]
-        kind = scope["real"]
-        return lambda *columns: np.array([function(*map(kind, row)) for row in zip(*columns, strict=True)])
 
-    one = {name: column(name, 1) for name in ("exp", "sine", "cosine", "whole", "positive")}
-    two = {name: column(name, 2) for name in ("minimum", "maximum", "angle", "power")}
-    return SimpleNamespace(**one, **two, choice=column("choice", 3), entry=scope["entry"])
+def lanes(module: ModuleType, name: str) -> Callable[..., np.ndarray]:
+    """A function of columns, which the compiled one takes lane by lane."""
+    function = ctypes.CFUNCTYPE(ctypes.c_int64, ctypes.c_void_p, ctypes.c_void_p)(address(module, f"{name}_of"))
+
+    def of(*columns: np.ndarray, table: np.ndarray = np.zeros(1)) -> np.ndarray:
+        found = []
+        for first in range(0, len(columns[0]), LANES):
+            block = np.zeros((4, LANES), module.PRECISION)
+            for row, column in zip(block, columns, strict=False):
+                row[: len(column[first : first + LANES])] = column[first : first + LANES]
+            function(block.ctypes.data, table.ctypes.data)
+            found.append(block[3])
+        return np.concatenate(found)[: len(columns[0])]
+
+    return of
 
 
 @pytest.fixture(scope="module")
@@ -102,6 +129,7 @@ def test_nought_is_not_over_nought(double: SimpleNamespace) -> None:
     for functions in (vars(double), column_functions()):
         assert functions["positive"](zero)[0] == 0.0
         assert functions["choice"](zero, zero + 1, zero + 2)[0] == 2.0
+    assert double.written.choice(0.0, 1.0, 2.0) == 2.0
     assert scalar_functions(ROW)["choice"](0.0, 1.0, 2.0) == 2.0
 
 
@@ -121,9 +149,20 @@ def test_a_root_of_a_negative_number_is_none() -> None:
     assert scalar_functions(ROW)["sqrt"](2.25) == 1.5
 
 
-def test_entries_are_read_cell_by_cell(double: SimpleNamespace) -> None:
-    table = np.arange(3.0 * ROW)
-    for column, cell in ((0, 0.0), (5, 1.0), (ROW - 1, 2.0)):
-        expected = table.reshape(3, ROW)[int(cell), column]
-        assert double.entry(table, column, cell) == expected
-        assert scalar_functions(ROW)["entry"](table.tolist(), column, cell) == expected
+def test_entries_are_read_cell_by_cell(double: SimpleNamespace, single: SimpleNamespace) -> None:
+    table, cells = np.arange(3.0 * ROW), np.array([2.0, 0.0, 1.0])
+    for column in READ_COLUMNS:
+        expected = table.reshape(3, ROW)[cells.astype(int), column]
+        for functions in (double, single):
+            np.testing.assert_array_equal(getattr(functions, f"entry_{column}")(cells, table=table), expected)
+        assert double.written.entry(table, column, 1.0) == expected[2]
+        assert scalar_functions(ROW)["entry"](table.tolist(), column, 1.0) == expected[2]
+
+
+def test_as_written_they_are_what_is_compiled(double: SimpleNamespace) -> None:
+    """Without a compiler the text itself runs."""
+    a, b, c = PAIRS
+    for name, count in ARGUMENTS.items():
+        given = [np.abs(a) if name == "power" else a, b, c][:count]
+        alone = [getattr(double.written, name)(*row) for row in zip(*given, strict=True)]
+        np.testing.assert_allclose(getattr(double, name)(*given), alone, rtol=4e-16, atol=1e-15, err_msg=name)

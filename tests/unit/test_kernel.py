@@ -13,6 +13,7 @@ import pytest
 import narrows as nw
 from dop853 import integrated
 from engine_models import ACTUATED, TABLES, bent, model_of
+from narrows.codegen.native import optimised
 from narrows.codegen.run import PreparedRun
 from narrows.simulation import outcome as end
 from narrows.simulation.channel import along_waterway, straight_channel
@@ -270,10 +271,8 @@ def test_a_block_is_stepped_by_vectors(name: str) -> None:
         model = ACTUATED["steered"]()
         way = bent(model.configuration.ship.length, model.configuration.canal.width)
         prepared = fleet(SimulatedShip(model), y=0.5, x=40.0, controller=LAWS["pilot"], waterway=way).prepared
-    kernel = prepared.kernel
-    step = kernel.called(kernel.step.py_func)  # Code that comes from the cache shows no assembly.
-    step(np.zeros(kernel.FIELDS * kernel.LANES), prepared.water.table, prepared.shared)
-    (assembly,) = step.inspect_asm().values()
+    code, machine = optimised(prepared.kernel, "step")
+    assembly = machine.emit_assembly(code)
     assert "divpd" in assembly
     assert "divsd" not in assembly
     assert "exp" not in [line.split()[-1].lstrip("$") for line in assembly.splitlines() if "call" in line]

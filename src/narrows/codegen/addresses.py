@@ -1,57 +1,53 @@
 """Functions of a model by address: a compiled loop that all models share calls them, so it is compiled once."""
 
-from collections.abc import Callable
+from types import ModuleType
 from typing import Any
 
 from narrows.codegen.cache import lacks_compiler
 
 
-def _entry(signature: Callable[[Any, Any, Any, Any], Any]) -> Any:
-    """Return what makes a function of its address in compiled code; an array gives the precision."""
+def entry(module: ModuleType, name: str) -> Any:
+    """Compile a function of a generated module and return its address; without a compiler, the function itself."""
     if lacks_compiler():
-        return lambda function, block: function
+        return getattr(module, name)
+    from narrows.codegen.native import address
+
+    return address(module, name)
+
+
+def _compiled(fills: bool) -> Any:
+    """Return what calls an address in compiled code: arrays go as the place of their numbers, all else as it is."""
+    from llvmlite import ir
     from numba import types
     from numba.core import cgutils
     from numba.extending import intrinsic
 
-    def of(number: Any) -> Any:
-        # The table of a waterway is in double precision in every kernel.
-        return signature(types, number, types.Array(number, 1, "C"), types.Array(types.float64, 1, "C"))
+    def call(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        def passed(kind: Any, value: Any) -> Any:
+            if not isinstance(kind, types.Array):
+                return value
+            return builder.bitcast(context.make_array(kind)(context, builder, value).data, ir.IntType(8).as_pointer())
 
-    @intrinsic  # type: ignore[untyped-decorator]
-    def entry(context: Any, address: Any, block: Any) -> Any:
-        kind = types.FunctionType(of(block.dtype))
+        given = list(map(passed, signature.args[-1], cgutils.unpack_tuple(builder, values[-1])))
+        if fills:
+            given.append(passed(signature.args[1], values[1]))
+        function = ir.FunctionType(ir.IntType(64), [one.type for one in given]).as_pointer()
+        done = builder.call(builder.inttoptr(values[0], function), given)
+        return context.get_dummy_value() if fills else done
 
-        def build(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-            made = cgutils.create_struct_proxy(kind)(context, builder)
-            pointer = context.get_value_type(types.voidptr)
-            made.c_addr = builder.inttoptr(arguments[0], pointer)
-            made.jit_addr = made.py_addr = cgutils.get_null_value(pointer)
-            return made._getvalue()
-
-        return kind(address, block), build
-
-    entry.of = of
-    return entry
+    if fills:
+        return intrinsic(lambda _, address, results, given: (types.void(address, results, given), call))
+    return intrinsic(lambda _, address, given: (types.int64(address, given), call))
 
 
-step_at = _entry(lambda types, _, array, table: types.boolean(array, table, array))
-room_at = _entry(lambda types, number, array, table: types.UniTuple(number, 2)(array, types.int64, table, array))
-ends_at = _entry(
-    lambda types, number, array, table: types.UniTuple(number, 4)(array, types.int64, types.int64, table, array)
-)
-tangent_at = _entry(lambda types, _, array, table: types.void(array, array, array, table))
-balance_at = _entry(lambda types, number, array, _: types.UniTuple(number, 6)(number, number, array))
+def _plain(function: Any, given: tuple[Any, ...]) -> Any:
+    return function(*given)
 
 
-def address(function: Any, entry: Any, dtype: Any = float) -> Any:
-    """Compile a function and return where it begins; without a compiler, return the function itself."""
-    if lacks_compiler():
-        return function
-    from numba import from_dtype
-    from numpy import dtype as kind_of
+def _plain_into(function: Any, results: Any, given: tuple[Any, ...]) -> None:
+    results[:] = function(*given)
 
-    signature = entry.of(from_dtype(kind_of(dtype)))
-    function.compile(signature)
-    compiled = function.get_compile_result(signature)
-    return int(compiled.library.get_pointer_to_function(compiled.fndesc.llvm_cfunc_wrapper_name))
+
+# ``call(address, arguments)`` returns a whole number; ``call_into(address, results, arguments)`` fills an array.
+call = _plain if lacks_compiler() else _compiled(fills=False)
+call_into = _plain_into if lacks_compiler() else _compiled(fills=True)

@@ -135,7 +135,7 @@ def _made(path: Path, text: str) -> ModuleType:
 def _imported(path: Path, text: str) -> ModuleType:
     """Execute a module's text without Python's own bytecode cache, which nobody checks."""
     module = ModuleType(f"narrows_{path.stem}")
-    module.__file__ = str(path)
+    module.__file__, vars(module)["TEXT"] = str(path), text
     sys.modules[module.__name__] = module
     try:
         exec(compile(text, path, "exec"), vars(module))

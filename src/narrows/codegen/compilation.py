@@ -4,7 +4,6 @@ import gc
 import hashlib
 import logging
 import pickle
-import re
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from pathlib import Path
@@ -15,8 +14,6 @@ from numba.core import event
 from numba.core.caching import IndexDataCacheFile
 
 from narrows.progress import bar, is_shown
-
-COMPILED = re.compile(r"^@(jit|called|cached|numba\.njit.*)\ndef (\w+)", re.MULTILINE)
 
 # Number of functions to compile in each generated file, by file name.
 FUNCTIONS: dict[str, int] = {}
@@ -36,7 +33,7 @@ class CompilationBar(event.Listener):  # type: ignore[misc]
             return
         if self.depth == 0:
             logging.getLogger("narrows").info(
-                "compiling these equations, which takes some seconds and is kept for the next time ..."
+                "compiling loops over vessels, which takes some seconds and is kept for the next time ..."
             )
             self.file, self.collected = _file(event), gc.isenabled()
             gc.disable()  # Looking for garbage among what Numba makes takes a sixth of the time.
@@ -62,13 +59,7 @@ def watch(module: ModuleType, text: str) -> None:
     """Report from now on when functions of a generated module are compiled."""
     if not FUNCTIONS:
         event.register("numba:compile", CompilationBar())
-    FUNCTIONS[str(module.__file__)] = count_of_compiled(text)
-
-
-def count_of_compiled(text: str) -> int:
-    """Return how many functions of a module are compiled: those called in it or stored."""
-    functions = COMPILED.findall(text)
-    return sum(how == "cached" or len(re.findall(rf"\b{name}\(", text)) > 1 for how, name in functions)
+    FUNCTIONS[str(module.__file__)] = text.count("\n@cached\n")
 
 
 # Numba does not check its files: a truncated one ends in a traceback, and corrupt machine code in worse. So a damaged

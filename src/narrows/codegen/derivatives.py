@@ -112,26 +112,16 @@ def jacobian_text(
     return "\n\n".join([constants_text(rates.parameters, rates.constants), *texts])
 
 
-BATCH = """
-@cached
-def batch(values, constants, out):
-    for row in range(len(values)):
-        derivatives = linear(values[row], constants)
-        for entry in range(len(derivatives)):
-            out[row, entry] = derivatives[entry]
-"""
-
-
 def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], section: Sequence[str] = ()) -> str:
     """Write the module of derivatives by state and control, for compilation."""
     rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
-    (lines, results), printer = _linear(rates, actuators), Arithmetic(column="{:.1f}".format)
+    (lines, results), printer = _linear(rates, actuators), Arithmetic()
     body = [f"{name} = values[{index}]" for index, name in enumerate(arguments(actuators, section))]
     body += [f"{name} = constants[{index}]" for index, name in enumerate(rates.constants.names)]
     body += [f"{name} = {printer.doprint(value)}" for name, value in lines.needed_for(results).assignments]
     body.append(f"return ({', '.join(printer.doprint(sympify(value)) for value in results)},)")
-    text = "\n    ".join(["@called\ndef linear(values, constants):", *body]) + "\n"
-    return module_text("float64", 0, text, BATCH)
+    text = "\n    ".join(["@quiet\ndef linear(values, constants):", *body]) + "\n"
+    return module_text("float64", 0, text)
 
 
 def _linear(rates: Rates, actuators: Sequence[Actuated]) -> tuple[Lines, list[Expr]]:
@@ -224,7 +214,7 @@ class Tangent:
     def text(self, printer: Arithmetic) -> str:
         """Print the function ``step(z, block, inputs, table)``, in place."""
         body = "\n    ".join(self._body(printer))
-        return f"@cached\ndef step(z, block, inputs, table):\n    {body}\n"
+        return f"@quiet\ndef step(z, block, inputs, table):\n    {body}\n"
 
     def _body(self, printer: Arithmetic) -> Iterator[str]:
         floats, slopes = self._parts
@@ -243,7 +233,7 @@ class Tangent:
 
 def tangent_text(step: Step, kept: tuple[str, ...], moving: Sequence[str]) -> str:
     """Write the module that integrates a voyage with its derivatives."""
-    tangent, printer = Tangent(step.with_whole_steps(), kept, tuple(moving)), Arithmetic(column="{:.1f}".format)
+    tangent, printer = Tangent(step.with_whole_steps(), kept, tuple(moving)), Arithmetic()
     body = tangent.text(printer)
     numbers = {"INPUTS": tangent.inputs, "KEPT": len(kept), "MOVING": len(moving)}
     return module_text("float64", ROW, "\n".join(f"{name} = {value!r}" for name, value in numbers.items()), body)

@@ -1,4 +1,4 @@
-"""Functions of a model that Numba compiles for fleets: a step over a block of lanes, clearance and ends."""
+"""Functions of a model that are compiled for fleets: a step over a block of lanes, clearance and ends."""
 
 from collections.abc import Iterator, Mapping
 
@@ -6,7 +6,7 @@ import sympy
 
 from narrows.codegen.choices import SHARED, Choices
 from narrows.codegen.free_motion import MIDSHIP, OPEN, STATE, Expr
-from narrows.codegen.kernels.elementary import NUMBER, module_text
+from narrows.codegen.kernels.elementary import module_text
 from narrows.codegen.lines import Lines, real
 from narrows.codegen.printers.lanes import LaneArithmetic, Lanes
 from narrows.codegen.printers.python import Arithmetic, constants_text, function_text
@@ -15,7 +15,7 @@ from narrows.codegen.step import Rates, Step, ends_left, room_left
 
 def kernel_text(lanes: Lanes, choices: Choices, precision: str) -> str:
     """Write the functions of a model that the queue of vessels calls."""
-    printer = LaneArithmetic(NUMBER[precision], column="{:.1f}".format)
+    printer = LaneArithmetic()
     functions = [*_end_texts(lanes, choices, printer), lanes.rates_text(printer), lanes.text(printer, choices.leaves)]
     numbers = {
         "LANES": lanes.count, "FIELDS": lanes.layout.size,
@@ -53,7 +53,7 @@ def _of_one(
         body.append(f"{name} = {place.replace('[', f'[{kept_from}') if name in lanes.kept else place}")
     body += [f"{target} = {printer.doprint(value)}" for target, value in lines.assignments]
     body.append(f"return {', '.join(printer.doprint(result) for result in results)}")
-    return "\n    ".join([f"@cached\ndef {head}:", *body]) + "\n"
+    return "\n    ".join([f"def {head}:", *body]) + "\n"
 
 
 # The plain module of a system: constants, rates, step and clearance as functions of floats or columns.

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from narrows.codegen.cache import compiled_loops
 from narrows.codegen.choices import Actuated, control_names
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.quantities.names import FORCES, Number
@@ -105,5 +106,8 @@ class JacobianBatch:
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
         """Return the derivatives at points, (points, 6, 6 + n), in an array that the next call overwrites."""
-        self.module.batch(values, self.constants, self.out)
+        from narrows.codegen.addresses import entry
+        from narrows.codegen.kernels import jacobians
+
+        compiled_loops(jacobians).at_points(entry(self.module, "linear"), values, self.constants, self.out)
         return self.out.reshape(len(self.out), len(LINEARISED), -1)

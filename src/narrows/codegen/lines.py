@@ -172,14 +172,8 @@ def straight_lines(expressions: Sequence[Expr], prefix: str = "t") -> tuple[list
     return assignments, [result.replace(sympy.Pow, name_base) for result in results]
 
 
-def reads_table(value: Expr) -> bool:
-    return str(value.func) == "entry"
-
-
-def rounds(lines: Lines, apart: Callable[[Expr], bool] = reads_table) -> list[list[Assignment]]:
-    """Split a program into loops over lanes: at its cuts, and where it reads the table of a waterway."""
-    # A loop that reads a table at a computed index and writes the block does not vectorise, since LLVM cannot exclude
-    # overlap. So reads get loops of their own, and the arithmetic between them vectorises.
+def rounds(lines: Lines, apart: Callable[[Expr], bool] = lambda value: False) -> list[list[Assignment]]:
+    """Split a program into loops over lanes: at its cuts, and so that some lines stand apart from all others."""
     if any(apart(value) for _, value in lines.assignments):
         return _scheduled(lines, apart)
     parts: list[list[Assignment]] = [[]]
@@ -192,7 +186,7 @@ def rounds(lines: Lines, apart: Callable[[Expr], bool] = reads_table) -> list[li
 
 
 def _scheduled(lines: Lines, apart: Callable[[Expr], bool]) -> list[list[Assignment]]:
-    """Put each line into the earliest round that has its inputs: even rounds arithmetic, odd ones table reads."""
+    """Put each line into the earliest round that has its inputs: odd rounds hold those apart."""
     level: dict[Expr, int] = {}
     scheduled: dict[int, list[Assignment]] = {}
     floor = 0

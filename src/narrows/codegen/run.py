@@ -70,12 +70,11 @@ class PreparedRun:
     @cached_property
     def _integrate(self) -> Callable[..., int]:
         """The loop over vessels with the model's functions and the water."""
-        from narrows.codegen.addresses import address, ends_at, room_at, step_at
+        from narrows.codegen.addresses import entry
         from narrows.codegen.kernels import queue
 
         kernel, water = self.kernel, self.water
-        entries = (kernel.step, step_at), (kernel.room_of, room_at), (kernel.ends_of, ends_at)
-        functions = [address(function, entry, self.start.dtype) for function, entry in entries]
+        functions = [entry(kernel, name) for name in ("step", "room_of", "ends_of")]
         sizes = np.array([*functions, len(kernel.KEPT_NAMES), kernel.FIELDS, kernel.EXACT])
         arrays = water.table, self.shared, water.track, water.outline, self.limits
         return partial(compiled_loops(queue).integrate_fleet, sizes, kernel.LEAVES, *arrays)

@@ -108,13 +108,13 @@ def solved(
     """Solve for the sway velocity [m/s] and the rudder angle [rad] of many steady courses."""
     # By Newton's method with exact derivatives, compiled. With ``path_curvature`` [1/m] and ``current`` [m/s] among the
     # values the course is a steady turn along a bend.
-    from narrows.codegen.addresses import address, balance_at
+    from narrows.codegen.addresses import entry
     from narrows.codegen.kernels import newton
 
     rudder = tuple(actuator for actuator in ship.actuators if actuator.name == RUDDER)
     system = ship.system(law=moving(rudder), pushed="until")
     module = balance_module(system)
-    balance = address(module.balance, balance_at)
+    balance = entry(module, "balance")
     inputs = {**dict.fromkeys((*INPUTS, "path_curvature", "current"), 0.0), **ship.values(), **values}
     inputs |= {FORCES[name]: inputs[name] for name in INPUTS}
     drift, angle = np.empty(count), np.empty(count)
@@ -169,14 +169,13 @@ def _text(system: "System") -> str:
     unit = {drift: [sympy.Integer(1), sympy.Integer(0)], angle: [sympy.Integer(0), sympy.Integer(1)]}
     more, slopes = with_tangents(lines, unit, 2)
     out = [rates["v"], rates["r"], *slopes(rates["v"]), *slopes(rates["r"])]
-    program, printer = more.needed_for(out), Arithmetic(column="{:.1f}".format)
+    program, printer = more.needed_for(out), Arithmetic()
     inputs = tuple(name for name in program.inputs if name not in ("drift", "angle"))
     body = [f"{name} = inputs[{number}]" for number, name in enumerate(inputs)]
     body += [f"{name} = {printer.doprint(value)}" for name, value in program.assignments]
     body.append(f"return {', '.join(printer.doprint(value) for value in out)}")
-    text = "\n    ".join(["@cached\ndef balance(drift, angle, inputs):", *body]) + "\n"
-    # The C library's functions suffice here: the kernels' series hold up to a quarter turn.
-    return module_text("float64", 16, f"COLUMNS = {inputs!r}\nsine, cosine = sin, cos\n", text)
+    text = "\n    ".join(["@quiet\ndef balance(drift, angle, inputs):", *body]) + "\n"
+    return module_text("float64", 16, f"COLUMNS = {inputs!r}", text)
 
 
 def self_propulsion(model: Model, u: float) -> float:

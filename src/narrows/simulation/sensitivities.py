@@ -367,11 +367,11 @@ class TangentIntegrator:
     @cached_property
     def _integrate(self) -> Callable[..., None]:
         """The loop over segments with this voyage's step."""
-        from narrows.codegen.addresses import address, tangent_at
+        from narrows.codegen.addresses import entry
         from narrows.codegen.kernels import sensitivity
 
         module = self._module
-        sizes = address(module.step, tangent_at), module.KEPT, module.MOVING, module.INPUTS.index(LENGTH)
+        sizes = entry(module, "step"), module.KEPT, module.MOVING, module.INPUTS.index(LENGTH)
         return partial(compiled_loops(sensitivity).integrate, np.array(sizes))
 
     def _pushes(self, times: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from narrows.codegen.addresses import balance_at
+from narrows.codegen.addresses import call_into
 
 Array = Any
 
@@ -17,17 +17,18 @@ FURTHEST = 1.2  # largest drift over speed, or rudder angle [rad], of the search
 LARGEST = 0.25  # largest step of the search
 
 
-def solve(address: Any, inputs: Array, drifts: Array, angles: Array) -> None:
+def solve(balance: Any, inputs: Array, drifts: Array, angles: Array) -> None:
     """Find drift over speed and rudder angle [rad] for every row of ``inputs``, NaN if no course is steady.
 
-    The function at the address, ``balance(drift, angle, inputs)``, gives the accelerations in sway and yaw and their
+    ``balance(drift, angle, inputs)``, by its address, gives the accelerations in sway and yaw and their
     derivatives by relative drift and rudder angle.
     """
-    balance = balance_at(address, inputs)
+    found = np.empty(6)
     for row in range(len(inputs)):
         drift, angle, converged = 0.0, 0.0, False
         for _ in range(ROUNDS):
-            a, b, a_drift, a_angle, b_drift, b_angle = balance(drift, angle, inputs[row])
+            call_into(balance, found, (drift, angle, inputs[row]))
+            a, b, a_drift, a_angle, b_drift, b_angle = found
             determinant = a_drift * b_angle - a_angle * b_drift
             step = (a_angle * b - b_angle * a) / determinant
             turn = (b_drift * a - a_drift * b) / determinant

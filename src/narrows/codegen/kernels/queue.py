@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.codegen.addresses import ends_at, room_at, step_at
+from narrows.codegen.addresses import call, call_into
 from narrows.codegen.choices import SHARED
 from narrows.codegen.kernels.event import (
     ASTERN,
@@ -69,8 +69,15 @@ def true_room(program: LaneProgram, block: Array, lane: int, first: int, water: 
     x, y = block[(first + X) * LANES + lane], block[(first + Y) * LANES + lane]
     cosine, sine = block[(first + COS) * LANES + lane], block[(first + SIN) * LANES + lane]
     room, lean = exact_room(water.track, 1.0 / water.shared[CELLS_A_METRE], x, y, cosine, sine, water.outline)
-    ends = ends_at(program.ends_of, block)(block, lane, first, water.table, water.shared)
+    ends = ends_of(program, block, lane, first, water)
     return min(room, ends[0], ends[1], ends[2], ends[3]), lean
+
+
+def ends_of(program: LaneProgram, block: Array, lane: int, first: int, water: SharedInputs) -> Array:
+    """Return the margins of a lane to every end but a bank [m]."""
+    ends = np.empty(4, block.dtype)
+    call_into(program.ends_of, ends, (block, lane, first, water.table, water.shared))
+    return ends
 
 
 def is_sane(program: LaneProgram, block: Array, lane: int, room: float, water: SharedInputs, near: float) -> bool:
@@ -84,7 +91,7 @@ def is_sane(program: LaneProgram, block: Array, lane: int, room: float, water: S
 
 def cause_of(program: LaneProgram, block: Array, lane: int, water: SharedInputs, tolerance: float) -> int:
     """Return which end is met when the clearance is zero."""
-    ends = ends_at(program.ends_of, block)(block, lane, 0, water.table, water.shared)
+    ends = ends_of(program, block, lane, 0, water)
     return cause(ends[0], ends[1], ends[2], ends[3], tolerance)
 
 
@@ -131,7 +138,9 @@ def load_lane(
         block[(STATE + program.kept + number) * LANES + lane] = start[number]
     for number in range(len(inputs)):
         block[(STATE + 2 * program.kept + number) * LANES + lane] = inputs[number]
-    room, lean = room_at(program.room_of, block)(block, lane, water.table, water.shared)
+    own = np.empty(2, block.dtype)
+    call_into(program.room_of, own, (block, lane, water.table, water.shared))
+    room, lean = own[0], own[1]
     if program.exact and room <= 0.0:
         room, lean = true_room(program, block, lane, 0, water)
     block[ROOM * LANES + lane], block[LEAN * LANES + lane] = room, lean
@@ -178,7 +187,6 @@ def integrate_fleet(
     water = SharedInputs(table, shared, track, outline, limits)
     first = -(memory.ctypes.data // memory.itemsize) % CACHE_LINE
     block = memory[first : first + program.fields * LANES]  # a vector that straddles two cache lines costs twice
-    step = step_at(program.step, block)
     rows = vessel_inputs.shape[0]  # One row serves all if nothing varies
     active, lane_steps, queue, vessels = 0, 0, 0, len(codes)
     load_lane(program, block, 0, books[0], water, start[0], times[0], vessel_inputs[0])
@@ -208,5 +216,5 @@ def integrate_fleet(
                 unload_lane(block, lane, books[lane], queue - 1, outcome, end, time, codes)
         if active == 0:
             return lane_steps
-        flagged = step(block, water.table, water.shared)
+        flagged = call(program.step, (block, water.table, water.shared)) != 0
         lane_steps += LANES

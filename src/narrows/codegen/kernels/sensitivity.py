@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.codegen.addresses import tangent_at
+from narrows.codegen.addresses import call
 from narrows.codegen.choices import DIRECTIONS
 
 Array = np.ndarray[Any, Any]
@@ -36,7 +36,7 @@ def integrate(
     end, one segment after the other.
     """
     program = TangentProgram(sizes[0], sizes[1], sizes[2], sizes[3])
-    directions, step = start_slopes.shape[2], tangent_at(program.step, table)
+    directions = start_slopes.shape[2]
     block, z, now = np.zeros((program.kept + program.moving) * DIRECTIONS), np.empty(program.kept), inputs.copy()
     for begun in range(0, directions, DIRECTIONS):
         count = min(DIRECTIONS, directions - begun)
@@ -62,4 +62,4 @@ def integrate(
                     now[places[i]] = orders[taken, i]
                 now[program.length] = lengths[taken] / parts
                 for _ in range(parts):
-                    step(z, block, now, table)
+                    call(program.step, (z, block, now, table))

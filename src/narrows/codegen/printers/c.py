@@ -9,7 +9,7 @@ import sympy
 
 from narrows.codegen.free_motion import Expr
 from narrows.codegen.kernels.elementary import SINE_TERMS, WIDTHS
-from narrows.codegen.lines import Lines, reads_table, rounds
+from narrows.codegen.lines import Lines, rounds
 from narrows.codegen.printers.lanes import LaneFields
 from narrows.codegen.printers.language import Language
 from narrows.codegen.printers.python import PlainSource
@@ -268,9 +268,10 @@ def _estrin(x: str, coefficients: Sequence[float]) -> tuple[str, str]:
 
 
 def c_block(lines: Lines, results: Mapping[str, Expr], places: Mapping[str, str], printer: C, lanes: str) -> list[str]:
-    # Calls of the library and reads of a waterway's table have loops of their own, so that the others vectorise.
+    # Calls of the library and reads of a waterway's table at a computed place have loops of their own, so that a
+    # compiler makes vectors of the others.
     values = tuple(map(sympy.sympify, results.values()))
-    parts = rounds(lines.needed_for(values), lambda value: reads_table(value) or _calls(value, printer))
+    parts = rounds(lines.needed_for(values), lambda value: str(value.func) == "entry" or _calls(value, printer))
     layout = LaneFields(parts, values)
     shared = [name for name in _asked(layout) if "[lane]" not in places[name]]
     scratch = [f"double rows[{layout.size}][{lanes}];"] if layout.size else []

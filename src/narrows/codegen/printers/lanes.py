@@ -1,11 +1,9 @@
-"""Lines as loops over lanes, which LLVM vectorises: a block of vessels, field after field in one flat array.
+"""Lines as loops over lanes: a block of vessels, field after field in one flat array.
 
-Every field lies at a constant offset of ONE array, which lets LLVM prove that nothing aliases. Each round of the
-program is a loop of its own (a long loop is a longer chain than a processor looks ahead), and no loop branches on data.
-A name is assigned once in the whole program: Numba passes over the function again for each further assignment.
+Each round of the program is a loop of its own, since a long loop is a longer chain than a processor looks ahead. No
+loop branches on data, so that it is written as vectors.
 """
 
-import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -138,17 +136,16 @@ class Lanes:
         body = [f"{name} = {self.entry(name)}" for name in self._rates_inputs]
         body += [f"{target} = {printer.doprint(value)}" for target, value in lines.assignments]
         body.append(f"return ({', '.join(map(printer.doprint, results))},)")
-        return "\n    ".join([f"@jit\ndef rates(block, lane, {', '.join(self.rates.arguments)}):", *body]) + "\n"
+        return "\n    ".join([f"def rates(block, lane, {', '.join(self.rates.arguments)}):", *body]) + "\n"
 
     def text(self, printer: Arithmetic, leaves: float = 0.0) -> str:
         """Print the function ``step(block, table, shared)``, which returns whether any lane needs attention."""
         head = [f"{name} = shared[{SHARED.index(name)}]" for name in self.shared_inputs]
         body = [*head, "all_well = True"]
         for number, part in enumerate(self.parts):
-            lines = [f"for lane in range({self.count}):"]
-            lines += [f"    {line}" for line in self._round(number, part, printer, leaves)]
-            body += _of_round(number, lines)
-        return "\n    ".join(["@cached\ndef step(block, table, shared):", *body, "return not all_well"]) + "\n"
+            body.append(f"for lane in range({self.count}):")
+            body += [f"    {line}" for line in self._round(number, part, printer, leaves)]
+        return "\n    ".join(["def step(block, table, shared):", *body, "return not all_well"]) + "\n"
 
     def _round(self, number: int, part: Sequence[Assignment], printer: Arithmetic, leaves: float) -> Iterator[str]:
         last = number == len(self.parts) - 1
@@ -172,23 +169,13 @@ class Lanes:
         for name in ("room", "lean", *self.kept):
             if name in out:
                 yield f"{self.entry(name)} = {out[name]}"
-        yield f"left = {self.entry('left')} - {printer.number('1.0')}"
+        yield f"left = {self.entry('left')} - 1.0"
         yield f"{self.entry('left')} = left"
-        zero, one = printer.number("0.0"), printer.number("1.0")
-        must = f"{printer.number(repr(leaves))} * room_before" if leaves else zero
+        must = f"{leaves!r} * room_before" if leaves else "0.0"
         sane = " & ".join(f"(abs({out[name]}) < {most})" for name, most in SPEED_LIMITS.items())
-        yield f"well = (left > {zero}) & ({out['room']} > {must}) & {sane}"
-        yield f"{self.entry('flag')} = {zero} if well else {one}"
+        yield f"well = (left > 0.0) & ({out['room']} > {must}) & {sane}"
+        yield f"{self.entry('flag')} = 0.0 if well else 1.0"
         yield "all_well = all_well & well"
-
-
-def _of_round(number: int, lines: Sequence[str]) -> list[str]:
-    """Rename what other rounds also assign: table lookups, and the lane."""
-    looked_up = {"lane", *re.findall(r"^ +(\w+) = block", "\n".join(lines), re.MULTILINE)}
-    return [
-        re.sub(r"\b[A-Za-z_]\w*", lambda name: f"{name[0]}_in_{number}" if name[0] in looked_up else name[0], line)
-        for line in lines
-    ]
 
 
 def names_in(value: Expr) -> set[str]:

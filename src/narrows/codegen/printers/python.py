@@ -1,7 +1,7 @@
 """Lines as Python: one function of floats or columns; the caller provides the elementary functions."""
 
 import ast
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any
@@ -22,15 +22,14 @@ class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
     # Name of the table of a waterway.
     TABLE = "table"
 
-    def __init__(self, number: Callable[[str], str] = "{}".format, column: Callable[[int], str] = str) -> None:
+    def __init__(self) -> None:
         super().__init__({"fully_qualified_modules": False})
-        self.number, self.column = number, column
 
     def called(self, name: str, *arguments: str) -> str:
         return f"{name}({', '.join(arguments)})"
 
     def _print_Float(self, value: Expr) -> str:
-        text = self.number(repr(abs(float(value.evalf(DIGITS)))))
+        text = repr(abs(float(value.evalf(DIGITS))))
         return f"-{text}" if value < 0 else text
 
     _print_Rational = _print_Half = _print_Integer = _print_Zero = _print_One = _print_NegativeOne = _print_Float
@@ -50,7 +49,7 @@ class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
         if base == sympy.E:
             return self.called("exp", self._print(power))
         if power.is_Rational and power < 0:
-            return f"({self.number('1.0')} / {self.parenthesize(sympy.Pow(base, -power), 1000)})"
+            return f"(1.0 / {self.parenthesize(sympy.Pow(base, -power), 1000)})"
         if power.is_Integer and power <= LONGEST_PRODUCT:
             return "(" + " * ".join([self.parenthesize(base, 1000)] * int(power)) + ")"
         if power == sympy.Rational(1, 2):
@@ -65,7 +64,7 @@ class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
     def _print_Function(self, value: Expr) -> str:
         name = str(value.func)
         if name == "entry":
-            return self.called(name, self.TABLE, self.column(int(value.args[0])), self._print(value.args[1]))
+            return self.called(name, self.TABLE, str(value.args[0]), self._print(value.args[1]))
         return self.called(name, *map(self._print, value.args))
 
 
