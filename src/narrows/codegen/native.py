@@ -149,7 +149,7 @@ class Body:
                 return self.scope[name] if name in self.scope else self.compiler.constants[name]
             case ast.Tuple(elts=parts):
                 return tuple(map(self.value, parts))
-            case ast.UnaryOp(op=ast.Not(), operand=operand):  # Of the flags of lanes: whether any is not set
+            case ast.UnaryOp(op=ast.Not(), operand=operand):  # True if the flag of any lane is not set
                 flags = builder.bitcast(builder.not_(self.value(operand)), ir.IntType(self.compiler.width))
                 return builder.zext(builder.icmp_unsigned("!=", flags, ir.Constant(flags.type, 0)), INTEGER)
             case ast.UnaryOp(operand=operand):
@@ -177,7 +177,7 @@ class Body:
         raise TypeError(f"no straight line: {ast.unparse(node)}")
 
     def _arithmetic(self, operator: ast.operator, left: Value, right: Value) -> Value:
-        if not isinstance(left, ir.Value) and not isinstance(right, ir.Value):  # of places
+        if not isinstance(left, ir.Value) and not isinstance(right, ir.Value):  # places in an array
             return left * right if isinstance(operator, ast.Mult) else left + right
         left, right = self._alike(left, right)
         if isinstance(operator, ast.Pow):
