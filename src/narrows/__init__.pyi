@@ -86,6 +86,7 @@ from .quantities.dimensions import Dimension as Dimension
 from .safety import Disturbance as Disturbance
 from .safety import OutsideRules as OutsideRules
 from .safety import SafeEnvelope as SafeEnvelope
+from .safety import envelope_along as envelope_along
 from .safety import outside_rules as outside_rules
 from .safety import safe_envelope as safe_envelope
 from .safety import speed_limits as speed_limits

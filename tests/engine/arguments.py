@@ -283,6 +283,12 @@ class Table:
                  "slope_starboard": under(1.0, depth=0.5),
                  "slope_port": under(1.0, depth=0.5)},
             ),
+            "envelope_along": Entry(
+                {"model": tested(steered()), "waterway": waterway_for("steered"), "places": [30.0],
+                 "y": [0.0], "u": [0.2, 0.6], "samples": 4},
+                {"model": refused(paper()), "waterway": refused("canal"), "places": [60.0], "y": [0.5],
+                 "u": [0.2, 0.5]},
+            ),
             "speed_limits": Entry(
                 {"model": tested(steered()), "waterway": waterway_for("steered"), "places": [30.0],
                  "u": [0.2, 0.6, 1.0]},

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
     from narrows.model.model import Model
     from narrows.safety import Disturbance
+    from narrows.waterway import Waterway
 
 
 # Speed of a gust of a minute over the mean of an hour [1], Durst (1960), from memory, not verified.
@@ -49,12 +50,23 @@ class SectionOptions:
         Path | None, Option(help="GeoJSON of a waterway, whose section replaces the model's canal.")
     ] = None
     at: Annotated[float, Option(help="Place along the waterway [m].")] = 0.0
+    along: Annotated[
+        str | None, Option(help="Places along the waterway instead [m]: 0:5000:11. A chart and a table by distance.")
+    ] = None
     current: CurrentText = None
     level: Annotated[float, Option(help="Water level above that of the depths [m].")] = 0.0
 
     def check(self) -> None:
-        if self.waterway is None and (self.at or self.level or self.current is not None):
-            raise InputError("--at, --current and --level are a waterway's; add --waterway, or leave them out")
+        if self.waterway is None and (self.at or self.level or self.current is not None or self.along is not None):
+            raise InputError("--at, --along, --current and --level are a waterway's; add --waterway, or leave them out")
+        if self.at and self.along is not None:
+            raise InputError("--at is one place and --along are several; leave one out")
+
+    def read(self) -> "Waterway":
+        from narrows.waterway import read_waterway
+
+        assert self.waterway is not None
+        return read_waterway(self.waterway).with_water(read_current(self.current), self.level)
 
     def placed(self, model: "Model") -> "tuple[Model, dict[str, Any], str]":
         """Return the model there, what the envelope is asked of the place, and where the middle is, in words."""
@@ -62,9 +74,8 @@ class SectionOptions:
             return model, {}, ""
         at = self.at
         from narrows.safety.speed_limits import reach_at
-        from narrows.waterway import read_waterway
 
-        waterway = read_waterway(self.waterway).with_water(read_current(self.current), self.level)
+        waterway = self.read()
         if not 0 <= at <= waterway.line.length:
             raise InputError(f"--at {at:g} is beyond the waterway, which is {waterway.line.length:.0f} m long")
         reach = reach_at(model, waterway, at)
@@ -146,18 +157,27 @@ def envelope(
     from narrows.empirical.fleet import model_named
     from narrows.model.rudder_transfer import borrow_rudder
     from narrows.report.envelope_chart import envelope_chart, print_envelope
-    from narrows.safety import safe_envelope
+    from narrows.safety import envelope_along, safe_envelope
 
     section.check()
     if (model is None) != demo:
         raise InputError("give a model file or the name of a ship (narrows ships lists them), or --demo for an example")
     disturbance, ship = weather.disturbance(), model_named(model or DEMO_SHIP)
     ship = borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
+    asked: dict[str, Any] = {
+        "y": grid.offsets, "u": grid.speeds, "disturbance": disturbance, **vars(reserves), **vars(cases), "bank": bank,
+        "controller": controller, "progress": sys.stderr.isatty() and not delivery.json,
+    }  # fmt: skip
+    if section.along is not None:
+        asked = {name: value for name, value in asked.items() if (name, value) != ("samples", None)}
+        along = envelope_along(ship, section.read(), numbers("--along", section.along).tolist(), **asked)
+        from narrows.report.envelope_along_chart import envelope_along_chart, print_envelope_along
+
+        delivery.write(along.save, lambda: envelope_along_chart(along))
+        delivery.tell(along.to_dict, lambda: print_envelope_along(along))
+        raise SystemExit(int(bool(along.to_dataframe()["highest_speed"].isna().all())))
     ship, reach, where = section.placed(ship)
-    result = safe_envelope(
-        ship, grid.offsets, grid.speeds, disturbance=disturbance, **vars(reserves), **vars(cases), **reach,
-        bank=bank, controller=controller, progress=sys.stderr.isatty() and not delivery.json,
-    )  # fmt: skip
+    result = safe_envelope(ship, **asked, **reach)
     result = result.noting(where) if where else result
     delivery.write(result.save, lambda: envelope_chart(result))
     delivery.tell(result.to_dict, lambda: print_envelope(result))

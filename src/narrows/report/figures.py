@@ -20,6 +20,7 @@ from narrows.model.froude import Scaled
 from narrows.model.model import Model
 from narrows.model.shallow_water import DepthCorrected
 from narrows.model.squat import Squat
+from narrows.report.envelope_along_chart import envelope_along_chart
 from narrows.report.envelope_chart import envelope_chart, rules_figure
 from narrows.report.fit_figures import comparison_figure, force_residuals_figure, intervals_figure, motions_figure
 from narrows.report.log_report import findings_figure, log_figure
@@ -29,7 +30,7 @@ from narrows.report.steady_report import change_figure, steady_figure
 from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREY, ORANGE, drawing_on, notes_below, panels
 from narrows.report.transit_report import transit_figure
 from narrows.report.voyage_figures import paths_figure, voyage_figure, waterway_figure
-from narrows.safety import OutsideRules, SafeEnvelope
+from narrows.safety import EnvelopeAlong, OutsideRules, SafeEnvelope
 from narrows.ship.motion import Motion
 from narrows.simulation.derivative import Jacobian
 from narrows.simulation.sensitivities import Sensitivities
@@ -70,6 +71,8 @@ _drawn.register(Fit, intervals_figure)
 _drawn.register(OutsideRules, rules_figure)
 
 _drawn.register(SafeEnvelope, envelope_chart)
+
+_drawn.register(EnvelopeAlong, envelope_along_chart)
 
 _drawn.register(Waterway, waterway_figure)
 

@@ -178,14 +178,14 @@ def largest_rectangle(safe: np.ndarray, y: np.ndarray, u: np.ndarray) -> tuple[s
         held = np.ones(len(u), bool)
         for last in range(first, len(y)):
             held &= safe[last]
-            for low, up in _runs(held):
+            for low, up in runs(held):
                 covered = float(wide[first : last + 1].sum() * high[low : up + 1].sum())
                 if covered > area:
                     area, block = covered, (slice(first, last + 1), slice(low, up + 1))
     return block
 
 
-def _runs(held: np.ndarray) -> list[tuple[int, int]]:
+def runs(held: np.ndarray) -> list[tuple[int, int]]:
     ends = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]]).astype(int)))
     return [(int(a), int(b) - 1) for a, b in zip(ends[::2], ends[1::2], strict=True)]
 

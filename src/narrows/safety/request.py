@@ -186,8 +186,8 @@ def envelope_request(
             "and metres from 0"
         )
     room = walls or (canal.width / 2, canal.width / 2)
-    offsets = _offsets(model, room) if y is None else np.atleast_1d(np.asarray(y, float))
-    speeds = _speeds(model) if u is None else np.atleast_1d(np.asarray(u, float))
+    offsets = default_offsets(model, room) if y is None else np.atleast_1d(np.asarray(y, float))
+    speeds = default_speeds(model) if u is None else np.atleast_1d(np.asarray(u, float))
     _check(offsets, speeds, room, ship.beam)
     _check_bend(bend, room, speeds)
     return EnvelopeRequest(
@@ -205,20 +205,20 @@ def envelope_request(
     )
 
 
-def _offsets(model: Model, room: Walls) -> np.ndarray:
+def default_offsets(model: Model, room: Walls, count: int = OFFSETS) -> np.ndarray:
     port, starboard = (wall - model.configuration.ship.beam for wall in room)
     if port + starboard <= 0:
         raise InputError("the canal is less than two beams wide: there is no offset to look at; check its width")
     covered = model.data_range.abs_y
     ends = [] if covered is None else [end for end in (-covered[1], covered[1]) if -port < end < starboard]
-    return np.union1d(np.linspace(-port, starboard, OFFSETS), ends)
+    return np.union1d(np.linspace(-port, starboard, count), ends)
 
 
-def _speeds(model: Model) -> np.ndarray:
+def default_speeds(model: Model, count: int = SPEEDS) -> np.ndarray:
     choke = keel_at(model, np.empty(0)).choke
     if math.isinf(choke):
         raise InputError("without a depth nothing bounds the speed: give the canal's depth, or the speeds to look at")
-    asked = np.linspace(SLOWEST, FASTEST, SPEEDS) * choke
+    asked = np.linspace(SLOWEST, FASTEST, count) * choke
     covered = model.data_range.speed or ()
     return np.union1d(asked, [end for end in covered if asked[0] < end < asked[-1]])
 

@@ -120,15 +120,15 @@ def _tabulated(
     from narrows.waterway.table import least_walls, tabulate
 
     known = _TABLES.setdefault(waterway.line, {})
-    flow = waterway.current if isinstance(waterway.current, tuple) else ()
-    key = (draft, step, outline, waterway.level, flow, *map(id, (waterway.starboard, waterway.port, waterway.depths)))
+    parts = waterway.starboard, waterway.port, waterway.depths
+    key = (draft, step, outline, waterway.level, waterway.current_pairs, *map(id, parts))
     if key not in known:
         table = tabulate(waterway, draft, step)
         near = least_walls(table, np.array(outline))
         cells = _cells(table, near)
         # The cache holds the waterway's parts, so that their memory addresses are not reused.
         known[key] = (table, cells)
-        known[key, "parts"] = (waterway.starboard, waterway.port, waterway.depths)  # type: ignore[assignment]
+        known[key, "parts"] = parts  # type: ignore[assignment]
     return known[key]
 
 

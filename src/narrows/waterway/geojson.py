@@ -135,7 +135,8 @@ def write_waterway(waterway: Waterway, path: str | Path) -> None:
         raise InputError(f"{waterway.name}: nothing says where on earth it is; give its origin, longitude and latitude")
     line, origin = waterway.line, np.array(waterway.origin)
     depth = {} if waterway.depths is None else {"depths": np.stack(waterway.depths, axis=1).tolist()}
-    flow = {"current": waterway.current} if waterway.current else {}
+    current = waterway.current_pairs or waterway.reference_current
+    flow = {"current": current} if current else {}
     features = [_feature("centreline", np.asarray(line.points), origin, {**depth, **flow})]
     for bank, sign in ((waterway.starboard, 1), (waterway.port, -1)):
         shape = {"profile": [list(point) for point in bank.profile]} if bank.profile else {}

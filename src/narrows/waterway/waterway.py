@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -87,7 +88,7 @@ class Waterway(BaseSummary):
     step: float | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "current", _checked_current(self.name, self.current))
+        _checked_current(self.name, self.current)
         is_number = isinstance(self.level, int | float | np.number) and not isinstance(self.level, bool)
         if not is_number or not abs(self.level) < DEEPEST:
             raise InputError(f"{self.name}: the level of {shown(self.level)} m is not one number; give metres")
@@ -146,12 +147,21 @@ class Waterway(BaseSummary):
     def _stations(self) -> np.ndarray:
         return np.linspace(0, self.line.length, STATIONS)
 
+    @cached_property
+    def _current(self) -> float | tuple[tuple[float, float], ...]:
+        return _checked_current(self.name, self.current)
+
+    @property
+    def current_pairs(self) -> tuple[tuple[float, float], ...]:
+        """Pairs of place [m] and speed [m/s] of the current; empty if continuity gives it."""
+        return self._current if isinstance(self._current, tuple) else ()
+
     @property
     def reference_current(self) -> float:
         """The speed that ``flow`` multiplies: that at the beginning, or the largest of the pairs [m/s]."""
-        if isinstance(self.current, tuple):
-            return float(max((speed for _, speed in self.current), key=abs))
-        return float(self.current)  # type: ignore[arg-type]
+        if isinstance(self._current, tuple):
+            return max((speed for _, speed in self._current), key=abs)
+        return self._current
 
     def flow(self, s: np.ndarray | float) -> np.ndarray:
         """Return the current at places over ``reference_current`` [1]; by continuity it is inverse to the section.
@@ -161,8 +171,8 @@ class Waterway(BaseSummary):
         s : array or float [m]
             Along the line.
         """
-        if isinstance(self.current, tuple):
-            return np.asarray(np.interp(s, *np.transpose(self.current)) / (self.reference_current or 1.0))
+        if self.current_pairs:
+            return np.asarray(np.interp(s, *np.transpose(self.current_pairs)) / (self.reference_current or 1.0))
         begin, there = self.section(0.0), self.section(s)
         deeper = 1.0 if self.depths is None else begin.depth / there.depth
         return np.asarray(begin.width / there.width * deeper)

@@ -1,0 +1,85 @@
+"""The chart along a waterway: the safe speeds and the widest safe offsets by distance."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from narrows.report.envelope_chart import PALE, UNTESTED
+from narrows.report.style import BLACK, GREY, PURPLE, headed, panels
+from narrows.report.terminal import print_result, table_of
+from narrows.safety import EnvelopeAlong
+
+
+def envelope_along_chart(along: EnvelopeAlong) -> Figure:
+    figure, axes = panels(2, 1, 6.2, sharex=True)
+    speed, offset = axes[:, 0]
+    rows, edges = along.to_dataframe(), _edges(along)
+    _filled(speed, edges, rows, "lowest_speed", "highest_speed")
+    _filled(offset, edges, rows, "port", "starboard")
+    for bank in ("port_bank", "starboard_bank"):
+        offset.plot(rows.index, rows[bank], color=BLACK, lw=2)
+    offset.axhline(0.0, color=GREY, lw=0.8)
+    for place in rows.index:
+        speed.axvline(place, ymax=0.03, color=GREY, lw=0.8)
+    speed.set_ylim(bottom=0.0)
+    speed.set_ylabel("safe speeds [knots]")
+    offset.set_ylabel("widest safe offsets [m]\nport above, starboard below")
+    offset.invert_yaxis()
+    offset.set_xlabel("distance along the waterway [m]; ticks: the computed places")
+    for panel in (speed, offset):
+        panel.grid(alpha=0.3)
+    figure.legend(
+        handles=[
+            Patch(facecolor=PALE, edgecolor=BLACK, label="safe with 95 % probability"),
+            Patch(facecolor="none", edgecolor=PURPLE, hatch=UNTESTED, label="safe by the model, not tested"),
+            Line2D([], [], color=BLACK, lw=2, label="bank, at the keel"),
+        ],
+        loc="outside lower left", frameon=False, ncols=3,
+    )  # fmt: skip
+    title = f"Safe speeds and offsets along {along.waterway.name}"
+    headed(figure, title, [along.envelopes[0].weather, along.summary()])
+    return figure
+
+
+def _edges(along: EnvelopeAlong) -> np.ndarray:
+    """Ends of the reaches for which the places stand: midway between them (n + 1,) [m]."""
+    middle = (along.places[:-1] + along.places[1:]) / 2
+    return np.concatenate([[0.0], middle, [along.waterway.line.length]])
+
+
+def _filled(axes: Axes, edges: np.ndarray, rows: Any, low: str, high: str) -> None:
+    """Fill what is safe, and hatch what is so by the model alone."""
+    looks: dict[str, dict[str, Any]] = {
+        "_by_model": {"facecolor": "none", "edgecolor": PURPLE, "hatch": UNTESTED, "lw": 0.8},
+        "": {"facecolor": PALE, "edgecolor": BLACK, "lw": 1.2},
+    }
+    for suffix, look in looks.items():
+        bottom, top = (rows[f"{end}{suffix}"].to_numpy() for end in (low, high))
+        for left, right, under, over in zip(edges, edges[1:], bottom, top, strict=False):
+            if np.isfinite(over):
+                axes.fill_between([left, right], under, over, **look)
+
+
+HEADS = (
+    "along [m]", "safe [kn]", "safe offsets [m]", "at [kn]", "by the model [kn]", "by the model [m]", "limited by",
+)  # fmt: skip
+
+
+def print_envelope_along(along: EnvelopeAlong) -> None:
+    def span(row: dict[str, Any], low: str, high: str, form: str) -> str:
+        return f"{row[low]:{form}} to {row[high]:{form}}" if np.isfinite(row[low]) else "-"
+
+    table = (
+        (
+            f"{row['distance']:.0f}", span(row, "lowest_speed", "highest_speed", ".1f"),
+            span(row, "port", "starboard", "+.0f"), f"{row['at_speed']:.1f}" if np.isfinite(row["at_speed"]) else "-",
+            span(row, "lowest_speed_by_model", "highest_speed_by_model", ".1f"),
+            span(row, "port_by_model", "starboard_by_model", "+.0f"), row["limited_by"],
+        )
+        for row in along.rows()
+    )  # fmt: skip
+    print_result(along, table_of(HEADS, table, left=("limited by",)))

@@ -1,0 +1,194 @@
+"""Safe envelopes along a waterway: the highest safe speed and the widest safe offsets, place by place."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+from narrows.errors import InputError
+from narrows.model.model import Model
+from narrows.quantities.names import KNOT
+from narrows.results import BaseResult
+from narrows.safety import settings
+from narrows.safety.envelope import safe_envelope
+from narrows.safety.headline import first_run, runs
+from narrows.safety.request import default_offsets, default_speeds
+from narrows.safety.result import SafeEnvelope
+from narrows.safety.speed_limits import Reach, reach_at
+from narrows.simulation.inputs import check_waterway
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from narrows.waterway.waterway import Waterway
+
+# Columns in knots; those of places that are safe by the model alone end in ``_by_model``.
+SPEEDS = ("lowest_speed", "highest_speed", "at_speed")
+
+
+@dataclass(frozen=True, repr=False)
+class EnvelopeAlong(BaseResult):
+    """The safe envelopes of some places along a waterway.
+
+    Parameters
+    ----------
+    waterway : Waterway
+        The waterway.
+    places : array (n,) [m]
+        Places along it.
+    middles : array (n,) [m]
+        Middle of the section at each place, to starboard of the line.
+    envelopes : tuple of SafeEnvelope
+        The envelope of each place; its offsets are from that middle.
+    """
+
+    waterway: "Waterway"
+    places: np.ndarray
+    middles: np.ndarray
+    envelopes: tuple[SafeEnvelope, ...]
+
+    def __repr__(self) -> str:
+        return f"<EnvelopeAlong {self.waterway.name}, {len(self.places)} places>"
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Notes of the envelopes."""
+        between = "between the places nothing is computed: each stands for the reach around it"
+        return tuple(dict.fromkeys((between, *(note for one in self.envelopes for note in one.notes))))
+
+    @property
+    def untested(self) -> str:
+        """Reasons why the results are extrapolated; empty if every section was tested."""
+        reasons = list(dict.fromkeys(one.untested for one in self.envelopes if one.untested))
+        more = [f"and {len(reasons) - 2} other sections"] if len(reasons) > 2 else []
+        return "; ".join([*reasons[:2], *more])
+
+    def rows(self) -> list[dict[str, Any]]:
+        """Return one row per place: banks and safe offsets off the line [m], speeds [knots], what limits the speed."""
+        return [_row(*there) for there in zip(self.places.tolist(), self.middles.tolist(), self.envelopes, strict=True)]
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the rows as a table by distance."""
+        import pandas as pd
+
+        return pd.DataFrame(self.rows()).set_index("distance")
+
+    def dataset(self) -> xr.Dataset:
+        """Return the rows over the distance, with units."""
+        found = xr.Dataset.from_dataframe(self.to_dataframe().astype({"limited_by": str}))
+        for name in found.variables:
+            stem = str(name).removesuffix("_by_model")
+            if stem != "limited_by":
+                found[name].attrs["units"] = "kn" if stem in SPEEDS else "m"
+        return found.assign_attrs(summary=self.summary(), notes="\n".join(self.notes))
+
+    def summary(self) -> str:
+        """Describe the slowest and the fastest place, and where the tests cover them."""
+        rows, start = self.rows(), f"{self.waterway.name}, {len(self.places)} places"
+        tested = [row for row in rows if not math.isnan(row["highest_speed"])]
+        sentences = [f"{start}: safe with 95 % probability at {len(tested)} of them {_speeds(tested)}".strip() + "."]
+        others = [row for row in rows if math.isnan(row["highest_speed"])]
+        by_model = [row for row in others if not math.isnan(row["highest_speed_by_model"])]
+        if by_model:
+            span = _speeds(by_model, "_by_model")
+            sentences.append(f"By the model alone, which was not tested there, at {len(by_model)} more {span}.")
+        if len(others) > len(by_model):
+            where = ", ".join(f"{row['distance']:.0f}" for row in others if row not in by_model)
+            sentences.append(f"No speed and offset is safe at {where} m.")
+        return " ".join([*sentences, f"Not tested: {self.untested}." if self.untested else ""]).strip()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything by name, as ``envelope --along --json`` prints it."""
+        first = self.envelopes[0]
+        return {
+            "summary": self.summary(), "waterway": self.waterway.name, "weather": first.weather, "pilot": first.pilot,
+            "untested": self.untested, "places": self.rows(), "notes": list(self.notes),
+        }  # fmt: skip
+
+
+def envelope_along(
+    model: Model, waterway: "Waterway", places: Sequence[float], **envelope: Any
+) -> EnvelopeAlong:  # fmt: skip
+    """Find the highest safe speed and the widest safe offsets at places along a waterway.
+
+    At each place it computes the safe envelope in the section, bend and current there, unless told otherwise at nine
+    offsets, nine speeds and those where the tests end, with 400 samples.
+
+    Parameters
+    ----------
+    model : Model
+        A model at the ship's own size, with the terms of a rudder.
+    waterway : Waterway
+        The waterway.
+    places : sequence of float [m]
+        Places along it, rising.
+    **envelope : Any
+        Options of ``safe_envelope``; offsets are from the middle of each section.
+
+    Raises
+    ------
+    InputError
+        If a place is not on the waterway or they do not rise, the ship does not fit, or an option is impossible.
+    """
+    check_waterway(waterway)
+    along = np.atleast_1d(np.asarray(places, float))
+    if waterway is None or not along.size or not (np.diff(along) > 0).all():
+        raise InputError("envelopes along a waterway need one, and places along it that rise; give them")
+    if not (along[0] >= 0 and along[-1] <= waterway.line.length):
+        raise InputError(f"a place is beyond {waterway.name}, 0 to {waterway.line.length:.0f} m; choose places on it")
+    reaches = [reach_at(model, waterway, place) for place in along.tolist()]
+    known: dict[Any, SafeEnvelope] = {}
+    for reach in reaches:  # A canal of one section has one envelope.
+        if (key := _section(reach)) not in known:
+            usual = {"samples": settings.FIRST_SAMPLES, **reach.asked, **envelope}
+            if usual.get("y") is None:
+                usual["y"] = default_offsets(reach.model, usual["walls"], settings.ALONG_OFFSETS)
+            if usual.get("u") is None:
+                usual["u"] = default_speeds(reach.model, settings.ALONG_SPEEDS)
+            known[key] = safe_envelope(reach.model, **usual)
+    found = tuple(known[_section(reach)] for reach in reaches)
+    return EnvelopeAlong(waterway, along, np.array([reach.middle for reach in reaches]), found)
+
+
+def _section(reach: Reach) -> tuple[Any, ...]:
+    """The section, bend and current of a place, to nine digits."""
+    canal, asked = reach.model.configuration.canal, reach.asked
+    return tuple(f"{number:.9g}" for number in (
+        canal.width, canal.depth or math.nan, *asked["walls"], asked["curvature"], asked["current"],
+    ))  # fmt: skip
+
+
+def _row(place: float, middle: float, envelope: SafeEnvelope) -> dict[str, Any]:
+    by_model = envelope.by_model()
+    safe = by_model & envelope.data["tested"] & (not envelope.untested)
+    port, starboard = envelope.walls
+    tops = envelope.limited_by()
+    return {
+        "distance": place, "port_bank": middle - port, "starboard_bank": middle + starboard,
+        **_reach(safe, middle), **_reach(by_model, middle, "_by_model"), "limited_by": tops[len(tops) // 2],
+    }  # fmt: skip
+
+
+def _reach(safe: xr.DataArray, middle: float, suffix: str = "") -> dict[str, float]:
+    """Range of safe speeds that reaches highest [knots], and the widest run of safe offsets [m] with its speed."""
+    table, y, u = safe.transpose("y", "u").to_numpy(), safe["y"].to_numpy(), safe["u"].to_numpy() / KNOT
+    speeds = [(float(u[run[1]]), float(u[run[0]])) for run in map(first_run, table) if run]
+    highest, lowest = max(speeds, default=(math.nan, math.nan))
+    wide = [(y[b] - y[a], speed, y[a], y[b]) for speed, held in zip(u, table.T, strict=True) for a, b in runs(held)]
+    _, speed, port, starboard = max(wide, default=(math.nan,) * 4)
+    found = {
+        "lowest_speed": lowest, "highest_speed": highest, "port": float(port) + middle,
+        "starboard": float(starboard) + middle, "at_speed": float(speed),
+    }  # fmt: skip
+    return {f"{name}{suffix}": value for name, value in found.items()}
+
+
+def _speeds(rows: list[dict[str, Any]], suffix: str = "") -> str:
+    if not rows:
+        return ""
+    ends = [pick(rows, key=lambda row: row[f"highest_speed{suffix}"]) for pick in (min, max)]
+    words = [f"{row[f'highest_speed{suffix}']:.1f} knots at {row['distance']:.0f} m" for row in ends]
+    return f"(to {' and '.join(dict.fromkeys(words))})"

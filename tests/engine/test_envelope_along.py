@@ -1,0 +1,87 @@
+"""Envelopes along a waterway are those of its places; what was not tested is hatched and counts as not safe."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import narrows as nw
+from narrows.quantities.names import KNOT
+from narrows.report.envelope_chart import UNTESTED
+from narrows.safety.speed_limits import reach_at
+from narrows.waterway import Bank, Centreline, Waterway
+
+PLACES, SPEEDS, OFFSETS = [0.0, 500.0, 2500.0], np.array([3.0, 5.0]), np.array([-40.0, 0.0, 40.0])
+ASKED = {"y": OFFSETS, "u": SPEEDS, "samples": 4}
+
+
+def way() -> Waterway:
+    """300 m wide and 16.2 m deep, then narrower and shallower; its middle lies to starboard of the line."""
+    s, line = np.array([0.0, 1000.0, 2000.0, 3000.0]), Centreline(np.array([[0.0, 0.0], [0.0, 3000.0]]))
+    starboard, port = np.array([160.0, 160.0, 120.0, 120.0]), np.array([140.0, 140.0, 110.0, 110.0])
+    depth = np.array([16.2, 16.2, 14.0, 14.0])
+    banks = Bank("starboard", s, starboard), Bank("port", s, port)
+    return Waterway(line, *banks, (s, depth), current=0.5, origin=(5.0, 52.0))
+
+
+def ship() -> nw.Model:
+    """Tested from h/T 1.45 on."""
+    model = nw.published("estimated_kcs")
+    known = replace(model.data_range, abs_y=(0.0, 1e3), depth_to_draft=(1.45, 2.0), width_to_beam=(1.0, 99.0))
+    return replace(model, data_range=replace(known, speed=(0.0, 9.0)), covariance=None)
+
+
+@pytest.fixture(scope="module")
+def found() -> nw.safety.EnvelopeAlong:
+    return nw.envelope_along(ship(), way(), PLACES, **ASKED)
+
+
+def test_each_row_is_the_envelope_of_its_place(found: nw.safety.EnvelopeAlong) -> None:
+    for row, place in zip(found.rows(), PLACES, strict=True):
+        reach = reach_at(ship(), way(), place)
+        alone = nw.safe_envelope(reach.model, **reach.asked, **ASKED)
+        held = alone.by_model().transpose("y", "u").to_numpy()
+        speeds = np.flatnonzero(held.any(axis=0))
+        assert row["highest_speed_by_model"] == pytest.approx(SPEEDS[speeds[-1]] / KNOT)
+        widest = held[:, held.sum(axis=0).argmax()]
+        assert (row["port_by_model"], row["starboard_by_model"]) == pytest.approx(
+            tuple(OFFSETS[widest][[0, -1]] + reach.middle)
+        )
+        assert row["starboard_bank"] == pytest.approx(float(way().section(place).width / 2) + reach.middle)
+    assert found.envelopes[0] is found.envelopes[1]  # The same section, bend and current.
+    assert found.envelopes[2].data.attrs["setting"] != found.envelopes[0].data.attrs["setting"]
+
+
+def test_what_was_not_tested_is_hatched_and_not_called_safe(found: nw.safety.EnvelopeAlong) -> None:
+    deep, _, shallow = found.rows()
+    assert np.isfinite(deep["highest_speed"])
+    assert np.isnan(shallow["highest_speed"])
+    assert np.isfinite(shallow["highest_speed_by_model"])
+    assert "safe with 95 % probability at 2 of them" in found.summary()
+    assert "Not tested: h/T" in found.summary()
+    speed = found.plot().axes[0]
+    looks = [(one.get_paths()[0].vertices[:, 0].min(), one.get_hatch()) for one in speed.collections]
+    assert [left for left, hatch in looks if hatch is None] == [0.0, 250.0]
+    assert [left for left, hatch in looks if hatch == UNTESTED] == [0.0, 250.0, 1500.0]
+
+
+def test_the_verb(tmp_path: Path, cli) -> None:
+    nw.write_waterway(way(), tmp_path / "way.geojson")
+    words = ("envelope", "estimated_kcs", "--waterway", tmp_path / "way.geojson", "--y", "0,30", "--speed", "6kn,9kn",
+             "--samples", 3)  # fmt: skip
+    code, out, err = cli(*words, "--along", "0,2500", "-o", tmp_path / "along.nc", "--plot", tmp_path / "a.png")
+    assert code == 0, err
+    assert "2 places" in out
+    with xr.open_dataset(tmp_path / "along.nc", engine="scipy") as saved:
+        assert saved["highest_speed_by_model"].attrs["units"] == "kn"
+        assert saved["distance"].values.tolist() == [0.0, 2500.0]
+    shown = json.loads(cli(*words, "--along", "0,2500", "--json")[1])
+    schema = json.loads((Path(nw.__file__).parent / "schemas" / "envelope.json").read_text())
+    pytest.importorskip("jsonschema").validate(shown, schema)
+    for wrong in (("--along", "0,9999"), ("--along", "5,1"), ("--along", "0", "--at", 5)):
+        code, _, err = cli(*words, *wrong)
+        assert (code, err.count("\n")) == (2, 1)
+    assert cli("envelope", "estimated_kcs", "--along", "0")[0] == 2
