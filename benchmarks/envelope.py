@@ -12,7 +12,7 @@ from common import median_seconds, show, sizes
 from scipy.optimize import root
 
 import narrows as nw
-from narrows.identification.conditions import bundled_ship
+from narrows.identification.fitting import bundled_ship
 from narrows.safety.held_trials import ChosenPilot, trials
 from narrows.safety.pilots import PILOTS
 from narrows.safety.request import Disturbance

@@ -14,7 +14,7 @@ from common import interleaved, show, sizes
 from scipy.optimize import least_squares
 
 import narrows as nw
-from narrows.identification.conditions import bundled_ship
+from narrows.identification.fitting import bundled_ship
 
 LENGTH, WIDTH, SPEED, OFFSET = 399.94, 205.0, 4.1, 5.0
 CONDITIONS = nw.SteadyConditions(

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from narrows.identification.conditions import bundled_ship
+from narrows.identification.fitting import bundled_ship
 from narrows.readers.nmea.nmea_hearing import Entry
 from narrows.readers.nmea.nmea_sentences import Telling
 from narrows.terms.tables import table_named

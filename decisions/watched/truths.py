@@ -12,7 +12,7 @@ import numpy as np
 import narrows as nw
 from narrows.control.regulator_law import HeldLine, Regulator
 from narrows.estimation.states import ProcessNoise
-from narrows.identification.conditions import bundled_ship
+from narrows.identification.fitting import bundled_ship
 from narrows.ship.particulars import half_swept
 from narrows.simulation.controllers import ExternalOrder
 from narrows.simulation.grid import sampled

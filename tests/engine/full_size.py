@@ -7,7 +7,7 @@ from functools import cache
 from typing import Any
 
 import narrows as nw
-from narrows.identification.conditions import bundled_ship
+from narrows.identification.fitting import bundled_ship
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.controllers import VoyageState
 from narrows.simulation.ship import SimulatedShip

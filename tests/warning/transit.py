@@ -7,7 +7,7 @@ import numpy as np
 
 import narrows as nw
 from narrows.estimation import Estimate, Estimator, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
-from narrows.identification.conditions import bundled_ship
+from narrows.identification.fitting import bundled_ship
 from narrows.terms.tables import table_named
 from narrows.waterway import Bank, Centreline
 

@@ -79,7 +79,7 @@ def identify(
     A table that holds several conditions (water depths) gives one model each.
     """
     from narrows.captive import read_captive, stream_captive
-    from narrows.identification.conditions import identify_conditions
+    from narrows.identification.fitting import identify_conditions
     from narrows.progress import stage
 
     if stream and delivery.report:
@@ -136,7 +136,7 @@ def demo(
     The first are simulated tests of the DTC with a known bank; then measured ones of the KCS at three depths.
     """
     from narrows.captive.measured import measured_tests
-    from narrows.identification.conditions import identify_conditions
+    from narrows.identification.fitting import identify_conditions
 
     folder(out)
     fits = identify_conditions(measured_tests("kcs"))
@@ -176,7 +176,7 @@ def explain(
     from narrows.captive import read_captive
     from narrows.empirical.fleet import model_named
     from narrows.identification import explain as explained
-    from narrows.identification.conditions import the_condition
+    from narrows.identification.fitting import the_condition
     from narrows.report.explanation_report import print_explanation, write_explanation
 
     chosen = model_named(model)
@@ -316,7 +316,7 @@ def plan(
 
 def _made(after: Path | None, ship: Path, selection: SelectionOptions, terms: "TermTable") -> "Tests | None":
     from narrows.captive import read_captive
-    from narrows.identification.conditions import the_condition
+    from narrows.identification.fitting import the_condition
 
     if after is None:
         if selection != SelectionOptions():

@@ -2,9 +2,9 @@
 
 from narrows.identification.comparison import Comparison as Comparison
 from narrows.identification.comparison import compare as compare
-from narrows.identification.conditions import identify_conditions as identify_conditions
 from narrows.identification.explanation import Explanation as Explanation
 from narrows.identification.explanation import explain as explain
 from narrows.identification.fit import Fit as Fit
 from narrows.identification.fitting import identify as identify
+from narrows.identification.fitting import identify_conditions as identify_conditions
 from narrows.identification.run_errors import RunErrors as RunErrors

@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.control.steady_course import self_propulsion
 from narrows.errors import InputError
-from narrows.identification.conditions import bundled_ship
+from narrows.identification.fitting import bundled_ship
 from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
 from narrows.logbook.settings import (
     AIM_LENGTHS,

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from narrows.control.regulator import track_pilot
-from narrows.identification.conditions import bundled_ship
+from narrows.identification.fitting import bundled_ship
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.readers.nmea.nmea_hearing import Entry, Hearing
