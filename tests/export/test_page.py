@@ -142,6 +142,11 @@ def test_sliders_keys_and_clicks_set_a_voyage(shown: tuple[Any, list[str]]) -> N
     assert wrong == []
 
 
+def test_a_slider_tells_that_its_coefficient_has_no_verdict(paper: Path) -> None:
+    """The published model has none: its coefficients must not look like identified ones."""
+    assert '"b_bank, no verdict"' in paper.read_text(encoding="utf-8")
+
+
 def test_a_phone_held_upright_at_night(paper: Path, browser: Any) -> None:
     page, wrong = opened(browser, paper, 390, 844, color_scheme="dark", has_touch=True)
     assert wrong == []

@@ -115,7 +115,7 @@ def _coefficient(model: Model, name: str) -> Slider:
     size = WIDE * deviation(model, name) or abs(value) or 1.0
     size = max(size, abs(value) if model.covariance is None else 0.0)
     low, high = max(value - size, bound[0]), min(value + size, bound[1])
-    verdict = model.verdicts.get(name, SETTLED)
+    verdict = model.verdicts.get(name, "no verdict")
     unit = model.terms[name].dimension.unit
     inside = None if model.covariance is None else (value - 2 * size / WIDE, value + 2 * size / WIDE)
     label, fine = name if verdict == SETTLED else f"{name}, {verdict}", _fine(size / 100)
