@@ -69,9 +69,7 @@ def bank_fit(log: list[nw.ShipRecord]) -> tuple[np.ndarray, np.ndarray] | None:
     if found is None or found.diverged or not found.records:
         return None
     places = [found.problem.prior.names.index(name) for name in BANKS]
-    moves = np.flatnonzero(found.problem.moves)
-    errors = np.zeros(len(found.unknowns))
-    errors[moves] = np.sqrt(np.diag(np.linalg.inv((found.information + found.problem.precision)[np.ix_(moves, moves)])))
+    errors = np.sqrt(np.diag(np.linalg.inv(found.information + found.problem.precision)))
     return found.unknowns[places], errors[places]
 
 

@@ -62,7 +62,7 @@ def test_what_is_printed_as_json_keeps_to_the_schema(cli, folder: Path) -> None:
     assert list(Draft202012Validator(SCHEMA).iter_errors(told)) == []
     moved = [c["name"] for c in told["log"]["coefficients"] if c["value"] != c["prior"]]
     assert moved == free.split(",")
-    assert f"Only {', '.join(moved)} might move" in out
+    assert f"Only {', '.join(moved)} may change" in out
 
 
 def test_what_is_doubtful_in_a_log_is_among_the_notes_of_what_it_taught(cli, folder: Path) -> None:

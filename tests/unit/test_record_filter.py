@@ -122,7 +122,7 @@ def test_the_score_is_the_slope_of_the_likelihood() -> None:
     path = likelihood.smoothed(unknowns, None, 2)
     assert path is not None
     found = likelihood.scored(unknowns, path)
-    for place in np.flatnonzero(log.problem.moves):
+    for place in range(len(log.problem.precision)):
         step = 1e-3 * (np.arange(len(unknowns)) == place)
         up, down = (likelihood.cost(unknowns + sign * step, path) for sign in (1, -1))
         size = np.sqrt(found.information[place, place])
@@ -169,8 +169,8 @@ def test_scores_at_the_truth_have_a_mean_of_zero() -> None:
         found = likelihood.scored(np.zeros(len(log.problem.precision)), path)
         scores.append(found.score)
         information.append(np.diag(found.information))
-    names, moves = log.problem.prior.names, log.problem.moves[: log.problem.count]
-    of = [names.index(name) for name in ("b_bank", "c_bank") if moves[names.index(name)]]
+    names = log.problem.prior.names
+    of = [names.index(name) for name in ("b_bank", "c_bank")]
     normal = np.sum(scores, axis=0)[of] / np.sqrt(np.sum(information, axis=0)[of])
     assert np.abs(normal).max() < 3.0
 

@@ -60,7 +60,7 @@ def faults_of(grid: RecordGrid, normalised: dict[str, np.ndarray]) -> Iterator[F
         if name not in POSITION:
             yield Fault("delay", name, partial(_late, grid, (name,)))
         if name in JUMPING and len(read.values) > 2:
-            t = grid.times[grid.first[read.window]] + read.elapsed
+            t = grid.times_of(read)
             place = 1 + int(np.argmax(np.abs(normalised[name][1:])))
             after = np.where(np.arange(len(t)) >= place, 1.0, 0.0)
             yield Fault("step", name, partial(_shifted, grid, name, after), _small(name), len(t), float(t[place]))

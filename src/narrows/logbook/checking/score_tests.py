@@ -85,7 +85,7 @@ class FaultTests:
     def tested(self, known: Sequence[int] = ()) -> list[FaultTest]:
         """Test each fault where known ones are estimated with the unknowns."""
         problem, count = self.found.problem, len(self.found.unknowns)
-        fitted = np.array([*np.flatnonzero(problem.moves), *known])
+        fitted = np.array([*range(count), *known])
         whole, score = self.information, self.scores.sum(axis=0)
         score[:count] -= problem.precision @ self.found.unknowns
         explained = np.linalg.solve(whole[np.ix_(fitted, fitted)], whole[fitted])
@@ -108,16 +108,14 @@ class FaultTests:
         # (p,) in standard errors after the log; the probability of coefficients as far from their prior
         from scipy.stats import chi2
 
-        problem, shift = self.found.problem, np.zeros(len(self.found.unknowns))
-        moves, effect = np.flatnonzero(problem.moves), np.zeros(problem.count)
+        problem, count = self.found.problem, len(self.found.unknowns)
         kinds = [(*fault[:2], record) for fault, record in self.faults]
-        place = len(shift) + kinds.index((*test.fault[:2], test.record))  # The test may be of another filter.
-        covariance = np.linalg.inv(self.information[np.ix_(moves, moves)])
-        shift[moves] = -test.size * covariance @ self.information[moves, place]
-        free = moves[moves < problem.count]
-        effect[free] = shift[free] / np.sqrt(np.diag(covariance))[: len(free)]
-        after = self.found.scaled + shift[: problem.count]
-        return effect, float(chi2.sf(after @ problem.prior.precision @ after, len(free)))
+        place = count + kinds.index((*test.fault[:2], test.record))  # The test may be of another filter.
+        covariance = np.linalg.inv(self.information[:count, :count])
+        shift = (-test.size * covariance @ self.information[:count, place])[: problem.count]
+        after = self.found.scaled + shift
+        probability = float(chi2.sf(after @ problem.prior.precision @ after, problem.count))
+        return shift / np.sqrt(np.diag(covariance))[: problem.count], probability
 
     def _variance(self, place: int, direction: np.ndarray, size: float, left: float) -> tuple[float, float]:
         """Return the variance of a score, and its degrees of freedom."""
@@ -169,7 +167,7 @@ def misreading(problem: LogProblem, grids: Sequence[RecordGrid]) -> tuple[float,
     found, here = [], sum(_fitted(problem, grid, grid)[0] for grid in grids)
     for other in MISREADINGS:
         if all(name in grid.record for grid in grids for name in other.signals):
-            again = [grid_of(other.reread(one.record), one.step, one.step, problem.motion.positions) for one in grids]
+            again = [grid_of(other.reread(one.record), one.step, problem.motion.positions) for one in grids]
             read = sum(
                 len(one.readings[name].values) for one in again for name in other.signals if name in one.readings
             )
@@ -210,13 +208,13 @@ def stuck(problem: LogProblem, grid: RecordGrid) -> Iterator[tuple[str, float, f
         if stop - start < STUCK_READINGS or end - begin < lasting:
             continue
         read = grid.readings[name]
-        t = grid.times[grid.first[read.window]] + read.elapsed
+        t = grid.times_of(read)
         kept = (t < begin) | (t > end)
-        without = {own: getattr(read, own)[kept] for own in ("values", "window", "share", "elapsed", "counted")}
+        without = {own: getattr(read, own)[kept] for own in ("values", "step", "share", "counted")}
         likelihood = RecordLikelihood(
             problem, replace(grid, readings={**grid.readings, name: replace(read, **without)})
         )
         path = likelihood.smoothed(np.zeros(len(problem.precision)), None, FIRST_PASSES)
-        during = (grid.times[grid.first[:-1]] > begin) & (grid.times[grid.first[:-1]] < end)
+        during = (grid.times[:-1] > begin) & (grid.times[:-1] < end)
         if path and during.any() and np.ptp(path.reference.states[during, column]) > MOVED * problem.model.noise[name]:
             yield name, begin, end

@@ -24,7 +24,7 @@ def first_guess(motion: RecordedMotion, grid: RecordGrid) -> np.ndarray:
     for name, others in (("u", ("u", "u_ground", "speed_over_ground")), ("v", ("v", "v_ground")), ("r", ("r",))):
         guessed[name] = next((smoothed(place[other]) for other in others if other in place), guessed[name])
     states = np.stack([x, y, psi, guessed["u"], guessed["v"], guessed["r"]], axis=1)
-    return np.asarray(states[grid.first[:-1]])
+    return np.asarray(states[:-1])
 
 
 def _curvature(motion: RecordedMotion, x: np.ndarray) -> np.ndarray | float:
@@ -39,8 +39,7 @@ def _at_nodes(grid: RecordGrid, read: Readings) -> np.ndarray:
     """Readings at the nodes, straight between them, spikes cut off."""
     from scipy.ndimage import median_filter
 
-    t = grid.times[grid.first[read.window]] + read.elapsed
-    return np.asarray(np.interp(grid.times, t, median_filter(read.values, SPIKES, mode="nearest")))
+    return np.asarray(np.interp(grid.times, grid.times_of(read), median_filter(read.values, SPIKES, mode="nearest")))
 
 
 def smoothed(column: np.ndarray, nodes: int = NODES) -> np.ndarray:

@@ -87,13 +87,13 @@ class RecordLikelihood:
         return about.cost / self.problem.correlated
 
     @np.errstate(all="ignore")
-    def slopes(self, unknowns: np.ndarray, path: RecordPath, held: bool = False) -> "InnovationSlopes":
-        """Return innovations and their slopes by differences about a path, if asked also by held coefficients."""
+    def slopes(self, unknowns: np.ndarray, path: RecordPath) -> "InnovationSlopes":
+        """Return innovations and their slopes by differences about a path."""
         problem, count = self.problem, self.problem.count
         about = self.linear(unknowns, path.reference)
         at = about.innovations(problem.model.at(unknowns[count:]), path.weights)
         by_value, by_variance = np.zeros((2, len(unknowns), len(at.values)))
-        for place in np.flatnonzero(problem.moves | held):
+        for place in range(len(unknowns)):
             moved = unknowns + DIFFERENCE * (np.arange(len(unknowns)) == place)
             there = self.linear(moved, path.reference) if place < count else about
             found = there.innovations(problem.model.at(moved[count:]), path.weights)
@@ -102,10 +102,10 @@ class RecordLikelihood:
         return InnovationSlopes(about, at, by_value, by_variance)
 
     @np.errstate(all="ignore")
-    def scored(self, unknowns: np.ndarray, path: RecordPath, held: bool = False) -> RecordScore:
-        """Return score and information about a path, if asked also by held coefficients."""
+    def scored(self, unknowns: np.ndarray, path: RecordPath) -> RecordScore:
+        """Return score and information about a path."""
         problem = self.problem
-        _, at, by_value, by_variance = self.slopes(unknowns, path, held)
+        _, at, by_value, by_variance = self.slopes(unknowns, path)
         e, s = at.values, np.abs(at.variances)  # The cost is infinite where the filter diverges.
         score = -by_value @ (e / s) - 0.5 * by_variance @ (1 / s - (e / s) ** 2)
         information = (by_value / s) @ by_value.T + 0.5 * (by_variance / s**2) @ by_variance.T

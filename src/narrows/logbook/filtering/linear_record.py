@@ -154,7 +154,7 @@ def linear_record(
     known = CURRENT in motion.directions
     current = float(sums[CURRENT_X][0]) if known else 0.0
     states, along = motion.sailed(
-        reference.states, pushes, grid.first, grid.times, grid.positions, sums[RUDDER_OFFSET], current
+        reference.states, pushes, np.arange(len(grid) + 1), grid.times, grid.positions, sums[RUDDER_OFFSET], current
     )
     ends, slopes = states[1::2], _slopes(grid, motion, inertia, along[1::2])
     if not known:
@@ -164,10 +164,10 @@ def linear_record(
     misses = ends - np.append(reference.states[1:], ends[-1:], axis=0) - driven
     rows, residual, left = [], [], {}
     for name, read in grid.readings.items():
-        share, at = read.share[:, None], read.window
+        share, at = read.share[:, None], read.step
         there = (1 - share) * reference.states[at] + share * ends[at]
         errors = {key: value[at] for key, value in sums.items()}
-        seen = PREDICTED[name](SeenStates(there, np.zeros(1), errors, grid.record.antenna))
+        seen = PREDICTED[name](SeenStates(there, errors, grid.record.antenna))
         row = read.gain * _rows(seen, slopes[at], share, drives, names)
         left[name] = read.values - read.gain * seen.value
         rows.append(row)

@@ -19,7 +19,7 @@ class CoefficientPrior:
     scale: np.ndarray  # (p,) Its standard deviation
     precision: np.ndarray  # (p, p) Inverse of the correlation [1]
     bounds: np.ndarray  # (p, 2) Lowest and highest value, in its own unit
-    moves: np.ndarray  # (p,) Which may move
+    free: np.ndarray  # (p,) Which may change; the others keep mean and covariance
 
     @property
     def members(self) -> tuple[str, ...]:
@@ -30,6 +30,11 @@ class CoefficientPrior:
     def names(self) -> tuple[str, ...]:
         """The first of each group."""
         return tuple(group[0] for group in self.groups)
+
+    @property
+    def free_names(self) -> set[str]:
+        """Every coefficient that may change."""
+        return {name for group, free in zip(self.groups, self.free, strict=True) if free for name in group}
 
     def values(self, scaled: np.ndarray) -> dict[str, float]:
         """Return every coefficient by name, from scaled (p,)."""
@@ -79,11 +84,6 @@ class Unknowns:
         matrix = np.diag(np.concatenate([np.zeros(self.count), self.spreads**-2.0]))
         matrix[: self.count, : self.count] = self.prior.precision
         return matrix
-
-    @cached_property
-    def moves(self) -> np.ndarray:
-        """Unknowns that may move."""
-        return np.append(self.prior.moves, np.ones(len(self.spreads), bool))
 
 
 @dataclass(frozen=True)

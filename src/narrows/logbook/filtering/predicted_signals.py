@@ -29,9 +29,6 @@ class SeenStates:
     """States at the times of the readings of a signal."""
 
     states: np.ndarray  # (n, 6) x, y, psi, u, v, r
-    # (n,) Time of drift with the current since the window began; 0 where the motion includes it
-    # [s]
-    drifted: np.ndarray
     errors: Mapping[str, np.ndarray | float]  # (n,) Errors of the sensors, and the current; 0 where nothing is said
     antenna: tuple[float, float]  # Forward and to starboard of midship [m]
 
@@ -48,17 +45,17 @@ Predicting = Callable[[SeenStates], PredictedSignal]
 def _x(at: SeenStates) -> PredictedSignal:
     cosine, sine = np.cos(at.states[:, 2]), np.sin(at.states[:, 2])
     forward, starboard = at.antenna
-    value = at.states[:, 0] + forward * cosine - starboard * sine + at.error(CURRENT_X) * at.drifted
+    value = at.states[:, 0] + forward * cosine - starboard * sine
     by_state = {0: ONE, 2: -forward * sine - starboard * cosine}
-    return PredictedSignal(value + at.error(ERROR("x")), by_state, {CURRENT_X: at.drifted, ERROR("x"): ONE})
+    return PredictedSignal(value + at.error(ERROR("x")), by_state, {ERROR("x"): ONE})
 
 
 def _y(at: SeenStates) -> PredictedSignal:
     cosine, sine = np.cos(at.states[:, 2]), np.sin(at.states[:, 2])
     forward, starboard = at.antenna
-    value = at.states[:, 1] + forward * sine + starboard * cosine + at.error(CURRENT_Y) * at.drifted
+    value = at.states[:, 1] + forward * sine + starboard * cosine
     by_state = {1: ONE, 2: forward * cosine - starboard * sine}
-    return PredictedSignal(value + at.error(ERROR("y")), by_state, {CURRENT_Y: at.drifted, ERROR("y"): ONE})
+    return PredictedSignal(value + at.error(ERROR("y")), by_state, {ERROR("y"): ONE})
 
 
 def _state(name: str, column: int) -> Predicting:

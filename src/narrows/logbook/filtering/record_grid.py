@@ -1,4 +1,4 @@
-"""A record on even times: where its steps and windows begin, where its actuators are, what was read between."""
+"""A record on even times: where its actuators are at the ends of the steps, and the readings between."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -13,6 +13,8 @@ from narrows.logbook.ship_record import MEETING, TURNING, ShipRecord, Signal
 READ = ("x", "y", "psi", "r", "u", "v", "u_ground", "v_ground", "speed_over_ground", "course")
 # Usual times between two values, over which nothing is drawn straight from one to the next.
 GAP = 3.0
+# Steps of a record that a fit needs at least.
+FEWEST_STEPS = 8
 
 
 @dataclass(frozen=True)
@@ -20,33 +22,35 @@ class Readings:
     """Readings of one signal, by the step that each value lies in."""
 
     values: np.ndarray  # (n,) In the unit of the signal
-    window: np.ndarray  # (n,) In which each lies
+    step: np.ndarray  # (n,) In which each lies
     share: np.ndarray  # (n,) Share of the step that is over [1]
-    elapsed: np.ndarray  # (n,) Since the window began [s]
     counted: np.ndarray  # (n,) Number of values in each mean
     gain: float = 1.0  # How many times the true value is read
 
 
 @dataclass(frozen=True)
 class RecordGrid:
-    """A record, cut into steps and windows."""
+    """A record, cut into steps."""
 
     record: ShipRecord  # Record
     times: np.ndarray  # (nodes,) Ends of the steps [s]
-    first: np.ndarray  # (windows + 1,) The node at which each window begins, and the last one ends
-    whole: np.ndarray  # (windows,) True where the actuators are known all through it
+    whole: np.ndarray  # (steps,) True where the actuators are known all through it
     positions: Mapping[str, np.ndarray]  # (nodes,) Positions of the actuators at the nodes
-    readings: Mapping[str, Readings]  # By signal; of whole windows alone
-    meetings: np.ndarray  # (windows,) True where another ship passes
+    readings: Mapping[str, Readings]  # By signal; of whole steps alone
+    meetings: np.ndarray  # (steps,) True where another ship passes
 
     def __len__(self) -> int:
-        """Number of windows."""
-        return len(self.first) - 1
+        """Number of steps."""
+        return len(self.times) - 1
 
     @property
     def step(self) -> float:
         """Length of a step [s]."""
         return float(self.times[1] - self.times[0])
+
+    def times_of(self, read: Readings) -> np.ndarray:
+        """Return the times of readings, (n,) [s]."""
+        return np.asarray(self.times[read.step] + read.share * self.step)
 
     @cached_property
     def order(self) -> np.ndarray:
@@ -66,12 +70,12 @@ class RecordGrid:
 
     @cached_property
     def _steps(self) -> np.ndarray:
-        return np.concatenate([read.window for read in self.readings.values()])
+        return np.concatenate([read.step for read in self.readings.values()])
 
 
-def grid_of(record: ShipRecord, step: float, window: float, usual: Mapping[str, float]) -> RecordGrid:
+def grid_of(record: ShipRecord, step: float, usual: Mapping[str, float]) -> RecordGrid:
     """Return a record on even times."""
-    # step [s]; window [s]
+    # step [s]
     # Values finer than a step are averaged over it, what is coarser stays where it is.
     read = {name: record[name] for name in READ if name in record and len(record[name])}
     moved = {name: record[name] for name in usual if name in record and len(record[name])}
@@ -80,19 +84,17 @@ def grid_of(record: ShipRecord, step: float, window: float, usual: Mapping[str, 
     begun = max(min(s.t.min() for s in read.values()), max((s.t.min() for s in moved.values()), default=-np.inf))
     ended = min(max(s.t.max() for s in read.values()), min((s.t.max() for s in moved.values()), default=np.inf))
     count = int((ended - begun) / step + 1e-9)
-    each = max(1, round(window / step))
-    if count < max(2 * each, 8):
+    if count < FEWEST_STEPS:
         raise InputError(f"record {record.name} lasts {ended - begun:.0f} s, too short to learn from; leave it out")
     times = begun + step * np.arange(count + 1)
-    first = np.append(np.arange(0, count - each // 2, each), count)
     positions = {
         name: _at_nodes(moved[name], times) if name in moved else np.full(count + 1, at) for name, at in usual.items()
     }
-    whole = np.ones(len(first) - 1, bool)
+    whole = np.ones(count, bool)
     for signal in moved.values():
-        whole &= _is_whole(signal, times[first], max(GAP * signal.step, step))
-    readings = {name: _readings(name, signal, times, first, whole) for name, signal in read.items()}
-    return RecordGrid(record, times, first, whole, positions, readings, _meetings(record, times[first]))
+        whole &= _is_whole(signal, times, max(GAP * signal.step, step))
+    readings = {name: _readings(name, signal, times, whole) for name, signal in read.items()}
+    return RecordGrid(record, times, whole, positions, readings, _meetings(record, times))
 
 
 def _at_nodes(signal: Signal, times: np.ndarray) -> np.ndarray:
@@ -111,7 +113,7 @@ def _at_nodes(signal: Signal, times: np.ndarray) -> np.ndarray:
 
 
 def _is_whole(signal: Signal, edges: np.ndarray, longest: float) -> np.ndarray:
-    """Return whether a window has no gap."""
+    """Return whether a step has no gap."""
     open_ = np.flatnonzero(np.diff(signal.t) > longest)
     whole = np.ones(len(edges) - 1, bool)
     for i in open_:
@@ -121,7 +123,7 @@ def _is_whole(signal: Signal, edges: np.ndarray, longest: float) -> np.ndarray:
 
 
 def _meetings(record: ShipRecord, edges: np.ndarray) -> np.ndarray:
-    """Return whether another ship passes at any time of a window; each value holds until the next."""
+    """Return whether another ship passes at any time of a step; each value holds until the next."""
     if MEETING not in record or not len(record[MEETING]):
         return np.zeros(len(edges) - 1, bool)
     signal = record[MEETING]
@@ -130,7 +132,7 @@ def _meetings(record: ShipRecord, edges: np.ndarray) -> np.ndarray:
     return ((begun >= 0) & met[begun]) | np.isin(np.arange(len(edges) - 1), inside)
 
 
-def _readings(name: str, signal: Signal, times: np.ndarray, first: np.ndarray, whole: np.ndarray) -> Readings:
+def _readings(name: str, signal: Signal, times: np.ndarray, whole: np.ndarray) -> Readings:
     step, steps = times[1] - times[0], len(times) - 1
     values = np.unwrap(signal.values) if name in TURNING else signal.values
     inside = (signal.t >= times[0]) & (signal.t < times[-1])
@@ -144,7 +146,5 @@ def _readings(name: str, signal: Signal, times: np.ndarray, first: np.ndarray, w
         t, values = (np.bincount(place, column, minlength=steps)[told] / counted for column in (t, values))
     position = (t - times[0]) / step
     before = np.minimum(position.astype(int), steps - 1)
-    window = np.searchsorted(first, before, side="right") - 1
-    kept = whole[window]
-    columns = values, window, position - before, t - times[first[window]], counted
-    return Readings(*(column[kept] for column in columns))
+    kept = whole[before]
+    return Readings(*(column[kept] for column in (values, before, position - before, counted)))

@@ -1,4 +1,4 @@
-"""The motion of a ship with the recorded rudder, window by window, with exact slopes."""
+"""The motion of a ship with the recorded rudder, piece by piece, with exact slopes."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ class RecordedMotion:
 
     model: Model  # The ship
     positions: Mapping[str, float]  # Actuators that follow a record, each with a position that is usual
-    # What the motion is differentiated by, beside the starts of the windows, the pushes and the rudder's zero
+    # What the motion is differentiated by, besides the starts of the pieces, the pushes and the rudder's zero
     coefficients: tuple[str, ...]
     choices: Mapping[str, Any]  # As for ``simulate``: surge, contact, waterway, u
 
@@ -57,9 +57,9 @@ class RecordedMotion:
         self, starts: np.ndarray, pushes: np.ndarray, first: np.ndarray, times: np.ndarray,
         positions: Mapping[str, np.ndarray], offset: np.ndarray, current: float = 0.0,
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        """Sail every window of a record from its own start."""
-        # starts (windows, 6) [m]; pushes (windows, 3) [N, N, N m]; first (windows + 1,); times (nodes,) [s]; offset
-        # (windows,) [rad]; current [m/s]
+        """Sail every piece of a record from its own start."""
+        # starts (pieces, 6) [m]; pushes (pieces, 3) [N, N, N m]; first (pieces + 1,); times (nodes,) [s]; offset
+        # (pieces,) [rad]; current [m/s]
         integrator = self.integrator
         kept, count = integrator.integrator.choices.kept, np.diff(first)
         begun = first[:-1]
@@ -80,7 +80,7 @@ class RecordedMotion:
     def _started(
         self, kept: Sequence[str], starts: np.ndarray, positions: Mapping[str, np.ndarray]
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the initial memory of each window, and its slopes."""
+        """Return the initial memory of each piece, and its slopes."""
         state = dict(zip(STATES, starts.T, strict=True))
         cosine, sine = np.cos(state["psi"]), np.sin(state["psi"])
         state |= {"cos_psi": cosine, "sin_psi": sine, COUNTED: state["psi"], "t": np.zeros(len(starts)), **positions}
@@ -101,7 +101,7 @@ class RecordedMotion:
 def _poses(
     kept: Sequence[str], starts: np.ndarray, first: np.ndarray, states: np.ndarray, slopes: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The six states of what is kept: the heading counts on from the start of its window."""
+    """The six states of what is kept: the heading counts on from the start of its piece."""
     column = {name: i for i, name in enumerate(kept)}
     heading, turned = _heading(column, starts, first, states, slopes)
     pose, moved = np.empty((len(states), 6)), np.empty((len(states), 6, slopes.shape[2]))

@@ -5,7 +5,6 @@ Each record contributes a score and an information matrix; these add. A record i
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from itertools import islice
 
 import numpy as np
 
@@ -77,14 +76,7 @@ def search(problem: LogProblem, grids: Grids, steps: int = MOST_STEPS) -> Search
             break
         problem = replace(problem, correlated=counted)
         found = _maximum(problem, grids, found.unknowns, [one.path for one in found.records], steps) or found
-    return found if found is None or found.problem.moves.all() else _with_held(found, grids)
-
-
-def _with_held(found: SearchResult, grids: Grids) -> SearchResult:
-    """Score the held coefficients too: their errors are part of those of the free ones."""
-    done, paths = islice(grids, len(found.records)), [one.path for one in found.records]
-    again = scored(found.problem, done, found.unknowns, paths, 0, held=True)
-    return found if again is None or again.interrupted else replace(found, records=again.records)
+    return found
 
 
 def _maximum(
@@ -111,9 +103,8 @@ def _maximum(
 
 
 def scored(
-    problem: LogProblem, grids: Grids, unknowns: np.ndarray, paths: list[RecordPath | None], passes: int,
-    held: bool = False,
-) -> SearchResult | None:  # fmt: skip
+    problem: LogProblem, grids: Grids, unknowns: np.ndarray, paths: list[RecordPath | None], passes: int
+) -> SearchResult | None:
     """Smooth the path of every record and score it there; None where the motion diverges.
 
     Interrupted by hand, it has the records that were done.
@@ -128,7 +119,7 @@ def scored(
                 )
                 if path is None:
                     return None
-                one, steps = likelihood.scored(unknowns, path, held), steps + len(grid)
+                one, steps = likelihood.scored(unknowns, path), steps + len(grid)
                 if not np.isfinite(one.cost):
                     return None
                 scores.append(one if steps <= KEPT_STEPS else replace(one, path=None))
@@ -164,16 +155,12 @@ def bounded_step(
     problem: Unknowns, unknowns: np.ndarray, score: np.ndarray, information: np.ndarray, damping: float = 0.0
 ) -> tuple[np.ndarray, float]:
     """Return the step of Fisher scoring within the bounds, and its expected gain of minus twice the log-posterior."""
-    moves, count = problem.moves, problem.count
-    right = (score - problem.precision @ unknowns)[moves]
-    matrix = (information + problem.precision)[np.ix_(moves, moves)]
-    damped = matrix + damping * np.diag(np.diag(matrix))
+    right, matrix = score - problem.precision @ unknowns, information + problem.precision
+    damped, count = matrix + damping * np.diag(np.diag(matrix)), problem.count
     root = np.sqrt(np.diag(damped))
-    low, high = np.full(len(moves), -LONGEST_MOVE), np.full(len(moves), LONGEST_MOVE)
+    low, high = np.full(len(right), -LONGEST_MOVE), np.full(len(right), LONGEST_MOVE)
     for ends, limit, pick in zip((low, high), problem.prior.limits, (np.maximum, np.minimum), strict=True):
         ends[:count] = pick(ends[:count], limit - unknowns[:count])
-    low, high = np.minimum(low[moves] * root, 0.0), np.maximum(high[moves] * root, 0.0)
-    inside = solve(damped / np.outer(root, root), right / root, low, high).z / root
-    step = np.zeros(len(moves))
-    step[moves] = inside
-    return step, float(2 * right @ inside - inside @ matrix @ inside)
+    low, high = np.minimum(low * root, 0.0), np.maximum(high * root, 0.0)
+    step = solve(damped / np.outer(root, root), right / root, low, high).z / root
+    return step, float(2 * right @ step - step @ matrix @ step)

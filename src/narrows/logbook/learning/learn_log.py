@@ -46,7 +46,7 @@ def learn(
         What was recorded.
     free : sequence of str, optional
         Coefficients that may change, all that have a spread unless given. The others keep their mean and covariance,
-        and their errors are part of the standard errors of the free ones (consider covariance).
+        and their errors are part of the standard errors of the free ones (Schmidt's Kalman update).
     sensors : {"rtk", "vdr", "ais", "basin"} or SensorGrade
         How well it was measured; in a basin, noise is estimated and no wind blows.
     spread : float or mapping of str to float, optional

@@ -245,7 +245,7 @@ class LogFit(LearnedAnswer):
             "noise": {name: {"size": left.size, "outliers": left.beyond}
                       for name, left in self.noise.items()},
             "records": [
-                {"name": r.name, "duration": r.duration, "windows": r.windows, "met": r.met, "zeros": r.zeros,
+                {"name": r.name, "duration": r.duration, "steps": r.steps, "met": r.met, "zeros": r.zeros,
                  "information": r.information, "moved": r.moved, "whole": dict(r.whole),
                  "missed": {name: {"before": old, "after": new} for name, (old, new) in r.missed.items()}}
                 for r in self.records

@@ -37,13 +37,19 @@ def log_posterior(
     prior, count = problem.prior, problem.count
     covariance = posterior_covariance(problem, information)
     if scores is not None and len(scores) > 1:
-        covariance = sandwich(problem, covariance, information, scores)
+        covariance = sandwich(covariance, information, scores)
     weights = regression_on_estimated(model, before, prior)
     places = [model.terms.names.index(name) for name in prior.names]
     known = covariance[:count, :count] * np.outer(prior.scale, prior.scale)
     after = before + weights @ (known - before[np.ix_(places, places)]) @ weights.T
-    values = np.array([model.coefficients[name] for name in model.terms.names])
-    values = values + weights @ (prior.scale * unknowns[:count])
+    moved = weights @ (prior.scale * unknowns[:count])
+    if not prior.free.all():
+        # Schmidt's (1966) Kalman update: held coefficients keep mean and covariance, and their errors count in those of
+        # the free ones, which are as in the joint fit; Bierman (1977), Factorization Methods, chapter 8.
+        held = np.flatnonzero([name not in prior.free_names for name in model.terms.names])
+        moved[held] = 0.0
+        after[np.ix_(held, held)] = before[np.ix_(held, held)]
+    values = moved + [model.coefficients[name] for name in model.terms.names]
     disagreement = _disagreement(problem, information, unknowns[:count])
     return LogPosterior(values, (after + after.T) / 2, covariance[:count, :count], *disagreement)
 
@@ -54,31 +60,23 @@ def expected_std(model: Model, before: np.ndarray, problem: Unknowns, informatio
     return dict(zip(model.terms.names, np.sqrt(np.diag(after.covariance)).tolist(), strict=True))
 
 
-def sandwich(problem: Unknowns, covariance: np.ndarray, information: np.ndarray, scores: np.ndarray) -> np.ndarray:
+def sandwich(covariance: np.ndarray, information: np.ndarray, scores: np.ndarray) -> np.ndarray:
     """Return the covariance of all unknowns, wider where the scores of records scatter more than expected, (P, P)."""
     # White (1982), Econometrica 50, for the sandwich; Kauermann and Carroll (2001), J. Am. Stat. Assoc. 96, on its
     # small samples: below some ten records the expected scatter has the larger weight.
     count = len(scores)
-    centred = (scores - scores.mean(axis=0)) * problem.moves
+    centred = scores - scores.mean(axis=0)
     scatter = centred.T @ centred * count / (count - 1)
     root = np.linalg.cholesky(covariance + 1e-12 * np.eye(len(covariance)))
-    excess = root.T @ (scatter - information * np.outer(problem.moves, problem.moves)) @ root
+    excess = root.T @ (scatter - information) @ root
     sizes, axes = np.linalg.eigh(count / (count + EXPECTED_SCATTER) * (excess + excess.T) / 2)
     wider = (axes * np.maximum(sizes, 0.0)) @ axes.T
     return np.asarray(covariance + root @ wider @ root.T)
 
 
 def posterior_covariance(problem: Unknowns, information: np.ndarray) -> np.ndarray:
-    """Return the covariance of all unknowns by information (P, P) and prior; held ones keep their prior covariance."""
-    # Consider covariance: Tapley, Schutz and Born (2004), Statistical Orbit Determination, chapter 6.
-    moves, held = problem.moves, ~problem.moves
-    whole = information + problem.precision
-    free = np.linalg.inv(whole[np.ix_(moves, moves)])
-    before = np.linalg.inv(problem.precision)
-    pulled = -free @ whole[np.ix_(moves, held)] @ before[np.ix_(held, held)]
-    covariance = before.copy()
-    covariance[np.ix_(moves, held)], covariance[np.ix_(held, moves)] = pulled, pulled.T
-    covariance[np.ix_(moves, moves)] = free - pulled @ whole[np.ix_(held, moves)] @ free
+    """Return the covariance of all unknowns by information (P, P) and prior."""
+    covariance = np.linalg.inv(information + problem.precision)
     return np.asarray((covariance + covariance.T) / 2)
 
 
@@ -95,12 +93,10 @@ def regression_on_estimated(model: Model, before: np.ndarray, prior: Coefficient
 
 def _disagreement(problem: Unknowns, whole: np.ndarray, moved: np.ndarray) -> tuple[float, int]:
     """Squares of how far the log moved combinations, over how far it was to move them."""
-    count, moves = problem.count, problem.prior.moves
+    count = problem.count
     nuisance = np.linalg.solve((whole + problem.precision)[count:, count:], whole[count:, :count])
     information = whole[:count, :count] - whole[:count, count:] @ nuisance
-    told, precision = information[moves], problem.prior.precision
-    gain = np.linalg.inv((information + precision)[np.ix_(moves, moves)])
-    expected = gain @ (told[:, moves] + told @ np.linalg.inv(precision) @ told.T) @ gain
-    sizes, axes = np.linalg.eigh(expected)
+    precision = problem.prior.precision
+    sizes, axes = np.linalg.eigh(np.linalg.inv(precision) - np.linalg.inv(information + precision))
     counted = sizes > TOLD
-    return float(np.sum((axes.T @ moved[moves])[counted] ** 2 / sizes[counted])), int(counted.sum())
+    return float(np.sum((axes.T @ moved)[counted] ** 2 / sizes[counted])), int(counted.sum())

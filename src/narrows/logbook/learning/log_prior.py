@@ -101,8 +101,8 @@ def coefficient_prior(
     scale = np.sqrt(np.diag(part))
     bounds = np.array([_bounds(model, group) for group in groups]).reshape(len(groups), 2)
     mean = np.array([model.coefficients[group[0]] for group in groups])
-    moves = np.array([free is None or not free.isdisjoint(group) for group in groups])
-    return CoefficientPrior(groups, mean, scale, _precision(part / np.outer(scale, scale)), bounds, moves)
+    changes = np.array([free is None or not free.isdisjoint(group) for group in groups])
+    return CoefficientPrior(groups, mean, scale, _precision(part / np.outer(scale, scale)), bounds, changes)
 
 
 def _precision(correlation: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from narrows.logbook.filtering.gauss_markov import SWAY, YAW
 from narrows.logbook.filtering.likelihood import RecordScore
 from narrows.logbook.filtering.log_problem import LogProblem
 from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult
-from narrows.logbook.learned_coefficient import LearnedCoefficient, learned_coefficients, learned_model
+from narrows.logbook.learned_coefficient import learned_coefficients, learned_model
 from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise
 from narrows.logbook.learning.log_posterior import log_posterior
 from narrows.logbook.learning.log_source import LogSource
@@ -35,7 +35,7 @@ def log_result(posed: PosedLog, found: SearchResult, log: LogSource, free: Seque
     stopped = (f"Interrupted: the answer is of {len(found.records)} records, after {found.steps} steps.",)
     about = (
         *(STRETCHES,) * (found.problem.walk == LOOSE_WALK),
-        *said_granted(found.problem, [learned[name] for name in free], answers),
+        *said_granted(found.problem, free, answers),
         *source.left_out,
         *stopped * found.interrupted,
     )
@@ -79,24 +79,15 @@ def _noise(found: SearchResult) -> dict[str, SignalNoise]:
 
 
 # What an answer takes for granted, in sentences that stand among its notes.
-def said_granted(
-    problem: LogProblem, free: Sequence[LearnedCoefficient], answers: Sequence[RecordAnswer]
-) -> tuple[str, ...]:
+def said_granted(problem: LogProblem, free: Sequence[str], answers: Sequence[RecordAnswer]) -> tuple[str, ...]:
     """Return what is said of what was held, of ship and water as they were taken, and of ships that passed."""
     return (*_held(free), *_ship_and_water(problem), *_met(sum(answer.met for answer in answers)))
 
 
-def _held(free: Sequence[LearnedCoefficient]) -> tuple[str, ...]:
+def _held(free: Sequence[str]) -> tuple[str, ...]:
     if not free:
         return ()
-    kept = f"Only {', '.join(c.name for c in free)} may change; the intervals include the errors of the others."
-    worse = [c.name for c in free if c.std >= c.prior_std]
-    if not worse:
-        return (kept,)
-    return kept, (
-        f"With the others held, this log does not determine {', '.join(worse)}: with the errors of the held "
-        "coefficients the result is less certain than the prior; let more coefficients change."
-    )
+    return (f"Only {', '.join(free)} may change; their intervals include the errors of the others, which stay.",)
 
 
 def _ship_and_water(problem: LogProblem) -> tuple[str, ...]:
@@ -112,7 +103,7 @@ def _ship_and_water(problem: LogProblem) -> tuple[str, ...]:
     )
 
 
-def _met(windows: int) -> tuple[str, ...]:
-    if not windows:
+def _met(steps: int) -> tuple[str, ...]:
+    if not steps:
         return ()
-    return (f"In {windows} steps another ship passed: forces there are left open.",)
+    return (f"In {steps} steps another ship passed: forces there are left open.",)

@@ -29,7 +29,7 @@ def heading_record(grid: RecordGrid) -> HeadingRecord | None:
     if "psi" not in grid.readings or "rudder" not in grid.positions:
         return None
     read = grid.readings["psi"]
-    heading = np.interp(grid.times, grid.times[grid.first[read.window]] + read.elapsed, read.values)
+    heading = np.interp(grid.times, grid.times_of(read), read.values)
     few = min(10, len(heading) - 1)
     return HeadingRecord(
         grid.step, grid.positions["rudder"], heading, float(heading[few] - heading[0]) / few / grid.step

@@ -42,7 +42,7 @@ class GridSource:
     """The records of a log, laid out on even times."""
 
     log: Iterable[ShipRecord]  # That can be gone through again and again
-    assumptions: LogAssumptions  # How long steps and windows are
+    assumptions: LogAssumptions  # How long steps are
     usual: dict[str, float]  # Actuators, each with where it is if nothing was recorded of it
     configuration: Configuration  # The ship and the water that the model is of
 
@@ -84,7 +84,7 @@ class GridSource:
                 "what it tells is of another ship; leave it out, or give a model of that draft"
             )
         step = self.assumptions.step(self.configuration.ship.length, speed_of(record))
-        return grid_of(record, step, step, self.usual)
+        return grid_of(record, step, self.usual)
 
 
 class PosedLog(NamedTuple):

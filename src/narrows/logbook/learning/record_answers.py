@@ -43,7 +43,7 @@ class RecordAnswer:
 
     name: str  # Name of the record
     duration: float  # How long [s]
-    windows: int  # Steps of the filter
+    steps: int  # Steps of the filter
     met: int  # In how many of them another ship passed
     zeros: dict[str, float]  # Constant errors and disturbances of the record, in SI; disturbances as accelerations
     information: dict[str, float]  # Share of what is known of each coefficient that is gone without the record [1]
@@ -87,12 +87,12 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
     problem, prior, count = found.problem, found.problem.prior, found.problem.count
     after = posterior_covariance(problem, found.information)
     without = posterior_covariance(problem, found.information - one.information)
-    moved = (without @ (one.score * problem.moves))[:count] * prior.moves
+    moved = (without @ one.score)[:count] * prior.free
     gone = np.clip(1 - np.diag(after) / np.diag(without), 0.0, 1.0)[:count]
     path = one.path or RecordLikelihood(problem, grid).smoothed(found.unknowns, None, FIRST_PASSES)
     assert path is not None
     before_it = np.zeros(count)  # which is what is known without the only record, too
-    without_it = found.scaled - moved if len(found.records) > 1 else before_it
+    without_it = found.scaled * prior.free - moved if len(found.records) > 1 else before_it
     model = problem.model.at(found.unknowns[count:])
     both = [forecast(problem, at, grid, path.reference, model) for at in (before_it, without_it)]
     before, later = (missed(each) for each in both)
@@ -113,7 +113,7 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
 
 def _measured(grid: RecordGrid) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     read = {name: grid.readings[name] for name in ("x", *STATES_JUDGED) if name in grid.readings}
-    return {name: (grid.times[grid.first[own.window]] + own.elapsed, own.values) for name, own in read.items()}
+    return {name: (grid.times_of(own), own.values) for name, own in read.items()}
 
 
 def forecast(
@@ -126,7 +126,7 @@ def forecast(
     reach = AHEAD * problem.scales.states[0] / max(float(np.abs(path.states[:, 3]).mean()), 1e-3)
     every = max(1, min(round(reach / grid.step), (len(grid) - 1) // 2))
     begun = np.arange(0, len(grid), every)
-    first, known = grid.first[begun], dict.fromkeys(INPUTS, 0.0)
+    first, known = begun, dict.fromkeys(INPUTS, 0.0)
     for place, process in enumerate(model.processes):
         if np.isinf(process.memory) and process.adds_to in known:
             known[process.adds_to] += float(path.processes[0, place])
@@ -171,7 +171,7 @@ def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path
         begun[2:] += START_FREE * scales[2:] * start
         with np.errstate(all="ignore"):
             states, _ = motion.sailed(begun[None], np.zeros((1, 3)), ends, grid.times, grid.positions, np.zeros(1))
-        off = np.interp(read.window + read.share, nodes, states[:, 2]) - read.values
+        off = np.interp(read.step + read.share, nodes, states[:, 2]) - read.values
         return np.append(np.nan_to_num(off / HEADING_READ, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3), start)
 
     found = least_squares(left, np.zeros(4), max_nfev=15)
