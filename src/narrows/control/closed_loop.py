@@ -64,29 +64,7 @@ class OpenedLaw:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class ClosedLoop(BaseSummary):
-    """A ship under a controller; the result of ``closed_loop``.
-
-    Parameters
-    ----------
-    model : Model
-        The ship, with the steering gear of the loop.
-    controller : ControlLaw or Controller
-        The controller.
-    y : float [m]
-        Offset of the steady course.
-    u : float [m/s]
-        Surge velocity through the water.
-    dt : float [s]
-        Time between orders.
-    waterway : Waterway, optional
-        Waterway instead of the model's own canal.
-    x : float [m]
-        Place along the waterway for the linearisation and the start of voyages.
-    sensors : sequence of Sensor
-        Sensors; without any the controller gets the true state.
-    estimator : Estimator, optional
-        Estimates the state from the readings.
-    """
+    """A ship under a controller; the result of ``closed_loop``, whose arguments it has as attributes."""
 
     model: Model
     controller: Any

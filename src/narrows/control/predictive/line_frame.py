@@ -1,6 +1,6 @@
 """The water along a line, and the motion over an interval of a plan."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -39,6 +39,7 @@ class WaterAhead:
     nodes: np.ndarray  # (nodes, 7) ``COLUMNS`` at the ends of cells [m, m, m, 1/m, m, m, m/s]
     step: float  # Length of a cell [m]
     straight: bool = False  # True for the model's own canal
+    _known: dict[int, dict[str, np.ndarray]] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def length(self) -> float:
@@ -47,7 +48,10 @@ class WaterAhead:
 
     def at(self, x: np.ndarray) -> dict[str, np.ndarray]:
         if self.straight:
-            return dict(zip(COLUMNS, np.broadcast_to(self.nodes[:1].T, (len(COLUMNS), len(x))), strict=True))
+            if len(x) not in self._known:
+                columns = np.broadcast_to(self.nodes[:1].T, (len(COLUMNS), len(x)))
+                self._known[len(x)] = dict(zip(COLUMNS, columns, strict=True))
+            return self._known[len(x)]
         last = len(self.nodes) - 1
         position = np.minimum(np.maximum(x / self.step, 0.0), last)
         cell = np.minimum(position.astype(int), last - 1)

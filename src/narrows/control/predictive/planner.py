@@ -55,7 +55,9 @@ def predict(
     # rates (lanes,) [rad/s]; push (lanes, 2) [N, N m]. A lane that meets a bank stays there.
     points = np.empty((len(x), len(MOTION)))
     points[:, 0], points[:, 1:3], points[:, 3], points[:, 4:] = x, states[:, :2], speed, states[:, 2:4]
-    start = np.stack([states[:, RUDDER] if n == "rudder" else positions[n] + 0.0 * x for n in lanes.actuators], axis=1)
+    start = np.empty((len(x), len(lanes.actuators)))
+    for number, name in enumerate(lanes.actuators):
+        start[:, number] = states[:, RUDDER] if name == "rudder" else positions[name]
     end = start.copy()
     end[:, lanes.actuators.index("rudder")] += rates * time
     after = lanes.advance(points, time, start, end, None, push, STEPS)
@@ -145,9 +147,10 @@ class Planner:
     ) -> RudderPlan | None:  # fmt: skip
         """Return the plan after a step of sequential quadratic programming; None if the program has no solution."""
         interval, nodes = self.horizon.interval, plan.states.copy()
-        nodes[1:] = self._within_reason(plan.x[1:], nodes[1:], speed)
+        water = self.water.at(plan.x)
+        there, ends = ({name: column[part] for name, column in water.items()} for part in (np.s_[:-1], np.s_[1:]))
+        nodes[1:] = self._within_reason(ends, nodes[1:], speed)
         plan = RudderPlan(plan.x, nodes, plan.rates)
-        there = self.water.at(plan.x[:-1])
         pushes, by_share = push.at(share_of(plan.states[:-1, 0], there))
         end, reached = predict(
             self.lanes, plan.x[:-1], plan.states[:-1], speed, plan.rates, pushes, interval, self.positions
@@ -167,27 +170,25 @@ class Planner:
         states[1:] += e + G @ z[:-1]
         return RudderPlan(x, states, plan.rates + z[:-1])
 
-    def _within_reason(self, x: np.ndarray, states: np.ndarray, speed: float) -> np.ndarray:
+    def _within_reason(self, there: Mapping[str, np.ndarray], states: np.ndarray, speed: float) -> np.ndarray:
         """Limit states to the model's domain: clear of the banks, not across the canal, finite rates."""
-        there, (half_length, half_beam) = self.water.at(x), self.hull
-        psi = np.minimum(np.maximum(states[:, 1], -MOST_HEADING), MOST_HEADING)
-        reach = half_length * np.abs(np.sin(psi)) + (1 + LEAST_CLEARANCE) * half_beam
+        (half_length, half_beam), limited = self.hull, states.copy()
         middle = (there["keel_starboard"] - there["keel_port"]) / 2
+        limited[:, 1] = psi = _clipped(states[:, 1], MOST_HEADING)
+        reach = half_length * np.abs(np.sin(psi)) + (1 + LEAST_CLEARANCE) * half_beam
         room = np.maximum((there["keel_starboard"] + there["keel_port"]) / 2 - reach, 0.0)
-        sway, turn = MOST_DRIFT * speed, MOST_TURN * speed / half_length
-        most = np.stack([room, np.full_like(room, sway), np.full_like(room, turn)], axis=1)
-        off = states[:, [0, 2, 3]]
-        off[:, 0] -= middle
-        off = np.minimum(np.maximum(off, -most), most)
-        return np.stack([off[:, 0] + middle, psi, off[:, 1], off[:, 2], states[:, 4]], axis=1)
+        limited[:, 0] = middle + _clipped(states[:, 0] - middle, room)
+        limited[:, 2] = _clipped(states[:, 2], MOST_DRIFT * speed)
+        limited[:, 3] = _clipped(states[:, 3], MOST_TURN * speed / half_length)
+        return limited
 
     def _slopes(
         self, plan: RudderPlan, end: np.ndarray, reached: np.ndarray, speed: float
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
         """Derivatives in the middle of each interval: of all rates by the state, of the forced ones by a push."""
         x = (plan.x[:-1] + end) / 2
-        middle = self._within_reason(x, (plan.states[:-1] + reached) / 2, speed)
         there = self.water.at(x)
+        middle = self._within_reason(there, (plan.states[:-1] + reached) / 2, speed)
         y, psi, v, r, rudder = middle.T
         at = {"psi": psi, "u": speed, "v": v, "r": r, "rudder": rudder, **self.positions}
         section = {} if self.water.straight else {name: there[name] for name in SECTION}
@@ -214,6 +215,10 @@ class Planner:
         there = self.water.at(x.ravel())
         starboard, port = (there[name].reshape(x.shape) - self.margins for name in ("keel_starboard", "keel_port"))
         return starboard, port
+
+
+def _clipped(values: np.ndarray, most: float | np.ndarray) -> np.ndarray:
+    return np.asarray(np.minimum(np.maximum(values, -most), most))
 
 
 def planner_of(
