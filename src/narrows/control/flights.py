@@ -112,8 +112,7 @@ class Flights:
         count = len(lines) * self.ships
         gains = [self._each([line.gains[place] for line in lines]) for place in range(len(FELT))]
         held = {name: self._each([getattr(line, name) for line in lines]) for name in ("y", "rudder", "psi", "v")}
-        one, two, three, four, five, six = gains
-        line = HeldLine(held["y"], (one, two, three, four, five, six), held["rudder"], held["psi"], held["v"])
+        line = HeldLine(held["y"], tuple(gains), held["rudder"], held["psi"], held["v"])
         lead = np.full(count, LEAD_TIME * self.time)
         law = Regulator((line,), np.full(count, self.speed), lead, np.full(count, self.time))
         return SeenWithNoise(law, self.noise, (FLIGHT_LENGTHS - LATE_LENGTHS) * self.time)

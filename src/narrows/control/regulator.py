@@ -13,7 +13,7 @@ from narrows.control.linearization import linearize
 from narrows.control.regulator_gains import USUAL, RegulatorWeights, best_gains, regulator_gains
 from narrows.control.regulator_law import HeldLine, Regulator
 from narrows.control.settings import LEAD_TIME, OFF_HEADING, OFF_RUDDER
-from narrows.control.steady_course import check_inside, check_rudder, self_propulsion, solved
+from narrows.control.steady_course import check_holds, check_inside, check_rudder, self_propulsion, solved
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.controllers import Autopilot
@@ -84,12 +84,7 @@ def held_line(
     model: Model, linear: LinearSystem, start: float = 0.0, weights: RegulatorWeights = USUAL
 ) -> HeldLine:  # fmt: skip
     course = {name: float(value) for name, value in linear.course.items()}
-    limit = model.configuration.gear.limit
-    if not abs(course["rudder"]) <= limit:
-        raise InputError(
-            f"no rudder to {math.degrees(limit):g} degrees holds this ship {course['y']:g} m off the middle at "
-            f"{course['u']:g} m/s; choose a place nearer to it"
-        )
+    check_holds(model, course["rudder"], course["y"], course["u"])
     straight, turning = _straight(linear, course)
     return HeldLine(course["y"], regulator_gains(model, linear, weights), *straight, turning, start)
 
@@ -137,16 +132,11 @@ def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
     """
     check_rudder(model)
     check_inside(y, model.configuration.canal.width, model.configuration.ship.beam)
-    ship, limit = SimulatedShip(model), model.configuration.gear.limit
+    ship = SimulatedShip(model)
     propulsion = {"revolutions": self_propulsion(model, u)} if "revolutions" in model.terms.inputs else {}
     (v,), (rudder,) = solved(ship, {"y": y, "u": u, **propulsion, **values}, 1, 1)
-    if not abs(rudder) <= limit:
-        raise InputError(
-            f"no rudder to {math.degrees(limit):g} degrees holds this ship {y:g} m off the middle at {u:g} m/s; choose "
-            "a place nearer to it"
-        )
-    gains = track_gains(ship, u, **propulsion, **values)
-    by_y, by_psi, by_v, by_r = gains.tolist()
+    check_holds(model, rudder, y, u)
+    by_y, by_psi, by_v, by_r = track_gains(ship, u, **propulsion, **values).tolist()
     return Autopilot(y, (by_y, by_psi, by_v, by_r), float(rudder), -math.atan(v / u), float(v))
 
 

@@ -43,11 +43,11 @@ class HeldLine:
     """
 
     y: Any
-    gains: tuple[Any, Any, Any, Any, Any, Any]
+    gains: tuple[Any, ...]
     rudder: Any = 0.0
     psi: Any = 0.0
     v: Any = 0.0
-    turning: tuple[Any, Any, Any] = (0.0, 0.0, 0.0)
+    turning: tuple[Any, ...] = (0.0, 0.0, 0.0)
     start: float = 0.0
 
     def __post_init__(self) -> None:

@@ -95,6 +95,16 @@ def check_rudder(model: Model) -> None:
         )
 
 
+def check_holds(model: Model, rudder: float, y: float, u: float) -> None:
+    """Raise if the rudder of a steady course is beyond its limit, or NaN."""
+    gear = model.configuration.gear
+    if not abs(rudder) <= gear.limit:
+        raise InputError(
+            f"no rudder to {gear.limit_deg:g} degrees holds this ship {y:g} m off the middle at {u:g} m/s; choose a "
+            "place nearer to it"
+        )
+
+
 def check_inside(y: Any, width: Any, beam: Any) -> None:
     """Raise if a hull at its offset is in a bank."""
     if not np.all(np.abs(y) < (width - beam) / 2):

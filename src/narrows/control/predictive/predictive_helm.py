@@ -23,7 +23,7 @@ from narrows.control.predictive.planner import (
 )
 from narrows.control.predictive.push_estimate import Push, no_push, updated_push
 from narrows.control.settings import EARLY, FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING
-from narrows.control.steady_course import check_inside, check_rudder, self_propulsion
+from narrows.control.steady_course import check_holds, check_inside, check_rudder, self_propulsion
 from narrows.errors import InputError, needs
 from narrows.model.model import Model
 from narrows.physics.rudder import gear_motion
@@ -292,12 +292,9 @@ class PredictiveHelm(BaseSummary):
         water = water_ahead(self.model, self.waterway)
         course = CourseAhead(ship, water, self.y, self.u, margin, positions, weights, horizon.interval)
         gear, track = self.model.configuration.gear, course.track
-        limit = gear.limit
-        if self.waterway is None and not (track.known[0, 0] and abs(track.states[0, 0, RUDDER]) < limit):
-            raise InputError(
-                f"no rudder to {math.degrees(limit):g} degrees holds this ship {self.y:g} m off the middle at "
-                f"{self.u:g} m/s; choose a place nearer to it"
-            )
+        if self.waterway is None:
+            held = float(track.states[0, 0, RUDDER]) if track.known[0, 0] else math.nan
+            check_holds(self.model, held, self.y, self.u)
         margins = course.margins(horizon.intervals, self.confidence)
         planner = planner_of(ship, self.waterway, water, horizon, margins, weights, positions)
         observer = prediction_lanes(ship, self.waterway, 2)
