@@ -66,10 +66,14 @@ class ShipLanes:
         self._system, self._ship_values = self._run._system(self._values(1.0)), ship.values()
         self._base, self._slope = self._by_bank()
         self._water = self.prepared.water.table.reshape(-1, ROW) if waterway else None
-        self._least_x = -np.inf
+        # Cosine and sine of the headings before and after a step, as complex numbers.
+        self._headings = [rows[:, 2:4].view(complex)[:, 0] for rows in (self.prepared.start, self.prepared.end)]
+        self._endless, self._lasting = endless, (0.0, 0)
         if endless:
-            # A lane at the very start of a waterway would be at its end.
-            self.prepared.shared[SHARED.index("x_last")], self._least_x = ENDLESS, 1e-3
+            self.prepared.shared[SHARED.index("x_last")] = ENDLESS
+        # Both parts of the current in a straight canal, if they are states: they stand side by side.
+        along, across = (self.places.get(name, -1) for name in ("current", "current_across"))
+        self._flow = slice(along, across + 1) if 0 < along == across - 1 and waterway is None else None
 
     def _values(self, bank: float) -> dict[str, Any]:
         model = self.ship.model
@@ -123,11 +127,14 @@ class ShipLanes:
         after = points.copy()
         self._drift(after, duration / 2)
         rows, ended = run.start, run.end
-        rows[:, 0], rows[:, 1] = np.maximum(after[:, 0], self._least_x), after[:, 1]
+        rows[:, :2] = after[:, :2]
+        if self._endless:  # A lane at the very start of a waterway would be at its end
+            rows[:, 0] = np.maximum(rows[:, 0], 1e-3)
         np.cos(after[:, 2], out=rows[:, 2])
         np.sin(after[:, 2], out=rows[:, 3])
         rows[:, 4:7] = after[:, 3:6]
-        run.times[:, 0], run.times[:, 1], run.times[:, 2] = duration / steps, steps, 0.0
+        if self._lasting != (duration, steps):
+            run.times[:], self._lasting = (duration / steps, steps, 0.0), (duration, steps)
         if columns is not None:
             inputs[:] = columns
         elif "bank" in places:
@@ -141,10 +148,9 @@ class ShipLanes:
             inputs[:, self._rates[number]] = (end[..., number] - start[..., number]) / duration
         run()
         # The heading by its change, so that whole turns are kept.
-        cosine, sine, final_cosine, final_sine = rows[:, 2], rows[:, 3], ended[:, 2], ended[:, 3]
-        after[:, 0] += ended[:, 0] - rows[:, 0]
-        after[:, 1] = ended[:, 1]
-        after[:, 2] += np.arctan2(final_sine * cosine - final_cosine * sine, final_cosine * cosine + final_sine * sine)
+        after[:, :2] += ended[:, :2] - rows[:, :2]
+        turned = self._headings[1] * self._headings[0].conj()
+        after[:, 2] += np.arctan2(turned.imag, turned.real)
         after[:, 3:6] = ended[:, 4:7]
         if "current" in places and self._water is not None:
             known, before = (self._known_current(float(rows[0, 0])) for rows in (after, points))
@@ -154,6 +160,9 @@ class ShipLanes:
 
     def _drift(self, points: np.ndarray, duration: float) -> None:
         places = self.places
+        if self._flow is not None:
+            points[:, :2] += duration * points[:, self._flow]
+            return
         if "current" in places and self._water is None:
             points[:, 0] += duration * points[:, places["current"]]
         elif "current" in places:
