@@ -23,7 +23,9 @@ def ship_file(folder: Path, water: str) -> Path:
 def test_a_missing_density_is_told_with_what_is_assumed(water: str, told: bool, tmp_path: Path) -> None:
     ship = ship_file(tmp_path, water)
     doors = [nw.read_ship(ship).notes, nw.read_captive(frame_of(short_twin()), ship).notes]
-    doors.append(nw.identify(frame_of(short_twin()), ship=ship).notes)
+    doors.append((fit := nw.identify(frame_of(short_twin()), ship=ship)).notes)
+    nw.save_model(fit.model, tmp_path / "model.toml")
+    doors.append(nw.load_model(tmp_path / "model.toml").notes)
     for notes in doors:
         assert any("density is not given: 1000 kg/m3" in note for note in notes) == told
 

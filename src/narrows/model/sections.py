@@ -51,6 +51,8 @@ def sections_of(
     """Return the sections of a model file from the model's fields."""
     parts = {**{name: getattr(configuration, name) for name in PARTS}, **configuration.parts}
     tables: dict[str, Any] = {name: _without_none(asdict(part)) for name, part in parts.items()}
+    if configuration.notes:  # The density is assumed: whoever reads the file must assume it too, and say so.
+        tables["water"].pop("density")
     lists = {force: [term.name for term in group] for force, group in terms.forces.items()}
     tables["terms"] = {"table": terms.name, **lists}
     tables["coefficients"] = {name: float(coefficients[name]) for name in terms.names}
