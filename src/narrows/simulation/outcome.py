@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from narrows.model.data_range import DataRange, Measure, extrapolation, measure_of
+from narrows.model.data_range import ASTERN, MEASURES, DataRange, Measure, extrapolation
 from narrows.model.model import Model
 from narrows.quantities.names import Number
 
@@ -197,6 +197,7 @@ def outside_notes(known: DataRange, moments: Sequence[Mapping[str, Any]], senten
     """Yield a sentence for each measure that leaves the tested range."""
     for name, values in moments[0].items():
         outside = reduce(np.logical_or, [known.outside(name, moment[name]) for moment in moments])
-        if np.any(outside):
-            there = np.concatenate([np.ravel(moment[name]) for moment in moments])
-            yield sentence(measure_of(name, there), known.shown(name), outside, values)
+        backwards = reduce(np.logical_or, [moment[name] < 0 for moment in moments]) & (name == "speed")
+        for measure, where in ((MEASURES[name], outside & ~backwards), (ASTERN, outside & backwards)):
+            if np.any(where):
+                yield sentence(measure, known.shown(name), where, values)
