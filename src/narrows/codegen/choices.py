@@ -31,6 +31,9 @@ MIDSHIP_LEAVES = 0.9
 # per vessel, so that one kernel serves fleets in which other things vary; a lane reads both equally fast.
 SHARED = ("least_cos", "x_last", "x_first", "cells_a_metre", "most_speed", "most_rate")
 
+# First fields of a lane, before its state: the queue of vessels reads and writes them.
+BOOK = ("step_length", "share", "left", "flag", "room", "lean", "room_before")
+
 # Lanes of a block of derivatives; more directions need more passes.
 DIRECTIONS = 32
 

@@ -77,15 +77,18 @@ class Rates:
     def depend_on(self, name: str) -> bool:
         return any(symbol(name) in rate.free_symbols for rate in self.derivatives)
 
-    def written(self, lines: Lines, tag: str, values: Mapping[str, Expr]) -> dict[str, Expr]:
+    def inlined(self, lines: Lines, tag: str, values: Mapping[str, Expr]) -> dict[str, Expr]:
         where = {symbol(name): value for name, value in values.items()}
         results = lines.inline(f"e{tag}_", *self.lines, where)
         return {name: lines.put(f"d{tag}_{name}", rate) for name, rate in zip(STATE, results, strict=True)}
 
+    # How a stage of a step gets its rates.
+    written = inlined
+
     def program(self) -> tuple[Lines, dict[str, Expr]]:
         lines = Lines()
         names = {*STATE, *self.moving}
-        return lines, Rates.written(self, lines, "", {name: real(name) for name in names})
+        return lines, self.inlined(lines, "", {name: real(name) for name in names})
 
 
 # The call of a function of the rates, which its printer writes, and one of its results.

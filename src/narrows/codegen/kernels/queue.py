@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from narrows.codegen.addresses import call, call_into
-from narrows.codegen.choices import SHARED
+from narrows.codegen.choices import BOOK, SHARED
 from narrows.codegen.kernels.event import (
     ASTERN,
     BACK,
@@ -33,8 +33,11 @@ Array = Any
 
 LANES = 64
 # Fields of a lane: these, the rest of the state, the state before the step, and the vessel's inputs.
-STEP_LENGTH, SHARE, LEFT, FLAG, ROOM, LEAN, ROOM_BEFORE, X, Y, COS, SIN, U, V, R = range(14)
-STATE = X
+STEP_LENGTH, SHARE, LEFT, FLAG, ROOM, LEAN, ROOM_BEFORE = (
+    BOOK.index(name) for name in ("step_length", "share", "left", "flag", "room", "lean", "room_before")
+)
+STATE = len(BOOK)
+X, Y, COS, SIN, U, V, R = range(STATE, STATE + 7)
 CELLS_A_METRE, MOST_SPEED, MOST_RATE = (SHARED.index(name) for name in ("cells_a_metre", "most_speed", "most_rate"))
 RUNNING, AFLOAT, DIVERGED = -1, 0, 2
 OUTCOME, SIDE = 0, 1

@@ -10,14 +10,11 @@ from functools import cached_property
 
 import sympy
 
-from narrows.codegen.choices import SHARED
+from narrows.codegen.choices import BOOK, SHARED
 from narrows.codegen.free_motion import STATE, Expr
 from narrows.codegen.lines import Assignment, Lines, rounds
 from narrows.codegen.printers.python import Arithmetic
 from narrows.codegen.step import ITEM, RATES, CalledRates, Step
-
-# First fields of a lane, before its state: the queue of vessels reads and writes them.
-BOOK = ("step_length", "share", "left", "flag", "room", "lean", "room_before")
 
 SPEED_LIMITS = {"u": "most_speed", "v": "most_speed", "r": "most_rate"}
 
