@@ -18,9 +18,9 @@ CASES = {
 
 
 def sources() -> str:
-    """Each rule, what it looks at, what it says, where it is from and who has read it."""
-    rows = [(rule.name, rule.asks, rule.says, rule.source, rule.standing) for rule in CHANNEL_RULES]
-    return markdown(("rule", "looks at", "says", "source", "its numbers"), rows)
+    """Each rule, its content, its source and whether the source was read."""
+    rows = [(rule.name, rule.says, rule.source, rule.standing) for rule in CHANNEL_RULES]
+    return markdown(("rule", "says", "source", "its numbers"), rows)
 
 
 def cases() -> str:
