@@ -19,7 +19,7 @@ CASES = {
 
 def sources() -> str:
     """Each rule, its content, its source and whether the source was read."""
-    rows = [(rule.name, rule.says, rule.source, rule.standing) for rule in CHANNEL_RULES]
+    rows = [(rule.name, rule.says, rule.source.partition(",")[0], rule.standing) for rule in CHANNEL_RULES]
     return markdown(("rule", "says", "source", "its numbers"), rows)
 
 

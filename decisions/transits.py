@@ -263,9 +263,9 @@ def _share(cases: "np.ndarray | list[bool]") -> str:
 
 
 HEADS = (
-    "what sails, and what the fit is not told", "twins", "b_bank covered", "off, in standard errors", "standard error",
-    "foreseen", "c_bank covered", "off", "standard error", "foreseen", "c_bank unresolved", "called in doubt",
-    "did not come to rest",
+    "sensors and transits", "twins", "b_bank covered", "off, in standard errors", "standard error",
+    "foreseen", "c_bank covered", "off", "standard error", "foreseen", "c_bank unresolved", "reports a contradiction",
+    "did not converge",
 )  # fmt: skip
 
 
