@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from narrows.quantities.names import KNOT
 from narrows.report.envelope_chart import PALE, UNTESTED
 from narrows.report.style import BLACK, GREY, PURPLE, headed, panels
 from narrows.report.terminal import print_result, table_of
@@ -25,7 +26,8 @@ def envelope_along_chart(along: EnvelopeAlong) -> Figure:
     offset.axhline(0.0, color=GREY, lw=0.8)
     for place in rows.index:
         speed.axvline(place, ymax=0.03, color=GREY, lw=0.8)
-    speed.set_ylim(bottom=0.0)
+    asked = max(float(envelope.safe["u"].max()) for envelope in along.envelopes) / KNOT
+    speed.set_ylim(0.0, 1.05 * asked)
     speed.set_ylabel("safe speeds [knots]")
     offset.set_ylabel("widest safe offsets [m]\nport above, starboard below")
     offset.invert_yaxis()
@@ -76,9 +78,9 @@ def print_envelope_along(along: EnvelopeAlong) -> None:
     table = (
         (
             f"{row['distance']:.0f}", span(row, "lowest_speed", "highest_speed", ".1f"),
-            span(row, "port", "starboard", "+.0f"), f"{row['at_speed']:.1f}" if np.isfinite(row["at_speed"]) else "-",
+            span(row, "port", "starboard", "+z.0f"), f"{row['at_speed']:.1f}" if np.isfinite(row["at_speed"]) else "-",
             span(row, "lowest_speed_by_model", "highest_speed_by_model", ".1f"),
-            span(row, "port_by_model", "starboard_by_model", "+.0f"), row["limited_by"],
+            span(row, "port_by_model", "starboard_by_model", "+z.0f"), row["limited_by"],
         )
         for row in along.rows()
     )  # fmt: skip
