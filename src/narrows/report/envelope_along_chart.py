@@ -26,7 +26,7 @@ def envelope_along_chart(along: EnvelopeAlong) -> Figure:
     offset.axhline(0.0, color=GREY, lw=0.8)
     for place in rows.index:
         speed.axvline(place, ymax=0.03, color=GREY, lw=0.8)
-    asked = max(float(envelope.safe["u"].max()) for envelope in along.envelopes) / KNOT
+    asked = max(float(envelope.data["u"].max()) for envelope in along.envelopes) / KNOT
     speed.set_ylim(0.0, 1.05 * asked)
     speed.set_ylabel("safe speeds [knots]")
     offset.set_ylabel("widest safe offsets [m]\nport above, starboard below")
