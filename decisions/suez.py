@@ -120,7 +120,7 @@ def held(model: nw.Model, intervals: tuple[str, ...]) -> str:
             rows.append((words, who, *percents, edge(share)))
         course = [f"{100 * float(best['holds'].sel(y=offset)[0]):.0f} %" for offset in HELD_AT]
         rows.append((words, "course within the reserve", *course, edge(best["holds"])))
-    heads = "intervals", "pilot", *(f"at {offset:g} m" for offset in HELD_AT), "95 % held to [m]"
+    heads = "intervals", "pilot", *(f"at {offset:g} m" for offset in HELD_AT), "95 % held out to [m]"
     return markdown(heads, rows)
 
 
