@@ -9,6 +9,7 @@ import numpy as np
 
 from narrows.logbook.filtering.predicted_signals import RUDDER
 from narrows.logbook.filtering.record_grid import Readings, RecordGrid
+from narrows.logbook.settings import MOST_ANGLE
 from narrows.logbook.ship_record import SIGNALS, TURNING, ShipRecord, Signal
 from narrows.quantities.names import KNOT
 
@@ -116,14 +117,21 @@ class Misreading(NamedTuple):
     remedy: str
     reread: Callable[[ShipRecord], ShipRecord]
     shrunk: float  # Logarithm of how many times smaller a reading becomes: the Jacobian of the likelihood
+    least: float = 0.0  # Size that some recorded value must reach
+
+    def possible(self, record: ShipRecord) -> bool:
+        """Return whether the signals are there and may be read so."""
+        return all(
+            name in record and np.abs(record[name].values).max(initial=0.0) >= self.least for name in self.signals
+        )
 
 
-def _times_as_much(factor: float, *names: str, remedy: str) -> Misreading:
+def _times_as_much(factor: float, *names: str, remedy: str, least: float = 0.0) -> Misreading:
     def reread(record: ShipRecord) -> ShipRecord:
         return record.with_signals(**{name: Signal(record[name].t, factor * record[name].values) for name in names})
 
     words = "counts the other way" if factor == -1 else f"is {1 / factor:.4g} times what it should be"
-    return Misreading(names, f"{' and '.join(names)} {words}", remedy, reread, -float(np.log(abs(factor))))
+    return Misreading(names, f"{' and '.join(names)} {words}", remedy, reread, -float(np.log(abs(factor))), least)
 
 
 def _turned(by: complex, remedy: str) -> Misreading:
@@ -147,8 +155,10 @@ def _port(name: str) -> Misreading:
 
 MISREADINGS = (
     *(_port(name) for name in (RUDDER, "psi", "r", "y", "v", "v_ground", "course")),
+    # Read as degrees a rudder nearly vanishes; where the model's rudder is too strong, that alone is more likely.
+    _times_as_much(DEGREES, RUDDER, remedy="it looks like degrees: head it 'rudder [deg]'", least=MOST_ANGLE),
     *(_times_as_much(DEGREES, name, remedy=f"it looks like degrees: head it '{name} [deg]'")
-      for name in (RUDDER, "psi", "course")),
+      for name in ("psi", "course")),
     _times_as_much(1 / DEGREES, RUDDER, remedy="radians were read as degrees: give its unit"),
     _times_as_much(DEGREES, "r", remedy="r looks like degrees a second: give its unit"),
     _times_as_much(DEGREES / 60, "r", remedy="r looks like degrees a minute: give its unit"),

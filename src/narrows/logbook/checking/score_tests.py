@@ -166,7 +166,7 @@ def misreading(problem: LogProblem, grids: Sequence[RecordGrid]) -> tuple[float,
     """
     found, here = [], sum(_fitted(problem, grid, grid)[0] for grid in grids)
     for other in MISREADINGS:
-        if all(name in grid.record for grid in grids for name in other.signals):
+        if all(other.possible(grid.record) for grid in grids):
             again = [grid_of(other.reread(one.record), one.step, problem.motion.positions) for one in grids]
             read = sum(
                 len(one.readings[name].values) for one in again for name in other.signals if name in one.readings
