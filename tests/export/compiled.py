@@ -60,7 +60,7 @@ void block(const double *z, double h, double *out) {
         for (int j = 0; j < SHIP_NUMBERS; ++j) out[SHIP_NUMBERS * lane + j] = state[j][lane];
 }
 void clearance(const double *z, double *out) { ship_clearance(z, out, OF_BANKS); }
-int sail(double *z, double h, double time, double *end) { return ship_sail(z, &in, &k CANAL, h, time, end); }
+int integrate(double *z, double h, double time, double *end) { return ship_integrate(z, &in, &k CANAL, h, time, end); }
 """
 
 
@@ -115,10 +115,10 @@ class CompiledShip:
         getattr(self.library, name)(pointer(at), *map(ctypes.c_double, more), pointer(out))
         return out
 
-    def sail(self, state: Sequence[float], dt: float, duration: float) -> tuple[int, float, float, np.ndarray]:
+    def integrate(self, state: Sequence[float], dt: float, duration: float) -> tuple[int, float, float, np.ndarray]:
         """How a voyage ends: outcome, time, lean and state."""
         at, end = np.array([*state, 0.0, 0.0], float), np.zeros(2)
-        outcome = self.library.sail(pointer(at), ctypes.c_double(dt), ctypes.c_double(duration), pointer(end))
+        outcome = self.library.integrate(pointer(at), ctypes.c_double(dt), ctypes.c_double(duration), pointer(end))
         return outcome, end[0], end[1], at[:-2]
 
 

@@ -194,7 +194,7 @@ def voyages_agree(ship: CompiledShip, name: str, waterway: Any, contact: Any, he
         )  # fmt: skip
         ship.set(**({"rudder_order": order} if told else {}))
         state = [start["x"], start["y"], np.cos(psi), np.sin(psi), u, 0.01, 0.002, *([0.0] if told else [])]
-        outcome, time, _, end = ship.sail(state, 0.05, 40.01)
+        outcome, time, _, end = ship.integrate(state, 0.05, 40.01)
         ends.add(outcome)
         assert KINDS[outcome] == {"time_up": "afloat"}.get(voyage.outcome.kind, voyage.outcome.kind)
         close(time, voyage.outcome.time, 1e-10)
@@ -252,7 +252,7 @@ CLASS = """#include <cstdio>
 int main() {
     tanker::Ship ship;
     ship.x(6.0), ship.y(0.5), ship.psi(0.02), ship.u(%(u)r), ship.inputs.rudder_order = 0.1;
-    const bool aground = ship.sail(0.05, 60.0) == tanker::Outcome::Grounded;
+    const bool aground = ship.integrate(0.05, 60.0) == tanker::Outcome::Grounded;
     std::printf("%%d %%.17g %%.17g %%.17g %%.17g %%.17g %%.17g\\n", aground, ship.time, ship.x(), ship.y(), ship.psi(),
                 ship.rudder(), ship.lean);
     dtc::Ship other;

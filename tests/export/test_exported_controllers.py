@@ -47,7 +47,7 @@ def test_a_header_steers_as_the_voyage_does(tmp_path: Path, name: str, curved: b
     controller = law(name, curved)
     choices = {"waterway": bent(STEERED)} if curved else {}
     ship = CompiledShip(model_of(STEERED), tmp_path, controller=controller, **choices)
-    *_, state = ship.sail(start_of(controller, curved), DT, DURATION)
+    *_, state = ship.integrate(start_of(controller, curved), DT, DURATION)
     expected = voyage(controller, curved)
     for place, of in enumerate(("x", "y")):
         assert state[place] == pytest.approx(getattr(expected, of)[-1], abs=1e-9)
@@ -57,7 +57,7 @@ def test_a_python_file_steers_as_the_voyage_does(tmp_path: Path) -> None:
     controller = law("regulator", False)
     ship = python_of(STEERED, tmp_path, controller=controller)
     state, end = np.array([*start_of(controller, False), 0.0, 0.0]), np.zeros(2)
-    ship.sail(state, ship.AT_REST, ship.prepare(ship.MODEL), None, DT, DURATION, end)
+    ship.integrate(state, ship.AT_REST, ship.prepare(ship.MODEL), None, DT, DURATION, end)
     assert state[1] == pytest.approx(voyage(controller, False).y[-1], abs=1e-9)
 
 

@@ -24,10 +24,10 @@ SECTIONS = np.array([[0.0, 4.0, 3.5, 0.3, 0.0, 4.0, 3.5], [40.0, 3.0, 3.5, 0.3, 
 def test_c_refuses_by_its_status(tmp_path: Path) -> None:
     ship, state = CompiledShip(model_of("paper"), tmp_path), states("paper", 1)[0]
     for step, duration in STEPS:
-        outcome, _, _, after = ship.sail(state, step, duration)
+        outcome, _, _, after = ship.integrate(state, step, duration)
         assert outcome == REFUSED
         np.testing.assert_array_equal(after, state)
-    assert ship.sail(state, 0.05, 0.0)[0] == 0, "no time at all is a time"
+    assert ship.integrate(state, 0.05, 0.0)[0] == 0, "no time at all is a time"
 
 
 @needs_compiler
@@ -47,7 +47,7 @@ def test_a_waterway_needs_two_sections_and_two_nodes(ship: CompiledShip) -> None
     for rows, nodes in ((SECTIONS[:1], 81), (SECTIONS[:0], 81), (SECTIONS, 1), (SECTIONS, 0)):
         refuses(ship, rows, nodes)
     ship.lie_in(SECTIONS, 2)
-    assert ship.sail([5.0, 0, 1, 0, speed_of("steered"), 0, 0, 0], 0.05, 1.0)[0] == 0
+    assert ship.integrate([5.0, 0, 1, 0, speed_of("steered"), 0, 0, 0], 0.05, 1.0)[0] == 0
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,7 @@ def ship(tmp_path_factory: pytest.TempPathFactory) -> CompiledShip:
 def refuses(ship: CompiledShip, sections: np.ndarray, nodes: int) -> None:
     """And writes nowhere: the arrays are as small as the nodes."""
     ship.lie_in(sections, max(nodes, 2), nodes)
-    assert ship.sail(states("steered", 1)[0], 0.05, 1.0)[0] == REFUSED
+    assert ship.integrate(states("steered", 1)[0], 0.05, 1.0)[0] == REFUSED
     assert not np.any(ship.water[0])
 
 
@@ -68,7 +68,7 @@ def test_the_python_file_refuses_in_words(tmp_path: Path) -> None:
         state, end = ship.rest(), np.zeros(2)
         state[ship.U] = 1.0
         with pytest.raises(ValueError, match="ship length"):
-            ship.sail(state, ship.AT_REST, ship.prepare(ship.MODEL), None, step, duration, end)
+            ship.integrate(state, ship.AT_REST, ship.prepare(ship.MODEL), None, step, duration, end)
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="no node is here to run the exported module")
@@ -80,7 +80,7 @@ let refused = 0;
 for (const [step, duration] of {steps}) {{
   const state = ship.rest(), end = [0, 0];
   state[ship.U] = 1;
-  try {{ ship.sail(state, ship.atRest, ship.prepare(ship.model), +step, +duration, end); }} catch (error) {{
+  try {{ ship.integrate(state, ship.atRest, ship.prepare(ship.model), +step, +duration, end); }} catch (error) {{
     if (error instanceof RangeError && error.message.includes("ship length")) refused += 1;
   }}
 }}

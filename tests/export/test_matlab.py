@@ -114,10 +114,10 @@ def test_the_block_of_simulink_sails_to_the_bank(tmp_path: Path) -> None:
     end = np.zeros(6)
     for side in (1.0, -1.0):  # To either bank
         assert begun(block, np.array([1.0, 0.0, 0.0, 0.0, side * 0.5, side * 0.05]), []) is None
-        assert 0 <= block.sail(ctypes.c_double(dt), 1200, pointer(end)) * dt - outcome.time < 2 * dt
+        assert 0 <= block.integrate(ctypes.c_double(dt), 1200, pointer(end)) * dt - outcome.time < 2 * dt
     assert begun(block, np.array([1.0, 0.0, 0.0, 0.0, 0.5, 0.05]), []) is None
     steps = int(outcome.time / dt) - 10
-    assert block.sail(ctypes.c_double(dt), steps, pointer(end)) == steps
+    assert block.integrate(ctypes.c_double(dt), steps, pointer(end)) == steps
     voyage = nw.simulate(model, y=0.5, psi=0.05, u=1.0, dt=dt, duration=steps * dt)
     np.testing.assert_allclose(end[3:6], [voyage.x[-1], voyage.y[-1], voyage.psi[-1]], rtol=1e-6)
     assert b"give 6 numbers, [u v r x y psi]" in begun(block, np.zeros(5), [])

@@ -35,7 +35,7 @@ const slopes = ["byState", "byInput", "byCoefficient"].map((name) =>
 const state = ship.rest(), end = [0, 0];
 state[ship.X] = 6.0; state[ship.Y] = 0.5; state[ship.U] = u;
 const held = order === null ? ship.atRest : { ...ship.atRest, rudder_order: order };
-const outcome = ship.sail(state, held, constants, ...water, 0.05, 60.0, end);
+const outcome = ship.integrate(state, held, constants, ...water, 0.05, 60.0, end);
 console.log(JSON.stringify({ rates, slopes, outcome, end, state: plain(state) }));
 """
 
@@ -82,7 +82,7 @@ def test_the_python_file(tmp_path: Path, name: str, curved: bool) -> None:
         ship.AT_REST.rudder_order = 0.1
     start, end, outcome = ship.rest(), np.zeros(2), sailed(name, curved)
     start[[ship.X, ship.Y, ship.U]] = 6.0, 0.5, speed_of(name)
-    assert ship.sail(start, ship.AT_REST, constants, water, 0.05, 60.0, end) == ship.GROUNDED
+    assert ship.integrate(start, ship.AT_REST, constants, water, 0.05, 60.0, end) == ship.GROUNDED
     np.testing.assert_allclose(reached(start), list(outcome.state.values()), rtol=1e-10, atol=1e-10)
     assert end[0] == pytest.approx(outcome.time, rel=1e-10)
 

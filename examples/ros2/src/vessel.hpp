@@ -15,7 +15,7 @@ public:
 
     // Sails for a duration [s] by steps [s]; false once the voyage has ended, at a bank or otherwise.
     bool advance(double duration, double step) {
-        sails_ = sails_ && ship_.sail(step, duration) == ship::Outcome::Afloat;
+        sails_ = sails_ && ship_.integrate(step, duration) == ship::Outcome::Afloat;
         return sails_;
     }
 

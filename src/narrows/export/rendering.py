@@ -20,7 +20,9 @@ WIDTH = 108
 # Outcomes of a voyage, in the order of their codes.
 OUTCOME_CODES = ("AFLOAT", "GROUNDED", "DIVERGED", "OUTSIDE", "ASTERN", "PASSED", "REFUSED")
 
-CANNOT_SAIL = "give a step over 0, a hundred or more to a ship length, at most 1e9 in all, and a waterway with a length"
+CANNOT_INTEGRATE = (
+    "give a step over 0, a hundred or more to a ship length, at most 1e9 in all, and a waterway with a length"
+)
 
 # Modules of plain functions: the rule for ends of a voyage, banks of a waterway, one vessel to its end, tables.
 PLAIN = (
@@ -88,7 +90,7 @@ def numbers_of(source: PlainSource, names: Set[str]) -> list[tuple[str, Any, str
 
 def last_functions(exported: ExportedShip, source: PlainSource, *more: str) -> list[ast.FunctionDef]:
     """Return the plain functions at the end of a file: the clearance if the hull is known, and the voyage."""
-    return source.needed(*(("clearance",) * exported.exact), "sail", *more)
+    return source.needed(*(("clearance",) * exported.exact), "integrate", *more)
 
 
 def water_of(exported: ExportedShip, language: Language) -> dict[str, Any] | None:
@@ -149,7 +151,7 @@ def rendered(template: str, exported: ExportedShip, language: Language, **told: 
     sizes = {"speed": "state[4]", "abs_y": "state[1]", "abs_psi": turned, "abs_r": "state[6]"}
     measured = told.get("sizes", sizes)
     rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # Results of ``rates``
-    alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates, "cannot_sail": CANNOT_SAIL,
-             "number": language.literal, "name": language.named, "beyond_bits": tuple(BEYOND.values()),
+    alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates,
+             "cannot_integrate": CANNOT_INTEGRATE, "number": language.literal, "name": language.named, "beyond_bits": tuple(BEYOND.values()),
              "tested": tuple(_tested(exported, language, measured))}  # fmt: skip
     return filled(template, **{**alike, **told})

@@ -19,7 +19,7 @@ void rates(double *dx, double *outputs) {
     mdlZeroCrossings(&block);
     for (int i = 0; i < block.zero_crossings; ++i) *outputs++ = block.crossing[i];
 }
-int sail(double length, int steps, double *end) {
+int integrate(double length, int steps, double *end) {
     const double share[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6, 1.0 / 3, 1.0 / 3, 1.0 / 6};
     int step = 0;
     for (; step < steps; ++step) {

@@ -110,7 +110,7 @@ def begun(state: Array, closeness: Array, constants: Constants, waterway: Place)
     )  # The first point of a waterway belongs to it
 
 
-def can_sail(state: Array, constants: Constants, waterway: Place, length: float, duration: float) -> bool:
+def can_integrate(state: Array, constants: Constants, waterway: Place, length: float, duration: float) -> bool:
     """Return whether the ship moves less than its own length in a step, and there is water to sail in."""
     if not (length > 0.0 and length < inf and duration >= 0.0 and duration <= MOST_STEPS * length):
         return False
@@ -136,11 +136,11 @@ def ended(outcome: int, state: Array, before: float, now: float, constants: Cons
     return cause_of(state, constants, waterway, constants.near_bank if drawn else TOLERANCE)
 
 
-def sail(
+def integrate(
     state: Array, inputs: Inputs, constants: Constants, waterway: Place, length: float, duration: float, end: Array
 ) -> int:
     """Integrate with the caller's inputs until the time is up or the voyage ends, and return the outcome."""
-    if not can_sail(state, constants, waterway, length, duration):
+    if not can_integrate(state, constants, waterway, length, duration):
         end[0], end[1] = 0.0, 0.0
         return REFUSED
     book = [0.0] * PLACES

@@ -220,7 +220,7 @@ class CTranslation(Translation):
 
 
 # Plain functions that return a truth value.
-TRUTHS = ("is_sane", "can_sail", "can_fill")
+TRUTHS = ("is_sane", "can_integrate", "can_fill")
 
 
 def _is_truth(value: ast.expr | None) -> bool:

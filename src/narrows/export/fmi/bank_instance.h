@@ -51,7 +51,7 @@ static int starts(Instance *m) {
     return refuse(m, "the force at the start is no number: check the distances to the banks and the depth");
 }
 
-static int sail(Instance *m, double time, double duration, double *reached) {
+static int integrate(Instance *m, double time, double duration, double *reached) {
     *reached = m->now.value[TIME];
     if (!may_step(m, time, duration)) return 0;
     *reached = m->now.value[TIME] = time + duration;

@@ -165,7 +165,7 @@ EXPORT S fmi2DoStep(C c, fmi2Real t, fmi2Real h, fmi2Boolean n) {
     double reached;
     (void)n;
     MAY(STEPPING);
-    return status(sail(c, t, h, &reached));
+    return status(integrate(c, t, h, &reached));
 }
 EXPORT S fmi2CancelStep(C c) { return status(refuse(c, "no step is under way")); }
 EXPORT S fmi2SetRealInputDerivatives(C c, const Ref r[], size_t n, const fmi2Integer o[], const fmi2Real v[]) {

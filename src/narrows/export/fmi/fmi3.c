@@ -183,7 +183,7 @@ EXPORT S fmi3DoStep(C c, fmi3Float64 t, fmi3Float64 h, fmi3Boolean n, fmi3Boolea
     (void)n;
     *event = *stop = *early = fmi3False, *last = t;
     MAY(STEPPING);
-    const S done = status(sail(c, t, h, last));
+    const S done = status(integrate(c, t, h, last));
     *event = ((Instance *)c)->with_events && HAS_EVENT((Instance *)c);
     *early = *last < t + h && done == fmi3OK;
     return done;

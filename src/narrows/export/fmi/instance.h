@@ -124,7 +124,7 @@ static void show(Numbers *n, double cosine, double sine) {
 }
 
 /* Sail for so long, as the importer counts; 0 where that is no step or the numbers run out. Returns early where it may. */
-static int sail(Instance *m, double time, double duration, double *reached) {
+static int integrate(Instance *m, double time, double duration, double *reached) {
     Numbers *n = &m->now;
     double *w = n->value, end[2];
     *reached = w[TIME];
@@ -136,7 +136,7 @@ static int sail(Instance *m, double time, double duration, double *reached) {
     const double cosine = n->state[2], sine = n->state[3];
     ship_inputs inputs;
     inputs_of(w, &inputs);
-    const int outcome = ship_sail(n->state, &inputs, &n->constants CANAL, fmin(w[STEP], duration), duration, end);
+    const int outcome = ship_integrate(n->state, &inputs, &n->constants CANAL, fmin(w[STEP], duration), duration, end);
     if (outcome == SHIP_REFUSED) return refuse_with(m, "a step of %g s takes the ship farther than its length: shorten it", fmin(w[STEP], duration));
     show(n, cosine, sine);
     if (outcome != SHIP_AFLOAT) {

@@ -83,7 +83,7 @@ static void until_due(int every) {
 }
 
 /* Sail ships in at most so many steps, keeping a point of the path every so many (0: none). */
-EXPORT(sail) void sail(int ships, int steps, int every, int of_each) {
+EXPORT(integrate) void integrate(int ships, int steps, int every, int of_each) {
     int next = 0, active = 0;
     each = of_each;
     for (int j = 0; j < INPUTS; ++j) ((real *)&lane_told)[j] = (real)(((double *)&ship_told)[j] = told[j]);

@@ -64,5 +64,5 @@ static int judged(int lane, const double *parameters, double step, double *state
     ship_constants made;
     ship_prepare((const ship_parameters *)(const void *)parameters, &made);
     for (int j = 0; j < STATES; ++j) state[j] = before[j][lane];
-    return ship_sail(state, &ship_told, &made, step, step, end);
+    return ship_integrate(state, &ship_told, &made, step, step, end);
 }

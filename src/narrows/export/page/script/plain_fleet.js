@@ -35,7 +35,7 @@ export function plainFleet(model, shape, names) {
     for (; taken < steps && outcome === AFLOAT; taken += every) {
       keep();
       const next = Math.min(every, steps - taken);
-      outcome = model.sail(state, inputs, constants, step, next * step, end);
+      outcome = model.integrate(state, inputs, constants, step, next * step, end);
       time += end[0];
     }
     return { end: [...state, time, outcome], samples };

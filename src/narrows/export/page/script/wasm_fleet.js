@@ -6,7 +6,7 @@ import { SEEN, rowsOf, room } from "./fleet_shape.js";
 
 export async function wasmFleet(bytes, shape) {
   const { instance } = await WebAssembly.instantiate(bytes, {});
-  const { memory, sail, ...at } = instance.exports;
+  const { memory, integrate, ...at } = instance.exports;
   const view = (Type, name, length) => new Type(memory.buffer, at[name](), length);
 
   function sailed({ starts, parameters, told, steps, every }) {
@@ -14,7 +14,7 @@ export async function wasmFleet(bytes, shape) {
     view(Float64Array, "starts", starts.length).set(starts);
     view(Float64Array, "parameters", parameters.length).set(parameters);
     view(Float64Array, "told", told.length).set(told);
-    sail(ships, steps, every, parameters.length > shape.parameters ? 1 : 0);
+    integrate(ships, steps, every, parameters.length > shape.parameters ? 1 : 0);
     return {
       ends: view(Float64Array, "ends", ships * room(shape).end).slice(),
       paths: view(Float32Array, "paths", pathed * shape.samples * SEEN).slice(),
