@@ -151,7 +151,7 @@ def rendered(template: str, exported: ExportedShip, language: Language, **told: 
     sizes = {"speed": "state[4]", "abs_y": "state[1]", "abs_psi": turned, "abs_r": "state[6]"}
     measured = told.get("sizes", sizes)
     rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # Results of ``rates``
-    alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates,
-             "cannot_integrate": CANNOT_INTEGRATE, "number": language.literal, "name": language.named, "beyond_bits": tuple(BEYOND.values()),
+    alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates, "number": language.literal,
+             "cannot_integrate": CANNOT_INTEGRATE, "name": language.named, "beyond_bits": tuple(BEYOND.values()),
              "tested": tuple(_tested(exported, language, measured))}  # fmt: skip
     return filled(template, **{**alike, **told})
