@@ -41,6 +41,8 @@ def print_plan(plan: Plan) -> None:
 
 
 def _cell(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
     return "" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
 
 
@@ -57,7 +59,10 @@ def print_scaled(scaled: Scaled) -> None:
 
 
 # Columns of the list of ships that fit a terminal, and their heads.
-SHIP_HEADS = {"ship": "ship", "length": "L [m]", "beam": "B [m]", "draft": "T [m]", "measured": "measured"}
+SHIP_HEADS = {
+    "ship": "ship", "length": "L [m]", "beam": "B [m]", "draft": "T [m]", "rudder": "rudder", "banks": "bank",
+    "measured": "measured",
+}  # fmt: skip
 
 
 def estimate_summary(model: Model) -> dict[str, Any]:
@@ -82,9 +87,9 @@ def print_estimate(model: Model) -> None:
 def print_ships(table: "pd.DataFrame") -> None:
     console = console_of(WIDTH)
     cells = ((str(name), *(_cell(row[column]) for column in SHIP_HEADS)) for name, row in table.iterrows())
-    left = ("name", "ship", "measured")
+    left = ("name", "ship", "rudder", "bank", "measured")
     console.print(table_of(("name", *SHIP_HEADS.values()), cells, left=left, no_wrap=True))
-    console.print("Each name replaces a model file; --json gives sources, rudder and banks of each.")
+    console.print("Each name replaces a model file; --json gives the source of each.")
 
 
 STATIONS, CROSSINGS_SHOWN = 2001, 11
