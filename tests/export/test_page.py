@@ -61,12 +61,15 @@ def test_a_page_is_small_and_asks_for_nothing(paper: Path, shown: tuple[Any, lis
     assert "may be used" in page.inner_html("footer details")
 
 
-def test_the_headline_says_which_way_the_bow_turns(shown: tuple[Any, list[str]]) -> None:
+def test_the_headline_says_which_way_the_bow_may_turn(shown: tuple[Any, list[str]]) -> None:
+    """The model has neither verdicts nor a covariance: what its ships do is no fact, and their spread is assumed."""
     page, wrong = shown
     for y, near, away in ((0.5, "starboard", "port"), (-0.5, "port", "starboard")):
         put(page, y=y)
         said = page.inner_text("#turning")
-        assert said == f"At the start the {near} bank is nearer, and turns the bow to {away}, away from it."
+        assert said.startswith(f"At the start the {near} bank is nearer. It may turn the bow to {away}, away from it")
+        assert "how well its tests determine this is not known" in said
+        assert "The spread of the ships is assumed: each coefficient ± 5 %." in page.evaluate(BESIDE)
         assert said in page.get_attribute("#canal", "aria-label")
     assert wrong == []
 

@@ -145,7 +145,6 @@ LENGTHS = 7.0
 MOST, PATHS, SAMPLES = 4096, 1024, 96
 UNSETTLED = "The tests of this ship do not settle how strongly the banks pull and turn it."
 UNTESTED = "How strongly the banks pull and turn this ship is estimated from other ships."
-UNSURE = "The coefficients have no published uncertainty; an assumed one spreads the ships"
 
 
 def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any]:
@@ -161,7 +160,8 @@ def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any
             "samples": SAMPLES, "rudder": kept.index("rudder") if "rudder" in kept else -1,
             "turned": _turned(exported),
         },
-        "banks": model.feels_bank, "settled": not model.trust_note, "estimated": bool(model.source.estimate),
+        "banks": model.feels_bank, "settled": not (model.trust_note or model.covariance is None),
+        "basis": "estimate" if model.source.estimate else "assumed" if model.covariance is None else "tests",
         "names": {
             "parameters": [JavaScript().named(one.name) for one in exported.parameters],
             "inputs": [JavaScript().named(one.name) for one in exported.inputs],
@@ -169,7 +169,7 @@ def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any
         "parameters": [one.value for one in exported.parameters], "inputs": [one.value for one in exported.inputs],
         "coefficients": [{"name": name, "bounds": _bounds(model, name)} for name in names],
         "root": _written(root_of(model, names)), "share": ASSUMED,
-        "assumed": UNSURE if model.covariance is None else "",
+        "assumed": model.covariance is None,
         "sliders": [slider.to_dict() for slider in sliders], "speeds": [speeds.low, speeds.high],
         "tested": {
             "u": covered(model.data_range.speed), "y": both_ways(model.data_range.abs_y),

@@ -36,6 +36,12 @@ const TOLD = 0.05; // least share of ships that a sentence is worth
 const NO_BANK = "This model has no bank force: the ship sails as in open water, until it touches a bank.";
 const MIDDLE = "In the middle of the canal both banks pull alike: the bow stays.";
 
+const DOUBTS = {
+  tests: ["the tests do not settle this", "that the tests allow"],
+  estimate: ["this ship was not tested", "that the estimate allows"],
+  assumed: ["how well its tests determine this is not known", "of the assumed spread"],
+};
+
 export const isSure = ({ settled, agree }) => settled && agree >= SURE;
 
 /** The side to which a yaw acceleration turns the bow. */
@@ -43,9 +49,9 @@ export const sideOf = (turning) => (turning > 0 ? STARBOARD : PORT);
 
 /**
  * Which way the water turns the bow, beside which bank, and how sure that is; `agree` is the share of ships that turn so,
- * `estimated` whether the ship itself was never tested.
+ * `basis` where the spread of the coefficients comes from.
  */
-export function turningSentence({ y, turning, steers, middle, banks, settled, estimated, agree }) {
+export function turningSentence({ y, turning, steers, middle, banks, settled, basis, agree }) {
   if (!banks) return NO_BANK;
   if (Math.abs(y) < middle || !turning) return MIDDLE;
   const near = y > 0 ? STARBOARD : PORT;
@@ -54,8 +60,8 @@ export function turningSentence({ y, turning, steers, middle, banks, settled, es
   const helm = steers ? " The helm answers with the rudder." : "";
   const turns = `the bow to <b class="${way}">${way}</b>, ${way === near ? "towards" : "away from"} it`;
   if (isSure({ settled, agree })) return `${nearer}, and turns ${turns}.${helm}`;
-  const [doubt, basis] = estimated ? ["this ship was not tested", "estimate allows"] : ["the tests do not settle this", "tests allow"];
-  const against = agree < 1 ? ` ${share(1 - agree, 1)} of the ships that the ${basis} turn to ${other}.` : "";
+  const [doubt, spread] = DOUBTS[basis];
+  const against = agree < 1 ? ` ${share(1 - agree, 1)} of the ships ${spread} turn to ${other}.` : "";
   return `${nearer}. It may turn ${turns}, but ${doubt}.${against}${helm}`;
 }
 

@@ -9,9 +9,9 @@ export function said(at, data, now, view) {
   const { values, start, alone, ended, first } = now;
   const turning = now.turning(first);
   const middle = MIDDLE * values.width;
-  const { banks, settled, estimated } = data;
+  const { banks, settled, basis } = data;
   const turns = banks && turning && Math.abs(start.y) >= middle;
-  written(at.turning, turningSentence({ y: start.y, turning, steers: values.helm > 0, middle, banks, settled, estimated, agree: now.agree }));
+  written(at.turning, turningSentence({ y: start.y, turning, steers: values.helm > 0, middle, banks, settled, basis, agree: now.agree }));
   if (ended.length) written(at.fleet, fleetSentence(tally(ended), data.ship.length, view, turns ? now.back : 0));
   written(at.alone, aloneSentence(alone, data.ship.length, turns && sideOf(turning)));
   written(at.single, !banks || isSure({ settled, agree: now.agree }) ? "" : SINGLE);
@@ -24,9 +24,9 @@ export function said(at, data, now, view) {
 function caveats(data, { values, start, path, seconds }) {
   const out = beyond(data, values).map(({ label, told, beyond: range }) => `${told ?? label} (${range})`);
   const moved = start.moved ? [`There is no room for that: the ship starts ${offset(start.y)}.`] : [];
-  const assumed = data.assumed && values.doubt > 0 ? [`${data.assumed}: each ± ${(100 * values.doubt * data.share).toFixed(0)} %.`] : [];
+  const assumed = data.assumed && values.doubt > 0 ? [`The spread of the ships is assumed: each coefficient ± ${(100 * values.doubt * data.share).toFixed(0)} %.`] : [];
   const gone = leaves(path, data.tested, seconds);
-  return [...moved, ...data.notes, ...gone, ...(out.length ? [`Beyond the data: ${out.join("; ")}.`] : []), ...assumed];
+  return [...moved, ...assumed, ...data.notes, ...gone, ...(out.length ? [`Beyond the data: ${out.join("; ")}.`] : [])];
 }
 
 function written(element, html) {
