@@ -229,6 +229,10 @@ def test_lengths_of_a_full_size_ship_are_written_out(tmp_path: Path, browser: An
     assert "this ship was not tested" in page.inner_text("#turning")
     assert "estimated from other ships" in page.evaluate(BESIDE)
     assert "tests" not in page.inner_text("#turning").replace("tested", "")
+    assert "in a canal 623.7 m wide, of unknown depth. Sailed" in page.inner_text("footer")
+    page.fill("input[name=width]", "300")
+    drawn(page)
+    assert "in a canal 300 m wide" in page.inner_text("footer"), "the slider reaches it, and the foot follows"
 
 
 def test_first_turn_and_end_of_an_estimated_ship_are_one_story(tmp_path: Path, browser: Any) -> None:

@@ -5,6 +5,7 @@ import json
 import re
 import zlib
 from collections.abc import Iterator, Mapping
+from dataclasses import asdict
 from importlib.resources import files
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -62,7 +63,7 @@ def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm:
     known: set[str] = set()
     given = {"model.js": model_script(exported)}
     return template.get_template("page.html.j2").render(
-        title=title, banks=exported.ship.model.feels_bank, foot=_foot(exported), helm=helm,
+        title=title, banks=exported.ship.model.feels_bank, ship=exported.ship.model.configuration.ship.in_words, foot=_foot(exported), helm=helm,
         passport=list(passport(exported.ship.model)), data=data.replace("<", "\\u003c"),
         style=smaller(asset("palette.css") + files("narrows.export.page").joinpath("page.css").read_text("utf-8")),
         shared="".join(bundled(name, given, known) for name in FIRST),
@@ -82,8 +83,9 @@ def packed(wasm: bytes) -> str:
 
 
 def _foot(exported: ExportedShip) -> str:
+    parts = ", ".join(exported.ship.model.configuration.parts)
     return (
-        f"{exported.ship.model.configuration.summary()}. Sailed here, by the equations of the package: Runge-Kutta "
+        f"{f'; with {parts}' if parts else ''}. Sailed here, by the equations of the package: Runge-Kutta "
         f"steps of a 200th of a ship length, 100th on the map. The speed is "
         f"{'held' if exported.ship.surge == 'held' else 'free'}."
     )
@@ -160,6 +162,7 @@ def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any
             "samples": SAMPLES, "rudder": kept.index("rudder") if "rudder" in kept else -1,
             "turned": _turned(exported),
         },
+        "canal": {name: value for name, value in asdict(model.configuration.canal).items() if value is not None},
         "banks": model.feels_bank, "settled": not (model.trust_note or model.covariance is None),
         "basis": "estimate" if model.source.estimate else "assumed" if model.covariance is None else "tests",
         "names": {

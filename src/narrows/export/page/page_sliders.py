@@ -15,8 +15,8 @@ VOYAGE, CANAL, UNKNOWN = "The voyage", "The canal", "Uncertainty"
 PICTURES, COEFFICIENTS = "The pictures", "Coefficients"
 # Relative standard deviation of a coefficient if the model has no covariance.
 ASSUMED = 0.05
-# Range of a coefficient's slider [standard deviations]; range of canal widths, relative to the model's own.
-WIDE, USUAL_WIDTHS = 3.0, (0.5, 2.0)
+# Range of a coefficient's slider [standard deviations]; canal widths: least [beams], most relative to the model's own.
+WIDE, NARROWEST, WIDEST = 3.0, 1.6, 2.0
 # Standard deviation of the starting offset [ship lengths] and of the heading [degrees].
 START_SPREAD, HEADING_SPREAD = 0.0125, 0.5
 
@@ -80,7 +80,7 @@ def _voyage(exported: ExportedShip, speed: float, steered: bool) -> Iterator[Sli
 def _canal(model: Model, deep: bool) -> Iterator[Slider]:
     ship, canal, known = model.configuration.ship, model.configuration.canal, model.data_range
     fine = _fine(canal.width / 200)
-    low, high = max(USUAL_WIDTHS[0] * canal.width, 1.6 * ship.beam), USUAL_WIDTHS[1] * canal.width
+    low, high = NARROWEST * ship.beam, WIDEST * canal.width
     yield Slider("width", "width", "m", CANAL, _to(low, fine), _to(high, fine), fine, canal.width,
                  covered(known.width_to_beam, ship.beam),
                  _in_words(model, known.width_to_beam, fine, "m", ship.beam), "the width of the canal")  # fmt: skip

@@ -15,6 +15,7 @@ export function said(at, data, now, view) {
   if (ended.length) written(at.fleet, fleetSentence(tally(ended), data.ship.length, view, turns ? now.back : 0));
   written(at.alone, aloneSentence(alone, data.ship.length, turns && sideOf(turning)));
   written(at.single, !banks || isSure({ settled, agree: now.agree }) ? "" : SINGLE);
+  written(at.water, waterWords(values));
   listed(at.caveats, caveats(data, now));
   at.canal.setAttribute("aria-label", `The canal from above. ${at.turning.textContent} ${at.fleet.textContent}`);
   at.map.setAttribute("aria-valuetext", `start ${offset(start.y)}, ${values.u} m/s; ${at.alone.textContent}`);
@@ -27,6 +28,11 @@ function caveats(data, { values, start, path, seconds }) {
   const assumed = data.assumed && values.doubt > 0 ? [`The spread of the ships is assumed: each coefficient ± ${(100 * values.doubt * data.share).toFixed(0)} %.`] : [];
   const gone = leaves(path, data.tested, seconds);
   return [...moved, ...assumed, ...data.notes, ...gone, ...(out.length ? [`Beyond the data: ${out.join("; ")}.`] : [])];
+}
+
+function waterWords({ width, depth }) {
+  const exact = (metres) => `${metres.toLocaleString("en", { maximumSignificantDigits: 4 })} m`;
+  return `a canal ${exact(width)} wide, ${depth ? `${exact(depth)} deep` : "of unknown depth"}`;
 }
 
 function written(element, html) {

@@ -1,8 +1,8 @@
 // The settings of a page: their values, the address that says them, the sliders that change them.
 
 /** Values by name, as they are at first, and as the address says. */
-export function settingsOf({ sliders }, hash) {
-  const first = Object.fromEntries(sliders.map(({ name, value }) => [name, value]));
+export function settingsOf({ canal, sliders }, hash) {
+  const first = { ...canal, ...Object.fromEntries(sliders.map(({ name, value }) => [name, value])) };
   return { first, values: { ...first, ...readFrom(hash, sliders) } };
 }
 
