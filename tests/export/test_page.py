@@ -22,6 +22,17 @@ LARGEST = 100_000
 BESIDE = "[...document.querySelectorAll('header p, header li')].map(one => one.textContent).join(' ')"
 DARK = "[...document.getElementById('canal').getContext('2d').getImageData(3, 3, 1, 1).data].slice(0, 3)"
 
+# Whether the map draws lines of both kinds, and the solid ones of its crosshair to the edges.
+DASHED = """(() => {
+  const pen = document.getElementById('map').getContext('2d');
+  let [dashed, dash, stroke, set] = [[], [], pen.stroke, pen.setLineDash];
+  pen.setLineDash = (one) => { dash = one; set.call(pen, one); };
+  pen.stroke = () => { dashed.push(dash.length > 0); stroke.call(pen); };
+  narrowsPage.scene.recoloured();
+  delete pen.stroke, delete pen.setLineDash;
+  return dashed.join() === 'true,false,false,false';
+})()"""
+
 
 @pytest.fixture(scope="module")
 def paper(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -135,6 +146,7 @@ def test_sliders_keys_and_clicks_set_a_voyage(shown: tuple[Any, list[str]]) -> N
     box = page.locator("#map").bounding_box()
     page.mouse.click(box["x"] + 0.7 * box["width"], box["y"] + 0.3 * box["height"])
     assert page.evaluate("narrowsPage.settings.values.y") < -0.5
+    assert page.evaluate(DASHED), "dotted lines are the tests' alone"
     page.focus("#map")
     before = page.evaluate("narrowsPage.settings.values.u")
     page.keyboard.press("ArrowLeft")
@@ -225,6 +237,7 @@ def test_lengths_of_a_full_size_ship_are_written_out(tmp_path: Path, browser: An
     page, _ = opened(browser, tmp_path / "ship.html", 1280, 800)
     said = page.evaluate("document.body.innerText")
     assert "e+" not in said
+    assert "what the tests covered" not in said
     assert re.search(r"within 1,\d\d\d? ?\d*0? m", page.inner_text("#fleet"))
     assert "this ship was not tested" in page.inner_text("#turning")
     assert "estimated from other ships" in page.evaluate(BESIDE)
@@ -249,7 +262,10 @@ def test_first_turn_and_end_of_an_estimated_ship_are_one_story(tmp_path: Path, b
     back, agree = page.evaluate("[narrowsPage.scene.now.back, narrowsPage.scene.now.agree]")
     assert back >= grounded[other] - (1 - agree) - 0.06, "who ends on a side without a first turn to it came back"
     assert ("come back from their first turn" in page.inner_text("#fleet")) == (back >= 0.05)
+    assert "in a canal 55 m wide, 4 m deep; with propeller, rudder. Sailed" in page.inner_text("footer")
+    assert "than in the tests" not in page.evaluate(BESIDE)
     assert "solid ship alone" in page.inner_text("#single")
+    assert "dotted: what tests of other ships covered" in page.inner_text(".map .key")
     assert model.data_range.width_to_beam is not None
     least = model.data_range.width_to_beam[0] * model.configuration.ship.beam
     assert f"the width of the canal (other ships: {least:.3g}–" in page.evaluate(BESIDE)

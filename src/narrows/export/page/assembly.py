@@ -63,7 +63,8 @@ def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm:
     known: set[str] = set()
     given = {"model.js": model_script(exported)}
     return template.get_template("page.html.j2").render(
-        title=title, banks=exported.ship.model.feels_bank, ship=exported.ship.model.configuration.ship.in_words, foot=_foot(exported), helm=helm,
+        title=title, banks=exported.ship.model.feels_bank, foot=_foot(exported), helm=helm,
+        ship=exported.ship.model.configuration.ship.in_words, dotted=_dotted(exported.ship.model),
         passport=list(passport(exported.ship.model)), data=data.replace("<", "\\u003c"),
         style=smaller(asset("palette.css") + files("narrows.export.page").joinpath("page.css").read_text("utf-8")),
         shared="".join(bundled(name, given, known) for name in FIRST),
@@ -89,6 +90,12 @@ def _foot(exported: ExportedShip) -> str:
         f"steps of a 200th of a ship length, 100th on the map. The speed is "
         f"{'held' if exported.ship.surge == 'held' else 'free'}."
     )
+
+
+def _dotted(model: Model) -> str:
+    if model.data_range.speed is None and model.data_range.abs_y is None:
+        return ""
+    return f"; dotted: what {'tests of other ships' if model.source.estimate else 'the tests'} covered"
 
 
 IMPORT = re.compile(r'^import \{ ([^}]*) \} from "\./([\w/.]+)";\n', re.MULTILINE)

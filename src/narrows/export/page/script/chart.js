@@ -62,8 +62,8 @@ export function chart(canvas, height, across, width, colours) {
   }
 
   function marker(value, y) {
-    line([[value, -width], [value, width]], { stroke: colours.ink, width: 1, dash: [3, 4] });
-    line([[low, y], [high, y]], { stroke: colours.ink, width: 1, dash: [3, 4] });
+    line([[value, -width], [value, width]], { stroke: colours.ink, width: 0.75 });
+    line([[low, y], [high, y]], { stroke: colours.ink, width: 0.75 });
     pen.beginPath();
     pen.arc(toX(value), toY(y), 6, 0, 7);
     Object.assign(pen, { fillStyle: colours.ink, strokeStyle: colours.panel, lineWidth: 2 });

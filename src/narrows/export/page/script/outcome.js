@@ -66,11 +66,11 @@ export function turningSentence({ y, turning, steers, middle, banks, settled, ba
 }
 
 /** From when on a voyage is farther off the middle, or more across the canal, than the tests were [s]; nothing where it is not. */
-export function leaves(path, { y, psi }, seconds) {
+export function leaves(path, { y, psi }, seconds, tests) {
   const first = (limit, size) => (limit ? path.findIndex((point) => size(point) > limit) : -1);
   const places = [first(y?.[1], ([, offset]) => Math.abs(offset)), first(psi?.[1], ([, , sine]) => Math.asin(Math.abs(sine)))];
   const words = ["farther off the middle", "more across the canal"];
-  return places.flatMap((place, kind) => (place < 0 ? [] : [`From ${(place * seconds).toFixed(1)} s on the ship is ${words[kind]} than in the tests.`]));
+  return places.flatMap((place, kind) => (place < 0 ? [] : [`From ${(place * seconds).toFixed(1)} s on the ship is ${words[kind]} than in ${tests}.`]));
 }
 
 /** What becomes of the ships; `back` is the share that grounds on the other side than that of its first turn. */

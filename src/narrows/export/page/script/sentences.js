@@ -26,13 +26,14 @@ function caveats(data, { values, start, path, seconds }) {
   const out = beyond(data, values).map(({ label, told, beyond: range }) => `${told ?? label} (${range})`);
   const moved = start.moved ? [`There is no room for that: the ship starts ${offset(start.y)}.`] : [];
   const assumed = data.assumed && values.doubt > 0 ? [`The spread of the ships is assumed: each coefficient ± ${(100 * values.doubt * data.share).toFixed(0)} %.`] : [];
-  const gone = leaves(path, data.tested, seconds);
+  const gone = leaves(path, data.tested, seconds, data.basis === "estimate" ? "tests of other ships" : "the tests");
   return [...moved, ...assumed, ...data.notes, ...gone, ...(out.length ? [`Beyond the data: ${out.join("; ")}.`] : [])];
 }
 
 function waterWords({ width, depth }) {
   const exact = (metres) => `${metres.toLocaleString("en", { maximumSignificantDigits: 4 })} m`;
-  return `a canal ${exact(width)} wide, ${depth ? `${exact(depth)} deep` : "of unknown depth"}`;
+  const deep = depth ? `${exact(depth)} deep` : "of unknown depth";
+  return `a canal ${exact(width)} wide, ${deep}`;
 }
 
 function written(element, html) {
