@@ -11,7 +11,7 @@ from narrows.codegen.derivatives import coefficient_slopes, linear_slopes, with_
 from narrows.codegen.free_motion import INPUTS, OPEN, STATE, Expr, FreeMotion
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program, real, straight_lines
-from narrows.codegen.step import Rates, Step, rate_here, room_left, section_here, step_of
+from narrows.codegen.step import Rates, Step, rate_here, room_left, section_at, section_here, step_of
 from narrows.codegen.tape import tape_of
 
 # Name in the lines of a caller's order to an actuator with a gear.
@@ -75,6 +75,8 @@ class Portable:
         }
         if self.contact != OPEN:
             programs["clearance"] = self._clearance()
+        if self.waterway:
+            programs["section"] = self._section()
         # The derivatives need more constants than the rates: those come last.
         return {**programs, "constants": self._constants()}
 
@@ -160,6 +162,12 @@ class Portable:
         lines, z = Lines(), self._values
         room_left(lines, self.choices, z)
         return Program.of(lines, [real("room_starboard"), real("room_port")])
+
+    def _section(self) -> Program:
+        """Width and depth of the water at the ship's place."""
+        lines = Lines()
+        at = section_at(lines, real("x"), ("starboard", "port", "depth"), "here")
+        return Program.of(lines, [at["starboard"] + at["port"], at["depth"]])
 
     def _linear(self, columns: slice) -> Program:
         lines, entries = self._slopes

@@ -188,7 +188,7 @@ def step_of(rates: Rates, choices: Choices) -> Step:
     return Step(lines, out)
 
 
-def _section(lines: Lines, x: Expr, columns: tuple[str, ...], tag: str) -> dict[str, Expr]:
+def section_at(lines: Lines, x: Expr, columns: tuple[str, ...], tag: str) -> dict[str, Expr]:
     """Write the water at a place from the table, linear between its nodes."""
     position = lines.put(f"position_{tag}", FUNCTIONS["maximum"]((x - real("x_first")) * real("cells_a_metre"), 0))
     cell = lines.put(f"cell_{tag}", FUNCTIONS["whole"](FUNCTIONS["minimum"](position, real("last_cell"))))
@@ -204,7 +204,7 @@ def _section(lines: Lines, x: Expr, columns: tuple[str, ...], tag: str) -> dict[
 def _water(lines: Lines, choices: Choices, column: str, x: Expr) -> Expr:
     """Write the water quantities of a control law at a place; a straight canal is the same everywhere."""
     if choices.waterway:
-        return _section(lines, lines.put("seen", x), (column,), f"{column}_seen")[column]
+        return section_at(lines, lines.put("seen", x), (column,), f"{column}_seen")[column]
     walls = {"keel_starboard": real("wall_starboard"), "keel_port": real("wall_port")}
     return walls.get(column, sympy.Integer(0))
 
@@ -284,7 +284,7 @@ def section_here(
 ) -> tuple[dict[str, Expr], dict[str, Expr]]:
     """Write the local straight canal at a ship's place, and the waterway there by column."""
     columns = ("starboard", "port", *(("depth",) if rates.depend_on("depth") else ()), "curvature", "flow")
-    now = _section(lines, values["x"], columns, f"stage{tag}")
+    now = section_at(lines, values["x"], columns, f"stage{tag}")
     here = {
         "width": lines.put(f"width_{tag}", now["starboard"] + now["port"]),
         "depth": now.get("depth", real("depth")),
@@ -360,7 +360,7 @@ def ends_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str
     if choices.bottom:
         most = real(AFLOAT_SPEED)
         if choices.waterway:
-            most = _section(lines, z["x"], (AFLOAT_SPEED,), "ends")[AFLOAT_SPEED]
+            most = section_at(lines, z["x"], (AFLOAT_SPEED,), "ends")[AFLOAT_SPEED]
         left["afloat"] = lines.put("left_afloat", most - abs(z["u"]))
     return left
 
@@ -370,7 +370,7 @@ def _walls(lines: Lines, choices: Choices, x: Expr) -> tuple[Expr, Expr]:
         return real("wall_starboard"), real("wall_port")
     kind = "keel" if choices.contact == MIDSHIP else "near"
     names = (f"{kind}_starboard", f"{kind}_port")
-    section = _section(lines, x, names, "after")
+    section = section_at(lines, x, names, "after")
     return section[names[0]], section[names[1]]
 
 

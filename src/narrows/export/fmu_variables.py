@@ -9,7 +9,7 @@ from types import MappingProxyType
 from narrows.codegen.free_motion import OPEN
 from narrows.codegen.linearisation import LINEARISED
 from narrows.export.exported_ship import ExportedNumber, ExportedShip
-from narrows.export.passport import BEYOND
+from narrows.export.passport import BEYOND, bits_in_words
 from narrows.quantities.dimensions import dimension_of
 from narrows.quantities.names import MOTION
 from narrows.ship.checks import POSITIVE, SMALLEST
@@ -108,7 +108,7 @@ def _variables(exported: ExportedShip, speed: float, dt: float) -> Iterator[FmuV
     yield FmuVariable("outcome", Kind.CHOICE, "1", "outcome of the voyage")
     yield FmuVariable("side", Kind.WHOLE, "1", "side of the bank that was touched: 1 starboard, -1 port, 0 none")
     yield FmuVariable("outcome_time", Kind.MOMENT, "s", "time of the end of the voyage; 0 until then")
-    beyond = ", ".join(f"{bit} {words}" for bit, words in BEYOND.values())
+    beyond = f"{bits_in_words(exported.ship.model)}, {BEYOND['bottom'][0]} bottom"
     yield FmuVariable("beyond", Kind.WHOLE, "1", f"quantities outside the tested range, a sum of: {beyond}")
     yield FmuVariable("step", Kind.FIXED, "s", "longest step of co-simulation", dt, 0, (SMALLEST, LONGEST_STEP * dt))
     for one in exported.inputs:

@@ -16,10 +16,9 @@ from narrows.errors import InputError
 from narrows.export import native_build
 from narrows.export.fmu import description_text, fmu_of, source_of, token_of
 from narrows.export.fmu_variables import HEADING, INTEGERS, REALS, SIDES, FmuVariable, Kind
-from narrows.export.passport import ASKED_OF_BANK, ends_of_data, passport
+from narrows.export.passport import ASKED_OF_BANK, bits_in_words, ends_of_data, passport
 from narrows.export.rendering import commented, filled
 from narrows.model.bank_force import CONTACT
-from narrows.model.data_range import MEASURES
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, MOTION
 from narrows.ship.checks import SMALLEST
@@ -78,7 +77,7 @@ def force_text(model: Model, path: str | Path, prefix: str) -> str:
         f"bank_force{suffix}.j2", prefix=prefix, lines=lines, contact=CONTACT,
         tested=[(sizes[name], bit, repr(low), repr(high)) for name, (bit, low, high) in ends],
         reach=f"{0.5 * hull.length!r} * {sine} + {0.5 * hull.beam!r} * cos_psi", draft=repr(hull.draft),
-        about=[commented(line) for line in passport(model)],
+        about=[commented(line) for line in passport(model)], bits=bits_in_words(model, ASKED_OF_BANK),
     )  # fmt: skip
 
 
@@ -124,7 +123,7 @@ def _variables(model: Model) -> Iterator[FmuVariable]:
         for force in "YN":
             quantity = FORCES[force]
             yield FmuVariable(f"{force}{'_deviation' * bool(of)}", Kind.ROOM, quantity.unit, f"{of}{quantity.meaning}")
-    bits = ", ".join(f"{MEASURES[name].bit} {MEASURES[name].short}" for name in ASKED_OF_BANK)
+    bits = bits_in_words(model, ASKED_OF_BANK)
     yield FmuVariable(
         "beyond",
         Kind.WHOLE,

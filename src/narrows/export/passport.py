@@ -12,8 +12,8 @@ import numpy as np
 from narrows.model.data_range import MEASURES, tolerated
 from narrows.model.model import Model
 
-# Quantities that move in a voyage, by their bit in the sum ``beyond``.
-BEYOND = {name: (MEASURES[name].bit, MEASURES[name].short) for name in ("speed", "abs_y", "abs_psi", "abs_r")}
+# Quantities of a voyage, by their bit in the sum ``beyond``.
+BEYOND = {name: (one.bit, one.short) for name, one in sorted(MEASURES.items(), key=lambda item: item[1].bit)}
 # A speed at which the ship touches the bottom or chokes the section, which ends a voyage of ``simulate``.
 BEYOND |= {"bottom": (128, "bottom")}
 # Inputs of the bank's force, by size in the unit of the range.
@@ -44,7 +44,12 @@ def passport(model: Model, covariance: bool = True) -> Iterator[str]:
         for name, measure in MEASURES.items()
         if (pair := getattr(model.data_range, name)) is not None
     ]
-    yield f"Its tests covered: {'; '.join(covered)}." if covered else "The model does not say what its tests covered."
+    whose = "The other ships'" if model.source.estimate else "Its"
+    if covered:
+        yield f"{whose} tests covered: {'; '.join(covered)}."
+    unknown = unknown_ranges(model) if covered else []
+    yield from [f"The model gives no tested range of {', '.join(unknown)}."] * bool(unknown)
+    yield from ["The model does not say what its tests covered."] * (not covered)
     yield from _coefficients(model)
     if covariance and model.covariance is not None:
         yield "Covariance of the coefficients in this order, the lower triangle row by row, in their units:"
@@ -62,6 +67,19 @@ def _coefficients(model: Model) -> Iterator[str]:
         low, high = max(value - half, term.bound[0]), min(value + half, term.bound[1])
         verdict = f", {model.verdicts[name]}" if name in model.verdicts else ""
         yield f"  {name} = {value:.4g} ({low:.4g} to {high:.4g}) {term.dimension.unit}{verdict}"
+
+
+def unknown_ranges(model: Model, names: Iterable[str] = MEASURES) -> list[str]:
+    """Return the quantities whose tested range the model does not give; astern counts as not tested."""
+    missing = [name for name in names if getattr(model.data_range, name) is None]
+    return [MEASURES[name].short + " ahead" * (name == "speed") for name in missing]
+
+
+def bits_in_words(model: Model, names: Iterable[str] = MEASURES) -> str:
+    """Return the bits of ``beyond`` for some quantities, and which of them set none."""
+    bits = ", ".join(f"{bit} {words}" for name, (bit, words) in BEYOND.items() if name in names)
+    unknown = unknown_ranges(model, names)
+    return bits + (f" (not known, sets no bit: {', '.join(unknown)})" if unknown else "")
 
 
 def ends_of_data(model: Model, names: Iterable[str]) -> dict[str, tuple[int, float, float]]:

@@ -8,13 +8,13 @@ from textwrap import wrap
 from typing import Any
 
 from narrows.codegen.choices import COLUMNS, COUNTED, LENGTH, ROW
-from narrows.codegen.free_motion import INPUTS, STATE
+from narrows.codegen.free_motion import INPUTS, OPEN, STATE
 from narrows.codegen.portable import PLACES
 from narrows.codegen.printers.language import Language
 from narrows.codegen.printers.python import PlainSource
 from narrows.codegen.printers.translation import Translation
 from narrows.export.exported_ship import ExportedShip
-from narrows.export.passport import BEYOND, ends_of_data
+from narrows.export.passport import BEYOND, bits_in_words, ends_of_data
 
 WIDTH = 108
 # Outcomes of a voyage, in the order of their codes.
@@ -146,12 +146,24 @@ def _tested(
     yield fast, BEYOND["bottom"][0], language.literal(0.0), afloat
 
 
+def _section_sizes(exported: ExportedShip, language: Language) -> dict[str, str]:
+    """Return width and depth of the water: of the canal, or of the place as the program ``section`` gives them."""
+    values = exported.ship.values()
+    sizes = {"width_to_beam": values["width"], "depth_to_draft": values.get("depth")}
+    if exported.waterway:
+        return {name: f"result[{number}]" for number, name in enumerate(sizes)}
+    if exported.ship.shape == OPEN:
+        del sizes["width_to_beam"]
+    return {name: language.literal(size) for name, size in sizes.items() if size is not None}
+
+
 def rendered(template: str, exported: ExportedShip, language: Language, **told: Any) -> str:
     turned = language.called("angle", "state[2]", "state[3]")
     sizes = {"speed": "state[4]", "abs_y": "state[1]", "abs_psi": turned, "abs_r": "state[6]"}
-    measured = told.get("sizes", sizes)
+    measured = {**told.get("sizes", sizes), **_section_sizes(exported, language)}
     rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # Results of ``rates``
     alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates, "number": language.literal,
              "cannot_integrate": CANNOT_INTEGRATE, "name": language.named, "beyond_bits": tuple(BEYOND.values()),
+             "bits": f"{bits_in_words(exported.ship.model)}, {BEYOND['bottom'][0]} bottom",
              "tested": tuple(_tested(exported, language, measured))}  # fmt: skip
     return filled(template, **{**alike, **told})

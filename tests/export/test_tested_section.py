@@ -1,0 +1,87 @@
+"""``beyond`` of exported ships has the bits of an untested section of the water, as ``simulate`` names it."""
+
+import json
+import runpy
+import shutil
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from compiled import CompiledShip, needs_compiler, pointer
+from exported import bent, model_of, states
+
+import narrows as nw
+from narrows.export.passport import passport
+from narrows.model.data_range import DataRange
+from narrows.simulation.channel import along_waterway
+
+NODE, OCTAVE = shutil.which("node"), shutil.which("octave")
+SECTION = DataRange(width_to_beam=(11.5, 12.5), depth_to_draft=(1.0, 1.9))
+IN_NODE = """import * as ship from "./ship.mjs";
+const water = ship.canal === undefined ? [] : [ship.canal];
+console.log(JSON.stringify(%s.map((state) => ship.beyond(state, ...water))));
+"""
+
+
+def narrow(width: float) -> nw.Model:
+    """The 400 m ship of 58.8 m beam, whose bank force comes from tests with W/B of 8 to 12.2."""
+    return nw.published("estimated_400m").with_canal(width=width)
+
+
+@pytest.mark.parametrize(("width", "bit"), [(300.0, 16), (600.0, 0)])
+def test_a_canal_of_an_untested_width(width: float, bit: int, tmp_path: Path) -> None:
+    nw.export.write_python(narrow(width), tmp_path / "ship.py")
+    ship = runpy.run_path(str(tmp_path / "ship.py"))
+    at = ship["rest"]()
+    at[ship["U"]] = 4.0
+    assert ship["beyond"](at) == bit
+    assert any("W/B of 5.1 is outside" in note for note in nw.simulate(narrow(300.0), u=4.0, duration=5.0).notes)
+    if OCTAVE is not None:
+        nw.export.write_matlab(narrow(width), tmp_path / "vessel.m")
+        call = "[~, ~, b] = vessel([4 0 0 0 0 0 0]', []); printf('%d', b)"
+        done = subprocess.run(
+            [OCTAVE, "--norc", "--no-gui", "--eval", call], cwd=tmp_path, capture_output=True, text=True
+        )
+        assert done.stdout == str(bit), done.stderr
+
+
+@needs_compiler
+@pytest.mark.parametrize("curved", [False, True])
+def test_the_section_at_the_place_of_the_ship(curved: bool, tmp_path: Path) -> None:
+    """In C, Python and JavaScript, along a waterway and in the model's canal."""
+    model, at = replace(model_of("steered"), data_range=SECTION), states("steered", 60, x=60.0)
+    water = {"waterway": bent("steered")} if curved else {}
+    ship, canal = model.configuration.ship, model.configuration.canal
+    there = {"width": canal.width, "depth": canal.depth}
+    if curved:
+        there = along_waterway(bent("steered"), model, "corners").section(at[:, 0])
+    right = 16 * SECTION.outside("width_to_beam", there["width"] / ship.beam) + 0 * at[:, 0]
+    right += 32 * SECTION.outside("depth_to_draft", there["depth"] / ship.draft)
+    assert set(right) >= ({0, 16} if curved else {0})
+    compiled = CompiledShip(model, tmp_path, **water)
+    assert [compiled.library.beyond(pointer(state)) & 48 for state in at.copy()] == right.tolist()
+    nw.export.write_python(model, tmp_path / "ship.py", **water)
+    module = runpy.run_path(str(tmp_path / "ship.py"))
+    assert (module["beyond"](at.T, module.get("CANAL")) & 48).tolist() == right.tolist()
+    if NODE is None:
+        pytest.skip("no node is here to run the exported module")
+    nw.export.write_javascript(model, tmp_path / "ship.mjs", **water)
+    (tmp_path / "run.mjs").write_text(IN_NODE % json.dumps(at.tolist()), encoding="utf-8")
+    done = subprocess.run([NODE, "run.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert [bits & 48 for bits in json.loads(done.stdout)] == right.tolist()
+
+
+def test_the_file_names_the_ranges_that_it_does_not_know(tmp_path: Path) -> None:
+    nw.export.write_bank_force(nw.published("mikkelsen2025_dtc"), tmp_path / "bank.h")
+    nw.export.write_c(narrow(300.0), tmp_path / "ship.h")
+    bank, ship = ((tmp_path / name).read_text(encoding="utf-8") for name in ("bank.h", "ship.h"))
+    assert "32 depth (not known, sets no bit: speed ahead, heading, depth)" in bank
+    assert "32 depth (not known, sets no bit: heading, yaw rate), 128 bottom" in ship
+    assert "The model gives no tested range of heading, yaw rate." in ship
+
+
+def test_the_tests_of_an_estimated_ship_are_those_of_other_ships() -> None:
+    lines = list(passport(narrow(300.0)))
+    assert any(line.startswith("The other ships' tests covered: ") for line in lines)
+    assert not any(line.startswith("Its tests") for line in lines)
