@@ -7,6 +7,7 @@ import narrows as nw
 from tables import frame_of, short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")
+KVLCC2 = nw.published("yasukawa2015_kvlcc2")
 
 
 @pytest.mark.parametrize(
@@ -25,6 +26,14 @@ DTC = nw.published("mikkelsen2025_dtc")
         (lambda: nw.nondimensional(DTC, "prime1", np.inf), "positive one"),
         (lambda: nw.identify(short_twin()).influence.most_moving("b_bnk"), "did you mean 'b_bank'"),
         (lambda: nw.ensemble(DTC, samples=-1), "from 0"),
+        (lambda: nw.simulate(KVLCC2, u=1.0, rudder=10, contact="none"), r"573 degrees; give radians \(rudder = 0.175"),
+        (lambda: nw.simulate(DTC, psi=5), "psi = 5 rad is 286 degrees; give radians"),
+        (lambda: nw.ensemble(DTC, psi=[0, -5]), "psi = -5 rad is -286 degrees; give radians"),
+        (lambda: nw.eigenvalues(KVLCC2, bank=False, rudder=10), "give radians"),
+        (lambda: nw.jacobian(DTC, psi=5), "give radians"),
+        (lambda: nw.sensitivities(DTC, ["y"], psi=5), "give radians"),
+        (lambda: nw.bank_force(DTC, 0.5, 5, 1.0), "give radians"),
+        (lambda: KVLCC2.forces(u=1.0, rudder=10), "give radians"),
         (lambda: nw.ensemble(DTC, width=[0.5, 7.0]), "does not fit in"),
         (lambda: nw.scale_model(DTC, 1e200), "is none"),
         (lambda: nw.scale_model(DTC, 355.0, width=0.0), "must be positive"),
@@ -38,6 +47,11 @@ DTC = nw.published("mikkelsen2025_dtc")
 def test_functions(act, said: str) -> None:
     with pytest.raises(nw.InputError, match=said):
         act()
+
+
+def test_a_heading_of_half_a_turn_and_a_rudder_across_are_angles() -> None:
+    voyage = nw.simulate(KVLCC2, u=1.0, psi=-np.pi, rudder=np.pi / 2, contact="none", duration=1.0)
+    assert (voyage.psi[0], voyage.rudder[0]) == (-np.pi, np.pi / 2)
 
 
 @pytest.mark.parametrize(

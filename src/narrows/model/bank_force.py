@@ -12,6 +12,7 @@ from narrows.model.data_range import extrapolation, sum_beyond
 from narrows.model.model import Model
 from narrows.quantities.names import Number
 from narrows.results import BaseResult
+from narrows.ship.checks import check_angles
 from narrows.ship.motion import Motion
 
 if TYPE_CHECKING:
@@ -124,6 +125,7 @@ def bank_force(
     """
     if not model.feels_bank:
         raise InputError(model.bank_note)
+    check_angles({"psi": psi})
     canal = model.configuration.canal
     depth = canal.depth if depth is None else depth
     deep: Number = 0.0 if depth is None else depth

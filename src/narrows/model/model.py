@@ -18,7 +18,7 @@ from narrows.model.data_range import DataRange
 from narrows.model.sections import Source, fields_of, sections_of
 from narrows.quantities.names import MOTION, Number
 from narrows.results import BaseResult
-from narrows.ship.checks import check_ahead
+from narrows.ship.checks import check_ahead, check_angles
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration, Configured
 from narrows.terms.bank_forms import without_bank
@@ -287,6 +287,7 @@ class Model(Configured, Operations):
         """
         if motion is None:
             named = {name: others.pop(name) for name in ("psi", *MOTION) if name in others}
+            check_angles({**named, **({} if rudder is None else {"rudder": rudder})})
             motion = Motion.at(**named) if "psi" in named else Motion(**named)
         check_ahead(revolutions)
         asked = {"rudder": rudder, "revolutions": revolutions, **others}

@@ -86,6 +86,22 @@ def check_ahead(revolutions: Number | None) -> None:
         raise InputError(f"revolutions = {float(np.min(revolutions)):g} 1/s: {AHEAD_ONLY}")
 
 
+# Largest angles [rad]: beyond them a number is one in degrees.
+LARGEST_ANGLES = {"psi": math.pi, "rudder": math.pi / 2}
+
+
+def check_angles(values: Mapping[str, Any]) -> None:
+    """Raise if a heading or a rudder angle, or one of a column, is in degrees."""
+    for name in LARGEST_ANGLES.keys() & values.keys():
+        angles = np.ravel(np.asarray(values[name], float))
+        largest = float(angles[np.argmax(np.abs(angles))]) if angles.size else 0.0
+        if abs(largest) > LARGEST_ANGLES[name] * (1 + 1e-9):  # pi of a file or of single precision is allowed
+            raise InputError(
+                f"{name} = {largest:g} rad is {math.degrees(largest):.0f} degrees; give radians ({name} = "
+                f"{math.radians(largest):.3g} for {largest:g} degrees)"
+            )
+
+
 def check_rule(rule: Rule, values: Mapping[str, Number], places: Mapping[str, str]) -> None:
     asked = {name: values[name] for name in rule.asks}
     _check(rule.right(*asked.values()), rule.sentence, asked, places)

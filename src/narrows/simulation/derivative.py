@@ -13,6 +13,7 @@ from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, Number
 from narrows.results import BaseResult
+from narrows.ship.checks import check_angles
 from narrows.simulation.initial_state import POSE, check_positions, initial_state
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.ship import SimulatedShip
@@ -244,6 +245,7 @@ def jacobian(
     check_positions(positions, ship)
     state = state_of((x, y, psi, u, v, r))
     numbers = finite_numbers(**state, X=X, Y=Y, N=N, **positions)
+    check_angles(numbers)
     pushes = {INPUTS[force]: numbers[force] for force in FORCES}
     values = {**ship.values(**positions), **pushes}
     linear = ship.linearisation(values)

@@ -12,7 +12,7 @@ from narrows.errors import InputError, check_count, did_you_mean, reason, shown
 from narrows.model.model import Model
 from narrows.quantities.names import PARTICULARS
 from narrows.ship.actuators import STANDARD, Actuator, particulars_with, places_of
-from narrows.ship.checks import Rule, check_number, check_particulars, check_rule, place_of
+from narrows.ship.checks import Rule, check_angles, check_number, check_particulars, check_rule, place_of
 from narrows.simulation.inputs import INPUTS, START, STEADY
 from narrows.simulation.settings import MOST_SAMPLES
 from narrows.terms.term import TermTable
@@ -88,6 +88,7 @@ def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> G
     values = {name: xr.DataArray(float(value)) for name, value in known.items()}
     values |= sampled(model, samples, seed) if samples else {}
     values |= columns
+    check_angles(columns)
     sizes = sizes_of(values)
     check_columns(model, values, columns)
     return Grid(values, sizes or {"vessel": 1})

@@ -18,6 +18,7 @@ from narrows.codegen.tape import tape_of
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.results import BaseResult
+from narrows.ship.checks import check_angles
 from narrows.simulation.initial_state import initial_state
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, finite_numbers, segments_of
@@ -219,6 +220,7 @@ class TangentIntegrator:
             )
         schedules = {name: rest.pop(name, 0.0) for name in PUSHED}
         numbers = {**START, "rudder": 0.0, **finite_numbers(**rest)}
+        check_angles(numbers)
         pushed = any(name in by or np.any(schedule) for name, schedule in schedules.items())
         integrator, start = initial_state(ship, steering, numbers, waterway, pushed)
         return cls(ship, steering, integrator, start, numbers, schedules, tuple(by), waterway is not None)._checked()

@@ -19,7 +19,7 @@ from narrows.model.water import is_full
 from narrows.quantities.names import MOTION
 from narrows.results import Tabulated
 from narrows.ship.actuators import PROPELLER, Actuator
-from narrows.ship.checks import check_ahead
+from narrows.ship.checks import check_ahead, check_angles
 from narrows.ship.particulars import Configuration
 from narrows.simulation import outcome as end
 from narrows.simulation.channel import points_of
@@ -307,6 +307,7 @@ def simulate(
     pushes = segments_of(X, Y, N, duration)
     check_positions(positions, ship)
     numbers = finite_numbers(x=x, y=y, psi=psi, u=u, v=v, r=r, rudder=rudder, **positions)
+    check_angles(numbers)
     check_irrelevant(ship, {"rudder": rudder, "X": any(push.forces[0] for push in pushes)})
     steering = steering_of(controller, ship.actuators)
     integrator, start = initial_state(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
