@@ -81,6 +81,8 @@ ROWS = np.array([
     [2.4, 0.5, 1.0, 3.5, 3.5, 0.0, 0.0, 0.3], [-3.3, 0.0, 1.0, 3.5, 3.5, 0.0, 0.0, 0.3],
     [4.02, 0.0, 1.0, 4.0, 3.0, 3.0, 0.0, 0.25],  # The keel of 0.163 m lies on the slope, short of the equivalent wall.
 ])  # fmt: skip
+# With as much water as the draft of 0.163 m, or less, the force is no number, as ``nw.bank_force`` refuses it.
+AGROUND = [[0.5, 0.0, 1.0, 3.5, 3.5, 0.0, 2.0, depth] for depth in (0.163, 0.1, 0.0, -1.0)]
 
 
 def expected(model: nw.Model, row: np.ndarray) -> list[float]:
@@ -119,7 +121,7 @@ def test_the_force_is_that_of_the_model(language: str, name: str, tmp_path: Path
         pytest.skip(f"no {commands[0][0]} is here")
     model = settled(name)
     nw.export.write_bank_force(model, tmp_path / file)
-    rows = json.dumps(ROWS.tolist())
+    rows = json.dumps([*ROWS.tolist(), *AGROUND])
     if language == "octave":
         rows = rows.replace("], [", "; ").replace("[[", "[").replace("]]", "]")
     rows = rows.replace("[", brackets[0]).replace("]", brackets[1])
@@ -128,6 +130,9 @@ def test_the_force_is_that_of_the_model(language: str, name: str, tmp_path: Path
         done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
         assert done.returncode == 0, done.stderr
     said = np.array([line.split() for line in done.stdout.splitlines()], float)
+    said, aground = np.split(said, [len(ROWS)])
+    assert np.isnan(aground[:, :4]).all()
+    assert (aground[:, 4] >= 64).all()
     np.testing.assert_allclose(said, [expected(model, row) for row in ROWS], rtol=1e-14)
     assert set(said[:, 4]) >= {0.0}
     assert len(set(said[:, 4] % 64)) > 2
