@@ -203,13 +203,32 @@ def test_a_model_without_a_bank_says_so(tmp_path: Path, browser: Any) -> None:
     notes = nw.export.write_page(nw.published("yasukawa2015_kvlcc2"), tmp_path / "ship.html")
     assert any("mmg+delta" in note for note in notes)
     page, wrong = opened(browser, tmp_path / "ship.html", 1280, 800)
-    assert page.inner_text("#turning").startswith("This model has no bank force")
-    assert "both banks" not in page.evaluate("document.body.innerText")
-    assert "without a bank force" in page.title()
+    assert page.inner_text("#turning") == "This model has no bank force: the ship sails in open water."
+    said = page.evaluate("document.body.innerText").partition("What this model rests on")[0]
+    assert not re.search("banks|canal|port bank|middle|Bars", said.replace("no bank force", "")), said
+    assert "in open water" in page.title()
+    settled(page)
+    assert page.inner_text("#fleet") == "All 500 ships still sail after 49 m."
+    assert page.inner_text("#alone") == "The solid ship still sails at the end, 1.6 m to starboard of the dashed line."
+    assert "in open water; with" in page.inner_text("footer")
     assert not page.locator("#map").is_visible()
     assert not page.locator("#field").is_visible()
     assert page.locator("#canal").bounding_box()["height"] > 200
-    assert "None of these ships meets a bank" in page.inner_text("#mapped")
+    put(page, rudder=35.0)
+    settled(page)
+    assert "turn by more than 90°" in page.inner_text("#fleet")
+    assert wrong == []
+
+
+def test_a_canal_without_a_bank_force_still_has_banks(tmp_path: Path, browser: Any) -> None:
+    model = nw.published("yasukawa2015_kvlcc2")
+    narrow = replace(model, configuration=replace(model.configuration, canal=nw.Canal(20.0)))
+    nw.export.write_page(narrow, tmp_path / "ship.html")
+    page, wrong = opened(browser, tmp_path / "ship.html", 1280, 800)
+    assert "until it touches a bank" in page.inner_text("#turning")
+    settled(page)
+    assert "in a canal 20 m wide" in page.inner_text("footer")
+    assert page.locator("#map").is_visible()
     assert wrong == []
 
 

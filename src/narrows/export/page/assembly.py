@@ -18,7 +18,16 @@ from narrows.codegen.printers.language import JavaScript
 from narrows.errors import InputError
 from narrows.export.exported_ship import ExportedShip
 from narrows.export.native_build import ZIG_CC, compiled, lacks_zig
-from narrows.export.page.page_sliders import ASSUMED, COEFFICIENTS, Slider, both_ways, covered, deviation, sliders_of
+from narrows.export.page.page_sliders import (
+    ASSUMED,
+    COEFFICIENTS,
+    Slider,
+    both_ways,
+    covered,
+    deviation,
+    is_open_water,
+    sliders_of,
+)  # fmt: skip
 from narrows.export.passport import passport
 from narrows.export.ship_files import c_text, javascript_text
 from narrows.model.model import Model
@@ -40,10 +49,15 @@ def assembled(ship: SimulatedShip, title: str, speed: Number | None) -> tuple[st
     exported = ExportedShip(ship, None, SHIP, steering_of(helm, ship.actuators))
     lacking = lacks_zig("WebAssembly")
     wasm = None if lacking else wasm_of(exported)
-    where = "between the banks of a canal" if ship.model.feels_bank else "in a canal, without a bank force"
-    own = title or f"{ship.model.configuration.ship.name} {where}: every line is one ship"
+    own = title or f"{ship.model.configuration.ship.name} {_where(ship.model)}: every line is one ship"
     notes = (f"{SLOWER}: {lacking}" if lacking else "", why, ship.model.bank_note)
     return page_text(exported, u, own, why, wasm), tuple(filter(None, notes))
+
+
+def _where(model: Model) -> str:
+    if is_open_water(model):
+        return "in open water"
+    return "between the banks of a canal" if model.feels_bank else "in a canal, without a bank force"
 
 
 SLOWER = "the page sails by plain JavaScript, a few times slower"
@@ -63,7 +77,8 @@ def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm:
     known: set[str] = set()
     given = {"model.js": model_script(exported)}
     return template.get_template("page.html.j2").render(
-        title=title, banks=exported.ship.model.feels_bank, foot=_foot(exported), helm=helm,
+        title=title, banks=exported.ship.model.feels_bank, open=is_open_water(exported.ship.model),
+        foot=_foot(exported), helm=helm,
         ship=exported.ship.model.configuration.ship.in_words, dotted=_dotted(exported.ship.model),
         passport=list(passport(exported.ship.model)), data=data.replace("<", "\\u003c"),
         style=smaller(asset("palette.css") + files("narrows.export.page").joinpath("page.css").read_text("utf-8")),
@@ -170,7 +185,8 @@ def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any
             "turned": _turned(exported),
         },
         "canal": {name: value for name, value in asdict(model.configuration.canal).items() if value is not None},
-        "banks": model.feels_bank, "settled": not (model.trust_note or model.covariance is None),
+        "open": is_open_water(model), "banks": model.feels_bank,
+        "settled": not (model.trust_note or model.covariance is None),
         "basis": "estimate" if model.source.estimate else "assumed" if model.covariance is None else "tests",
         "names": {
             "parameters": [JavaScript().named(one.name) for one in exported.parameters],
@@ -213,7 +229,8 @@ def _bounds(model: Model, name: str) -> list[float | None]:
 
 def _notes(model: Model, sliders: list[Slider]) -> list[str]:
     said = {slider.name for slider in sliders if slider.tested}
-    unsaid = [words for name, words in (("u", "speeds"), ("y", "offsets")) if name not in said]
+    asked = (("u", "speeds"), ("y", "offsets"))[: 1 if is_open_water(model) else 2]
+    unsaid = [words for name, words in asked if name not in said]
     doubt = UNTESTED if model.source.estimate else UNSETTLED
     notes = [doubt] if model.trust_note else []  # Without a bank force the headline gives the note
     tested = unsaid and not model.source.estimate

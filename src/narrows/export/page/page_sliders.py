@@ -19,6 +19,8 @@ ASSUMED = 0.05
 WIDE, NARROWEST, WIDEST = 3.0, 1.6, 2.0
 # Standard deviation of the starting offset [ship lengths] and of the heading [degrees].
 START_SPREAD, HEADING_SPREAD = 0.0125, 0.5
+# Open water: clearance to either bank, and largest starting offset [ship lengths]; a voyage is 7 long.
+CLEARANCE, OFFSET = 10.0, 2.0
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,12 @@ class Slider:
         return told | {"digits": digits}
 
 
+def is_open_water(model: Model) -> bool:
+    """Return whether a model has no bank force, and the banks of its canal are out of reach."""
+    ship = model.configuration.ship
+    return not model.feels_bank and model.configuration.canal.width > 2 * CLEARANCE * ship.length
+
+
 def sliders_of(exported: ExportedShip, speed: float, steered: bool) -> list[Slider]:
     model = exported.ship.model
     names = {parameter.name for parameter in exported.parameters}
@@ -54,9 +62,11 @@ def sliders_of(exported: ExportedShip, speed: float, steered: bool) -> list[Slid
 def _voyage(exported: ExportedShip, speed: float, steered: bool) -> Iterator[Slider]:
     model = exported.ship.model
     ship, canal, known = model.configuration.ship, model.configuration.canal, model.data_range
-    most, inputs = (canal.width - ship.beam) / 2, {one.name: one.value for one in exported.inputs}
+    inputs, is_open = {one.name: one.value for one in exported.inputs}, is_open_water(model)
+    most = OFFSET * ship.length if is_open else (canal.width - ship.beam) / 2
     if steered:
-        yield Slider("helm", "helm: hold the middle", "", VOYAGE, 0, 1, 1, 0, switch=True)
+        line = "dashed line" if is_open else "middle"
+        yield Slider("helm", f"helm: hold the {line}", "", VOYAGE, 0, 1, 1, 0, switch=True)
     fine = _fine(speed / 50)
     yield Slider("u", "speed", "m/s", VOYAGE, _to(0.3 * speed, fine), _to(1.6 * speed, fine), fine, speed,
                  covered(known.speed), _in_words(model, known.speed, fine, "m/s"))  # fmt: skip
@@ -81,9 +91,11 @@ def _canal(model: Model, deep: bool) -> Iterator[Slider]:
     ship, canal, known = model.configuration.ship, model.configuration.canal, model.data_range
     fine = _fine(canal.width / 200)
     low, high = NARROWEST * ship.beam, WIDEST * canal.width
-    yield Slider("width", "width", "m", CANAL, _to(low, fine), _to(high, fine), fine, canal.width,
-                 covered(known.width_to_beam, ship.beam),
-                 _in_words(model, known.width_to_beam, fine, "m", ship.beam), "the width of the canal")  # fmt: skip
+    if not is_open_water(model):
+        yield Slider("width", "width", "m", CANAL, _to(low, fine), _to(high, fine), fine, canal.width,
+                     covered(known.width_to_beam, ship.beam),
+                     _in_words(model, known.width_to_beam, fine, "m", ship.beam),
+                     "the width of the canal")  # fmt: skip
     if deep and canal.depth:
         fine, deepest = _fine(ship.draft / 100), max(4 * ship.draft, canal.depth)
         yield Slider("depth", "depth", "m", CANAL, _to(1.1 * ship.draft, fine), _to(deepest, fine), fine, canal.depth,
@@ -99,7 +111,8 @@ def _unknown(model: Model) -> Iterator[Slider]:
     yield Slider("sd_psi", "spread of headings", "°", UNKNOWN, 0, 3, 0.05, HEADING_SPREAD)
     yield Slider("doubt", "spread of coefficients", "×", UNKNOWN, 0, 3, 0.05, 1)
     yield Slider("ships", "ships", "", PICTURES, 500, 10_000, 500, 3000)
-    yield Slider("map", "map, cells across", "", PICTURES, 40, 240, 20, 200)
+    if not is_open_water(model):
+        yield Slider("map", "map, cells across", "", PICTURES, 40, 240, 20, 200)
 
 
 def deviation(model: Model, name: str) -> float:

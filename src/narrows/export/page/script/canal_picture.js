@@ -12,7 +12,7 @@ const ENLARGED = [2, 4]; // times the width of a phone, which follows the ship
 const DEEP = 64; // [px] width of the canal there, if that suffices
 
 /** `back` is the canvas of what stands, `front` that of what moves. */
-export function canalPicture(back, front, { length, beam, view }) {
+export function canalPicture(back, front, { length, beam, view, open }) {
   const hull = { length, beam };
   let camera, colours, width, bank;
   const views = () => [canalView(back, colours), canalView(front, { ...colours, land: "transparent" })];
@@ -44,7 +44,7 @@ export function canalPicture(back, front, { length, beam, view }) {
     for (const [x, y, sine] of [alone[0], alone.at(-1)]) {
       canal.ship({ along: x, across: y, heading: Math.asin(sine) }, hull, { stroke: "ship", fill: "panel", width: 1.4, opacity: 0.75 });
     }
-    words(canal);
+    if (!open) words(canal);
     canal.scaleBar();
   }
 

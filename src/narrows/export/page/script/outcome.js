@@ -34,6 +34,7 @@ export function tally(ended) {
 const SURE = 0.95;
 const TOLD = 0.05; // least share of ships that a sentence is worth
 const NO_BANK = "This model has no bank force: the ship sails as in open water, until it touches a bank.";
+const OPEN = "This model has no bank force: the ship sails in open water.";
 const MIDDLE = "In the middle of the canal both banks pull alike: the bow stays.";
 
 const DOUBTS = {
@@ -51,8 +52,8 @@ export const sideOf = (turning) => (turning > 0 ? STARBOARD : PORT);
  * Which way the water turns the bow, beside which bank, and how sure that is; `agree` is the share of ships that turn so,
  * `basis` where the spread of the coefficients comes from.
  */
-export function turningSentence({ y, turning, steers, middle, banks, settled, basis, agree }) {
-  if (!banks) return NO_BANK;
+export function turningSentence({ y, turning, steers, middle, banks, open, settled, basis, agree }) {
+  if (!banks) return open ? OPEN : NO_BANK;
   if (Math.abs(y) < middle || !turning) return MIDDLE;
   const near = y > 0 ? STARBOARD : PORT;
   const [way, other] = [sideOf(turning), sideOf(-turning)];
@@ -74,9 +75,11 @@ export function leaves(path, { y, psi }, seconds, tests) {
 }
 
 /** What becomes of the ships; `back` is the share that grounds on the other side than that of its first turn. */
-export function fleetSentence({ ships, port, starboard, sails, lost, half }, length, view, back) {
+export function fleetSentence({ ships, port, starboard, sails, lost, half }, { length, view, open, back }) {
   const grounded = [[port, PORT], [starboard, STARBOARD]].filter(([count]) => count)
     .map(([count, side]) => `<b class="${side}">${share(count, ships)}</b> ground on the <b class="${side}">${side}</b> bank`);
+  if (open && !lost) return `All ${ships.toLocaleString("en")} ships still sail after ${metres(view)}.`;
+  if (open) return `Of ${ships.toLocaleString("en")} ships ${share(lost, ships)} turn by more than 90°.`;
   if (!grounded.length) return `Of ${ships.toLocaleString("en")} ships <b>none grounds</b> within ${metres(view)}.`;
   const where = `, half of them within <b>${metres(half)}</b> (${(half / length).toFixed(1)} ship lengths)`;
   const rest = [[sails, "still sail"], [lost, "turn across the canal"]].filter(([count]) => count)
@@ -85,14 +88,17 @@ export function fleetSentence({ ships, port, starboard, sails, lost, half }, len
   return `Of ${ships.toLocaleString("en")} ships ${grounded.join(" and ")}${where}${rest.join("")}.${turned}`;
 }
 
-export function aloneSentence({ kind, x, y, time }, length, turned) {
-  if (kind === SAILS) return `The solid ship still sails after ${metres(x)}, ${offset(y)}.`;
-  if (kind === LOST) return `The solid ship turns across the canal after ${time.toFixed(1)} s.`;
+export function aloneSentence({ kind, x, y, time }, { length, open, turned }) {
+  if (kind === SAILS) return `The solid ship still sails at the end, ${offset(y, open)}.`;
+  if (kind === LOST) return `The solid ship turns ${open ? "by 90°" : "across the canal"} after ${time.toFixed(1)} s.`;
   const way = turned && turned !== kind ? "comes back from its first turn and touches" : "touches";
   return `The solid ship ${way} the ${kind} bank after ${time.toFixed(1)} s, ${metres(x)} on (${(x / length).toFixed(1)} ship lengths).`;
 }
 
-export const offset = (y) => `${Math.abs(y).toLocaleString("en", { maximumSignificantDigits: 2 })} m to ${y > 0 ? STARBOARD : PORT} of the middle`;
+export function offset(y, open) {
+  const side = y > 0 ? STARBOARD : PORT;
+  return `${Math.abs(y).toLocaleString("en", { maximumSignificantDigits: 2 })} m to ${side} of the ${open ? "dashed line" : "middle"}`;
+}
 
 function share(count, ships) {
   const percent = 100 * count / ships;

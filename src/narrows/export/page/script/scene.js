@@ -16,7 +16,7 @@ const NARROW = "(max-width: 760px)";
 
 export function sceneOf({ data, scenario, crew, here, settings, at }) {
   const { shape, ship, names } = data;
-  const picture = canalPicture(at.canal, at.moving, { ...ship, view: scenario.view });
+  const picture = canalPicture(at.canal, at.moving, { ...ship, view: scenario.view, open: data.open });
   const object = (keys, values) => Object.fromEntries(keys.map((key, place) => [key, values[place]]));
   const plots = {};
   let [run, colours, now, grown] = [0, coloursOf(), null, null];
@@ -89,7 +89,7 @@ export function sceneOf({ data, scenario, crew, here, settings, at }) {
     drawAlone();
     await new Promise((painted) => setTimeout(painted));
     if (mine === run) await sailFan(mine);
-    if (mine === run) await sailMap(mine);
+    if (mine === run && !data.open) await sailMap(mine);
     if (mine === run) at.root.dataset.settled = mine;
   }
 
@@ -113,7 +113,6 @@ export function sceneOf({ data, scenario, crew, here, settings, at }) {
     const { across } = now.map;
     const pixels = mapCells(now.map, across, colours, scenario.view, ship.length);
     const none = now.map.ended.every(({ kind }) => kind === SAILS);
-    at.mapped.parentElement.classList.toggle("empty", none && !data.banks);
     at.mapped.textContent = none ? `None of these ships meets a bank within ${metres(scenario.view)}.` : "";
     plots.map = drawMap(at.map, height(), { pixels, across }, { ...now, speeds: data.speeds, tested: data.tested, colours });
   }
