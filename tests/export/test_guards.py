@@ -1,4 +1,4 @@
-"""Steps and waterways that are none, at the doors of exported files: refused at once, as ``simulate`` refuses them."""
+"""Steps, waterways and file names that are none, at the doors of exported files: refused at once."""
 
 import json
 import shutil
@@ -12,6 +12,7 @@ from exported import bent, model_of, speed_of, states
 from test_scripts import python_of
 
 import narrows as nw
+from narrows.export.exporters import EXPORTERS
 
 REFUSED = 6
 # A step of 1000 s would take this ship of 4 m through the canal many times over.
@@ -89,3 +90,16 @@ console.log(refused);
     (tmp_path / "run.mjs").write_text(script, encoding="utf-8")
     done = subprocess.run(["node", "run.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True, timeout=20)
     assert int(done.stdout) == len(STEPS)
+
+
+@pytest.mark.parametrize(
+    ("kind", "name"),
+    [("bank-force", "full.m"), ("matlab", "abs.m"), ("matlab", "sin.c"), ("bank-force", "class.cs"), ("c", "class.hpp"),
+     ("c", "math.h"), ("python", "class.py"), ("python", "numpy.py")],
+)  # fmt: skip
+def test_a_file_that_hides_a_name_of_its_language_is_refused(kind: str, name: str, tmp_path: Path) -> None:
+    """With a name that does: Octave took ``full.m`` for its own ``full``, and C# cannot have a ``class class``."""
+    with pytest.raises(nw.InputError, match=f"name the file ship_{name}"):
+        EXPORTERS[kind].write(nw.published("mikkelsen2025_dtc"), tmp_path / name)
+    assert list(tmp_path.iterdir()) == []
+    EXPORTERS[kind].write(nw.published("mikkelsen2025_dtc"), tmp_path / f"ship_{name}")
