@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 import narrows as nw
+from narrows.report.printed_tables import print_waterway
 from narrows.waterway.geojson import read_line, waterway_from_line, write_waterway
 from tables import DTC_SHIP, frame_of, short_twin
 
@@ -53,7 +54,9 @@ def test_every_door_tells_that_a_file_has_no_verdicts_and_no_covariance() -> Non
         assert not any("is not known: the model has no" in note for note in notes(known)), name
 
 
-def test_a_map_with_latitude_first_is_seen_by_the_place_that_is_told(tmp_path: Path) -> None:
+def test_a_map_with_latitude_first_is_seen_by_the_place_that_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     line = [[32.30 + 0.001 * k, 30.60 + 0.002 * k] for k in range(4)]
     places = {}
     for order in (1, -1):
@@ -62,6 +65,8 @@ def test_a_map_with_latitude_first_is_seen_by_the_place_that_is_told(tmp_path: P
         canal = waterway_from_line(read_line(tmp_path / "line.json"), 300.0, 16.0)
         write_waterway(canal, tmp_path / "canal.geojson")
         read = nw.read_waterway(tmp_path / "canal.geojson")
+        print_waterway(read)
+        assert capsys.readouterr().out.split("\n", 1)[0].startswith(f"canal: {read.place}: if that is the wrong place")
         voyage = nw.simulate(nw.scale_model(DTC, 230.0).model, u=4.0, waterway=read, duration=1.0)
         places[order] = (read.place, read.summary(), " ".join(voyage.notes))
     assert all("about 30.60 N, 32.30 E" in told for told in places[1])

@@ -81,7 +81,7 @@ class SectionOptions:
         reach = reach_at(model, waterway, at)
         sentence = (
             f"at {at:.0f} m along {waterway.name}: the middle is {reach.middle:+.1f} m off its centreline, starboard "
-            "positive"
+            "positive" + (waterway.place and f"; {waterway.place_check}")
         )
         return reach.model, reach.asked, sentence
 

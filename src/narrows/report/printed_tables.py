@@ -153,6 +153,8 @@ def print_waterway(waterway: Waterway, draft: float = 0.0) -> None:
         for at, heading, *rest in (row.values() for row in summary["stations"])
     )
     heads = ("at [m]", "heading [deg]", "to starboard [m]", "to port [m]", "width [m]", "depth [m]")
+    if waterway.place:
+        console.print(f"{waterway.name}: {waterway.place_check}")
     console.print(table_of(heads, rows))
     console.print(summary["summary"])
     print_notes(console, summary["notes"])

@@ -57,7 +57,9 @@ class EnvelopeAlong(BaseResult):
     def notes(self) -> tuple[str, ...]:
         """Notes of the envelopes."""
         between = "between the places nothing is computed: each stands for the reach around it"
-        return tuple(dict.fromkeys((between, *(note for one in self.envelopes for note in one.notes))))
+        known = self.waterway
+        check = (f"The waterway {known.name} lies {known.place_check}.",) if known.place else ()
+        return tuple(dict.fromkeys((between, *check, *(note for one in self.envelopes for note in one.notes))))
 
     @property
     def untested(self) -> str:

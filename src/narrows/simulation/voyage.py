@@ -359,7 +359,7 @@ class _Log:
         code, side = self._code_and_side(self.rows[-1].state)
         model = self.ship.model
         bank = () if self.ship.shape == OPEN else model.bank_notes
-        place = (f"The waterway {waterway.name} lies {waterway.place}.",) if waterway and waterway.place else ()
+        place = (f"The waterway {waterway.name} lies {waterway.place_check}.",) if waterway and waterway.place else ()
         notes = (*bank, *place, *self._beyond(columns), *self._coarse(dt))
         state = {name: last[name] for name in ("x", "y", "psi", "u", "v", "r")}
         distance = last["x"] - float(columns["x"][0])

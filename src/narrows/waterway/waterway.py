@@ -137,11 +137,16 @@ class Waterway(BaseSummary):
 
     @property
     def place(self) -> str:
-        """Its place on earth, by which a map with latitude before longitude is recognised; empty if unknown."""
+        """Its place on earth; empty if unknown."""
         if self.origin is None:
             return ""
         east, north = self.origin
         return f"about {abs(north):.2f} {'NS'[north < 0]}, {abs(east):.2f} {'EW'[east < 0]}"
+
+    @property
+    def place_check(self) -> str:
+        """Its place on earth, for the reader to check: a map with latitude first is elsewhere; empty if unknown."""
+        return self.place and f"{self.place}: if that is the wrong place, latitude and longitude are swapped"
 
     @property
     def _stations(self) -> np.ndarray:
