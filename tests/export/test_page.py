@@ -72,6 +72,14 @@ def test_a_page_is_small_and_asks_for_nothing(paper: Path, shown: tuple[Any, lis
     assert "may be used" in page.inner_html("footer details")
 
 
+def test_a_page_says_that_it_computes(paper: Path, browser: Any) -> None:
+    """Its workers never answer."""
+    page = browser.new_page()
+    page.add_init_script("window.Worker = class { postMessage() {} }")
+    page.goto(paper.as_uri())
+    page.wait_for_selector("text='Computing 3,000 ships ...'")
+
+
 def test_the_headline_says_which_way_the_bow_may_turn(shown: tuple[Any, list[str]]) -> None:
     """The model has neither verdicts nor a covariance: what its ships do is no fact, and their spread is assumed."""
     page, wrong = shown
@@ -279,7 +287,11 @@ def test_first_turn_and_end_of_an_estimated_ship_are_one_story(tmp_path: Path, b
     away, other = ("starboard", "port") if first > 0 else ("port", "starboard")
     grounded = {side: sum(one["kind"] == side for one in ended) / len(ended) for side in (away, other)}
     back, agree = page.evaluate("[narrowsPage.scene.now.back, narrowsPage.scene.now.agree]")
-    assert back >= grounded[other] - (1 - agree) - 0.06, "who ends on a side without a first turn to it came back"
+    aground = sum(grounded.values())
+    assert back * aground >= grounded[other] - (1 - agree) - 0.06, "who ends where it did not first turn came back"
+    fates, _, came = page.inner_text("#fleet").partition("Of those that ground")
+    assert sum(map(int, re.findall(r"(\d+)\s%", fates))) == 100
+    assert f"{100 * back:.0f}" in came
     assert ("come back from their first turn" in page.inner_text("#fleet")) == (back >= 0.05)
     assert "in a canal 55 m wide, 4 m deep; with propeller, rudder. Sailed" in page.inner_text("footer")
     assert "than in the tests" not in page.evaluate(BESIDE)

@@ -83,6 +83,20 @@ def test_roots_and_odd_powers_are_those_of_the_library(tmp_path: Path) -> None:
     assert np.abs(ends[:, :2] - plain[:, :2]).max() < 1e-9
 
 
+def test_percentages_of_a_fleet_add_up_to_100() -> None:
+    script = f"""{bundled("outcome.js", {}, set())}
+import {{ readFileSync }} from "fs";
+const told = JSON.parse(readFileSync(0, "utf8")).map((counts) => module_outcome.shares(counts, 3000));
+console.log(JSON.stringify(told));
+"""
+    asked = [[646, 1255, 1099, 0], [3000, 0, 0, 0], [2999, 1, 0, 0], [1000, 1000, 1000, 0]]
+    said = [[share.replace("\u00a0%", "") for share in shares] for shares in answer(script, asked)]
+    assert said[0][:3] == ["21", "42", "37"], "each rounded would add up to 101"
+    assert said[1][0] == "all"
+    assert said[2][:2] == ["over 99", "under 1"]
+    assert said[3][:3] == ["34", "33", "33"]
+
+
 def test_coefficients_are_drawn_as_in_python() -> None:
     """The same normal numbers give the same coefficients, brought back to their bounds together."""
     draw = np.random.default_rng(4)

@@ -74,17 +74,18 @@ export function leaves(path, { y, psi }, seconds, tests) {
   return places.flatMap((place, kind) => (place < 0 ? [] : [`From ${(place * seconds).toFixed(1)} s on the ship is ${words[kind]} than in ${tests}.`]));
 }
 
-/** What becomes of the ships; `back` is the share that grounds on the other side than that of its first turn. */
+/** What becomes of the ships; `back` is the share of those aground that lies on the other side than that of its first turn. */
 export function fleetSentence({ ships, port, starboard, sails, lost, half }, { length, view, open, back }) {
-  const grounded = [[port, PORT], [starboard, STARBOARD]].filter(([count]) => count)
-    .map(([count, side]) => `<b class="${side}">${share(count, ships)}</b> ground on the <b class="${side}">${side}</b> bank`);
+  const parts = shares([port, starboard, sails, lost], ships);
+  const grounded = [[port, PORT, parts[0]], [starboard, STARBOARD, parts[1]]].filter(([count]) => count)
+    .map(([, side, part]) => `<b class="${side}">${part}</b> ground on the <b class="${side}">${side}</b> bank`);
   if (open && !lost) return `All ${ships.toLocaleString("en")} ships still sail after ${metres(view)}.`;
   if (open) return `Of ${ships.toLocaleString("en")} ships ${share(lost, ships)} turn by more than 90°.`;
   if (!grounded.length) return `Of ${ships.toLocaleString("en")} ships <b>none grounds</b> within ${metres(view)}.`;
   const where = `, half of them within <b>${metres(half)}</b> (${(half / length).toFixed(1)} ship lengths)`;
-  const rest = [[sails, "still sail"], [lost, "turn across the canal"]].filter(([count]) => count)
-    .map(([count, what]) => `; ${share(count, ships)} ${what}`);
-  const turned = back < TOLD ? "" : ` ${share(back, 1)} come back from their first turn and ground on the other side.`;
+  const rest = [[sails, "still sail", parts[2]], [lost, "turn across the canal", parts[3]]].filter(([count]) => count)
+    .map(([, what, part]) => `; ${part} ${what}`);
+  const turned = back < TOLD ? "" : ` Of those that ground, ${share(back, 1)} come back from their first turn.`;
   return `Of ${ships.toLocaleString("en")} ships ${grounded.join(" and ")}${where}${rest.join("")}.${turned}`;
 }
 
@@ -100,9 +101,17 @@ export function offset(y, open) {
   return `${Math.abs(y).toLocaleString("en", { maximumSignificantDigits: 2 })} m to ${side} of the ${open ? "dashed line" : "middle"}`;
 }
 
-function share(count, ships) {
-  const percent = 100 * count / ships;
-  if (count === ships) return "all";
-  if (percent < 1) return "under 1\u00a0%";
-  return percent > 99 ? "over 99\u00a0%" : `${Math.round(percent)}\u00a0%`;
+/** Counts of all ships in words, in whole percent that add up to 100 (largest remainders). */
+export function shares(counts, ships) {
+  const exact = counts.map((count) => 100 * count / ships);
+  const whole = exact.map(Math.floor);
+  const order = counts.map((_, place) => place).sort((a, b) => exact[b] - whole[b] - (exact[a] - whole[a]));
+  for (const place of order.slice(0, 100 - whole.reduce((sum, one) => sum + one, 0))) whole[place] += 1;
+  return counts.map((count, place) => {
+    if (count === ships) return "all";
+    if (whole[place] === 0) return "under 1\u00a0%";
+    return whole[place] === 100 ? "over 99\u00a0%" : `${whole[place]}\u00a0%`;
+  });
 }
+
+const share = (count, ships) => shares([count, ships - count], ships)[0];

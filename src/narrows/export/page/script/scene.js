@@ -62,7 +62,8 @@ export function sceneOf({ data, scenario, crew, here, settings, at }) {
     if (mine !== run) return;
     now.ended = outcomes(answer, shape, current);
     const other = { [PORT]: STARBOARD, [STARBOARD]: PORT };
-    now.back = turns.length ? share((side, place) => now.ended[place + 1].kind === other[side]) : 0;
+    const grounded = turns.filter((_, place) => other[now.ended[place + 1].kind]).length;
+    now.back = turns.filter((side, place) => now.ended[place + 1].kind === other[side]).length / (grounded || 1);
     now.tracks = Array.from(answer.kept, (_, place) => place).slice(0, 700)
       .map((place) => overGround(pathOf(answer, place, shape), task, current).map(([x, y]) => [x, y]));
     draw();

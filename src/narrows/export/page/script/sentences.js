@@ -12,7 +12,8 @@ export function said(at, data, now, view) {
   const { banks, settled, basis, open } = data;
   const turns = banks && turning && Math.abs(start.y) >= middle;
   written(at.turning, turningSentence({ y: start.y, turning, steers: values.helm > 0, middle, banks, open, settled, basis, agree: now.agree }));
-  if (ended.length) written(at.fleet, fleetSentence(tally(ended), { length: data.ship.length, view, open, back: turns ? now.back : 0 }));
+  const computing = `Computing ${values.ships.toLocaleString("en")} ships ...`;
+  written(at.fleet, !ended.length ? computing : fleetSentence(tally(ended), { length: data.ship.length, view, open, back: turns ? now.back : 0 }));
   written(at.alone, aloneSentence(alone, { length: data.ship.length, open, turned: turns && sideOf(turning) }));
   written(at.single, !banks || isSure({ settled, agree: now.agree }) ? "" : SINGLE);
   written(at.water, open ? "open water" : canalWords(values));
