@@ -4,6 +4,7 @@ import json
 import runpy
 import shutil
 import subprocess
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,8 +13,11 @@ from compiled import CompiledShip, needs_compiler, pointer
 from exported import bent, model_of, states
 
 import narrows as nw
+from narrows.export import native_build
+from narrows.export.exporters import EXPORTERS
 from narrows.export.passport import passport
 from narrows.model.data_range import DataRange
+from narrows.model.water import speeds_afloat
 from narrows.simulation.channel import along_waterway
 
 NODE, OCTAVE = shutil.which("node"), shutil.which("octave")
@@ -85,3 +89,27 @@ def test_the_tests_of_an_estimated_ship_are_those_of_other_ships() -> None:
     lines = list(passport(narrow(300.0)))
     assert any(line.startswith("The other ships' tests covered: ") for line in lines)
     assert not any(line.startswith("Its tests") for line in lines)
+
+
+def test_a_ship_without_a_bank_force_and_without_verdicts_says_so() -> None:
+    lines = list(passport(nw.published("yasukawa2015_kvlcc2")))
+    assert lines[0].endswith("motion without a bank force, by the terms mmg.")
+    assert "How well tests determine its coefficients is not known: the model has no verdicts." in lines
+    assert "motion between two banks" in next(passport(narrow(300.0)))
+
+
+@pytest.mark.parametrize("name", ["ship.h", "ship.fmu", "ship.tex"])
+def test_every_file_names_the_speed_at_which_the_ship_touches_the_bottom(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(native_build, "builds_here", lambda fmi: ())
+    model = narrow(300.0)
+    EXPORTERS[{"ship.h": "c", "ship.fmu": "fmu", "ship.tex": "latex"}[name]].write(model, tmp_path / name)
+    packed = zipfile.is_zipfile(tmp_path / name)
+    text = (
+        zipfile.ZipFile(tmp_path / name).read("documentation/passport.txt").decode()
+        if packed
+        else (tmp_path / name).read_text(encoding="utf-8")
+    )
+    fast = min(speeds_afloat(model.configuration.values()))
+    assert f"This file knows no bottom. From {fast:.4g} m/s the ship touches it or chokes the section." in text

@@ -236,9 +236,14 @@ class ExportedShip:
 
     def about(self) -> Iterator[str]:
         yield from passport(self.ship.model)
-        fast, bit = self.afloat_speed, BEYOND["bottom"][0]
-        until = f" From {fast:.4g} m/s the ship touches it or chokes the section: voyages go on, beyond has {bit}."
-        yield "This file knows no bottom." + (until if fast < BOUNDLESS else "")
+        on = f" Voyages go on, and beyond has {BEYOND['bottom'][0]}."
+        yield self.bottom_note + on * (self.afloat_speed < BOUNDLESS)
+
+    @property
+    def bottom_note(self) -> str:
+        fast = self.afloat_speed
+        until = f" From {fast:.4g} m/s the ship touches it or chokes the section." if fast < BOUNDLESS else ""
+        return f"This file knows no bottom.{until}"
 
 
 def prefix_of(path: str | Path) -> str:

@@ -2,7 +2,7 @@
 
 import hashlib
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from importlib.metadata import version
 from importlib.resources import files
 from io import BytesIO
@@ -63,7 +63,8 @@ def fmu_bytes(
         derivatives="true",
     )  # fmt: skip
     sources = {"ship.h": header, "choices.h": _choices(exported, variables, token, speed, dt)}
-    return fmu_of({**sources, "instance.h": source_of("instance.h")}, description, model, identifier, builds, fmi)
+    sources["instance.h"] = source_of("instance.h")
+    return fmu_of(sources, description, exported.about(), identifier, builds, fmi)
 
 
 def token_of(*parts: object) -> str:
@@ -76,7 +77,12 @@ def source_of(name: str) -> str:
 
 
 def fmu_of(
-    own: Mapping[str, str], description: str, model: Model, identifier: str, builds: tuple[NativeBuild, ...], fmi: int
+    own: Mapping[str, str],
+    description: str,
+    about: Iterable[str],
+    identifier: str,
+    builds: tuple[NativeBuild, ...],
+    fmi: int,
 ) -> bytes:
     """Return the archive: the description, the sources, the libraries, the passport."""
     sources = {**own, **{name: source_of(name) for name in SOURCES[fmi]}}
@@ -84,7 +90,7 @@ def fmu_of(
     parts |= {f"sources/{name}": text.encode() for name, text in sources.items()}
     if fmi > 2:
         parts["sources/buildDescription.xml"] = filled("build.xml.j2", identifier=identifier).encode()
-    parts["documentation/passport.txt"] = "".join(f"{line}\n" for line in passport(model)).encode()
+    parts["documentation/passport.txt"] = "".join(f"{line}\n" for line in about).encode()
     with TemporaryDirectory(prefix="narrows-fmu-") as folder:
         for name, text in sources.items():
             Path(folder, name).write_text(text, encoding="utf-8")

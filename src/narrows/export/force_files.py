@@ -98,7 +98,7 @@ def force_fmu(model: Model, identifier: str, fmi: int) -> bytes:
         low=[C().literal(one.bounds[0]) for one in inputs], high=[C().literal(one.bounds[1]) for one in inputs],
     )  # fmt: skip
     sources = {"bank.h": header, "choices.h": choices, "instance.h": source_of("bank_instance.h")}
-    return fmu_of(sources, description, model, identifier, native_build.builds_here(fmi), fmi)
+    return fmu_of(sources, description, passport(model), identifier, native_build.builds_here(fmi), fmi)
 
 
 def _variables(model: Model) -> Iterator[FmuVariable]:

@@ -34,7 +34,8 @@ def model_hash(model: Model) -> str:
 def passport(model: Model, covariance: bool = True) -> Iterator[str]:
     """Describe a model in a few lines: its kind, origin, and trust."""
     ship = model.configuration.ship
-    yield f"{ship.name}: motion between two banks by the terms {model.terms.name}."
+    where = "between two banks" if model.feels_bank else "without a bank force"
+    yield f"{ship.name}: motion {where}, by the terms {model.terms.name}."
     yield f"Model {model_hash(model)}, written by narrows {version('narrows')}. {LICENCE}"
     if model.source.text:
         yield f"Source: {model.source.text}."
@@ -50,6 +51,8 @@ def passport(model: Model, covariance: bool = True) -> Iterator[str]:
     unknown = unknown_ranges(model) if covered else []
     yield from [f"The model gives no tested range of {', '.join(unknown)}."] * bool(unknown)
     yield from ["The model does not say what its tests covered."] * (not covered)
+    if not model.verdicts and not model.unknown_note:
+        yield "How well tests determine its coefficients is not known: the model has no verdicts."
     yield from _coefficients(model)
     if covariance and model.covariance is not None:
         yield "Covariance of the coefficients in this order, the lower triangle row by row, in their units:"

@@ -28,12 +28,15 @@ def write_latex(model: "Model", path: str | Path) -> None:
         If the file cannot be written.
     """
     from narrows.codegen.printers.latex import Equations, environment
+    from narrows.export.exported_ship import ExportedShip
     from narrows.export.passport import passport
     from narrows.export.rendering import commented
     from narrows.quantities.names import FORCES
+    from narrows.simulation.ship import SimulatedShip
 
     form_of(path, EXPORTER.suffixes)
-    lines = [f"% {commented(line)}" for line in passport(model)]
+    about = [*passport(model), ExportedShip(SimulatedShip(model)).bottom_note]
+    lines = [f"% {commented(line)}" for line in about]
     written = Equations(model.terms)
     by_symbols = [*written.of_forces(tuple(FORCES)), *written.definitions()]
     by_numbers = written.of_forces(tuple(FORCES), model.coefficients)
