@@ -254,3 +254,14 @@ class TestReadyShips:
         assert forces["Y"] / scale == pytest.approx(sway, rel=1e-6)
         assert forces["N"] / scale / 175 == pytest.approx(yaw, rel=1e-6)
         assert forces["X"] / scale == pytest.approx(surge, rel=1e-6)
+
+
+@pytest.mark.parametrize(("depth", "other", "told"), [
+    (None, 15.5, True), (15.5, 15.5, False), (15.5, 16.2, False), (15.5, 20.0, True), (None, 60.0, False),
+])  # fmt: skip
+def test_a_model_of_one_depth_is_not_tested_at_another(depth: float | None, other: float, told: bool) -> None:
+    """Formulas give the coefficients of one depth: those of deep water are no answer in a canal."""
+    model = nw.estimate_model(
+        {"length": 200.0, "beam": 32.0, "draft": 12.0, "block_coefficient": 0.82}, nw.Canal(330.0, depth)
+    )
+    assert bool(model.data_range.outside("depth_to_draft", other / 12.0)) == told

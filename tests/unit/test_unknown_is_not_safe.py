@@ -57,6 +57,9 @@ class TestEnvelope:
     def test_what_is_not_counted_is_in_the_headline(self, with_bank: nw.Model) -> None:
         canal = replace(with_bank.configuration.canal, depth=None)
         dry = left_out(replace(with_bank, configuration=replace(with_bank.configuration, canal=canal)))
+        assert "depth of the canal is not known" in untested_reasons(
+            replace(with_bank, configuration=replace(with_bank.configuration, canal=canal))
+        )
         for words in ("uncertainty of the coefficients is not known", "depth of the canal is not known", "no verdict"):
             assert words in dry
 

@@ -50,6 +50,10 @@ SHAPES = {"L/B": (2.5, 15.0), "B/T": (1.2, 15.0), "block coefficient": (0.3, 1.0
 
 FASTEST_FROUDE = 0.25  # Largest Froude number of the tests behind the formulas
 SHALLOWEST, DEEPEST = 1.2, 1e3  # h/T of the calibration; beyond it the water is deep
+DEEP = 3.0  # h/T from which water counts as deep for manoeuvring, PIANC (1992), by Vantorre et al. (2017)
+# Share by which the clearance below the keel may differ from that of the estimate: the laws of depth have its power
+# -0.82, so coefficients change by 16 %.
+NEAR_DEPTH = 0.2
 BANK_VERDICT = "estimated from other ships"
 NEEDED = ("length", "beam", "draft", "block_coefficient")
 
@@ -134,7 +138,7 @@ def estimated(
         covariance=covariance,
         data_range=DataRange(
             speed=(0.0, FASTEST_FROUDE * math.sqrt(GRAVITY * known.length)),
-            depth_to_draft=(SHALLOWEST, DEEPEST),
+            depth_to_draft=_depths_of(depth_to_draft),
             **tested_places(known, canal),
         ),
         source=Source(
@@ -143,6 +147,14 @@ def estimated(
         ),
         verdicts=dict.fromkeys(bank_prior(), BANK_VERDICT),
     )
+
+
+def _depths_of(depth_to_draft: float) -> tuple[float, float]:
+    """Return the h/T for which coefficients of one h/T serve: those about it, or deep water."""
+    if math.isinf(depth_to_draft):
+        return DEEP, DEEPEST
+    least, most = (1 + (1 + sign * NEAR_DEPTH) * (depth_to_draft - 1) for sign in (-1, 1))
+    return max(SHALLOWEST, least), max(SHALLOWEST, most if depth_to_draft < DEEP else DEEPEST)
 
 
 def hull_of(ship: Ship) -> Hull:

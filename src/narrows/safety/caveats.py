@@ -170,6 +170,8 @@ def untested_reasons(model: Model) -> str:
     unknown = [name for name in ("speed", "abs_y", *_section(model)) if getattr(known, name) is None]
     if unknown:
         words.append(f"{UNKNOWN} {', '.join(SPOKEN[name] for name in unknown)}")
+    if model.configuration.canal.depth is None:
+        words.append("the depth of the canal is not known")
     there = [
         f"{IN_KNOTS[name].words} {IN_KNOTS[name].shown(value, value)} ({IN_KNOTS[name].shown(*getattr(known, name))} "
         "was tested)"
