@@ -14,7 +14,7 @@ from narrows.report.envelope_chart import UNTESTED
 from narrows.safety.speed_limits import reach_at
 from narrows.waterway import Bank, Centreline, Waterway
 
-PLACES, SPEEDS, OFFSETS = [0.0, 500.0, 2500.0], np.array([3.0, 5.0]), np.array([-40.0, 0.0, 40.0])
+PLACES, SPEEDS, OFFSETS = [0.0, 400.0, 1500.0], np.array([3.0, 5.0]), np.array([-40.0, 0.0, 40.0])
 ASKED = {"y": OFFSETS, "u": SPEEDS, "samples": 4}
 
 
@@ -25,6 +25,17 @@ def way() -> Waterway:
     depth = np.array([16.2, 16.2, 14.0, 14.0])
     banks = Bank("starboard", s, starboard), Bank("port", s, port)
     return Waterway(line, *banks, (s, depth), current=0.5, origin=(5.0, 52.0))
+
+
+def pinched() -> Waterway:
+    """300 m wide, 100 m at 1500 m; a sill of 13 m at 3000 m; a bend of 1500 m radius from 4000 m on."""
+    turned = np.linspace(0.05, 0.5, 10)
+    bend = 1500 * np.stack([1 - np.cos(turned), np.sin(turned)], axis=1) + [0.0, 4000.0]
+    line = Centreline(np.concatenate([[[0.0, y] for y in range(0, 4001, 500)], bend]))
+    s, sill = np.array([0.0, 1480.0, 1500.0, 1520.0, 4700.0]), np.array([0.0, 2980.0, 3000.0, 3020.0, 4700.0])
+    half = np.array([150.0, 150.0, 50.0, 150.0, 150.0])
+    depth = np.array([16.2, 16.2, 13.0, 16.2, 16.2])
+    return Waterway(line, Bank("starboard", s, half), Bank("port", s, half), (sill, depth))
 
 
 def ship() -> nw.Model:
@@ -40,7 +51,7 @@ def found() -> nw.safety.EnvelopeAlong:
 
 
 def test_each_row_is_the_envelope_of_its_place(found: nw.safety.EnvelopeAlong) -> None:
-    for row, place in zip(found.rows(), PLACES, strict=True):
+    for row, place in zip(found.rows(), found.computed_at.tolist(), strict=True):
         reach = reach_at(ship(), way(), place)
         alone = nw.safe_envelope(reach.model, **reach.asked, **ASKED)
         held = alone.by_model().transpose("y", "u").to_numpy()
@@ -51,8 +62,20 @@ def test_each_row_is_the_envelope_of_its_place(found: nw.safety.EnvelopeAlong) -
             tuple(OFFSETS[widest][[0, -1]] + reach.middle)
         )
         assert row["starboard_bank"] == pytest.approx(float(way().section(place).width / 2) + reach.middle)
+    assert found.computed_at.tolist() == [0.0, 400.0, 2000.0]
     assert found.envelopes[0] is found.envelopes[1]  # The same section, bend and current.
     assert found.envelopes[2].data.attrs["setting"] != found.envelopes[0].data.attrs["setting"]
+
+
+def test_each_reach_is_computed_at_its_tightest_section() -> None:
+    along = nw.envelope_along(ship(), pinched(), [0.0, 1000.0, 2200.0, 2700.0, 3900.0], y=[0.0], u=[4.0], samples=2)
+    assert [row["computed_at"] for row in along.rows()][:4] == [0.0, 1500.0, 2200.0, 3000.0]
+    assert along.rows()[1]["port_bank"] == pytest.approx(-50)
+    assert along.computed_at[4] > 4000
+    port, starboard, _ = along.plot().axes[1].lines
+    for line in (port, starboard):
+        assert np.abs(line.get_ydata()).min() == pytest.approx(50)
+        assert (line.get_xdata()[0], line.get_xdata()[-1]) == (0.0, along.waterway.line.length)
 
 
 def test_what_was_not_tested_is_hatched_and_not_called_safe(found: nw.safety.EnvelopeAlong) -> None:
@@ -64,8 +87,8 @@ def test_what_was_not_tested_is_hatched_and_not_called_safe(found: nw.safety.Env
     assert "Not tested: h/T" in found.summary()
     speed = found.plot().axes[0]
     looks = [(one.get_paths()[0].vertices[:, 0].min(), one.get_hatch()) for one in speed.collections]
-    assert [left for left, hatch in looks if hatch is None] == [0.0, 250.0]
-    assert [left for left, hatch in looks if hatch == UNTESTED] == [0.0, 250.0, 1500.0]
+    assert [left for left, hatch in looks if hatch is None] == [0.0, 200.0]
+    assert [left for left, hatch in looks if hatch == UNTESTED] == [0.0, 200.0, 950.0]
 
 
 def test_the_verb(tmp_path: Path, cli) -> None:

@@ -18,11 +18,11 @@ from narrows.safety import EnvelopeAlong
 def envelope_along_chart(along: EnvelopeAlong) -> Figure:
     figure, axes = panels(2, 1, 6.2, sharex=True)
     speed, offset = axes[:, 0]
-    rows, edges = along.to_dataframe(), _edges(along)
+    rows, edges, (s, *banks) = along.to_dataframe(), along.edges(), along.banks()
     _filled(speed, edges, rows, "lowest_speed", "highest_speed")
-    _filled(offset, edges, rows, "port", "starboard")
-    for bank in ("port_bank", "starboard_bank"):
-        offset.plot(rows.index, rows[bank], color=BLACK, lw=2)
+    _filled(offset, edges, rows, "port", "starboard", (s, *banks))
+    for bank in banks:
+        offset.plot(s, bank, color=BLACK, lw=2)
     offset.axhline(0.0, color=GREY, lw=0.8)
     for place in rows.index:
         speed.axvline(place, ymax=0.03, color=GREY, lw=0.8)
@@ -47,14 +47,10 @@ def envelope_along_chart(along: EnvelopeAlong) -> Figure:
     return figure
 
 
-def _edges(along: EnvelopeAlong) -> np.ndarray:
-    """Ends of the reaches for which the places stand: midway between them (n + 1,) [m]."""
-    middle = (along.places[:-1] + along.places[1:]) / 2
-    return np.concatenate([[0.0], middle, [along.waterway.line.length]])
-
-
-def _filled(axes: Axes, edges: np.ndarray, rows: Any, low: str, high: str) -> None:
-    """Fill what is safe, and hatch what is so by the model alone."""
+def _filled(
+    axes: Axes, edges: np.ndarray, rows: Any, low: str, high: str, banks: tuple[np.ndarray, ...] = ()
+) -> None:  # fmt: skip
+    """Fill what is safe, between the banks if given, and hatch what is so by the model alone."""
     looks: dict[str, dict[str, Any]] = {
         "_by_model": {"facecolor": "none", "edgecolor": PURPLE, "hatch": UNTESTED, "lw": 0.8},
         "": {"facecolor": PALE, "edgecolor": BLACK, "lw": 1.2},
@@ -63,11 +59,15 @@ def _filled(axes: Axes, edges: np.ndarray, rows: Any, low: str, high: str) -> No
         bottom, top = (rows[f"{end}{suffix}"].to_numpy() for end in (low, high))
         for left, right, under, over in zip(edges, edges[1:], bottom, top, strict=False):
             if np.isfinite(over):
-                axes.fill_between([left, right], under, over, **look)
+                s, *walls = banks or (edges,)
+                inside = (s >= left) & (s <= right)
+                ends = [np.clip(end, *(wall[inside] for wall in walls)) if walls else end for end in (under, over)]
+                axes.fill_between(s[inside], *ends, **look)
 
 
 HEADS = (
-    "along [m]", "safe [kn]", "safe offsets [m]", "at [kn]", "by the model [kn]", "by the model [m]", "limited by",
+    "along [m]", "computed at [m]", "safe [kn]", "safe offsets [m]", "at [kn]", "by the model [kn]", "by the model [m]",
+    "limited by",
 )  # fmt: skip
 
 
@@ -77,7 +77,7 @@ def print_envelope_along(along: EnvelopeAlong) -> None:
 
     table = (
         (
-            f"{row['distance']:.0f}", span(row, "lowest_speed", "highest_speed", ".1f"),
+            f"{row['distance']:.0f}", f"{row['computed_at']:.0f}", span(row, "lowest_speed", "highest_speed", ".1f"),
             span(row, "port", "starboard", "+z.0f"), f"{row['at_speed']:.1f}" if np.isfinite(row["at_speed"]) else "-",
             span(row, "lowest_speed_by_model", "highest_speed_by_model", ".1f"),
             span(row, "port_by_model", "starboard_by_model", "+z.0f"), row["limited_by"],

@@ -18,7 +18,9 @@ from narrows.safety.headline import first_run, runs
 from narrows.safety.request import default_offsets, default_speeds
 from narrows.safety.result import SafeEnvelope
 from narrows.safety.speed_limits import Reach, reach_at
+from narrows.ship.particulars import Ship
 from narrows.simulation.inputs import check_waterway
+from narrows.waterway.waterway import STATIONS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -37,16 +39,22 @@ class EnvelopeAlong(BaseResult):
     ----------
     waterway : Waterway
         The waterway.
+    draft : float [m]
+        Draft of the ship.
     places : array (n,) [m]
         Places along it.
+    computed_at : array (n,) [m]
+        The tightest section of the reach of each place.
     middles : array (n,) [m]
-        Middle of the section at each place, to starboard of the line.
+        Middle of that section, to starboard of the line.
     envelopes : tuple of SafeEnvelope
-        The envelope of each place; its offsets are from that middle.
+        The envelope there; its offsets are from that middle.
     """
 
     waterway: "Waterway"
+    draft: float
     places: np.ndarray
+    computed_at: np.ndarray
     middles: np.ndarray
     envelopes: tuple[SafeEnvelope, ...]
 
@@ -56,10 +64,10 @@ class EnvelopeAlong(BaseResult):
     @property
     def notes(self) -> tuple[str, ...]:
         """Notes of the envelopes."""
-        between = "between the places nothing is computed: each stands for the reach around it"
+        reach = "each place stands for the reach midway to its neighbours, computed at its tightest section"
         known = self.waterway
         check = (f"The waterway {known.name} lies {known.place_check}.",) if known.place else ()
-        return tuple(dict.fromkeys((between, *check, *(note for one in self.envelopes for note in one.notes))))
+        return tuple(dict.fromkeys((reach, *check, *(note for one in self.envelopes for note in one.notes))))
 
     @property
     def untested(self) -> str:
@@ -70,7 +78,18 @@ class EnvelopeAlong(BaseResult):
 
     def rows(self) -> list[dict[str, Any]]:
         """Return one row per place: banks and safe offsets off the line [m], speeds [knots], what limits the speed."""
-        return [_row(*there) for there in zip(self.places.tolist(), self.middles.tolist(), self.envelopes, strict=True)]
+        columns = (self.places.tolist(), self.computed_at.tolist(), self.middles.tolist(), self.envelopes)
+        return [_row(*there) for there in zip(*columns, strict=True)]
+
+    def edges(self) -> np.ndarray:
+        """Return the ends of the reaches (n + 1,) [m]: midway between the places, and those of the waterway."""
+        return _edges(self.waterway, self.places)
+
+    def banks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return where a keel meets the banks along the waterway [m]: distance, and port and starboard off the line."""
+        s = _nodes(self.waterway, self.edges())
+        room = self.waterway.room(s, self.draft)
+        return s, room.middle - room.width / 2, room.middle + room.width / 2
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the rows as a table by distance."""
@@ -116,8 +135,9 @@ def envelope_along(
 ) -> EnvelopeAlong:  # fmt: skip
     """Find the highest safe speed and the widest safe offsets at places along a waterway.
 
-    At each place it computes the safe envelope in the section, bend and current there, unless told otherwise at nine
-    offsets, nine speeds and those where the tests end, with 400 samples.
+    Each place stands for the reach midway to its neighbours. The safe envelope is computed in the tightest section of
+    that reach: least free width (less what the hull sweeps in a bend) times water under the keel. Unless told otherwise
+    it has nine offsets, nine speeds and those where the tests end, with 400 samples.
 
     Parameters
     ----------
@@ -141,7 +161,8 @@ def envelope_along(
         raise InputError("envelopes along a waterway need one, and places along it that rise; give them")
     if not (along[0] >= 0 and along[-1] <= waterway.line.length):
         raise InputError(f"a place is beyond {waterway.name}, 0 to {waterway.line.length:.0f} m; choose places on it")
-    reaches = [reach_at(model, waterway, place) for place in along.tolist()]
+    tightest = _tightest(model.configuration.ship, waterway, along)
+    reaches = [reach_at(model, waterway, place) for place in tightest.tolist()]
     known: dict[Any, SafeEnvelope] = {}
     for reach in reaches:  # A canal of one section has one envelope.
         if (key := _section(reach)) not in known:
@@ -152,7 +173,36 @@ def envelope_along(
                 usual["u"] = default_speeds(reach.model, settings.ALONG_SPEEDS)
             known[key] = safe_envelope(reach.model, **usual)
     found = tuple(known[_section(reach)] for reach in reaches)
-    return EnvelopeAlong(waterway, along, np.array([reach.middle for reach in reaches]), found)
+    middles, draft = np.array([reach.middle for reach in reaches]), model.configuration.ship.draft
+    return EnvelopeAlong(waterway, draft, along, tightest, middles, found)
+
+
+def _edges(waterway: "Waterway", places: np.ndarray) -> np.ndarray:
+    return np.concatenate([[0.0], (places[:-1] + places[1:]) / 2, [waterway.line.length]])
+
+
+def _nodes(waterway: "Waterway", more: np.ndarray) -> np.ndarray:
+    """Evenly spaced places, every corner of banks and depths, and more (n,) [m]."""
+    length, depths = waterway.line.length, [] if waterway.depths is None else [waterway.depths[0]]
+    even = np.linspace(0, length, STATIONS)
+    return np.unique(np.clip(np.concatenate([even, waterway.starboard.s, waterway.port.s, *depths, more]), 0, length))
+
+
+def _tightest(ship: Ship, waterway: "Waterway", places: np.ndarray) -> np.ndarray:
+    """Section of each reach with the least free width times water under the keel (n,) [m]; at ties the place."""
+    edges = _edges(waterway, places)
+    s = _nodes(waterway, np.concatenate([places, edges]))
+    room = waterway.room(s, ship.draft)
+    # A hull in a bend sweeps the height of its chord more, L^2 / (8 R). An unknown depth counts as constant.
+    swept = ship.length**2 * np.abs(room.curvature) / 8
+    under = np.nan_to_num(room.depth - ship.draft, nan=1.0)
+    free = np.maximum(room.width - ship.beam - swept, 0.0) * np.maximum(under, 0.0)
+    found = []
+    for place, low, high in zip(places, edges, edges[1:], strict=False):
+        inside = np.flatnonzero((s >= low) & (s <= high))
+        least, here = inside[free[inside].argmin()], np.searchsorted(s, place)
+        found.append(place if free[here] <= (1 + settings.SAME_ROOM) * free[least] else s[least])
+    return np.array(found)
 
 
 def _section(reach: Reach) -> tuple[Any, ...]:
@@ -163,13 +213,13 @@ def _section(reach: Reach) -> tuple[Any, ...]:
     ))  # fmt: skip
 
 
-def _row(place: float, middle: float, envelope: SafeEnvelope) -> dict[str, Any]:
+def _row(place: float, computed_at: float, middle: float, envelope: SafeEnvelope) -> dict[str, Any]:
     by_model = envelope.by_model()
     safe = by_model & envelope.data["tested"] & (not envelope.untested)
     port, starboard = envelope.walls
     tops = envelope.limited_by()
     return {
-        "distance": place, "port_bank": middle - port, "starboard_bank": middle + starboard,
+        "distance": place, "computed_at": computed_at, "port_bank": middle - port, "starboard_bank": middle + starboard,
         **_reach(safe, middle), **_reach(by_model, middle, "_by_model"), "limited_by": tops[len(tops) // 2],
     }  # fmt: skip
 

@@ -6,6 +6,7 @@ KEEL_SHARE = 0.05  # [1] of the draft, left under the keel
 OFFSETS = 25  # default number of places over the width
 SPEEDS = 15  # default number of speeds
 ALONG_OFFSETS, ALONG_SPEEDS = 9, 9  # the same at each of the places along a waterway
+SAME_ROOM = 1e-3  # [1] sections whose room differs by less are alike: maps are rounded
 SLOWEST = 0.3  # [1] of the choking speed: default of the lowest speed
 FASTEST = 1.05  # [1] of the choking speed: default of the highest speed
 # Trials
