@@ -56,7 +56,8 @@ def test_a_file_of_another_kind_is_refused_and_not_written(kind: str, tmp_path: 
 def test_the_help_names_it_and_python_gives_it(kind: str) -> None:
     own, shown = EXPORTERS[kind], CliRunner().invoke(app, ["export", "--help"]).stdout
     assert repr(kind) in shown
-    assert own.suffixes[0] in shown
+    words = [word.rstrip(",.") for word in shown.split()]
+    assert [words.count(suffix) for suffix in own.suffixes] == [1] * len(own.suffixes)
     assert getattr(nw.export, own.write.__name__) is own.write
     assert own.words
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 *_FIRST, _LAST = map(repr, EXPORTERS)
 WHAT = f"What to write: {', '.join(_FIRST)} or {_LAST}."
-*_FIRST, _LAST = (exporter.suffixes[0] for exporter in EXPORTERS.values())
+*_FIRST, _LAST = dict.fromkeys(suffix for exporter in EXPORTERS.values() for suffix in exporter.suffixes)
 WHERE = f"File to write: {', '.join(_FIRST)} or {_LAST}."
 
 
