@@ -8,13 +8,13 @@ const ROOM = { bank: 62, narrow: 40, behind: 0.85, ahead: 0.35 };
 const TALLEST = 330;
 const LEAST = 0.5; // share of the picture's width that the voyage takes, however wide the canal
 const LYING = 24;
-const ENLARGED = [2, 4]; // times the width of a phone, which follows the ship
+const ENLARGED = [1, 4]; // times the width of a phone, which follows the ship
 const DEEP = 64; // [px] width of the canal there, if that suffices
 
 /** `back` is the canvas of what stands, `front` that of what moves. */
 export function canalPicture(back, front, { length, beam, view, open }) {
   const hull = { length, beam };
-  let camera, colours, width, bank;
+  let camera, colours, width, bank, followed;
   const views = () => [canalView(back, colours), canalView(front, { ...colours, land: "transparent" })];
 
   /** The whole voyage across the canvas, at one scale; of a canal that is too wide for it the middle. */
@@ -24,7 +24,9 @@ export function canalPicture(back, front, { length, beam, view, open }) {
     const along = view + (ROOM.behind + ROOM.ahead) * length;
     const times = Math.min(ENLARGED[1], Math.max(ENLARGED[0], (DEEP * along) / width / strip.clientWidth));
     const space = strip.clientWidth * (narrow ? times : 1);
-    strip.tabIndex = narrow ? 0 : -1;
+    const wide = space > strip.clientWidth;
+    strip.tabIndex = wide ? 0 : -1;
+    strip.parentElement.classList.toggle("wide", wide);
     const tallest = narrow ? TALLEST / 2 : TALLEST;
     const metres = Math.max(along / space, Math.min(width / tallest, along / space / LEAST));
     for (const canvas of [back, front]) Object.assign(canvas.style, { width: `${space}px`, height: `${Math.min(width / metres, tallest) + 2 * bank}px` });
@@ -83,17 +85,17 @@ export function canalPicture(back, front, { length, beam, view, open }) {
   }
 
   function words(canal) {
-    const pen = back.getContext("2d");
+    const [pen, narrow] = [back.getContext("2d"), bank < ROOM.bank];
     pen.font = "600 12px system-ui, sans-serif";
     for (const [side, sign] of [[PORT, -1], [STARBOARD, 1]]) {
-      const y = canal.toPixels([camera.along, sign * width / 2])[1] + sign * 14;
+      const y = canal.toPixels([camera.along, sign * width / 2])[1] + sign * (narrow ? bank - 9 : 14); // On a phone outside the bars
       const [tall, below] = [back.clientHeight, y > back.clientHeight];
-      const end = below ? tall - 44 : Math.max(14, y); // The scale stands below.
-      const name = end === y ? `${side} bank` : `${side} bank: ${written(width / 2)} from the middle`;
+      const end = below ? tall - 44 : Math.max(9, y); // The scale stands below.
+      const name = below || y < 0 ? `${side} bank: ${written(width / 2)} from the middle` : `${side} bank`;
       pen.fillStyle = colours[side];
       pen.textBaseline = "middle";
-      pen.textAlign = bank < ROOM.bank ? "right" : "left"; // On a phone the scale stands at the left.
-      pen.fillText(name, bank < ROOM.bank ? back.parentElement.clientWidth - 12 : 12, end);
+      pen.textAlign = narrow ? "right" : "left"; // On a phone the scale stands at the left.
+      pen.fillText(name, narrow ? back.parentElement.clientWidth - 12 : 12, end);
     }
     pen.textAlign = "left";
   }
@@ -105,7 +107,8 @@ export function canalPicture(back, front, { length, beam, view, open }) {
     canal.look(camera);
     const heading = Math.asin(sine);
     const strip = back.parentElement;
-    if (bank < ROOM.bank) strip.scrollLeft = canal.toPixels([x, y])[0] - strip.clientWidth / 2;
+    if (x !== followed) strip.scrollLeft = canal.toPixels([x, y])[0] - strip.clientWidth / 2;
+    followed = x; // A picture that stands may be swiped.
     canal.ship({ along: x, across: y, heading }, hull, { fill: "ship", stroke: "panel", width: 1.2 });
     if (turning) arrow(canal, { x, y, heading, turning, side });
   }
