@@ -146,17 +146,17 @@ def test_the_call_of_python(name: str) -> None:
     y, psi, u, starboard, port, slope_starboard, slope_port, depth = ROWS.T
     water = {"starboard": starboard, "port": port, "slope_starboard": slope_starboard, "slope_port": slope_port,
              "depth": depth}  # fmt: skip
-    answers = nw.bank_force(model, y, psi, u, **water)
+    answers = nw.bank_force(model, y, u, psi, **water)
     np.testing.assert_allclose(answers.to_dataframe(), [expected(model, row) for row in ROWS], rtol=1e-14)
     for number, row in enumerate(ROWS):
-        one = nw.bank_force(model, *row[:3], **{name: value[number] for name, value in water.items()})
+        one = nw.bank_force(model, row[0], row[2], row[1], **{name: value[number] for name, value in water.items()})
         np.testing.assert_array_equal(one.to_dataframe(), answers.to_dataframe()[number : number + 1])
     assert "beyond the data" in answers.summary().lower()
 
 
 def test_the_canal_of_the_model_is_meant_unless_given() -> None:
     model = nw.published("mikkelsen2025_dtc")
-    force = nw.bank_force(model, 0.5, 0.1, 1.0)
+    force = nw.bank_force(model, 0.5, 1.0, 0.1)
     known = model.bank_forces(nw.Motion.at(y=0.5, psi=0.1, u=1.0))
     assert (force.Y, force.N) == pytest.approx((known["Y"], known["N"]), rel=1e-14)
     assert np.isnan(force.Y_deviation) == (model.covariance is None)
@@ -168,16 +168,16 @@ def test_the_canal_of_the_model_is_meant_unless_given() -> None:
 )
 def test_water_that_is_none_is_refused(told: dict[str, float], message: str) -> None:
     with pytest.raises(nw.InputError, match=message):
-        nw.bank_force(nw.published("mikkelsen2025_dtc"), 0.5, 0.0, 1.0, **told)
+        nw.bank_force(nw.published("mikkelsen2025_dtc"), 0.5, 1.0, **told)
 
 
 def test_a_slope_needs_a_depth_and_a_model_needs_a_bank() -> None:
     model = nw.published("mikkelsen2025_dtc")
     dry = replace(model, configuration=replace(model.configuration, canal=nw.Canal(7.0)))
     with pytest.raises(nw.InputError, match="depth"):
-        nw.bank_force(dry, 0.5, 0.0, 1.0, slope_port=2.0)
+        nw.bank_force(dry, 0.5, 1.0, slope_port=2.0)
     with pytest.raises(nw.InputError, match="mmg\\+delta"):
-        nw.bank_force(nw.published("yasukawa2015_kvlcc2"), 0.5, 0.0, 1.0)
+        nw.bank_force(nw.published("yasukawa2015_kvlcc2"), 0.5, 1.0)
 
 
 @pytest.mark.skipif(shutil.which("gcc") is None, reason="no C compiler is here")
@@ -245,7 +245,7 @@ int main() {{
     nw.export.write_bank_force(model, tmp_path / "dtc.h")
     subprocess.run(["g++", "-std=c++11", *WARNINGS, "main.cpp", "-o", "main"], cwd=tmp_path, check=True)
     done = subprocess.run(["./main"], cwd=tmp_path, capture_output=True, text=True, check=True)
-    force = nw.bank_force(model, 0.8, 0.1, 1.0, starboard=3.5, port=3.2, depth=0.3)
+    force = nw.bank_force(model, 0.8, 1.0, 0.1, starboard=3.5, port=3.2, depth=0.3)
     assert [*map(float, done.stdout.split())] == pytest.approx([force.Y, force.N, force.N - 0.4 * force.Y], rel=1e-12)
 
 

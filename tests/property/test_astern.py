@@ -89,7 +89,7 @@ def test_way_astern_is_noted_at_the_other_doors(tmp_path: Path) -> None:
     """Or refused: steady courses, envelopes and helms are those of a ship ahead."""
     model = nw.published("mikkelsen2025_dtc")
     words = "Beyond the data: way astern -1 m/s; they covered ahead alone."
-    force = nw.bank_force(model, 0.5, 0.0, -1.0)
+    force = nw.bank_force(model, 0.5, -1.0)
     assert (words in force.notes, int(force.beyond) & 1) == (True, 1)
     assert words in nw.stability(model, u=-1.0).notes
     assert "astern" not in nw.stability(model, u=1.0).notes

@@ -165,6 +165,18 @@ FRESH: dict[str, Callable[[Path], Any]] = {
 }
 """Of forty more, written down before they were tried, those that hold."""
 ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
+    "nw.read_table(path)": (lambda: nw.read_table("tests.csv"), "give ship='ship.toml'"),  # type: ignore[attr-defined]
+    "model.b_bank": (lambda: DTC.b_bank, r"write model\['b_bank'\]"),  # type: ignore[attr-defined]
+    "model.poles()": (lambda: DTC.poles(), r"write linearize\(u=...\).poles\(\)"),  # type: ignore[attr-defined]
+    "model.sample": (lambda: DTC.sample, "write nw.ensemble"),  # type: ignore[attr-defined]
+    "nw.list_models()": (lambda: nw.list_models(), "write published .* ready_ships"),  # type: ignore[attr-defined]
+    "nw.plot_envelope": (lambda: nw.plot_envelope, "write safe_envelope"),  # type: ignore[attr-defined]
+    "nw.froude": (lambda: nw.froude, "write scale_model"),  # type: ignore[attr-defined]
+    "nw.kalman": (lambda: nw.kalman, "write estimation.Estimator"),  # type: ignore[attr-defined]
+    'nw.simulate(u="8 kn")': (lambda: nw.simulate(DTC, u="8 kn"), "8 kn is 4.12 m/s"),  # type: ignore[arg-type]
+    'nw.ensemble(u="8 kn")': (lambda: nw.ensemble(DTC, u="8 kn"), "8 kn is 4.12 m/s"),
+    'nw.safe_envelope(u="8 kn")': (lambda: nw.safe_envelope(STEERED, u="8 kn"), "8 kn is 4.12 m/s"),  # type: ignore[arg-type]
+    "nw.simulate(x0=[...])": (lambda: nw.simulate(DTC, x0=[0.0, 0.5, 0.0, 1.0, 0.0, 0.0]), "x is the place along"),
     "fit.pvalues": (lambda: fit().pvalues, "write verdicts"),  # type: ignore[attr-defined]
     "nw.Waterway.straight()": (lambda: nw.Waterway.straight(), "write nw.read_waterway"),
     "nw.simulate(..., t_span=)": (lambda: nw.simulate(DTC, y=0.5, t_span=(0, 9)), "write duration"),
@@ -204,6 +216,10 @@ fit.bse; fit.cov()
 model.save("m.toml"); nw.load("m.toml") == model
 voyage.to_netcdf("v.nc")
 tests.groupby("test").mean()
+assert tests.mean()["u"] == tests.u.mean() and tests.filter("y > 0").rows == tests.query("y > 0").rows
+assert fit.ci().equals(fit.conf_int()) and fit.confidence_intervals().shape == (17, 2)
+assert nw.Ship(length=230.0, beam=32.2, draft=10.8, block=0.65).block_coefficient == 0.65
+assert model.bank_force(0.5, 1.0).Y == nw.bank_force(model, y=0.5, psi=0.0, u=1.0).Y
 tests.plot()
 tests.names[0]
 tests.u.mean()

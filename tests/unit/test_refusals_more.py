@@ -32,7 +32,7 @@ KVLCC2 = nw.published("yasukawa2015_kvlcc2")
         (lambda: nw.eigenvalues(KVLCC2, bank=False, rudder=10), "give radians"),
         (lambda: nw.jacobian(DTC, psi=5), "give radians"),
         (lambda: nw.sensitivities(DTC, ["y"], psi=5), "give radians"),
-        (lambda: nw.bank_force(DTC, 0.5, 5, 1.0), "give radians"),
+        (lambda: nw.bank_force(DTC, 0.5, 1.0, 5), "give radians"),
         (lambda: KVLCC2.forces(u=1.0, rudder=10), "give radians"),
         (lambda: nw.ensemble(DTC, width=[0.5, 7.0]), "does not fit in"),
         (lambda: nw.scale_model(DTC, 1e200), "is none"),

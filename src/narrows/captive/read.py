@@ -25,9 +25,14 @@ from narrows.ship.actuators import Actuator
 from narrows.ship.particulars import Configuration
 from narrows.ship.ship_file import ShipSource, ship_file_of, ship_from
 
+NO_SHIP = (
+    "a table has no ship of its own; give ship='ship.toml', a Configuration, or {'ship': {'length': ...}, 'canal': "
+    "{'width': ...}}"
+)
+
 
 def read_captive(
-    table: Any, ship: ShipSource, where: str | None = None, actuators: Iterable[Actuator] = (),
+    table: Any, ship: ShipSource | None = None, where: str | None = None, actuators: Iterable[Actuator] = (),
     mapping: str | Path | Mapping[str, Any] | ColumnMapping | None = None,
 ) -> CaptiveTests:  # fmt: skip
     """Read a table of captive tests into memory.
@@ -67,6 +72,8 @@ def read_captive(
     >>> nw.read_captive(table, tests.configuration).rows == tests.rows
     True
     """
+    if ship is None:
+        raise InputError(NO_SHIP)
     movers = tuple(actuators)
     configuration = ship_from(ship, movers)
     path = Path(table) if isinstance(table, str | os.PathLike) else None
@@ -89,7 +96,7 @@ def as_tests(tests: Any, ship: ShipSource | None, usual: ShipSource | None = Non
         return tests
     known = usual if ship is None else ship
     if known is None:
-        raise InputError("a table has no ship of its own; give ship='ship.toml', or a Configuration")
+        raise InputError(NO_SHIP)
     return read_captive(tests, known)
 
 

@@ -85,8 +85,8 @@ def _doubt(deviation: Number, unit: str) -> str:
 
 
 def bank_force(
-    model: Model, y: Number, psi: Number, u: Number, *, starboard: Number | None = None, port: Number | None = None,
-    depth: Number | None = None, slope_starboard: Number = 0.0, slope_port: Number = 0.0,
+    model: Model, y: Number, u: Number, psi: Number = 0.0, *, starboard: Number | None = None,
+    port: Number | None = None, depth: Number | None = None, slope_starboard: Number = 0.0, slope_port: Number = 0.0,
 ) -> BankForce:  # fmt: skip
     """Evaluate the force of the banks on a ship, with standard deviations and a flag for untested inputs.
 
@@ -99,10 +99,10 @@ def bank_force(
         A model with a bank term.
     y : number [m]
         Offset of midship to starboard of the line.
-    psi : number [rad]
-        Heading from the direction of the line, clockwise seen from above.
     u : number [m/s]
         Surge velocity through the water.
+    psi : number [rad]
+        Heading from the direction of the line, clockwise seen from above.
     starboard, port : number, optional [m]
         Distance from the line to the foot of each bank; half the width of the model's canal unless given.
     depth : number, optional [m]
@@ -119,7 +119,7 @@ def bank_force(
     --------
     >>> import narrows as nw
     >>> dtc = nw.published("mikkelsen2025_dtc")
-    >>> force = nw.bank_force(dtc, 0.8, 0.0, 1.0, starboard=3.5, port=3.2)
+    >>> force = nw.bank_force(dtc, 0.8, 1.0, starboard=3.5, port=3.2)
     >>> force.Y > 0 > force.N  # towards the near bank, the bow away from it
     True
     """

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+# Reductions of a data frame that are of its numbers alone.
+OF_NUMBERS = ("mean", "std", "var", "sem", "median", "quantile", "skew", "kurt", "corr", "cov", "abs")
+
 # Marks methods in the tables of names.
 CALL = "()"
 
@@ -109,6 +112,8 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
     remedy = next((it for it in INSTEAD.get(name, ()) if re.split(r"[ (.,]", it)[0] in {*known, "nw"}), None)
     if name.startswith("_"):
         return object.__getattribute__(thing, name)
+    if "coefficients" in known and name in thing.coefficients:
+        remedy = f"{type(thing).__name__.lower()}[{name!r}]"
     why = f": {WHY[name]}" if name in WHY else ""
     kinds = (kind for kind in type(thing).__mro__ if kind.__module__.startswith("narrows"))
     own = {
@@ -273,7 +278,8 @@ class Tabulated(BaseResult):
             except AttributeError:
                 if name.startswith("_") or not (table_has(name) or name in self.__dict__.get("columns", ())):
                     raise
-                return getattr(self.to_dataframe(), name)
+                table = self.to_dataframe()
+                return getattr(table.select_dtypes("number") if name in OF_NUMBERS else table, name)
 
 
 def readable(value: float, std: float = math.nan) -> str:

@@ -12,6 +12,7 @@ from narrows.model.squat import choke_speed, squat
 from narrows.quantities.names import AIR_DENSITY, Number
 from narrows.safety.channel_rules import BANKS
 from narrows.safety.settings import FASTEST, KEEL_SHARE, OFFSETS, SLOWEST, SPEEDS
+from narrows.simulation.grid import labelled
 
 # Positions where a keel meets the banks [m]: to port and to starboard of the middle.
 Walls = tuple[float, float]
@@ -186,8 +187,8 @@ def envelope_request(
             "and metres from 0"
         )
     room = walls or (canal.width / 2, canal.width / 2)
-    offsets = default_offsets(model, room) if y is None else np.atleast_1d(np.asarray(y, float))
-    speeds = default_speeds(model) if u is None else np.atleast_1d(np.asarray(u, float))
+    offsets = default_offsets(model, room) if y is None else labelled("y", y).to_numpy().reshape(-1)
+    speeds = default_speeds(model) if u is None else labelled("u", u).to_numpy().reshape(-1)
     _check(offsets, speeds, room, ship.beam)
     _check_bend(bend, room, speeds)
     return EnvelopeRequest(

@@ -2,13 +2,14 @@
 
 import math
 import operator
+import re
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from narrows.errors import InputError, shown
-from narrows.quantities.names import Number
+from narrows.quantities.names import KNOT, Number
 
 # Range of every size of a ship, its water and its parts; products of them stay finite.
 SMALLEST, LARGEST = 1e-12, 1e20
@@ -100,6 +101,12 @@ def check_angles(values: Mapping[str, Any]) -> None:
                 f"{name} = {largest:g} rad is {math.degrees(largest):.0f} degrees; give radians ({name} = "
                 f"{math.radians(largest):.3g} for {largest:g} degrees)"
             )
+
+
+def speed_hint(value: object) -> str:
+    """Return what a speed in knots is in m/s, as the end of a sentence."""
+    found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*(?:kn|kts?|knots?)\s*", value) if isinstance(value, str) else None
+    return f"; numbers are m/s: {value} is {float(found[1]) * KNOT:.3g} m/s" if found else ""
 
 
 def check_rule(rule: Rule, values: Mapping[str, Number], places: Mapping[str, str]) -> None:

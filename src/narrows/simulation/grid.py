@@ -12,7 +12,7 @@ from narrows.errors import InputError, check_count, did_you_mean, reason, shown
 from narrows.model.model import Model
 from narrows.quantities.names import PARTICULARS
 from narrows.ship.actuators import STANDARD, Actuator, particulars_with, places_of
-from narrows.ship.checks import Rule, check_angles, check_number, check_particulars, check_rule, place_of
+from narrows.ship.checks import Rule, check_angles, check_number, check_particulars, check_rule, place_of, speed_hint
 from narrows.simulation.inputs import INPUTS, START, STEADY
 from narrows.simulation.settings import MOST_SAMPLES
 from narrows.terms.term import TermTable
@@ -144,7 +144,8 @@ def _floats(name: str, values: np.ndarray) -> np.ndarray:
             return values.astype(float)
     except (TypeError, ValueError, OverflowError):
         pass
-    raise InputError(f"{name} = {shown(values.tolist())} is not a finite number; give it in SI units")
+    told = values.tolist()
+    raise InputError(f"{name} = {shown(told)} is not a finite number{speed_hint(told) or '; give it in SI units'}")
 
 
 def sizes_of(values: Columns) -> dict[str, int]:

@@ -9,7 +9,7 @@ import numpy as np
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice, check_count, shown
 from narrows.quantities.names import Number
-from narrows.ship.checks import LARGEST
+from narrows.ship.checks import LARGEST, speed_hint
 from narrows.simulation.settings import MOST_EXTENT, MOST_IN_MEMORY, MOST_POINTS, MOST_STORED, MOST_WORKERS
 
 # Default state at the start.
@@ -79,7 +79,9 @@ def _finite(name: str, value: Any) -> float:
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
-        raise InputError(f"{name} = {shown(value)} must be a finite number")
+        state = name == "x" and isinstance(value, list | tuple | np.ndarray)
+        hint = "; x is the place along the canal [m], and a state is given by name: y=0.5, u=1.0, psi=0.0" * state
+        raise InputError(f"{name} = {shown(value)} must be a finite number{hint or speed_hint(value)}")
     if not abs(number) < LARGEST:
         raise InputError(f"{name} = {shown(value)} is beyond all measure; check its unit")
     return number
