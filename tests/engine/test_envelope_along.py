@@ -10,6 +10,7 @@ import xarray as xr
 
 import narrows as nw
 from narrows.quantities.names import KNOT
+from narrows.report.envelope_along_chart import print_envelope_along
 from narrows.report.envelope_chart import UNTESTED
 from narrows.safety.speed_limits import reach_at
 from narrows.waterway import Bank, Centreline, Waterway
@@ -57,10 +58,11 @@ def test_each_row_is_the_envelope_of_its_place(found: nw.safety.EnvelopeAlong) -
         held = alone.by_model().transpose("y", "u").to_numpy()
         speeds = np.flatnonzero(held.any(axis=0))
         assert row["highest_speed_by_model"] == pytest.approx(SPEEDS[speeds[-1]] / KNOT)
-        widest = held[:, held.sum(axis=0).argmax()]
-        assert (row["port_by_model"], row["starboard_by_model"]) == pytest.approx(
-            tuple(OFFSETS[widest][[0, -1]] + reach.middle)
-        )
+        at = alone.data.sel(u=row["at_speed_by_model"] * KNOT, method="nearest")["held"].to_numpy()
+        for side, end in (("port_by_model", row["port_by_model"]), ("starboard_by_model", row["starboard_by_model"])):
+            # The edge of the chart: 95 % by linear interpolation, or the outermost offset that was computed.
+            share = np.interp(end - reach.middle, OFFSETS, at)
+            assert share == pytest.approx(0.95) or end - reach.middle in OFFSETS, side
         assert row["starboard_bank"] == pytest.approx(float(way().section(place).width / 2) + reach.middle)
     assert found.computed_at.tolist() == [0.0, 400.0, 2000.0]
     assert found.envelopes[0] is found.envelopes[1]  # The same section, bend and current.
@@ -89,6 +91,34 @@ def test_what_was_not_tested_is_hatched_and_not_called_safe(found: nw.safety.Env
     looks = [(one.get_paths()[0].vertices[:, 0].min(), one.get_hatch()) for one in speed.collections]
     assert [left for left, hatch in looks if hatch is None] == [0.0, 200.0]
     assert [left for left, hatch in looks if hatch == UNTESTED] == [0.0, 200.0, 950.0]
+
+
+def test_caveats_of_the_single_envelopes_are_passed_on_once() -> None:
+    model, few = nw.published("estimated_kcs"), {"y": [-3.0, 0.0, 3.0], "u": [4.0], "samples": 20}
+    along = nw.envelope_along(model, way(), [0.0, 400.0], **few)
+    reach = reach_at(model, way(), 0.0)
+    single = nw.safe_envelope(reach.model, **reach.asked, **few)
+    assert along.summary().startswith(single.summary().partition("Safe ")[0])
+    assert along.summary().count(single.trust) == 1
+    for words in ("With 20 cases this is uncertain everywhere", "; try more."):
+        assert words in single.summary()
+        assert along.summary().count(words) == 1
+
+
+def test_narrow_offsets_have_a_width_and_zero_has_no_sign(capsys: pytest.CaptureFixture[str]) -> None:
+    along = nw.envelope_along(ship(), way(), [0.0], y=[-0.0], u=[4.0], samples=2)
+    print_envelope_along(replace(along, middles=np.array([-0.0])))
+    out = capsys.readouterr().out
+    assert "under 1 m at 0" in out.replace("\n", " ")
+    assert not {"+0", "-0"} & set(out.split())
+    usual = nw.envelope_along(ship(), way(), [0.0], u=[4.0], samples=2).envelopes[0].data["y"].to_numpy()
+    assert np.diff(usual).min() < np.ptp(usual) / 20
+
+
+def test_the_chart_has_a_key_for_white_and_starts_at_the_lowest_speed(found: nw.safety.EnvelopeAlong) -> None:
+    figure = found.plot()
+    assert "not safe, or not computed" in [words.get_text() for words in figure.legends[0].get_texts()]
+    assert figure.axes[0].get_ylim()[0] == pytest.approx(SPEEDS[0] / KNOT)
 
 
 def test_the_verb(tmp_path: Path, cli) -> None:

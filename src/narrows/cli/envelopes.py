@@ -80,7 +80,7 @@ class SectionOptions:
             raise InputError(f"--at {at:g} is beyond the waterway, which is {waterway.line.length:.0f} m long")
         reach = reach_at(model, waterway, at)
         sentence = (
-            f"at {at:.0f} m along {waterway.name}: the middle is {reach.middle:+.1f} m off its centreline, starboard "
+            f"at {at:.0f} m along {waterway.name}: the middle is {reach.middle:+z.1f} m off its centreline, starboard "
             "positive" + (waterway.place and f"; {waterway.place_check}")
         )
         return reach.model, reach.asked, sentence

@@ -24,23 +24,24 @@ def envelope_along_chart(along: EnvelopeAlong) -> Figure:
     for bank in banks:
         offset.plot(s, bank, color=BLACK, lw=2)
     offset.axhline(0.0, color=GREY, lw=0.8)
-    for place in rows.index:
+    for place in rows["computed_at"]:
         speed.axvline(place, ymax=0.03, color=GREY, lw=0.8)
-    asked = max(float(envelope.data["u"].max()) for envelope in along.envelopes) / KNOT
-    speed.set_ylim(0.0, 1.05 * asked)
+    asked = np.concatenate([envelope.data["u"].to_numpy() for envelope in along.envelopes]) / KNOT
+    speed.set_ylim(asked.min(), max(asked.max(), 1.05 * asked.min()))
     speed.set_ylabel("safe speeds [knots]")
     offset.set_ylabel("widest safe offsets [m]\nport above, starboard below")
     offset.invert_yaxis()
-    offset.set_xlabel("distance along the waterway [m]; ticks: the computed places")
+    offset.set_xlabel("distance along the waterway [m]; ticks: the computed sections")
     for panel in (speed, offset):
         panel.grid(alpha=0.3)
     figure.legend(
         handles=[
             Patch(facecolor=PALE, edgecolor=BLACK, label="safe with 95 % probability"),
             Patch(facecolor="none", edgecolor=PURPLE, hatch=UNTESTED, label="safe by the model, not tested"),
+            Patch(facecolor="white", edgecolor=GREY, lw=0.6, label="not safe, or not computed"),
             Line2D([], [], color=BLACK, lw=2, label="bank, at the keel"),
         ],
-        loc="outside lower left", frameon=False, ncols=3,
+        loc="outside lower left", frameon=False, ncols=2,
     )  # fmt: skip
     title = f"Safe speeds and offsets along {along.waterway.name}"
     headed(figure, title, [along.envelopes[0].weather, along.summary()])
@@ -72,16 +73,24 @@ HEADS = (
 
 
 def print_envelope_along(along: EnvelopeAlong) -> None:
-    def span(row: dict[str, Any], low: str, high: str, form: str) -> str:
-        return f"{row[low]:{form}} to {row[high]:{form}}" if np.isfinite(row[low]) else "-"
+    def span(row: dict[str, Any], low: str, high: str) -> str:
+        return f"{row[low]:.1f} to {row[high]:.1f}" if np.isfinite(row[low]) else "-"
 
     table = (
         (
-            f"{row['distance']:.0f}", f"{row['computed_at']:.0f}", span(row, "lowest_speed", "highest_speed", ".1f"),
-            span(row, "port", "starboard", "+z.0f"), f"{row['at_speed']:.1f}" if np.isfinite(row["at_speed"]) else "-",
-            span(row, "lowest_speed_by_model", "highest_speed_by_model", ".1f"),
-            span(row, "port_by_model", "starboard_by_model", "+z.0f"), row["limited_by"],
+            f"{row['distance']:.0f}", f"{row['computed_at']:.0f}", span(row, "lowest_speed", "highest_speed"),
+            _offsets(row["port"], row["starboard"]), f"{row['at_speed']:.1f}" if np.isfinite(row["at_speed"]) else "-",
+            span(row, "lowest_speed_by_model", "highest_speed_by_model"),
+            _offsets(row["port_by_model"], row["starboard_by_model"]), row["limited_by"],
         )
         for row in along.rows()
     )  # fmt: skip
     print_result(along, table_of(HEADS, table, left=("limited by",)))
+
+
+def _offsets(port: float, starboard: float) -> str:
+    """Return a range of offsets in whole metres, without a sign before 0."""
+    if not np.isfinite(port):
+        return "-"
+    ends = [f"{end:+.0f}" if round(end) else "0" for end in (port, starboard)]
+    return " to ".join(ends) if starboard - port >= 1 else f"under 1 m at {ends[0]}"

@@ -14,7 +14,7 @@ from narrows.quantities.names import KNOT
 from narrows.results import BaseResult
 from narrows.safety import settings
 from narrows.safety.envelope import safe_envelope
-from narrows.safety.headline import first_run, runs
+from narrows.safety.headline import estimated, first_run, runs, safe_offsets, sure_blocks
 from narrows.safety.request import default_offsets, default_speeds
 from narrows.safety.result import SafeEnvelope
 from narrows.safety.speed_limits import Reach, reach_at
@@ -108,9 +108,13 @@ class EnvelopeAlong(BaseResult):
 
     def summary(self) -> str:
         """Describe the slowest and the fastest place, and where the tests cover them."""
-        rows, start = self.rows(), f"{self.waterway.name}, {len(self.places)} places"
+        rows, start = self.rows(), f"Along {self.waterway.name}, {len(self.places)} places"
+        first, doubts = self.envelopes[0], [*self._doubts(), *dict.fromkeys(one.trust for one in self.envelopes)]
         tested = [row for row in rows if not math.isnan(row["highest_speed"])]
-        sentences = [f"{start}: safe with 95 % probability at {len(tested)} of them {_speeds(tested)}".strip() + "."]
+        sentences = [
+            *estimated(first.data),
+            f"{start}: safe with 95 % probability at {len(tested)} of them {_speeds(tested)}".strip() + ".",
+        ]
         others = [row for row in rows if math.isnan(row["highest_speed"])]
         by_model = [row for row in others if not math.isnan(row["highest_speed_by_model"])]
         if by_model:
@@ -119,7 +123,19 @@ class EnvelopeAlong(BaseResult):
         if len(others) > len(by_model):
             where = ", ".join(f"{row['distance']:.0f}" for row in others if row not in by_model)
             sentences.append(f"No speed and offset is safe at {where} m.")
-        return " ".join([*sentences, f"Not tested: {self.untested}." if self.untested else ""]).strip()
+        untested = [f"Not tested: {self.untested}."] if self.untested else []
+        return " ".join([*sentences, *untested, *filter(None, doubts)])
+
+    def _doubts(self) -> list[str]:
+        """Return the places at which the samples leave the safe area uncertain, in sentences."""
+        places: dict[str, list[str]] = {}
+        for place, one in zip(self.places, self.envelopes, strict=True):
+            sure, perhaps = sure_blocks(one.data, settings.SURE_SHARE)
+            if perhaps != sure and one.safe().any():
+                which = "is uncertain everywhere" if sure is None else "has uncertain edges"
+                places.setdefault(f"With {one.samples} cases this {which}", []).append(f"{place:.0f}")
+        where = {words: "" if len(at) == len(self.places) else f" at {', '.join(at)} m" for words, at in places.items()}
+        return [f"{words}{at}; try more." for words, at in where.items()]
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything by name, as ``envelope --along --json`` prints it."""
@@ -137,7 +153,7 @@ def envelope_along(
 
     Each place stands for the reach midway to its neighbours. The safe envelope is computed in the tightest section of
     that reach: least free width (less what the hull sweeps in a bend) times water under the keel. Unless told otherwise
-    it has nine offsets, nine speeds and those where the tests end, with 400 samples.
+    it has nine offsets, denser in the middle, nine speeds and those where the tests end, with 400 samples.
 
     Parameters
     ----------
@@ -168,7 +184,7 @@ def envelope_along(
         if (key := _section(reach)) not in known:
             usual = {"samples": settings.FIRST_SAMPLES, **reach.asked, **envelope}
             if usual.get("y") is None:
-                usual["y"] = default_offsets(reach.model, usual["walls"], settings.ALONG_OFFSETS)
+                usual["y"] = default_offsets(reach.model, usual["walls"], settings.ALONG_OFFSETS, denser=True)
             if usual.get("u") is None:
                 usual["u"] = default_speeds(reach.model, settings.ALONG_SPEEDS)
             known[key] = safe_envelope(reach.model, **usual)
@@ -220,16 +236,23 @@ def _row(place: float, computed_at: float, middle: float, envelope: SafeEnvelope
     tops = envelope.limited_by()
     return {
         "distance": place, "computed_at": computed_at, "port_bank": middle - port, "starboard_bank": middle + starboard,
-        **_reach(safe, middle), **_reach(by_model, middle, "_by_model"), "limited_by": tops[len(tops) // 2],
+        **_reach(envelope, safe, middle), **_reach(envelope, by_model, middle, "_by_model"),
+        "limited_by": tops[len(tops) // 2],
     }  # fmt: skip
 
 
-def _reach(safe: xr.DataArray, middle: float, suffix: str = "") -> dict[str, float]:
+def _reach(envelope: SafeEnvelope, safe: xr.DataArray, middle: float, suffix: str = "") -> dict[str, float]:
     """Range of safe speeds that reaches highest [knots], and the widest run of safe offsets [m] with its speed."""
-    table, y, u = safe.transpose("y", "u").to_numpy(), safe["y"].to_numpy(), safe["u"].to_numpy() / KNOT
+    table, u = safe.transpose("y", "u").to_numpy(), safe["u"].to_numpy() / KNOT
     speeds = [(float(u[run[1]]), float(u[run[0]])) for run in map(first_run, table) if run]
     highest, lowest = max(speeds, default=(math.nan, math.nan))
-    wide = [(y[b] - y[a], speed, y[a], y[b]) for speed, held in zip(u, table.T, strict=True) for a, b in runs(held)]
+    data = envelope.data.transpose("y", "u", ...)
+    wide = []
+    for column, speed in enumerate(u):
+        for first, last in runs(table[:, column]):
+            block = slice(first, last + 1), slice(column, column + 1)
+            ends = safe_offsets(data, block, settings.SURE_SHARE)
+            wide.append((ends[1] - ends[0], speed, *ends))
     _, speed, port, starboard = max(wide, default=(math.nan,) * 4)
     found = {
         "lowest_speed": lowest, "highest_speed": highest, "port": float(port) + middle,

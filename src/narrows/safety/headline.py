@@ -21,18 +21,23 @@ def headline(data: xr.Dataset, share: float) -> str:
     by_model = ((data["held"] >= share) & data["clear"]).to_numpy()
     block, section = largest_rectangle(by_model & data["tested"].to_numpy(), y, u), data.attrs["untested"]
     # The first sentence of an estimated model names it as one.
-    estimate = data.attrs.get("estimate", "")
-    guess = [f"{estimate.partition('. ')[0].removesuffix('.')}."] if estimate else []
+    guess = estimated(data)
     guess += [f"Extrapolated, as the tests did not cover this: {section}."] if section else []
     if block is None:
         return " ".join([*guess, _nowhere(data, by_model), *_known(data, share, None), _way(data, share)])
-    offsets, speeds = _offsets(data, block, share), u[block[1]] / KNOT
+    offsets, speeds = safe_offsets(data, block, share), u[block[1]] / KNOT
     sentences = [*guess, f"Safe {_between(speeds, offsets)}, with 95 % probability.", _limits(data, share, block)]
     wider = largest_rectangle(by_model, y, u)
     if wider is not None and wider != block:
         span = _between(u[wider[1]] / KNOT, tuple(y[wider[0]][[0, -1]]))
         sentences.append(f"By the model also {span}, but there the tests end.")
     return " ".join([*sentences, *_known(data, share, block), *_doubt(data, share, block)])
+
+
+def estimated(data: xr.Dataset) -> list[str]:
+    """Return the first sentence on an estimated model."""
+    estimate = data.attrs.get("estimate", "")
+    return [f"{estimate.partition('. ')[0].removesuffix('.')}."] if estimate else []
 
 
 def _nowhere(data: xr.Dataset, by_model: np.ndarray) -> str:
@@ -91,7 +96,7 @@ def _known(data: xr.Dataset, share: float, block: tuple[slice, slice] | None) ->
         return ["A pilot with the true coefficients would not hold it either."]
     if known == block:
         return []
-    span = _between(u[known[1]] / KNOT, _offsets(data, known, share, "known"))
+    span = _between(u[known[1]] / KNOT, safe_offsets(data, known, share, "known"))
     return [f"A pilot with the true coefficients would hold it {span}."]
 
 
@@ -103,7 +108,9 @@ def _between(speeds: np.ndarray, offsets: tuple[float, float]) -> str:
     return f"{fast} between {offsets[0]:+.1f} and {offsets[1]:+.1f} m off the middle (starboard is positive)"
 
 
-def _offsets(data: xr.Dataset, block: tuple[slice, slice], share: float, name: str = "held") -> tuple[float, float]:
+def safe_offsets(
+    data: xr.Dataset, block: tuple[slice, slice], share: float, name: str = "held"
+) -> tuple[float, float]:  # fmt: skip
     """The outermost offsets at which every speed of a block is held, linear between those of the grid."""
     y, first, last = data["y"].to_numpy(), block[0].start, block[0].stop - 1
     low, high = [], []
@@ -114,16 +121,20 @@ def _offsets(data: xr.Dataset, block: tuple[slice, slice], share: float, name: s
 
 
 def _doubt(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> list[str]:
-    y, u, clear = data["y"].to_numpy(), data["u"].to_numpy(), data["clear"].to_numpy() & data["tested"].to_numpy()
-    sure, perhaps = (
-        largest_rectangle((data[name].to_numpy() >= share) & clear, y, u) for name in ("held_low", "held_high")
-    )
+    sure, perhaps = sure_blocks(data, share)
     if sure == perhaps or perhaps is None:
         return []
     if sure is None:
         return [f"With {data.attrs['samples']} cases this is uncertain everywhere; try more."]
-    count = f"{data.attrs['samples']} cases leave the edges uncertain"
+    y, u, count = data["y"].to_numpy(), data["u"].to_numpy(), f"{data.attrs['samples']} cases leave the edges uncertain"
     return [f"{count}, for certain {_between(u[sure[1]] / KNOT, tuple(y[sure[0]][[0, -1]]))}."]
+
+
+def sure_blocks(data: xr.Dataset, share: float) -> list[tuple[slice, slice] | None]:
+    """Return the largest blocks that are safe for certain, and perhaps, given the number of samples."""
+    data = data.transpose("y", "u", ...)
+    y, u, clear = data["y"].to_numpy(), data["u"].to_numpy(), data["clear"].to_numpy() & data["tested"].to_numpy()
+    return [largest_rectangle((data[name].to_numpy() >= share) & clear, y, u) for name in ("held_low", "held_high")]
 
 
 # Limits of the safe range, in words.
