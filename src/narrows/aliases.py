@@ -82,7 +82,7 @@ INSTEAD: Rows = {
     **dict.fromkeys(("limits",), ("highest_speed()",)), "max_heading": ("psi",),
     **dict.fromkeys(("grounded_fraction", "probability"), ("grounding_probability(distance)",)),
     **dict.fromkeys(("std", "bse", "stderr"), ("to_dataframe(), column std",)),
-    **dict.fromkeys(("min_distance", "distance_to_bank", "clearance"), ("outcome",)),
+    **dict.fromkeys(("min_distance", "distance_to_bank", "clearance"), ("outcome.clearance, at a waterway's end",)),
     **dict.fromkeys(("mse", "sse", "ssr"), ("rmse",)), "interval": ("intervals",),
     **dict.fromkeys(("t_values", "p_values", "HC0_se", "significance"), ("verdicts",)),
     **dict.fromkeys(("sel", "isel", "where"), ("dataset()",)), "velocity_range": ("data_range.speed",),

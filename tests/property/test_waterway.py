@@ -205,6 +205,18 @@ def test_the_voyage_ends_where_the_waterway_ends() -> None:
     voyage = nw.simulate(DTC, y=0.0, u=1.0, duration=60.0, waterway=nw.straight_waterway(nw.Canal(7.0), 20.0))
     assert (voyage.outcome.kind, voyage.outcome.side) == ("left the waterway", "end")
     assert voyage.x[-1] == pytest.approx(20.0, abs=1e-6)
+    # A vertical wall 3.5 m off, and half the beam of 0.572 m: on the centreline nothing moves the ship to a side.
+    assert voyage.outcome.clearance == pytest.approx(3.5 - 0.286, abs=1e-3)
+    assert voyage.outcome.largest_rudder is None
+    assert voyage.outcome.ending.startswith("Reached the end of the waterway after 2")
+    assert voyage.outcome.ending.endswith("along the canal, least clearance 3.21 m.")
+
+
+def test_a_voyage_that_is_steered_to_the_end_of_a_waterway_gives_its_largest_rudder() -> None:
+    way, ship = nw.straight_waterway(nw.Canal(100.0, 20.0), 30.0), nw.published("yasukawa2015_kvlcc2")
+    sailed = nw.simulate(ship, u=1.0, duration=60.0, waterway=way, controller=lambda t, state: 0.1)
+    assert sailed.outcome.largest_rudder == np.abs(sailed.rudder).max() == pytest.approx(0.1)
+    assert sailed.outcome.ending.endswith(" m, largest rudder 5.7 deg.")
 
 
 def test_an_asymmetric_section_is_seen_from_its_middle() -> None:

@@ -12,7 +12,13 @@ from narrows.codegen.kernels import event
 from narrows.simulation.channel import Channel
 from narrows.simulation.controllers import Order, VoyageState
 from narrows.simulation.outcome import Code
-from narrows.simulation.settings import CONTACT_CLOSENESS, CONTACT_TOLERANCE, NEAR_THE_BANK, STEP_CHECK_STEPS
+from narrows.simulation.settings import (
+    CLEARANCE_ROWS,
+    CONTACT_CLOSENESS,
+    CONTACT_TOLERANCE,
+    NEAR_THE_BANK,
+    STEP_CHECK_STEPS,
+)
 from narrows.simulation.steering import PARAMETER
 
 # State from step to step, in the order of ``Choices.kept``: x, y, cos psi, sin psi, u, v, r first.
@@ -98,12 +104,19 @@ class VoyageIntegrator:
         left: tuple[float, float, float, float] = self.functions.ends(self._table, *state[:5], *self._end_inputs)
         return left
 
-    def _from_banks(self, state: State) -> tuple[float, float]:
+    def least_clearance(self, rows: Sequence[Row]) -> float | None:
+        """Return the least clearance between hull and banks of a waterway [m]; None without an outline of the hull."""
+        looked = rows[:: max(1, len(rows) // CLEARANCE_ROWS)]
+        return min(self._exact_room(row.state)[0] for row in looked) if self._exact else None
+
+    def _exact_room(self, state: State) -> tuple[float, float]:
         from narrows.waterway.room import exact_room
 
         x, y, cosine, sine = state[:4]
-        inputs = self.inputs
-        room, lean = exact_room(self._track, 1.0 / inputs["cells_a_metre"], x, y, cosine, sine, self._outline)
+        return exact_room(self._track, 1.0 / self.inputs["cells_a_metre"], x, y, cosine, sine, self._outline)
+
+    def _from_banks(self, state: State) -> tuple[float, float]:
+        room, lean = self._exact_room(state)
         return min(room, *self._ends(state)), lean
 
     def sane(self, state: State, room: float) -> bool:

@@ -70,6 +70,10 @@ class Outcome:
         step was too long.
     lengths : float [1]
         The distance in ship lengths.
+    clearance : float, optional [m]
+        Least distance between hull and banks, if it reached the end of a waterway.
+    largest_rudder : float, optional [rad]
+        Largest rudder angle to either side, if it was steered to the end of a waterway.
 
     Examples
     --------
@@ -84,6 +88,8 @@ class Outcome:
     state: dict[str, float] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     lengths: float = math.nan
+    clearance: float | None = None
+    largest_rudder: float | None = None
 
     @property
     def impact_speed(self) -> float:
@@ -100,10 +106,15 @@ class Outcome:
             AFLOAT: f"Still afloat when the time was up, {where}, {self.lengths:.1f} ship lengths.",
             LEFT_VALIDITY: f"Turned across the canal {where}, heading {heading:+.1f} deg: the model ends there.",
             DIVERGED: f"The motion diverged {where}: shorten the time step or look at the coefficients.",
-            LEFT_WATERWAY: f"Left the waterway by its {self.side} {where}.",
+            LEFT_WATERWAY: self._reached(where) if self.side == END else f"Left the waterway by its beginning {where}.",
             TOUCHED: f"Touched bottom with the {self.side} {where}, at {self.impact_speed:.2f} m/s.",
             CHOKED: f"Choked the section {where}: the water cannot pass the ship at {self.impact_speed:.2f} m/s.",
         }[self.kind]
+
+    def _reached(self, where: str) -> str:
+        clear = "" if self.clearance is None else f", least clearance {self.clearance:.3g} m"
+        helm = "" if self.largest_rudder is None else f", largest rudder {math.degrees(self.largest_rudder):.1f} deg"
+        return f"Reached the end of the waterway {where}{clear}{helm}."
 
     @property
     def sentence(self) -> str:

@@ -12,6 +12,8 @@ CONTACT_TOLERANCE, CONTACT_CLOSENESS = 1e-9, 1e-6
 # Clearance relative to the width [1] at which a diverging motion counts as contact: at midship contact the suction
 # becomes infinite.
 NEAR_THE_BANK = 1e-3
+# Moments of a voyage, at most about twice this many, at which the least clearance to the banks is computed.
+CLEARANCE_ROWS = 1000
 
 # Error of the track relative to the beam [1] above which a note says that the time step is too long.
 STEP_ERROR_LIMIT = 0.02

@@ -364,7 +364,10 @@ class _Log:
         state = {name: last[name] for name in ("x", "y", "psi", "u", "v", "r")}
         distance = last["x"] - float(columns["x"][0])
         lengths = abs(distance) / model.configuration.ship.length
-        return Outcome(end.KINDS[code], last["t"], distance, side, state, notes, lengths)
+        passed, steered = code == Code.PASSED, "rudder" in self.integrator.choices.kept
+        clearance = self.integrator.least_clearance(self.rows) if passed else None
+        rudder = float(np.abs(columns["rudder"]).max()) if passed and steered else None
+        return Outcome(end.KINDS[code], last["t"], distance, side, state, notes, lengths, clearance, rudder)
 
     def _code_and_side(self, state: tuple[float, ...]) -> tuple[Code, str | None]:
         code = Code(self.integrator.channel.codes(self.integrator.cause(self.ending, state), state[0]).item())
