@@ -14,7 +14,7 @@ from narrows.logbook.checking.check_log import ALL
 from narrows.logbook.checking.score_tests import FaultTest, FaultTests
 from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.posed_log import posed_log
-from narrows.logbook.sensor_grades import VDR
+from narrows.logbook.sensor_grades import VDR, sensor_grade
 from narrows.logbook.transits.transit_twins import SPEED, TransitTwin, large_container_ship, transits_of
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -35,6 +35,15 @@ def test_nothing_is_found_where_nothing_is() -> None:
     assert len(found) == 0, found.summary()
     assert found.summary() == "Nothing is wrong: 1 record looked at."
     assert found.plot().axes[0].get_title().startswith("Nothing is wrong")
+
+
+def test_sensors_better_than_their_grade_are_no_fault() -> None:
+    """Errors of satellites that are smaller than expected are not a place that is too small."""
+    ship = large_container_ship()
+    for seed in (2, 3):
+        log = transits_of(ship, sensor_grade("rtk"), 1, seed, TransitTwin(ship, SPEED, 600.0))
+        found = nw.check_log(log, ship, sensors="vdr")
+        assert found.clean, found.summary()
 
 
 def test_a_gap_is_doubtful_and_not_wrong() -> None:

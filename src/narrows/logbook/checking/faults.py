@@ -56,7 +56,7 @@ def faults_of(grid: RecordGrid, normalised: dict[str, np.ndarray]) -> Iterator[F
     for name, read in grid.readings.items():
         if name != "x":  # Nothing fixes where x begins.
             yield Fault("zero", name, partial(_shifted, grid, name, np.ones(len(read.values))), _small(name))
-            if name not in TURNING:  # Angles that go round have no gain.
+            if name not in (*TURNING, *POSITION):  # Neither angles that go round nor places by satellite have a gain.
                 yield Fault("gain", name, partial(_scaled, grid, name))
         if name not in POSITION:
             yield Fault("delay", name, partial(_late, grid, (name,)))
