@@ -11,6 +11,7 @@ import xarray as xr
 from cases import mmg, paper, steered, waterway_for
 
 import narrows as nw
+from faults import scaled
 from logs import bent_waterway, kvlcc2, zigzag
 from narrows.captive.measured import measured_files
 from narrows.quantities.names import Quantity
@@ -477,8 +478,9 @@ class Table:
             ),
             "read_log": Entry(log, understood),
             "check_log": Entry(
-                {"log": [zigzag()], "model": kvlcc2()},
-                {"log": [replace(zigzag(), signals={})], "model": mmg(), "waterway": bent_waterway()},
+                {"log": [scaled(0.5, "rudder")(zigzag())], "model": kvlcc2()},
+                {"log": [replace(zigzag(), signals={})], "model": mmg(), "waterway": bent_waterway(), "sensors": "rtk",
+                 "spread": 0.02},
                 answer=lambda found: found.to_dict(),
             ),
             "stream_log": Entry(

@@ -100,7 +100,7 @@ def test_an_export_takes_the_steps_of_a_voyage(tmp_path: Path) -> None:
     constants, state, end = ship.prepare(ship.MODEL), ship.rest(), np.zeros(2)
     state[ship.U], inputs = 1.0, ship.AT_REST
     inputs.rudder_order = 0.1
-    ship.sail(state, inputs, constants, None, 0.1, 8.0, end)
+    ship.integrate(state, inputs, constants, None, 0.1, 8.0, end)
     voyage = nw.simulate(model, 0.0, 1.0, 8.0, 0.1, controller=nw.ConstantRudder(0.1))
     assert state[ship.RUDDER] == pytest.approx(voyage.rudder[-1], abs=1e-12)
     assert state[ship.Y] == pytest.approx(voyage.y[-1], abs=1e-10)

@@ -37,7 +37,7 @@ def ramp(s: np.ndarray, start: float, stop: float) -> np.ndarray:
 
 
 def table_of(s: np.ndarray, starboard: np.ndarray, port: np.ndarray, bend: np.ndarray) -> WaterwayTable:
-    return WaterwayTable(s, starboard, port, starboard, port, np.full(len(s), np.nan), bend)
+    return WaterwayTable(s, starboard, port, starboard, port, np.full(len(s), np.nan), bend, np.ones(len(s)))
 
 
 class Pose(NamedTuple):
