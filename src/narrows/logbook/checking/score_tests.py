@@ -164,7 +164,8 @@ def misreading(problem: LogProblem, grids: Sequence[RecordGrid]) -> tuple[float,
     """Return the most likely other way to read the records, and by how much the log-likelihood rises; None where the
     records are likely enough as they are.
     """
-    found, here = [], sum(_fitted(problem, grid, grid)[0] for grid in grids)
+    found, recorded = [], [_fitted(problem, grid, grid) for grid in grids]
+    here, most = sum(cost for cost, _ in recorded), max(OUTLYING, *(far for _, far in recorded))
     for other in MISREADINGS:
         if all(other.possible(grid.record) for grid in grids):
             again = [grid_of(other.reread(one.record), one.step, problem.motion.positions) for one in grids]
@@ -173,7 +174,7 @@ def misreading(problem: LogProblem, grids: Sequence[RecordGrid]) -> tuple[float,
             )
             fits = [_fitted(problem, *pair) for pair in zip(again, grids, strict=True)]
             there = sum(cost for cost, _ in fits) + 2 * other.shrunk * read
-            found.append((np.inf if max(far for _, far in fits) > OUTLYING else there, other))
+            found.append((np.inf if max(far for _, far in fits) > most else there, other))
     cost, other = min(found, key=lambda pair: pair[0])
     return (here - cost, other) if here - cost > 2 * np.log(len(found) / FALSE_ALARM) and np.isfinite(cost) else None
 
