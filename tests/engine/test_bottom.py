@@ -170,7 +170,7 @@ def test_an_exported_file_says_that_it_knows_no_bottom(waterway: Any, tmp_path: 
     state = ship["rest"]()
     for share, bit in ((0.999, 0), (1.001, 128), (-1.001, 128)):
         state[ship["U"]] = share * least
-        assert int(ship["beyond"](state)) & 128 == bit
+        assert int(ship["beyond"](state, ship.get("CANAL"))) & 128 == bit
     nw.export.write_python(kcs(width=300.0), tmp_path / "deep.py")
     assert "This file knows no bottom." in (tmp_path / "deep.py").read_text()
 

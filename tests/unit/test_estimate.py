@@ -199,7 +199,7 @@ def test_water_shallower_than_that_of_known_ships_is_named() -> None:
         ({"length": 1200, "beam": 167, "draft": 49, "block_coefficient": 0.65}, nw.Canal(900), "give metres, not feet"),
         ({"length": 51, "beam": 366, "draft": 15, "block_coefficient": 0.65}, nw.Canal(900), "L/B = 0.139"),
         ({"length": 366, "beam": 51, "draft": 0.15, "block_coefficient": 0.65}, CANAL, "B/T = 340"),
-        ({"length": 366, "beam": 51, "draft": 15, "block": 0.65, "block_coefficient": 0.6}, CANAL, "check the names"),
+        ({"length": 366, "beam": 51, "draft": 15, "block": 0.65, "block_coefficient": 0.6}, CANAL, "one argument"),
     ],
 )  # fmt: skip
 def test_bad_dimensions_get_one_sentence(ship: dict, canal: nw.Canal, sentence: str) -> None:
