@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property, partial
 from types import ModuleType
 from typing import Any
 
@@ -104,10 +105,15 @@ class JacobianBatch:
             self.values[:, column] = value
         return self.values
 
-    def __call__(self, values: np.ndarray) -> np.ndarray:
-        """Return the derivatives at points, (points, 6, 6 + n), in an array that the next call overwrites."""
+    @cached_property
+    def _fill(self) -> Callable[..., None]:
+        """The loop over points with the derivatives of the model."""
         from narrows.codegen.addresses import entry
         from narrows.codegen.kernels import jacobians
 
-        compiled_loops(jacobians).at_points(entry(self.module, "linear"), values, self.constants, self.out)
+        return partial(compiled_loops(jacobians).at_points, entry(self.module, "linear"))
+
+    def __call__(self, values: np.ndarray) -> np.ndarray:
+        """Return the derivatives at points, (points, 6, 6 + n), in an array that the next call overwrites."""
+        self._fill(values, self.constants, self.out)
         return self.out.reshape(len(self.out), len(LINEARISED), -1)

@@ -75,7 +75,7 @@ def module_text(precision: str, cells: int, *parts: str) -> str:
 def _series(name: str, first: int) -> str:
     """Sine or cosine by its series, in Horner's form."""
     signs = [(-1) ** k / factorial(2 * k + first) for k in range(SINE_TERMS)]
-    text = f"{signs[-1]!r}"
+    text = repr(signs[-1])
     for coefficient in reversed(signs[:-1]):
         text = f"{coefficient!r} + q * ({text})"
     lead = "a * " if first else ""
@@ -95,7 +95,7 @@ def _angle_text() -> str:
         places = [top * (1 + mp.cos(mp.pi * (2 * k + 1) / (2 * ANGLE_TERMS))) / 2 for k in range(ANGLE_TERMS)]
         values = mp.matrix([mp.atan(mp.sqrt(q)) / mp.sqrt(q) for q in places])
         coefficients = mp.lu_solve(mp.matrix([[q**p for p in range(ANGLE_TERMS)] for q in places]), values)
-        series = f"{float(coefficients[ANGLE_TERMS - 1])!r}"
+        series = repr(float(coefficients[ANGLE_TERMS - 1]))
         for k in reversed(range(ANGLE_TERMS - 1)):
             series = f"{float(coefficients[k])!r} + q * ({series})"
         numbers = {
@@ -152,7 +152,7 @@ def exponential_text(precision: str) -> str:
     .. [1] Cody and Waite (1980), Software Manual for the Elementary Functions: ln 2 in two parts.
     """
     width = WIDTHS[precision]
-    polynomial = f"{1 / factorial(width.degree)!r}"
+    polynomial = repr(1 / factorial(width.degree))
     for power in reversed(range(width.degree)):
         polynomial = f"({polynomial}) * rest + {1 / factorial(power)!r}"
     return TEXT.format(polynomial=polynomial, **width._asdict()).lstrip()
