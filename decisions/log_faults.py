@@ -18,7 +18,7 @@ from transits import BANKS, KINDS, ship, twin
 
 import narrows as nw
 from narrows.logbook.filtering.search import search
-from narrows.logbook.learning.posed_log import posed_log
+from narrows.logbook.learning.log_setup import log_problem
 from narrows.logbook.settings import HARM
 
 sys.path.append(str(Path(__file__).parent.parent / "tests"))
@@ -64,7 +64,7 @@ def transits(count: int) -> tuple[nw.ShipLog, ...]:
 
 def bank_fit(log: list[nw.ShipRecord]) -> tuple[np.ndarray, np.ndarray] | None:
     """Return b_bank and c_bank with their standard errors; None where the model cannot follow."""
-    posed = posed_log(ship(), log, "vdr")
+    posed = log_problem(ship(), log, "vdr")
     found = search(posed.problem, posed.source)
     if found is None or found.diverged or not found.records:
         return None

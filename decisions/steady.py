@@ -25,7 +25,7 @@ from narrows.simulation.grid import sampled
 
 TWINS, SAILED, LONG = 200, 100, 2000
 SPEED, FAR = 8 * KNOT, (5.0, 20.0)
-"""Of the legs, and the offsets at which the rudder is foretold: where they were held, and four times as far."""
+"""Of the legs, and the offsets at which the rudder is predicted: where they were held, and four times as far."""
 LEGS = (5.0, -5.0, -5.0, 5.0)
 KEPT = 2.0
 """How far from its line a ship is held, standard deviation [m]."""
@@ -275,8 +275,8 @@ def score(read: dict[str, Any], truth: nw.Model, kind: Kind) -> Score:
                    if name in ("b_bank", "c_bank"))  # fmt: skip
     heave = float(_heave(truth, np.array([SPEED]))[0])
     at = {"y": xr.DataArray(np.array(FAR), dims="place"), "u": SPEED, "heave": heave}
-    foretold = nw.steady_course(fit.model, samples=200, **at)["rudder"].transpose("place", "sample").to_numpy()
-    low, high = np.quantile(np.where(np.isnan(foretold), np.inf, foretold), (0.025, 0.975), axis=1, method="higher")
+    predicted = nw.steady_course(fit.model, samples=200, **at)["rudder"].transpose("place", "sample").to_numpy()
+    low, high = np.quantile(np.where(np.isnan(predicted), np.inf, predicted), (0.025, 0.975), axis=1, method="higher")
     true = np.nan_to_num(nw.steady_course(truth, **at)["rudder"].to_numpy(), nan=np.inf)
     c_bank = fit.coefficients["c_bank"]
     return Score(

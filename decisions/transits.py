@@ -227,7 +227,7 @@ def row(kind: Kind, count: int | None = None, folder: Path | None = None) -> tup
     """How often intervals hold the truth, how wide they are, and how often an answer says what it lacks."""
     every = list(kept_figures(kind, count or kind.twins, folder))
     found = [told for told in every if "off" in told]
-    cells, ahead = [kind.words, f"{len(every)}"], foreseen(kind)
+    cells, ahead = [kind.words, f"{len(every)}"], predicted(kind)
     for name in BANKS:
         off = np.array([told["off"][name] for told in found])
         cells += [_share(np.abs(off) < WIDE), f"{off.mean():+.1f}"]
@@ -245,12 +245,12 @@ def _restless(found: list[dict[str, Any]]) -> str:
     return f"{often}, c_bank covered in {_share([abs(told['off']['c_bank']) < WIDE for told in left])}"
 
 
-def foreseen(kind: Kind) -> dict[str, str]:
-    """Standard errors by ``foresee`` of transits like these, where all is as it is taken."""
+def predicted(kind: Kind) -> dict[str, str]:
+    """Standard errors by ``predict_information`` of transits like these, where all is as it is taken."""
     if kind != Kind(kind.words, kind.transits, kind.sensors, twins=kind.twins):
         return dict.fromkeys(BANKS, "-")
     told = {"u": SPEED, "duration": 60 * MINUTES, "within": 0.0}
-    routine = nw.foresee(ship(), None, GRADES[kind.sensors], (kind.transits,), **told).kinds[0]
+    routine = nw.predict_information(ship(), None, GRADES[kind.sensors], (kind.transits,), **told).kinds[0]
     return {name: f"{routine.std[name][0]:.4f}" for name in BANKS}
 
 
@@ -264,7 +264,7 @@ def _share(cases: "np.ndarray | list[bool]") -> str:
 
 HEADS = (
     "sensors and transits", "twins", "b_bank covered", "off, in standard errors", "standard error",
-    "foreseen", "c_bank covered", "off", "standard error", "foreseen", "c_bank unresolved", "reports a contradiction",
+    "predicted", "c_bank covered", "off", "standard error", "predicted", "c_bank unresolved", "reports a contradiction",
     "did not converge",
 )  # fmt: skip
 

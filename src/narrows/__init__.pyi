@@ -32,7 +32,7 @@ from .identification import explain as explain
 from .identification import identify as identify
 from .identification import identify_conditions as identify_conditions
 from .logbook import EnvelopeChange as EnvelopeChange
-from .logbook import Foresight as Foresight
+from .logbook import InformationForecast as InformationForecast
 from .logbook import LogFindings as LogFindings
 from .logbook import LogFit as LogFit
 from .logbook import PlannedLeg as PlannedLeg
@@ -49,10 +49,10 @@ from .logbook import SteadyReadings as SteadyReadings
 from .logbook import TransitConditions as TransitConditions
 from .logbook import check_log as check_log
 from .logbook import envelope_change as envelope_change
-from .logbook import foresee as foresee
 from .logbook import learn as learn
 from .logbook import learn_steady as learn_steady
 from .logbook import plan_steady as plan_steady
+from .logbook import predict_information as predict_information
 from .logbook import read_log as read_log
 from .logbook import stream_log as stream_log
 from .manoeuvres import Trials as Trials

@@ -327,7 +327,7 @@ class Table:
                  "reserve": 0.9},
                 answer=lambda found: found.to_dict(),
             ),
-            "foresee": Entry(
+            "predict_information": Entry(
                 {"model": by_depth(), "sensors": sensed(0.01), "u": 0.5, "duration": 20.0, "within": 0.2,
                  "transits": (1,), "conditions": breeze},
                 {"model": surer, "waterway": nw.straight_waterway(nw.Canal(6.0, 0.3), 60.0),

@@ -13,7 +13,7 @@ import narrows as nw
 
 MADE = {
     "BankForce", "CaptiveTests", "Comparison", "DepthCorrected",
-    "EnvelopeChange", "Explanation", "Fit", "Foresight", "InputError",
+    "EnvelopeChange", "Explanation", "Fit", "InformationForecast", "InputError",
     "Jacobian", "LogFit", "LogFindings", "Model", "Outcome", "OutsideRules", "Plan", "PlannedLeg", "SafeEnvelope",
     "Scaled", "Sensitivities", "Squat", "SteadyFit", "SteadyPlan", "SteadyReadings", "Trials", "Turning", "Voyage",
     "Fleet", "ZigzagTest",
@@ -87,9 +87,9 @@ def held(legs: dict[str, list[float]], **told: Any) -> Any:
     return nw.learn_steady(by_depth(), legs, **told).to_dict()
 
 
-def foretold(sensors: nw.SensorGrade, **told: Any) -> Any:
+def predicted(sensors: nw.SensorGrade, **told: Any) -> Any:
     told = {"conditions": nw.TransitConditions(wind=0.5, gust_time=2.0, wander=0.05, wander_time=9.0), **told}
-    return nw.foresee(by_depth(), None, sensors, (1,), u=0.5, duration=10.0, within=0.0, **told).to_dict()
+    return nw.predict_information(by_depth(), None, sensors, (1,), u=0.5, duration=10.0, within=0.0, **told).to_dict()
 
 
 def hull(ship: nw.Ship) -> Any:
@@ -198,16 +198,16 @@ def built() -> dict[str, Built]:
         ),
         "SignalGrade": Built(
             nw.SignalGrade(0.02, 1.0, 0.01, 5.0, 0.01),
-            lambda grade: (foretold(nw.SensorGrade("own", "", {**ours, "y": grade})), grade.source),
+            lambda grade: (predicted(nw.SensorGrade("own", "", {**ours, "y": grade})), grade.source),
             {"noise": 0.05, "period": 2.0, "wander": 0.05, "memory": 20.0, "zero": 0.1, "source": "a maker's"},
         ),
         "SensorGrade": Built(
-            nw.SensorGrade("own", "a test's", ours), foretold,
+            nw.SensorGrade("own", "a test's", ours), predicted,
             {"name": "other", "words": "another's", "signals": {**ours, "y": nw.SignalGrade(0.1)}},
         ),
         "TransitConditions": Built(
             nw.TransitConditions(0.5, 0.5, 0.1, 0.3, 2.0, 0.05, 9.0),
-            lambda conditions: foretold(nw.SensorGrade("own", "", ours), conditions=conditions),
+            lambda conditions: predicted(nw.SensorGrade("own", "", ours), conditions=conditions),
             {"wind": 0.4, "windage": 0.4, "wind_lever": 0.2, "gust": 0.5, "gust_time": 4.0, "wander": 0.1,
              "wander_time": 20.0, "gust_correlation": 0.5},
         ),

@@ -13,7 +13,7 @@ from logs import bend, bent_waterway, kvlcc2, zigzag
 from narrows.logbook.checking.check_log import ALL
 from narrows.logbook.checking.score_tests import FaultTest, FaultTests
 from narrows.logbook.filtering.search import search
-from narrows.logbook.learning.posed_log import posed_log
+from narrows.logbook.learning.log_setup import log_problem
 from narrows.logbook.sensor_grades import VDR, sensor_grade
 from narrows.logbook.transits.transit_twins import SPEED, TransitTwin, large_container_ship, transits_of
 
@@ -91,7 +91,7 @@ def transits() -> nw.ShipLog:
 
 
 def scores_of(*spoilt: nw.ShipRecord) -> dict[tuple[str, str, str], FaultTest]:
-    posed = posed_log(large_container_ship(), list(spoilt), "vdr")
+    posed = log_problem(large_container_ship(), list(spoilt), "vdr")
     found = search(posed.problem, posed.source, 4)
     assert found is not None
     tests = FaultTests.of(found, posed.source, ALL).tested()

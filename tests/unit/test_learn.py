@@ -12,8 +12,8 @@ import narrows as nw
 from logs import D, kvlcc2, sensed, trial, zigzag
 from narrows.logbook.filtering.likelihood import RecordLikelihood
 from narrows.logbook.filtering.record_grid import grid_of
+from narrows.logbook.learning.log_setup import parts
 from narrows.logbook.learning.log_source import LogSource
-from narrows.logbook.learning.posed_log import parts
 
 WRONG = {"N_v": 1.12, "Y_v": 0.9, "N_rudder": 0.93, "R_0": 1.1}
 MANOEUVRES = ("psi", "x", "y", "r", "rudder")
@@ -71,7 +71,7 @@ def test_a_ship_that_is_known_is_found_again() -> None:
     assert not found.disagrees
 
 
-def test_what_was_left_out_is_foretold_better() -> None:
+def test_what_was_left_out_is_predicted_better() -> None:
     before, after = learned().missed("psi")
     assert after < 0.5 * before
     assert [record.name for record in learned().records] == ["zigzag +20", "zigzag -20", "circle"]

@@ -68,8 +68,8 @@ def test_a_current_along_the_canal_is_not_taken_for_speed() -> None:
         assert through_water + current == pytest.approx(over_ground, abs=0.01)
         assert abs(current - (over_ground - SPEED)) < 0.5 * abs(over_ground - SPEED)
         assert own.forecasts is not None
-        foretold = own.forecasts[1]
-        off = (foretold.states[foretold.ends] - foretold.likely)[:, 0]
+        predicted = own.forecasts[1]
+        off = (predicted.states[predicted.ends] - predicted.likely)[:, 0]
         assert np.abs(off).max() < 40.0  # of some 1400 m
 
 

@@ -6,14 +6,14 @@ from functools import cached_property
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
-from test_foresee import OWN, SPEED, posed, ship
+from test_predict_information import OWN, SPEED, posed, ship
 
 import narrows as nw
 from narrows.codegen.cache import compiled_loops
 from narrows.logbook.filtering import kalman_loops
 from narrows.logbook.filtering.gauss_markov import SWAY, YAW, Estimated, Process, StochasticModel
 from narrows.logbook.filtering.likelihood import RecordLikelihood, readings_for_one
-from narrows.logbook.learning.posed_log import PosedLog, posed_log
+from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.transits.transit_conditions import wandering
 from narrows.logbook.transits.transit_twins import recorded
 from narrows.simulation.controllers import Order
@@ -139,7 +139,7 @@ class Schedule:
         return lambda t, at: 0.03 * np.sin(0.6 * t + self.seed)
 
 
-def scheduled(seed: int) -> PosedLog:
+def scheduled(seed: int) -> LogSetup:
     """A record of the ship under rudder angles that answer nothing, in the gusts that the problem takes for usual."""
     step, duration, draw = 0.2, 60.0, np.random.default_rng((seed, 1))
     log = posed(1)
@@ -154,7 +154,7 @@ def scheduled(seed: int) -> PosedLog:
         ship(), u=SPEED, duration=duration, dt=0.1, controller=Schedule(seed), **pushes
     )  # fmt: skip
     exact = replace(OWN, signals={name: replace(one, zero=0.0) for name, one in OWN.signals.items()})
-    return posed_log(ship(), recorded(f"{seed}", voyage, exact, seed, current=0.0), OWN, gusts=True)
+    return log_problem(ship(), recorded(f"{seed}", voyage, exact, seed, current=0.0), OWN, gusts=True)
 
 
 def test_scores_at_the_truth_have_a_mean_of_zero() -> None:

@@ -95,11 +95,11 @@ def test_words_that_do_not_go_together_are_refused(words: tuple[str, ...], said:
     assert said in err
 
 
-def test_the_verb_foretells_and_says_where_it_cannot(cli, tmp_path: Path) -> None:
+def test_the_verb_predicts_and_says_where_it_cannot(cli, tmp_path: Path) -> None:
     nw.save_model(ship(), tmp_path / "full.toml")
-    code, out, err = cli("learn", str(tmp_path / "full.toml"), "--foresee", "ais")
+    code, out, err = cli("learn", str(tmp_path / "full.toml"), "--predict-information", "ais")
     assert code == 1, err
     assert "record the rudder" in out
     code, _, err = cli("learn", str(tmp_path / "full.toml"), "--plan-steady", "page.svg", "--waterway", "canal.geojson")
     assert code == 2
-    assert "--waterway is for logs and --foresee" in err
+    assert "--waterway is for logs and --predict-information" in err

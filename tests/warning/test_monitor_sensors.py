@@ -28,16 +28,16 @@ def test_positions_minutes_apart_are_never_clear() -> None:
     assert all(status.level >= Priority.WARNING for status in said[1:])
 
 
-@pytest.mark.parametrize(("silent", "foretold"), [(2, True), (8, True), (14, False)])
-def test_silence_degrades_what_is_said(silent: int, foretold: bool) -> None:
-    """Of positions: after 3 s it is said, after 10 s nothing is foretold; when they come again, all is well."""
+@pytest.mark.parametrize(("silent", "predicted"), [(2, True), (8, True), (14, False)])
+def test_silence_degrades_what_is_said(silent: int, predicted: bool) -> None:
+    """Of positions: after 3 s it is said, after 10 s nothing is predicted; when they come again, all is well."""
     said = monitored(ticks(45, without("GPGGA", start=12, stop=12 + silent)))
     during = said[11 + silent]
-    assert (during.forecast is not None) == foretold
+    assert (during.forecast is not None) == predicted
     named = [alert.text for alert in during.alerts if alert.identifier == SENSORS["position"].identifier]
     assert bool(named) == (silent > 3)
     assert said[-1].word == "clear"
-    if not foretold:
+    if not predicted:
         assert during.word == NOT_AVAILABLE
 
 

@@ -106,7 +106,7 @@ def test_the_demonstration_warns_before_the_ship_is_near(tmp_path: Path, cli) ->
     alarm = next(alert for alert in told["alerts"] if alert["priority"] in ("alarm", "emergency alarm"))
     nearest = float(table["t"][table["clearance"].idxmin()])
     assert MISTAKE[0] < alarm["t"] < nearest - 60.0
-    assert told["foretold"] > 0.95 * told["seconds"]
+    assert told["forecast"] > 0.95 * told["seconds"]
     assert told["least_clearance"] == pytest.approx(table["clearance"].min())
     assert 0.0 < told["least_clearance"] < 20.0
     page = (tmp_path / "r.html").read_text(encoding="utf-8")

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from narrows.logbook import (
         EnvelopeChange,
-        Foresight,
+        InformationForecast,
         LogFit,
         ShipLog,
         SteadyConditions,
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from narrows.model.model import Model
 
 # Parts of the JSON output; null if not requested.
-PARTS = ("log", "truth", "steady", "envelope", "plan", "foresight")
+PARTS = ("log", "truth", "steady", "envelope", "plan", "information")
 PILOT_PAGES = (".html", ".pdf", ".svg", ".png")
 
 
@@ -75,8 +75,8 @@ class LegOptions:
 
 
 @dataclass(frozen=True)
-class ForesightOptions:
-    foresee: Annotated[
+class InformationOptions:
+    predict_information: Annotated[
         str | None, Option(help="Predict the information on bank coefficients from transits, sensors rtk or vdr.")
     ] = None
     waterway: WaterwayFile = None
@@ -86,7 +86,7 @@ class ForesightOptions:
 def learn(
     logged: LogOptions,
     legs: LegOptions,
-    ahead: ForesightOptions,
+    ahead: InformationOptions,
     delivery: ModelDelivery,
     speed: Annotated[str | None, Option(help="Allowed speeds, or that of transits: 8kn, 4.1m/s.")] = None,
     model: OptionalModel = None,
@@ -111,30 +111,30 @@ def learn(
     elif legs.plan_steady is not None:
         told = _plan(ship, legs, legs.plan_steady, speed, delivery.json)
     else:
-        told = _foresee(ship, ahead, speed, delivery.json)
+        told = _predict_information(ship, ahead, speed, delivery.json)
     raise SystemExit(int(not told))
 
 
 def _check(
-    model: str | None, logs: list[Path] | None, logged: LogOptions, legs: LegOptions, ahead: ForesightOptions,
+    model: str | None, logs: list[Path] | None, logged: LogOptions, legs: LegOptions, ahead: InformationOptions,
     delivery: ModelDelivery,
 ) -> None:  # fmt: skip
-    asked = (logs, logged.demo or None, legs.steady, legs.plan_steady, ahead.foresee)
+    asked = (logs, logged.demo or None, legs.steady, legs.plan_steady, ahead.predict_information)
     if sum(one is not None for one in asked) != 1:
         raise InputError(
-            "give logs after the model, or --steady with the legs that were held, --plan-steady, --foresee or --demo; "
-            "one of them"
+            "give one of them: logs after the model, --steady with the legs that were held, --plan-steady, "
+            "--predict-information, --demo"
         )
     if (model is None) != logged.demo:
         raise InputError("give a model file first; --demo alone has its own")
-    if ahead.waterway is not None and not (logs or ahead.foresee):
-        raise InputError("--waterway is for logs and --foresee; steady legs are held in the canal of the model")
+    if ahead.waterway is not None and not (logs or ahead.predict_information):
+        raise InputError("--waterway is for logs and --predict-information; steady legs use the canal of the model")
     if not (logs or logged.demo or legs.steady) and (delivery.output or delivery.report):
         raise InputError("nothing is learned yet: leave --output and --report out, or give a log or --steady")
 
 
 def _learn(
-    model: "Model", logs: list[Path], logged: LogOptions, ahead: ForesightOptions, delivery: ModelDelivery
+    model: "Model", logs: list[Path], logged: LogOptions, ahead: InformationOptions, delivery: ModelDelivery
 ) -> bool:
     """Learn from logs; return whether they carry information."""
     from narrows.logbook import learn as learned
@@ -156,7 +156,7 @@ def _doubts(model: "Model", log: "ShipLog | StreamedLog", logged: LogOptions) ->
     return findings.doubts
 
 
-def _read(logs: list[Path], logged: LogOptions, ahead: ForesightOptions) -> "ShipLog | StreamedLog":
+def _read(logs: list[Path], logged: LogOptions, ahead: InformationOptions) -> "ShipLog | StreamedLog":
     """Logs in memory, or read from disk at each pass if one is large."""
     from narrows.logbook import read_log, stream_log
     from narrows.progress import LARGE
@@ -232,18 +232,18 @@ def _plan(model: "Model", legs: LegOptions, page: Path, speed: str | None, json:
     return bool(plan.legs)
 
 
-def _foresee(model: "Model", ahead: ForesightOptions, speed: str | None, json: bool) -> bool:
+def _predict_information(model: "Model", ahead: InformationOptions, speed: str | None, json: bool) -> bool:
     from narrows.cli.options import speed as read_speed
-    from narrows.logbook import foresee
-    from narrows.report.pilot_page import print_foresight
+    from narrows.logbook import predict_information
+    from narrows.report.pilot_page import print_information
     from narrows.waterway import read_waterway
 
     way = None if ahead.waterway is None else read_waterway(ahead.waterway)
     u = None if speed is None else read_speed("--speed", speed)
-    found = foresee(model, way, ahead.foresee or "", u=u)
-    print_json(_told(found, foresight=found.to_dict())) if json else print_foresight(found)
+    found = predict_information(model, way, ahead.predict_information or "", u=u)
+    print_json(_told(found, information=found.to_dict())) if json else print_information(found)
     return bool(found.kinds)
 
 
-def _told(result: "LogFit | SteadyFit | SteadyPlan | Foresight", **parts: Any) -> dict[str, Any]:
+def _told(result: "LogFit | SteadyFit | SteadyPlan | InformationForecast", **parts: Any) -> dict[str, Any]:
     return {"summary": result.summary(), **dict.fromkeys(PARTS), **parts, "notes": list(result.notes)}

@@ -28,8 +28,8 @@ from narrows.logbook.steady_legs.steady_readings import ReadingErrors as Reading
 from narrows.logbook.steady_legs.steady_readings import SteadyConditions as SteadyConditions
 from narrows.logbook.steady_legs.steady_readings import SteadyReadings as SteadyReadings
 from narrows.logbook.steady_legs.steady_readings import steady_readings as steady_readings
-from narrows.logbook.transits.predict_information import ForeseenTransit as ForeseenTransit
-from narrows.logbook.transits.predict_information import Foresight as Foresight
-from narrows.logbook.transits.predict_information import foresee as foresee
+from narrows.logbook.transits.predict_information import InformationForecast as InformationForecast
+from narrows.logbook.transits.predict_information import TransitInformation as TransitInformation
+from narrows.logbook.transits.predict_information import predict_information as predict_information
 from narrows.logbook.transits.transit_conditions import TransitConditions as TransitConditions
 from narrows.logbook.transits.transit_twins import Excursion as Excursion

@@ -14,7 +14,7 @@ from narrows.estimation import Consistency, EstimatedTrack
 from narrows.estimation.states import described
 from narrows.experiment_design import Plan
 from narrows.identification import Comparison, Explanation, Fit
-from narrows.logbook import EnvelopeChange, Foresight, LogFindings, ShipLog, SteadyFit, SteadyPlan
+from narrows.logbook import EnvelopeChange, InformationForecast, LogFindings, ShipLog, SteadyFit, SteadyPlan
 from narrows.manoeuvres import Trials, Turning, ZigzagTest
 from narrows.model.froude import Scaled
 from narrows.model.model import Model
@@ -25,7 +25,7 @@ from narrows.report.envelope_chart import envelope_chart, rules_figure
 from narrows.report.fit_figures import comparison_figure, force_residuals_figure, intervals_figure, motions_figure
 from narrows.report.log_report import findings_figure, log_figure
 from narrows.report.manoeuvre_report import manoeuvres_figure, turning_figure, zigzag_figure
-from narrows.report.pilot_page import foresight_figure, pilot_page
+from narrows.report.pilot_page import information_figure, pilot_page
 from narrows.report.steady_report import change_figure, steady_figure
 from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREY, ORANGE, drawing_on, notes_below, panels
 from narrows.report.transit_report import transit_figure
@@ -163,7 +163,7 @@ _drawn.register(Model, model_figure)
 
 _drawn.register(SteadyFit, steady_figure)
 
-_drawn.register(Foresight, foresight_figure)
+_drawn.register(InformationForecast, information_figure)
 
 _drawn.register(EnvelopeChange, change_figure)
 

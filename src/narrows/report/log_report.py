@@ -114,8 +114,8 @@ def forecast_figure(record: RecordAnswer) -> Figure:
         if name in record.measured:
             t, values = record.measured[name]
             panel.plot(t, factor * values, ".", color=GREY, ms=1.5, label="measured", rasterized=True)
-        for (colour, words), foretold in zip(BY, record.forecasts, strict=True):
-            draw_pieces(panel, foretold, foretold.t, factor * foretold.states[:, place], color=colour, label=words)
+        for (colour, words), predicted in zip(BY, record.forecasts, strict=True):
+            draw_pieces(panel, predicted, predicted.t, factor * predicted.states[:, place], color=colour, label=words)
         panel.set(ylabel=label)
     _within(axes[1:, 0], record)
     for panel in axes[:, 0]:
@@ -127,9 +127,9 @@ def forecast_figure(record: RecordAnswer) -> Figure:
     return figure
 
 
-def draw_pieces(axes: Axes, foretold: Forecast, across: np.ndarray, up: np.ndarray, label: str, color: str) -> None:
-    begins = np.append(0, foretold.ends[:-1] + 1)
-    for number, (begin, end) in enumerate(zip(begins, foretold.ends, strict=True)):
+def draw_pieces(axes: Axes, predicted: Forecast, across: np.ndarray, up: np.ndarray, label: str, color: str) -> None:
+    begins = np.append(0, predicted.ends[:-1] + 1)
+    for number, (begin, end) in enumerate(zip(begins, predicted.ends, strict=True)):
         piece = slice(begin, end + 1)
         axes.plot(across[piece], up[piece], color=color, lw=1.0, label=None if number else label)
 
@@ -163,8 +163,8 @@ def log_track_figure(record: RecordAnswer) -> Figure:
     figure, axes = panels(1, 1, float(np.clip(high, FLATTEST, TALLEST)), margins)
     panel: Axes = axes[0, 0]
     panel.plot(x, y, ".", color=GREY, ms=2.5, label="measured", rasterized=True)
-    for (colour, words), foretold in zip(BY, record.forecasts, strict=True):
-        draw_pieces(panel, foretold, foretold.states[:, 0], foretold.states[:, 1], label=words, color=colour)
+    for (colour, words), predicted in zip(BY, record.forecasts, strict=True):
+        draw_pieces(panel, predicted, predicted.states[:, 0], predicted.states[:, 1], label=words, color=colour)
     panel.set(xlim=_about(x), ylim=_about(y)[::-1], xlabel="x [m]", ylabel="y, to starboard [m]")
     shape = "to scale" if to_scale else "not to scale: y is stretched"
     panel.set_title(f"{record.name} from above, {shape}")

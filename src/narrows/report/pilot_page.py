@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon, Rectangle
 
 from narrows.files import form_of, save_figure, write_whole
-from narrows.logbook import Foresight, SteadyPlan
+from narrows.logbook import InformationForecast, SteadyPlan
 from narrows.logbook.learned_coefficient import ON_TWINS, PRIOR, LearnedCoefficient
 from narrows.quantities.names import KNOT
 from narrows.report.fit_page import figure as captioned
@@ -206,25 +206,26 @@ def _foot(page: Figure, plan: SteadyPlan) -> None:
 COLOURS = (BLACK, BLUE, ORANGE, GREEN, PURPLE)
 
 
-def print_foresight(foresight: Foresight) -> None:
-    columns = [f"std {name}" for name in foresight.targets]
+def print_information(information: InformationForecast) -> None:
+    columns = [f"std {name}" for name in information.targets]
     rows = (
-        (str(row["transits"]), row["excursion"], *(f"{row[name]:.2g}" for name in columns)) for row in foresight.rows()
+        (str(row["transits"]), row["excursion"], *(f"{row[name]:.2g}" for name in columns))
+        for row in information.rows()
     )
-    print_result(foresight, table_of(("transits", "", *columns), rows) if foresight.kinds else None)
+    print_result(information, table_of(("transits", "", *columns), rows) if information.kinds else None)
 
 
-def foresight_figure(foresight: Foresight) -> Figure:
-    targets = foresight.targets
+def information_figure(information: InformationForecast) -> Figure:
+    targets = information.targets
     figure, axes = panels(1, len(targets), 3.6, Margins(bottom=1.35, top=0.25, across=0.75))
     for panel, name in zip(axes[0], targets, strict=True):
-        panel.axhline(foresight.prior_std[name], color=GREY, ls="--", label="now")
-        for number, kind in enumerate(foresight.kinds):
+        panel.axhline(information.prior_std[name], color=GREY, ls="--", label="now")
+        for number, kind in enumerate(information.kinds):
             style = DASHES[number % len(DASHES)]
-            panel.plot(foresight.transits, kind.std[name], color=COLOURS[number % len(COLOURS)], ls=style, marker="o",
+            panel.plot(information.transits, kind.std[name], color=COLOURS[number % len(COLOURS)], ls=style, marker="o",
                        ms=3, label=kind.excursion.words)  # fmt: skip
         panel.set(xscale="log", xlabel="transits", ylabel=f"standard error of {name}")
-        panel.set_xticks(foresight.transits, [str(count) for count in foresight.transits])
+        panel.set_xticks(information.transits, [str(count) for count in information.transits])
         panel.minorticks_off()
         panel.set_ylim(bottom=0)
         panel.grid(alpha=0.3)

@@ -15,7 +15,7 @@ from narrows.logbook.filtering.predicted_signals import RUDDER
 from narrows.logbook.filtering.record_grid import RecordGrid
 from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_prior import Spread
-from narrows.logbook.learning.posed_log import PosedLog, posed_log
+from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import SIGNALS, ShipRecord
@@ -94,35 +94,35 @@ def _alone(record: ShipRecord, model: Model, waterway: Waterway | None) -> Itera
 
 def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: Spread | None) -> Iterator[Finding]:
     """Yield the strongest fault of the records by the filter."""
-    posed = posed_log(model, log, sensors, spread=spread)
-    for note in posed.source.left_out:
+    setup = log_problem(model, log, sensors, spread=spread)
+    for note in setup.source.left_out:
         yield Finding("missing", log.names[0], note.removesuffix("."), "leave it out, or record what is missing")
-    if not (grids := list(posed.source)):
+    if not (grids := list(setup.source)):
         return
     where = grids[0].record.name if len(grids) == 1 else ALL
     held = [
         Finding("stuck", grid.record.name, f"{name} says the same from t = {begin:.6g} to {end:.6g} s, while the ship "
                 "moves by all other signals", "leave that time out, or that signal", {"from": begin, "to": end})
-        for grid in grids for name, begin, end in stuck(posed.problem, grid)
+        for grid in grids for name, begin, end in stuck(setup.problem, grid)
     ]  # fmt: skip
     if held:
         yield from held
-    elif best := misreading(posed.problem, grids[: settings.MOST_REREAD]):
+    elif best := misreading(setup.problem, grids[: settings.MOST_REREAD]):
         gain, other = best
         better = f": read otherwise, the log-likelihood rises by {gain / 2:.3g}" if np.isfinite(gain) else ""
         check, evidence = " and ".join(other.signals[:2]), {"log_likelihood_ratio": gain / 2} if better else {}
         yield Finding(check, where, other.sentence + better, other.remedy, evidence)
     else:
-        gusty = posed.source.assumptions.gusts
-        pushed = posed if gusty else posed_log(model, log, sensors, spread=spread, gusts=True)
-        yield from _tested(posed, pushed, grids, where)
+        gusty = setup.source.assumptions.gusts
+        pushed = setup if gusty else log_problem(model, log, sensors, spread=spread, gusts=True)
+        yield from _tested(setup, pushed, grids, where)
 
 
-def _tested(posed: PosedLog, pushed: PosedLog, grids: list[RecordGrid], where: str) -> Iterator[Finding]:
+def _tested(setup: LogSetup, pushed: LogSetup, grids: list[RecordGrid], where: str) -> Iterator[Finding]:
     """Yield the fault with the strongest score after a fit that harms, and the strongest that does not."""
-    learned = _scores(posed, grids)
+    learned = _scores(setup, grids)
     # Where nothing disturbs the ship, what the model leaves must not pass for a sensor's fault: it is a force then.
-    scores = learned if pushed is posed else _scores(pushed, list(pushed.source))
+    scores = learned if pushed is setup else _scores(pushed, list(pushed.source))
     if not (learned and scores):
         said = "the model cannot follow this log at all: its motion goes to infinity"
         yield Finding("model", where, said, "look at signs, units and axes, and at the size of the model")
@@ -142,8 +142,8 @@ def _tested(posed: PosedLog, pushed: PosedLog, grids: list[RecordGrid], where: s
         known.append(best.place)
 
 
-def _scores(posed: PosedLog, grids: list[RecordGrid]) -> FaultTests | None:
-    found = search(posed.problem, posed.source, settings.CHECK_STEPS)
+def _scores(setup: LogSetup, grids: list[RecordGrid]) -> FaultTests | None:
+    found = search(setup.problem, setup.source, settings.CHECK_STEPS)
     return FaultTests.of(found, grids, ALL) if found and found.records and not found.diverged else None
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from narrows.logbook import settings
 from narrows.logbook.checking.finding import Finding
 from narrows.logbook.filtering.predicted_signals import RUDDER
-from narrows.logbook.learning.posed_log import speed_of
+from narrows.logbook.learning.log_setup import speed_of
 from narrows.logbook.ship_record import ShipRecord, Signal
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY

@@ -9,8 +9,8 @@ from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_fit import LogFit
 from narrows.logbook.learning.log_prior import Spread
 from narrows.logbook.learning.log_result import log_result
+from narrows.logbook.learning.log_setup import log_problem
 from narrows.logbook.learning.log_source import LogSource
-from narrows.logbook.learning.posed_log import posed_log
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import ShipLog
 from narrows.model.model import Model
@@ -72,18 +72,18 @@ def learn(
     InputError
         Where the model has neither covariance nor spread, a name is unknown, or no record can be used.
     """
-    posed = posed_log(
+    setup = log_problem(
         model, log, sensors, free=free, spread=spread, gusts=gusts, asymmetry=asymmetry, waterway=waterway, **choices
     )
-    came_from = LogSource.of(posed.source.log, _name(posed.source.log), posed.source.assumptions.grade.name)
+    came_from = LogSource.of(setup.source.log, _name(setup.source.log), setup.source.assumptions.grade.name)
     with stage("fitting the records"):
-        found = search(posed.problem, posed.source)
+        found = search(setup.problem, setup.source)
     if found is None:
         raise InputError(RUNS_AWAY)
     if not found.records:
-        why = " ".join(posed.source.left_out).removesuffix(".") or "it has none"
+        why = " ".join(setup.source.left_out).removesuffix(".") or "it has none"
         raise InputError(f"no record of this log can be used: {why}")
-    return log_result(posed, found, came_from, free)
+    return log_result(setup, found, came_from, free)
 
 
 def _name(log: Any) -> str:

@@ -1,4 +1,4 @@
-"""The answer of a log: what it taught of the coefficients, what still comes from the prior, how well that foretells."""
+"""Result of learning from a log: learned coefficients, prior coefficients, errors of forecasts."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -174,10 +174,10 @@ class LogFit(LearnedAnswer):
         told += [f"learned: {', '.join(learned)}"] if learned else []
         first = f"Learned from {self._size}: {'; '.join(told) or 'nothing'}."
         rest = f" From the prior still: {', '.join(open_still)}." if open_still else ""
-        return "\n".join(filter(None, (*self._doubts, first + rest, self._foretold, self._gusty, ON_TWINS)))
+        return "\n".join(filter(None, (*self._doubts, first + rest, self._prediction, self._gusty, ON_TWINS)))
 
     @property
-    def _foretold(self) -> str:
+    def _prediction(self) -> str:
         before, after = self.missed("psi")
         if len(self.records) < 2 or not np.isfinite([before, after]).all():
             return ""

@@ -12,8 +12,8 @@ from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult
 from narrows.logbook.learned_coefficient import learned_coefficients, learned_model
 from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise
 from narrows.logbook.learning.log_posterior import log_posterior
+from narrows.logbook.learning.log_setup import LogSetup
 from narrows.logbook.learning.log_source import LogSource
-from narrows.logbook.learning.posed_log import PosedLog
 from narrows.logbook.learning.record_answers import RecordAnswer, record_answers
 from narrows.model.data_range import Range
 from narrows.model.model import Model
@@ -24,7 +24,7 @@ STRETCHES = (
 )
 
 
-def log_result(posed: PosedLog, found: SearchResult, log: LogSource, free: Sequence[str]) -> LogFit:
+def log_result(posed: LogSetup, found: SearchResult, log: LogSource, free: Sequence[str]) -> LogFit:
     """Return the answer of a search."""
     source, prior = posed.source, replace(posed.model, covariance=posed.before)
     scores = np.stack([one.score for one in found.records])

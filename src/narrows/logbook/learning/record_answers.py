@@ -146,10 +146,10 @@ def forecast(
     return Forecast(grid.times[nodes], states, ends, path.states[begun[1:]], rudder)
 
 
-def missed(foretold: Forecast) -> dict[str, float]:
+def missed(predicted: Forecast) -> dict[str, float]:
     """Return the root mean square of the ends of forecasts less the smoothed states there."""
     with np.errstate(all="ignore"):  # What ran away is far off, and may be so without end.
-        off = foretold.states[foretold.ends] - foretold.likely
+        off = predicted.states[predicted.ends] - predicted.likely
         root = np.sqrt(np.mean(off**2, axis=0)) if len(off) else np.full(6, np.nan)
     return {name: float(root[place]) for name, place in STATES_JUDGED.items()}
 

@@ -1,4 +1,4 @@
-"""``foresee``: how tight the bank's coefficients will get after some transits, and which excursions would help most."""
+"""Predict the information on the bank coefficients from future transits and excursions."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -13,7 +13,7 @@ from narrows.logbook.filtering.gauss_markov import SWAY, YAW
 from narrows.logbook.filtering.search import FIRST_PASSES, scored
 from narrows.logbook.learned_coefficient import ON_TWINS, learnable
 from narrows.logbook.learning.log_posterior import expected_std
-from narrows.logbook.learning.posed_log import PosedLog, posed_log
+from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.sensor_grades import SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.steady_legs.learn_steady import check_covariance
@@ -35,22 +35,19 @@ if TYPE_CHECKING:
 TRANSITS = (1, 5, 20)
 MINUTE = 60.0
 NO_RUDDER = (
-    "Without the rudder's angle what a transit tells follows the pilot whom one assumes, and not the bank: nothing is "
-    "foretold; record the rudder."
+    "Nothing is predicted: without the rudder angle, the information depends on the assumed pilot and not on the bank; "
+    "record the rudder."
 )
 NOWHERE = (
-    "No excursion is looked at: the safe envelope lets this ship off the middle nowhere at {:.3g} m/s with what is "
-    "known now; hold steady legs first (plan_steady), or sail routine transits and ask again."
+    "No excursion is considered: with the present uncertainty, no offset is safe at {:.3g} m/s; hold steady legs first "
+    "(plan_steady), or sail routine transits."
 )
-TOO_COARSE = (
-    "what these sensors read leaves a ship of this size anywhere in its canal, and no fit could follow it; give a "
-    "grade of sensors that are finer"
-)
+TOO_COARSE = "these sensors are too coarse to locate a ship of this size in its canal; give a grade of finer sensors"
 LEAST = 0.01  # of usual gusts, how strong gusts are taken to be at least
 
 
 @dataclass(frozen=True)
-class ForeseenTransit:
+class TransitInformation:
     """Expected information of transits of one kind."""
 
     excursion: Excursion  # Excursion from the middle; the first kind has none
@@ -58,12 +55,12 @@ class ForeseenTransit:
 
 
 @dataclass(frozen=True, repr=False)
-class Foresight(BaseResult):
+class InformationForecast(BaseResult):
     """Expected standard errors of coefficients.
 
     Parameters
     ----------
-    kinds : tuple of ForeseenTransit
+    kinds : tuple of TransitInformation
         Routine first, then with excursions; only routine where none is safe.
     transits : tuple of int
         How many are sailed.
@@ -84,10 +81,10 @@ class Foresight(BaseResult):
     safe_offset : float [m]
         How far off the middle the safe envelope lets it go on purpose.
     reasons : tuple of str
-        Why nothing is foretold, why no excursion is among the kinds.
+        Why nothing is predicted, or why no excursion is among the kinds.
     """
 
-    kinds: tuple[ForeseenTransit, ...]
+    kinds: tuple[TransitInformation, ...]
     transits: tuple[int, ...]
     targets: tuple[str, ...]
     prior_std: Mapping[str, float]
@@ -100,14 +97,14 @@ class Foresight(BaseResult):
     reasons: tuple[str, ...]
 
     def __repr__(self) -> str:
-        return f"<Foresight of {', '.join(self.targets)} by sensors {self.grade.name}>"
+        return f"<InformationForecast of {', '.join(self.targets)} by sensors {self.grade.name}>"
 
     @property
-    def best(self) -> ForeseenTransit | None:
-        """The kind that leaves least of the targets after the fewest transits; None where nothing is foretold."""
+    def best(self) -> TransitInformation | None:
+        """The kind with the smallest standard errors after the fewest transits; None without a prediction."""
         return min(self.kinds, key=self._left, default=None)
 
-    def _left(self, kind: ForeseenTransit) -> float:
+    def _left(self, kind: TransitInformation) -> float:
         return float(
             sum((kind.std[name][0] / self.prior_std[name]) ** 2 for name in self.targets if self.prior_std[name])
         )
@@ -116,8 +113,8 @@ class Foresight(BaseResult):
     def notes(self) -> tuple[str, ...]:
         """Reasons for missing forecasts, and assumptions."""
         taken = (
-            f"Taken for granted: {self.conditions.summary()}; sensors {self.grade.summary()}; the terms of the model, "
-            "the banks where the chart has them but for a zero, wind and zeros of each transit its own, no other ship."
+            f"Assumptions: {self.conditions.summary()}; sensors {self.grade.summary()}; the terms of the model; "
+            "the banks of the chart, with an unknown zero; each transit has its own wind and zeros; no other ship."
         )
         return (*self.reasons, taken, ON_TWINS)
 
@@ -137,7 +134,7 @@ class Foresight(BaseResult):
             helped = ", ".join(
                 f"{name} {best.std[name][0]:.2g} instead of {routine.std[name][0]:.2g}" for name in self.targets
             )
-            lines.append(f"Most is gained by {best.excursion.words}: after {self.transits[0]}, {helped}.")
+            lines.append(f"The best excursion is {best.excursion.words}: after {self.transits[0]}, {helped}.")
         return "\n".join((*lines, *self.reasons, ON_TWINS))
 
     def rows(self) -> list[dict[str, Any]]:
@@ -168,16 +165,16 @@ class Foresight(BaseResult):
         }
 
 
-def foresee(
+def predict_information(
     model: Model, waterway: "Waterway | None" = None, sensors: str | SensorGrade = "vdr",
     transits: int | Sequence[int] = TRANSITS, *, u: float | None = None, duration: float | None = None,
     targets: Sequence[str] = (), within: float | None = None, conditions: TransitConditions | None = None,
     seed: int = 0,
-) -> Foresight:  # fmt: skip
-    """Foretell how well transits will tell the bank's coefficients, before any is sailed.
+) -> InformationForecast:  # fmt: skip
+    """Predict the standard errors of the bank coefficients after future transits.
 
-    The ship of the most likely coefficients is sailed by a pilot whose aim wanders, in gusts, and recorded by the
-    sensors. The standard errors follow from the expected information of the likelihood that ``learn`` maximises.
+    The best-estimate ship is simulated with a pilot whose aim wanders, in gusts, and its sensors are simulated. The
+    standard errors follow from the expected (Fisher) information of the likelihood that ``learn`` maximises.
 
     Parameters
     ----------
@@ -188,13 +185,13 @@ def foresee(
     sensors : str or SensorGrade
         ``rtk``, ``vdr``, ``ais``, or your own.
     transits : int or sequence of int
-        After how many it is foretold.
+        Numbers of transits to predict for.
     u : float [m/s], optional
         Through the water; a speed that the canal and the tests allow unless given.
     duration : float [s], optional
         Duration of a transit; 40 minutes, or the waterway's length to an hour, unless given.
     targets : sequence of str
-        The coefficients that matter; those of the bank unless given.
+        Coefficients of interest; those of the bank unless given.
     within : float [m], optional
         How far off the middle excursions may go, 0 for none; unless given, as far as a quick safe envelope lets the
         ship.
@@ -205,7 +202,7 @@ def foresee(
 
     Returns
     -------
-    Foresight
+    InformationForecast
         Standard errors after so many transits, routine and with each excursion.
 
     Raises
@@ -224,11 +221,11 @@ def foresee(
     told |= {"duration": plan.duration, "transits": counts, "targets": names}
     told |= {"prior_std": _std(model, names, before)}
     if "rudder" not in grade.signals:
-        return Foresight((), safe_offset=0.0, reasons=(NO_RUDDER,), **told)
+        return InformationForecast((), safe_offset=0.0, reasons=(NO_RUDDER,), **told)
     safe = safe_offset(_narrowest(model, waterway), plan.u, seed) if within is None else _within(within)
-    kinds, reasons = _kinds(_Asked(plan, grade, names, counts, seed), safe)
+    kinds, reasons = _kinds(_Request(plan, grade, names, counts, seed), safe)
     reasons += (NOWHERE.format(plan.u),) if within is None and not safe else ()
-    return Foresight(kinds, safe_offset=safe, reasons=reasons, **told)
+    return InformationForecast(kinds, safe_offset=safe, reasons=reasons, **told)
 
 
 def _plan(
@@ -246,7 +243,7 @@ def _plan(
 def _counts(transits: int | Sequence[int]) -> tuple[int, ...]:
     counts = tuple(transits) if isinstance(transits, Sequence | np.ndarray) else (transits,)
     if not counts:
-        raise InputError("transits is empty; say after how many it shall be foretold, such as [1, 5, 20]")
+        raise InputError("transits is empty; give numbers of transits such as [1, 5, 20]")
     for count in counts:
         check_count("transits", count, 1)
     return counts
@@ -258,7 +255,7 @@ def _within(offset: float) -> float:
     return within
 
 
-class _Asked(NamedTuple):
+class _Request(NamedTuple):
     plan: TransitTwin
     grade: SensorGrade
     names: tuple[str, ...]
@@ -266,12 +263,12 @@ class _Asked(NamedTuple):
     seed: int
 
 
-def _kinds(asked: _Asked, safe: float) -> tuple[tuple[ForeseenTransit, ...], tuple[str, ...]]:
+def _kinds(request: _Request, safe: float) -> tuple[tuple[TransitInformation, ...], tuple[str, ...]]:
     """Expected information of routine transits and of each possible excursion; why others are left out."""
-    kinds, reasons = [_foreseen(asked, ROUTINE)], []
-    for excursion in excursions(safe, asked.plan.truth.configuration.ship.length / asked.plan.u):
+    kinds, reasons = [_information(request, ROUTINE)], []
+    for excursion in excursions(safe, request.plan.truth.configuration.ship.length / request.plan.u):
         try:
-            kinds.append(_foreseen(asked, excursion))
+            kinds.append(_information(request, excursion))
         except InputError as error:
             reasons.append(f"Left out: {error}.")
     return tuple(kinds), tuple(reasons)
@@ -300,24 +297,24 @@ def excursions(safe: float, time: float) -> list[Excursion]:
     ]  # fmt: skip
 
 
-def _foreseen(asked: _Asked, excursion: Excursion) -> ForeseenTransit:
+def _information(request: _Request, excursion: Excursion) -> TransitInformation:
     std = []
     with bar(settings.SIMULATED_TRANSITS, is_shown(), excursion.words) as done:
-        for number in range(asked.seed, asked.seed + settings.SIMULATED_TRANSITS):
-            std.append(_expected_std(asked, excursion, number))
+        for number in range(request.seed, request.seed + settings.SIMULATED_TRANSITS):
+            std.append(_expected_std(request, excursion, number))
             done(1)
-    return ForeseenTransit(excursion, dict(zip(asked.names, np.median(std, axis=0).T, strict=True)))
+    return TransitInformation(excursion, dict(zip(request.names, np.median(std, axis=0).T, strict=True)))
 
 
-def _expected_std(asked: _Asked, excursion: Excursion, number: int) -> list[list[float]]:
+def _expected_std(request: _Request, excursion: Excursion, number: int) -> list[list[float]]:
     """Standard errors after transits like one, (counts, names)."""
-    plan = asked.plan
-    record = recorded(f"transit {number}", plan.sailed(number, excursion), asked.grade, number, current=0.0)
-    posed = posed_log(plan.truth, ShipLog((record,), plan.waterway), asked.grade, gusts=True)
+    plan = request.plan
+    record = recorded(f"transit {number}", plan.sailed(number, excursion), request.grade, number, current=0.0)
+    setup = log_problem(plan.truth, ShipLog((record,), plan.waterway), request.grade, gusts=True)
     push = plan.conditions.gust_push(plan.truth)
-    told = expected_information(posed, push @ push.T, plan.conditions.gust_time)
-    after = [expected_std(plan.truth, posed.before, posed.problem, count * told) for count in asked.transits]
-    return [[one[name] for name in asked.names] for one in after]
+    told = expected_information(setup, push @ push.T, plan.conditions.gust_time)
+    after = [expected_std(plan.truth, setup.before, setup.problem, count * told) for count in request.transits]
+    return [[one[name] for name in request.names] for one in after]
 
 
 def _std(model: Model, names: Sequence[str], std: np.ndarray) -> dict[str, float]:
@@ -341,9 +338,9 @@ def _narrowest(model: Model, waterway: "Waterway | None") -> Model:
     return replace(model, configuration=replace(model.configuration, canal=replace(canal, depth=depth)))
 
 
-def expected_information(posed: PosedLog, gusts: np.ndarray, memory: float) -> np.ndarray:
+def expected_information(setup: LogSetup, gusts: np.ndarray, memory: float) -> np.ndarray:
     """Return the information of records at the prior mean, with gusts of covariance (2, 2) and memory [s], (P, P)."""
-    problem = posed.problem
+    problem = setup.problem
     unknowns, usual = np.zeros(len(problem.precision)), {one.name: one for one in problem.model.processes}
     size = np.sqrt(np.diag(gusts)) / problem.inertia.at(problem.prior.mean)[1:]
     strong = dict(zip((SWAY, YAW), size.tolist(), strict=True))
@@ -355,7 +352,7 @@ def expected_information(posed: PosedLog, gusts: np.ndarray, memory: float) -> n
         elif of == "correlation":
             product = max(float(np.sqrt(gusts[0, 0] * gusts[1, 1])), np.finfo(float).tiny)
             unknowns[place] = np.arctanh(np.clip(gusts[0, 1] / product, -0.99, 0.99))
-    found = scored(problem, posed.source, unknowns, [], FIRST_PASSES)
+    found = scored(problem, setup.source, unknowns, [], FIRST_PASSES)
     if found is None:
         raise InputError(TOO_COARSE)
     return found.information

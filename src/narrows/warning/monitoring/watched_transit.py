@@ -77,7 +77,7 @@ class WatchedTransit(BaseResult):
         ship, waterway = self.names
         return {
             "summary": self.summary(), "ship": ship, "waterway": waterway,
-            "seconds": len(self.columns["t"]), "foretold": int(self.known.sum()), "level": self.level.words,
+            "seconds": len(self.columns["t"]), "forecast": int(self.known.sum()), "level": self.level.words,
             "alerts": [{"t": said.t, **told(said.alert)} for said in self.alerts],
             "least_clearance": None if near is None else float(self.columns["clearance"][near]),
             "least_rudder_margin": float(np.nanmin(margin)) if np.isfinite(margin).any() else None,

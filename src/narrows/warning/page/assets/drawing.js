@@ -3,7 +3,7 @@
 import { canalColours, canalView } from "./canal.js";
 
 const DOWN = 0.76; // Of the height, where midship is.
-const [FORETOLD, HULL_AHEAD, LEAST_AHEAD] = [120, 0.8, 2.2]; // Seconds of way, and lengths, ahead of midship.
+const [SECONDS_AHEAD, HULL_AHEAD, LEAST_AHEAD] = [120, 0.8, 2.2]; // Seconds of way, and lengths, ahead of midship.
 const [ROOM, EVEN] = [1.25, 100]; // Widths of the canal across; and metres by which the scale changes, not more often.
 const HULLS_EVERY = 6; // Of the times of a track.
 
@@ -29,7 +29,7 @@ export function drawing(canvas) {
     view.look(camera(canvas, scene, update.state.u));
     view.water(scene.banks);
     for (const limit of scene.limits) view.track(limit, { stroke: "bank", width: 1.5, dash: [6, 6] });
-    if (scene.fan) foretold(view, scene, update.forecast);
+    if (scene.fan) drawForecast(view, scene, update.forecast);
     view.ship(pose(scene.ship.pose), scene.ship);
     return view.scaleBar();
   }
@@ -41,7 +41,7 @@ export function drawing(canvas) {
 function camera(canvas, { ship, middle, banks }, speed) {
   const [along, across, heading] = middle;
   const width = even(widest(banks));
-  const ahead = even(Math.max(FORETOLD * speed + HULL_AHEAD * ship.length, LEAST_AHEAD * ship.length));
+  const ahead = even(Math.max(SECONDS_AHEAD * speed + HULL_AHEAD * ship.length, LEAST_AHEAD * ship.length));
   const high = ahead / (DOWN * canvas.clientHeight);
   const wide = (ROOM * width) / canvas.clientWidth;
   return { along, across, heading, right: 0.5, down: DOWN, metresPerPixel: Math.max(high, wide) };
@@ -53,7 +53,7 @@ function widest([port, starboard]) {
   return Math.max(...port.map(([north, east], place) => Math.hypot(starboard[place][0] - north, starboard[place][1] - east)));
 }
 
-function foretold(view, { ship, fan }, forecast) {
+function drawForecast(view, { ship, fan }, forecast) {
   const contact = forecast.likely.contact ?? Infinity;
   view.fan(fan.members, { stroke: "fan", width: 4, opacity: 0.13 });
   view.track([place(ship.pose), ...fan.escape.map(place)], { stroke: "track", width: 2.5, dash: [2, 7] });

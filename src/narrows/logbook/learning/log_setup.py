@@ -87,7 +87,7 @@ class GridSource:
         return grid_of(record, step, self.usual)
 
 
-class PosedLog(NamedTuple):
+class LogSetup(NamedTuple):
     """Unknowns and records of the problem."""
 
     problem: LogProblem  # With the prior
@@ -96,10 +96,10 @@ class PosedLog(NamedTuple):
     model: Model  # With an asymmetry where one is learned
 
 
-def posed_log(
+def log_problem(
     model: Model, log: Any, sensors: str | SensorGrade, *, free: Sequence[str] = (), spread: Spread | None = None,
     gusts: bool | None = None, asymmetry: bool | None = None, waterway: "Waterway | None" = None, **choices: Any,
-) -> PosedLog:  # fmt: skip
+) -> LogSetup:  # fmt: skip
     """Return a log as a problem."""
     records = _records(log, waterway)
     if isinstance(sensors, str):
@@ -118,7 +118,7 @@ def posed_log(
     inertia = push_inertia(model, prior, u, choices.get("surge_inertia"))
     problem = assumptions.problem(motion, prior, inertia, signals, u)
     source = GridSource(records, assumptions, dict(motion.positions), model.configuration)
-    return PosedLog(problem, source, before, model)
+    return LogSetup(problem, source, before, model)
 
 
 def _records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:

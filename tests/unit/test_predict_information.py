@@ -10,7 +10,7 @@ import narrows as nw
 from engine_models import steered
 from narrows.logbook import GRADES
 from narrows.logbook.learning.log_posterior import expected_std
-from narrows.logbook.learning.posed_log import PosedLog, posed_log
+from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.transits.predict_information import expected_information
 from narrows.logbook.transits.transit_twins import Excursion, TransitTwin, recorded
 from pictures import assert_readable
@@ -42,19 +42,19 @@ def ship() -> nw.Model:
 
 
 @cache
-def foreseen(**told) -> nw.Foresight:
+def predicted(**told) -> nw.InformationForecast:
     told = {"u": SPEED, "duration": 60.0, "within": 0.3, "conditions": BREEZE, **told}
-    return nw.foresee(ship(), None, OWN, **told)
+    return nw.predict_information(ship(), None, OWN, **told)
 
 
-def posed(*seeds: int) -> PosedLog:
+def posed(*seeds: int) -> LogSetup:
     """Transits of the ship, as a fit is given them."""
     plan = TransitTwin(ship(), SPEED, 60.0, BREEZE)
     records = [recorded(f"{number}", plan.sailed(seed), OWN, seed, current=0.0) for number, seed in enumerate(seeds)]
-    return posed_log(ship(), nw.ShipLog(tuple(records)), OWN, gusts=True)
+    return log_problem(ship(), nw.ShipLog(tuple(records)), OWN, gusts=True)
 
 
-def expected(log: PosedLog, copies: int = 1) -> dict[str, float]:
+def expected(log: LogSetup, copies: int = 1) -> dict[str, float]:
     """Standard errors by the expected information."""
     push = BREEZE.gust_push(ship())
     return expected_std(
@@ -62,8 +62,8 @@ def expected(log: PosedLog, copies: int = 1) -> dict[str, float]:
     )
 
 
-def test_what_is_foretold_of_transits_is_what_fits_to_them_find() -> None:
-    """Fits do not know the ship nor the gusts: their standard errors are those that are foretold, to a third."""
+def test_what_is_predicted_of_transits_is_what_fits_to_them_find() -> None:
+    """Fits do not know the ship nor the gusts: their standard errors are those that are predicted, to a third."""
     ratios = []
     for seed in (1, 2, 3):
         log = posed(seed)
@@ -87,14 +87,14 @@ def test_one_transit_many_times_over_tells_as_much_as_so_many() -> None:
 
 
 def test_more_transits_tell_more_and_excursions_more_than_routine() -> None:
-    found = foreseen()
+    found = predicted()
     for kind in found.kinds:
         for name in found.targets:
             first, later, last = kind.std[name]
             assert found.prior_std[name] > first > later
             assert later > last
     assert found.best.excursion.offset == pytest.approx(0.3)
-    assert "Most is gained by 0.3 m aside" in found.summary()
+    assert "The best excursion is 0.3 m aside" in found.summary()
     assert "on twins only" in found.summary()
     assert_readable(found.plot())
 
@@ -102,26 +102,26 @@ def test_more_transits_tell_more_and_excursions_more_than_routine() -> None:
 def test_better_sensors_tell_more() -> None:
     worse = {name: replace(grade, noise=3 * grade.noise, zero=3 * grade.zero) for name, grade in OWN.signals.items()}
     told = {"u": SPEED, "duration": 60.0, "within": 0.0, "conditions": BREEZE}
-    blunt = nw.foresee(ship(), None, nw.SensorGrade("blunt", "worse", worse), **told)
+    blunt = nw.predict_information(ship(), None, nw.SensorGrade("blunt", "worse", worse), **told)
     for name in blunt.targets:
-        assert blunt.kinds[0].std[name][0] > foreseen().kinds[0].std[name][0]
+        assert blunt.kinds[0].std[name][0] > predicted().kinds[0].std[name][0]
 
 
 def test_gusts_that_come_and_go_hide_the_bank() -> None:
-    calm = foreseen(conditions=replace(BREEZE, gust=0.01), within=0.0)
+    calm = predicted(conditions=replace(BREEZE, gust=0.01), within=0.0)
     # The voyage itself is stirred by gusts; what they hide is more than what they stir.
-    assert calm.kinds[0].std["b_bank"][0] < foreseen(within=0.0).kinds[0].std["b_bank"][0]
+    assert calm.kinds[0].std["b_bank"][0] < predicted(within=0.0).kinds[0].std["b_bank"][0]
 
 
 def test_a_straight_waterway_is_its_canal() -> None:
     way = nw.straight_waterway(ship().configuration.canal, 60.0)
     told = {"duration": 40.0, "within": 0.0}
-    along = nw.foresee(ship(), way, OWN, u=SPEED, conditions=BREEZE, **told)
-    assert along.kinds[0].std["c_bank"] == pytest.approx(foreseen(**told).kinds[0].std["c_bank"], rel=1e-3)
+    along = nw.predict_information(ship(), way, OWN, u=SPEED, conditions=BREEZE, **told)
+    assert along.kinds[0].std["c_bank"] == pytest.approx(predicted(**told).kinds[0].std["c_bank"], rel=1e-3)
 
 
-def test_without_the_rudder_nothing_is_foretold() -> None:
-    found = nw.foresee(ship(), sensors="ais", u=SPEED)
+def test_without_the_rudder_nothing_is_predicted() -> None:
+    found = nw.predict_information(ship(), sensors="ais", u=SPEED)
     assert found.kinds == ()
     assert "record the rudder" in found.summary()
     assert found.best is None
@@ -129,13 +129,13 @@ def test_without_the_rudder_nothing_is_foretold() -> None:
 
 def test_sensors_of_a_ship_are_too_coarse_for_a_model() -> None:
     """Places to a metre in a canal of seven, in a sentence."""
-    with pytest.raises(nw.InputError, match="no fit could follow it; give a grade of sensors that are finer"):
-        nw.foresee(ship(), None, AT_SEA, (1,), u=SPEED, duration=20.0, within=0.0, conditions=BREEZE)
+    with pytest.raises(nw.InputError, match="too coarse to locate a ship of this size"):
+        nw.predict_information(ship(), None, AT_SEA, (1,), u=SPEED, duration=20.0, within=0.0, conditions=BREEZE)
 
 
 def test_where_the_envelope_is_safe_nowhere_no_excursion_is_looked_at() -> None:
     unknown = replace(ship(), covariance=10000 * ship().covariance)
-    found = nw.foresee(unknown, None, OWN, (1,), u=SPEED, duration=20.0, conditions=BREEZE)
+    found = nw.predict_information(unknown, None, OWN, (1,), u=SPEED, duration=20.0, conditions=BREEZE)
     assert len(found.kinds) == 1
     assert found.safe_offset == 0
     assert "hold steady legs first" in found.summary()
@@ -152,7 +152,10 @@ def test_an_excursion_goes_no_farther_than_it_may_and_comes_back() -> None:
 
 def test_one_number_of_transits_and_no_excursions_may_be_asked() -> None:
     told: dict = {"u": SPEED, "duration": 20.0, "within": 0.0, "conditions": BREEZE}
-    one, many = nw.foresee(ship(), None, OWN, 5, **told), nw.foresee(ship(), None, OWN, (20, 5), **told)
+    one, many = (
+        nw.predict_information(ship(), None, OWN, 5, **told),
+        nw.predict_information(ship(), None, OWN, (20, 5), **told),
+    )
     assert one.kinds[0].std["c_bank"] == many.kinds[0].std["c_bank"][1:]
     assert not any("excursion" in reason for reason in one.reasons)
 
@@ -170,7 +173,7 @@ def test_one_number_of_transits_and_no_excursions_may_be_asked() -> None:
         ({"targets": ("d_bank",)}, "no coefficient 'd_bank'"),
     ],
 )
-def test_what_cannot_be_foretold_is_refused_in_a_sentence(told: dict, said: str) -> None:
+def test_what_cannot_be_predicted_is_refused_in_a_sentence(told: dict, said: str) -> None:
     with pytest.raises(nw.InputError, match=said):
-        nw.foresee(ship(), **told)
+        nw.predict_information(ship(), **told)
     assert "vdr" in GRADES
