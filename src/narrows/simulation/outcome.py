@@ -209,6 +209,6 @@ def outside_notes(known: DataRange, moments: Sequence[Mapping[str, Any]], senten
     for name, values in moments[0].items():
         outside = reduce(np.logical_or, [known.outside(name, moment[name]) for moment in moments])
         backwards = reduce(np.logical_or, [moment[name] < 0 for moment in moments]) & (name == "speed")
-        for measure, where in ((MEASURES[name], outside & ~backwards), (ASTERN, outside & backwards)):
+        for measure, where in ((MEASURES[name], outside & np.logical_not(backwards)), (ASTERN, outside & backwards)):
             if np.any(where):
                 yield sentence(measure, known.shown(name), where, values)
