@@ -76,6 +76,38 @@ def test_a_bend_keeps_its_curvature_to_its_ends(radius: float, sign: int, count:
     assert line.length == pytest.approx(radius * angle, rel=0.01 * apart**4)
 
 
+def arc_between_straights(radius: float, turn: float, spacing: float, scatter: float = 0.0) -> Centreline:
+    """A straight line, an arc and a straight line, at points so far apart, which scatter."""
+    lead, arc = 1500.0, radius * turn
+    s = np.arange(0.0, 2 * lead + arc, spacing)
+    angle = np.clip((s - lead) / radius, 0, turn)
+    after = np.maximum(s - lead - arc, 0.0)
+    east = radius * (1 - np.cos(angle)) + after * np.sin(turn)
+    north = np.minimum(s, lead) + radius * np.sin(angle) + after * np.cos(turn)
+    points = np.stack([east, north], axis=1)
+    return Centreline(points + scatter * np.random.default_rng(int(radius + spacing)).standard_normal(points.shape))
+
+
+@pytest.mark.parametrize("radius", [500.0, 1500.0, 3000.0])
+@pytest.mark.parametrize("spacing", [25.0, 50.0, 100.0, 200.0])
+def test_the_sharpest_bend_is_that_of_the_arc(radius: float, spacing: float) -> None:
+    """An arc as long as two widths or more: the spline's own curvature is up to a fifth too large there."""
+    way = waterway(arc_between_straights(radius, 1.0, spacing), half=120.0)
+    found, at, over = way.sharpest_bend
+    assert found == pytest.approx(radius, rel=0.04)
+    assert over == pytest.approx(480, rel=1e-6)
+    assert 1500 < at < 1500 + radius
+    assert f"sharpest bend of {found:.3g} m radius over 480 m" in way.summary()
+    scattered = waterway(arc_between_straights(radius, 1.0, spacing, spacing / 400), half=120.0)
+    assert scattered.sharpest_bend[0] == pytest.approx(radius, rel=0.10)
+
+
+def test_a_line_shorter_than_two_widths_is_one_bend() -> None:
+    found, at, over = waterway(circle(100.0), half=80.0).sharpest_bend
+    assert (found, at, over) == pytest.approx((100.0, 50 * np.pi / 2, 100 * np.pi / 2), rel=1e-3)
+    assert waterway(Centreline(np.array([[0.0, 0.0], [3000.0, 1000.0]]))).sharpest_bend is None
+
+
 def clothoid(count: int, length: float, sharpest: float) -> np.ndarray:
     """Points of a line whose curvature grows evenly from nothing, by Gauss and Legendre between them."""
     s = np.linspace(0, length, count)

@@ -26,8 +26,8 @@ MODEL_LENGTH = 30.0
 # Duration of a trial, in ship lengths at the approach speed.
 TURNING_LENGTHS, ZIGZAG_LENGTHS = 40.0, 40.0
 
-# Rudder angles below this [deg] were probably given in radians.
-LEAST_RUDDER_DEG = 1.0
+# Angles below this [deg] were probably given in radians.
+LEAST_DEG = 1.0
 
 # Measures of trials: a turning circle's advance and diameter, a zigzag's overshoots.
 QUARTER, HALF = np.pi / 2, np.pi
@@ -288,8 +288,9 @@ def sail_trials(
         does not turn far enough.
     """
     ship = _TrialShip.of(model, speed, dt)
-    for angle in (turn_deg, *(rudder for rudder, _ in zigzags)):
-        ship.check(angle)
+    ship.check(rudder=turn_deg)
+    for rudder, heading in zigzags:
+        ship.check(rudder=rudder, heading=heading)
     turning = {f"{sign * turn_deg:+g}": ship.turn(sign * turn_deg) for sign in (1, -1)}
     tacking = {
         f"{sign * rudder:+g}/{heading:g}": ship.zigzag(sign * rudder, heading)
@@ -321,21 +322,22 @@ class _TrialShip:
             notes.append("the terms of the banks are left out: open water, and the depth that the others hold for")
         return cls(ship, u, hull.length / u / STEPS_A_LENGTH if dt is None else dt, tuple(notes))
 
-    def check(self, rudder: float) -> None:
+    def check(self, **angles: float) -> None:
         limit = self.model.configuration.gear.limit_deg
-        if not 0 < abs(rudder) <= limit:
-            raise InputError(
-                f"a rudder of {rudder:g} degrees is not between 0 and the gear's {limit:g}; choose another"
-            )
-        if abs(rudder) < LEAST_RUDDER_DEG:
-            raise InputError(f"a rudder of {rudder:g} degrees turns no ship; give it in degrees, not in radians")
+        for name, angle in finite_numbers(**angles).items():
+            if name == "rudder" and not 0 < abs(angle) <= limit:
+                raise InputError(
+                    f"a rudder of {angle:g} degrees is not between 0 and the gear's {limit:g}; choose another"
+                )
+            if 0 < abs(angle) < LEAST_DEG:
+                raise InputError(f"a {name} of {angle:g} degrees turns no ship; give it in degrees, not in radians")
 
     def turn(self, rudder: float) -> Turning:
-        self.check(rudder)
+        self.check(rudder=rudder)
         return Turning.of(self._sail(ConstantRudder(math.radians(rudder)), TURNING_LENGTHS), self.notes)
 
     def zigzag(self, rudder: float, heading: float) -> ZigzagTest:
-        self.check(rudder)
+        self.check(rudder=rudder, heading=heading)
         law = Zigzag(math.radians(rudder), math.radians(heading))
         voyage = self._sail(law, ZIGZAG_LENGTHS)
         return ZigzagTest(tuple(math.degrees(angle) for angle in overshoots(voyage, law)), voyage, self.notes)

@@ -95,8 +95,6 @@ def print_ships(table: "pd.DataFrame") -> None:
 STATIONS, CROSSINGS_SHOWN = 2001, 11
 # Share of the centreline below which a missing bank is not mentioned.
 NEGLIGIBLE = 0.002
-# Curvature [1/m] below which a line is straight.
-STRAIGHT = 1e-9
 
 
 def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
@@ -111,15 +109,14 @@ def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
             f"{waterway.name}: no room for a draft of {draft:g} m at {s[index]:.0f} m along it, {size}; mend its banks "
             "or depths there"
         )
-    bend = np.abs(here.curvature)
-    narrow, sharp = int(here.width.argmin()), int(bend.argmax())
+    narrow, sharpest = int(here.width.argmin()), waterway.sharpest_bend
     deep = bool(np.isfinite(here.depth).all())
     summary = {
         "name": waterway.name,
         "length": waterway.line.length,
         "narrowest": {"width": float(here.width[narrow]), "at": float(s[narrow])},
         "shallowest": {"depth": float(here.depth.min()), "at": float(s[int(here.depth.argmin())])} if deep else None,
-        "sharpest": {"radius": float(1 / bend[sharp]), "at": float(s[sharp])} if bend[sharp] > STRAIGHT else None,
+        "sharpest": dict(zip(("radius", "at", "over"), sharpest, strict=True)) if sharpest else None,
         "stations": _stations(waterway, draft),
     }
     return {**summary, "summary": _sentence(summary, waterway), "notes": list(_not_drawn(waterway))}
@@ -171,4 +168,7 @@ def _sentence(summary: dict[str, Any], waterway: Waterway) -> str:
 
 
 def _worst(extreme: dict[str, float] | None, name: str, word: str) -> str:
-    return "" if extreme is None else f"; {word} {extreme[name]:.4g} m at {extreme['at']:.0f} m"
+    if extreme is None:
+        return ""
+    over = f" over {extreme['over']:.3g} m" if "over" in extreme else ""
+    return f"; {word} {extreme[name]:.4g} m{over} at {extreme['at']:.0f} m"

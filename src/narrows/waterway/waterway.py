@@ -25,10 +25,10 @@ STATIONS = 2000
 DEEPEST = 12_000.0
 # Speed greater than any current [m/s].
 FASTEST = 100.0
-
-
 # Length over radius below which a line counts as straight, due to rounding.
 STRAIGHT = 1e-6
+# Length of a bend whose radius is given, over the width: shorter ones hardly turn a ship, and show scattered points.
+BEND_WIDTHS = 2.0
 
 
 class Section(NamedTuple):
@@ -194,15 +194,21 @@ class Waterway(BaseSummary):
 
     def summary(self) -> str:
         """Describe its length, width, depth, sharpest bend and current."""
-        there = self.section(self._stations)
-        bend = float(np.abs(there.curvature).max())
+        there, sharpest = self.section(self._stations), self.sharpest_bend
         parts = [
             f"{self.line.length:.4g} m long", f"{_between(there.width)} m wide",
             "without a depth" if np.isnan(there.depth).all() else f"{_between(there.depth)} m deep",
-            f"sharpest bend of {1 / bend:.3g} m radius" if bend * self.line.length > STRAIGHT else "straight",
+            "straight" if sharpest is None else f"sharpest bend of {sharpest[0]:.3g} m radius over {sharpest[2]:.3g} m",
         ]  # fmt: skip
         parts += [f"current {_between(self.current_at(self._stations))} m/s"] if self.reference_current else []
         return f"{self.name}{self.place and f' ({self.place})'}: {', '.join(parts)}"
+
+    @property
+    def sharpest_bend(self) -> tuple[float, float, float] | None:
+        """Radius of the sharpest bend, its place and the length that the radius is of [m]; none if straight."""
+        length = min(BEND_WIDTHS * float(np.median(self.section(self._stations).width)), self.line.length)
+        bend, at = self.line.sharpest_bend(length)
+        return (1 / bend, at, length) if bend * self.line.length > STRAIGHT else None
 
     def section(self, s: np.ndarray | float) -> Section:
         """Return the waterway at places along its line.
