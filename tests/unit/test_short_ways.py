@@ -71,7 +71,7 @@ def test_circles_and_zigzags_are_those_of_the_trials() -> None:
         assert len(one.plot().axes) == 1
     with pytest.raises(nw.InputError, match="in degrees, not in radians"):
         nw.turning_circle(model, np.radians(35))
-    with pytest.raises(nw.InputError, match="a heading of 0.349 degrees"):
+    with pytest.raises(nw.InputError, match="a heading of 0"):
         nw.zigzag(model, 20, np.radians(20))
     with pytest.raises(nw.InputError, match="must be a finite number"):
         nw.turning_circle(model, "35deg")

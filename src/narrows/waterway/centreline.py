@@ -142,8 +142,8 @@ class Centreline:
     def sharpest_bend(self, length: float) -> tuple[float, float]:
         """Return the largest curvature of a bend [1/m], and its place [m].
 
-        The curvature is the slope of the heading over a length, by least squares: a spline overshoots by an eighth where
-        a straight line meets an arc, and more where the points scatter.
+        The curvature is the slope of the heading over a length, by least squares: a spline overshoots by an eighth
+        where a straight line meets an arc, and more where the points scatter.
 
         Parameters
         ----------
