@@ -60,7 +60,7 @@ void block(const double *z, double h, double *out) {
         for (int j = 0; j < SHIP_NUMBERS; ++j) out[SHIP_NUMBERS * lane + j] = state[j][lane];
 }
 void clearance(const double *z, double *out) { ship_clearance(z, out, OF_BANKS); }
-int beyond(const double *z) { return ship_beyond(z CANAL); }
+int beyond(const double *z) { return ship_beyond(z, &k CANAL); }
 int integrate(double *z, double h, double time, double *end) { return ship_integrate(z, &in, &k CANAL, h, time, end); }
 """
 

@@ -17,8 +17,10 @@ import pytest
 from exported import STEERED, bent, model_of, speed_of, states
 
 import narrows as nw
+from narrows.codegen.printers.latex import WRITTEN
 from narrows.model.data_range import DataRange
 from narrows.model.water import speeds_afloat
+from narrows.quantities.names import MOTION
 from narrows.terms.term import TermKind
 
 CASES = [("own", False), ("steered", True)]
@@ -110,7 +112,8 @@ BOUNDED = DataRange((0.6, 1.1), (0.0, 0.9), (0.0, 0.2), (0.0, 0.15))
 BEYOND_SCRIPT = """
 import * as ship from "./ship.mjs";
 import { readFileSync } from "fs";
-console.log(JSON.stringify(JSON.parse(readFileSync("given.json")).map(ship.beyond)));
+const constants = ship.prepare(ship.model);
+console.log(JSON.stringify(JSON.parse(readFileSync("given.json")).map((at) => ship.beyond(at, constants))));
 """
 
 
@@ -126,10 +129,10 @@ def test_beyond_the_tests_in_python_and_javascript(tmp_path: Path) -> None:
     model, at = replace(model_of("paper"), data_range=BOUNDED), 1.6 * states("paper", 40)
     nw.export.write_python(model, tmp_path / "ship.py")
     ship = runpy.run_path(str(tmp_path / "ship.py"))
-    right = [bits(state) for state in at]
+    right, constants = [bits(state) for state in at], ship["prepare"](ship["MODEL"])
     assert set(right) > {0, 1, 2, 8}
-    assert [int(ship["beyond"](state)) for state in at] == right
-    assert ship["beyond"](at.T).tolist() == right
+    assert [int(ship["beyond"](state, constants)) for state in at] == right
+    assert ship["beyond"](at.T, constants).tolist() == right
     if NODE is None:
         pytest.skip("no node is here to run the exported module")
     nw.export.write_javascript(model, tmp_path / "ship.mjs")
@@ -188,6 +191,10 @@ def test_the_package_of_npm(tmp_path: Path, curved: bool) -> None:
     assert json.loads((folder / "package.json").read_text())["name"] == "tanker"
 
 
+# Ships whose equations are typeset, with their pages.
+PRINTED = {"mikkelsen2025_dtc": 1, "yasukawa2015_kvlcc2": 2, "son1982_s175": 2, "estimated_kcs": 3}
+
+
 def test_the_equations_have_their_numbers(tmp_path: Path) -> None:
     nw.export.write_latex(nw.published("mikkelsen2025_dtc"), tmp_path / "ship.tex")
     symbols, numbers = (tmp_path / "ship.tex").read_text(encoding="utf-8").split(r"\end{align*}")[:2]
@@ -195,11 +202,26 @@ def test_the_equations_have_their_numbers(tmp_path: Path) -> None:
     assert "1.07" in numbers
 
 
-def test_the_equations_fit_their_page(tmp_path: Path) -> None:
-    """Typeset: those of the MMG model with its 27 coefficients, propeller and rudder."""
+@pytest.mark.parametrize("name", PRINTED)
+def test_every_symbol_of_the_equations_has_a_value(name: str, tmp_path: Path) -> None:
+    """A quantity that is neither motion nor defined below the forces."""
+    model = nw.published(name)
+    nw.export.write_latex(model, tmp_path / "ship.tex")
+    symbols, _, values = (tmp_path / "ship.tex").read_text(encoding="utf-8").split(r"\begin{align*}")[1:]
+    given = dict(re.findall(r"([^\s&]+) = (-?[\d.]+(?: \\cdot 10\^{-?\d+})?)", values))
+    given = {one: float(re.sub(r" \\cdot 10\^{(.*)}", r"e\1", text)) for one, text in given.items()}
+    known = {**model.configuration.values(), **dict.fromkeys((*MOTION, "cos_rudder", "sin_rudder"))}
+    asked = {one for one in model.terms.quantities if known.get(one) is not None and WRITTEN[one] in symbols}
+    assert {WRITTEN[one] for one in asked} == set(given)
+    assert all(given[WRITTEN[one]] == pytest.approx(known[one], rel=1e-3) for one in asked)
+
+
+@pytest.mark.parametrize(("name", "pages"), PRINTED.items())
+def test_the_equations_fit_their_page(name: str, pages: int, tmp_path: Path) -> None:
+    """Typeset: the MMG model has 27 coefficients, propeller and rudder."""
     if shutil.which("pdflatex") is None:
         pytest.skip("no pdflatex is here to typeset the equations with")
-    nw.export.write_latex(nw.published("yasukawa2015_kvlcc2"), tmp_path / "ship.tex")
+    nw.export.write_latex(nw.published(name), tmp_path / "ship.tex")
     page = r"\documentclass{article}\usepackage{amsmath}\begin{document}\input{ship.tex}\end{document}"
     (tmp_path / "page.tex").write_text(page, encoding="utf-8")
     done = subprocess.run(
@@ -207,3 +229,4 @@ def test_the_equations_fit_their_page(tmp_path: Path) -> None:
     )
     assert done.returncode == 0
     assert "Overfull" not in done.stdout
+    assert f"({pages} page" in done.stdout

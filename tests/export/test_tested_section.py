@@ -7,10 +7,13 @@ import subprocess
 import zipfile
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
-from compiled import CompiledShip, needs_compiler, pointer
+from compiled import CompiledShip, fields, needs_compiler, pointer
 from exported import bent, model_of, states
+from fmus import imported
 
 import narrows as nw
 from narrows.export import native_build
@@ -24,7 +27,8 @@ NODE, OCTAVE = shutil.which("node"), shutil.which("octave")
 SECTION = DataRange(width_to_beam=(11.5, 12.5), depth_to_draft=(1.0, 1.9))
 IN_NODE = """import * as ship from "./ship.mjs";
 const water = ship.canal === undefined ? [] : [ship.canal];
-console.log(JSON.stringify(%s.map((state) => ship.beyond(state, ...water))));
+const constants = ship.prepare({ ...ship.model, ...%s });
+console.log(JSON.stringify(%s.map((state) => ship.beyond(state, constants, ...water))));
 """
 
 
@@ -39,7 +43,7 @@ def test_a_canal_of_an_untested_width(width: float, bit: int, tmp_path: Path) ->
     ship = runpy.run_path(str(tmp_path / "ship.py"))
     at = ship["rest"]()
     at[ship["U"]] = 4.0
-    assert ship["beyond"](at) == bit
+    assert ship["beyond"](at, ship["prepare"](ship["MODEL"])) == bit
     assert any("W/B of 5.1 is outside" in note for note in nw.simulate(narrow(300.0), u=4.0, duration=5.0).notes)
     if OCTAVE is not None:
         nw.export.write_matlab(narrow(width), tmp_path / "vessel.m")
@@ -50,30 +54,68 @@ def test_a_canal_of_an_untested_width(width: float, bit: int, tmp_path: Path) ->
         assert done.stdout == str(bit), done.stderr
 
 
+BITS = 16 + 32 + 128
+
+
+def bits_of(model: nw.Model, section: dict[str, Any], u: np.ndarray) -> np.ndarray:
+    """Width, depth and bottom by the rules of ``simulate``."""
+    values = {**model.configuration.values(), **section}
+    bits = 16 * SECTION.outside("width_to_beam", values["width"] / values["beam"])
+    bits = bits + 32 * SECTION.outside("depth_to_draft", values["depth"] / values["draft"])
+    return np.asarray(bits + 128 * (u > np.minimum(*speeds_afloat(values))), int)
+
+
+CHANGED = ({}, {"width": 6.0}, {"depth": 0.22}, {"width": 6.5, "beam": 0.55, "draft": 0.14, "length": 6.0})
+
+
 @needs_compiler
-@pytest.mark.parametrize("curved", [False, True])
-def test_the_section_at_the_place_of_the_ship(curved: bool, tmp_path: Path) -> None:
-    """In C, Python and JavaScript, along a waterway and in the model's canal."""
+@pytest.mark.parametrize(
+    ("curved", "changed"), [*((False, one) for one in CHANGED), (True, {}), (True, {"beam": 0.55, "draft": 0.2})]
+)
+def test_the_section_at_the_place_of_the_ship(curved: bool, changed: dict[str, float], tmp_path: Path) -> None:
+    """In C, Python and JavaScript, along a waterway and in the model's canal, also after a change of parameters."""
     model, at = replace(model_of("steered"), data_range=SECTION), states("steered", 60, x=60.0)
-    water = {"waterway": bent("steered")} if curved else {}
-    ship, canal = model.configuration.ship, model.configuration.canal
-    there = {"width": canal.width, "depth": canal.depth}
+    water, section = {"waterway": bent("steered")} if curved else {}, {}
     if curved:
-        there = along_waterway(bent("steered"), model, "corners").section(at[:, 0])
-    right = 16 * SECTION.outside("width_to_beam", there["width"] / ship.beam) + 0 * at[:, 0]
-    right += 32 * SECTION.outside("depth_to_draft", there["depth"] / ship.draft)
-    assert set(right) >= ({0, 16} if curved else {0})
+        section = along_waterway(bent("steered"), model, "corners").section(at[:, 0])
+    right = bits_of(model, {**section, **changed}, at[:, 4])
     compiled = CompiledShip(model, tmp_path, **water)
-    assert [compiled.library.beyond(pointer(state)) & 48 for state in at.copy()] == right.tolist()
+    known = fields((tmp_path / "ship.h").read_text(encoding="utf-8"), "parameters")
+    for name, value in changed.items():
+        compiled.parameters[known.index(name)] = value
+    compiled.set()
+    assert [compiled.library.beyond(pointer(state)) & BITS for state in at.copy()] == right.tolist()
     nw.export.write_python(model, tmp_path / "ship.py", **water)
     module = runpy.run_path(str(tmp_path / "ship.py"))
-    assert (module["beyond"](at.T, module.get("CANAL")) & 48).tolist() == right.tolist()
+    vars(module["MODEL"]).update(changed)
+    constants = module["prepare"](module["MODEL"])
+    assert (module["beyond"](at.T, constants, module.get("CANAL")) & BITS).tolist() == right.tolist()
     if NODE is None:
         pytest.skip("no node is here to run the exported module")
     nw.export.write_javascript(model, tmp_path / "ship.mjs", **water)
-    (tmp_path / "run.mjs").write_text(IN_NODE % json.dumps(at.tolist()), encoding="utf-8")
+    (tmp_path / "run.mjs").write_text(IN_NODE % (json.dumps(changed), json.dumps(at.tolist())), encoding="utf-8")
     done = subprocess.run([NODE, "run.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert [bits & 48 for bits in json.loads(done.stdout)] == right.tolist()
+    assert [bits & BITS for bits in json.loads(done.stdout)] == right.tolist()
+
+
+def test_every_bit_of_the_section_is_seen_by_these_tests() -> None:
+    model, u = model_of("steered"), states("steered", 60, x=60.0)[:, 4]
+    seen = np.bitwise_or.reduce([np.bitwise_or.reduce(bits_of(model, changed, u)) for changed in CHANGED])
+    assert seen == BITS
+    assert bits_of(model, {}, u).tolist() != bits_of(model, CHANGED[2], u).tolist()
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_an_fmu_follows_its_parameters(fmi: int, tmp_path: Path) -> None:
+    model = replace(model_of("paper"), data_range=SECTION)
+    nw.export.write_fmu(model, tmp_path / "ship.fmu", fmi=fmi)
+    with imported(tmp_path / "ship.fmu") as fmu:
+        fmu.start({"y": 0.0, "u": 0.8, "parameters.width": 7.0})
+        assert fmu.whole("beyond") & BITS == bits_of(model, {"width": 7.0}, np.array(0.8))
+        fmu.step(0.0, 0.1)
+        fmu.set(**{"parameters.width": 6.0})
+        fmu.step(0.1, 0.1)
+        assert fmu.whole("beyond") & BITS == bits_of(model, {"width": 6.0}, np.array(0.8))
 
 
 def test_the_file_names_the_ranges_that_it_does_not_know(tmp_path: Path) -> None:

@@ -41,7 +41,7 @@ RESERVED = {
 }  # fmt: skip
 
 # Names that the generated text uses itself.
-TEMPORARY = re.compile(r"__.*|[kt]\d+|coefficient_\d+|abs|exp|root|power|constants|minimum|maximum|choice|angle")
+TEMPORARY = re.compile(r"__.*|[kst]\d+|coefficient_\d+|abs|exp|root|power|constants|minimum|maximum|choice|angle")
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,7 +10,7 @@ from narrows.codegen.choices import COUNTED, LENGTH, Actuated, Choices, Law, con
 from narrows.codegen.derivatives import coefficient_slopes, linear_slopes, with_tangents
 from narrows.codegen.free_motion import INPUTS, OPEN, STATE, Expr, FreeMotion
 from narrows.codegen.linearisation import LINEARISED
-from narrows.codegen.lines import Lines, Program, real, straight_lines
+from narrows.codegen.lines import Lines, Program, real
 from narrows.codegen.step import Rates, Step, rate_here, room_left, section_at, section_here, step_of
 from narrows.codegen.tape import tape_of
 
@@ -64,7 +64,7 @@ class Portable:
 
     @cached_property
     def programs(self) -> Mapping[str, Program]:
-        """Programs to print, by name; ``constants`` gives those of ``rates.constants`` in order."""
+        """Programs to print, by name."""
         programs = {
             "rates": self._rates(),
             "step": self._step(),
@@ -77,8 +77,7 @@ class Portable:
             programs["clearance"] = self._clearance()
         if self.waterway:
             programs["section"] = self._section()
-        # The derivatives need more constants than the rates: those come last.
-        return {**programs, "constants": self._constants()}
+        return programs
 
     @property
     def gear(self) -> tuple[str, ...]:
@@ -120,7 +119,7 @@ class Portable:
 
     @property
     def constants(self) -> tuple[str, ...]:
-        """Constants of the program of that name; the derivatives need more than the rates."""
+        """Names of the constants in ``rates.constants``; the derivatives need more than the rates."""
         assert self.programs
         return self.rates.constants.names
 
@@ -129,10 +128,6 @@ class Portable:
         """Further constants of step and clearance: hull, walls, gear."""
         asked = {name for own in ("step", "room") for name in self.programs[own].asked}
         return tuple(sorted(asked - {*self.constants, *self.kept, *self.inputs, *PLACES, LENGTH}))
-
-    def _constants(self) -> Program:
-        assignments, results = straight_lines(list(self.rates.constants.table))
-        return Program(tuple(assignments), tuple(results))
 
     def _rates(self) -> Program:
         lines = Lines()

@@ -14,14 +14,17 @@ import sympy
 from sympy import Float
 
 from narrows.codegen.choices import AFLOAT_SPEED, TIME
-from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, SURGE_INERTIA, Expr
-from narrows.codegen.lines import Program, real
+from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, SURGE_INERTIA, Expr, exact_number
+from narrows.codegen.lines import FUNCTIONS, Program, real, straight_lines
 from narrows.codegen.portable import ORDERED, Portable
 from narrows.codegen.system import DEFAULTS
+from narrows.codegen.tape import tape_of
 from narrows.errors import InputError
 from narrows.export.passport import BEYOND, passport
 from narrows.files import is_stream
-from narrows.model.water import BOUNDLESS
+from narrows.model.water import speeds_afloat
+from narrows.physics.squat_and_depth import BOUNDLESS
+from narrows.quantities.arithmetic import minimum
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Quantity
 from narrows.simulation.channel import Channel, along_waterway, limits_of, straight_channel
 from narrows.simulation.settings import NEAR_THE_BANK
@@ -73,6 +76,8 @@ RESERVED = {
     ".m": OF_MATLAB, ".c": OF_MATLAB | OF_C_SHARP_OR_CPP, ".cs": OF_C_SHARP_OR_CPP, ".hpp": OF_C_SHARP_OR_CPP,
     ".h": frozenset({"math", "stdbool"}), ".py": frozenset({*kwlist, *sys.stdlib_module_names, "numpy"}),
 }  # fmt: skip
+# Particulars that tell how large a section is for a ship.
+PARTICULARS = ("length", "beam", "draft", "block_coefficient")
 # Constants that the rule of a voyage needs, whatever the hull.
 ALWAYS = ("hull_length", "least_cos", "near_bank")
 
@@ -100,11 +105,28 @@ class ExportedShip:
         names = self.ship.model.terms.names
         return Portable(motion, names, self.ship.actuators, shape, self.waterway is not None, law, told)
 
-    @property
+    @cached_property
     def programs(self) -> Mapping[str, Program]:
-        constants = self.portable.programs["constants"]
-        results = (*constants.results, *self._derived.values())
-        return {**self.portable.programs, "constants": Program(constants.assignments, results)}
+        """Programs of the equations, and of their constants; ``section`` gives ``_over_ship`` at a place."""
+        programs = dict(self.portable.programs)  # The derivatives need more constants than the rates: those come last
+        parts = [straight_lines([*self.portable.rates.constants.table]), straight_lines([*self._derived.values()], "s")]
+        constants, results = ([one for part in parts for one in part[kind]] for kind in (0, 1))
+        programs["constants"] = Program(tuple(constants), tuple(results))
+        if self.waterway:
+            place = programs["section"]
+            lines, results = straight_lines([*_over_ship(*place.results).values()])
+            programs["section"] = Program((*place.assignments, *lines), tuple(results))
+        return programs
+
+    @cached_property
+    def water(self) -> dict[str, Expr]:
+        """Return the numbers of the water that ``beyond`` reads; in a waterway ``section`` gives them."""
+        if self.waterway:
+            return _over_ship(real("width"), real("depth"))
+        found = _over_ship(sympy.oo if self.ship.shape == OPEN else real("width"), real("depth"))
+        absent = {"width_to_beam"} if self.ship.shape == OPEN else set[str]()
+        absent |= {"depth_to_draft", AFLOAT_SPEED} if self._values.get("depth") is None else set()
+        return {name: value for name, value in found.items() if name not in absent}
 
     @property
     def constants(self) -> tuple[str, ...]:
@@ -131,9 +153,10 @@ class ExportedShip:
         known: dict[str, Any] = {
             "half_length": real("length") / 2, "half_beam": real("beam") / 2, "least_cos": Float(least, 17),
             "near_bank": Float(NEAR_THE_BANK, 17) * real("width"), "hull_length": real("length"),
-            **{name: real("width") / 2 for name in WALLS if name not in self._values},
+            **{name: real("width") / 2 for name in WALLS if name not in self._values}, **self.water,
         }  # fmt: skip
-        return {name: known.get(name, real(name)) for name in sorted({*self.portable.hull, *ALWAYS})}
+        asked = {*self.portable.hull, *ALWAYS, *(PARTICULARS if self.waterway else self.water)}
+        return {name: known.get(name, real(name)) for name in sorted(asked)}
 
     @cached_property
     def _values(self) -> dict[str, Any]:
@@ -244,6 +267,15 @@ class ExportedShip:
         fast = self.afloat_speed
         until = f" From {fast:.4g} m/s the ship touches it or chokes the section." if fast < BOUNDLESS else ""
         return f"This file knows no bottom.{until}"
+
+
+def _over_ship(width: Expr, depth: Expr) -> dict[str, Expr]:
+    """Return the section over the ship, and the speed at which the ship touches the bottom or chokes the section."""
+    names = {name: name for name in (*PARTICULARS, "width", "depth")}
+    tape = tape_of(lambda at: {AFLOAT_SPEED: minimum(*speeds_afloat(vars(at)))}, names, "the speed afloat")
+    symbols = {**{name: real(name) for name in PARTICULARS}, "width": width, "depth": depth}
+    afloat = tape.replay(symbols, exact_number, FUNCTIONS)
+    return {"width_to_beam": width / real("beam"), "depth_to_draft": depth / real("draft"), **afloat}
 
 
 def prefix_of(path: str | Path) -> str:

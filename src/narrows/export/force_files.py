@@ -71,7 +71,8 @@ def force_text(model: Model, path: str | Path, prefix: str) -> str:
     written, hull = language(prefix), model.configuration.ship
     lines = written.body(force_program(model), [*map(declared.format, RESULTS)], {name: name for name in ASKED})
     y, psi, sine = (written.called("abs", name) for name in ("y", "psi", "sin_psi"))
-    sizes = dict(zip(ASKED_OF_BANK, ("u", y, psi, "width", "depth"), strict=True))
+    section = f"width / {hull.beam!r}", f"depth / {hull.draft!r}"
+    sizes = dict(zip(ASKED_OF_BANK, ("u", y, psi, *section), strict=True))
     ends = ends_of_data(model, ASKED_OF_BANK).items()
     return filled(
         f"bank_force{suffix}.j2", prefix=prefix, lines=lines, contact=CONTACT,

@@ -3,7 +3,7 @@
 import hashlib
 import json
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator
 from importlib.metadata import version
 from textwrap import wrap
 
@@ -85,13 +85,7 @@ def bits_in_words(model: Model, names: Iterable[str] = MEASURES) -> str:
     return bits + (f" (not known, sets no bit: {', '.join(unknown)})" if unknown else "")
 
 
-def ends_of_data(model: Model, names: Iterable[str]) -> dict[str, tuple[int, float, float]]:
-    """Return for each measure its bit and the limits of the data, widths and depths in metres."""
-    ends, ship = {}, model.configuration.ship
-    scales = {"width_to_beam": ship.beam, "depth_to_draft": ship.draft}
-    for name in names:
-        pair = model.data_range.range_of(name)
-        if pair is not None:
-            (low, high), scale = tolerated(pair), scales.get(name, 1.0)
-            ends[name] = (MEASURES[name].bit, scale * low, scale * high)
-    return ends
+def ends_of_data(model: Model, names: Container[str]) -> dict[str, tuple[int, float, float]]:
+    """Return for each measure its bit and the limits of the data."""
+    pairs = {name: model.data_range.range_of(name) for name in MEASURES if name in names}
+    return {name: (MEASURES[name].bit, *tolerated(pair)) for name, pair in pairs.items() if pair is not None}

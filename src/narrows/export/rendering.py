@@ -7,8 +7,8 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
-from narrows.codegen.choices import COLUMNS, COUNTED, LENGTH, ROW
-from narrows.codegen.free_motion import INPUTS, OPEN, STATE
+from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS, COUNTED, LENGTH, ROW
+from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.codegen.portable import PLACES
 from narrows.codegen.printers.language import Language
 from narrows.codegen.printers.python import PlainSource
@@ -142,25 +142,21 @@ def _tested(
     for name, (bit, low, high) in ends_of_data(exported.ship.model, sizes).items():
         size = language.called("abs", sizes[name]) if name.startswith("abs") else sizes[name]
         yield size, bit, language.literal(low), language.literal(high)
-    fast, afloat = language.called("abs", sizes["speed"]), language.literal(exported.afloat_speed)
-    yield fast, BEYOND["bottom"][0], language.literal(0.0), afloat
+    if AFLOAT_SPEED in sizes:
+        yield language.called("abs", sizes["speed"]), BEYOND["bottom"][0], language.literal(0.0), sizes[AFLOAT_SPEED]
 
 
 def _section_sizes(exported: ExportedShip, language: Language) -> dict[str, str]:
-    """Return width and depth of the water: of the canal, or of the place as the program ``section`` gives them."""
-    values = exported.ship.values()
-    sizes = {"width_to_beam": values["width"], "depth_to_draft": values.get("depth")}
+    """Return where the numbers of the water are: in a waterway the program ``section`` gives them for the place."""
     if exported.waterway:
-        return {name: f"result[{number}]" for number, name in enumerate(sizes)}
-    if exported.ship.shape == OPEN:
-        del sizes["width_to_beam"]
-    return {name: language.literal(size) for name, size in sizes.items() if size is not None}
+        return {name: f"result[{number}]" for number, name in enumerate(exported.water)}
+    return {name: language.field("constants", name) for name in exported.water}
 
 
 def rendered(template: str, exported: ExportedShip, language: Language, **told: Any) -> str:
     turned = language.called("angle", "state[2]", "state[3]")
     sizes = {"speed": "state[4]", "abs_y": "state[1]", "abs_psi": turned, "abs_r": "state[6]"}
-    measured = {**told.get("sizes", sizes), **_section_sizes(exported, language)}
+    measured = {**sizes, **_section_sizes(exported, language), **told.get("sizes", {})}
     rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # Results of ``rates``
     alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates, "number": language.literal,
              "cannot_integrate": CANNOT_INTEGRATE, "name": language.named, "beyond_bits": tuple(BEYOND.values()),

@@ -121,7 +121,7 @@ def matlab_text(exported: ExportedShip) -> str:
     where |= {name: f"ui({number})" for number, (name, _) in enumerate(inputs, 1)}
     where |= {LENGTH: language.literal(voyage_defaults(exported.ship.model).dt)}
     motion, gear = portable.continuous[:2]
-    asked = [name for name in exported.constants if name in {*motion.asked, *gear.asked}]
+    asked = [name for name in exported.constants if name in {*motion.asked, *gear.asked, *exported.water}]
     where |= {name: name for name in asked}
     rates = {f"d_{name}": f"xdot({order.index(name) + 1})" for name in (*LINEARISED, *portable.gear)}
     targets = list(rates.values())
@@ -138,7 +138,8 @@ def matlab_text(exported: ExportedShip) -> str:
         constants=explained(
             exported, language, language.body(constants, asked, {name: name for name in constants.asked}), asked
         ),
-        sizes={"speed": "x(1)", "abs_y": "x(5)", "abs_psi": "angle(cos(x(6)), sin(x(6)))", "abs_r": "x(3)"},
+        sizes={"speed": "x(1)", "abs_y": "x(5)", "abs_psi": "angle(cos(x(6)), sin(x(6)))", "abs_r": "x(3)",
+               **{name: name for name in exported.water}},
     )  # fmt: skip
 
 

@@ -6,10 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.physics import squat_and_depth as formulas
+from narrows.physics.squat_and_depth import BOUNDLESS
+from narrows.quantities.arithmetic import choice, maximum, minimum
 from narrows.quantities.names import Number
-
-# Speed without limit, above that of any ship [m/s].
-BOUNDLESS = 1000.0
 
 
 class WaterUnderWay(NamedTuple):
@@ -48,13 +47,13 @@ def speeds_afloat(values: Mapping[str, Number]) -> SpeedsAfloat:
     """Return the speeds through the water that end the voyage of a ship by its particulars and section."""
     length, beam, draft, block = (values[name] for name in ("length", "beam", "draft", "block_coefficient"))
     width, depth = values["width"], values["depth"]
-    mean = (depth - draft) / formulas.deeper_end(block)
-    touching = np.minimum(
+    mean = maximum(depth - draft, 0.0) / formulas.deeper_end(block)
+    touching = minimum(
         formulas.speed_that_sinks(mean, beam, draft, width, depth),
         formulas.speed_that_sinks_midship(mean, length, beam, draft, block, depth),
     )
     choking = formulas.critical_speed(beam, draft, width, depth)
-    return SpeedsAfloat(np.minimum(np.where(touching < choking, touching, np.inf), BOUNDLESS), choking)
+    return SpeedsAfloat(minimum(choice(choking - touching, touching, BOUNDLESS), BOUNDLESS), choking)
 
 
 def is_full(block_coefficient: Number) -> Number:

@@ -2,12 +2,15 @@
 
 import numpy as np
 
+from narrows.quantities.arithmetic import angle, choice, clip, maximum, sine
 from narrows.quantities.names import GRAVITY, KNOT, Number
 
 # Midship section over beam times draft, if unknown [1].
 MIDSHIP_SECTION = 0.98
 # Block coefficient [1] of a ship without trim: a fuller one sinks most at the bow.
 TRIMLESS = 0.7
+# Speed without limit, above that of any ship [m/s].
+BOUNDLESS = 1000.0
 
 
 def depth_froude(u: Number, depth: Number) -> Number:
@@ -84,7 +87,8 @@ def critical_speed(beam: Number, draft: Number, width: Number, depth: Number) ->
     Source: Schijf (1949); closed form of Roemisch (1989), verified against Schijf's equation.
     """
     free = 1 - blockage(beam, draft, width, depth)
-    return (2 * np.sin(np.arcsin(free) / 3)) ** 1.5 * (GRAVITY * depth) ** 0.5
+    arcsine = angle((1 - free**2) ** 0.5, free)
+    return (2 * sine(arcsine / 3)) ** 1.5 * (GRAVITY * depth) ** 0.5
 
 
 def water_past_the_ship(u: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:
@@ -128,18 +132,18 @@ def other_end(block_coefficient: Number) -> Number:
 
 def _fullness(block_coefficient: Number) -> Number:
     """Block coefficient over that of a ship without trim [1], limited to tested ships."""
-    return np.clip(block_coefficient - TRIMLESS, -0.15, 0.15)
+    return clip(block_coefficient - TRIMLESS, 0.15)
 
 
 def speed_that_sinks(sinkage: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:
-    """Speed through the water [m/s] for a mean sinkage [m] in a canal; infinite if the canal chokes before.
+    """Speed through the water [m/s] for a mean sinkage [m] in a canal; ``BOUNDLESS`` if the canal chokes before.
 
     Source: Schijf (1949), the equations of ``water_past_the_ship`` solved for the speed.
     """
     past = 1 - blockage(beam, draft, width, depth) - sinkage / depth
-    past = np.where(past > 0, past, 1.0)
-    squared = 2 * GRAVITY * sinkage * past**2 / np.maximum(1 - past**2, 1e-300)
-    return np.where((past < 1) & (squared < GRAVITY * depth * past**3), squared**0.5, np.inf)
+    squared = 2 * GRAVITY * sinkage * past**2 / maximum(1 - past**2, 1e-300)
+    subcritical = choice(GRAVITY * depth * past**3 - squared, squared**0.5, BOUNDLESS)
+    return choice(past * (1 - past), subcritical, BOUNDLESS)
 
 
 def speed_that_sinks_midship(

@@ -41,6 +41,10 @@ def angle(cosine: Number, sine: Number) -> Number:
     return _evaluated("angle", cosine, sine)
 
 
+def sine(angle: Number) -> Number:
+    return _evaluated("sine", angle)
+
+
 def _evaluated(name: str, *values: Number) -> Number:
     """Evaluate by the value's own method (a recording placeholder), or by NumPy."""
     for value in values:

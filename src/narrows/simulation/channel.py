@@ -14,7 +14,8 @@ from narrows.codegen.kernels import event
 from narrows.codegen.run import NOWHERE, WaterTable
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.model.water import BOUNDLESS, speeds_afloat
+from narrows.model.water import speeds_afloat
+from narrows.physics.squat_and_depth import BOUNDLESS
 from narrows.quantities.names import Number
 from narrows.ship.particulars import Ship
 from narrows.simulation.outcome import Code

@@ -9,7 +9,7 @@ from narrows.codegen.free_motion import Expr, exact_number, symbol, symbolic_fun
 from narrows.codegen.tape import OPERATORS, Recorded, notes_of_terms
 from narrows.errors import check_choice
 from narrows.physics import clearance, hull, propeller, rudder
-from narrows.quantities.names import FORCES
+from narrows.quantities.names import FORCES, MOTION, REGRESSOR_INPUTS, Number
 from narrows.terms.regressors import Grouped
 from narrows.terms.term import TermTable
 
@@ -45,8 +45,8 @@ NAMED: dict[str, Callable[..., Any]] = {
 # Classes of quantities that functions of propeller and rudder take together.
 TOGETHER = {propeller: propeller.PropellerQuantities, rudder: rudder.RudderQuantities}
 DIGITS = 4
-# Letters on a line of a page with usual margins; letters of an expression that needs no name of its own.
-LINE, WIDEST = 62, 48
+# Letters on a line of a page with usual margins; letters of an expression that needs no name of its own; of a sign.
+LINE, WIDEST, SIGN = 62, 48, 3
 
 
 def latex(
@@ -154,16 +154,20 @@ class Equations:
         return inside + (3 * (len(value.args) - 1) if value.is_Add else len(value.func.__name__) + 2)
 
     def of_forces(self, forces: Sequence[str], coefficients: Mapping[str, float] | None = None) -> list[str]:
-        """Return one line per force, or more if one is too long."""
+        """Return one line per force, or more if one is too long; terms whose coefficient is zero are left out."""
         lines = []
         for force in forces:
-            parts = [(term, self.regressors[term.name]) for term in self.table.forces[force]]
-            self.used |= {one for _, value in parts for one in value.free_symbols}
-            texts = [(self._term(term, value, coefficients), self.width(value)) for term, value in parts]
-            lines += _packed(force, texts)
+            terms = [term for term in self.table.forces[force] if coefficients is None or coefficients[term.name]]
+            parts = [self._term(term, coefficients) for term in terms]
+            if self.table.forces[force]:
+                first, *others = _packed(parts) or ["0"]
+                lines += [f"{force} &= {first.removeprefix('+ ')}", *(rf"&\quad {other}" for other in others)]
         return lines
 
-    def _term(self, term: Any, expression: Expr, coefficients: Mapping[str, float] | None) -> str:
+    def _term(self, term: Any, coefficients: Mapping[str, float] | None) -> tuple[str, float]:
+        """Return a term with its sign, and its width."""
+        expression = self.regressors[term.name]
+        self.used |= expression.free_symbols
         minus = expression.could_extract_minus_sign()
         times = self.text(-expression if minus else expression)
         value = None if coefficients is None else coefficients[term.name]
@@ -174,7 +178,8 @@ class Equations:
         factor = "" if factor in own and times else factor
         if value is not None and not (abs(value) == 1 and times):
             factor = _number(abs(value))
-        return f"{sign} {factor} {times}".replace("  ", " ").rstrip()
+        width = self.width(expression) + sum(_letters(part) + 1 for part in factor.split()) + SIGN
+        return f"{sign} {factor} {times}".replace("  ", " ").rstrip(), width
 
     def text(self, expression: Expr) -> str:
         """Write an expression that is a factor of a product."""
@@ -197,6 +202,19 @@ class Equations:
                 lines.append(f"{written} &= {bare}")
         return lines
 
+    def values(self, known: Mapping[str, Number]) -> list[str]:
+        """Return the numbers of the particulars that the forces and definitions written so far use, as many as fit."""
+        units = REGRESSOR_INPUTS | {name: of for one in self.table.actuators for name, of in one.quantities.items()}
+        parts = []
+        for name, value in known.items():
+            if symbol(name) in self.used and value is not None and name not in MOTION:
+                unit = re.sub(r"(?<=[a-z])(\d+)", r"^{\1}", units[name].unit).replace(" ", r"\,")
+                number = "-" * (value < 0) + _number(abs(float(value)))
+                written = f"{self.symbols[symbol(name)]} = {number}"
+                width = _letters(self.symbols[symbol(name)]) + len(number) + len(unit) + 2 * SIGN
+                parts.append((written + rf"\,\mathrm{{{unit}}}" * (unit != "1"), width))
+        return [f"&{line}" for line in _packed(parts, r",\quad ")]
+
 
 def _named(inputs: Mapping[str, Recorded], known: int) -> dict[int, str]:
     """Return the lines of named quantities that the terms used."""
@@ -215,18 +233,17 @@ def _arguments(function: Callable[..., Any]) -> tuple[str, ...]:
     return function.__code__.co_varnames[: function.__code__.co_argcount]
 
 
-def _packed(force: str, terms: Sequence[tuple[str, float]]) -> list[str]:
-    """Put as many terms on a line as fit."""
+def _packed(parts: Sequence[tuple[str, float]], between: str = " ") -> list[str]:
+    """Put as many parts on a line as fit by their widths."""
     lines: list[str] = []
     room = 0.0
-    for text, width in terms:
-        own = width + 6  # Sign and coefficient
-        if lines and own <= room:
-            lines[-1] += f" {text}"
+    for text, width in parts:
+        if lines and width <= room:
+            lines[-1] += f"{between}{text}"
         else:
-            lines.append(rf"&\quad {text}" if lines else f"{force} &= {text.removeprefix('+ ')}")
+            lines.append(text)
             room = LINE
-        room -= own
+        room -= width
     return lines
 
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 def write_latex(model: "Model", path: str | Path) -> None:
-    """Write the equations of the forces, once with symbols and once with the numbers of a model.
+    """Write the equations of the forces, once with symbols and once with the numbers of a model, and its particulars.
 
     It needs the LaTeX package amsmath.
 
@@ -40,8 +40,9 @@ def write_latex(model: "Model", path: str | Path) -> None:
     written = Equations(model.terms)
     by_symbols = [*written.of_forces(tuple(FORCES)), *written.definitions()]
     by_numbers = written.of_forces(tuple(FORCES), model.coefficients)
+    numbers = written.values(model.configuration.values())
     # Pages break between lines.
-    parts = [environment("align*", one) for one in (by_symbols, by_numbers)]
+    parts = [environment("align*", one) for one in (by_symbols, by_numbers, numbers) if one]
     write_whole(path, "\n".join([*lines, "{\\allowdisplaybreaks", *parts, "}"]) + "\n")
 
 

@@ -87,7 +87,7 @@ static int update(Instance *m) {
     double *w = n->value;
     const double before = w[BEYOND], outcome = w[OUTCOME];
     refresh(m);
-    w[BEYOND] = ship_beyond(n->state CANAL);
+    w[BEYOND] = ship_beyond(n->state, &n->constants CANAL);
     if (outcome == SHIP_AFLOAT && n->pending != SHIP_AFLOAT) end_voyage(m, n->pending, n->lean, w[TIME]);
     else if (outcome == SHIP_AFLOAT && m->exchange)
         for (int i = EVENTS - 1; i >= 0; --i)
@@ -110,7 +110,7 @@ static int starts(Instance *m) {
         if (!(room > 0.0) && !(room == 0.0 && event_outcome[i] == SHIP_ASTERN))
             return refuse(m, "the ship starts across the canal, or outside of the waterway");
     }
-    m->now.value[BEYOND] = ship_beyond(m->now.state CANAL);
+    m->now.value[BEYOND] = ship_beyond(m->now.state, &m->now.constants CANAL);
     return 1;
 }
 
@@ -148,7 +148,7 @@ static int integrate(Instance *m, double time, double duration, double *reached)
             return refuse_with(m, "after %g s the numbers diverge", end[0]);
         }
     }
-    w[BEYOND] = ship_beyond(n->state CANAL);
+    w[BEYOND] = ship_beyond(n->state, &n->constants CANAL);
     return 1;
 }
 
@@ -195,5 +195,5 @@ static int slopes(Instance *m, const unsigned *unknown, size_t unknowns, const u
     return 1;
 }
 
-static int is_beyond_changed(Instance *m) { return refresh(m), ship_beyond(m->now.state CANAL) != (int)m->now.value[BEYOND]; }
+static int is_beyond_changed(Instance *m) { return refresh(m), ship_beyond(m->now.state, &m->now.constants CANAL) != (int)m->now.value[BEYOND]; }
 #define HAS_EVENT(m) ((m)->now.pending != SHIP_AFLOAT)
