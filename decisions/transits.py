@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from other_hand import OtherTransit, misread
 from pages import markdown, publish
 
 import narrows as nw
@@ -64,6 +65,8 @@ class Kind:
         Whether the canal has bends, which the fit knows.
     gusts : TransitConditions
         Wind, gusts and aim; fits begin with gusts that stay 40 s, force and moment uncorrelated, which is the usual.
+    other_hand : bool
+        Whether pilot, gusts and instruments are those of ``other_hand.py``.
     twins : int
         How many.
     """
@@ -78,6 +81,7 @@ class Kind:
     passing: str = ""
     bends: bool = False
     gusts: nw.TransitConditions = USUAL
+    other_hand: bool = False
     twins: int = 200
 
 
@@ -100,6 +104,9 @@ KINDS = (
     Kind("vdr, 20 transits", 20),
     Kind("ais and the rudder, 20 transits", 20, sensors="ais and the rudder"),
     Kind("gusts that stay 90 s and act ahead of midship", gusts=OFF_MIDSHIP),
+    Kind("another pilot, other gusts, poorer instruments", other_hand=True),
+    Kind("the same, 5 transits", 5, other_hand=True),
+    Kind("the same, bank of the form y_B", truth="distance", other_hand=True),
 )
 """Without the rudder (ais alone) no fit is made, and the answer says why."""
 
@@ -118,7 +125,8 @@ def twin(kind: Kind, seed: int) -> tuple[nw.Model, nw.ShipLog] | None:
         log = transits_of(_sailed(kind, truth), GRADES[kind.sensors], kind.transits, seed, _conditions(kind))
     except nw.InputError:
         return None
-    return truth, _marked(_shifted(log, kind.shifted)) if kind.passing == "marked" else _shifted(log, kind.shifted)
+    log = misread(log, seed) if kind.other_hand else _shifted(log, kind.shifted)
+    return truth, _marked(log) if kind.passing == "marked" else log
 
 
 def figures(kind: Kind, seed: int) -> dict[str, Any]:
@@ -156,7 +164,8 @@ def kept_figures(kind: Kind, count: int, folder: Path | None) -> Iterator[dict[s
 def _conditions(kind: Kind) -> TransitTwin:
     passes = PASSES if kind.passing else ()
     waterway = winding() if kind.bends else None
-    return TransitTwin(ship(), SPEED, 60 * MINUTES, kind.gusts, passes, waterway)
+    transit = OtherTransit if kind.other_hand else TransitTwin
+    return transit(ship(), SPEED, 60 * MINUTES, kind.gusts, passes, waterway)
 
 
 def _marked(log: nw.ShipLog) -> nw.ShipLog:

@@ -60,6 +60,21 @@ def test_the_bank_of_a_twin_is_found_within_its_interval() -> None:
     assert not found.disagrees
 
 
+def test_a_compass_in_whole_degrees_is_not_taken_for_gusts() -> None:
+    truth, log = twin()
+    rounded = [record.with_signals(psi=nw.Signal(record["psi"].t, in_degrees(record))) for record in log]
+    found, fine = nw.learn(ship(), nw.ShipLog(tuple(rounded))), learned()[1]
+    assert found.gusts is not None
+    assert fine.gusts is not None
+    assert found.gusts.yaw < 1.5 * fine.gusts.yaw
+    assert not found.pushed
+    assert abs(found.model["c_bank"] - truth["c_bank"]) < 3.5 * found.coefficients["c_bank"].std
+
+
+def in_degrees(record: nw.ShipRecord) -> np.ndarray:
+    return np.radians(np.round(np.degrees(record["psi"].values)))
+
+
 def test_a_current_along_the_canal_is_not_taken_for_speed() -> None:
     for record, own in zip(twin()[1], learned()[1].records, strict=True):
         x = record["x"]

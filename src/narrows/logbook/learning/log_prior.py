@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -194,7 +193,8 @@ class LogAssumptions:
     grade: SensorGrade  # Grade of the sensors
     gusts: bool  # Whether pushes with a memory act
     surge: str  # Whether the speed is integrated
-    choices: Mapping[str, Any] = field(default_factory=dict)  # Further ones of the simulation
+    # Standard deviation and memory [s] of the rounding error of signals
+    rounding: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def step(self, length: float, u: float) -> float:
         """Return the length of a step [s]."""
@@ -260,6 +260,8 @@ class LogAssumptions:
             grade = self._grade(name)
             if grade.wander > 0:
                 found.append(Process(f"{name}_wander", ERROR(name), grade.wander, grade.memory))
+            if name in self.rounding:
+                found.append(Process(f"{name}_rounding", ERROR(name), *self.rounding[name]))
             if name != "x":
                 found.append(Process(ERROR(name), ERROR(name), grade.zero, np.inf))
         if signals & {"u_ground", "v_ground", "speed_over_ground", "course", "x"} and self.grade.name != BASIN.name:

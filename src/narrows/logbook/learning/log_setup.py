@@ -26,7 +26,7 @@ from narrows.logbook.learning.log_prior import (
 from narrows.logbook.reading.read_log import stream_log
 from narrows.logbook.sensor_grades import GRADES, SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
-from narrows.logbook.ship_record import ShipRecord
+from narrows.logbook.ship_record import ShipRecord, Signal
 from narrows.model.model import Model
 from narrows.ship.particulars import Configuration
 
@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 # Records by which it is seen what a log holds.
 LOOKED_AT = 50
+# Share of readings that differ from the one before, above which rounding leaves a white error [1].
+SELDOM_REPEATED = 0.5
 
 
 @dataclass(frozen=True)
@@ -107,8 +109,8 @@ def log_problem(
     grade = BASIN if sensors == BASIN.name else sensor_grade(sensors)
     gusty = grade.name != BASIN.name if gusts is None else gusts
     surge = choices.setdefault("surge", "free" if model.terms.propelled else "held")
-    assumptions = LogAssumptions(grade, gusty, surge)
-    signals, u = _looked_at(records)
+    signals, rounding, u = _looked_at(records)
+    assumptions = LogAssumptions(grade, gusty, surge, rounding)
     before = covariance_before(model, spread)
     steered = RUDDER in {own.name for own in model.terms.actuators}
     if steered and (not gusty and not free if asymmetry is None else asymmetry):
@@ -134,16 +136,29 @@ def _records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:
     raise InputError(f"a {type(log).__name__} is no log: give one that `read_log` made, records, or the path of one")
 
 
-def _looked_at(records: Iterable[ShipRecord]) -> tuple[set[str], float]:
-    """Signals that some of the first records have, and their usual speed."""
-    signals, speeds = set[str](), list[float]()
+def _looked_at(records: Iterable[ShipRecord]) -> tuple[set[str], dict[str, tuple[float, float]], float]:
+    """Signals of the first records, the errors of those that are rounded coarsely, and the usual speed."""
+    signals, rounding, speeds = set[str](), dict[str, tuple[float, float]](), list[float]()
     for record in islice(records, LOOKED_AT):
         signals |= {name for name in record if len(record[name])}
+        for name in record:
+            rounding[name] = max(rounding.get(name, (0.0, 1.0)), _rounding(record[name]))
         speeds.append(speed_of(record))
     speeds = [speed for speed in speeds if speed > 0]
     if not speeds:
         raise InputError("this log holds neither a speed nor a way of the ship; give x and y, or u")
-    return signals, float(np.median(speeds))
+    return signals, rounding, float(np.median(speeds))
+
+
+def _rounding(signal: Signal) -> tuple[float, float]:
+    """Standard deviation and memory [s] of the error of rounded values; 0 if values seldom repeat."""
+    change = np.abs(np.diff(signal.values))
+    moved = change[change > 0]
+    if not len(moved) or len(moved) > SELDOM_REPEATED * len(change):
+        return 0.0, 1.0  # The error is then white, and part of the noise
+    # Uniform over a step; of a signal that rises steadily it is a sawtooth of period T, whose autocorrelation
+    # 1 - 6 s/T (1 - s/T) begins like that of a process of memory T/6.
+    return float(moved.min() / np.sqrt(12)), float(np.ptp(signal.t) / len(moved) / 6)
 
 
 def _known(model: Model, free: Sequence[str]) -> frozenset[str] | None:
