@@ -248,7 +248,7 @@ class Centreline:
         """
         positions = np.asarray(positions, float)
         flat, shape = positions.reshape(-1, 2), positions.shape[:-1]
-        nearest = self._samples[0][self._tree.query(flat, workers=-1)[1]]
+        nearest = self._samples[0][self._tree.query(flat, workers=-1 if len(flat) > BLOCK else 1)[1]]
         s, n, heading = _in_blocks(lambda part: self._placed(nearest[part], flat[part]), len(flat))
         return s.reshape(shape), n.reshape(shape), heading.reshape(shape)
 
@@ -303,6 +303,8 @@ def _straight_on(spline: PPoly) -> PPoly:
 def _in_blocks(work: Callable[[slice], tuple[np.ndarray, ...]], count: int) -> tuple[np.ndarray, ...]:
     """Process positions block by block on every core, and join the three result columns."""
     parts = [slice(i, i + BLOCK) for i in range(0, count, BLOCK)]
+    if len(parts) == 1:  # Threads would take longer to start than one block to work on.
+        return work(parts[0])
     with ThreadPoolExecutor() as pool:
         blocks = list(pool.map(work, parts))
     return tuple(np.concatenate([block[i] for block in blocks] or [np.empty(0)]) for i in range(3))

@@ -91,23 +91,23 @@ class FutureLanes:
         return [slice(stop - block.lanes, stop) for stop, block in zip(stops, self.blocks, strict=True)]
 
     def _load(self, lanes: slice, block: FutureBlock, ships: Ships, revolutions: float | None) -> None:
-        columns, rows, inputs = ships.columns, self._prepared.start[lanes], self._prepared.vessel_inputs[lanes]
+        shape, columns = (len(block.cases), block.ships, -1), ships.columns
+        rows = self._prepared.start[lanes].reshape(shape)
+        inputs = self._prepared.vessel_inputs[lanes].reshape(shape)
         own: dict[str, Any] = {name: columns[name] for name in ("x", "y", "u", "v", "r")}
         own |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"]), RUDDER: ships.rudder}
         turns = self._ship_values.get(REVOLUTIONS, 0.0) if revolutions is None else revolutions
         own |= {REVOLUTIONS: np.full(block.ships, turns)} if self._driven else {}
         # Orders that are on their way in a gear with dead time or lag: those of the rudder as it is.
         own |= stages_at(self.ship.actuators, own.__getitem__)
-        cases = len(block.cases)
         for name, column in own.items():
             if name in self._kept:
-                rows[:, self._kept[name]] = np.tile(column, cases)
+                rows[..., self._kept[name]] = column
         constants = self._constants({**self._ship_values, **ships.coefficients})
         for name, column in constants.items():
             if name in self._inputs:
-                inputs[:, self._inputs[name]] = np.tile(np.broadcast_to(column, block.ships), cases)
-        for number, case in enumerate(block.cases):
-            part = inputs[number * block.ships : (number + 1) * block.ships]
+                inputs[..., self._inputs[name]] = column
+        for part, case in zip(inputs, block.cases, strict=True):
             for name, value in self._law(case, ships, turns).items():
                 part[:, self._inputs[PARAMETER(name)]] = value
 
