@@ -95,10 +95,10 @@ def test_way_astern_is_noted_at_the_other_doors(tmp_path: Path) -> None:
     assert "astern" not in nw.stability(model, u=1.0).notes
     nw.export.write_python(model, tmp_path / "ship.py")
     ship = runpy.run_path(str(tmp_path / "ship.py"))
-    state = ship["rest"]()
+    state, constants = ship["rest"](), ship["prepare"](ship["MODEL"])
     for speed, bit in ((-1.0, 1), (1.0, 0)):
         state[ship["U"]] = speed
-        assert int(ship["beyond"](state)) == bit
+        assert int(ship["beyond"](state, constants)) == bit
     kcs = nw.published("estimated_kcs")
     for refused in (nw.steady_course, lambda one, u: nw.safe_envelope(one, u=np.array([u]))):
         with pytest.raises(nw.InputError, match="over 0"):
