@@ -12,9 +12,9 @@ import numpy as np
 from common import median_seconds, show, sizes
 
 from narrows.waterway import Centreline, Waterway
-from narrows.waterway import room as room_text
+from narrows.waterway import bank_clearance as clearance_text
+from narrows.waterway.bank_clearance import exact_clearance
 from narrows.waterway.banks import bank_from_points
-from narrows.waterway.room import exact_room
 from narrows.waterway.table import STEPS_A_BEAM, least_walls, tabulate
 
 LENGTH, BEAM, DRAFT, CORNERS = 230.0, 32.2, 10.8, 2000
@@ -32,12 +32,12 @@ def winding() -> Waterway:
     return Waterway(line, *(bank_from_points(side, points, line) for side, points in sides.items()))
 
 
-def compiled_rooms() -> Callable[..., float]:
+def compiled_clearances() -> Callable[..., float]:
     """The text of the room, compiled, for columns of poses."""
-    text = re.sub(r"^def ", "@numba.njit\ndef ", Path(room_text.__file__).read_text(), flags=re.MULTILINE)
+    text = re.sub(r"^def ", "@numba.njit\ndef ", Path(clearance_text.__file__).read_text(), flags=re.MULTILINE)
     scope = {"numba": numba}
     exec(text, scope)
-    one = scope["exact_room"]
+    one = scope["exact_clearance"]
 
     @numba.njit
     def rooms(track: np.ndarray, step: float, s: np.ndarray, n: np.ndarray, psi: np.ndarray, hull: np.ndarray) -> float:
@@ -62,12 +62,12 @@ def main(count: int) -> None:
     ]
     show("a waterway of 20 km", rows, "ms", 1e3)
 
-    hull, rooms, few = RECTANGLE.ravel(), compiled_rooms(), max(count // 100, 10)
+    hull, rooms, few = RECTANGLE.ravel(), compiled_clearances(), max(count // 100, 10)
     track, outline = table.track.tolist(), hull.tolist()
 
     def plain() -> None:
         for i in range(few):
-            exact_room(track, table.step, s[i], n[i], float(np.cos(psi[i])), float(np.sin(psi[i])), outline)
+            exact_clearance(track, table.step, s[i], n[i], float(np.cos(psi[i])), float(np.sin(psi[i])), outline)
 
     rows = [
         ("compiled", median_seconds(lambda: rooms(table.track, table.step, s, n, psi, hull)) / count, ""),

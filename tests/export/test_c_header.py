@@ -20,7 +20,7 @@ from narrows.simulation.channel import along_waterway
 from narrows.simulation.initial_state import POSE, initial_state
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of
-from narrows.waterway.room import exact_room
+from narrows.waterway.bank_clearance import exact_clearance
 
 pytestmark = needs_compiler
 PUSH = {"Y": 0.7, "N": -0.4}
@@ -101,11 +101,11 @@ def test_steps_and_derivatives_in_a_waterway(ships: Any, name: str) -> None:
         x, y, cosine, sine, u, v, r, *_ = state
         start = {"x": x, "y": y, "psi": np.arctan2(sine, cosine), "u": u, "v": v, "r": r, "rudder": 0.0}
         integrator, begun = initial_state(simulated, steering, start, bent(name), False)
-        after, room, lean = integrator.stepped(begun, 0.05)
-        close(ship.called("step", begun, len(begun) + 2, 0.05), [*after, room, lean], 1e-12)
+        after, clearance, side = integrator.stepped(begun, 0.05)
+        close(ship.called("step", begun, len(begun) + 2, 0.05), [*after, clearance, side], 1e-12)
         starboard, port = ship.called("clearance", begun, 2)
         water, step = integrator.channel.water, 1 / integrator.inputs["cells_a_metre"]
-        nearer, leaning = exact_room(water.track.tolist(), step, *begun[:4], water.outline.tolist())
+        nearer, leaning = exact_clearance(water.track.tolist(), step, *begun[:4], water.outline.tolist())
         close([min(starboard, port), port - starboard], [nearer, leaning], 1e-12)
         by_state = ship.called("by_state", begun, 36).reshape(6, 6)
         close(by_state, np.stack([slope(ship, begun, column) for column in range(6)], axis=1), 2e-6)
@@ -261,7 +261,7 @@ int main() {
     ship.x(6.0), ship.y(0.5), ship.psi(0.02), ship.u(%(u)r), ship.inputs.rudder_order = 0.1;
     const bool aground = ship.integrate(0.05, 60.0) == tanker::Outcome::Grounded;
     std::printf("%%d %%.17g %%.17g %%.17g %%.17g %%.17g %%.17g\\n", aground, ship.time, ship.x(), ship.y(), ship.psi(),
-                ship.rudder(), ship.lean);
+                ship.rudder(), ship.side);
     dtc::Ship other;
     other.u(1.0), other.step(0.05);
     std::printf("%%.17g %%.17g %%d\\n", other.clearance()[0], other.rates()[0], other.beyond());
@@ -287,12 +287,12 @@ def test_the_class_of_cpp_sails_the_voyage(tmp_path: Path, curved: bool) -> None
     voyage = nw.simulate(
         model, x=6.0, y=0.5, psi=0.02, u=u, dt=0.05, waterway=way, controller=nw.ConstantRudder(0.1)
     ).outcome
-    aground, time, x, y, psi, rudder, lean = map(float, first.split())
+    aground, time, x, y, psi, rudder, side = map(float, first.split())
     assert aground == 1
     assert [time, x, y, psi] == pytest.approx(
         [voyage.time, *[voyage.state[name] for name in ("x", "y", "psi")]], rel=1e-10
     )
-    assert (lean > 0) == (voyage.side == "starboard")
+    assert (side > 0) == (voyage.side == "starboard")
     assert abs(rudder) <= 0.1
     clearance, ahead, _ = map(float, second.split())
     ship = nw.published("mikkelsen2025_dtc").configuration

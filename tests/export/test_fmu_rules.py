@@ -65,7 +65,7 @@ def unknowns(fmu: Imported) -> list[str]:
 
 @pytest.mark.parametrize(("name", "curved"), CASES)
 def test_every_derivative_is_that_of_differences(fmus: Fmus, name: str, curved: bool) -> None:
-    """Of every state, rate and room, by every state, input and tunable parameter."""
+    """Of every state, rate and clearance, by every state, input and tunable parameter."""
     size = model_of(name).configuration.ship.length / 4
     with imported(fmus(name, curved=curved), exchange=True) as fmu:
         at = {"x": 25.0 * size + 0.01, "y": 0.4 * size, "psi": 0.11, "u": speed_of(name), "v": 0.05, "r": -0.02}

@@ -103,7 +103,7 @@ def test_a_coefficient_has_a_name_of_its_own(name: str) -> None:
 
 NAMES = (
     "k0", "t1", "v²", "E", "abs", "sqrt", "exp", "log", "sine", "power", "entry", "table", "h", "t", "dt",
-    "share", "step_length", "room", "lean", "law_angle", "push_end", "half_beam", "least_cos", "real", "block", "I",
+    "share", "step_length", "clearance", "side", "law_angle", "push_end", "half_beam", "least_cos", "real", "block",
     "constants", "PARAMETERS",
 )  # fmt: skip
 

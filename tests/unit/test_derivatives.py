@@ -134,7 +134,7 @@ def test_tangents_of_a_step_in_a_waterway_are_differences(name: str, law: str) -
     everything = {**{n: float(inputs[n]) for n in system.scalar.STEP_INPUTS}, **start}
     unit = {real(n): [int(k == place) for k in range(len(moved))] for place, n in enumerate(moved)}
     more, slopes_of = with_tangents(lines, unit, len(moved))
-    rows = {n: system.step.out[n] for n in (*kept, "room", "lean")}
+    rows = {n: system.step.out[n] for n in (*kept, "clearance", "side")}
     out = [*rows.values(), *(entry for value in rows.values() for entry in slopes_of(value))]
     text = function_text("tangent", tuple(everything), more.needed_for(out).assignments, out, table=True)
     table = channel.water.table.tolist()

@@ -24,7 +24,7 @@ public:
         return {ship_.x(), -ship_.y(), -ship_.psi(), moves * ship_.u(), -moves * ship_.v(), -moves * ship_.r()};
     }
 
-    // The room to port and to starboard of the hull [m].
+    // Clearance to port and to starboard of the hull [m].
     double port() const { return ship_.clearance()[1]; }
     double starboard() const { return ship_.clearance()[0]; }
 

@@ -38,7 +38,10 @@ def versions() -> str:
     with suppress(PackageNotFoundError):  # Without Numba nothing is compiled
         packages.append(f"numba {version('numba')}")
     # Sources of the functions that are compiled with a kernel.
-    sources = [*sorted(Path(__file__).parent.rglob("*.py")), Path(__file__).parents[1] / "waterway" / "room.py"]
+    sources = [
+        *sorted(Path(__file__).parent.rglob("*.py")),
+        Path(__file__).parents[1] / "waterway" / "bank_clearance.py",
+    ]
     ours = hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
     return "\n".join([*packages, sys.version, platform.machine(), ours])
 

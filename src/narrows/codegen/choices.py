@@ -32,7 +32,7 @@ MIDSHIP_LEAVES = 0.9
 SHARED = ("least_cos", "x_last", "x_first", "cells_a_metre", "most_speed", "most_rate")
 
 # First fields of a lane, before its state: the queue of vessels reads and writes them.
-BOOK = ("step_length", "share", "left", "flag", "room", "lean", "room_before")
+BOOK = ("step_length", "share", "left", "flag", "clearance", "side", "clearance_before")
 
 # Lanes of a block of derivatives; more directions need more passes.
 DIRECTIONS = 32

@@ -10,7 +10,7 @@ from narrows.codegen.kernels.elementary import module_text
 from narrows.codegen.lines import Lines, real
 from narrows.codegen.printers.lanes import LaneArithmetic, Lanes
 from narrows.codegen.printers.python import Arithmetic, constants_text, function_text
-from narrows.codegen.step import Rates, Step, ends_left, room_left
+from narrows.codegen.step import Rates, Step, ends_left, least_clearance
 
 
 def kernel_text(lanes: Lanes, choices: Choices, precision: str) -> str:
@@ -29,8 +29,8 @@ def kernel_text(lanes: Lanes, choices: Choices, precision: str) -> str:
 def _end_texts(lanes: Lanes, choices: Choices, printer: Arithmetic) -> Iterator[str]:
     """Write the clearance of one lane and its margins to every end but a bank."""
     state = {name: real(name) for name in STATE}
-    rooms, ends = Lines(), Lines()
-    yield _of_one("room_of(block, lane, table, shared)", rooms, room_left(rooms, choices, state), lanes, printer)
+    own, ends = Lines(), Lines()
+    yield _of_one("clearance_of(block, lane, table, shared)", own, least_clearance(own, choices, state), lanes, printer)
     left = ends_of(ends, choices, state)
     yield _of_one("ends_of(block, lane, first, table, shared)", ends, left, lanes, printer, "first * LANES + ")
 
@@ -59,15 +59,15 @@ def _of_one(
 # The plain module of a system: constants, rates, step and clearance as functions of floats or columns.
 def plain_text(choices: Choices, rates: Rates, step: Step) -> str:
     kept, lines, ends, state = choices.kept, Lines(), Lines(), {name: real(name) for name in STATE}
-    room, lean = room_left(lines, choices, state)
+    clearance, side = least_clearance(lines, choices, state)
     left = dict(zip(("heading", "ahead", "astern", "afloat"), ends_of(ends, choices, state), strict=True))
     program, derivatives = rates.program()
     parts = [
         '"""Made by narrows from a table of terms: made again where it is missing, so do not edit."""\n',
         constants_text(rates.parameters, rates.constants),
         _function("rates", program, {name: derivatives[name] for name in STATE}, STATE, False),
-        _function("step", step.lines, {name: step.out[name] for name in (*kept, "room", "lean")}, kept, True),
-        _function("room", lines, {"room": room, "lean": lean}, STATE[:5], True),
+        _function("step", step.lines, {name: step.out[name] for name in (*kept, "clearance", "side")}, kept, True),
+        _function("least_clearance", lines, {"clearance": clearance, "side": side}, STATE[:5], True),
         _function("ends", ends, left, STATE[:5], True),
     ]
     return "\n\n".join(parts)

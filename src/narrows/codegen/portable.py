@@ -11,7 +11,7 @@ from narrows.codegen.derivatives import coefficient_slopes, linear_slopes, with_
 from narrows.codegen.free_motion import INPUTS, OPEN, STATE, Expr, FreeMotion
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program, real
-from narrows.codegen.step import Rates, Step, rate_here, room_left, section_at, section_here, step_of
+from narrows.codegen.step import Rates, Step, least_clearance, rate_here, section_at, section_here, step_of
 from narrows.codegen.tape import tape_of
 
 # Name in the lines of a caller's order to an actuator with a gear.
@@ -68,7 +68,7 @@ class Portable:
         programs = {
             "rates": self._rates(),
             "step": self._step(),
-            "room": self._room(),
+            "least_clearance": self._least_clearance(),
             "by_state": self._linear(slice(0, 6)),
             "by_input": self._linear(slice(6, None)),
             "by_coefficient": self._by_coefficient(),
@@ -86,7 +86,7 @@ class Portable:
 
     @cached_property
     def continuous(self) -> tuple[Program, ...]:
-        """The rates of x, y, psi, u, v, r; those of the gear; and, between banks, the room to starboard and to port."""
+        """Rates of x, y, psi, u, v, r; those of the gear; and, between banks, the clearance to either side."""
         lines = Lines()
         rates = rate_here(lines, self.rates, self.choices, self._values, "")
         rates["psi"] = rates[COUNTED]
@@ -126,7 +126,7 @@ class Portable:
     @property
     def hull(self) -> tuple[str, ...]:
         """Further constants of step and clearance: hull, walls, gear."""
-        asked = {name for own in ("step", "room") for name in self.programs[own].asked}
+        asked = {name for own in ("step", "least_clearance") for name in self.programs[own].asked}
         return tuple(sorted(asked - {*self.constants, *self.kept, *self.inputs, *PLACES, LENGTH}))
 
     def _rates(self) -> Program:
@@ -140,11 +140,11 @@ class Portable:
         return step_of(self.rates, self.choices).with_whole_steps()
 
     def _step(self) -> Program:
-        return Program.of(self.step.lines, [self.step.out[name] for name in (*self.kept, "room", "lean")])
+        return Program.of(self.step.lines, [self.step.out[name] for name in (*self.kept, "clearance", "side")])
 
-    def _room(self) -> Program:
+    def _least_clearance(self) -> Program:
         lines = Lines()
-        return Program.of(lines, room_left(lines, self.choices, self._values))
+        return Program.of(lines, least_clearance(lines, self.choices, self._values))
 
     @cached_property
     def _slopes(self) -> tuple[Lines, list[Expr]]:
@@ -155,8 +155,8 @@ class Portable:
     def _clearance(self) -> Program:
         """Clearance to starboard and to port; in a waterway from the least distance at which its banks can be met."""
         lines, z = Lines(), self._values
-        room_left(lines, self.choices, z)
-        return Program.of(lines, [real("room_starboard"), real("room_port")])
+        least_clearance(lines, self.choices, z)
+        return Program.of(lines, [real("clearance_starboard"), real("clearance_port")])
 
     def _section(self) -> Program:
         """Width and depth of the water at the ship's place."""

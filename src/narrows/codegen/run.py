@@ -74,7 +74,7 @@ class PreparedRun:
         from narrows.codegen.kernels import queue
 
         kernel, water = self.kernel, self.water
-        functions = [entry(kernel, name) for name in ("step", "room_of", "ends_of")]
+        functions = [entry(kernel, name) for name in ("step", "clearance_of", "ends_of")]
         sizes = np.array([*functions, len(kernel.KEPT_NAMES), kernel.FIELDS, kernel.EXACT])
         arrays = water.table, self.shared, water.track, water.outline, self.limits
         return partial(compiled_loops(queue).integrate_fleet, sizes, kernel.LEAVES, *arrays)

@@ -150,8 +150,8 @@ NODES = (sympy.Integer(0), sympy.Rational(1, 2), sympy.Rational(1, 2), sympy.Int
 @dataclass(frozen=True)
 class Step:
     lines: Lines  # The program
-    # State after the step; ``room`` [m], the smallest margin to a bank, an end of the waterway and the limit of
-    # heading; ``lean`` [m], positive if the starboard bank is nearer
+    # State after the step; ``clearance`` [m], the smallest margin to a bank, an end of the waterway and the limit of
+    # heading; ``side`` [m], positive if the starboard bank is nearer
     out: Mapping[str, Expr]
 
     def with_whole_steps(self) -> "Step":
@@ -184,7 +184,7 @@ def step_of(rates: Rates, choices: Choices) -> Step:
     if TIME in z:
         out[TIME] = lines.put("t_new", z[TIME] + h)
     out |= after
-    out["room"], out["lean"] = room_left(lines, choices, after)
+    out["clearance"], out["side"] = least_clearance(lines, choices, after)
     return Step(lines, out)
 
 
@@ -337,18 +337,18 @@ def _runge_kutta(lines: Lines, z: Mapping[str, Expr], h: Expr, rate: Rate, moved
     return {**after, **{name: lines.put(f"{name}_unit", after[name] * unit) for name in ("cos_psi", "sin_psi")}}
 
 
-def room_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[Expr, Expr]:
+def least_clearance(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[Expr, Expr]:
     """Write the margin to the nearest end of the voyage, and how much nearer the starboard bank is [m]."""
     left = [*ends_left(lines, choices, z).values()]
-    lean: Expr = sympy.Integer(0)
+    side: Expr = sympy.Integer(0)
     if choices.contact != OPEN:
         reach = reaches(lines, choices.contact, z["cos_psi"], z["sin_psi"])
         walls = _walls(lines, choices, z["x"])
-        starboard = lines.put("room_starboard", walls[0] - z["y"] - reach[0])
-        port = lines.put("room_port", walls[1] + z["y"] - reach[1])
-        left.insert(0, lines.put("room_bank", least(starboard, port)))
-        lean = lines.put("lean", port - starboard)
-    return lines.put("room_new", least(*left)), lean
+        starboard = lines.put("clearance_starboard", walls[0] - z["y"] - reach[0])
+        port = lines.put("clearance_port", walls[1] + z["y"] - reach[1])
+        left.insert(0, lines.put("clearance_bank", least(starboard, port)))
+        side = lines.put("side", port - starboard)
+    return lines.put("clearance_new", least(*left)), side
 
 
 def ends_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, Expr]:

@@ -65,7 +65,7 @@ class System:
 
     @cached_property
     def scalar(self) -> SimpleNamespace:
-        """The functions of floats: ``constants``, ``rates``, ``step``, ``room``, with the names of their arguments."""
+        """Functions of floats with the names of their arguments."""
         return self._plain(scalar_functions(self.choices.row))
 
     @cached_property

@@ -31,7 +31,7 @@ class Kind(StrEnum):
     TIME_ITSELF = "t", "independent", "continuous", ""
     STATE = "s", "output", "continuous", "exact"
     RATE = "d", "local", "continuous", "calculated"
-    ROOM = "c", "output", "continuous", "calculated"
+    CALCULATED = "c", "output", "continuous", "calculated"
     TRUTH = "b", "output", "discrete", "calculated"
     CHOICE = "e", "output", "discrete", "calculated"
     WHOLE = "i", "output", "discrete", "calculated"
@@ -101,7 +101,7 @@ def _variables(exported: ExportedShip, speed: float, dt: float) -> Iterator[FmuV
         yield FmuVariable(f"der({name})", Kind.RATE, PER_SECOND.get(unit, "1/s"), f"rate of {name}", None, number + 2)
     if exported.ship.shape != OPEN:
         for side in SIDES:
-            yield FmuVariable(f"clearance_{side}", Kind.ROOM, "m", f"clearance to {side} of the hull")
+            yield FmuVariable(f"clearance_{side}", Kind.CALCULATED, "m", f"clearance to {side} of the hull")
     yield FmuVariable(
         "aground", Kind.TRUTH, "1", "whether the hull has touched a bank; from then on the ship lies still"
     )

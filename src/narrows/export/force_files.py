@@ -123,7 +123,9 @@ def _variables(model: Model) -> Iterator[FmuVariable]:
     for of in known:
         for force in "YN":
             quantity = FORCES[force]
-            yield FmuVariable(f"{force}{'_deviation' * bool(of)}", Kind.ROOM, quantity.unit, f"{of}{quantity.meaning}")
+            yield FmuVariable(
+                f"{force}{'_deviation' * bool(of)}", Kind.CALCULATED, quantity.unit, f"{of}{quantity.meaning}"
+            )
     bits = bits_in_words(model, ASKED_OF_BANK)
     yield FmuVariable(
         "beyond",

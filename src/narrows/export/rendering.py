@@ -27,7 +27,7 @@ CANNOT_INTEGRATE = (
 # Modules of plain functions: the rule for ends of a voyage, banks of a waterway, one vessel to its end, tables.
 PLAIN = (
     "narrows.codegen.kernels.event",
-    "narrows.waterway.room",
+    "narrows.waterway.bank_clearance",
     "narrows.codegen.kernels.single",
     "narrows.codegen.kernels.filling",
 )

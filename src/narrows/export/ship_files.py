@@ -57,7 +57,7 @@ def _block(exported: ExportedShip) -> list[str]:
         places |= {name: f"{column}[{number}][lane]" for number, name in enumerate(rows)}
     results = {
         f"state[{number}][lane]": portable.step.out[name]
-        for number, name in enumerate((*portable.kept, "room", "lean"))
+        for number, name in enumerate((*portable.kept, "clearance", "side"))
     }
     return c_block(portable.step.lines, results, places, language, f"{exported.prefix.upper()}_LANES")
 

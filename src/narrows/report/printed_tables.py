@@ -100,7 +100,7 @@ NEGLIGIBLE = 0.002
 def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
     """Return a waterway's dimensions as plain values: metres, degrees."""
     s = np.linspace(0, waterway.line.length, STATIONS)
-    here = waterway.room(s, draft)
+    here = waterway.keel_section(s, draft)
     shut = ~(here.width > 0) | (here.depth <= draft)
     if shut.any():
         index = int(shut.argmax())
@@ -134,7 +134,7 @@ def _not_drawn(waterway: Waterway) -> Iterator[str]:
 
 def _stations(waterway: Waterway, draft: float) -> list[dict[str, float]]:
     s = np.linspace(0, waterway.line.length, CROSSINGS_SHOWN)
-    here, heading = waterway.room(s, draft), np.degrees(waterway.line.heading(s)) % 360
+    here, heading = waterway.keel_section(s, draft), np.degrees(waterway.line.heading(s)) % 360
     columns = {
         "at": s, "heading": heading, "starboard": here.width / 2 + here.middle, "port": here.width / 2 - here.middle,
         "width": here.width, "depth": here.depth,

@@ -106,7 +106,7 @@ def track_on_map(axes: Axes, voyage: Voyage, waterway: Waterway) -> None:
     length, colour = voyage.configuration.ship.length, _colour(voyage)
     near, far = (float(end) for end in (voyage.x.min() - 2 * length, voyage.x.max() + 2 * length))
     s = np.linspace(max(near, 0.0), min(far, waterway.line.length), BANK_POINTS)
-    _banks_on_map(axes, waterway, s, waterway.room(s, voyage.configuration.ship.draft))
+    _banks_on_map(axes, waterway, s, waterway.keel_section(s, voyage.configuration.ship.draft))
     path, heading = waterway.to_map(voyage.x, voyage.y, voyage.psi)
     axes.plot(*path.T, color=colour, linewidth=1.0)
     for i in {*range(0, len(path) - 1, max(1, len(path) // 6)), len(path) - 1}:
@@ -158,7 +158,7 @@ def banks_on(axes: Axes, near: float, far: float, voyage: Voyage) -> float:
     if voyage.waterway is None:
         return walls_on(axes, near, far, voyage.configuration.canal.width / 2)
     s = np.linspace(max(near, 0.0), min(far, voyage.waterway.line.length), BANK_POINTS)
-    room = voyage.waterway.room(s, voyage.configuration.ship.draft)
+    room = voyage.waterway.keel_section(s, voyage.configuration.ship.draft)
     banks = [room.middle + sign * room.width / 2 for sign in (-1, 1)]
     for bank in banks:
         axes.plot(s, bank, color=PANEL_GREY, linewidth=2)

@@ -88,7 +88,7 @@ class EnvelopeAlong(BaseResult):
     def banks(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return where a keel meets the banks along the waterway [m]: distance, and port and starboard off the line."""
         s = _nodes(self.waterway, self.edges())
-        room = self.waterway.room(s, self.draft)
+        room = self.waterway.keel_section(s, self.draft)
         return s, room.middle - room.width / 2, room.middle + room.width / 2
 
     def to_dataframe(self) -> "pd.DataFrame":
@@ -208,7 +208,7 @@ def _tightest(ship: Ship, waterway: "Waterway", places: np.ndarray) -> np.ndarra
     """Section of each reach with the least free width times water under the keel (n,) [m]; at ties the place."""
     edges = _edges(waterway, places)
     s = _nodes(waterway, np.concatenate([places, edges]))
-    room = waterway.room(s, ship.draft)
+    room = waterway.keel_section(s, ship.draft)
     # A hull in a bend sweeps the height of its chord more, L^2 / (8 R). An unknown depth counts as constant.
     swept = ship.length**2 * np.abs(room.curvature) / 8
     under = np.nan_to_num(room.depth - ship.draft, nan=1.0)

@@ -89,10 +89,12 @@ def _check_afloat(integrator: VoyageIntegrator, start: tuple[float, ...]) -> Non
     if cosine <= integrator.inputs["least_cos"]:
         heading = math.degrees(math.atan2(sine, cosine))
         raise InputError(f"psi = {heading:.1f} deg lies across the canal; start within 85 deg")
-    room, _ = integrator.room(start)
+    clearance, _ = integrator.clearance(start)
     met = integrator.cause(event.CLOSED, start)
-    if met == event.GROUNDED and (room < 0 or (room == 0 and start[0] != integrator.channel.start)):
-        raise InputError(f"y = {y:g} m starts with the hull {-room:.3g} m into the bank; start nearer the centreline")
+    if met == event.GROUNDED and (clearance < 0 or (clearance == 0 and start[0] != integrator.channel.start)):
+        raise InputError(
+            f"y = {y:g} m starts with the hull {-clearance:.3g} m into the bank; start nearer the centreline"
+        )
     # The shortest step: with none at all, a rate without limit would give 0 times infinity.
     if not all(map(math.isfinite, integrator.stepped(start, math.ulp(0.0))[0])):
         u, v, r = start[4:7]

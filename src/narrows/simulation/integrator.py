@@ -35,14 +35,14 @@ class Row(NamedTuple):
 
 class End(NamedTuple):
     outcome: int  # Outcome code of ``event``
-    lean: float  # Clearance to port minus clearance to starboard [m]
+    side: float  # Clearance to port minus clearance to starboard [m]
 
 
 class StepAttempt(NamedTuple):
     row: Row  # Start of the step
     after: State  # State at its end
-    room: float  # Clearance there [m]
-    lean: float  # Side there [m]
+    clearance: float  # Clearance there [m]
+    side: float  # Side there [m]
     sane: bool  # True if that state is physical
     before: float  # Clearance at its start [m]
     left: float  # Planned steps after it
@@ -65,7 +65,7 @@ class VoyageIntegrator:
         inputs = {LENGTH: 0.0, SHARE: 1.0, **self.inputs}
         self._names = self.functions.STEP_INPUTS
         self._step_inputs = [float(inputs[name]) for name in self._names]
-        self._room_inputs = [float(inputs[name]) for name in self.functions.ROOM_INPUTS]
+        self._clearance_inputs = [float(inputs[name]) for name in self.functions.LEAST_CLEARANCE_INPUTS]
         self._end_inputs = [float(inputs[name]) for name in self.functions.ENDS_INPUTS]
         self._length, self._share = self._names.index(LENGTH), self._names.index(SHARE)
         self._order = self._names.index(PARAMETER("order")) if self.order else -1
@@ -84,15 +84,15 @@ class VoyageIntegrator:
         inputs = self._step_inputs
         inputs[self._length], inputs[self._share] = length, share
         try:
-            *after, room, lean = self.functions.step(self._table, *state, *inputs)
+            *after, clearance, side = self.functions.step(self._table, *state, *inputs)
         except (ZeroDivisionError, OverflowError, ValueError):  # Compiled arithmetic gives infinity or NaN here
             return (math.nan,) * self._count, math.nan, 0.0
-        return tuple(after), room, lean
+        return tuple(after), clearance, side
 
-    def room(self, state: State, exact: bool = True) -> tuple[float, float]:
+    def clearance(self, state: State, exact: bool = True) -> tuple[float, float]:
         """Return the smallest margin to an end of the voyage, and the side [m]."""
-        room, lean = self.functions.room(self._table, *state[:5], *self._room_inputs)
-        return self._from_banks(state) if exact and self._exact and room <= 0 else (room, lean)
+        clearance, side = self.functions.least_clearance(self._table, *state[:5], *self._clearance_inputs)
+        return self._from_banks(state) if exact and self._exact and clearance <= 0 else (clearance, side)
 
     def cause(self, outcome: int, state: State) -> int:
         """Return what ended the voyage, by the outcome of its last step: as kernels do."""
@@ -107,25 +107,25 @@ class VoyageIntegrator:
     def least_clearance(self, rows: Sequence[Row]) -> float | None:
         """Return the least clearance between hull and banks of a waterway [m]; None without an outline of the hull."""
         looked = rows[:: max(1, len(rows) // CLEARANCE_ROWS)]
-        return min(self._exact_room(row.state)[0] for row in looked) if self._exact else None
+        return min(self._exact_clearance(row.state)[0] for row in looked) if self._exact else None
 
-    def _exact_room(self, state: State) -> tuple[float, float]:
-        from narrows.waterway.room import exact_room
+    def _exact_clearance(self, state: State) -> tuple[float, float]:
+        from narrows.waterway.bank_clearance import exact_clearance
 
         x, y, cosine, sine = state[:4]
-        return exact_room(self._track, 1.0 / self.inputs["cells_a_metre"], x, y, cosine, sine, self._outline)
+        return exact_clearance(self._track, 1.0 / self.inputs["cells_a_metre"], x, y, cosine, sine, self._outline)
 
     def _from_banks(self, state: State) -> tuple[float, float]:
-        room, lean = self._exact_room(state)
-        return min(room, *self._ends(state)), lean
+        clearance, side = self._exact_clearance(state)
+        return min(clearance, *self._ends(state)), side
 
-    def sane(self, state: State, room: float) -> bool:
+    def sane(self, state: State, clearance: float) -> bool:
         """Return whether a state is physical; a ship drawn to a bank that ends its voyage may have any speed."""
-        if self.choices.leaves and room <= self.near:
+        if self.choices.leaves and clearance <= self.near:
             return True
         u, v, r = state[4:7]
         fast, turning = self.inputs["most_speed"], self.inputs["most_rate"]
-        return abs(u) < fast and abs(v) < fast and abs(r) < turning and room == room
+        return abs(u) < fast and abs(v) < fast and abs(r) < turning and clearance == clearance
 
     def integrate(self, rows: list[Row], stop: float, dt: float) -> End | None:
         """Integrate to a time, or to an earlier end of the voyage; return None if the time was reached."""
@@ -135,17 +135,17 @@ class VoyageIntegrator:
             tried = self._tried(rows, Row(begun + book[event.CLOCK], state, whole=not within), book)
             leaves = self.choices.leaves
             outcome = event.accept_step(
-                book, tried.left, tried.room, tried.before, tried.sane, CONTACT_TOLERANCE, self.near, leaves
+                book, tried.left, tried.clearance, tried.before, tried.sane, CONTACT_TOLERANCE, self.near, leaves
             )
             if outcome == event.LOST:
                 rows.append(Row(tried.row.t, tried.row.state))
-                return End(event.CLOSED if tried.before <= self.near else outcome, self.room(tried.row.state)[1])
+                return End(event.CLOSED if tried.before <= self.near else outcome, self.clearance(tried.row.state)[1])
             if outcome != event.BACK:
                 rows.append(tried.row)
             state = tried.row.state if outcome == event.BACK else tried.after
             if outcome == event.CLOSED:
                 rows.append(Row(begun + book[event.CLOCK], state))
-                return End(outcome, tried.lean)
+                return End(outcome, tried.side)
             within = book[event.TRIES] > 0 and (within or outcome == event.ON)
             if outcome == event.FINISHED:
                 break
@@ -156,21 +156,21 @@ class VoyageIntegrator:
         """Take equal steps while they are clear, and return the first that needs a decision."""
         trying, length, left = book[event.TRIES] > 0, book[event.NEXT], book[event.COUNT] - 1
         begun, state, leaves, done = row.t, row.state, self.choices.leaves, 0
-        before = self.room(state, exact=False)[0]
+        before = self.clearance(state, exact=False)[0]
         while True:
             t = begun + done * length
             self._ask(t, state)
-            after, room, lean = self.stepped(state, length)
-            sane = self.sane(after, room)
-            if self._exact and sane and (room <= 0 or trying):
-                room, lean = self._from_banks(after)
+            after, clearance, side = self.stepped(state, length)
+            sane = self.sane(after, clearance)
+            if self._exact and sane and (clearance <= 0 or trying):
+                clearance, side = self._from_banks(after)
             passed = Row(t, state, length, self._step_inputs[self._order], row.whole)
-            clear = sane and event.cleared(room, before, leaves) > 0
+            clear = sane and event.cleared(clearance, before, leaves) > 0
             if not clear or left <= 0 or trying:
                 before = self._from_banks(state)[0] if self._exact and (trying or not clear) else before
-                return StepAttempt(passed, after, room, lean, sane, before, left)
+                return StepAttempt(passed, after, clearance, side, sane, before, left)
             rows.append(passed)
-            state, before, left, done = after, room, left - 1, done + 1
+            state, before, left, done = after, clearance, left - 1, done + 1
 
     def _ask(self, t: float, state: State) -> None:
         if self.order is None or t == self._asked:

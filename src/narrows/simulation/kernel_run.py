@@ -85,8 +85,10 @@ class ColumnRun:
         inputs = [self._own(name, asked[name], vessels) for name in functions.STEP_INPUTS]
         table = self.channel.water.table
         with np.errstate(all="ignore"):
-            *after, room, _ = functions.step(table, *before, *inputs)
-            clear = self._clear(np.array([np.broadcast_to(one, len(vessels)) for one in after]), room, before, vessels)
+            *after, clearance, _ = functions.step(table, *before, *inputs)
+            clear = self._clear(
+                np.array([np.broadcast_to(one, len(vessels)) for one in after]), clearance, before, vessels
+            )
         went = vessels[clear]
         self.end[went] = np.array([np.broadcast_to(one, len(vessels))[clear] for one in after]).T
         self.time[went] += length[clear]
@@ -95,15 +97,15 @@ class ColumnRun:
         ]
         return np.sort(np.concatenate([went, vessels[~clear][np.array(judged, bool)]]))
 
-    def _clear(self, after: np.ndarray, room: Any, before: np.ndarray, vessels: np.ndarray) -> np.ndarray:
+    def _clear(self, after: np.ndarray, clearance: Any, before: np.ndarray, vessels: np.ndarray) -> np.ndarray:
         """Return whether a step is far from every contact, so that its end needs no check."""
         u, v, r = after[4:7]
         fast, turning = self.inputs["most_speed"], self.inputs["most_rate"]
-        left = np.asarray(room)
+        left = np.asarray(clearance)
         if leaves := self.system.choices.leaves:
             functions = self.system.columns
-            inputs = [self._own(name, self.inputs[name], vessels) for name in functions.ROOM_INPUTS]
-            left = left - leaves * functions.room(self.channel.water.table, *before[:5], *inputs)[0]
+            inputs = [self._own(name, self.inputs[name], vessels) for name in functions.LEAST_CLEARANCE_INPUTS]
+            left = left - leaves * functions.least_clearance(self.channel.water.table, *before[:5], *inputs)[0]
         return np.asarray((np.abs(u) < fast) & (np.abs(v) < fast) & (np.abs(r) < turning) & (left > 0))
 
     @staticmethod
@@ -117,16 +119,16 @@ class ColumnRun:
         """Take one step of one vessel as in a single voyage, and return whether it continues."""
         integrator = self._integrator(vessel)
         begun = tuple(self.end[vessel].tolist())
-        room, lean = integrator.room(begun)
-        if room <= 0 and begun[0] != self.channel.start:
-            self._over(vessel, integrator, event.CLOSED, lean)
+        clearance, side = integrator.clearance(begun)
+        if clearance <= 0 and begun[0] != self.channel.start:
+            self._over(vessel, integrator, event.CLOSED, side)
             return False
         rows = [Row(0.0, begun)]
         ended = integrator.integrate(rows, length, length)
         self.end[vessel] = rows[-1].state
         self.time[vessel] += rows[-1].t
         if ended is not None:
-            self._over(vessel, integrator, ended.outcome, ended.lean)
+            self._over(vessel, integrator, ended.outcome, ended.side)
         return ended is None
 
     def _integrator(self, vessel: int) -> VoyageIntegrator:
@@ -136,9 +138,9 @@ class ColumnRun:
         near = near_the_bank({"width": inputs.get("width", 1.0)})
         return VoyageIntegrator(self.system.scalar, self.system.choices, inputs, self.channel, near)
 
-    def _over(self, vessel: int, integrator: VoyageIntegrator, outcome: int, lean: float) -> None:
+    def _over(self, vessel: int, integrator: VoyageIntegrator, outcome: int, side: float) -> None:
         code = integrator.cause(outcome, tuple(self.end[vessel].tolist()))
-        self.codes[vessel] = code, np.sign(lean) if code == Code.GROUNDED else 0
+        self.codes[vessel] = code, np.sign(side) if code == Code.GROUNDED else 0
 
 
 @dataclass(frozen=True)

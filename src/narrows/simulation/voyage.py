@@ -312,7 +312,9 @@ def simulate(
     steering = steering_of(controller, ship.actuators)
     integrator, start = initial_state(ship, steering, numbers, waterway, any(any(push.forces) for push in pushes))
     rows = [Row(0.0, start)]
-    ending = event.FINISHED if integrator.room(start)[0] > 0 or start[0] == integrator.channel.start else event.CLOSED
+    ending = (
+        event.FINISHED if integrator.clearance(start)[0] > 0 or start[0] == integrator.channel.start else event.CLOSED
+    )
     for push in pushes if ending == event.FINISHED else ():
         integrator.set(**dict(zip(INPUTS.values(), push.forces, strict=True)))
         if ended := integrator.integrate(rows, push.stop, dt):
@@ -372,7 +374,7 @@ class _Log:
     def _code_and_side(self, state: tuple[float, ...]) -> tuple[Code, str | None]:
         code = Code(self.integrator.channel.codes(self.integrator.cause(self.ending, state), state[0]).item())
         ship = self.ship.model.configuration.ship
-        starboard = is_full(ship.block_coefficient) if code == Code.TOUCHED else self.integrator.room(state)[1] > 0
+        starboard = is_full(ship.block_coefficient) if code == Code.TOUCHED else self.integrator.clearance(state)[1] > 0
         return code, end.WAYS.get(code) or end.SIDES.get(code, {}).get(1 if starboard else -1)
 
     def _beyond(self, columns: dict[str, np.ndarray]) -> Iterator[str]:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.waterway.room import GAUSS, PORT_BANK, STARBOARD_BANK, TURNED_AWAY
+from narrows.waterway.bank_clearance import GAUSS, PORT_BANK, STARBOARD_BANK, TURNED_AWAY
 from narrows.waterway.waterway import Waterway
 
 
@@ -38,7 +38,7 @@ class WaterwayTable:
 
     @cached_property
     def nodes(self) -> np.ndarray:
-        """Nodes of line and banks in the table's own frame, (n + 2, 9): see ``narrows.waterway.room.ROW``."""
+        """Nodes of line and banks in the table's own frame, (n + 2, 9): see ``narrows.waterway.bank_clearance.ROW``."""
         # The origin and forward axis are those of the first node. The first row and the last are far beyond the ends,
         # where line and banks are straight.
         far = self.s[-1] + 100 * max(self.keel_starboard.max(), self.keel_port.max())
@@ -54,7 +54,7 @@ class WaterwayTable:
 
     @cached_property
     def track(self) -> np.ndarray:
-        """The nodes, flat, for ``exact_room``."""
+        """The nodes, flat, for ``exact_clearance``."""
         return np.ascontiguousarray(self.nodes).reshape(-1)
 
 

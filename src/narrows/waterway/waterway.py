@@ -221,7 +221,7 @@ class Waterway(BaseSummary):
         depth = self.depth(s)
         return self._section(s, self.starboard.wall(s, depth), self.port.wall(s, depth), depth)
 
-    def room(self, s: np.ndarray | float, draft: float) -> Section:
+    def keel_section(self, s: np.ndarray | float, draft: float) -> Section:
         """Return the waterway at places with the width available to a keel; equal to ``section`` at vertical banks.
 
         Parameters
@@ -312,13 +312,13 @@ class Waterway(BaseSummary):
             If the waterway is narrower or shallower than the ship; the sentence names the place.
         """
         s = np.linspace(0, self.line.length, STATIONS) if at is None else np.array([at])
-        here = self.room(s, ship.draft)
-        for what, room, need in (("wide", here.width, ship.beam), ("deep", here.depth, ship.draft)):
-            short = room <= need
+        here = self.keel_section(s, ship.draft)
+        for what, size, need in (("wide", here.width, ship.beam), ("deep", here.depth, ship.draft)):
+            short = size <= need
             if short.any():
-                worst = int(np.nanargmin(room))
+                worst = int(np.nanargmin(size))
                 raise InputError(
-                    f"{self.name}: {room[worst]:.4g} m {what} at {s[worst]:.0f} m along it, where {ship.name} needs "
+                    f"{self.name}: {size[worst]:.4g} m {what} at {s[worst]:.0f} m along it, where {ship.name} needs "
                     f"more than {need:g} m"
                 )
 

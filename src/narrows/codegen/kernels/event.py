@@ -45,9 +45,9 @@ def last_step(book: StepState) -> int:
     return ON
 
 
-def cleared(room: float, before: float, leaves: float) -> float:
+def cleared(clearance: float, before: float, leaves: float) -> float:
     """Return the clearance left beyond the required share [m]; the share matters where suction becomes infinite."""
-    return room - leaves * before if leaves > 0.0 else room
+    return clearance - leaves * before if leaves > 0.0 else clearance
 
 
 def cause(heading: float, ahead: float, astern: float, afloat: float, tolerance: float) -> int:
@@ -64,40 +64,47 @@ def cause(heading: float, ahead: float, astern: float, afloat: float, tolerance:
 
 
 def accept_step(
-    book: StepState, left: float, room: float, before: float, sane: bool, tolerance: float, near: float, leaves: float
+    book: StepState,
+    left: float,
+    clearance: float,
+    before: float,
+    sane: bool,
+    tolerance: float,
+    near: float,
+    leaves: float,
 ) -> int:
     """Decide how a voyage continues after a try; ``left`` is the number of planned steps left."""
-    tried, clear = book[NEXT], cleared(room, before, leaves)
+    tried, clear = book[NEXT], cleared(clearance, before, leaves)
     if book[TRIES] == 0.0:
         if sane and clear > 0.0:
             book[CLOCK] += book[PLANNED] * tried
             return last_step(book)
         book[CLOCK] += (book[PLANNED] - left - 1.0) * tried
         book[SPAN], book[AFTER] = tried, left
-    if sane and abs(room) <= tolerance:
+    if sane and abs(clearance) <= tolerance:
         book[CLOCK] += tried
         return CLOSED
     book[TRIES] += 1.0
     if sane and clear > 0.0:
-        taken = max(before - room, 0.0) if leaves > 0.0 else 0.0
-        longer = min(2.0, AIM * (1.0 - leaves) * room / taken) if taken > 0.0 else 2.0
-        return advanced(book, tried, longer, room, near)
+        taken = max(before - clearance, 0.0) if leaves > 0.0 else 0.0
+        longer = min(2.0, AIM * (1.0 - leaves) * clearance / taken) if taken > 0.0 else 2.0
+        return advanced(book, tried, longer, clearance, near)
     if book[TRIES] > MOST_TRIES:
         return LOST
     share = 0.5
     if sane and before > 0.0 and book[TRIES] % HALVE_EACH != 0.0:
-        share = max(cleared(before, before, leaves) / (before - room), SHORTEST)
+        share = max(cleared(before, before, leaves) / (before - clearance), SHORTEST)
     book[NEXT], book[COUNT] = share * tried, 1.0
     return BACK
 
 
-def advanced(book: StepState, tried: float, longer: float, room: float, near: float) -> int:
+def advanced(book: StepState, tried: float, longer: float, clearance: float, near: float) -> int:
     """Accept the valid part of a step and set up the next."""
     book[CLOCK] += tried
     book[SPAN] -= tried
     if book[SPAN] > 1e-13 * book[LENGTH]:
         if book[TRIES] > MOST_TRIES:
-            return CLOSED if room <= near else LOST
+            return CLOSED if clearance <= near else LOST
         book[NEXT], book[COUNT] = min(book[SPAN], longer * tried), 1.0
         return ON
     if book[AFTER] == 0.0:

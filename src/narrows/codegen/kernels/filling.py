@@ -3,7 +3,7 @@
 from math import cos, sin
 from typing import Any
 
-from narrows.waterway.room import ROW, advanced_along
+from narrows.waterway.bank_clearance import ROW, advanced_along
 
 Array = Any
 Filled = Any

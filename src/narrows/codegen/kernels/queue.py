@@ -27,14 +27,14 @@ from narrows.codegen.kernels.event import (
     cause,
     cleared,
 )
-from narrows.waterway.room import exact_room
+from narrows.waterway.bank_clearance import exact_clearance
 
 Array = Any
 
 LANES = 64
 # Fields of a lane: these, the rest of the state, the state before the step, and the vessel's inputs.
-STEP_LENGTH, SHARE, LEFT, FLAG, ROOM, LEAN, ROOM_BEFORE = (
-    BOOK.index(name) for name in ("step_length", "share", "left", "flag", "room", "lean", "room_before")
+STEP_LENGTH, SHARE, LEFT, FLAG, CLEARANCE, NEARER_SIDE, CLEARANCE_BEFORE = (
+    BOOK.index(name) for name in ("step_length", "share", "left", "flag", "clearance", "side", "clearance_before")
 )
 STATE = len(BOOK)
 X, Y, COS, SIN, U, V, R = range(STATE, STATE + 7)
@@ -49,7 +49,7 @@ class LaneProgram(NamedTuple):
     """A model: its functions by address, and the sizes of its lanes."""
 
     step: int  # Steps every lane; returns whether any needs attention
-    room_of: int  # Clearance of a lane by the lanes' own rule, and its side [m]
+    clearance_of: int  # Clearance of a lane by the lanes' own rule, and its side [m]
     ends_of: int  # Margins of a lane, now or before the step, to every end but a bank [m]
     kept: int  # Numbers carried from step to step
     fields: int  # Numbers of a lane
@@ -67,13 +67,13 @@ class SharedInputs(NamedTuple):
     limits: Array  # Tolerance of a contact, and distance at which a diverging motion counts as contact [m]
 
 
-def true_room(program: LaneProgram, block: Array, lane: int, first: int, water: SharedInputs) -> Any:
+def true_clearance(program: LaneProgram, block: Array, lane: int, first: int, water: SharedInputs) -> Any:
     """Return the clearance of a lane by the banks themselves and by the other ends of a voyage, and its side [m]."""
     x, y = block[(first + X) * LANES + lane], block[(first + Y) * LANES + lane]
     cosine, sine = block[(first + COS) * LANES + lane], block[(first + SIN) * LANES + lane]
-    room, lean = exact_room(water.track, 1.0 / water.shared[CELLS_A_METRE], x, y, cosine, sine, water.outline)
+    clearance, side = exact_clearance(water.track, 1.0 / water.shared[CELLS_A_METRE], x, y, cosine, sine, water.outline)
     ends = ends_of(program, block, lane, first, water)
-    return min(room, ends[0], ends[1], ends[2], ends[3]), lean
+    return min(clearance, ends[0], ends[1], ends[2], ends[3]), side
 
 
 def ends_of(program: LaneProgram, block: Array, lane: int, first: int, water: SharedInputs) -> Array:
@@ -83,13 +83,13 @@ def ends_of(program: LaneProgram, block: Array, lane: int, first: int, water: Sh
     return ends
 
 
-def is_sane(program: LaneProgram, block: Array, lane: int, room: float, water: SharedInputs, near: float) -> bool:
+def is_sane(program: LaneProgram, block: Array, lane: int, clearance: float, water: SharedInputs, near: float) -> bool:
     """Return whether the numbers are physical; a ship drawn to a bank that ends its voyage may have any speed."""
-    if program.leaves > 0.0 and room <= near:
+    if program.leaves > 0.0 and clearance <= near:
         return True
     most = water.shared[MOST_SPEED]
     slow = abs(block[U * LANES + lane]) < most and abs(block[V * LANES + lane]) < most
-    return slow and abs(block[R * LANES + lane]) < water.shared[MOST_RATE] and room == room  # not NaN
+    return slow and abs(block[R * LANES + lane]) < water.shared[MOST_RATE] and clearance == clearance  # not NaN
 
 
 def cause_of(program: LaneProgram, block: Array, lane: int, water: SharedInputs, tolerance: float) -> int:
@@ -100,25 +100,29 @@ def cause_of(program: LaneProgram, block: Array, lane: int, water: SharedInputs,
 
 def handle_event(program: LaneProgram, block: Array, lane: int, book: Array, water: SharedInputs) -> int:
     """Handle a lane that a step has flagged: return an outcome, or RUNNING with the next step set up."""
-    room, before, left = block[ROOM * LANES + lane], block[ROOM_BEFORE * LANES + lane], block[LEFT * LANES + lane]
+    clearance, before, left = (
+        block[CLEARANCE * LANES + lane],
+        block[CLEARANCE_BEFORE * LANES + lane],
+        block[LEFT * LANES + lane],
+    )
     tolerance, near, leaves = water.limits[TOLERANCE], water.limits[NEAR], program.leaves
-    sane = is_sane(program, block, lane, room, water, near)
-    if program.exact and sane and (room <= 0.0 or book[TRIES] > 0.0):
+    sane = is_sane(program, block, lane, clearance, water, near)
+    if program.exact and sane and (clearance <= 0.0 or book[TRIES] > 0.0):
         # The lanes' own clearance is a lower bound: compute the exact one.
-        room, block[LEAN * LANES + lane] = true_room(program, block, lane, 0, water)
-    if sane and cleared(room, before, leaves) > 0.0 and book[TRIES] == 0.0 and left > 0.0:
+        clearance, block[NEARER_SIDE * LANES + lane] = true_clearance(program, block, lane, 0, water)
+    if sane and cleared(clearance, before, leaves) > 0.0 and book[TRIES] == 0.0 and left > 0.0:
         return RUNNING
-    if program.exact and (book[TRIES] > 0.0 or not (sane and room > 0.0)):
-        before = true_room(program, block, lane, program.kept, water)[0]
-    outcome = accept_step(book, left, room, before, sane, tolerance, near, leaves)
+    if program.exact and (book[TRIES] > 0.0 or not (sane and clearance > 0.0)):
+        before = true_clearance(program, block, lane, program.kept, water)[0]
+    outcome = accept_step(book, left, clearance, before, sane, tolerance, near, leaves)
     if outcome == CLOSED:
-        return cause_of(program, block, lane, water, near if room > tolerance else tolerance)
+        return cause_of(program, block, lane, water, near if clearance > tolerance else tolerance)
     if outcome == FINISHED:
         return AFLOAT
     if outcome in (LOST, BACK):
         for field in range(STATE, STATE + program.kept):
             block[field * LANES + lane] = block[(program.kept + field) * LANES + lane]
-        block[ROOM * LANES + lane] = before
+        block[CLEARANCE * LANES + lane] = before
     if outcome == LOST:
         return cause_of(program, block, lane, water, near) if before <= near else DIVERGED
     block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[NEXT], book[COUNT]
@@ -142,18 +146,18 @@ def load_lane(
     for number in range(len(inputs)):
         block[(STATE + 2 * program.kept + number) * LANES + lane] = inputs[number]
     own = np.empty(2, block.dtype)
-    call_into(program.room_of, own, (block, lane, water.table, water.shared))
-    room, lean = own[0], own[1]
-    if program.exact and room <= 0.0:
-        room, lean = true_room(program, block, lane, 0, water)
-    block[ROOM * LANES + lane], block[LEAN * LANES + lane] = room, lean
+    call_into(program.clearance_of, own, (block, lane, water.table, water.shared))
+    clearance, side = own[0], own[1]
+    if program.exact and clearance <= 0.0:
+        clearance, side = true_clearance(program, block, lane, 0, water)
+    block[CLEARANCE * LANES + lane], block[NEARER_SIDE * LANES + lane] = clearance, side
     begin(book, times[0], times[1], times[2])
     block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[NEXT], book[COUNT]
-    if not is_sane(program, block, lane, room, water, 0.0):
+    if not is_sane(program, block, lane, clearance, water, 0.0):
         return DIVERGED
-    if not room > 0.0:
+    if not clearance > 0.0:
         outcome = cause_of(program, block, lane, water, 0.0)
-        if room < 0.0 or outcome != ASTERN:  # The first point of a waterway belongs to it
+        if clearance < 0.0 or outcome != ASTERN:  # The first point of a waterway belongs to it
             return outcome
     return RUNNING if block[LEFT * LANES + lane] > 0.0 else AFLOAT
 
@@ -173,9 +177,9 @@ def unload_lane(
     for number in range(end.shape[1]):
         end[vessel, number] = block[(STATE + number) * LANES + lane]
     time[vessel] = book[CLOCK]
-    lean = block[LEAN * LANES + lane]
+    side = block[NEARER_SIDE * LANES + lane]
     codes[vessel, OUTCOME] = outcome
-    codes[vessel, SIDE] = (lean > 0.0) - (lean < 0.0) if outcome == GROUNDED else 0
+    codes[vessel, SIDE] = (side > 0.0) - (side < 0.0) if outcome == GROUNDED else 0
     idle_lane(block, lane)
 
 

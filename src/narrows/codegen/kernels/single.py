@@ -1,8 +1,8 @@
 """Integrate one vessel to its end, step by step: every exported file ends with this, in its own language.
 
-It uses the small part of Python that ``printers.translation`` supports. ``step`` and ``room`` stand above it in the
-exported file, printed from the lines of the model; ``event`` holds the rule for ends of a voyage, ``waterway.room`` the
-distances to its banks.
+It uses the small part of Python that ``printers.translation`` supports. In the exported file ``step`` and
+``least_clearance`` come first, printed from the lines of the model. ``event`` holds the rule for ends of a voyage,
+``waterway.bank_clearance`` the distances to its banks.
 """
 
 from math import floor, inf
@@ -24,7 +24,7 @@ from narrows.codegen.kernels.event import (
     cause,
     cleared,
 )  # fmt: skip
-from narrows.waterway.room import exact_room
+from narrows.waterway.bank_clearance import exact_clearance
 
 Array: TypeAlias = Any
 """An output array."""
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     def step(state: Array, after: Array, length: float, inputs: Inputs, constants: Constants, waterway: Place) -> None:
         """Write the state after a step, the clearance and the side."""
 
-    def room(state: Array, closeness: Array, constants: Constants, waterway: Place) -> None:
+    def least_clearance(state: Array, closeness: Array, constants: Constants, waterway: Place) -> None:
         """Write the clearance by the lines' own rule, and the side."""
 
 
@@ -60,9 +60,9 @@ MOST_SPEED, MOST_RATE = 100.0, 10.0
 """Speed [m/s] and yaw rate [rad/s] at which the numbers are lost."""
 
 
-def true_room(state: Array, closeness: Array, constants: Constants, waterway: Place) -> None:
+def true_clearance(state: Array, closeness: Array, constants: Constants, waterway: Place) -> None:
     """Write the clearance by the banks themselves and by the other ends of a voyage, and the side [m]."""
-    closeness[0], closeness[1] = exact_room(
+    closeness[0], closeness[1] = exact_clearance(
         waterway.track, 1.0 / waterway.cells_a_metre, state[0], state[1], state[2], state[3], waterway.outline
     )
     ends = min(waterway.x_last - state[0], state[0] - waterway.x_first)
@@ -71,7 +71,7 @@ def true_room(state: Array, closeness: Array, constants: Constants, waterway: Pl
 
 def clearance(state: Array, closeness: Array, waterway: Place) -> None:
     """Write the clearance to starboard and to port by the banks themselves [m]."""
-    closeness[0], closeness[1] = exact_room(
+    closeness[0], closeness[1] = exact_clearance(
         waterway.track, 1.0 / waterway.cells_a_metre, state[0], state[1], state[2], state[3], waterway.outline
     )
     starboard = closeness[0] if closeness[1] > 0.0 else closeness[0] - closeness[1]
@@ -97,9 +97,9 @@ def cause_of(state: Array, constants: Constants, waterway: Place, tolerance: flo
 
 def begun(state: Array, closeness: Array, constants: Constants, waterway: Place) -> int:
     """Return what ends a voyage at its start; AFLOAT if nothing does."""
-    room(state, closeness, constants, waterway)
+    least_clearance(state, closeness, constants, waterway)
     if EXACT and closeness[0] <= 0.0:
-        true_room(state, closeness, constants, waterway)
+        true_clearance(state, closeness, constants, waterway)
     if not is_sane(state, closeness[0], constants):
         return DIVERGED
     if closeness[0] > 0.0:
@@ -159,8 +159,8 @@ def integrate(
         closeness[0], closeness[1] = after[KEPT], after[KEPT + 1]
         sane = is_sane(after, closeness[0], constants)
         if EXACT and sane and (closeness[0] <= 0.0 or trying):
-            true_room(after, closeness, constants, waterway)
-        now, lean = closeness[0], closeness[1]
+            true_clearance(after, closeness, constants, waterway)
+        now, side = closeness[0], closeness[1]
         clear = sane and cleared(now, before, LEAVES) > 0.0
         if clear and left > 0.0 and not trying:
             for number in range(KEPT):
@@ -168,16 +168,16 @@ def integrate(
             before = now
             continue
         if EXACT and (trying or not clear):
-            true_room(state, closeness, constants, waterway)
+            true_clearance(state, closeness, constants, waterway)
             before = closeness[0]
         outcome = accept_step(book, left, now, before, sane, TOLERANCE, constants.near_bank, LEAVES)
         end[0] = book[CLOCK]
         if outcome != LOST and outcome != BACK:
             for number in range(KEPT):
                 state[number] = after[number]
-            end[1] = lean
+            end[1] = side
         if outcome >= FINISHED:
             return ended(outcome, state, before, now, constants, waterway)
-        room(state, closeness, constants, waterway)
+        least_clearance(state, closeness, constants, waterway)
         left, before = book[COUNT], closeness[0]
     return AFLOAT

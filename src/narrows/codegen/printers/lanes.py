@@ -161,16 +161,16 @@ class Lanes:
         out = {name: printer.doprint(sympy.sympify(value)) for name, value in self.step.out.items()}
         for name in self.kept:
             yield f"{self.entry(f'old {name}')} = {name}"
-        yield f"room_before = {self.entry('room')}"
-        yield f"{self.entry('room_before')} = room_before"
-        for name in ("room", "lean", *self.kept):
+        yield f"clearance_before = {self.entry('clearance')}"
+        yield f"{self.entry('clearance_before')} = clearance_before"
+        for name in ("clearance", "side", *self.kept):
             if name in out:
                 yield f"{self.entry(name)} = {out[name]}"
         yield f"left = {self.entry('left')} - 1.0"
         yield f"{self.entry('left')} = left"
-        must = f"{leaves!r} * room_before" if leaves else "0.0"
+        must = f"{leaves!r} * clearance_before" if leaves else "0.0"
         sane = " & ".join(f"(abs({out[name]}) < {most})" for name, most in SPEED_LIMITS.items())
-        yield f"well = (left > 0.0) & ({out['room']} > {must}) & {sane}"
+        yield f"well = (left > 0.0) & ({out['clearance']} > {must}) & {sane}"
         yield f"{self.entry('flag')} = 0.0 if well else 1.0"
         yield "all_well = all_well & well"
 

@@ -16,12 +16,12 @@ enum {
 };
 enum { STATES = 6 + GEARED, GEAR_AT = SHIP_STATES - GEARED };
 
-static const double TOUCHED = 1e-6; /* [m] room at which an importer's event is taken for a contact */
+static const double TOUCHED = 1e-6; /* [m] clearance at which an importer's event is taken for a contact */
 typedef struct {
     double value[COUNT], state[SHIP_NUMBERS], stop;
     ship_constants constants;
     int mode, stale, parameters_stale; /* whether values were set since rates, and since constants, were computed */
-    int pending, lean;                 /* how the voyage has ended where the importer has not handled it yet; to which side */
+    int pending, side;                 /* how the voyage has ended where the importer has not handled it yet; to which side */
 } Numbers;
 
 #include "calls.h"
@@ -52,7 +52,7 @@ static void reset(Instance *m) {
     put(n, U, SPEED);
 }
 
-/* Rates, room and event indicators of the state as it is. */
+/* Rates, clearance and event indicators of the state as it is. */
 static void refresh(Instance *m) {
     Numbers *n = &m->now;
     double *w = n->value;
@@ -73,11 +73,11 @@ static void refresh(Instance *m) {
     n->stale = 0;
 }
 /* The ship lies still from now on: how its voyage ended, where and when. */
-static void end_voyage(Instance *m, int outcome, double lean, double time) {
+static void end_voyage(Instance *m, int outcome, double side, double time) {
     Numbers *n = &m->now;
     n->value[OUTCOME] = outcome, n->value[OUTCOME_TIME] = time, n->pending = SHIP_AFLOAT;
     n->value[AGROUND] = outcome == SHIP_GROUNDED;
-    n->value[SIDE] = outcome == SHIP_GROUNDED ? (lean > 0.0) - (lean < 0.0) : 0.0;
+    n->value[SIDE] = outcome == SHIP_GROUNDED ? (side > 0.0) - (side < 0.0) : 0.0;
     for (unsigned place = U; place <= R; ++place) put(n, place, 0.0);
 }
 
@@ -88,7 +88,7 @@ static int update(Instance *m) {
     const double before = w[BEYOND], outcome = w[OUTCOME];
     refresh(m);
     w[BEYOND] = ship_beyond(n->state, &n->constants CANAL);
-    if (outcome == SHIP_AFLOAT && n->pending != SHIP_AFLOAT) end_voyage(m, n->pending, n->lean, w[TIME]);
+    if (outcome == SHIP_AFLOAT && n->pending != SHIP_AFLOAT) end_voyage(m, n->pending, n->side, w[TIME]);
     else if (outcome == SHIP_AFLOAT && m->exchange)
         for (int i = EVENTS - 1; i >= 0; --i)
             if (w[INDICATORS + i] < (i < 3 * BANKS ? TOUCHED : 0.0)) {
@@ -104,10 +104,10 @@ static int starts(Instance *m) {
     for (int i = 0; i < STATES; ++i)
         if (!isfinite(m->now.value[DER + i])) return refuse(m, "the rates at the start are no numbers: check parameters and start");
     for (int i = 0; i < EVENTS; ++i) {
-        const double room = m->now.value[INDICATORS + i];
-        if (event_outcome[i] == SHIP_GROUNDED && !(room > 0.0))
-            return refuse_with(m, "the hull starts %g m into the bank; start nearer the centreline", -room);
-        if (!(room > 0.0) && !(room == 0.0 && event_outcome[i] == SHIP_ASTERN))
+        const double clearance = m->now.value[INDICATORS + i];
+        if (event_outcome[i] == SHIP_GROUNDED && !(clearance > 0.0))
+            return refuse_with(m, "the hull starts %g m into the bank; start nearer the centreline", -clearance);
+        if (!(clearance > 0.0) && !(clearance == 0.0 && event_outcome[i] == SHIP_ASTERN))
             return refuse(m, "the ship starts across the canal, or outside of the waterway");
     }
     m->now.value[BEYOND] = ship_beyond(m->now.state, &m->now.constants CANAL);
@@ -140,7 +140,7 @@ static int integrate(Instance *m, double time, double duration, double *reached)
     if (outcome == SHIP_REFUSED) return refuse_with(m, "a step of %g s takes the ship farther than its length: shorten it", fmin(w[STEP], duration));
     show(n, cosine, sine);
     if (outcome != SHIP_AFLOAT) {
-        n->pending = outcome, n->lean = end[1] > 0.0 ? 1 : -1;
+        n->pending = outcome, n->side = end[1] > 0.0 ? 1 : -1;
         if (m->early) *reached = w[TIME] = time + end[0];
         if (!m->with_events) end_voyage(m, outcome, end[1], time + end[0]);
         if (outcome == SHIP_DIVERGED) {
@@ -178,7 +178,7 @@ static int slopes(Instance *m, const unsigned *unknown, size_t unknowns, const u
     if (!may(m, STARTING | RUNNING | ENDED)) return 0;
     for (size_t i = 0; i < unknowns; ++i)
         if (unknown[i] >= COUNT || !strchr(UNKNOWNS, KINDS[unknown[i]]))
-            return refuse_with(m, "variable %g has no derivative: it is no state, rate or room", unknown[i]);
+            return refuse_with(m, "variable %g has no derivative: it is no state, rate or clearance", unknown[i]);
     for (size_t i = 0; i < knowns; ++i)
         if (known[i] >= COUNT || !strchr(KNOWNS, KINDS[known[i]]))
             return refuse_with(m, "there is no derivative by variable %g: it is no state, input or tunable parameter", known[i]);

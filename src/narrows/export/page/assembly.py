@@ -66,7 +66,7 @@ BARE_DEFLATE = -15
 FIRST = ("fleet_shape.js", "model.js", "plain_fleet.js")
 # Comment after a number of the model's text.
 MEANING = re.compile(r"(?<=;)//.*$", re.MULTILINE)
-MODEL = "export const model = (() => {{\n{}\nreturn {{ prepare, rates, room, integrate }};\n}})();\n"
+MODEL = "export const model = (() => {{\n{}\nreturn {{ prepare, rates, least_clearance, integrate }};\n}})();\n"
 
 
 def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm: bytes | None) -> str:

@@ -171,7 +171,7 @@ def _beyond(at: Checked, x: Signal, y: np.ndarray, reach: np.ndarray) -> np.ndar
     """Return how far the hull reaches beyond the nearer bank [m]."""
     starboard = port = np.full(len(y), at.model.configuration.canal.width / 2)
     if at.waterway is not None:
-        here = at.waterway.room(x.values, at.model.configuration.ship.draft)
+        here = at.waterway.keel_section(x.values, at.model.configuration.ship.draft)
         starboard, port = here.width / 2 + here.middle, here.width / 2 - here.middle
     return np.asarray(np.fmax(y + reach - starboard, reach - y - port))
 

@@ -62,7 +62,7 @@ def scene(monitored: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | No
         return None
     way, ship, now = monitored.waterway, monitored.model.configuration.ship, status.estimate.values
     pose, along = np.array([now["x"], now["y"], now["psi"]]), min(max(now["x"], 0.0), way.line.length)
-    fan, middle = _drawable(status), np.array([along, float(way.room(along, ship.draft).middle), 0.0])
+    fan, middle = _drawable(status), np.array([along, float(way.keel_section(along, ship.draft).middle), 0.0])
     own = {"pose": pose[None], "middle": middle[None]}
     lines = {**own, **_banks(way, along, None), **_banks(way, along, ship.draft), **(_tracks(pose, fan) if fan else {})}
     drawn = _on_map(way, lines)
@@ -85,7 +85,7 @@ def _drawable(status: BridgeStatus) -> Tracks | None:
 def _banks(way: Waterway, along: float, draft: float | None) -> dict[str, np.ndarray]:
     first, last = max(along - ASTERN, 0.0), min(along + AHEAD, way.line.length)
     s = np.linspace(first, last, max(2, round((last - first) / EVERY) + 1))
-    name, here = ("banks", way.section(s)) if draft is None else ("limits", way.room(s, draft))
+    name, here = ("banks", way.section(s)) if draft is None else ("limits", way.keel_section(s, draft))
     off = {side: here.middle + side * here.width / 2 for side in SIDES}
     return {f"{name} {side}": np.stack([s, off[side], np.zeros_like(s)], axis=1) for side in SIDES}
 

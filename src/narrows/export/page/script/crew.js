@@ -1,5 +1,5 @@
 // Workers, one a core, that share the ships of a task; without them the page sails by itself.
-import { SEEN, room } from "./fleet_shape.js";
+import { SEEN, rowLengths } from "./fleet_shape.js";
 
 /** `source` is the text of the worker, `here` the fleet to use where no worker starts. */
 export function crewOf(source, data, here, hands = navigator.hardwareConcurrency || 2) {
@@ -44,7 +44,7 @@ function startedWorkers(source, data, hands) {
 
 /** Parts of a task, no larger than a fleet takes at once, as many for each worker. */
 function divided(task, shape, hands) {
-  const row = room(shape).start;
+  const row = rowLengths(shape).start;
   const ships = task.starts.length / row;
   const each = task.parameters.length > shape.parameters;
   const size = Math.max(1, Math.min(shape.most, task.every ? shape.paths : shape.most, Math.ceil(ships / hands)));

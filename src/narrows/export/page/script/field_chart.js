@@ -16,14 +16,14 @@ export function bankTurning(model, constants, inputs, state) {
 
 export function turningField(model, constants, inputs, { start, width }) {
   const state = Float64Array.from(start);
-  const [turning, clear, room] = [new Float64Array(COLUMNS * ROWS), [], [0, 0]];
+  const [turning, clear, clearance] = [new Float64Array(COLUMNS * ROWS), [], [0, 0]];
   for (let cell = 0; cell < turning.length; cell += 1) {
     const psi = WIDEST * DEGREE * (2 * ((cell % COLUMNS) + 0.5) / COLUMNS - 1);
     state[1] = (Math.floor(cell / COLUMNS) + 0.5) / ROWS * width - width / 2;
     [state[COSINE], state[SINE]] = [Math.cos(psi), Math.sin(psi)];
-    model.room(state, room, constants);
-    turning[cell] = room[0] > 0 ? bankTurning(model, constants, inputs, state) : NaN;
-    if (room[0] > 0) clear.push(Math.abs(turning[cell]));
+    model.least_clearance(state, clearance, constants);
+    turning[cell] = clearance[0] > 0 ? bankTurning(model, constants, inputs, state) : NaN;
+    if (clearance[0] > 0) clear.push(Math.abs(turning[cell]));
   }
   clear.sort((one, other) => one - other);
   return { turning, most: clear[Math.floor(LARGE * (clear.length - 1))] || 1 };

@@ -5,10 +5,10 @@ export const SEEN = 4;
 export const [AFLOAT, AGROUND, DIVERGED, OUTSIDE] = [0, 1, 2, 3];
 
 /** Numbers of a row: of a start, the state and the step; of an end, the state, the time and the outcome. */
-export const room = ({ states }) => ({ start: states + 1, end: states + 2 });
+export const rowLengths = ({ states }) => ({ start: states + 1, end: states + 2 });
 
 export function rowsOf(starts, shape, every) {
-  const ships = starts.length / room(shape).start;
+  const ships = starts.length / rowLengths(shape).start;
   return { ships, pathed: every ? Math.min(ships, shape.paths) : 0 };
 }
 
@@ -18,7 +18,7 @@ export function pathOf({ ends, paths, kept }, ship, shape) {
     const at = (ship * shape.samples + sample) * SEEN;
     return [...paths.subarray(at, at + SEEN)];
   });
-  return [...points, seen(ends.subarray(ship * room(shape).end), shape)];
+  return [...points, seen(ends.subarray(ship * rowLengths(shape).end), shape)];
 }
 
 export function seen(state, { rudder }) {

@@ -1,5 +1,5 @@
 // What became of ships, in numbers and in sentences.
-import { AFLOAT, AGROUND, room } from "./fleet_shape.js";
+import { AFLOAT, AGROUND, rowLengths } from "./fleet_shape.js";
 
 /** A length in words: three digits, as 1,110 m or 13.7 m. */
 export const metres = (x) => `${x.toLocaleString("en", { maximumSignificantDigits: 3 })} m`;
@@ -8,7 +8,7 @@ export const [PORT, STARBOARD, SAILS, LOST] = ["port", "starboard", "sails", "lo
 
 /** How each ship of an answer ended, where [m over ground] and when [s]. */
 export function outcomes({ ends }, { states }, current = 0) {
-  const size = room({ states }).end;
+  const size = rowLengths({ states }).end;
   return Array.from({ length: ends.length / size }, (_, ship) => {
     const [at, outcome] = [ship * size, ends[(ship + 1) * size - 1]];
     const time = ends[at + states];

@@ -1,10 +1,10 @@
 // Fleets of ships by plain JavaScript, one after another: what wasm_fleet.js does where there is no WebAssembly.
-import { AFLOAT, SEEN, room, rowsOf, seen } from "./fleet_shape.js";
+import { AFLOAT, SEEN, rowLengths, rowsOf, seen } from "./fleet_shape.js";
 
 /** `model` is the exported module; `names` says its parameters and inputs in order. */
 export function plainFleet(model, shape, names) {
   const object = (keys, values) => Object.fromEntries(keys.map((key, place) => [key, values[place]]));
-  const size = room(shape);
+  const size = rowLengths(shape);
 
   function sailed({ starts, parameters, told, steps, every }) {
     const { ships, pathed } = rowsOf(starts, shape, every);

@@ -1,6 +1,6 @@
 // What is asked of a fleet: settings of the page as tasks, lengths of the picture, and a ship's start that has room.
 import { drawing, normals } from "./draws.js";
-import { room } from "./fleet_shape.js";
+import { rowLengths } from "./fleet_shape.js";
 
 export const DEGREE = Math.PI / 180;
 const STEPS_A_LENGTH = { fan: 200, map: 100 };
@@ -9,7 +9,7 @@ const MARGIN = 0.02;
 /** `data` is what Python wrote into the page; `values` the settings of now. */
 export function scenarioOf(data) {
   const { shape, ship, names } = data;
-  const { start: row } = room(shape);
+  const { start: row } = rowLengths(shape);
   const size = data.coefficients.length;
   const most = data.sliders.find(({ name }) => name === "ships").high;
   let drawn;

@@ -2,7 +2,7 @@
 //
 // A task: {starts, parameters, told, steps, every}; starts has a row for each ship, its state and the length of its
 // steps; parameters one row for all, or one for each. The answer: {ends, paths, kept}, as fleet_shape.js tells.
-import { SEEN, rowsOf, room } from "./fleet_shape.js";
+import { SEEN, rowsOf, rowLengths } from "./fleet_shape.js";
 
 export async function wasmFleet(bytes, shape) {
   const { instance } = await WebAssembly.instantiate(bytes, {});
@@ -16,7 +16,7 @@ export async function wasmFleet(bytes, shape) {
     view(Float64Array, "told", told.length).set(told);
     integrate(ships, steps, every, parameters.length > shape.parameters ? 1 : 0);
     return {
-      ends: view(Float64Array, "ends", ships * room(shape).end).slice(),
+      ends: view(Float64Array, "ends", ships * rowLengths(shape).end).slice(),
       paths: view(Float32Array, "paths", pathed * shape.samples * SEEN).slice(),
       kept: view(Int32Array, "kept", pathed).slice(),
     };

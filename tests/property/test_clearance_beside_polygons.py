@@ -13,8 +13,8 @@ from strategies import numbers
 
 import narrows as nw
 from narrows.waterway import Bank, Centreline, Waterway
-from narrows.waterway import room as room_text
-from narrows.waterway.room import PORT_BANK, STARBOARD_BANK, exact_room, line_pose
+from narrows.waterway import bank_clearance as clearance_text
+from narrows.waterway.bank_clearance import PORT_BANK, STARBOARD_BANK, exact_clearance, line_pose
 from narrows.waterway.table import LeastWalls, WaterwayTable, least_walls, tabulate
 
 STEPS_A_BEAM = 4  # the step that the docs recommend: a quarter of the beam
@@ -103,13 +103,13 @@ def moved(points: np.ndarray, way: np.ndarray, far: float):
 
 
 def rooms(table: WaterwayTable, pose: Pose, outline: np.ndarray) -> dict[int, float]:
-    least, lean = exact_room(
+    least, lean = exact_clearance(
         table.track.tolist(), table.step, pose.s, pose.n, np.cos(pose.psi), np.sin(pose.psi), outline.ravel().tolist()
     )
     return {STARBOARD_BANK: least + max(-lean, 0.0), PORT_BANK: least + max(lean, 0.0)}
 
 
-def check_room(table: WaterwayTable, pose: Pose, outline: np.ndarray) -> None:
+def check_clearance(table: WaterwayTable, pose: Pose, outline: np.ndarray) -> None:
     """So far a hull can move athwart, and no farther."""
     points, athwart = hull(table, pose, outline)
     for (column, room), sign in zip(rooms(table, pose, outline).items(), (1, -1), strict=True):
@@ -130,7 +130,7 @@ def check_bound(table: WaterwayTable, pose: Pose, outline: np.ndarray, least: Le
 @given(table=tables(), pose=poses, outline=st.sampled_from(sorted(OUTLINES)))
 @settings(max_examples=300)
 def test_the_room_is_how_far_a_hull_can_move_athwart(table: WaterwayTable, pose: Pose, outline: str) -> None:
-    check_room(table, pose, OUTLINES[outline])
+    check_clearance(table, pose, OUTLINES[outline])
 
 
 @given(table=tables(), pose=poses, outline=st.sampled_from(sorted(OUTLINES)))
@@ -159,7 +159,7 @@ def test_room_and_bound_place_by_place(name: str) -> None:
     least = least_walls(table, RECTANGLE)
     for place in np.arange(680.0, 1400.0, 7.1):
         for psi in (-0.6, -DIAGONAL, -0.02, 0.0, DIAGONAL, 0.5):
-            check_room(table, Pose(place, 0.0, psi), RECTANGLE)
+            check_clearance(table, Pose(place, 0.0, psi), RECTANGLE)
             check_bound(table, Pose(place, 0.0, psi), RECTANGLE, least)
 
 
@@ -208,7 +208,7 @@ def test_the_recommended_step_keeps_contact_within_a_hundredth_of_the_beam(bend:
         return table_of(s, wall, np.full(len(s), 90.0), SMOOTH[bend](s))
 
     def room(table: WaterwayTable, pose: Pose) -> float:
-        return exact_room(table.track.tolist(), table.step, *pose[:2], np.cos(pose[2]), np.sin(pose[2]), hull)[0]
+        return exact_clearance(table.track.tolist(), table.step, *pose[:2], np.cos(pose[2]), np.sin(pose[2]), hull)[0]
 
     hull, draw = RECTANGLE.ravel().tolist(), np.random.default_rng(3)
     fine, coarse = table(0.25), table(BEAM / STEPS_A_BEAM)
@@ -218,31 +218,31 @@ def test_the_recommended_step_keeps_contact_within_a_hundredth_of_the_beam(bend:
         assert abs(room(coarse, Pose(s, touch, psi))) < 0.01 * BEAM
 
 
-def compiled_room():
+def compiled_clearance():
     """The same text, compiled."""
     import numba
 
-    text = re.sub(r"^def ", "@numba.njit\ndef ", Path(room_text.__file__).read_text(), flags=re.MULTILINE)
+    text = re.sub(r"^def ", "@numba.njit\ndef ", Path(clearance_text.__file__).read_text(), flags=re.MULTILINE)
     scope = {"numba": numba}
     exec(text, scope)
-    return scope["exact_room"]
+    return scope["exact_clearance"]
 
 
 def test_compiled_it_says_the_same() -> None:
-    compiled, draw = compiled_room(), np.random.default_rng(0)
+    compiled, draw = compiled_clearance(), np.random.default_rng(0)
     s = np.linspace(0.0, 8 * LENGTH, 184)
     table = table_of(s, 80 - 30 * ramp(s, 700, 1000), np.full(184, 90.0), TURN * ramp(s, 400, 860))
     for _ in range(200):
         at = (draw.uniform(0, s[-1]), draw.uniform(-60, 60))
         psi = draw.uniform(-0.8, 0.8)
         arguments = (table.track, table.step, *at, np.cos(psi), np.sin(psi), SHIP.ravel())
-        np.testing.assert_allclose(compiled(*arguments), exact_room(*arguments), rtol=1e-12, atol=1e-10)
+        np.testing.assert_allclose(compiled(*arguments), exact_clearance(*arguments), rtol=1e-12, atol=1e-10)
 
 
 def test_no_number_has_no_room() -> None:
     table = tabulate(nw.straight_waterway(nw.Canal(200.0), 500.0), 5.0, 10.0)
     for bad in (float("nan"), float("inf")):
-        assert np.isnan(exact_room(table.track, table.step, bad, 0.0, 1.0, 0.0, RECTANGLE.ravel())).all()
+        assert np.isnan(exact_clearance(table.track, table.step, bad, 0.0, 1.0, 0.0, RECTANGLE.ravel())).all()
 
 
 def sloped() -> Waterway:
@@ -260,7 +260,7 @@ def test_a_table_has_the_waterways_columns() -> None:
     table = tabulate(way, 10.0, 20.0)
     assert 19.5 < table.step <= 20.0
     assert table.s[-1] == way.line.length
-    here, keel = way.section(table.s), way.room(table.s, 10.0)
+    here, keel = way.section(table.s), way.keel_section(table.s, 10.0)
     for name, width, middle in (("", here.width, here.middle), ("keel_", keel.width, keel.middle)):
         np.testing.assert_allclose(getattr(table, f"{name}starboard"), width / 2 + middle, atol=1e-9)
         np.testing.assert_allclose(getattr(table, f"{name}port"), width / 2 - middle, atol=1e-9)

@@ -48,7 +48,7 @@ def line_pose(track: Sequence[float], step: float, s: float) -> tuple[float, flo
     )
 
 
-def edge_room(
+def edge_clearance(
     a: float, b: float, next_a: float, next_b: float, sign: float, outline: Sequence[float], least: float
 ) -> float:
     """Return the smaller of a given clearance and that between one edge of a bank and the hull [m]."""
@@ -64,7 +64,7 @@ def edge_room(
     return least
 
 
-def side_room(
+def side_clearance(
     track: Sequence[float], sign: float, cell: int,
     x: float, y: float, c: float, si: float, outline: Sequence[float],
 ) -> float:  # fmt: skip
@@ -93,7 +93,7 @@ def side_room(
                 if min(a, next_a) > aft and max(a, next_a) < fore:  # along the parallel body
                     least = min(b, next_b) - breadth
                 else:
-                    least = edge_room(a, b, next_a, next_b, sign, outline, least)
+                    least = edge_clearance(a, b, next_a, next_b, sign, outline, least)
             along = direction * ((track[row] - x) * c + (track[row + 1] - y) * si)
             # A bank that returns over the hull's end after the line has passed it is farther away than before.
             if min(along, direction * next_a) > end or track[row + 2] * c + track[row + 3] * si < TURNED_AWAY:
@@ -107,7 +107,7 @@ def side_room(
     return least
 
 
-def exact_room(
+def exact_clearance(
     track: Sequence[float], step: float, s: float, n: float, cos_psi: float, sin_psi: float, outline: Sequence[float]
 ) -> tuple[float, float]:
     """Return the least transverse clearance between hull and banks, and by how much starboard is nearer [m]."""
@@ -118,6 +118,6 @@ def exact_room(
     x, y, c, si, cell = line_pose(track, step, s)
     x, y = x - n * si, y + n * c
     c, si = c * cos_psi - si * sin_psi, si * cos_psi + c * sin_psi
-    starboard = side_room(track, 1.0, cell, x, y, c, si, outline)
-    port = side_room(track, -1.0, cell, x, y, c, si, outline)
+    starboard = side_clearance(track, 1.0, cell, x, y, c, si, outline)
+    port = side_clearance(track, -1.0, cell, x, y, c, si, outline)
     return min(starboard, port), port - starboard
