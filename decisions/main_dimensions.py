@@ -14,7 +14,7 @@ from manoeuvres import APPROACH, CIRCLES, OVERSHOOTS
 from pages import markdown, publish
 
 import narrows as nw
-from narrows.empirical.bank_evidence import BANK_EVIDENCE, bank_effects, bank_prior, left_out_banks
+from narrows.empirical.bank_evidence import BANK_EVIDENCE, BankEvidence, bank_effects, bank_prior, left_out_banks
 from narrows.empirical.calibration import SIGNED, Calibration, left_out
 from narrows.empirical.formulas import FORMULAS
 from narrows.empirical.known_ships import KNOWN_SHIPS
@@ -27,19 +27,14 @@ DRAWN = 60
 
 
 def formula_table() -> str:
-    """Each formula of the signed linear derivatives over the known value, ship by ship."""
-    shown = [name for name in SIGNED if name in ("X_my", "N_jz", "Y_v", "Y_r", "N_v", "N_r")]
-    ships = [ship for ship in KNOWN_SHIPS if math.inf in ship.primes]
+    """Ratios of all formulas to the known values, by coefficient."""
     rows = []
-    for formula in FORMULAS:
-        if formula.coefficient in shown:
-            known = [ship.primes[math.inf].get(formula.coefficient) for ship in ships]
-            ratios = [
-                formula.law(ship.hull) / value if value else None for ship, value in zip(ships, known, strict=True)
-            ]
-            cells = ["" if ratio is None else f"{ratio:.2f}" for ratio in ratios]
-            rows.append((formula.coefficient, formula.source, *cells))
-    return markdown(("coefficient", "formula over known", *(ship.name for ship in ships)), rows)
+    for name in (name for name in SIGNED if name in ("X_my", "N_jz", "Y_v", "Y_r", "N_v", "N_r")):
+        laws = [formula.law for formula in FORMULAS if formula.coefficient == name]
+        known = [(ship.hull, ship.primes.get(math.inf, {}).get(name)) for ship in KNOWN_SHIPS]
+        ratios = np.array([[law(hull) / value for hull, value in known if value] for law in laws])
+        rows.append((name, str(len(laws)), str(ratios.shape[1]), f"{ratios.min():.2f} to {ratios.max():.2f}"))
+    return markdown(("coefficient", "formulas", "ships", "formula over known value"), rows)
 
 
 def left_out_table() -> str:
@@ -116,25 +111,37 @@ def trials_table(sailed: bool) -> str:
 
 
 def bank_table() -> str:
-    """The evidence on the bank's coefficients, and their distribution."""
+    """The evidence on the bank's coefficients by ship and kind of test, and their distribution."""
+    groups: dict[tuple[str, str], list[BankEvidence]] = {}
+    for row in BANK_EVIDENCE:
+        groups.setdefault((row.ship, "harmonic" if row.suction_error else "steady"), []).append(row)
     rows = [
-        (row.ship, row.source, "not printed" if row.depth_to_draft is None else f"{row.depth_to_draft:g}",
-         _with_error(row.suction, row.suction_error), _with_error(row.cushion, row.cushion_error))
-        for row in BANK_EVIDENCE
+        (ship, tests, str(len(group)), _spans([(row.suction, row.suction_error) for row in group]),
+         _spans([(row.cushion, row.cushion_error) for row in group]))
+        for (ship, tests), group in groups.items()
     ]  # fmt: skip
     effects, prior = bank_effects(), bank_prior()
     pair = (effects["Y_bank"], effects["N_bank"])
     rows += [
-        ("all", "mean", "", *(_with_error(one.mean, one.mean_error) for one in pair)),
+        ("all", "mean", "", *(f"{one.mean:.2f} ± {one.mean_error:.2f}" for one in pair)),
         ("", "standard deviation between ships", "", *(f"{one.between:.2f}" for one in pair)),
         ("", "standard deviation within a ship", "", *(f"{one.within:.2f}" for one in pair)),
-        ("a further ship", "", "any", *(f"{prior[name].value:.2f} ± {prior[name].std:.2f}" for name in prior)),
+        ("a further ship", "", "", *(f"{prior[name].value:.2f} ± {prior[name].std:.2f}" for name in prior)),
     ]
-    return markdown(("ship", "source", "h/T", "b_bank", "c_bank"), rows)
+    return markdown(("ship", "tests", "number", "b_bank", "c_bank"), rows)
 
 
-def _with_error(value: float | None, error: float) -> str:
-    return "" if value is None else f"{value:.2f} ± {error:.2f}" if error else f"{value:.2f}"
+def _spans(pairs: list[tuple[float | None, float]]) -> str:
+    """Write the range of values and that of their standard errors."""
+    known = [(value, error) for value, error in pairs if value is not None]
+    if not known:
+        return ""
+    values, errors = zip(*known, strict=True)
+    return f"{_span(values)} ± {_span(errors)}" if any(errors) else _span(values)
+
+
+def _span(numbers: tuple[float, ...]) -> str:
+    return " to ".join(dict.fromkeys(f"{end:.2f}" for end in (min(numbers), max(numbers))))
 
 
 def left_out_banks_table() -> str:
@@ -195,7 +202,7 @@ def _without(model: nw.Model, parts: tuple[str, ...]) -> np.ndarray:
 def text(sailed: bool = True) -> str:
     """All tables, each below its words; without the trials, which take two minutes, where none is sailed."""
     return "\n\n".join((
-        "A formula over the known value, ship by ship, in deep water:", formula_table(),
+        "Formulas over the known values of ships in deep water:", formula_table(),
         "Each ship estimated by the others:", left_out_table(),
         "KVLCC2's 7 m model, from length, beam, draft and block coefficient, by the other ships:", trials_table(sailed),
         "Evidence on the bank's coefficients, in the form `distance`:", bank_table(),
