@@ -4,16 +4,21 @@ python decisions/bank_forms.py          # prints them
 python decisions/bank_forms.py --write  # and puts them into docs/
 """
 
+import csv
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
-from pages import publish
+from pages import markdown, publish
 
 import narrows as nw
 from narrows.terms.bank_forms import without_bank
 
 NO_DRIFT, PROPELLER_ON, PROPELLER_OFF = "BCDFHIJ", "BDIJ", "CFH"
+SHOWN, NO_BANK = ("delta", "distance"), "no bank"
+HEAD = ("tests", "form", "force", "rmse_left_out", "coefficient", "value")
 KCS = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
 
 
@@ -28,20 +33,14 @@ def sets() -> dict[str, nw.Comparison]:
     kcs = nw.measured_tests("kcs").by_condition()
     named = [*(nw.with_bank(nw.CROSSFLOW, form, form) for form in nw.FORMS), without_bank(nw.CROSSFLOW)]
     alone = [nw.bank_only(form) for form in nw.FORMS]
-    found = {
-        f"KCS, harmonic tests in a tank 7 m wide, {clearance} under-keel clearance, terms `crossflow`": nw.compare(
-            kcs[label], named
-        )
-        for label, clearance in KCS.items()
-    }
+    found = {f"KCS, {clearance}": nw.compare(kcs[label], named) for label, clearance in KCS.items()}
     for names, said in (
-        (NO_DRIFT, "the seven without drift"),
-        (PROPELLER_ON, "those with the propeller on"),
-        (PROPELLER_OFF, "those with it stopped"),
-        (NO_DRIFT.replace("D", ""), "the seven but D"),
+        (NO_DRIFT, "seven tests"),
+        (PROPELLER_ON, "propeller on"),
+        (PROPELLER_OFF, "propeller stopped"),
+        (NO_DRIFT.replace("D", ""), "without D"),
     ):
-        label = f"Lataire et al. (2009), steady tests along banks, {said} ({', '.join(names)})"
-        found[label] = nw.compare(steady(names), alone)
+        found[f"banks, {said}"] = nw.compare(steady(names), alone)
     return found
 
 
@@ -49,9 +48,9 @@ def cell(row: dict, name: str) -> str:  # type: ignore[type-arg]
     """Write a coefficient with its interval and verdict."""
     own = row["bank"][name]
     if not np.isfinite(own["ci95"]).all():
-        return f"{name}: {own['verdict']}"
+        return str(own["verdict"])
     low, high = own["ci95"]
-    return f"{name} {own['value']:.3f} ({low:.3f} to {high:.3f}), {own['verdict']}"
+    return f"{own['value']:.3f} ({low:.3f} to {high:.3f}), {own['verdict']}"
 
 
 def without_any(comparison: nw.Comparison) -> list[float]:
@@ -63,21 +62,35 @@ def without_any(comparison: nw.Comparison) -> list[float]:
     return [float(np.sqrt(np.mean(columns[force] ** 2))) for force in "YN"]
 
 
-def tables(found: dict[str, nw.Comparison]) -> Iterator[str]:
-    """Yield the lines: one table for each set of tests."""
+def full_rows(found: dict[str, nw.Comparison]) -> Iterator[tuple[str, ...]]:
+    """Yield set, form, force, error on tests left out, coefficient, and its value with interval and verdict."""
     for label, comparison in found.items():
-        yield f"\n**{label}**\n"
-        yield "| form | Y left out [N] | sway force | N left out [N m] | yaw moment |"
-        yield "|---|---|---|---|---|"
         rows = {(row["table"], row["force"]): row for row in comparison.rows()}
         for name in nw.FORMS:
-            sway, yaw = (rows[name if (name, force) in rows else f"bank only: {name}", force] for force in "YN")
-            cells = ("; ".join(cell(row, own) for own in row["bank"]) for row in (sway, yaw))
-            errors = (f"{row['rmse_left_out']:.3g}" for row in (sway, yaw))
-            parts = [part for pair in zip(errors, cells, strict=True) for part in pair]
-            yield f"| {name} | {' | '.join(parts)} |"
-        errors = [f"{error:.3g}" for error in without_any(comparison)]
-        yield f"| no bank at all | {errors[0]} | | {errors[1]} | |"
+            for force in "YN":
+                row = rows[name if (name, force) in rows else f"bank only: {name}", force]
+                for own in row["bank"]:
+                    yield label, name, force, f"{row['rmse_left_out']:.3g}", own, cell(row, own)
+        for force, error in zip("YN", without_any(comparison), strict=True):
+            yield label, NO_BANK, force, f"{error:.3g}", "", ""
+
+
+def tables(found: dict[str, nw.Comparison]) -> Iterator[str]:
+    """Yield the errors of every form, and the coefficients of two."""
+    rows = list(full_rows(found))
+    errors = {(label, name, force): error for label, name, force, error, _, _ in rows}
+    yield "\nErrors of Y [N] and N [N m] on tests left out in turn:\n"
+    names = (*nw.FORMS, NO_BANK)
+    yield markdown(
+        ("tests", *names),
+        [(label, *(f"{errors[label, name, 'Y']}, {errors[label, name, 'N']}" for name in names)) for label in found],
+    )
+    yield "\nCoefficients with 95 % intervals; `decisions/bank_forms.csv` has those of all forms:\n"
+    cells = {(label, name, force): own for label, name, force, _, _, own in rows}
+    yield markdown(
+        ("tests", "form", "b_bank", "c_bank"),
+        [(label, name, cells[label, name, "Y"], cells[label, name, "N"]) for label in found for name in SHOWN],
+    )
 
 
 def sign_change() -> Iterator[str]:
@@ -100,7 +113,7 @@ def sign_change() -> Iterator[str]:
         for row in plan.rows()
     )
     yield (
-        f"\nWhat would tell, by `nw.plan_tests`: {runs}. Four such runs of one hull along one wall would bring the "
+        f"\n`nw.plan_tests` proposes: {runs}. Four such runs of one hull along one wall would bring the "
         f"standard error of b_bank_depth to {plan.std['b_bank_depth'][-1]:.4f}; the seven tests give "
         f"{fit.std['b_bank_depth']:.3f}."
     )
@@ -122,13 +135,18 @@ def signs() -> Iterator[str]:
         yield f"| {form} | " + " | ".join(f"{value:.2f}" for value in predicted) + " |"
 
 
+def shown_sets() -> dict[str, nw.Comparison]:
+    """Return the sets of the page: those by propeller are in the figure."""
+    return {label: one for label, one in sets().items() if "propeller" not in label}
+
+
 def text() -> str:
     """Write everything that is computed."""
-    found = sets()
-    forms = ["| form | pressure parameter of | holds | standing |", "|---|---|---|---|"]
-    forms += [f"| {form.name} | {form.source} | {form.validity} | {form.status} |" for form in nw.FORMS.values()]
-    shown = {label: one for label, one in found.items() if "propeller" not in label and "stopped" not in label}
-    return "\n".join([*forms, *tables(shown), *sign_change(), *signs()])
+    forms = markdown(
+        ("form", "pressure parameter of", "holds"),
+        [(form.name, form.source, form.validity) for form in nw.FORMS.values()],
+    )
+    return "\n".join([forms, *tables(shown_sets()), *sign_change(), *signs()])
 
 
 def figure() -> Figure:
@@ -136,14 +154,17 @@ def figure() -> Figure:
     from narrows.report.fit_figures import forms_figure
 
     compared = {
-        label.partition(", terms")[0]: nw.Comparison(
+        label: nw.Comparison(
             {name: fit for name, fit in comparison.fits.items() if not name.endswith("open_water")}, {}
         )
         for label, comparison in sets().items()
-        if "but D" not in label
+        if "without D" not in label
     }
     return forms_figure(compared)
 
 
 if __name__ == "__main__":
     publish(__file__, "bank-forms.md", text())
+    if "--write" in sys.argv:
+        with Path(__file__).with_suffix(".csv").open("w", newline="", encoding="utf-8") as file:
+            csv.writer(file, lineterminator="\n").writerows([HEAD, *full_rows(shown_sets())])
