@@ -98,8 +98,8 @@ def test_the_answer_says_what_was_learned_and_what_holds_the_rest() -> None:
     found = learned()
     first = found.summary().splitlines()[0]
     assert re.match(r"Learned from 3 records, 35 min: learned: R_0", first)
-    assert "From the prior still: " in first
-    assert any(note.startswith("Motion determines only forces over inertia: X_mass") for note in found.notes)
+    assert "Unchanged from the prior: " in first
+    assert any("Inertia keeps its prior: X_mass" in note for note in found.notes)
     assert "learned from 3 records of the ship itself" in found.model.source.text
     assert found.to_dict()["coefficients"][3]["name"] == "R_0"
     assert list(found.to_dataframe().columns)[:2] == ["prior", "prior_std"]
@@ -142,7 +142,7 @@ def test_coefficients_that_are_held_stay_and_their_errors_count() -> None:
     blind = nw.learn(mistaken(), records()[:1], sensors="basin", spread=alone, asymmetry=False)
     off = [[abs(fit.model[name] - kvlcc2()[name]) for name in free] for fit in (found, blind)]
     assert sum(off[0]) < 0.5 * sum(off[1])
-    assert any("include the errors of the others" in note for note in found.notes)
+    assert any("include the errors of the fixed coefficients" in note for note in found.notes)
 
 
 def test_a_spike_moves_nothing_and_a_gap_is_not_sailed_over() -> None:
@@ -221,7 +221,7 @@ def test_an_interrupted_fit_keeps_what_is_done_and_says_so(
 
     monkeypatch.setattr(RecordLikelihood, "scored", stopped)
     found = nw.learn(mistaken(), records(), sensors="basin", spread=0.1)
-    assert any(note.startswith(f"Interrupted: the answer is of {kept}") for note in found.notes)
+    assert any(note.startswith("The search was interrupted") and f"from {kept} record" in note for note in found.notes)
     assert abs(found.model["N_v"] / kvlcc2()["N_v"] - 1) < 0.12
 
 

@@ -121,7 +121,7 @@ def test_no_bank_is_called_unresolved_and_not_small() -> None:
     _, found = learned(c_bank=0.0)
     own = found.coefficients["c_bank"]
     assert own.unresolved
-    assert any("Taken for granted: a draft of" in note for note in found.notes)
+    assert any("Assumed: a draft of" in note for note in found.notes)
     assert "unresolved" in own.verdict
     assert "c_bank" in found.summary()
     assert "unresolved, for 0 is among it" in found.summary()
@@ -140,7 +140,7 @@ def test_a_ship_that_passes_is_no_gust_where_the_log_marks_it() -> None:
     found = passed(marked=True)
     assert not found.pushed
     assert found.records[0].met > 0
-    assert any(f"In {found.records[0].met} steps another ship passed" in note for note in found.notes)
+    assert any(f"Another ship passed in {found.records[0].met} steps" in note for note in found.notes)
     assert abs(found.coefficients["c_bank"].value - twin()[0]["c_bank"]) < 3.5 * found.std["c_bank"]
 
 

@@ -10,27 +10,27 @@ from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, PRIOR, Learne
 from narrows.logbook.learning.record_answers import RecordAnswer
 from narrows.model.model import Model
 
-# What stands beside the label of this room where no bank is felt.
-IN_OPEN_WATER = "Identification in open water is held to measured manoeuvres."
-# Probability under which log and prior are said to disagree.
+# Note for models without bank terms.
+IN_OPEN_WATER = "Learning in open water is tested against measured manoeuvres."
+# Probability below which log and prior contradict each other.
 UNLIKELY = 1e-3
-# Times the usual gusts, from which pushes are said to be none: of twins in gusts alone one in fifty comes so far.
+# Disturbances over prior gusts that gusts do not explain: of twins in gusts alone, 2 % exceed it.
 STRONG = 4.0
-# Residual noise of headings [rad] that exceeds the error of a compass.
+# Residual noise of headings that exceeds the error of a compass [rad].
 HEADING_LEFT = np.radians(0.5)
-# Standard deviations before, from which a coefficient is named.
+# Prior standard deviations by which a named coefficient moved.
 FAR = 3.0
 
 
 @dataclass(frozen=True)
 class Gusts:
-    """Pushes with a memory, as the records make them most likely."""
+    """Most likely Gauss-Markov disturbance of the records."""
 
     sway: float  # Standard deviation of the acceleration [m/s2]
     yaw: float  # Likewise [rad/s2]
-    memory: float  # How long they stay [s]
+    memory: float  # Correlation time [s]
     correlation: float  # Between the two [1]
-    strength: float  # Gusts over their prior size, in sway or in yaw, whichever is more [1]
+    strength: float  # Standard deviation over the prior one, the larger of sway and yaw [1]
 
 
 @dataclass(frozen=True)
@@ -48,29 +48,29 @@ class LogFit(LearnedAnswer):
     Parameters
     ----------
     model : Model
-        The model that comes out.
+        Learned model.
     prior : Model
-        The model before, with the covariance that it was given.
+        Model and covariance before the log.
     coefficients : mapping of str to LearnedCoefficient
-        Each before and after.
+        Coefficients before and after.
     records : tuple of RecordAnswer
-        What each record did.
+        Contribution of each record.
     gusts : Gusts, optional
-        None where none were looked for.
+        None if gusts were not estimated.
     noise : mapping of str to SignalNoise
         Most likely noise of a reading of each signal.
     disagreement : float [1]
-        Square of how far the log moved the coefficients, over what was to be expected.
+        Sum of squared changes of the coefficients over their expected errors.
     freedom : int
         Number of combinations of coefficients that the log determines.
     probability : float [1]
-        Probability of at least such a disagreement where log and prior are of one ship.
+        Probability of at least this disagreement if log and prior belong to one ship.
     held : tuple of str
-        Coefficients of inertia that the log left as they were: they fix the others, as motion determines only ratios.
+        Inertia coefficients that keep their prior: motion determines only ratios of forces to inertia.
     about : tuple of str
-        What was taken for granted, and what was left out.
+        Assumptions, and records that were left out.
     settled : bool
-        Whether the search came to rest.
+        Whether the search converged.
     """
 
     model: Model
@@ -115,13 +115,10 @@ class LogFit(LearnedAnswer):
     def notes(self) -> tuple[str, ...]:
         """Contradictions, inseparable pairs, assumptions, left-out records, and coefficients that fix the rest."""
         together = [
-            f"{name} goes with {other} (correlation {by:+.2f}): together they are known better than either."
+            f"{name} and {other} are correlated ({by:+.2f}): a combination of both is more precise than each."
             for name, other, by in pairs(self.coefficients, np.asarray(self.model.covariance))
         ]
-        inertia = (
-            f"Motion determines only forces over inertia: {', '.join(self.held)} "
-            f"{'holds' if len(self.held) == 1 else 'hold'} the rest, as before the log."
-        )
+        inertia = f"Motion determines only forces over inertia. Inertia keeps its prior: {', '.join(self.held)}."
         open_water = (IN_OPEN_WATER,) * (not self.prior.feels_bank)
         return (*self._doubts, *together, inertia, *self.about, *open_water, ON_TWINS)
 
@@ -131,7 +128,7 @@ class LogFit(LearnedAnswer):
 
     @property
     def _search(self) -> tuple[str, ...]:
-        return ("The search did not come to rest; take the numbers with care.",) * (not self.settled)
+        return ("The search did not converge: do not rely on these numbers.",) * (not self.settled)
 
     @property
     def _left(self) -> tuple[str, ...]:
@@ -139,8 +136,8 @@ class LogFit(LearnedAnswer):
             return ()
         left = np.degrees(self.noise["psi"].size)
         return (
-            f"The model after the log still misses the heading by {left:.1f} deg, more than a compass errs: its "
-            "terms do not follow this log, as where that is of another ship or draft.",
+            f"The learned model misses the heading by {left:.1f} deg, more than the error of a compass. Its terms do "
+            "not fit this log. Check whether the log is from another ship or draft.",
         )
 
     @property
@@ -148,11 +145,11 @@ class LogFit(LearnedAnswer):
         if not self.disagrees:
             return ()
         far = [c for c in self.coefficients.values() if c.prior_std > 0 and abs(c.value - c.prior) > FAR * c.prior_std]
-        named = f", most of all {', '.join(c.name for c in far)}" if far else ""
+        named = f", mainly in {', '.join(c.name for c in far)}" if far else ""
         return (
-            f"The log and what was known before disagree{named}: a sum of squares of {self.disagreement:.0f}, "
-            f"{self.freedom} expected. One of them errs, their errors are larger than they say, the rudder or the yaw "
-            "rate of the log counts the other way, or the log is of another ship or draft.",
+            f"Log and prior contradict each other{named}: the sum of squares is {self.disagreement:.0f}, the expected "
+            f"value {self.freedom}. Check the signs of rudder and yaw rate, and whether the log is from another ship "
+            "or draft. Otherwise one of the stated errors is too small.",
         )
 
     @property
@@ -160,20 +157,19 @@ class LogFit(LearnedAnswer):
         if self.gusts is None or not self.pushed:
             return ()
         return (
-            f"Pushes come out {self.gusts.strength:.0f} times as strong as gusts usually are, as where other ships "
-            "pass: mark these times in the log (`meeting`), for intervals do not hold where such pushes are taken for "
-            "gusts.",
+            f"Disturbances are {self.gusts.strength:.0f} times as strong as the prior gusts. Other ships may have "
+            "passed: mark these times in the log (`meeting`). Otherwise the intervals are too narrow.",
         )
 
     def summary(self) -> str:
-        """Doubts, what was learned, what still comes from the prior, and the errors of prediction."""
+        """Warnings, learned coefficients, coefficients from the prior, and prediction errors."""
         bank = [c for c in self.coefficients.values() if c.from_bank and c.prior_std > 0]
         learned = [c.name for c in self.coefficients.values() if c.word == LEARNED and not c.from_bank]
         open_still = [c.name for c in self.coefficients.values() if c.word == PRIOR and c.prior_std > 0]
         told = [c.sentence() for c in bank if c.word != PRIOR]
         told += [f"learned: {', '.join(learned)}"] if learned else []
         first = f"Learned from {self._size}: {'; '.join(told) or 'nothing'}."
-        rest = f" From the prior still: {', '.join(open_still)}." if open_still else ""
+        rest = f" Unchanged from the prior: {', '.join(open_still)}." if open_still else ""
         return "\n".join(filter(None, (*self._doubts, first + rest, self._prediction, self._gusty, ON_TWINS)))
 
     @property
@@ -184,20 +180,20 @@ class LogFit(LearnedAnswer):
         if self.whole_missed:
             before, after, nomoto = np.degrees(list(self.whole_missed.values()))
             return (
-                f"Whole records under their recorded rudder, each left out in turn: heading missed by {after:.2g} deg, "
-                f"{before:.2g} deg by the model before, {nomoto:.2g} deg by a nonlinear Nomoto model."
+                f"Heading error over whole left-out records: {after:.2g} deg; {before:.2g} deg with the prior model, "
+                f"{nomoto:.2g} deg with a nonlinear Nomoto model."
             )
-        words = f"Forecasts over 3.5 ship lengths miss the heading by {np.degrees(after):.2g} deg"
-        worse = ": the log made them no better" * (after >= before)
-        return f"{words} on records that were left out, {np.degrees(before):.2g} deg before{worse}."
+        words = f"Heading error of forecasts over 3.5 ship lengths in left-out records: {np.degrees(after):.2g} deg"
+        worse = " The log does not improve forecasts." * (after >= before)
+        return f"{words}; {np.degrees(before):.2g} deg with the prior model.{worse}"
 
     @property
     def _gusty(self) -> str:
         if self.gusts is None:
             return ""
         return (
-            f"Gusts of {self.gusts.sway:.2g} m/s2 and {self.gusts.yaw:.2g} rad/s2 that stay {self.gusts.memory:.0f} s "
-            "act beside the model (standard deviations)."
+            f"Estimated gusts: {self.gusts.sway:.2g} m/s2 in sway and {self.gusts.yaw:.2g} rad/s2 in yaw (standard "
+            f"deviations), with a correlation time of {self.gusts.memory:.0f} s."
         )
 
     @property
@@ -217,12 +213,12 @@ class LogFit(LearnedAnswer):
         if not told or told["after"] <= told["nomoto"]:
             return ()
         return (
-            "This model predicts the heading of left-out records worse than a nonlinear Nomoto model fitted to the "
-            "same records: do not rely on it for manoeuvres like these.",
+            "This model predicts the heading of left-out records less well than a nonlinear Nomoto model of the same "
+            "records. Do not rely on it for manoeuvres like these.",
         )
 
     def missed(self, state: str) -> tuple[float, float]:
-        """Return what forecasts miss over all records, before and after, each record left out in turn.
+        """Return the forecast errors of prior and learned model over all left-out records.
 
         Parameters
         ----------

@@ -20,7 +20,7 @@ from narrows.model.model import Model
 from narrows.terms.term import TermKind
 
 STRETCHES = (
-    "The model cannot follow whole records: it was fitted to short stretches; predict no whole manoeuvres with it."
+    "The model does not fit whole records and was fitted to short stretches. Do not predict whole manoeuvres with it."
 )
 
 
@@ -32,7 +32,9 @@ def log_result(posed: LogSetup, found: SearchResult, log: LogSource, free: Seque
     learned = learned_coefficients(prior, after.values, after.covariance)
     answers = record_answers(found, source)
     came = learned_model(prior, learned, after.covariance, "", *_ranges(found.records))
-    stopped = (f"Interrupted: the answer is of {len(found.records)} records, after {found.steps} steps.",)
+    stopped = (
+        f"The search was interrupted after {found.steps} steps; the result is from {len(found.records)} records.",
+    )
     about = (
         *(STRETCHES,) * (found.problem.walk == LOOSE_WALK),
         *said_granted(found.problem, free, answers),
@@ -55,7 +57,7 @@ def _inertia(model: Model, problem: LogProblem) -> tuple[str, ...]:
 
 
 def _ranges(records: Iterable[RecordScore]) -> tuple[Range, Range]:
-    """Distances off the middle, and speeds."""
+    """Ranges of distance from the centreline and of speed."""
     ends = np.stack([one.ranges for one in records])
     (near, far), (slow, fast) = zip(ends[:, 0].min(axis=0), ends[:, 1].max(axis=0), strict=True)
     return (float(near), float(far)), (float(slow), float(fast))
@@ -78,16 +80,16 @@ def _noise(found: SearchResult) -> dict[str, SignalNoise]:
     return {name: SignalNoise(size, float(counts[name][0] / max(counts[name][1], 1))) for name, size in noise.items()}
 
 
-# What an answer takes for granted, in sentences that stand among its notes.
+# Assumptions of a result, one sentence each.
 def said_granted(problem: LogProblem, free: Sequence[str], answers: Sequence[RecordAnswer]) -> tuple[str, ...]:
-    """Return what is said of what was held, of ship and water as they were taken, and of ships that passed."""
+    """Return the notes on fixed coefficients, on ship and water, and on passing ships."""
     return (*_held(free), *_ship_and_water(problem), *_met(sum(answer.met for answer in answers)))
 
 
 def _held(free: Sequence[str]) -> tuple[str, ...]:
     if not free:
         return ()
-    return (f"Only {', '.join(free)} may change; their intervals include the errors of the others, which stay.",)
+    return (f"Only {', '.join(free)} may change. Their intervals include the errors of the fixed coefficients.",)
 
 
 def _ship_and_water(problem: LogProblem) -> tuple[str, ...]:
@@ -97,13 +99,13 @@ def _ship_and_water(problem: LogProblem) -> tuple[str, ...]:
     known = "waterway" in problem.motion.choices
     depth = "the waterway's depths" if known else f"a depth of {model.configuration.canal.depth:.3g} m"
     return (
-        f"Taken for granted: a draft of {model.configuration.ship.draft:.3g} m, {depth}, banks where they are charted "
-        "but for a zero. In other water, or at another draft, a ship has other coefficients, which a transit does not "
-        "tell from these: intervals then hold less often than they say.",
+        f"Assumed: a draft of {model.configuration.ship.draft:.3g} m, {depth}, and charted banks with one offset to "
+        "each record. At another depth or draft the coefficients differ, and a transit does not show it. The intervals "
+        "are then too narrow.",
     )
 
 
 def _met(steps: int) -> tuple[str, ...]:
     if not steps:
         return ()
-    return (f"In {steps} steps another ship passed: forces there are left open.",)
+    return (f"Another ship passed in {steps} steps; forces there are not used.",)

@@ -92,9 +92,9 @@ class SteadyFit(LearnedAnswer):
     def notes(self) -> tuple[str, ...]:
         """Contradictions, undetermined quantities, inseparable pairs, assumptions."""
         together = pairs(self.coefficients, np.asarray(self.model.covariance))
-        told = [f"{name} goes with {other} (correlation {by:+.2f}): together they are known better than either."
+        told = [f"{name} and {other} are correlated ({by:+.2f}): a combination of both is more precise than each."
                 for name, other, by in together]  # fmt: skip
-        taken = f"Taken for granted: {self.conditions.summary()}."
+        taken = f"Assumed: {self.conditions.summary()}."
         whose = () if self.checks.contradicted else (WHOSE,)
         return (*self.checks.findings, *told, taken, *whose, ON_TWINS)
 
@@ -106,7 +106,7 @@ class SteadyFit(LearnedAnswer):
         others = [c.name for c in by_word[LEARNED] if not c.from_bank]
         also = f" Learned with them: {', '.join(others)}." if others else ""
         open_still = [c.name for c in by_word[PRIOR] if c.prior_std > 0]
-        rest = f"From the tests still: {', '.join(open_still)}." if open_still else ""
+        rest = f"Unchanged from the tests: {', '.join(open_still)}." if open_still else ""
         agree = (
             f"The legs {'contradict' if self.checks.contradicted else 'agree with'} the model: a sum of squares of "
             f"{self.checks.chi_square:.1f}, {self.checks.freedom} expected."

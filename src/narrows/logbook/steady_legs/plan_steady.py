@@ -241,7 +241,7 @@ def plan_steady(
     far = _farthest(found), max(_farthest(found), _farthest(then))
     return SteadyPlan(
         tuple(planned), names, std, model, errors, conditions, reserve, side, len(allowed), far,
-        (*_refused(found, reserve, side), f"Taken for granted: {errors.summary()}; {conditions.summary()}.", WHO_HOLDS),
+        (*_refused(found, reserve, side), f"Assumed: {errors.summary()}; {conditions.summary()}.", WHO_HOLDS),
     )  # fmt: skip
 
 
