@@ -478,11 +478,13 @@ def test_every_number_of_a_sensor_changes_the_estimate() -> None:
 def test_white_innovations_seldom_lean_and_a_drift_soon_does() -> None:
     random, monitor, places = np.random.default_rng(1), DriftMonitor(2), np.arange(2)
     none = np.zeros((0, 2))
-    leans = np.array([monitor.lean(random.standard_normal(2), places, none) for _ in range(36_000)])
+    leans = np.array([monitor.statistics(random.standard_normal(2), places, none) for _ in range(36_000)])
     assert (leans < 5.0).all()
     assert 1.0 < leans.mean() < 1.4
     drift = np.array([0.0, 1.5])
-    found = next(n for n in range(100) if monitor.lean(random.standard_normal(2) + drift, places, none).max() > 5.0)
+    found = next(
+        n for n in range(100) if monitor.statistics(random.standard_normal(2) + drift, places, none).max() > 5.0
+    )
     assert found < 25
 
 

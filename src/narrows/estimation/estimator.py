@@ -179,7 +179,7 @@ class Estimator(BaseSummary):
         known = [estimate for estimate in found if estimate.normal is not None]
         if not known:
             raise InputError(
-                f"these records lack {self._start.lacking}; an estimate starts from {START_READINGS} readings of each"
+                f"these records lack {self._start.missing}; an estimate starts from {START_READINGS} readings of each"
             )
         flags = [
             {name: np.array([name in said(estimate) for estimate in known]) for name in self.filter.sensors}
@@ -236,8 +236,8 @@ class Estimator(BaseSummary):
         late = max((self.filter.sensors[name].late for name in measured), default=0.0)
         start.add(t - late, measured)
         self._heard.update(dict.fromkeys(measured, t))
-        if start.lacking:
-            notes.append(f"An estimate starts from {START_READINGS} readings each; it still lacks {start.lacking}.")
+        if start.missing:
+            notes.append(f"An estimate starts from {START_READINGS} readings each; it still lacks {start.missing}.")
             return self._estimate(t, self._last, False, notes)
         at = self.filter.at_rest.copy()
         for number, name in enumerate(self.filter.actuators):
@@ -264,7 +264,7 @@ class Estimator(BaseSummary):
             self._begin_anew()
             return self._waited(t, measured, positions, notes)
         results = self._run.results
-        self._run, told = self._bank.judge(self._run)
+        self._run, told = self._bank.test_hypotheses(self._run)
         self._verdict = told or self._verdict
         self._last = self.filter.adopt(self._run.last.state, self._run.filter)
         return self._estimate(now, self._last, True, [*notes, *self._silences(now)], results)
@@ -289,14 +289,14 @@ class Estimator(BaseSummary):
         faults = tuple(sorted(self._bank.faults)) if self._run else ()
         refused = tuple(name for result in results for name in result.refused)
         surprising = tuple(name for result in results for name in result.surprising)
-        leaning = [name for result in results for name in result.suspects]
-        suspects = tuple(dict.fromkeys([*(name for name in faults if name != MODEL), *leaning]))
+        drifting = [name for result in results for name in result.suspects]
+        suspects = tuple(dict.fromkeys([*(name for name in faults if name != MODEL), *drifting]))
         if refused:
             notes.append(f"The reading of {' and '.join(refused)} is too far from the prediction: refused.")
         if surprising:
             notes.append(f"The readings of {' and '.join(surprising)} contradict the prediction: the model is wrong.")
-        if leaning:
-            notes.append(f"The readings of {' and '.join(leaning)} are biased: it drifts, or is spoofed.")
+        if drifting:
+            notes.append(f"The readings of {' and '.join(drifting)} are biased: it drifts, or is spoofed.")
         if self._verdict:
             notes.append(self._verdict)
         if not faults:

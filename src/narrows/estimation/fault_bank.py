@@ -81,16 +81,16 @@ class FaultBank:
             self._filters[key] = replace(self.filter, sensors=sensors, faults=faults)
         return self._filters[key]
 
-    def judge(self, run: FilterRun) -> tuple[FilterRun, str]:
+    def test_hypotheses(self, run: FilterRun) -> tuple[FilterRun, str]:
         """Return the run of the most likely hypothesis, and a sentence if the hypothesis changed."""
         t = run.last.t
-        refusing, leaning, stuck = self._refusing(run, t), self._leaning(run, t), self._stuck(run)
+        refusing, drifting, stuck = self._refusing(run, t), self._drifting(run, t), self._stuck(run)
         routine = bool(stuck - self.faults or self.faults) and t >= self._routine
         young = t - run.begun < REPLAY_TIME * self.scale
-        if t < max(self._next, run.begun + 2 * JUDGE_WAIT * self.scale) or not (refusing or leaning or routine):
+        if t < max(self._next, run.begun + 2 * JUDGE_WAIT * self.scale) or not (refusing or drifting or routine):
             return run, ""
         self._next, self._routine = (t + wait * self.scale for wait in (JUDGE_WAIT, REPLAY_TIME))
-        suspects = [one for one in self._suspects if refusing or leaning or one in stuck]
+        suspects = [one for one in self._suspects if refusing or drifting or one in stuck]
         best = max(self._hypotheses(run, suspects, refusing, stuck), key=lambda one: one.score, default=None)
         # A ship does not jump: a restart is for an estimate that was wrong from its start, or that no hypothesis
         # explains.
@@ -142,15 +142,15 @@ class FaultBank:
         periods = ((t - since) / self.filter.sensors[name].period for name, since in self._refused.items())
         return max(periods, default=0.0) >= REFUSED_PERIODS
 
-    def _leaning(self, run: FilterRun, t: float) -> bool:
+    def _drifting(self, run: FilterRun, t: float) -> bool:
         """Return whether a sensor drifts, or seemed to some readings ago: a step shows in the readings after it."""
-        lean = max((result.lean for result in run.results), default=0.0)
-        if self._watched is None and lean > BANK_THRESHOLD and not self.faults:
+        drift = max((result.drift_statistic for result in run.results), default=0.0)
+        if self._watched is None and drift > BANK_THRESHOLD and not self.faults:
             self._watched = t
         if self._watched is not None and t >= self._watched + JUDGE_WAIT * self.scale:
             self._watched = None
             return True
-        return lean > DRIFT_THRESHOLD
+        return drift > DRIFT_THRESHOLD
 
     def _stuck(self, run: FilterRun) -> Faults:
         """Sensors, or the rudder's indicator, with a constant value for long: either stuck, or the motion is steady."""
@@ -223,10 +223,10 @@ class FaultBank:
         since = min(self._refused.values(), default=run.last.t - RESTART_TIME * self.scale)
         recent = [one for one in run.history if one.t >= since]
         start = Start(self.filter)
-        while start.lacking and recent:
+        while start.missing and recent:
             start.add(recent[0].t, recent[0].readings)
             first, recent = recent[0], recent[1:]
-        if start.lacking or not recent:
+        if start.missing or not recent:
             return None
         sensors = self.filter.sensors.items()
         placing = [name for name, sensor in sensors if "x" in sensor.start((0.0,) * len(sensor.fields))]

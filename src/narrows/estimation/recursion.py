@@ -33,7 +33,7 @@ class UpdateResult(NamedTuple):
     suspects: tuple[str, ...]  # Sensors with biased innovations
     surprising: tuple[str, ...] = ()  # Sensors of several kinds that contradict the model at once; they are used
     log_likelihood: float = 0.0  # Log-likelihood of the readings, if requested; refused ones count as at the gate
-    lean: float = 0.0  # Largest fading sum of innovations [standard deviations]
+    drift_statistic: float = 0.0  # Largest fading sum of innovations [standard deviations]
 
 
 class NumberLayout(NamedTuple):
@@ -65,7 +65,7 @@ class DriftMonitor:
         self.sums = np.zeros((2, len(DRIFT_MEMORIES), self.size))
         self.common = np.zeros((len(DRIFT_MEMORIES), self.considered, self.size))
 
-    def lean(self, whitened: np.ndarray, places: np.ndarray | slice, shared: np.ndarray) -> np.ndarray:
+    def statistics(self, whitened: np.ndarray, places: np.ndarray | slice, shared: np.ndarray) -> np.ndarray:
         """Add whitened innovations (numbers,); return the distance of the sums from zero [standard deviations]."""
         # Errors of considered coefficients, (considered, numbers), are common to all readings: they add up like a bias
         # and do not indicate a drift.
@@ -159,10 +159,10 @@ class Recursion:
         for name, part, _ in named if odd else ():
             whitened[part] *= name not in odd  # Gross errors are left to the gate
             kept[part] = name not in refused
-        leans = monitor.lean(whitened, layout.places, expected.slopes[: self.measuring.considered] / spread)
-        lean = float(leans.max())
-        leaning = named if lean > DRIFT_THRESHOLD else ()
-        suspects = tuple(name for name, part, _ in leaning if leans[part].max() > DRIFT_THRESHOLD)
+        statistics = monitor.statistics(whitened, layout.places, expected.slopes[: self.measuring.considered] / spread)
+        drift = float(statistics.max())
+        drifting = named if drift > DRIFT_THRESHOLD else ()
+        suspects = tuple(name for name, part, _ in drifting if statistics[part].max() > DRIFT_THRESHOLD)
         likelihood = 0.0
         if weigh:
             likelihood -= 0.5 * float(np.linalg.slogdet(covariance)[1])
@@ -173,7 +173,7 @@ class Recursion:
         if len(innovation):
             likelihood -= 0.5 * normalised_innovation_squared(innovation, covariance) if weigh else 0.0
             now = update(now, expected, innovation, covariance, sigma, self.measuring)
-        return UpdateResult(now, nis, refused, suspects, surprising, likelihood, lean)
+        return UpdateResult(now, nis, refused, suspects, surprising, likelihood, drift)
 
     def _agree(self, odd: tuple[str, ...], nis: Mapping[str, float]) -> bool:
         """Return whether sensors of several kinds agree against the prediction: then the model is wrong."""

@@ -89,7 +89,7 @@ class Start:
         return slopes
 
     @property
-    def lacking(self) -> str:
+    def missing(self) -> str:
         """Return what is missing, in words; empty if there are enough readings."""
         known = self.values()
         return " and ".join(dict.fromkeys(what for state, what in NEEDED.items() if state not in known))

@@ -43,7 +43,7 @@ def smooth(filter: ShipFilter, records: Records) -> Smoothed:
                 resets.append(t)
                 run, start = None, Start(joint)
             start.add(t, readings)
-            if start.lacking:
+            if start.missing:
                 continue
             run = FilterRun(joint, [Moment(t, start.state(t), at, {}, joint.monitor())], 0.0, math.inf)
             runs.append((run, [], []))
@@ -51,8 +51,8 @@ def smooth(filter: ShipFilter, records: Records) -> Smoothed:
             runs[-1][1].append(row)
             runs[-1][2].append(len(run.history) - 1)
     if not runs:
-        lacking = f"these records lack {start.lacking}"
-        raise InputError(f"{lacking}; an estimate starts from {START_READINGS} readings of each")
+        missing = f"these records lack {start.missing}"
+        raise InputError(f"{missing}; an estimate starts from {START_READINGS} readings of each")
     mean, covariance = np.full((count, size), np.nan), np.full((count, size, size), np.nan)
     for run, told, moments in runs:
         back = smoothed([step for moment in run.history for step in moment.steps], run.last.state)

@@ -10,9 +10,8 @@ from narrows.identification.design_matrix import ONE
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.normal_equations import NormalEquations
 
-FAINT = (
-    1e-1  # square of a direction's size, over the columns' in the table: below it a direction is noise of the motion
-)
+# Squared size of a direction over that of the columns: a smaller one is noise of the motion [1].
+LEAST_DIRECTION_RATIO = 1e-1
 RANK = 1e-9  # of the largest eigenvalue of scaled products: below it a direction holds rounding
 LEAST_NOISE = 1e-6  # of a force's root mean square: noise where the rows show none
 
@@ -110,7 +109,7 @@ def _turn(gram: np.ndarray, basis: np.ndarray, usual: np.ndarray | None = None) 
     size[size <= 0] = np.inf
     values, vectors = np.linalg.eigh(part / np.outer(size, size))
     least = RANK * max(values[-1], 1e-300)
-    kept = values > (least if usual is None else max(least, FAINT))
+    kept = values > (least if usual is None else max(least, LEAST_DIRECTION_RATIO))
     return np.asarray((vectors[:, kept] / np.sqrt(values[kept])).T / size)
 
 
