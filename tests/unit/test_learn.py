@@ -221,7 +221,7 @@ def test_an_interrupted_fit_keeps_what_is_done_and_says_so(
 
     monkeypatch.setattr(RecordLikelihood, "scored", stopped)
     found = nw.learn(mistaken(), records(), sensors="basin", spread=0.1)
-    assert any(note.startswith("The search was interrupted") and f"from {kept} record" in note for note in found.notes)
+    assert any(note.startswith("The search was interrupted") and f"from {kept}" in note for note in found.notes)
     assert abs(found.model["N_v"] / kvlcc2()["N_v"] - 1) < 0.12
 
 
