@@ -107,6 +107,9 @@ def rows() -> Iterator[tuple[str, ...]]:
 
 
 if __name__ == "__main__":
-    table = markdown(("FMU", "FMI", *CHECKERS), list(rows()))
+    alike: dict[tuple[str, ...], list[str]] = {}
+    for name, *checked in rows():
+        alike.setdefault(tuple(checked), []).append(name)
+    table = markdown(("FMUs", "FMI", *CHECKERS), [(", ".join(names), *checked) for checked, names in alike.items()])
     rules = f"The formal model names {rules_of(2)} rules of FMI 2.0 and {rules_of(3)} of 3.0; FMPy {version('fmpy')}."
     publish(__file__, "export.md", f"{table}\n\n{rules}")
