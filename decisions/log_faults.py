@@ -19,7 +19,7 @@ from transits import BANKS, KINDS, ship, twin
 import narrows as nw
 from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_setup import log_problem
-from narrows.logbook.settings import HARM
+from narrows.logbook.settings import HARMFUL_SHIFT
 
 sys.path.append(str(Path(__file__).parent.parent / "tests"))
 from faults import FAULTS, Spoil, late, moved, off, scaled
@@ -87,7 +87,7 @@ def in_transits(spoil: Spoil) -> tuple[str, ...]:
         wrong.append(not checked.clean)
         before, after = good_fit(place), bank_fit(log)
         shifts.append(np.max(np.abs(after[0] - before[0]) / before[1]) if before and after else np.inf)
-    harmed = np.array(shifts) > HARM
+    harmed = np.array(shifts) > HARMFUL_SHIFT
     return (
         f"{np.median(shifts):.1f}", f"{harmed.sum()} of {TWINS}", f"{sum(found)} of {TWINS}",
         f"{sum(wrong)} of {TWINS}", f"{(harmed & np.array(found)).sum()} of {harmed.sum()}" if harmed.any() else "",

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import IO, Any
 
 # Size of a file that takes long to read [bytes].
-LARGE = 20_000_000
+LARGE_FILE = 20_000_000
 Listener = Callable[[str], None]
 # Listeners to long operations, such as the command line on a terminal.
 LISTENERS: list[Listener] = []
@@ -61,7 +61,7 @@ def opened(path: Path) -> Iterator[IO[bytes]]:
     """Open a file, with a bar of the bytes read if it is large and there is a listener."""
     with path.open("rb") as file:
         size = path.stat().st_size
-        if not LISTENERS or size < LARGE:
+        if not LISTENERS or size < LARGE_FILE:
             yield file
             return
         with _task(f"reading {path.name}", size) as (display, task), display.wrap_file(file, task_id=task) as counted:
@@ -89,7 +89,7 @@ def file_stage(what: str, path: Path | None) -> AbstractContextManager[None]:
 
 def _is_long(path: Path) -> bool:
     """Return whether a file takes long to read and there is a listener."""
-    return bool(LISTENERS) and path.is_file() and path.stat().st_size >= LARGE
+    return bool(LISTENERS) and path.is_file() and path.stat().st_size >= LARGE_FILE
 
 
 @contextmanager

@@ -166,14 +166,14 @@ def test_an_exported_file_says_that_it_knows_no_bottom(waterway: Any, tmp_path: 
     canal = kcs().configuration.canal
     least = least_speed(canal.width, canal.depth) if waterway is None else least_speed(120.0, 11.0)
     ship, told = runpy.run_path(str(tmp_path / "ship.py")), (tmp_path / "ship.py").read_text()
-    assert f"This file knows no bottom. From {least:.4g} m/s" in " ".join(told.split())
+    assert f"This file does not model the bottom. From {least:.4g} m/s" in " ".join(told.split())
     state, constants = ship["rest"](), ship["prepare"](ship["MODEL"])
     state[0] = LENGTH  # Where a waterway is shallowest
     for share, bit in ((0.999, 0), (1.001, 128), (-1.001, 128)):
         state[ship["U"]] = share * least
         assert int(ship["beyond"](state, constants, ship.get("CANAL"))) & 128 == bit
     nw.export.write_python(kcs(width=300.0), tmp_path / "deep.py")
-    assert "This file knows no bottom." in (tmp_path / "deep.py").read_text()
+    assert "This file does not model the bottom." in (tmp_path / "deep.py").read_text()
 
 
 def test_a_bridge_is_told_that_its_forecast_knows_no_bottom() -> None:

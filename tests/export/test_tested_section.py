@@ -154,4 +154,6 @@ def test_every_file_names_the_speed_at_which_the_ship_touches_the_bottom(
         else (tmp_path / name).read_text(encoding="utf-8")
     )
     fast = min(speeds_afloat(model.configuration.values()))
-    assert f"This file knows no bottom. From {fast:.4g} m/s the ship touches it or chokes the section." in text
+    assert (
+        f"This file does not model the bottom. From {fast:.4g} m/s the ship touches it or chokes the section." in text
+    )

@@ -322,7 +322,7 @@ def test_a_reading_of_none_is_one_that_did_not_come() -> None:
     one, other = begin(), begin()
     empty = one.update(0.2, gyro=None, gnss=(None, 0.4), log=1.0)
     assert empty.values == other.update(0.2, gyro=math.nan, gnss=(math.nan, 0.4), log=1.0).values
-    assert empty.notes[0] == "The reading of gyro and gnss is no number: not used."
+    assert empty.notes[0] == "The reading of gyro and gnss is not a number and was not used."
 
 
 def test_a_start_is_the_median_of_three_readings() -> None:

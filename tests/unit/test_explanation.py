@@ -36,7 +36,7 @@ def test_a_true_model_agrees_with_its_tests(found: nw.Explanation) -> None:
 def test_a_wrong_model_does_not(found: nw.Explanation) -> None:
     wrong = nw.explain(found.model.with_coefficients(b_bank=1.5), found.fit.tests, ("speed",))
     assert wrong.distance["b_bank"] > 5
-    assert any("Beyond 3 standard errors" in said and "b_bank" in said for said in wrong.summary().splitlines())
+    assert any("More than 3 standard errors" in said and "b_bank" in said for said in wrong.summary().splitlines())
 
 
 def test_shares_are_those_of_the_model(found: nw.Explanation) -> None:

@@ -124,7 +124,7 @@ def test_a_track_is_where_the_waterway_says(bend: Path) -> None:
 def test_a_track_needs_a_place_on_earth(tmp_path: Path, cli) -> None:
     code, _, err = cli(*VOYAGE, "-o", tmp_path / "v.kml")
     assert code == 2
-    assert "needs a waterway that knows where on earth it is" in err
+    assert "needs a waterway with a position on earth" in err
     assert "latitude" not in nw.simulate(nw.published(DTC), duration=1.0).dataset()
 
 

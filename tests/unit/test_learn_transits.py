@@ -160,7 +160,7 @@ def test_what_is_marked_holds_until_it_is_marked_otherwise() -> None:
 
 def test_a_log_without_the_rudder_cannot_tell_and_says_why() -> None:
     voyage = TransitTwin(learned()[0], SPEED, 600.0).sailed(1)
-    with pytest.raises(nw.InputError, match="holds no rudder: what the bank did and what the helm did"):
+    with pytest.raises(nw.InputError, match="has no rudder angle: bank and helm cannot be separated"):
         nw.learn(ship(), [recorded("ais", voyage, AIS, 1)], sensors="ais")
 
 

@@ -83,7 +83,7 @@ def test_large_tables_are_read_behind_a_bar(
     ship_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = written(frame_of(short_twin()), tmp_path / "t.csv")
-    monkeypatch.setattr(progress, "LARGE", 100)
+    monkeypatch.setattr(progress, "LARGE_FILE", 100)
     monkeypatch.setenv("FORCE_COLOR", "1")  # By which rich takes any stream for a terminal.
     monkeypatch.setenv("TTY_COMPATIBLE", "1")
     with listening(lambda sentence: None):

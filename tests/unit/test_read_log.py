@@ -280,7 +280,7 @@ def test_free_running_tests_of_two_tanks_are_one_motion(tank: str, records: int,
         ({"time": ["yesterday"], "x": [0.0]}, {}, "row 0, column 'time' is no date"),
         ({"time": ["2026-05-01", 3.5], "x": [0.0, 1.0]}, {}, "row 1, column 'time' is no date"),
         ({"t": [0.0, 1.0], "lat": [52.0, 5200.0], "lon": [5.0, 5.0]}, {}, "row 1, latitude 5200 is not on earth"),
-        ({"t": [], "x": []}, {}, "tells nothing of a ship"),
+        ({"t": [], "x": []}, {}, "has no signal of a ship"),
         ({"t": [0.0], "rudder [m]": [0.0]}, {}, "not a unit of this quantity"),
         ({"t": [0.0], "rudder": ["left"]}, {}, "row 0, column 'rudder' holds left"),
         ({"record": ["A", "B", "A"], "t": [0.0, 1.0, 2.0], "r": [0, 0, 0]}, {}, "record A do not stand together"),
@@ -307,5 +307,5 @@ def test_what_cannot_be_understood_is_said(log: object, options: dict, told: str
 
 def test_longitude_needs_a_waterway_on_earth() -> None:
     nowhere = nw.straight_waterway(nw.Canal(300.0, 16.0), 4000.0)
-    with pytest.raises(nw.InputError, match="does not know where on earth"):
+    with pytest.raises(nw.InputError, match="has no position on earth"):
         nw.read_log({"t": [0.0], "lon": [5.0], "lat": [52.0]}, nowhere)

@@ -162,7 +162,7 @@ def test_a_borrowed_rudder_is_the_lenders(dtc: nw.Model) -> None:
     own = nw.borrow_rudder(dtc, lender)
     assert own.coefficients == lender.coefficients
     assert own.covariance is None
-    with pytest.raises(nw.InputError, match="rudder of its own"):
+    with pytest.raises(nw.InputError, match="already has a rudder"):
         nw.borrow_rudder(own, lender)
     with pytest.raises(nw.InputError, match="lender has no a_helm"):
         nw.borrow_rudder(dtc, dtc)

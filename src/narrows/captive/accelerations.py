@@ -18,7 +18,7 @@ Accelerations = Literal["checked", "motion", "measured"]
 CHOICES = get_args(Accelerations)
 RATES = {"u": "udot", "v": "vdot", "r": "rdot"}
 # Standard deviations below which a run does not oscillate: relative to the speed, in radians, relative to the length.
-STEADY = {"v": 0.01, "psi": 0.01, "y": 0.01}
+LEAST_MOTION = {"v": 0.01, "psi": 0.01, "y": 0.01}
 # Least number of rows in a run: two for each fitted number.
 FEWEST = 2 * (2 * settings.HARMONICS + 1)
 
@@ -74,7 +74,7 @@ def motion_of(run: Mapping[str, np.ndarray], length: float) -> HarmonicMotion:
         return UNKNOWN
     t, speed = few["t"] - few["t"][0], max(float(np.abs(few["u"]).mean()), 1e-9)
     size = {"v": speed, "psi": 1.0, "y": length}
-    moving = {name: float(np.std(few[name])) / size[name] / part for name, part in STEADY.items() if name in few}
+    moving = {name: float(np.std(few[name])) / size[name] / part for name, part in LEAST_MOTION.items() if name in few}
     frequency = 0.0
     if max(moving.values()) > 1:
         frequency = _frequency(t, few[max(("y", "psi"), key=lambda name: moving[name])])

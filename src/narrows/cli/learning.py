@@ -159,14 +159,14 @@ def _doubts(model: "Model", log: "ShipLog | StreamedLog", logged: LogOptions) ->
 def _read(logs: list[Path], logged: LogOptions, ahead: InformationOptions) -> "ShipLog | StreamedLog":
     """Logs in memory, or read from disk at each pass if one is large."""
     from narrows.logbook import read_log, stream_log
-    from narrows.progress import LARGE
+    from narrows.progress import LARGE_FILE
     from narrows.waterway import read_waterway
 
     twice = next((log for place, log in enumerate(logs) if log in logs[:place]), None)
     if twice is not None:
         raise InputError(f"{twice} is given twice and would count twice; give each log once")
     way = None if ahead.waterway is None else read_waterway(ahead.waterway)
-    if len(logs) == 1 and logs[0].is_file() and logs[0].stat().st_size >= LARGE:
+    if len(logs) == 1 and logs[0].is_file() and logs[0].stat().st_size >= LARGE_FILE:
         return stream_log(logs[0], way, logged.mapping)
     return read_log(logs, way, logged.mapping)
 

@@ -137,7 +137,7 @@ SPEED_UNITS = {
     **dict.fromkeys(("km/h", "kmh", "kph"), 1 / 3.6),
 }  # fmt: skip
 # Largest number of values in a range.
-MOST = 1_000_000
+LARGEST_RANGE = 1_000_000
 UNIT = re.compile(rf"(?:{'|'.join(sorted(filter(None, SPEED_UNITS), key=len, reverse=True))})?\s*$", re.IGNORECASE)
 
 
@@ -146,13 +146,13 @@ def numbers(option: str, text: str, such_as: str = "0.5, or 0.5,1,2, or -2.5:2.5
     try:
         if ":" in text:
             low, high, count = text.split(":")
-            values = np.linspace(float(low), float(high), min(int(count), MOST + 1))
+            values = np.linspace(float(low), float(high), min(int(count), LARGEST_RANGE + 1))
         else:
             values = np.array([float(word) for word in text.split(",")])
     except (ValueError, OverflowError):
         raise InputError(f"{option} {shown(text)} is not understood; give {such_as}") from None
-    if values.size > MOST:
-        raise InputError(f"{option} {shown(text)} asks for more than {MOST} values; take fewer")
+    if values.size > LARGEST_RANGE:
+        raise InputError(f"{option} {shown(text)} asks for more than {LARGEST_RANGE} values; take fewer")
     if not values.size or not np.isfinite(values).all():
         raise InputError(f"{option} {shown(text)} must be finite numbers, at least one")
     return values

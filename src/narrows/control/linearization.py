@@ -101,7 +101,7 @@ def _checked(ship: SimulatedShip, values: Mapping[str, float]) -> dict[str, floa
     known = {*ship.model.configuration.values(), *terms.names, "heave", "Y", "N", *(a.name for a in terms.actuators)}
     for name in values:
         if name not in known - {"rudder"}:
-            raise InputError(f"a linearisation knows no {name!r}{did_you_mean(name, known)}")
+            raise InputError(f"a linearisation has no {name!r}{did_you_mean(name, known)}")
     if ship.surge == "free" and "revolutions" in values:
         raise InputError("revolutions are sought where the speed is free: leave them out, or hold the speed")
     return finite_numbers(**values)

@@ -11,7 +11,7 @@ from narrows.control.settings import SLOWEST
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import choice, clip, maximum
 from narrows.results import BaseSummary
-from narrows.simulation.controllers import EARLY, LAST_ORDER, Named
+from narrows.simulation.controllers import LAST_ORDER, ORDER_TOLERANCE, Named
 
 FELT = ("y", "psi", "v", "r", "rudder", "integral")
 TURNED = ("psi", "v", "rudder")
@@ -157,6 +157,6 @@ class Regulator(BaseSummary):
         """Return a number of the current line."""
         value = getattr(at, f"{name}_0")
         for index in range(1, len(self.lines)):
-            begun = (at.x if self.along else at.t + EARLY * at.dt) - getattr(at, f"start_{index}")
+            begun = (at.x if self.along else at.t + ORDER_TOLERANCE * at.dt) - getattr(at, f"start_{index}")
             value = choice(begun, getattr(at, f"{name}_{index}"), value)
         return value

@@ -13,7 +13,7 @@ from narrows.codegen.choices import WATER
 from narrows.control.predictive.line_frame import water_ahead
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.simulation.controllers import EARLY, ControlLaw, Order, VoyageState
+from narrows.simulation.controllers import ORDER_TOLERANCE, ControlLaw, Order, VoyageState
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import WATER_PREFIX
 
@@ -114,7 +114,7 @@ class _SensedOrders:
 
     def _readings(self, t: float) -> Iterator[tuple[str, Any]]:
         for sensor in self._measuring:
-            if t < self._due.get(sensor.name, -math.inf) - EARLY * self.helm.dt or t < sensor.late:
+            if t < self._due.get(sensor.name, -math.inf) - ORDER_TOLERANCE * self.helm.dt or t < sensor.late:
                 continue
             self._due[sensor.name] = t + sensor.period
             yield sensor.name, self._errors[sensor.name].reading(self._at(t - sensor.late))

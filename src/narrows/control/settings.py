@@ -29,7 +29,7 @@ INTERVALS, MOST_INTERVALS, PLANS_AN_INTERVAL = 30, 60, 5
 # Rounds of sequential quadratic programming for a first plan, and iterations of each program.
 FIRST_ROUNDS, MOST_ITERATIONS = 6, 500
 # Tolerance for an early plan, relative to the period [1]: times are sums with rounding errors.
-EARLY = 1e-6
+TIME_TOLERANCE = 1e-6
 # Runge-Kutta steps per interval.
 STEPS = 2
 # Default of the least distance between hull and bank [beams].
@@ -37,7 +37,7 @@ MARGIN = 0.15
 # Linear and quadratic cost of half a beam of missing clearance.
 SHORT, SHORT_SQUARED = 50.0, 10.0
 # Clearance beyond the margin above which a corner needs no constraint [half beams]: less is used up between plans.
-SPARE = 4.0
+FREE_CLEARANCE = 4.0
 # Rudder turned through the usual weight within this many ship lengths ...
 RUDDER_LENGTHS = 0.16
 # ... weighs this share of it [1].

@@ -253,7 +253,7 @@ class Estimator(BaseSummary):
         assert self._run is not None
         last = self._run.last
         if t < last.t - SAME_TIME:
-            notes.append(f"The time went back from {last.t:g} to {t:g} s: what came is taken for late.")
+            notes.append(f"The time went back from {last.t:g} to {t:g} s: the readings count as late.")
         now = max(t, last.t)
         at = last.positions.copy()
         for number, name in enumerate(self.filter.actuators):

@@ -147,7 +147,7 @@ def records_of(table: Any, sensors: Mapping[str, Sensor], actuators: Sequence[st
         if name not in fields and name not in actuators and name != TIME:
             known = (TIME, *sorted(fields), *actuators)
             hint = did_you_mean(name, known) or f"; there are {', '.join(known)}"
-            raise InputError(f"no sensor of this estimator tells a column {name!r}{hint}")
+            raise InputError(f"no sensor of this estimator has a column {name!r}{hint}")
     t = columns[TIME]
     if len(t) == 0 or not np.isfinite(t).all() or (np.diff(t) <= 0.0).any():
         raise InputError("times of records are finite and rise; sort them, and merge rows of one time")
@@ -170,7 +170,7 @@ def _columns(table: Any) -> dict[str, np.ndarray]:
     try:
         columns = {str(name): np.asarray(column, float) for name, column in table.items()}
     except (TypeError, ValueError):
-        raise InputError("records hold what is no number; leave blanks empty (NaN), and nothing but numbers") from None
+        raise InputError("records contain a value that is not a number; leave missing values empty (NaN)") from None
     sizes = {column.shape for column in columns.values()}
     if len(sizes) > 1 or any(len(size) != 1 for size in sizes):
         raise InputError("columns of records are of one length; give a value a row, NaN where nothing came in")
@@ -208,7 +208,7 @@ def checked_readings(
             measured[name] = numbers
         else:
             positions[name] = numbers[0]
-    notes = (f"The reading of {' and '.join(lost)} is no number: not used.",) if lost else ()
+    notes = (f"The reading of {' and '.join(lost)} is not a number and was not used.",) if lost else ()
     return Measurements(measured, positions, notes)
 
 

@@ -317,7 +317,9 @@ def _check(runs: int, criterion: str, terms: TermTable, noise: Mapping[str, floa
         if part and not noise.get(force, 0.0) > 0:
             raise InputError(f"noise: {force} needs a positive standard deviation; give one for each force")
     if tank.depths and not terms.feels_depth:
-        raise InputError("these terms do not know the depth of the water; leave the depths out, or take terms that do")
+        raise InputError(
+            "these terms do not depend on the depth of the water; leave the depths out, or take terms that do"
+        )
 
 
 def _assumed(noise: Mapping[str, float], correlation_time: float, tank: Tank, configuration: Configuration) -> str:
@@ -363,7 +365,7 @@ def usual_forces(offered: list[Run], forces: Forces) -> dict[str, float]:
 
 
 # Ratio of highest to lowest speed, less one, within which earlier tests count as one speed.
-ALIKE = 0.05
+SAME_SPEED_TOLERANCE = 0.05
 
 
 def within_tested(tank: Tank, tested: DataRange | None) -> tuple[Tank, tuple[str, ...]]:
@@ -371,7 +373,7 @@ def within_tested(tank: Tank, tested: DataRange | None) -> tuple[Tank, tuple[str
     notes = []
     if tested is not None and tested.speed is not None and not tank.speeds:
         low, high = tested.speed
-        speeds = (low,) if high - low < ALIKE * high else (low, (low + high) / 2, high)
+        speeds = (low,) if high - low < SAME_SPEED_TOLERANCE * high else (low, (low + high) / 2, high)
         tank = replace(tank, speeds=tuple(round(speed, 3) for speed in speeds if round(speed, 3) > 0))
         notes.append(f"Speeds are within those tested, {low:.3g} to {high:.3g} m/s, as none were asked for.")
     if tested is not None and tested.abs_y is not None and tested.abs_y[1] > 0 and tank.reach is None:

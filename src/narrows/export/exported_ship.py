@@ -266,7 +266,7 @@ class ExportedShip:
     def bottom_note(self) -> str:
         fast = self.afloat_speed
         until = f" From {fast:.4g} m/s the ship touches it or chokes the section." if fast < BOUNDLESS else ""
-        return f"This file knows no bottom.{until}"
+        return f"This file does not model the bottom.{until}"
 
 
 def _over_ship(width: Expr, depth: Expr) -> dict[str, Expr]:

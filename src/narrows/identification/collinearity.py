@@ -16,7 +16,7 @@ from narrows.terms.term import Term, TermTable
 # A column takes part in a direction of unit length where its share is larger than this.
 INVOLVED = 1e-3
 # Correlation of two estimates beyond which they are named as a pair.
-STRONG = 0.9
+PAIR_CORRELATION = 0.9
 
 
 @dataclass(frozen=True)
@@ -181,7 +181,7 @@ def correlated_pairs(problem: Problem, total: np.ndarray) -> tuple[CorrelatedPai
         )
         for i in known
         for j in known
-        if i < j and abs(correlation[i, j]) > STRONG
+        if i < j and abs(correlation[i, j]) > PAIR_CORRELATION
     ]
     return tuple(sorted(pairs, key=lambda pair: -abs(pair.correlation)))
 

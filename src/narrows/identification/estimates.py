@@ -21,7 +21,7 @@ from narrows.ship.particulars import Configuration
 # Standard errors beyond a bound at which the data reject it: the coefficient is held there.
 CERTAIN = 2.0
 # Half widths from a bound within which a truth may lie on it.
-NEAR = 1.5
+BOUND_HALF_WIDTHS = 1.5
 # Draws from the posterior; fewer than LEAST within the bounds are too few to rest on.
 DRAWS, LEAST, SEED = 8000, 200, 26
 # Half width of a 95 % interval over the standard error.
@@ -175,7 +175,7 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
     low, high = np.quantile(inside, [0.025, 0.975], axis=0)
     ends = np.stack([low, high], axis=1)
     away = np.minimum(np.abs(free - bounds[:, 0]), np.abs(bounds[:, 1] - free))
-    near = np.flatnonzero((away < NEAR * free_half) & ~held)
+    near = np.flatnonzero((away < BOUND_HALF_WIDTHS * free_half) & ~held)
     for i in near:
         # The truth of this one may lie on its bound: the others are then what they are given that.
         edge = bounds[i, 0] if abs(free[i] - bounds[i, 0]) < abs(bounds[i, 1] - free[i]) else bounds[i, 1]

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 # Joint standard errors between the model's coefficient and the table's beyond which they disagree.
-UNLIKELY = 3.0
+APART_ERRORS = 3.0
 # What two hulls are told apart by, and how near they are to be [1].
 SIZES, SAME_HULL = ("length", "beam", "draft"), 0.01
 
@@ -94,12 +94,14 @@ class Explanation(BaseResult):
         for force, fitted in self.scores.items():
             worst, unit = max(self.by_test, key=lambda test: self.by_test[test][force].rmse), FORCES[force].unit
             sentences.append(
-                f"{force}: the model errs by {fitted.rmse:.3g} {unit} (R2 {fitted.r2:.3f}), a fit to these tests by "
-                f"{self.fit.scores[force].rmse:.3g}; it errs most on {worst}, by {self.by_test[worst][force].rmse:.3g}."
+                f"{force}: RMS error {fitted.rmse:.3g} {unit} (R2 {fitted.r2:.3f}); {self.fit.scores[force].rmse:.3g} "
+                f"for a fit to these tests. It is largest on {worst}, {self.by_test[worst][force].rmse:.3g}."
             )
-        apart = [name for name, far in self.distance.items() if abs(far) > UNLIKELY]
+        apart = [name for name, far in self.distance.items() if abs(far) > APART_ERRORS]
         if apart and not self.fitted_on_these:
-            sentences.append(f"Beyond {UNLIKELY:.0f} standard errors from what these tests give: {', '.join(apart)}.")
+            sentences.append(
+                f"More than {APART_ERRORS:.0f} standard errors from a fit to these tests: {', '.join(apart)}."
+            )
         return "\n".join(sentences)
 
     def _another_ship(self) -> list[str]:

@@ -13,7 +13,7 @@ from narrows.terms.term import Term
 # Column of the velocity whose rate an inertial term takes.
 VELOCITIES = {"vdot": "column v", "rdot": "column r"}
 # Share of a force's level: least size of a term whose slope is let vary.
-SMALL = 0.1
+LEAST_TERM_SHARE = 0.1
 # Ridge of the first fit, a share of the information that one motion gives of a term as large as the force.
 RIDGE = 4e-6
 # Value of a coefficient beyond which no force of a towing tank puts it [SI]: its column is empty but for rounding.
@@ -84,7 +84,7 @@ class ForceRows:
     def size(self, force: int, term: Term) -> float:
         """Force per unit of a term's column that a change of the term by one is taken for."""
         rms, level = max(self.rms(self.raw(term.name)), 1e-300), self.blocks.level[force]
-        return float(np.clip(abs(self.theta[self.place(term)]) * rms, SMALL * level, level) / rms)
+        return float(np.clip(abs(self.theta[self.place(term)]) * rms, LEAST_TERM_SHARE * level, level) / rms)
 
     def units(self) -> np.ndarray:
         """Value of each coefficient at which its term is as large as the force."""

@@ -13,7 +13,7 @@ SAME_MOTION = 0.03
 # Tolerance of speed, period or depth against the first test of a level.
 SAME_LEVEL = 0.05
 # Standard deviations within a test under which nothing oscillates: over speed, in radians, over the ship's length.
-STEADY = {"v": 0.015, "sin_psi": 0.01, "y": 0.01}
+LEAST_MOTION = {"v": 0.015, "sin_psi": 0.01, "y": 0.01}
 FLOOR = 0.2
 # A value at a tolerance is within it, whatever the rounding of sums.
 EDGE = 1 + 1e-6
@@ -135,7 +135,7 @@ class _Runs:
     @cached_property
     def steady(self) -> np.ndarray:
         sizes = (self.speed, np.ones(self.count), np.full(self.count, self.length))
-        still = [self.std(name) < share * size for (name, share), size in zip(STEADY.items(), sizes, strict=True)]
+        still = [self.std(name) < share * size for (name, share), size in zip(LEAST_MOTION.items(), sizes, strict=True)]
         return np.asarray(np.all(still, axis=0))
 
     @cached_property

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 from narrows.errors import InputError
 
 # As a share of the force: an error as large as the force itself leaves nothing to identify.
-MOST = 1.0
+LARGEST_RUN_ERROR = 1.0
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class RunErrors:
 
     def __post_init__(self) -> None:
         for name in ("gain", "zero", "form", "scatter"):
-            if not 0 <= getattr(self, name) < MOST:
+            if not 0 <= getattr(self, name) < LARGEST_RUN_ERROR:
                 raise InputError(
                     f"run errors: {name} = {getattr(self, name)} is no share of a force; give 0.02 for 2 %"
                 )

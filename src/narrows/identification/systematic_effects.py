@@ -45,7 +45,7 @@ TYPICAL = 1.5
 # Singular value of columns of unit size, over the largest, below which they are one column.
 COLLINEAR = 1e-3
 # Sizes that no laboratory overlooks, by unit; a force or a zero may be all of the measured force.
-MOST = {"%": 50.0, "m": 0.3, "s": 3.0, "deg": 5.0, "cm/s": 10.0}
+LARGEST_SIZES = {"%": 50.0, "m": 0.3, "s": 3.0, "deg": 5.0, "cm/s": 10.0}
 # Change of a force, over its level, beyond which late or turned forces no longer follow in proportion: on twins,
 # coefficients that the linear response leaves alone are then off (decisions/trust_campaign.py).
 LINEAR = 0.04
@@ -98,7 +98,7 @@ class Effects:
         usual *= self.share.get(group.split(" by ")[0], self.campaign)
         if usual > 0 and np.abs(column).max(initial=0.0) > 0:
             whole = 1 / self._share(column)
-            most, linear = MOST.get(unit.split(" ")[0], whole), LINEAR * whole if name in BENT else np.inf
+            most, linear = LARGEST_SIZES.get(unit.split(" ")[0], whole), LINEAR * whole if name in BENT else np.inf
             self.effects.append(Effect(name, unit, usual, group, most, linear))
             self.columns.append(column * usual)
 

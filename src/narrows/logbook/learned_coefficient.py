@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 LEARNED, SHARPENED, PRIOR, UNRESOLVED = "learned", "sharpened", "from the prior", "unresolved"
 # Standard errors either way, 95 % of a normal distribution.
-WIDE = 1.959964
+QUANTILE_95 = 1.959964
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class LearnedCoefficient:
     @property
     def interval(self) -> tuple[float, float]:
         """95 % interval after."""
-        return self.value - WIDE * self.std, self.value + WIDE * self.std
+        return self.value - QUANTILE_95 * self.std, self.value + QUANTILE_95 * self.std
 
     @property
     def by_record(self) -> tuple[float, float]:
@@ -52,7 +52,7 @@ class LearnedCoefficient:
             return -math.inf, math.inf
         told = all_known - known
         value = (self.value * all_known - self.prior * known) / told
-        return value - WIDE / math.sqrt(told), value + WIDE / math.sqrt(told)
+        return value - QUANTILE_95 / math.sqrt(told), value + QUANTILE_95 / math.sqrt(told)
 
     @property
     def unresolved(self) -> bool:

@@ -30,7 +30,7 @@ def borrow_rudder(model: Model, lender: Model) -> Model:
         If the model has a rudder, or the lender has none.
     """
     if _rudder(model.terms):
-        raise InputError("the model has a rudder of its own; leave the other out")
+        raise InputError("the model already has a rudder; leave the other out")
     names = dict(zip(_helm(model.terms), _helm(lender.terms), strict=True))
     if not set(names.values()) <= set(lender.terms.names):
         raise InputError(

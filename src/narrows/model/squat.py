@@ -87,16 +87,16 @@ class SquatFormula:
         )
 
 
-SLOW = {"froude": (0.0, 0.7)}
+SUBCRITICAL = {"froude": (0.0, 0.7)}
 # The formulas by name, the preferred first.
 SQUAT = {
-    "huuska": SquatFormula(formulas.huuska, "bow", VERIFIED, {**SLOW, "block_coefficient": (0.6, 0.8)}),
-    "icorels": SquatFormula(formulas.icorels, "bow", VERIFIED, {**SLOW, "blockage": (0.0, 0.03)}),
+    "huuska": SquatFormula(formulas.huuska, "bow", VERIFIED, {**SUBCRITICAL, "block_coefficient": (0.6, 0.8)}),
+    "icorels": SquatFormula(formulas.icorels, "bow", VERIFIED, {**SUBCRITICAL, "blockage": (0.0, 0.03)}),
     "barrass": SquatFormula(
         formulas.barrass, "largest", VERIFIED, {"blockage": (0.10, 0.25), "depth_to_draft": (1.1, 1.4)}
     ),
-    "tuck_midship": SquatFormula(formulas.tuck_midship, "midship", UNVERIFIED, SLOW),
-    "tuck_bow": SquatFormula(formulas.tuck_bow, "bow", UNVERIFIED, SLOW),
+    "tuck_midship": SquatFormula(formulas.tuck_midship, "midship", UNVERIFIED, SUBCRITICAL),
+    "tuck_bow": SquatFormula(formulas.tuck_bow, "bow", UNVERIFIED, SUBCRITICAL),
     "continuity": SquatFormula(formulas.continuity, "mean", DERIVED),
 }
 

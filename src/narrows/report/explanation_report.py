@@ -73,7 +73,7 @@ def print_explanation(explanation: Explanation, label: str = "") -> None:
     table = table_of(
         ("", "model", "these tests", "95 % interval", "apart [std. errors]", "unit"),
         ([row[key] for key in ("name", "model", "value", "interval", "apart", "unit")] for row in rows),
-        left=("", "unit"), no_wrap=True, title="The model beside these tests", title_justify="left",
+        left=("", "unit"), no_wrap=True, title="The model and these tests", title_justify="left",
     )  # fmt: skip
     console.print(table)
     print_fit(explanation.fit, label)

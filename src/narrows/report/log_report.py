@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from narrows.files import write_whole
 from narrows.logbook import LogFindings, LogFit, ShipLog, Signal
-from narrows.logbook.learned_coefficient import ON_TWINS, WIDE, LearnedCoefficient
+from narrows.logbook.learned_coefficient import ON_TWINS, QUANTILE_95, LearnedCoefficient
 from narrows.logbook.learning.record_answers import Forecast, RecordAnswer
 from narrows.report.fit_page import figure, render
 from narrows.report.pilot_page import LEARNED_HEADS, learned_rows, with_truth
@@ -85,11 +85,11 @@ def log_fit_figure(fit: LogFit) -> Figure:
 
 
 def _draw_coefficients(axes: Axes, known: list[LearnedCoefficient]) -> None:
-    axes.axvspan(-WIDE, WIDE, color=GREY, alpha=0.15, lw=0)
+    axes.axvspan(-QUANTILE_95, QUANTILE_95, color=GREY, alpha=0.15, lw=0)
     axes.axvline(0, color=BLACK, lw=0.6)
     for place, c in enumerate(known):
         moved = (c.value - c.prior) / c.prior_std
-        axes.errorbar([moved], [place], xerr=[WIDE * c.left], fmt="o", color=BLUE, capsize=3, ms=4)
+        axes.errorbar([moved], [place], xerr=[QUANTILE_95 * c.left], fmt="o", color=BLUE, capsize=3, ms=4)
     axes.set(yticks=np.arange(len(known)), xlabel="change, in prior standard deviations (grey: 95 % before)")
     axes.set_yticklabels([c.name for c in known])
 

@@ -193,7 +193,7 @@ def _turned(angles: tuple[float, float, float], digits: int = 0) -> str:
 
 def _foot(page: Figure, plan: SteadyPlan) -> None:
     lines = [
-        "Rudder and bow to expect (P to port, S to starboard): nine cases of ten of what the tests leave open. "
+        "Rudder and bow to expect (P to port, S to starboard): 90 % intervals from the tests. "
         f"{plan.summary().splitlines()[0]}",
         "Afterwards: the means as held.csv with the columns leg, y [m], u [kn], rudder [deg], drift [deg] (starboard "
         "positive, port negative), then narrows learn MODEL --steady held.csv -o NEW.toml.",

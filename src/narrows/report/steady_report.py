@@ -11,7 +11,7 @@ from rich.console import Console
 from narrows.files import write_whole
 from narrows.logbook import EnvelopeChange, SteadyFit, SteadyPlan
 from narrows.logbook.envelope_change import rudder_band
-from narrows.logbook.learned_coefficient import ON_TWINS, WIDE
+from narrows.logbook.learned_coefficient import ON_TWINS, QUANTILE_95
 from narrows.logbook.steady_legs.learn_steady import SHARED
 from narrows.report.fit_page import figure, render
 from narrows.report.pilot_page import LEARNED_HEADS, learned_rows
@@ -54,7 +54,7 @@ def steady_figure(fit: SteadyFit) -> Figure:
         for place, (value, std, colour) in enumerate(
             ((coefficient.prior, coefficient.prior_std, ORANGE), (coefficient.value, coefficient.std, BLUE))
         ):
-            panel.errorbar([place], [value], yerr=[WIDE * std], fmt="o", color=colour, capsize=4)
+            panel.errorbar([place], [value], yerr=[QUANTILE_95 * std], fmt="o", color=colour, capsize=4)
         panel.axhline(0, color=BLACK, lw=0.6)
         panel.set(xticks=[0, 1], xlim=(-0.6, 1.6), xticklabels=["before", "after"])
         panel.set_title(f"{coefficient.name}, 95 %")

@@ -253,15 +253,15 @@ def _quantile(values: xr.DataArray, share: float, method: str) -> xr.DataArray:
 
 
 # Standard deviations of a two-sided 95 % interval of a normal distribution.
-SURE = 1.959964
+QUANTILE_95 = 1.959964
 
 
 def share_interval(share: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the 95 % interval of a counted share, low and high [1]."""
     # Wilson (1927), Probable inference, the law of succession, and statistical inference.
-    square = SURE**2 / count
+    square = QUANTILE_95**2 / count
     middle = (share + square / 2) / (1 + square)
-    half = SURE * np.sqrt(share * (1 - share) / count + square / (4 * count)) / (1 + square)
+    half = QUANTILE_95 * np.sqrt(share * (1 - share) / count + square / (4 * count)) / (1 + square)
     return np.maximum(middle - half, 0.0), np.minimum(middle + half, 1.0)
 
 

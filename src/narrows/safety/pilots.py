@@ -15,7 +15,7 @@ from narrows.errors import InputError
 from narrows.quantities.arithmetic import choice, clip
 from narrows.results import BaseSummary
 from narrows.safety.best_estimate_courses import BestEstimateCourses
-from narrows.simulation.controllers import EARLY, Autopilot, ControlLaw, Named
+from narrows.simulation.controllers import ORDER_TOLERANCE, Autopilot, ControlLaw, Named
 from narrows.simulation.ship import SimulatedShip
 
 # Numbers of a pilot by name: arrays over offsets and speeds, or columns of them.
@@ -173,7 +173,7 @@ class Helmsman(BaseSummary):
         """Return the executed order, and the new memory."""
         off = at.y - at.held_y
         wanted = at.held_rudder + at.trimmed - (at.by_y * off + at.by_psi * (at.psi - at.held_psi) + at.by_r * at.r)
-        looks = at.t + EARLY * at.dt - at.next_look
+        looks = at.t + ORDER_TOLERANCE * at.dt - at.next_look
         heard = choice(looks, at.given, at.heard)
         memory = {
             "trimmed": at.trimmed - choice(at.cap - abs(wanted), at.dt * at.by_trim * off, 0.0),

@@ -18,7 +18,7 @@ from narrows.results import BaseSummary, shortened
 Named = Mapping[str, Number]
 
 # Tolerance for an early order of a schedule [steps]: times are sums, and rounding must not delay an order.
-EARLY = 1e-6
+ORDER_TOLERANCE = 1e-6
 
 
 @runtime_checkable
@@ -191,7 +191,7 @@ class RudderSchedule(_WithoutMemory):
         """
         order: Number = 0.0
         for number in range(len(self.pairs)):
-            early = getattr(at, f"time_{number}") - at.t - EARLY * at.dt
+            early = getattr(at, f"time_{number}") - at.t - ORDER_TOLERANCE * at.dt
             order = choice(early, order, getattr(at, f"order_{number}"))
         return {"rudder": order}, {}
 
@@ -378,7 +378,7 @@ class SwitchedLaw:
 
     def _on(self, at: Any) -> Number:
         """Return a number over 0 if the law steers."""
-        on: Number = at.steers if self.since is None else at.t - at.since + EARLY * at.dt
+        on: Number = at.steers if self.since is None else at.t - at.since + ORDER_TOLERANCE * at.dt
         return on
 
 

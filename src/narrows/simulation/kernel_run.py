@@ -155,7 +155,7 @@ class KernelRun:
 
     def __post_init__(self) -> None:
         if self.precision == "float32" and self.waterway is not None:
-            raise InputError("single precision cannot tell places along a waterway apart; leave precision at float64")
+            raise InputError("single precision does not resolve places along a waterway; leave precision at float64")
         if self.steering and self.steering.asked:
             raise InputError(
                 f"a {type(self.steering.asked).__name__} steers single voyages; write it as a law in arithmetic (with "

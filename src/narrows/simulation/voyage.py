@@ -209,7 +209,7 @@ class Voyage(Tabulated):
         """
         if self.waterway is None or self.waterway.origin is None:
             raise InputError(
-                "a track on the map needs a waterway that knows where on earth it is (--waterway canal.geojson); "
+                "a track on the map needs a waterway with a position on earth (--waterway canal.geojson); "
                 "sail in one, or save the voyage as .csv or .nc"
             )
         from narrows.waterway.map_lines import unprojected

@@ -85,19 +85,19 @@ PAPER_TEXT = "Mikkelsen et al. (2025)"
 FORMS = {
     form.name: form
     for form in (
-        BankForm("delta", {"bank": clearance.delta}, PAPER_TEXT, "clear of the banks; knows no depth", PUBLISHED),
+        BankForm("delta", {"bank": clearance.delta}, PAPER_TEXT, "clear of the banks; independent of depth", PUBLISHED),
         BankForm(
             "tapered",
             {"bank": clearance.tapered_delta},
             f"{PAPER_TEXT}, red curve of fig. (Delta_fun)",
-            "also within the boundary layer of a wall; knows no depth",
+            "also within the boundary layer of a wall; independent of depth",
             PUBLISHED,
         ),
         BankForm(
             "distance",
             {"bank": clearance.bank_distance},
             "y_B of Ch'ng (1993) and Vantorre et al. (2003)",
-            "far from the banks; knows no depth",
+            "far from the banks; independent of depth",
             REFITTED,
         ),
         BankForm(

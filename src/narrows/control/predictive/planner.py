@@ -22,6 +22,7 @@ from narrows.control.predictive.line_frame import (
 )
 from narrows.control.predictive.push_estimate import Push
 from narrows.control.settings import (
+    FREE_CLEARANCE,
     HORIZON_LENGTHS,
     LEAST_CLEARANCE,
     MOST_DRIFT,
@@ -32,7 +33,6 @@ from narrows.control.settings import (
     PLANS_AN_INTERVAL,
     SHORT,
     SHORT_SQUARED,
-    SPARE,
     STEPS,
 )
 from narrows.errors import InputError, check_count, needs
@@ -205,7 +205,7 @@ class Planner:
         nodes, x = plan.states[1:], plan.x[1:]
         cost = tracking_cost(nodes + e - reference, G, plan.rates, self.weights, beyond)
         off, by_heading, ahead = corner_offsets(nodes, *self.hull, self.water.at(x)["curvature"])
-        clearance = clearance_rows((off, by_heading), e, G, self._room(x + ahead), SPARE * self.hull[1])
+        clearance = clearance_rows((off, by_heading), e, G, self._room(x + ahead), FREE_CLEARANCE * self.hull[1])
         # The rudder after each interval, and how changes of the rates move it.
         rudders = nodes[:, RUDDER] + e[:, RUDDER], G[:, RUDDER]
         return program_of(cost, plan.rates, rudders, clearance, self.limits, self.hull[1])

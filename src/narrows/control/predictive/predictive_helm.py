@@ -22,7 +22,7 @@ from narrows.control.predictive.planner import (
     prediction_lanes,
 )
 from narrows.control.predictive.push_estimate import Push, no_push, updated_push
-from narrows.control.settings import EARLY, FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING
+from narrows.control.settings import FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING, TIME_TOLERANCE
 from narrows.control.steady_course import check_holds, check_inside, check_rudder, self_propulsion
 from narrows.errors import InputError, needs
 from narrows.model.model import Model
@@ -83,7 +83,7 @@ class VoyageOrders:
         state = VoyageState(*numbers)
         if self._seen is None or t < self._seen.t or t - self._seen.t > self.planner.horizon.time:
             self._begin_anew()
-        elif not t - self._seen.t >= self.planner.horizon.period * (1 - EARLY):
+        elif not t - self._seen.t >= self.planner.horizon.period * (1 - TIME_TOLERANCE):
             return self._order  # also if the time is NaN
         with np.errstate(all="ignore"):  # an unphysical state has no plan
             return self._ordered(t if math.isfinite(t) else 0.0, state)

@@ -175,4 +175,4 @@ def _finding(test: FaultTest, learned: FaultTests) -> Finding:
     evidence = {"size": test.size, "error": test.error, "significance": test.significance, "effect": harm}
     check = fault.kind if fault.kind == "antenna" else f"{name} {fault.kind}"
     remedy = f"{kind.remedy.format(**words)}; then check again"
-    return Finding(check, test.record, said, remedy, evidence, abs(harm) > settings.HARM and not of_model)
+    return Finding(check, test.record, said, remedy, evidence, abs(harm) > settings.HARMFUL_SHIFT and not of_model)

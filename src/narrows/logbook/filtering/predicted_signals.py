@@ -129,7 +129,7 @@ RECORDED = "recorded_{}".format
 RUDDER, RUDDER_OFFSET = "rudder", "rudder_offset"
 
 # Limit and rate of what was recorded: it went where it went.
-BEYOND = 1e9
+UNLIMITED = 1e9
 
 
 @dataclass(frozen=True, repr=False)
@@ -161,4 +161,4 @@ class RecordedHelm(BaseSummary):
 
 def unlimited(names: tuple[str, ...]) -> dict[str, float]:
     """Return limits and rates that no record meets, by the names of the lines."""
-    return {f"{name}_{end}": BEYOND for name in names for end in ("limit", "rate")}
+    return {f"{name}_{end}": UNLIMITED for name in names for end in ("limit", "rate")}

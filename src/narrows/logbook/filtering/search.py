@@ -15,7 +15,7 @@ from narrows.logbook.filtering.record_grid import RecordGrid
 from narrows.progress import bar, is_shown
 
 MOST_STEPS = 15
-ENOUGH = 0.1  # gain of minus twice the log-posterior by a step, below which the search is done
+CONVERGED_GAIN = 0.1  # gain of minus twice the log-posterior by a step, below which the search is done
 PASSES, FIRST_PASSES = 1, 4  # smoothings of a reference path, and of the first one
 LONGEST_MOVE = 2.0  # standard deviations before records, in one step
 LEAST_GAIN = 0.1  # of the expected gain, that a step must bring
@@ -89,8 +89,8 @@ def _maximum(
             return found and replace(found, interrupted=after is not None, diverged=after is None)
         found = replace(after, steps=number)
         step, gain = bounded_step(problem, unknowns, found.score, found.information)
-        if gain < ENOUGH or found.interrupted:
-            return replace(found, unknowns=unknowns + step, converged=gain < ENOUGH)
+        if gain < CONVERGED_GAIN or found.interrupted:
+            return replace(found, unknowns=unknowns + step, converged=gain < CONVERGED_GAIN)
         paths = [one.path for one in found.records]
         try:
             moved = _helpful(problem, found, grids, damping)

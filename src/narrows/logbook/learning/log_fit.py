@@ -13,13 +13,13 @@ from narrows.model.model import Model
 # Note for models without bank terms.
 IN_OPEN_WATER = "Learning in open water is tested against measured manoeuvres."
 # Probability below which log and prior contradict each other.
-UNLIKELY = 1e-3
+CONTRADICTION_PROBABILITY = 1e-3
 # Disturbances over prior gusts that gusts do not explain: of twins in gusts alone, 2 % exceed it.
-STRONG = 4.0
+UNEXPLAINED_GUST_RATIO = 4.0
 # Residual noise of headings that exceeds the error of a compass [rad].
 HEADING_LEFT = np.radians(0.5)
 # Prior standard deviations by which a named coefficient moved.
-FAR = 3.0
+MOVED_STDS = 3.0
 
 
 @dataclass(frozen=True)
@@ -104,12 +104,12 @@ class LogFit(LearnedAnswer):
     @property
     def disagrees(self) -> bool:
         """True where log and prior contradict each other."""
-        return self.probability < UNLIKELY
+        return self.probability < CONTRADICTION_PROBABILITY
 
     @property
     def pushed(self) -> bool:
         """True where disturbances are too strong for gusts, as with passing ships that the log lacks."""
-        return self.gusts is not None and self.gusts.strength > STRONG
+        return self.gusts is not None and self.gusts.strength > UNEXPLAINED_GUST_RATIO
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -144,8 +144,9 @@ class LogFit(LearnedAnswer):
     def _disagreement(self) -> tuple[str, ...]:
         if not self.disagrees:
             return ()
-        far = [c for c in self.coefficients.values() if c.prior_std > 0 and abs(c.value - c.prior) > FAR * c.prior_std]
-        named = f", mainly in {', '.join(c.name for c in far)}" if far else ""
+        uncertain = [c for c in self.coefficients.values() if c.prior_std > 0]
+        far = [c.name for c in uncertain if abs(c.value - c.prior) > MOVED_STDS * c.prior_std]
+        named = f", mainly in {', '.join(far)}" if far else ""
         return (
             f"Log and prior contradict each other{named}: the sum of squares is {self.disagreement:.0f}, the expected "
             f"value {self.freedom}. Check the signs of rudder and yaw rate, and whether the log is from another ship "

@@ -76,14 +76,12 @@ class GridSource:
 
     def _grid(self, record: ShipRecord) -> RecordGrid:
         if "rudder" in self.usual and not ("rudder" in record and len(record["rudder"])):
-            raise InputError(
-                f"record {record.name} holds no rudder: what the bank did and what the helm did cannot be told apart"
-            )
+            raise InputError(f"record {record.name} has no rudder angle: bank and helm cannot be separated; record it")
         draft = self.configuration.ship.draft
         if abs(record.condition.get("draft", draft) / draft - 1) > OTHER_DRAFT:
             raise InputError(
                 f"record {record.name} is of a draft of {record.condition['draft']:.3g} m, the model of {draft:.3g} m: "
-                "what it tells is of another ship; leave it out, or give a model of that draft"
+                "leave it out, or give a model of that draft"
             )
         step = self.assumptions.step(self.configuration.ship.length, speed_of(record))
         return grid_of(record, step, self.usual)

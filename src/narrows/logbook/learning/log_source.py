@@ -12,7 +12,7 @@ from narrows.model.model import Model
 from narrows.model.sections import Source
 
 # Digits of a hash in a sentence.
-SHORT = 12
+HASH_DIGITS = 12
 # Times after this one count from 1970 [s].
 A_DATE = 1e8
 
@@ -45,7 +45,8 @@ class LogSource:
         several = "1 record" if records == 1 else f"{records} records"
         text = (
             f"learned from {several} of the ship itself ({self.name}, {_when(self.start)} to {_when(self.stop)}, "
-            f"sensors {self.sensors}, sha256 {self.sha256[:SHORT]}...), from the model {_hash_of(prior)[:SHORT]}..."
+            f"sensors {self.sensors}, sha256 {self.sha256[:HASH_DIGITS]}...), "
+            f"from the model {_hash_of(prior)[:HASH_DIGITS]}..."
         )
         before = prior.source
         return Source(*("; ".join(filter(None, pair)) for pair in (

@@ -85,8 +85,8 @@ class Placing:
             return np.array([degrees[0][0], degrees[1][0]])
         if self.waterway.origin is None:
             raise InputError(
-                f"{self.table}: longitude and latitude have no place on {self.waterway.name}, which does not know "
-                "where on earth it is; give its origin, or read it from GeoJSON"
+                f"{self.table}: longitude and latitude have no place on {self.waterway.name}, which has no "
+                "position on earth; give its origin, or read it from GeoJSON"
             )
         return np.array(self.waterway.origin)
 

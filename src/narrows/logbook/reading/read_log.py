@@ -176,7 +176,7 @@ class LogReading:
                 yield record
         if not self.given:
             raise InputError(
-                f"{self.log.name}: tells nothing of a ship; give a log with at least one row and one signal"
+                f"{self.log.name}: has no signal of a ship; give a log with at least one row and one signal"
             )
 
     def notes(self) -> tuple[str, ...]:

@@ -237,7 +237,7 @@ ONE_SIDE = (
     "learned rests on how large they were taken to be; hold the other side too."
 )
 
-SCALE = "A steady balance tells ratios of forces: their common size is that of the tests."
+SCALE = "A steady balance determines ratios of forces: their scale is that of the tests."
 
 
 def steady_checks(readings: SteadyReadings, found: LegFit, problem: LegProblem) -> SteadyChecks:

@@ -43,7 +43,7 @@ NOWHERE = (
     "(plan_steady), or sail routine transits."
 )
 TOO_COARSE = "these sensors are too coarse to locate a ship of this size in its canal; give a grade of finer sensors"
-LEAST = 0.01  # of usual gusts, how strong gusts are taken to be at least
+LEAST_GUST_SHARE = 0.01  # of usual gusts, how strong gusts are taken to be at least
 
 
 @dataclass(frozen=True)
@@ -346,7 +346,7 @@ def expected_information(setup: LogSetup, gusts: np.ndarray, memory: float) -> n
     strong = dict(zip((SWAY, YAW), size.tolist(), strict=True))
     for place, (of, names, _) in enumerate(problem.model.estimated, start=problem.count):
         if of == "std" and names[0] in strong:
-            unknowns[place] = np.log(max(strong[names[0]] / usual[names[0]].std, LEAST))
+            unknowns[place] = np.log(max(strong[names[0]] / usual[names[0]].std, LEAST_GUST_SHARE))
         elif of == "memory" and SWAY in names:
             unknowns[place] = np.log(memory / usual[SWAY].memory)
         elif of == "correlation":

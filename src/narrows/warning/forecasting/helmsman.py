@@ -19,7 +19,7 @@ import numpy as np
 
 from narrows.quantities.arithmetic import choice, clip
 from narrows.results import BaseSummary
-from narrows.simulation.controllers import EARLY, Named
+from narrows.simulation.controllers import ORDER_TOLERANCE, Named
 from narrows.warning.settings import (
     ATTENDED_SHARE,
     DEVIATION_TIME,
@@ -182,7 +182,7 @@ class LineOfSight(BaseSummary):
         off = at.psi - clip((at.line - at.y) * at.reach, at.approach)
         turn = at.r - at.water("curvature", at.x) * pace
         law = clip(at.trim - at.by_psi * off - at.by_r * turn, at.most)
-        on = at.t - at.since + EARLY * at.dt
+        on = at.t - at.since + ORDER_TOLERANCE * at.dt
         orders: dict[str, Any] = {"rudder": choice(on, law, at.ordered)}
         if self.driven:
             orders[REVOLUTIONS] = choice(on, at.kicked, at.turns)
