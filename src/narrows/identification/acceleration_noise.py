@@ -43,4 +43,4 @@ def noise_sentence(tests: Tests, bias: dict[str, float], values: dict[str, float
     told = ", ".join(
         f"{name} by {shift:+.1%}" for name, shift in sorted(shifts.items(), key=lambda pair: -abs(pair[1]))[:4]
     )
-    return f"Noise of accelerations is unknown without times in memory. Noise of a tenth would change {told}."
+    return f"Without times in memory the noise in the accelerations is unknown. Noise of a tenth would change {told}."
