@@ -28,7 +28,8 @@ class RunErrors:
     hull : float [1]
         Multiplies the usual sizes of what changes hull terms: speed, period, depth, straight runs, walls.
     bank : float [1]
-        Multiplies the usual sizes of what changes the bank's term: its form, sides and speeds.
+        Multiplies the usual sizes of what changes the bank's term: its form, sides and speeds. These are assumed, like
+        those of straight runs against harmonic ones. Fits of the KCS and Lataire tests nearly return their priors.
     campaign : float [1]
         Multiplies the usual sizes of errors that runs share: forces, headings and rudder angles that go with y, rail,
         clock, gauges. The sizes themselves are listed in ``docs/uncertainty.md``.
