@@ -89,7 +89,7 @@ def test_a_log_that_does_not_tell_is_exit_1(cli, folder: Path) -> None:
         (["{ship}", "{log}", "--spread", "0.1", "--free", "N_vv,N_w"], "did you mean"),
         (["{ship}", "{log}", "--spread", "0.1", "--sensors", "gps"], "rtk or vdr or ais or basin"),
         (["{ship}", "{log}", "--waterway", "{gone}"], "gone.csv"), (["{ship}", "{empty}"], "has no signal of a ship"),
-        (["{ship}", "{silent}", "--spread", "0.1"], "holds no rudder"),
+        (["{ship}", "{silent}", "--spread", "0.1"], "has no rudder angle"),
         (["{ship}", "--predict-information", "vdr", "-o", "new.toml"], "nothing is learned yet"),
     ],
 )  # fmt: skip

@@ -169,7 +169,7 @@ def test_depths_are_proposed_where_terms_know_them() -> None:
         ({"terms": nw.with_bank(nw.PAPER, "tuck")}, "need depth"),
         ({"tank": nw.Tank(clearance=6.0)}, "no run fits"),
         ({"tank": nw.Tank(depths=(0.1,)), "terms": nw.with_bank(nw.PAPER, "tuck")}, "no water under"),
-        ({"tank": nw.Tank(depths=(0.3,))}, "do not depend on the depth"),
+        ({"tank": nw.Tank(depths=(0.3,))}, "depends on the water.s depth"),
         ({"tank": nw.Tank(speeds=(5.0,))}, "no speed for a ship"),
         ({"noise": {"Y": 1.0}}, "noise: X needs"),
         ({"terms": nw.TermTable("bare", (), (nw.PAPER["b_v"],), ())}, "no bank to plan for"),

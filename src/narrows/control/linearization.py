@@ -99,8 +99,10 @@ def _column(name: str, value: Any) -> np.ndarray:
 def _checked(ship: SimulatedShip, values: Mapping[str, float]) -> dict[str, float]:
     terms = ship.model.terms
     known = {*ship.model.configuration.values(), *terms.names, "heave", "Y", "N", *(a.name for a in terms.actuators)}
+    if "rudder" in values:
+        raise InputError("the rudder that holds the ship straight is sought: leave it out, or give a moment N")
     for name in values:
-        if name not in known - {"rudder"}:
+        if name not in known:
             raise InputError(f"a linearisation has no {name!r}{did_you_mean(name, known)}")
     if ship.surge == "free" and "revolutions" in values:
         raise InputError("revolutions are sought where the speed is free: leave them out, or hold the speed")

@@ -317,9 +317,7 @@ def _check(runs: int, criterion: str, terms: TermTable, noise: Mapping[str, floa
         if part and not noise.get(force, 0.0) > 0:
             raise InputError(f"noise: {force} needs a positive standard deviation; give one for each force")
     if tank.depths and not terms.feels_depth:
-        raise InputError(
-            "these terms do not depend on the depth of the water; leave the depths out, or take terms that do"
-        )
+        raise InputError("no term depends on the water's depth; leave the depths out, or take terms that do")
 
 
 def _assumed(noise: Mapping[str, float], correlation_time: float, tank: Tank, configuration: Configuration) -> str:

@@ -208,10 +208,7 @@ class Voyage(Tabulated):
             If its waterway has no place on earth.
         """
         if self.waterway is None or self.waterway.origin is None:
-            raise InputError(
-                "a track on the map needs a waterway with a position on earth (--waterway canal.geojson); "
-                "sail in one, or save the voyage as .csv or .nc"
-            )
+            raise InputError("a track on a map needs a waterway with a position on earth (--waterway canal.geojson)")
         from narrows.waterway.map_lines import unprojected
 
         positions, heading = self.waterway.to_map(self.x, self.y, self.psi)
