@@ -8,8 +8,11 @@ import pytest
 
 import narrows as nw
 from narrows.logbook.filtering.first_guess import first_guess
+from narrows.logbook.filtering.predicted_signals import HELM_GAIN
 from narrows.logbook.filtering.record_grid import grid_of
 from narrows.logbook.filtering.recorded_motion import RecordedMotion
+from narrows.logbook.filtering.search import search
+from narrows.logbook.learning.log_setup import log_problem
 from narrows.logbook.sensor_grades import AIS, VDR, SensorGrade
 from narrows.logbook.transits.transit_twins import (
     SPEED,
@@ -73,6 +76,20 @@ def test_a_compass_in_whole_degrees_is_not_taken_for_gusts() -> None:
 
 def in_degrees(record: nw.ShipRecord) -> np.ndarray:
     return np.radians(np.round(np.degrees(record["psi"].values)))
+
+
+def test_the_law_of_a_pilot_is_found_in_the_rudder() -> None:
+    """A pilot gives rudder against a heading and a yaw rate, and takes it off again."""
+    setup = log_problem(ship(), twin()[1], "vdr", pilot=True)
+    found = search(setup.problem, setup.source)
+    assert found is not None
+    names = [one.name for one in setup.problem.model.processes]
+    for record in found.records:
+        assert record.path is not None
+        law = dict(zip(names, record.path.reference.processes[0].tolist(), strict=True))
+        assert law[HELM_GAIN("psi")] < -0.1
+        assert law[HELM_GAIN("r")] < -10.0
+        assert -0.6 < law[HELM_GAIN("rudder")] < 0.0
 
 
 def test_a_current_along_the_canal_is_not_taken_for_speed() -> None:

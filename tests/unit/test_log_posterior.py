@@ -7,7 +7,7 @@ import narrows as nw
 from engine_models import steered
 from narrows.logbook.filtering.gauss_markov import StochasticModel
 from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem
-from narrows.logbook.learning.log_posterior import LogPosterior, log_posterior
+from narrows.logbook.learning.log_posterior import LogPosterior, averaged, log_posterior
 from narrows.logbook.learning.log_prior import coefficient_prior
 
 FREE = frozenset(("b_bank", "c_bank", "b_uv"))
@@ -83,3 +83,18 @@ def test_one_record_has_no_scatter() -> None:
     size = len(prior.names)
     told = after(prior, np.zeros(size), 50 * np.eye(size), np.full((1, size), 9.0))
     np.testing.assert_allclose(told.scaled, np.linalg.inv(50 * np.eye(size) + prior.precision), atol=1e-10)
+
+
+def test_the_average_of_two_models_has_the_moments_of_their_mixture() -> None:
+    """Draws of either with the same probability."""
+    model, before = ship()
+    prior = coefficient_prior(model, before, "held")
+    size = len(prior.groups)
+    one, other = (after(prior, np.full(size, at), many * np.eye(size)) for at, many in ((0.2, 30.0), (-0.5, 80.0)))
+    draw, both = np.random.default_rng(0), averaged(one, other)
+    drawn = np.concatenate([
+        draw.multivariate_normal(own.values, own.covariance, 200_000, method="eigh") for own in (one, other)
+    ])  # fmt: skip
+    place = model.terms.names.index("b_bank")
+    assert both.values[place] == pytest.approx(drawn[:, place].mean(), rel=2e-3)
+    assert both.covariance[place, place] == pytest.approx(drawn[:, place].var(), rel=1e-2)

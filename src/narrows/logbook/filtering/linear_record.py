@@ -14,6 +14,7 @@ from narrows.logbook.filtering.predicted_signals import (
     CURRENT_X,
     CURRENT_Y,
     PREDICTED,
+    RUDDER,
     RUDDER_OFFSET,
     PredictedSignal,
     SeenStates,
@@ -162,12 +163,12 @@ def linear_record(
             ends[:, place] += sums[name] * np.diff(grid.times)
     driven = np.einsum("nij,nj->ni", slopes[:, :, 6:], np.stack([sums[name] for name in INPUTS], axis=1))
     misses = ends - np.append(reference.states[1:], ends[-1:], axis=0) - driven
-    rows, residual, left = [], [], {}
+    rows, residual, left, rudder = [], [], {}, grid.positions.get(RUDDER, np.zeros(len(grid)))
     for name, read in grid.readings.items():
         share, at = read.share[:, None], read.step
         there = (1 - share) * reference.states[at] + share * ends[at]
         errors = {key: value[at] for key, value in sums.items()}
-        seen = PREDICTED[name](SeenStates(there, errors, grid.record.antenna))
+        seen = PREDICTED[name](SeenStates(there, errors, grid.record.antenna, rudder[at]))
         row = read.gain * _rows(seen, slopes[at], share, drives, names)
         left[name] = read.values - read.gain * seen.value
         rows.append(row)

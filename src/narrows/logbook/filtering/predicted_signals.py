@@ -12,6 +12,9 @@ from narrows.simulation.controllers import Named
 # The current along the axes [m/s], which enters what is told over ground.
 CURRENT_X, CURRENT_Y = "current_x", "current_y"
 
+# The actuator that is read with a zero of its own, and how much farther to starboard it truly is [rad].
+RUDDER, RUDDER_OFFSET = "rudder", "rudder_offset"
+
 # Name of the constant error of a signal.
 ERROR = "{}_error".format
 
@@ -31,6 +34,7 @@ class SeenStates:
     states: np.ndarray  # (n, 6) x, y, psi, u, v, r
     errors: Mapping[str, np.ndarray | float]  # (n,) Errors of the sensors, and the current; 0 where nothing is said
     antenna: tuple[float, float]  # Forward and to starboard of midship [m]
+    rudder: np.ndarray  # (n,) At the start of the step [rad]
 
     def error(self, name: str) -> np.ndarray | float:
         """Return an error, 0 where nothing is said of it."""
@@ -114,19 +118,35 @@ def _combined(
     return PredictedSignal(value, state, error)
 
 
+# A pilot looks out of the window, so that the rudder holds information on the motion that no sensor has: it is one more
+# signal. Ljung (1999), System Identification, chapter 13: joint input-output identification of a closed loop.
+HELM = "helm"
+# What a pilot sees, by its place among the states; and the gain of each, a state of the filter.
+SEEN = {"y": 1, "psi": 2, "v": 4, "r": 5}
+HELM_GAIN = "helm_by_{}".format
+
+
+def _helm(at: SeenStates) -> PredictedSignal:
+    """The rudder at the end of a step, from where it was and what is seen; the law has a memory, as pilots have."""
+    seen = {name: at.states[:, place] for name, place in SEEN.items()} | {RUDDER: at.rudder}
+    gains = {name: at.error(HELM_GAIN(name)) for name in seen}
+    value = at.rudder + at.error(ERROR(HELM)) + sum(gains[name] * column for name, column in seen.items())
+    by_state = {place: np.asarray(gains[name]) for name, place in SEEN.items()}
+    return PredictedSignal(
+        value, by_state, {HELM_GAIN(name): column for name, column in seen.items()} | {ERROR(HELM): ONE}
+    )
+
+
 # Prediction of each signal of the motion.
 PREDICTED: Mapping[str, Predicting] = {
     "x": _x, "y": _y, "psi": _state("psi", 2), "r": _state("r", 5), "u": _state("u", 3), "v": _state("v", 4),
     "u_ground": _of_velocity(0, "u_ground"), "v_ground": _of_velocity(1, "v_ground"),
-    "speed_over_ground": _speed, "course": _course,
+    "speed_over_ground": _speed, "course": _course, HELM: _helm,
 }  # fmt: skip
 
 # A helm that does again what was recorded: actuators go from one recorded position to the next within each step.
 # Name in the law of an actuator's position at the end of the step.
 RECORDED = "recorded_{}".format
-
-# The actuator that is read with a zero of its own, and how much farther to starboard it truly is [rad].
-RUDDER, RUDDER_OFFSET = "rudder", "rudder_offset"
 
 # Limit and rate of what was recorded: it went where it went.
 UNLIMITED = 1e9

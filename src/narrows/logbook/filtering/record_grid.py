@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from narrows.errors import InputError
+from narrows.logbook.filtering.predicted_signals import HELM, RUDDER
 from narrows.logbook.ship_record import MEETING, TURNING, ShipRecord, Signal
 
 # Signals that the motion is held to.
@@ -73,8 +74,8 @@ class RecordGrid:
         return np.concatenate([read.step for read in self.readings.values()])
 
 
-def grid_of(record: ShipRecord, step: float, usual: Mapping[str, float]) -> RecordGrid:
-    """Return a record on even times."""
+def grid_of(record: ShipRecord, step: float, usual: Mapping[str, float], pilot: bool = False) -> RecordGrid:
+    """Return a record on even times; with a pilot the rudder at the end of each step is a reading too."""
     # step [s]
     # Values finer than a step are averaged over it, what is coarser stays where it is.
     read = {name: record[name] for name in READ if name in record and len(record[name])}
@@ -94,6 +95,9 @@ def grid_of(record: ShipRecord, step: float, usual: Mapping[str, float]) -> Reco
     for signal in moved.values():
         whole &= _is_whole(signal, times, max(GAP * signal.step, step))
     readings = {name: _readings(name, signal, times, whole) for name, signal in read.items()}
+    if pilot and RUDDER in moved:
+        at = np.flatnonzero(whole)
+        readings[HELM] = Readings(positions[RUDDER][at + 1], at, np.full(len(at), 0.5), np.ones(len(at)))
     return RecordGrid(record, times, whole, positions, readings, _meetings(record, times))
 
 

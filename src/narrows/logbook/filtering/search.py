@@ -57,13 +57,19 @@ class SearchResult:
         return np.asarray(sum(one.score for one in self.records))
 
 
-def search(problem: LogProblem, grids: Grids, steps: int = MOST_STEPS) -> SearchResult | None:
+def search(
+    problem: LogProblem, grids: Grids, steps: int = MOST_STEPS, scaled: np.ndarray | None = None
+) -> SearchResult | None:
     """Maximise the posterior, over short stretches where whole records diverge; None where these diverge too.
+
+    It begins at scaled coefficients (p,), at those of the prior unless given.
 
     Where nothing disturbs the ship, what a model leaves of a record is correlated: the likelihood counts one reading of
     so many that are correlated, as a composite likelihood does.
     """
-    found = _maximum(problem, grids, np.zeros(len(problem.precision)), (), steps)
+    begin = np.zeros(len(problem.precision))
+    begin[: problem.count] = 0.0 if scaled is None else scaled
+    found = _maximum(problem, grids, begin, (), steps)
     if found is None or found.diverged:
         problem = replace(problem, walk=LOOSE_WALK)
         found = _maximum(problem, grids, np.zeros(len(problem.precision)), (), steps)

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from narrows.errors import InputError
+from narrows.logbook.filtering.predicted_signals import RUDDER
 from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_fit import LogFit
 from narrows.logbook.learning.log_prior import Spread
@@ -35,8 +36,10 @@ def learn(
     A Kalman filter predicts each reading from the earlier ones under the recorded rudder; the coefficients maximise the
     likelihood of its errors (innovations) and the prior. Gusts are first-order Gauss-Markov processes, as strong and as
     long as the records make most likely; sensor errors, currents and a steady wind are estimated with the ship's state.
-    Where no gusts act, whole records are predicted from their start. Motion determines forces over inertia alone, so
-    that the prior of the inertia holds the rest. Ctrl-C ends the search and keeps what was found.
+    A pilot may see more than the sensors: where gusts act, the answer is the mean of two fits, one with the rudder as
+    given, one with the rudder as readings of a pilot's linear law. Where no gusts act, whole records are predicted from
+    their start. Motion determines forces over inertia alone, so that the prior of the inertia holds the rest. Ctrl-C
+    ends the search and keeps what was found.
 
     Parameters
     ----------
@@ -72,9 +75,15 @@ def learn(
     InputError
         Where the model has neither covariance nor spread, a name is unknown, or no record can be used.
     """
-    setup = log_problem(
-        model, log, sensors, free=free, spread=spread, gusts=gusts, asymmetry=asymmetry, waterway=waterway, **choices
-    )
+    given: dict[str, Any] = {
+        "free": free,
+        "spread": spread,
+        "gusts": gusts,
+        "asymmetry": asymmetry,
+        "waterway": waterway,
+        **choices,
+    }
+    setup = log_problem(model, log, sensors, **given)
     came_from = LogSource.of(setup.source.log, _name(setup.source.log), setup.source.assumptions.grade.name)
     with stage("fitting the records"):
         found = search(setup.problem, setup.source)
@@ -83,7 +92,12 @@ def learn(
     if not found.records:
         why = " ".join(setup.source.left_out).removesuffix(".") or "it has none"
         raise InputError(f"no record of this log can be used: {why}")
-    return log_result(setup, found, came_from, free)
+    piloted = None
+    if setup.source.assumptions.gusts and RUDDER in setup.problem.motion.positions and not found.interrupted:
+        joint = log_problem(model, log, sensors, pilot=True, **given)
+        with stage("fitting the records with a pilot"):
+            piloted = search(joint.problem, joint.source, scaled=found.scaled)
+    return log_result(setup, found, came_from, free, piloted)
 
 
 def _name(log: Any) -> str:

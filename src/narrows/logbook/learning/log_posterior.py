@@ -1,6 +1,6 @@
 """Posterior of all coefficients after a log: Gaussian, with standard errors by the scatter of records."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -52,6 +52,14 @@ def log_posterior(
     values = moved + [model.coefficients[name] for name in model.terms.names]
     disagreement = _disagreement(problem, information, unknowns[:count])
     return LogPosterior(values, (after + after.T) / 2, covariance[:count, :count], *disagreement)
+
+
+def averaged(one: LogPosterior, other: LogPosterior) -> LogPosterior:
+    """Return the posterior of two models that are equally likely: their difference is part of the covariance."""
+    # Hoeting, Madigan, Raftery and Volinsky (1999), Bayesian model averaging: a tutorial, Statistical Science 14.
+    apart = (one.values - other.values) / 2
+    covariance = (one.covariance + other.covariance) / 2 + np.outer(apart, apart)
+    return replace(one, values=one.values - apart, covariance=covariance)
 
 
 def expected_std(model: Model, before: np.ndarray, problem: Unknowns, information: np.ndarray) -> dict[str, float]:

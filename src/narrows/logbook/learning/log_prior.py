@@ -8,7 +8,16 @@ import numpy as np
 from narrows.errors import InputError, did_you_mean
 from narrows.logbook.filtering.gauss_markov import SWAY, YAW, Estimated, Process, StochasticModel
 from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem, PushInertia
-from narrows.logbook.filtering.predicted_signals import CURRENT_X, CURRENT_Y, ERROR, PREDICTED, RUDDER, RUDDER_OFFSET
+from narrows.logbook.filtering.predicted_signals import (
+    CURRENT_X,
+    CURRENT_Y,
+    ERROR,
+    HELM,
+    HELM_GAIN,
+    PREDICTED,
+    RUDDER,
+    RUDDER_OFFSET,
+)
 from narrows.logbook.filtering.recorded_motion import RecordedMotion
 from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
 from narrows.model.model import Model
@@ -180,7 +189,7 @@ BASIN = SensorGrade(
     "basin",
     "a towing tank: no wind, no current, noise estimated from the records",
     {
-        **{name: SignalGrade(1e-6) for name in PREDICTED},
+        **{name: SignalGrade(1e-6) for name in PREDICTED if name != HELM},
         RUDDER: SignalGrade(1e-9, zero=0.1 * DEGREE),
     },
 )
@@ -193,6 +202,7 @@ class LogAssumptions:
     grade: SensorGrade  # Grade of the sensors
     gusts: bool  # Whether pushes with a memory act
     surge: str  # Whether the speed is integrated
+    pilot: bool  # Whether the rudder follows what a pilot sees
     # Standard deviation and memory [s] of the rounding error of signals
     rounding: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
@@ -210,6 +220,9 @@ class LogAssumptions:
         processes = [*gusts, *self._errors(signals, motion, noise, length / u)]
         if self.gusts:
             processes += [Process(STEADY(n), n, STEADY_PUSH * size, np.inf) for n, size in sizes.items()]
+        if self.pilot and RUDDER in signals:
+            noise[HELM] = HELM_NOISE
+            processes += _pilot(length, u)
         names = tuple(one.name for one in gusts)
         model = StochasticModel(tuple(processes), noise, self._estimated(names, noise, processes), gusts=names)
         return LogProblem(motion, prior, inertia, model, 1.0 if self.gusts else USUALLY_CORRELATED)
@@ -225,7 +238,10 @@ class LogAssumptions:
                 Estimated("memory", gusts, SPREAD_OF_MEMORY),
                 Estimated("correlation", (SWAY, YAW), SPREAD_OF_CORRELATION),
             ]
-        return (*found, *(Estimated("noise", (name,), BASIN_SPREAD if basin else SPREAD_OF_NOISE) for name in noise))
+        if HELM in noise:
+            found += [Estimated(of, (AIM,), SPREAD_OF_STRENGTH) for of in ("std", "memory")]
+        wide = {HELM: SPREAD_OF_STRENGTH, **dict.fromkeys(noise if basin else (), BASIN_SPREAD)}
+        return (*found, *(Estimated("noise", (name,), wide.get(name, SPREAD_OF_NOISE)) for name in noise))
 
     def _noise(self, signals: set[str], length: float, u: float) -> dict[str, float]:
         """Noise of the grade; in a basin the usual model error, to begin with."""
@@ -269,6 +285,19 @@ class LogAssumptions:
             if not motion.model.feels_bank:
                 found.append(Process(CURRENT_Y, CURRENT_Y, SPREAD_OF_CURRENT, np.inf))
         return [one for one in found if one.std > 0]
+
+
+# A pilot: noise of the rudder from step to step [rad], its trim [rad], and what an aim that wanders adds [rad]; the aim
+# stays for so many times of a ship length. All but the trim are estimated, from these.
+HELM_NOISE, TRIM, AIMED, AIM_STAYS, AIM = 1.0 * DEGREE, 5.0 * DEGREE, 2.0 * DEGREE, 4.0, "helm_aim"
+
+
+def _pilot(length: float, u: float) -> list[Process]:
+    """Gains of a record's pilot, as large as those of a regulator, and the aim."""
+    sizes = {"y": 2.0 / length, "psi": 5.0, "v": 5.0 / u, "r": 2.0 * length / u, RUDDER: 0.5}
+    gains = [Process(HELM_GAIN(name), HELM_GAIN(name), size, np.inf) for name, size in sizes.items()]
+    trim = Process(f"{HELM}_trim", ERROR(HELM), TRIM, np.inf)
+    return [*gains, trim, Process(AIM, ERROR(HELM), AIMED, AIM_STAYS * length / u)]
 
 
 # Errors of signals outside a grade.

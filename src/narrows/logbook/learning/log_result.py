@@ -8,10 +8,11 @@ import numpy as np
 from narrows.logbook.filtering.gauss_markov import SWAY, YAW
 from narrows.logbook.filtering.likelihood import RecordScore
 from narrows.logbook.filtering.log_problem import LogProblem
+from narrows.logbook.filtering.predicted_signals import HELM
 from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult
 from narrows.logbook.learned_coefficient import learned_coefficients, learned_model
 from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise
-from narrows.logbook.learning.log_posterior import log_posterior
+from narrows.logbook.learning.log_posterior import LogPosterior, averaged, log_posterior
 from narrows.logbook.learning.log_setup import LogSetup
 from narrows.logbook.learning.log_source import LogSource
 from narrows.logbook.learning.record_answers import RecordAnswer, record_answers
@@ -24,11 +25,14 @@ STRETCHES = (
 )
 
 
-def log_result(posed: LogSetup, found: SearchResult, log: LogSource, free: Sequence[str]) -> LogFit:
-    """Return the answer of a search."""
+def log_result(
+    posed: LogSetup, found: SearchResult, log: LogSource, free: Sequence[str], piloted: SearchResult | None = None
+) -> LogFit:
+    """Return the answer of a search, averaged with that of one with a pilot where there is one."""
     source, prior = posed.source, replace(posed.model, covariance=posed.before)
-    scores = np.stack([one.score for one in found.records])
-    after = log_posterior(posed.model, posed.before, found.problem, found.unknowns, found.information, scores)
+    after = _posterior(posed, found)
+    if piloted is not None and piloted.records and not (piloted.diverged or piloted.interrupted):
+        after = averaged(after, _posterior(posed, piloted))
     learned = learned_coefficients(prior, after.values, after.covariance)
     answers = record_answers(found, source)
     came = learned_model(prior, learned, after.covariance, "", *_ranges(found.records))
@@ -46,6 +50,11 @@ def log_result(posed: LogSetup, found: SearchResult, log: LogSource, free: Seque
         after.disagreement, after.freedom, after.probability, _inertia(posed.model, found.problem), about,
         found.converged,
     )  # fmt: skip
+
+
+def _posterior(posed: LogSetup, found: SearchResult) -> LogPosterior:
+    scores = np.stack([one.score for one in found.records])
+    return log_posterior(posed.model, posed.before, found.problem, found.unknowns, found.information, scores)
 
 
 def _inertia(model: Model, problem: LogProblem) -> tuple[str, ...]:
@@ -77,7 +86,10 @@ def _gusts(found: SearchResult) -> Gusts | None:
 def _noise(found: SearchResult) -> dict[str, SignalNoise]:
     noise = found.problem.model.at(found.unknowns[found.problem.count :]).noise
     counts = {name: np.sum([one.outliers.get(name, (0, 0)) for one in found.records], axis=0) for name in noise}
-    return {name: SignalNoise(size, float(counts[name][0] / max(counts[name][1], 1))) for name, size in noise.items()}
+    return {
+        name: SignalNoise(size, float(counts[name][0] / max(counts[name][1], 1)))
+        for name, size in noise.items() if name != HELM
+    }  # fmt: skip
 
 
 # Assumptions of a result, one sentence each.

@@ -84,7 +84,7 @@ class GridSource:
                 "leave it out, or give a model of that draft"
             )
         step = self.assumptions.step(self.configuration.ship.length, speed_of(record))
-        return grid_of(record, step, self.usual)
+        return grid_of(record, step, self.usual, self.assumptions.pilot)
 
 
 class LogSetup(NamedTuple):
@@ -98,7 +98,8 @@ class LogSetup(NamedTuple):
 
 def log_problem(
     model: Model, log: Any, sensors: str | SensorGrade, *, free: Sequence[str] = (), spread: Spread | None = None,
-    gusts: bool | None = None, asymmetry: bool | None = None, waterway: "Waterway | None" = None, **choices: Any,
+    gusts: bool | None = None, asymmetry: bool | None = None, waterway: "Waterway | None" = None, pilot: bool = False,
+    **choices: Any,
 ) -> LogSetup:  # fmt: skip
     """Return a log as a problem."""
     records = _records(log, waterway)
@@ -108,7 +109,7 @@ def log_problem(
     gusty = grade.name != BASIN.name if gusts is None else gusts
     surge = choices.setdefault("surge", "free" if model.terms.propelled else "held")
     signals, rounding, u = _looked_at(records)
-    assumptions = LogAssumptions(grade, gusty, surge, rounding)
+    assumptions = LogAssumptions(grade, gusty, surge, pilot and gusty, rounding)
     before = covariance_before(model, spread)
     steered = RUDDER in {own.name for own in model.terms.actuators}
     if steered and (not gusty and not free if asymmetry is None else asymmetry):

@@ -10,7 +10,7 @@ from narrows.logbook.filtering.gauss_markov import StochasticModel
 from narrows.logbook.filtering.likelihood import RecordLikelihood, RecordScore
 from narrows.logbook.filtering.linear_record import INPUTS, Reference
 from narrows.logbook.filtering.log_problem import LogProblem
-from narrows.logbook.filtering.predicted_signals import CURRENT_X, CURRENT_Y, RUDDER_OFFSET
+from narrows.logbook.filtering.predicted_signals import CURRENT_X, CURRENT_Y, HELM, RUDDER_OFFSET
 from narrows.logbook.filtering.record_grid import RecordGrid
 from narrows.logbook.filtering.recorded_motion import CURRENT, PUSHES
 from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
@@ -100,7 +100,10 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
         "before": whole_missed(problem, before_it, grid, path.reference),
         "after": whole_missed(problem, without_it, grid, path.reference), "nomoto": nomoto,
     }  # fmt: skip
-    constant = [place for place, process in enumerate(model.processes) if np.isinf(process.memory)]
+    constant = [
+        place for place, process in enumerate(model.processes)
+        if np.isinf(process.memory) and not process.name.startswith(HELM)
+    ]  # fmt: skip
     return RecordAnswer(
         grid.record.name, float(grid.times[-1] - grid.times[0]), len(grid), int(grid.meetings.sum()),
         {model.processes[place].name: float(path.reference.processes[0, place]) for place in constant},
