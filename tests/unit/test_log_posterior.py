@@ -9,6 +9,7 @@ from narrows.logbook.filtering.gauss_markov import StochasticModel
 from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem
 from narrows.logbook.learning.log_posterior import LogPosterior, averaged, log_posterior
 from narrows.logbook.learning.log_prior import coefficient_prior
+from narrows.logbook.learning.log_result import rudder_matters
 
 FREE = frozenset(("b_bank", "c_bank", "b_uv"))
 
@@ -98,3 +99,14 @@ def test_the_average_of_two_models_has_the_moments_of_their_mixture() -> None:
     place = model.terms.names.index("b_bank")
     assert both.values[place] == pytest.approx(drawn[:, place].mean(), rel=2e-3)
     assert both.covariance[place, place] == pytest.approx(drawn[:, place].var(), rel=1e-2)
+
+
+def test_a_pilot_who_sees_more_than_the_log_is_told_from_a_standard_error() -> None:
+    model, before = ship()
+    prior = coefficient_prior(model, before, "held")
+    size = len(prior.groups)
+    given, near, far = (after(prior, np.full(size, at), 30.0 * np.eye(size)) for at in (0.2, 0.25, -0.5))
+    assert rudder_matters(model, given, near) == ()
+    told = rudder_matters(model, given, far)
+    assert [sentence.split()[0] for sentence in told] == ["b_bank", "c_bank"]
+    assert f"{far.values[model.terms.names.index('b_bank')]:.3g} with a pilot's law" in told[0]

@@ -1,5 +1,6 @@
 """Compute the answer from a finished search."""
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
@@ -31,8 +32,10 @@ def log_result(
     """Return the answer of a search, averaged with that of one with a pilot where there is one."""
     source, prior = posed.source, replace(posed.model, covariance=posed.before)
     after = _posterior(posed, found)
+    apart: tuple[str, ...] = ()
     if piloted is not None and piloted.records and not (piloted.diverged or piloted.interrupted):
-        after = averaged(after, _posterior(posed, piloted))
+        given, joint = after, _posterior(posed, piloted)
+        after, apart = averaged(given, joint), rudder_matters(posed.model, given, joint)
     learned = learned_coefficients(prior, after.values, after.covariance)
     answers = record_answers(found, source)
     came = learned_model(prior, learned, after.covariance, "", *_ranges(found.records))
@@ -40,6 +43,7 @@ def log_result(
         f"The search was interrupted after {found.steps} steps; the result is from {len(found.records)} records.",
     )
     about = (
+        *apart,
         *(STRETCHES,) * (found.problem.walk == LOOSE_WALK),
         *said_granted(found.problem, free, answers),
         *source.left_out,
@@ -55,6 +59,20 @@ def log_result(
 def _posterior(posed: LogSetup, found: SearchResult) -> LogPosterior:
     scores = np.stack([one.score for one in found.records])
     return log_posterior(posed.model, posed.before, found.problem, found.unknowns, found.information, scores)
+
+
+def rudder_matters(model: Model, given: LogPosterior, joint: LogPosterior) -> tuple[str, ...]:
+    """Return the bank coefficients that depend on whether the rudder is an input or the order of a pilot."""
+    # Hausman (1978), Specification tests in econometrics, Econometrica 46: of the two only the second is consistent
+    # where the pilot sees more than the log.
+    return tuple(
+        f"{name} is {one:.3g} if the rudder is taken as given and {other:.3g} with a pilot's law, more than a standard "
+        "error apart: the pilot may see more than the log. Its interval includes both."
+        for name, one, other, variance in zip(
+            model.terms.names, given.values, joint.values, np.diag(given.covariance), strict=True
+        )
+        if model.terms[name].from_bank and abs(one - other) > math.sqrt(variance)
+    )
 
 
 def _inertia(model: Model, problem: LogProblem) -> tuple[str, ...]:
