@@ -62,6 +62,14 @@ def test_dyestuff_as_lme4_prints_it() -> None:
     assert 1000 * np.sqrt(found.covariance[0, 0]) == pytest.approx(19.38, abs=0.01)
 
 
+@pytest.mark.parametrize("freedom", [1.5, 2.0, 3.0, 4.0, 6.0, 30.0])
+def test_a_scale_far_below_its_prior_divides_by_no_zero(freedom: float) -> None:
+    batches = grouped(np.full((30, 1), 1000.0), DYESTUFF.ravel(), np.kron(np.eye(6), np.ones((5, 1))), 49.51**2)
+    model = replace(batches, freedom=np.full(6, freedom))
+    at = [model.at(np.array([0.0, 0.0, 0.0, 0.0, 0.0, z])).mean[0] for z in (-4.0, -6.8)]
+    assert at == pytest.approx([1.5275, 1.5275], abs=1e-6)
+
+
 @pytest.fixture(scope="module")
 def fit() -> nw.Fit:
     return nw.identify(honest(np.random.default_rng(1), 0.02)[0])

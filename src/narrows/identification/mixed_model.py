@@ -23,6 +23,8 @@ R = TypeVar("R")
 # Share of a coefficient's own information, added where rounding leaves dependent columns.
 JITTERS = (0.0, 1e-10, 1e-8, 1e-6, 1e-4)
 SHAPES = 3  # of errors that all rows of a block share
+# Coordinate of a scale of 1e-6 of its prior, which is none; SciPy's quantile of t is exactly 0 a little below.
+NO_SCALE = -5.0
 RIDGE = 1e-6  # prior precision of a coefficient, over the force's level: so weak that it only keeps all finite
 
 
@@ -150,7 +152,7 @@ class MixedModel:
         """Every scale over its prior."""
         from scipy import special
 
-        return np.asarray(-special.stdtrit(self.freedom, 0.5 * special.ndtr(-z)))
+        return np.asarray(-special.stdtrit(self.freedom, 0.5 * special.ndtr(-np.maximum(z, NO_SCALE))))
 
     def _variances(self, scale: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Variance of each shape (blocks, 3), and of each row by itself (blocks,)."""
