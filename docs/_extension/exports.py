@@ -1,6 +1,5 @@
 """Models as files to take along: FMUs, C, pages, made in the build and committed by nobody."""
 
-import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -44,14 +43,11 @@ FILES: dict[str, Callable[[Path], object]] = {
 
 
 def write_all(source: Path, written: bool = True) -> None:
-    """Write what is not there yet, or older than the package; or put empty files where nothing is."""
+    """Write all files anew, or put empty ones where nothing is."""
     folder = Path(source) / FOLDER
     folder.mkdir(parents=True, exist_ok=True)
-    newest = max(path.stat().st_mtime for path in (*Path(nw.__file__).parent.rglob("*.*"), Path(__file__)))
     for name, write in FILES.items():
-        path = folder / name
-        if written and (not path.exists() or path.stat().st_mtime < newest):
-            write(path)
-        elif not path.exists():
-            path.touch()
-            os.utime(path, (0, 0))
+        if written:
+            write(folder / name)
+        else:
+            (folder / name).touch()

@@ -103,3 +103,8 @@ def test_a_file_that_hides_a_name_of_its_language_is_refused(kind: str, name: st
         EXPORTERS[kind].write(nw.published("mikkelsen2025_dtc"), tmp_path / name)
     assert list(tmp_path.iterdir()) == []
     EXPORTERS[kind].write(nw.published("mikkelsen2025_dtc"), tmp_path / f"ship_{name}")
+
+
+def test_a_name_of_a_module_that_no_program_imports_is_free(tmp_path: Path) -> None:
+    EXPORTERS["python"].write(nw.published("mikkelsen2025_dtc"), tmp_path / "test.py")
+    assert "def rates(" in (tmp_path / "test.py").read_text()

@@ -266,3 +266,12 @@ def test_tests_of_several_tables_are_put_together() -> None:
     for wrong, told in (([], "no tests to put together"), ([first, nw.measured_tests("kcs")], "another ship or water")):
         with pytest.raises(nw.InputError, match=told):
             nw.concat(wrong)
+
+
+@pytest.mark.parametrize(
+    ("canal", "words"),
+    [(nw.Canal(12345.6, 24.123), "a canal 12346 m wide, 24.12 m deep"),
+     (nw.Canal(0.5), "a canal 0.5 m wide, of unknown depth")],
+)  # fmt: skip
+def test_a_wide_canal_has_no_power_of_ten_in_its_words(canal: nw.Canal, words: str) -> None:
+    assert canal.in_words == words

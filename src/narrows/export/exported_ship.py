@@ -72,9 +72,11 @@ OF_C_SHARP_OR_CPP = frozenset({
     "System", "template", "this", "throw", "true", "try", "typedef", "typename", "typeof", "union", "unsigned",
     "using", "virtual", "void", "volatile", "while",
 })  # fmt: skip
+# Modules of the standard library that no program imports: tests, examples and jokes.
+UNIMPORTED = frozenset({"antigravity", "idlelib", "test", "this", "turtledemo"})
 RESERVED = {
     ".m": OF_MATLAB, ".c": OF_MATLAB | OF_C_SHARP_OR_CPP, ".cs": OF_C_SHARP_OR_CPP, ".hpp": OF_C_SHARP_OR_CPP,
-    ".h": frozenset({"math", "stdbool"}), ".py": frozenset({*kwlist, *sys.stdlib_module_names, "numpy"}),
+    ".h": frozenset({"math", "stdbool"}), ".py": frozenset({*kwlist, *sys.stdlib_module_names, "numpy"}) - UNIMPORTED,
 }  # fmt: skip
 # Particulars that tell how large a section is for a ship.
 PARTICULARS = ("length", "beam", "draft", "block_coefficient")

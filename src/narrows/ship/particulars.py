@@ -113,8 +113,12 @@ class Canal:
     @property
     def in_words(self) -> str:
         """Width and depth for titles and messages."""
-        deep = "of unknown depth" if self.depth is None else f"{self.depth:.4g} m deep"
-        return f"a canal {self.width:.4g} m wide, {deep}"
+        deep = "of unknown depth" if self.depth is None else f"{_metres(self.depth)} deep"
+        return f"a canal {_metres(self.width)} wide, {deep}"
+
+
+def _metres(length: float) -> str:
+    return f"{length:.{max(4, len(str(int(length))))}g} m"  # At least four digits, and no power of ten
 
 
 # Least and largest density of a water [kg/m3]: hot and fresh, and the Dead Sea.

@@ -88,7 +88,7 @@ def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm:
 
 
 def model_script(exported: ExportedShip) -> str:
-    text = smaller(javascript_text(exported, derivatives=False)).replace("export ", "")
+    text = smaller(javascript_text(exported, derivatives=False), SPACED_IN_SCRIPT).replace("export ", "")
     return MODEL.format(MEANING.sub("", text))
 
 
@@ -118,14 +118,19 @@ SHARED = re.compile(r'^import \{ ([^}]*) \} from "\.\./\.\./\.\./web/([\w.]+)";\
 EXPORT = re.compile(r"^export (?:(?:async )?function|const|let) (?:(\w+)|\[([^\]]*)\])", re.MULTILINE)
 COMMENTS = re.compile(r"^[ \t]*(?://.*|/\*\*.*?\*/)[ \t]*\n", re.MULTILINE)
 BLOCK = re.compile(r"/\*\*.*?\*/\n", re.DOTALL)
-# Words between quotes, which stay unchanged, and signs that need no blank around them.
-SPACED = re.compile(r"""("[^"\n]*"|`[^`]*`)|[ ]*([=*/<>?:,{}();&|]+)[ ]*""")
+# Words between quotes, which stay unchanged, and signs that need no blank around them. In a script these include
+# brackets and a single + or -, not two (``a - -b``); in a style ``calc(a + b)`` and ``a [b]`` need their blanks.
+QUOTED = r"""("[^"\n]*"|`[^`]*`)"""
+SPACED = re.compile(rf"{QUOTED}|[ ]*([=*/<>?:,{{}}();&|]+)[ ]*")
+SPACED_IN_SCRIPT = re.compile(
+    rf"{QUOTED}|[ ]*([=*/<>?:,{{}}();&|!%^\[\]]+)[ ]*|(?<![-+])(?<![-+] )[ ]*([-+]=?)[ ]+(?![-+ ])"
+)
 INDENT = re.compile(r"^[ \t]+", re.MULTILINE)
 
 
 def bundled(entry: str, given: Mapping[str, str], known: set[str]) -> str:
     """Return a script with all that it imports, in order."""
-    return "".join(_modules(entry, given, known))
+    return smaller("".join(_modules(entry, given, known)), SPACED_IN_SCRIPT)
 
 
 def _modules(name: str, given: Mapping[str, str], known: set[str]) -> Iterator[str]:
@@ -146,7 +151,7 @@ def _read(name: str) -> str:
 def _as_function(name: str, text: str) -> str:
     exported = [word for match in EXPORT.finditer(text) for word in re.split(r"\W+", match[1] or match[2])]
     body = without_exports(IMPORT.sub(_taken, SHARED.sub(_taken, text)))
-    return f"const {_variable(name)} = (() => {{\n{smaller(body)}return {{ {', '.join(exported)} }};\n}})();\n"
+    return f"const {_variable(name)} = (() => {{\n{body}return {{ {', '.join(exported)} }};\n}})();\n"
 
 
 def _taken(match: re.Match[str]) -> str:
@@ -157,10 +162,10 @@ def _variable(name: str) -> str:
     return f"module_{name.removesuffix('.js')}"
 
 
-def smaller(text: str) -> str:
+def smaller(text: str, spaced: re.Pattern[str] = SPACED) -> str:
     """Return a script or a style without comments, indentation and blanks around signs."""
     bare = INDENT.sub("", COMMENTS.sub("", BLOCK.sub("", text)))
-    return re.sub(r"\n+", "\n", SPACED.sub(lambda match: match[1] or match[2], bare))
+    return re.sub(r"\n+", "\n", spaced.sub(lambda match: match[match.lastindex or 0], bare))
 
 
 # Distance shown [ship lengths].
