@@ -42,6 +42,9 @@ CELLS_A_METRE, MOST_SPEED, MOST_RATE = (SHARED.index(name) for name in ("cells_a
 RUNNING, AFLOAT, DIVERGED = -1, 0, 2
 OUTCOME, SIDE = 0, 1
 TOLERANCE, NEAR = 0, 1
+# Numba compiles a function once more for an argument that is a Python integer in the source.
+NOW: Any = np.int64(0)
+FIRST_LANE: Any = np.int64(0)
 CACHE_LINE = 16  # numbers: 64 bytes in single precision, two lines in double
 
 
@@ -94,7 +97,7 @@ def is_sane(program: LaneProgram, block: Array, lane: int, clearance: float, wat
 
 def cause_of(program: LaneProgram, block: Array, lane: int, water: SharedInputs, tolerance: float) -> int:
     """Return which end is met when the clearance is zero."""
-    ends = ends_of(program, block, lane, 0, water)
+    ends = ends_of(program, block, lane, NOW, water)
     return cause(ends[0], ends[1], ends[2], ends[3], tolerance)
 
 
@@ -109,7 +112,7 @@ def handle_event(program: LaneProgram, block: Array, lane: int, book: Array, wat
     sane = is_sane(program, block, lane, clearance, water, near)
     if program.exact and sane and (clearance <= 0.0 or book[TRIES] > 0.0):
         # The lanes' own clearance is a lower bound: compute the exact one.
-        clearance, block[NEARER_SIDE * LANES + lane] = true_clearance(program, block, lane, 0, water)
+        clearance, block[NEARER_SIDE * LANES + lane] = true_clearance(program, block, lane, NOW, water)
     if sane and cleared(clearance, before, leaves) > 0.0 and book[TRIES] == 0.0 and left > 0.0:
         return RUNNING
     if program.exact and (book[TRIES] > 0.0 or not (sane and clearance > 0.0)):
@@ -149,7 +152,7 @@ def load_lane(
     call_into(program.clearance_of, own, (block, lane, water.table, water.shared))
     clearance, side = own[0], own[1]
     if program.exact and clearance <= 0.0:
-        clearance, side = true_clearance(program, block, lane, 0, water)
+        clearance, side = true_clearance(program, block, lane, NOW, water)
     block[CLEARANCE * LANES + lane], block[NEARER_SIDE * LANES + lane] = clearance, side
     begin(book, times[0], times[1], times[2])
     block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[NEXT], book[COUNT]
@@ -196,8 +199,8 @@ def integrate_fleet(
     block = memory[first : first + program.fields * LANES]  # a vector that straddles two cache lines costs twice
     rows = vessel_inputs.shape[0]  # One row serves all if nothing varies
     active, lane_steps, queue, vessels = 0, 0, 0, len(codes)
-    load_lane(program, block, 0, books[0], water, start[0], times[0], vessel_inputs[0])
-    idle_lane(block, 0)
+    load_lane(program, block, FIRST_LANE, books[0], water, start[0], times[0], vessel_inputs[0])
+    idle_lane(block, FIRST_LANE)
     block[FLAG * LANES] = 1.0
     for field in range(program.fields):
         block[field * LANES : (field + 1) * LANES] = block[field * LANES]
