@@ -2,12 +2,14 @@
 
 import importlib
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import narrows as nw
+from narrows.cli.app import main
 from narrows.empirical.bank_evidence import BANK_EVIDENCE, bank_prior, left_out_banks, random_effects
 from narrows.empirical.calibration import Calibration, left_out
 from narrows.empirical.formulas import FORMULAS, Hull, depth_factor
@@ -187,30 +189,83 @@ def test_water_shallower_than_that_of_known_ships_is_named() -> None:
     assert "h/T" not in nw.estimate_model(PANAMAX, CANAL).notes[0]
 
 
-@pytest.mark.parametrize(
-    ("ship", "canal", "sentence"),
-    [
-        ({"length": 366, "beam": 51, "draft": 15}, CANAL, "the ship has no block coefficient"),
-        ({"length": 366, "beam": 51}, CANAL, "the ship has no draft, block coefficient; give them"),
-        ({"beam": 51, "draft": 15}, CANAL, "the ship has no length"),
-        ({"length": 366, "beam": 51, "draft": 15, "block_coefficient": 65}, CANAL, "is over 1"),
-        ({"length": 366, "beam": 51, "draft": 25, "block_coefficient": 0.65}, CANAL, "leaves no water under"),
-        ({"length": 366, "beam": 51, "draft": 15, "block_coefficient": 0.65}, nw.Canal(45, 24), "does not fit in"),
-        ({"length": 1200, "beam": 167, "draft": 49, "block_coefficient": 0.65}, nw.Canal(900), "give metres, not feet"),
-        ({"length": 51, "beam": 366, "draft": 15, "block_coefficient": 0.65}, nw.Canal(900), "L/B = 0.139"),
-        ({"length": 366, "beam": 51, "draft": 0.15, "block_coefficient": 0.65}, CANAL, "B/T = 340"),
-        ({"length": 366, "beam": 51, "draft": 15, "block": 0.65, "block_coefficient": 0.6}, CANAL, "one argument"),
-    ],
-)  # fmt: skip
-def test_bad_dimensions_get_one_sentence(ship: dict, canal: nw.Canal, sentence: str) -> None:
-    with pytest.raises(nw.InputError, match=sentence.replace("(", r"\(")) as raised:
-        nw.estimate_model(ship, canal)
+FOUR = {"length": 366, "beam": 51, "draft": 15, "block_coefficient": 0.65}
+PARTS = nw.estimate_model(PANAMAX, CANAL).configuration
+BAD_INPUTS = [
+    ({"block_coefficient": None}, {}, "the ship has no block coefficient; give it, or a kind"),
+    ({"draft": None, "block_coefficient": None}, {}, "the ship has no draft, block coefficient; give them"),
+    ({"length": None}, {}, "the ship has no length; give length between perpendiculars, in metres"),
+    ({"block": 0.65}, {}, "one argument"),
+    ({"block_coefficient": 65}, {}, "is over 1; it is a fraction"),
+    ({"block_coefficient": 1.0}, {}, "is outside 0.3 to 0.98; check the dimensions and units"),
+    ({"draft": 25}, {}, "leaves no water under [ship] draft = 25 m; check both"),
+    ({}, {"canal": nw.Canal(45, 24)}, "[ship] beam = 51 m does not fit in [canal] width = 45 m; check both"),
+    ({"length": 1200, "beam": 167, "draft": 49}, {"canal": nw.Canal(900)}, "give metres, not feet"),
+    ({"length": 0.366, "beam": 0.051, "draft": 0.015}, {}, "[ship] length = 0.366 m is outside 1 to 500 m"),
+    ({"length": 51, "beam": 366}, {"canal": nw.Canal(900)}, "L/B = 0.139 (length 51 m, beam 366 m)"),
+    ({"draft": 0.15}, {}, "B/T = 340 (beam 51 m, draft 0.15 m) is outside 1.2 to 15; check the dimensions"),
+    ({"length": -366}, {}, "[ship] length = -366 must be positive, in SI units"),
+    ({"beam": math.nan}, {}, "[ship] beam = nan is not a finite number; give it in SI units"),
+    ({"length": "366 m"}, {"kind": "tanker"}, "[ship] length = '366 m' is not a finite number"),
+    ({"mass": 1.8e5}, {}, "[ship] mass = 1.8e+05 is 0.000965 times the displaced water"),
+    ({"inertia": 1.5e9}, {}, "give it in kg m2"),
+    ({"x_g": 180.0}, {}, "[ship] x_g = 180 is 0.492 times the length"),
+    ({}, {"speed": 40.0}, "a service speed of 40 m/s is 3.3 times that of a usual container ship"),
+    ({}, {"speed": 21.2}, "none of this ship"),
+    ({}, {"speed": 0.0}, "none of this ship"),
+    ({}, {"speed": "16kn"}, "numbers are m/s: 16kn is 8.23 m/s"),
+    ({}, {"kind": "ferry"}, "kind = 'ferry' is unknown; choose container"),
+    ({}, {"rudder": replace(PARTS.rudder, area=0.018)}, "[rudder] area = 0.018 is 3.28e-06 times L x T"),
+    (
+        {},
+        {"propeller": replace(PARTS.propeller, diameter=9300.0)},
+        "[propeller] diameter = 9300 is 620 times the draft",
+    ),
+    ({}, {"propeller": replace(PARTS.propeller, revolutions=90.0)}, "give revolutions per second, not per minute"),
+    ({}, {"steering": nw.SteeringGear(0.61, 0.04)}, "[steering] limit_deg = 0.61 is 0.0174 times the usual"),
+    ({}, {"canal": 300}, "canal = 300 is of another type; give nw.Canal(...)"),
+    ({}, {"water": 1025}, "water = 1025 is of another type; give nw.Water(...)"),
+    ({}, {"rudder": 99.0}, "rudder = 99.0 is of another type; give nw.Rudder(...)"),
+]
+
+
+@pytest.mark.parametrize(("ship", "others", "sentence"), BAD_INPUTS)
+def test_a_bad_input_gets_one_sentence(ship: dict, others: dict, sentence: str) -> None:
+    with pytest.raises(nw.InputError) as raised:
+        nw.estimate_model({**FOUR, **ship}, **{"canal": CANAL, **others})
+    assert sentence in str(raised.value)
     assert "\n" not in str(raised.value)
 
 
-def test_a_speed_of_waves_is_refused() -> None:
-    with pytest.raises(nw.InputError, match="none of this ship"):
-        nw.estimate_model(PANAMAX, CANAL, speed=40.0)
+def test_an_estimate_needs_a_ship() -> None:
+    with pytest.raises(nw.InputError, match=r"ship = 366 is no ship; give nw\.Ship"):
+        nw.estimate_model(366, CANAL)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ("--length 1200 --beam 167 --draft 49", "give metres, not feet"), ("--block 65", "is over 1; it is a fraction"),
+        ("--length 366000 --beam 51000 --draft 15000 --width 3e5 --depth 24000", "not feet, millimetres or kilometres"),
+        ("--length 366m", "'--length': '366m' is no number; write one as 12.5, without a unit"),
+        ("--length 366,5", "'366,5' is no number"), ("--length nan", "[ship] length = nan is not a finite number"),
+        ("--beam=-51", "[ship] beam = -51.0 must be positive"), ("--draft 25", "leaves no water under"),
+        ("--width 45", "does not fit in"), ("--depth 0", "[canal] depth = 0.0 must be positive"),
+        ("--density 1.025", "give kg/m3"), ("--speed fast", "--speed 'fast'"), ("--speed 16mph", "--speed '16mph'"),
+        ("--speed 45", "numbers are m/s, and 45 knots are 23.2 m/s"), ("--speed=-3kn", "none of this ship"),
+        ("--type contaner", "did you mean 'container'?"), ("-o ship.csv", "name it .toml"),
+    ],
+)  # fmt: skip
+def test_the_command_refuses_a_bad_input_in_one_line(
+    options: str, sentence: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    usual = "narrows estimate --length 366 --beam 51 --draft 15 --block 0.65 --width 300 --depth 24"
+    monkeypatch.setattr("sys.argv", [*usual.split(), *options.split()])
+    with pytest.raises(SystemExit) as left:
+        main()
+    assert left.value.code == 2
+    told = capsys.readouterr().err
+    assert (told.startswith("narrows: "), sentence in told, told.count("\n")) == (True, True, 1), told
 
 
 def test_resistance_of_a_flat_plate_by_hand() -> None:

@@ -119,7 +119,10 @@ def _sentence(error: Exception) -> str:
     if isinstance(error, InputError):
         return str(error)
     if hasattr(error, "format_message"):
-        return f"{error.format_message()} (see narrows --help)"
+        message = error.format_message().replace(
+            "is not a valid float.", "is no number; write one as 12.5, without a unit"
+        )
+        return f"{message} (see narrows --help)"
     if isinstance(error, OSError | UnicodeEncodeError):
         _silence()
         return f"the output cannot be written ({reason(error)}); send it elsewhere"

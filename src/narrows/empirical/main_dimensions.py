@@ -10,6 +10,7 @@ import numpy as np
 
 from narrows.empirical.bank_evidence import FORM, bank_prior, tested_places
 from narrows.empirical.calibration import COEFFICIENTS, SIGNED, Calibration, Spread
+from narrows.empirical.estimate_checks import check_proportions, check_shape, check_speed, check_types
 from narrows.empirical.formulas import RANGES, Hull
 from narrows.empirical.propulsion import (
     INCREASE_PLACE,
@@ -28,8 +29,9 @@ from narrows.errors import InputError, check_choice
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.model.sections import Source
-from narrows.quantities.names import GRAVITY
+from narrows.quantities.names import GRAVITY, KNOT
 from narrows.ship.actuators import Propeller, Rudder, SteeringGear
+from narrows.ship.checks import check_number
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
 from narrows.terms.tables import table_named
 
@@ -43,10 +45,6 @@ RUDDER_SHARE = 0.20  # Whole rudder force: wake, slipstream, straightening
 INCREASE_SHARE = 0.10  # 1 + a_H in addition
 RESISTANCE_SHARE = 0.30
 THRUST_SHARE = 0.06
-
-# Limits of a ship's dimensions.
-LONGEST = 500.0  # [m]
-SHAPES = {"L/B": (2.5, 15.0), "B/T": (1.2, 15.0), "block coefficient": (0.3, 1.0)}
 
 FASTEST_FROUDE = 0.25  # Largest Froude number of the tests behind the formulas
 SHALLOWEST, DEEPEST = 1.2, 1e3  # h/T of the calibration; beyond it the water is deep
@@ -93,7 +91,7 @@ def estimate_model(
     Raises
     ------
     InputError
-        If a dimension is missing or unrealistic, or the ship does not fit in the canal.
+        If a value is missing, unrealistic or of another unit, or the ship does not fit in the canal.
 
     Examples
     --------
@@ -116,12 +114,16 @@ def estimated(
     propeller: Propeller | None, rudder: Rudder | None, steering: SteeringGear | None, calibration: Calibration,
 ) -> Model:  # fmt: skip
     """Estimate with a given calibration, for leaving a ship out."""
+    parts = {"propeller": propeller, "rudder": rudder, "steering": steering}
+    check_types(ship, canal, water, **parts)
     known, filled = _completed(ship, kind)
+    check_proportions(known, water, parts)
     usual, usual_words = _type_of(known, kind)
     hull = hull_of(known)
     known = _with_mass(known, water)
     configuration = Configuration(known, canal, water, steering=steering)
     service = service_speed(known, usual) if speed is None else speed
+    check_speed(service, known, usual)
     resistance = resistance_prime(known, service)
     driven = propeller or estimated_propeller(known, hull, usual, water, service)
     steered = rudder or estimated_rudder(known, hull, usual, driven)
@@ -130,7 +132,7 @@ def estimated(
     spreads |= bank_prior()
     spreads["R_0"] = Spread(resistance, RESISTANCE_SHARE * resistance)
     names, coefficients, covariance = _assembled(spreads, hull, calibration.correlation)
-    parts = [name for name, part in (("propeller", propeller), ("rudder", rudder)) if part is None]
+    missing = [name for name in ("propeller", "rudder") if parts[name] is None]
     return Model(
         replace(configuration, propeller=driven, rudder=steered),
         table_named(TABLE),
@@ -143,7 +145,7 @@ def estimated(
         ),
         source=Source(
             text="formulas of the literature, calibrated on ships whose derivatives are known",
-            estimate=" ".join(_sentences(known, filled, parts, usual_words, service, hull, depth_to_draft)),
+            estimate=" ".join(_sentences(known, filled, missing, usual_words, service, hull, depth_to_draft)),
         ),
         verdicts=dict.fromkeys(bank_prior(), BANK_VERDICT),
     )
@@ -169,7 +171,7 @@ def _completed(ship: Ship | Mapping[str, Any], kind: str | None) -> tuple[Ship, 
     if kind is not None:
         check_choice("kind", kind, SHIP_TYPES)
     if isinstance(ship, Ship):
-        _check_shape(ship)
+        check_shape(ship)
         return ship, []
     given = {name: value for name, value in ship.items() if value is not None}
     if "length" not in given:
@@ -179,6 +181,8 @@ def _completed(ship: Ship | Mapping[str, Any], kind: str | None) -> tuple[Ship, 
         words = ", ".join(name.replace("_", " ") for name in missing)
         those = "it" if len(missing) == 1 else "them"
         raise InputError(f"the ship has no {words}; give {those}, or a kind of ship: {', '.join(SHIP_TYPES)}")
+    for name in set(given) & set(NEEDED):
+        check_number(f"[ship] {name}", given[name])
     filled = []
     for name in missing:
         given[name] = _usual_dimension(name, given, SHIP_TYPES[str(kind)])
@@ -190,7 +194,7 @@ def _completed(ship: Ship | Mapping[str, Any], kind: str | None) -> tuple[Ship, 
         raise InputError(
             f"a ship takes {', '.join(NEEDED)} and other particulars of a ship file; check the names"
         ) from None
-    _check_shape(known)
+    check_shape(known)
     return known, filled
 
 
@@ -200,20 +204,6 @@ def _usual_dimension(name: str, given: Mapping[str, Any], usual: ShipType) -> fl
     if name == "draft":
         return float(given["beam"] / usual.beam_to_draft)
     return usual.block_coefficient
-
-
-def _check_shape(ship: Ship) -> None:
-    """Raise if the dimensions are no ship's: a wrong unit, or two of them exchanged."""
-    if ship.length > LONGEST:
-        raise InputError(f"a length of {ship.length:g} m is over {LONGEST:g} m, and no ship's; give metres, not feet")
-    ratios = (ship.length / ship.beam, ship.beam / ship.draft, ship.block_coefficient)
-    places = (f"length {ship.length:g} m, beam {ship.beam:g} m", f"beam {ship.beam:g} m, draft {ship.draft:g} m", "")
-    for (name, (low, high)), value, place in zip(SHAPES.items(), ratios, places, strict=True):
-        if not low <= value <= high:
-            where = f" ({place})" if place else ""
-            raise InputError(
-                f"{name} = {value:.3g}{where} is outside {low:g} to {high:g}; check the dimensions and units"
-            )
 
 
 def _type_of(ship: Ship, kind: str | None) -> tuple[ShipType, str]:
@@ -274,7 +264,9 @@ def _sentences(
     if filled:
         sentences.append(f"Usual values of {usual}: {', '.join(filled)}.")
     if parts:
-        sentences.append(f"The {' and '.join(parts)} are those of {usual}, for {service:.3g} m/s.")
+        sentences.append(
+            f"The {' and '.join(parts)} are those of {usual}, for {service:.3g} m/s ({service / KNOT:.3g} knots)."
+        )
     ratios = asdict(hull)
     outside = [
         f"{words} {ratios[name]:.3g} ({low:g} to {high:g})"
