@@ -10,7 +10,7 @@ the true simulation. Averted is a contact that does not happen then. False is an
 that no contact follows within 300 s; needless is one whose advice the hand is following already. A threshold is the
 lowest at which so many false alerts come in 100 hours, found in one half of the transits and used in the other, both
 ways round. Intervals hold 90 % of draws of the contacts with replacement. The bound is an alert at the first second of
-every lapse, and none else. With --others come truths of other kinds, of which only the lapses are sailed.
+every lapse, and none else. With --others come truths of other kinds, at the thresholds of all known transits.
 
 python decisions/warning_scores.py [--write] [--others] [--kept FOLDER]
 """
@@ -24,10 +24,11 @@ import numpy as np
 from pages import markdown, publish
 from scipy.special import ndtr
 from watched.runs import BEFORE, EVERY, FROM, Run, averted, kept_runs
-from watched.truths import DEPTH, LENGTH, Physics, modelled
+from watched.truths import DEPTH, LAPSES, LENGTH, Physics, modelled
 
 from narrows.warning.alerts.alert import Thresholds
-from narrows.warning.forecasting.helmsman import Helmsmen, escape_numbers
+from narrows.warning.forecasting.forecast import level_time
+from narrows.warning.forecasting.helmsman import escape_numbers
 from narrows.warning.settings import CLEAR_SHARE, NEAR_MISS
 from narrows.warning.transit_scores import alert_spells
 
@@ -35,16 +36,17 @@ RATES, DRAWS, WITHIN = (10.0, 2.0), 1000, (0.05, 0.95)
 """False alerts in 100 hours; draws of an interval."""
 MEDIAN, LATE = 10.0, 25.0
 """Of the reaction [s]: half are faster, and 95 %."""
-KNOWN, PARTS = Physics("the model, its coefficients drawn from their covariance"), 1
+KNOWN, PARTS = Physics("the model, its coefficients drawn from their covariance"), 2
 OTHERS = (
-    Physics("hands that change lines abruptly", abrupt=True), Physics("banks by distance", form="distance"),
+    Physics("hands that change lines abruptly", abrupt=True), Physics("banks exponential in the gap", exponential=True),
     Physics("coefficients twice as far off", spread=2.0), Physics("a tenth less water", depth=0.9 * DEPTH),
-    Physics("a current with shear", shear=0.5), Physics("hands of other kinds", other_hands=True),
+    Physics("a current with shear, ahead and across", shear=0.3), Physics("hands of other kinds", other_hands=True),
 )  # fmt: skip
 RULE, CURVED = "time to act and the hand: the package's rule", "curved by the rate of turn"
-MINUTE, LATELY, GEAR_TIME, TURNED, DOING = 60.0, 90.0, 15.0, np.radians(10.0), np.radians(10.0)
-"""In which "clear" is wrong; since a lapse began; in which a gear goes from one side to the other [s]; a turn of the
-rudder, and how near it is to what is advised where that is done already."""
+MINUTE, SEEN, DOING = 60.0, 10.0, np.radians(10.0)
+"""In which "clear" is wrong, and after which a lapse could be seen [s]; how near the rudder is to what is advised where
+that is done already."""
+WRONG_ORDER_TIMES = 0.0, 20.0, 30.0, 40.0, 50.0
 
 
 def by_time(time: np.ndarray) -> np.ndarray:
@@ -58,17 +60,8 @@ def predictors(run: Run) -> dict[str, np.ndarray]:
         "distance to the bank": by_time(run["room"]), CURVED: by_time(run["curve"]),
         "one run of the model": by_time(run["contact"]), "chance that the escape fails": run["failing"].astype(float),
         "time to act alone": by_time(left),
-        RULE: by_time(level_times(run)),
+        RULE: by_time(level_time(run["last_chance"], run["nobody"])),
     }  # fmt: skip
-
-
-def level_times(run: Run) -> np.ndarray:
-    """The time that makes the level, as the package learns what each hand lets come."""
-    hands, times = Helmsmen(run["room"].shape[1], LENGTH), []
-    for unattended, left, nobody in zip(run["unattended"], run["last_chance"], run["nobody"], strict=True):
-        hands.unattended = unattended
-        times.append(hands.level_time(left.astype(float), nobody.astype(float), EVERY))
-    return np.array(times)
 
 
 def spells(run: Run, number: np.ndarray, threshold: float, which: np.ndarray) -> dict[int, list[float]]:
@@ -118,7 +111,7 @@ def watch(number: int, folder: Path | None) -> Watch:
     runs, averts, gains = [], [], []
     before = np.arange(0.0, BEFORE + EVERY, EVERY)
     weights = np.diff(ndtr(np.log(np.maximum(before, 1e-9) / MEDIAN) / (np.log(LATE / MEDIAN) / 1.645)), prepend=0.0)
-    for seed, run in kept_runs(physics, number, range(1 if number else PARTS), folder, quiet=not number):
+    for seed, run in kept_runs(physics, number, range(1 if number else PARTS), folder):
         struck = np.ceil(run["struck"][run["met"]])
         which = np.repeat(np.arange(len(struck)), len(before))
         for found, kept in zip(
@@ -245,54 +238,62 @@ def of_levels(known: Watch) -> str:
 
 
 def of_others(known: Watch, folder: Path | None) -> str:
-    """Averted in truths of other kinds [%], at the thresholds of the known one; of these only lapses are sailed."""
-    rows = []
+    """Averted in truths of other kinds [%] and false alerts in 100 hours, at the thresholds of the known one."""
     chosen = [(name, threshold_at(known.runs, name, rate)) for name in (RULE, CURVED) for rate in RATES]
+    rows = []
     for number, physics in enumerate((KNOWN, *OTHERS)):
         other = watch(number, folder)
-        cells = []
-        for name, threshold in chosen:
-            found = score(other, name, (threshold, threshold))
-            cells.append(percent(found.averted))
-        rows.append((physics.words, f"{other.contacts}", *cells, percent(bound(other))))
-    heads = "contacts", "rule at 10", "rule at 2", "curved at 10", "curved at 2", "bound"
-    return markdown(("truth", *heads), rows)
+        found = [score(other, name, (threshold, threshold)) for name, threshold in chosen]
+        false = ["; ".join(f"{one.false[0]:.0f}" for one in pair) for pair in (found[:2], found[2:])]
+        rule, curved = ([percent(one.averted) for one in pair] for pair in (found[:2], found[2:]))
+        rows.append((
+            physics.words, f"{other.contacts} in {sum(len(run['struck']) for run in other.runs)}",
+            *rule, false[0], *curved, false[1], percent(bound(other)),
+        ))  # fmt: skip
+    of_rule, of_curved = (
+        (f"{words} at 10", f"{words} at 2", f"{words}: false at 10; at 2") for words in ("rule", "curved")
+    )
+    return markdown(("truth", "contacts", *of_rule, *of_curved, "bound"), rows)
 
 
 def of_clear(known: Watch) -> str:
-    """How often "clear" was shown within a minute before the last chance went, and what could be known then."""
-    gone, sudden, ordered, left, shown, ticks = 0, 0, [], [], 0, 0
-    for run in known.runs:
-        calm = np.isinf(run["last_chance"]) & (run["as_is"] <= CLEAR_SHARE) & (run["room"] >= NEAR_MISS)
-        shown, ticks = shown + int(calm[:, normal(run)].sum()), ticks + calm[:, normal(run)].size
-        t = FROM + EVERY * np.arange(len(calm))
-        goes = (run["last_chance"][1:] < 0) & (run["last_chance"][:-1] >= 0) & (t[1:, None] < run["struck"])
-        for place, ship in np.argwhere(goes):
-            minute = slice(max(place + 1 - int(MINUTE / EVERY), 0), place + 1)
-            gone, since = gone + 1, t[place + 1] - run["when"][ship]
-            ordered += [since] if run["kind"][ship] == 1 and 0.0 <= since <= BEFORE else []
-            if calm[minute, ship].any():
-                clear = float(t[minute][calm[minute, ship]][-1])
-                left.append(after_turn(run, ship, clear, float(t[place + 1])))
-                sudden += bool(np.isfinite(left[-1]) or 0.0 <= since <= LATELY)
-    turns = [time for time in left if np.isfinite(time)]
-    return (
-        f'The last chance went {gone} times. "Clear" was shown within 60 s before in {len(left)}; in {sudden} of these '
-        "the rudder was turned by more than 10 degrees then, or a lapse (a wrong order, a bank that grows up to "
-        'fourfold) had begun within 90 s. The status then left "clear" at the latest '
-        f"{max(turns, default=0.0):.0f} s after a turn of 10 degrees. Of {len(ordered)} wrong orders, "
-        f"{sum(time <= MINUTE for time in ordered)} took the last chance within 60 s, the fastest in "
-        f'{min(ordered, default=np.nan):.0f} s. A ship without a lapse is "clear" in {100 * shown / ticks:.0f} % of '
-        "the time."
+    """How often "clear" was told within a minute before the last chance went, by what a wrong order must leave."""
+    rows = []
+    for least in WRONG_ORDER_TIMES:
+        told, shares = [], []
+        for run in known.runs:
+            calm = np.isinf(run["last_chance"]) & (run["as_is"] <= CLEAR_SHARE) & (run["room"] >= NEAR_MISS)
+            calm &= run["wrong_order"] >= least
+            told += clear_before(run, calm)
+            shares.append(calm[:, normal(run)].mean())
+        kinds, since = np.array(told).reshape(-1, 2).T
+        counts = (f"{(kinds == kind).sum()}, {((kinds == kind) & (since >= SEEN)).sum()}" for kind in range(4))
+        rows.append((f"{least:.0f} s" if least else "no matter", *counts, f"{100 * np.mean(shares):.0f}"))
+    gone = sum(int(last_chances_gone(run).sum()) for run in known.runs)
+    text = (
+        f'The last chance went {gone} times. How often "clear" was told within {MINUTE:.0f} s before, and how often '
+        f"{SEEN:.0f} s or more after the lapse began:"
     )
+    return f"{text}\n\n" + markdown(("a wrong order leaves", *LAPSES, "no lapse", "safe time clear [%]"), rows)
 
 
-def after_turn(run: Run, ship: int, clear: float, gone: float) -> float:
-    """Time from a rudder that has turned by 10 degrees to the end of "clear" [s]; infinite without such a turn."""
-    begin = max(int(clear - GEAR_TIME), 0)
-    rudder = run["seen"][begin : int(gone) + 1, 4, ship]
-    turned = np.abs(rudder - rudder[0]) > TURNED
-    return max(clear + EVERY - begin - int(turned.argmax()), 0.0) if turned.any() else np.inf
+def last_chances_gone(run: Run) -> np.ndarray:
+    t = FROM + EVERY * np.arange(1, len(run["last_chance"]))
+    goes = (run["last_chance"][1:] < 0) & (run["last_chance"][:-1] >= 0)
+    return np.asarray(goes & (t[:, None] < run["struck"]))
+
+
+def clear_before(run: Run, calm: np.ndarray) -> list[tuple[int, float]]:
+    """Kind of lapse, 3 without one, and how long after it began [s], of each last "clear" in such a minute."""
+    told = []
+    for place, ship in np.argwhere(last_chances_gone(run)):
+        minute = np.arange(max(place + 1 - int(MINUTE / EVERY), 0), place + 1)
+        clear = minute[calm[minute, ship]]
+        since = FROM + EVERY * clear[-1:] - run["when"][ship]
+        # A lapse that began more than five minutes before is not the cause.
+        lapse = run["lapse"][ship] and (since < BEFORE).all()
+        told += [(int(run["kind"][ship]) if lapse else len(LAPSES), float(one)) for one in since]
+    return told
 
 
 def text(folder: Path | None = None, others: bool = False) -> str:
@@ -300,7 +301,8 @@ def text(folder: Path | None = None, others: bool = False) -> str:
     counted = f"{known.contacts} contacts in {sum(len(run['struck']) for run in known.runs)} transits of an hour."
     parts = [counted, of_predictors(known), "The levels as they are:", of_levels(known), of_clear(known)]
     if others:
-        parts += ["Truths of other kinds, at the thresholds of the first row:", of_others(known, folder)]
+        words = "Truths of other kinds, at the thresholds that all transits of the first row set:"
+        parts += [words, of_others(known, folder)]
     return "\n\n".join(parts)
 
 

@@ -4,7 +4,15 @@ import numpy as np
 
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.unscented import Gaussian
-from narrows.warning.forecasting.forecaster import AFTER, ESCAPE_TIME, TAKEOVERS, BridgePredictor, Forecaster, judged
+from narrows.warning.forecasting.forecaster import (
+    AFTER,
+    ESCAPE_TIME,
+    TAKEOVERS,
+    BridgePredictor,
+    Forecaster,
+    judged,
+    wrong_order_chance,
+)
 from narrows.warning.forecasting.future_lanes import Case, FutureBlock
 from narrows.warning.forecasting.helmsman import Helmsmen
 from watched.truths import LENGTH, NARROWS, bend_at, modelled
@@ -13,8 +21,8 @@ AT_ONCE, SCOUTS = 8, 16
 """Ships that are looked at closely in one call; samples that are sailed first: where none of them meets a bank in any
 way, the chances are taken for 0, and the others stay at home."""
 COLUMNS = (
-    "room", "curve", "contact", "likely_chance", "last_chance", "nobody", "soon", "as_is", "failing",
-    "unattended", "helmsman",
+    "room", "curve", "contact", "likely_chance", "last_chance", "nobody", "as_is", "failing",
+    "unattended", "helmsman", "escapes", "wrong_order",
 )  # fmt: skip
 
 
@@ -25,8 +33,9 @@ class ForecastsAbreast:
         self.count, self.helmsmen = count, Helmsmen(count, LENGTH)
         self.close = Forecaster(estimator, members=members, escaping=members, ships=AT_ONCE)
         half, few = members // 2, min(SCOUTS, members) // 2
-        self._scouts = np.r_[:few, half : half + few]
-        self._first = self.close.laid_out(FutureBlock([Case(TAKEOVERS[-1] + ESCAPE_TIME)], count * len(self._scouts)))
+        self._scouts = self.close.members._normals[np.r_[:few, half : half + few]]
+        self._wrong = self.close.laid_out(FutureBlock(self.close.wrong_orders, count))
+        self._first = self.close.laid_out(FutureBlock([Case(TAKEOVERS[-1] + ESCAPE_TIME)], AT_ONCE * len(self._scouts)))
 
     def observe(self, mean: np.ndarray, rudder: np.ndarray) -> np.ndarray:
         """Take in how the rudders are used in a second; what is taken in."""
@@ -35,36 +44,47 @@ class ForecastsAbreast:
         self.helmsmen.update(*seen)
         return np.stack(seen)
 
-    def columns(self, known: Gaussian, rudder: np.ndarray, alive: np.ndarray) -> dict[str, np.ndarray]:
-        """What is forecast of each ship, by ``COLUMNS``; the rudder as it is indicated."""
-        law = self.helmsmen.law(known.mean[:, 3])
-        normals = self.close.members._normals[self._scouts]
-        scouts = self.close.samples(
-            self.close.members._samples(known.mean, known.root, normals), rudder, law, len(self._scouts)
-        )
-        (outcome,) = self._first([scouts])
-        met = np.isfinite(outcome.contact).reshape(self.count, -1).any(axis=1) & alive
-        told = {name: np.zeros(self.count) for name in COLUMNS}
+    def columns(self, known: Gaussian, rudder: np.ndarray, looked: np.ndarray) -> dict[str, np.ndarray]:
+        """What is forecast of the ships that are looked at, by ``COLUMNS``; the rudder as it is indicated."""
+        told = {name: np.zeros(self.count) for name in COLUMNS} | {"escapes": np.zeros((self.count, len(TAKEOVERS)))}
         for name in ("contact", "likely_chance", "last_chance"):
             told[name] += np.inf
-        for first in range(0, int(met.sum()), AT_ONCE):
-            here = np.flatnonzero(met)[first : first + AT_ONCE]
-            for name, values in self._closely(known, rudder, law, np.resize(here, AT_ONCE)).items():
+        met = [here[self._meets(known, rudder, here)[: len(here)]] for here in batches(np.flatnonzero(looked))]
+        for here in batches(np.concatenate([np.zeros(0, int), *met])):
+            for name, values in self._closely(known, rudder, np.resize(here, AT_ONCE)).items():
                 told[name][here] = values[: len(here)]
+        law = self._law(known, np.arange(self.count))
+        (wrong,) = self._wrong([self.close.samples(self.close.members.likely(known.mean), rudder, law, 1)])
+        told["wrong_order"] = wrong_order_chance(np.isfinite(wrong.contact))
         return {**told, **bridges_today(known.mean), "unattended": self.helmsmen.unattended.copy()}
 
-    def _closely(self, known: Gaussian, rudder: np.ndarray, law: dict, here: np.ndarray) -> dict[str, np.ndarray]:
-        forecaster, mean, root = self.close, known.mean[here], known.root[here]
-        helms = {name: values[here] for name, values in law.items()}
+    def _meets(self, known: Gaussian, rudder: np.ndarray, here: np.ndarray) -> np.ndarray:
+        """Which of some ships meet a bank at all if nobody acts, by the scouts."""
+        here = np.resize(here, AT_ONCE)
+        drawn = self.close.members._samples(known.mean[here], known.root[here], self._scouts)
+        (outcome,) = self._first([self.close.samples(drawn, rudder[here], self._law(known, here), len(self._scouts))])
+        return np.asarray(np.isfinite(outcome.contact).reshape(AT_ONCE, -1).any(axis=1))
+
+    def _law(self, known: Gaussian, here: np.ndarray) -> dict[str, np.ndarray]:
+        return {name: values[here] for name, values in self.helmsmen.law(known.mean[:, 3]).items()}
+
+    def _closely(self, known: Gaussian, rudder: np.ndarray, here: np.ndarray) -> dict[str, np.ndarray]:
+        forecaster, mean, root, law = self.close, known.mean[here], known.root[here], self._law(known, here)
         blocks = [
-            forecaster.samples(members.drawn(mean, root), rudder[here], helms, members.count)
+            forecaster.samples(members.drawn(mean, root), rudder[here], law, members.count)
             for members in (forecaster.members, forecaster.escaping)
         ]
-        blocks.append(forecaster.samples(forecaster.members.likely(mean), rudder[here], helms, 1))
+        blocks.append(forecaster.samples(forecaster.members.likely(mean), rudder[here], law, 1))
         outcomes = forecaster._lanes(blocks, 0.0)
         seen = judged(outcomes, AT_ONCE, len(forecaster.manoeuvres), self.helmsmen.unattended[here])
         failing = seen.failing[np.arange(AT_ONCE), seen.best, 0]
-        return {name: getattr(seen, name) for name in COLUMNS[2:8]} | {"failing": failing, "helmsman": seen.helmsman}
+        return {name: getattr(seen, name) for name in COLUMNS[2:7]} | {
+            "failing": failing, "helmsman": seen.helmsman, "escapes": seen.failing.min(axis=1),
+        }  # fmt: skip
+
+
+def batches(ships: np.ndarray) -> list[np.ndarray]:
+    return [ships[first : first + AT_ONCE] for first in range(0, len(ships), AT_ONCE)]
 
 
 def bridges_today(mean: np.ndarray) -> dict[str, np.ndarray]:

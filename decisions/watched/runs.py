@@ -21,12 +21,14 @@ STATE = ("x", "y", "cos_psi", "sin_psi", "u", "v", "r", "rudder", "order", "t")
 Run = dict[str, np.ndarray]
 
 
-def watched(physics: Physics, seed: int, quiet: bool, count: int = ABREAST, members: int = MEMBERS) -> Run:
-    """Transits of ships, and what is forecast about their lapses, and where wanted all the time of the others."""
+def watched(physics: Physics, seed: int) -> Run:
+    """Transits of ships: what is forecast about their lapses, and of the others all the time."""
     estimator = Estimator(modelled(), SENSORS, waterway=waterway())
-    ships, filters = departing(physics, count, seed).fresh(seed + 1), FiltersAbreast(estimator, count)
-    hands, sensors = Hands(ships, physics.abrupt), SensorErrors(filters, seed + 1)
-    forecasts, before, told = ForecastsAbreast(estimator, count, members), ships.indicated, []
+    ships = departing(physics, ABREAST, seed).fresh(seed + 1)
+    count = ships.count
+    filters, hands = FiltersAbreast(estimator, count), Hands(ships, physics.abrupt)
+    sensors = SensorErrors(filters, seed + 1)
+    forecasts, before, told = ForecastsAbreast(estimator, count, MEMBERS), ships.indicated, []
     seen = np.zeros((DURATION, 5, count), np.float32)
     states = np.zeros((DURATION, len(STATE), count), np.float32)
     for t in range(DURATION):
@@ -38,7 +40,7 @@ def watched(physics: Physics, seed: int, quiet: bool, count: int = ABREAST, memb
         seen[t] = forecasts.observe(filters.mean, now)
         if t >= FROM and (t - FROM) % EVERY == 0:
             since = t - ships.own["when"]
-            looked = np.where(ships.own["lapse"], (since > -AROUND[0]) & (since < AROUND[1]), quiet)
+            looked = ~ships.own["lapse"] | ((since > -AROUND[0]) & (since < AROUND[1]))
             told.append(forecasts.columns(filters.normal(), now, ships.alive & looked))
         before, states[t] = now, np.stack([ships.state[name] for name in STATE])
         hands.steer(t)
@@ -74,7 +76,7 @@ def averted(physics: Physics, seed: int, run: Run, met: np.ndarray, acts: np.nda
     rows = run["history"][met[tries], np.maximum(since[tries], 0)].astype(float)
     state = dict(zip(STATE, rows.T, strict=True))
     start = np.where(since[tries] < 0, run["struck"][which[tries]] - BEFORE, acts[tries])
-    ships = departing(physics, len(run["struck"]), seed).taken(which[tries], state, start, seed + 2)
+    ships = departing(physics, ABREAST, seed).taken(which[tries], state, start, seed + 2)
     limit = ships.model.configuration.gear.limit
     law = escape_numbers(0.0, LENGTH, limit)
     for _ in range(ESCAPED):
@@ -91,9 +93,7 @@ def _escape(ships: Ships, law: dict[str, float], limit: float) -> None:
     state["order"] = np.clip(-law["by_psi"] * (ships.psi - course) - turn, -limit, limit)
 
 
-def kept_runs(
-    physics: Physics, number: int, parts: range, folder: Path | None, quiet: bool
-) -> Iterator[tuple[int, Run]]:
+def kept_runs(physics: Physics, number: int, parts: range, folder: Path | None) -> Iterator[tuple[int, Run]]:
     """Runs of a kind with their seeds; those that are kept in the folder are not sailed again."""
     for part in parts:
         path, seed = folder / f"{number}-{part:03d}.npz" if folder else None, 1000 * number + part
@@ -101,7 +101,7 @@ def kept_runs(
             with np.load(path) as kept:
                 yield seed, dict(kept)
             continue
-        run = watched(physics, seed, quiet)
+        run = watched(physics, seed)
         if path:
             path.parent.mkdir(parents=True, exist_ok=True)
             unfinished = path.with_suffix(".part.npz")

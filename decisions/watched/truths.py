@@ -38,6 +38,8 @@ AREA, LEVER, WIND, GUST, BLOWS = 6000.0, 15.0, 14.0, 60.0, 4
 """Of the ship above water [m2], of the wind forward of midship [m]; fastest wind [m/s], how long [s], how often."""
 MEETING, MEETINGS, MEETING_LEVER = 45.0, 3, 30.0
 """How long another ship is felt [s], how often, and how far off midship [m]."""
+SHEAR_LENGTH = 500.0
+"""A current with shear changes its direction in so many metres, times pi."""
 STRENGTH, CURRENT, BIAS = 0.15, 0.3, np.radians(0.5)
 """Standard deviations: of the banks' strength, the current along [m/s], and the rudder's indicator."""
 HANDS = {"steady": (0, 10, 1.0), "late": (4, 12, 1.0), "over-steering": (3, 8, 1.7), "change-over": (0, 10, 1.0)}
@@ -53,11 +55,11 @@ class Physics:
     """What the ships are, that the warning takes for another."""
 
     words: str  # For the table
-    form: str = "as modelled"  # Of the bank's terms: ``as modelled``, or ``distance``
+    exponential: bool = False  # Whether banks act by the exponential of the gap beside the hull
     spread: float = 1.0  # Times the standard deviations of the coefficients
     depth: float = DEPTH  # Of the water [m]
-    shear: float = 0.0  # Of the current: how much it changes along the way [m/s]
-    other_hands: bool = False  # Whether hands are of kinds that chose no threshold
+    shear: float = 0.0  # Of the current: how much it changes along the way, ahead and across [m/s]
+    other_hands: bool = False  # Whether hands steer by a law of their own, in steps of 5 degrees
     abrupt: bool = False  # Whether hands steer to another line at once, with all the rudder that this takes
 
 
@@ -70,30 +72,24 @@ def modelled() -> nw.Model:
 def true_model(physics: Physics) -> nw.Model:
     """The ship as it is, before its coefficients are drawn."""
     known = modelled()
-    if physics.form == "distance":
-        return _other_form(known)
     model = known if physics.depth == DEPTH else nw.at_depth(known, physics.depth).model
     return replace(model, covariance=model.covariance * physics.spread**2)
 
 
-def _other_form(known: nw.Model) -> nw.Model:
-    """Banks whose force goes with the distance, as strong as those of the model at 40 m off the middle."""
-    table, at = table_named("steered+distance"), nw.Motion.at(y=40.0, u=SPEED)
-    shared = [name for name in table.names if name in known.coefficients]
-    values = {name: known.coefficients.get(name, 0.0) for name in table.names}
-    values |= {term.name: 1.0 for term in table.terms if term.from_bank}
-    bare = nw.Model(known.configuration, table, values)
-    wanted, unit = known.bank_forces(at), bare.bank_forces(at)
-    scales = {
-        term.name: wanted[force] / unit[force]
-        for force, terms in table.forces.items() for term in terms if term.from_bank and unit[force]
-    }  # fmt: skip
-    covariance = np.zeros((len(table.names), len(table.names)))
-    there, here = ([names.index(name) for name in shared] for names in (table.names, known.terms.names))
-    covariance[np.ix_(there, there)] = known.covariance[np.ix_(here, here)]
-    banks = [table.names.index(name) for name in scales]
-    covariance[banks], covariance[:, banks] = 0.0, 0.0
-    return replace(bare.with_coefficients(**scales), covariance=covariance)
+@cache
+def exponential_scales() -> tuple[float, float]:
+    """Force [N s2/m2] and moment [N s2/m] of exponential banks: the model's, 40 m off the middle."""
+    y, force = 40.0, modelled().bank_forces(nw.Motion.at(y=40.0, u=SPEED))
+    unit = exponential_difference(np.array([y]), np.zeros(1), WIDTH / 2)[0] * SPEED**2
+    return force["Y"] / unit, force["N"] / unit
+
+
+def exponential_difference(y: np.ndarray, psi: np.ndarray, half_width: Any) -> np.ndarray:
+    """Difference of exp(-gap / beam) to starboard and to port, the mean of two places of the hull."""
+    beam = modelled().configuration.ship.beam
+    ends = y + np.array([[-0.25], [0.25]]) * LENGTH * np.sin(psi)
+    starboard, port = (np.exp(-(half_width - side * ends - beam / 2) / beam) for side in (1.0, -1.0))
+    return np.asarray((starboard - port).mean(axis=0))
 
 
 @cache
@@ -196,11 +192,13 @@ class Ships:
         self.least = np.where(going, np.minimum(self.least, self.clearance()), self.least)
 
     def _drift(self, going: np.ndarray) -> None:
-        current = self.own["current"] + self.own["shear"] * np.sin(self.state["x"] / 500.0)
-        gone = current * DT * going
+        phase, shear = self.state["x"] / SHEAR_LENGTH, self.own["shear"] * going
+        gone = (self.own["current"] * going + shear * np.sin(phase)) * DT
         psi = self.psi - self.bend * gone
-        self.state["x"] = self.state["x"] + gone
-        self.state |= {"cos_psi": np.cos(psi), "sin_psi": np.sin(psi)}
+        # Through the water the ship moves against a current across that it comes into.
+        change = shear * np.cos(phase) * self.state["u"] / SHEAR_LENGTH * DT
+        self.state |= {"y": self.state["y"] + shear * np.sin(phase) * DT, "v": self.state["v"] - change}
+        self.state |= {"x": self.state["x"] + gone, "cos_psi": np.cos(psi), "sin_psi": np.sin(psi)}
 
     def clearance(self) -> Any:
         """Of the hull's corners to the banks [m]."""
@@ -212,7 +210,9 @@ class Ships:
         acts = (self.t >= own["when"]) & (self.t < own["when"] + own["bank lasts"])
         strength = own["strength"] + own["bank grows"] * acts
         force, moment = self._pushes()
-        banks = {name: strength * self.own[name] for name in self.banks}
+        other = strength * own["exponential"] * self.state["u"] ** 2 * self._exponential_banks()
+        force, moment = force + exponential_scales()[0] * other, moment + exponential_scales()[1] * other
+        banks = {name: strength * (1.0 - own["exponential"]) * own[name] for name in self.banks}
         columns = {PARAMETER("order"): self.order, "Y_in": force, "N_in": moment}
         columns |= self._constants({**self._values, **self.coefficients, **banks})
         for name, column in columns.items():
@@ -220,6 +220,10 @@ class Ships:
                 sailing.vessel_inputs[:, inputs[name]] = column
         for place, name in enumerate(sailing.kernel.KEPT_NAMES):
             sailing.start[:, place] = self.state.get(name, 0.0)
+
+    def _exponential_banks(self) -> np.ndarray:
+        half = np.interp(self.state["x"], *np.array(NARROWS).T)
+        return exponential_difference(self.state["y"], self.psi, half)
 
     def _pushes(self) -> tuple[np.ndarray, np.ndarray]:
         """Of gusts, and of ships that pass: a push and then a pull."""
@@ -303,6 +307,7 @@ def _drawn(physics: Physics, count: int, lapses: int, seed: int) -> Ships:
         "blows": draw.uniform(60, DURATION, (n, BLOWS)), "meets": draw.uniform(200, DURATION, (n, MEETINGS)),
         "passing": push * draw.uniform(4, 10, (n, MEETINGS)) ** 2 * draw.choice([-1, 1], (n, MEETINGS)),
         "strength": 1 + STRENGTH * draw.standard_normal(n), "shear": np.full(n, physics.shear),
+        "exponential": np.full(n, float(physics.exponential)), "other hand": np.full(n, float(physics.other_hands)),
         "current": CURRENT * draw.standard_normal(n), "bias": BIAS * draw.standard_normal(n),
         "delay": hands[hand, 0], "interval": hands[hand, 1], "boldness": hands[hand, 2],
         "changes": (hand == 3) & ~np.array(physics.other_hands),
@@ -321,6 +326,7 @@ class Hands:
         self.ships, self._seen = ships, deque[dict[str, np.ndarray]](maxlen=16)
         self._line, self.abrupt = ships.own["lines"][:, 0].copy(), abrupt
         self._memory: Mapping[str, Any] = {}
+        self._trim = np.zeros(ships.count)
 
     def steer(self, t: int) -> None:
         """Give the orders of a second."""
@@ -333,23 +339,37 @@ class Hands:
         due = (t % own["interval"] == 0) & ~away & ~changing
         left = own["lines"][np.arange(ships.count), ships.epoch] - self._line
         self._line += left if self.abrupt else np.clip(left, -CROSSING * SPEED, CROSSING * SPEED)
-        if due.any():
+        if due.any() and ships.own["other hand"].any():
+            self._order_by_course(due)
+        elif due.any():
             self._order(t, due)
         ships.state["order"] = np.where(wrong, own["wrong"], ships.order)
+
+    def _seen_late(self) -> dict[str, np.ndarray]:
+        """What each hand steers by: the state some seconds ago."""
+        back = len(self._seen) - 1 - np.minimum(self.ships.own["delay"].astype(int), len(self._seen) - 1)
+        rows = np.arange(self.ships.count)
+        return {name: np.stack([one[name] for one in self._seen])[back, rows] for name in self._seen[-1]}
+
+    def _order_by_course(self, due: np.ndarray) -> None:
+        """An order in steps of 5 degrees to a course to the line, two lengths ahead; what is held long is trim."""
+        ships, seen = self.ships, self._seen_late()
+        course = np.clip((self._line - seen["y"]) / (2.0 * LENGTH), -0.1, 0.1)
+        turn = (seen["r"] - bend_at(seen["x"]) * seen["u"]) * LENGTH / seen["u"]
+        self._trim = np.clip(self._trim + due * 0.02 * (course - seen["psi"]), -0.2, 0.2)
+        wanted = (1.5 * (course - seen["psi"]) - 1.5 * turn) * ships.own["boldness"] + self._trim
+        step = np.radians(5.0)
+        wanted = np.clip(step * np.round(wanted / step), -4.0 * step, 4.0 * step)
+        ships.state["order"] = np.where(due, wanted, ships.order)
 
     def _order(self, t: int, due: np.ndarray) -> None:
         ships, gear = self.ships, self.ships.model.configuration.gear
         law = helm(self._line)
-        back = len(self._seen) - 1 - np.minimum(ships.own["delay"].astype(int), len(self._seen) - 1)
-        rows = np.arange(ships.count)
-        seen = {name: np.stack([one[name] for one in self._seen])[back, rows] for name in self._seen[-1]}
-        at = {**seen, **law.parameters(), "rudder": ships.state["rudder"], "t": float(t), "dt": ships.own["interval"]}
-        at |= {
-            "current": 0.0,
-            "rudder_limit": gear.limit,
-            "rudder_rate": gear.rate,
+        at = {
+            **self._seen_late(), **law.parameters(), "rudder": ships.state["rudder"], "t": float(t),
+            "dt": ships.own["interval"], "current": 0.0, "rudder_limit": gear.limit, "rudder_rate": gear.rate,
             "water": lambda name, x: bend_at(x),
-        }
+        }  # fmt: skip
         memory = self._memory or law.memory(at)
         orders, after = law.orders(SimpleNamespace(**{**at, **memory}))
         move = (orders["rudder"] - ships.state["rudder"]) * ships.own["boldness"]

@@ -37,13 +37,15 @@ def estimate(t: float, now: Mapping[str, float] | None = NOW) -> Estimate:
     return Estimate(t, StateNames(STATES), normal, now is not None, {})
 
 
-def forecast(contact: float = math.inf, last_chance: float = math.inf, unattended: float = 0.4) -> BankForecast:
+def forecast(
+    contact: float = math.inf, last_chance: float = math.inf, unattended: float = 0.4, wrong_order: float = 50.0
+) -> BankForecast:
     side = "starboard" if math.isfinite(contact) else ""
     escape = Escape("then steady parallel to the bank", math.radians(-35), math.radians(35), 21.0)
     likely = LikelyRun(contact, side, last_chance)
-    chances = (0.0, 1.0, unattended, 0.2, 0.3) if math.isfinite(contact) else (0.0, 0.0, unattended, 0.0, 0.0)
+    chances = (0.0, 1.0, unattended, 0.3) if math.isfinite(contact) else (0.0, 0.0, unattended, 0.0)
     return BankForecast(
-        0.0, likely, last_chance, last_chance, *chances, escape, contact, 0.1, -0.3, math.radians(35), tracks()
+        0.0, likely, last_chance, *chances, wrong_order, escape, contact, 0.1, -0.3, math.radians(35), tracks()
     )  # fmt: skip
 
 

@@ -189,7 +189,7 @@ def test_the_most_urgent_comes_first_and_what_is_over_last() -> None:
 
 def forecast(left: float = math.inf, gone: bool = False) -> BankForecast:
     escape, likely = Escape("then steady", -0.6, 0.6, 20.0), LikelyRun(50.0, "port", -1.0 if gone else 10.0)
-    return BankForecast(0.0, likely, left, left, 0.0, 1.0, 1.0, 0.0, 0.0, escape, 50.0, 0.0, 0.1, 0.6)
+    return BankForecast(0.0, likely, left, 0.0, 1.0, 1.0, 0.0, 50.0, escape, 50.0, 0.0, 0.1, 0.6)
 
 
 USUAL = Thresholds()
@@ -198,13 +198,13 @@ USUAL = Thresholds()
 @pytest.mark.parametrize(
     ("told", "level"),
     [
-        ({}, Priority.NONE), ({"left": 60.1}, Priority.NONE), ({"left": 60.0}, Priority.CAUTION),
-        ({"left": 30.0}, Priority.WARNING), ({"left": 15.0}, Priority.ALARM), ({"left": -1.0}, Priority.ALARM),
+        ({}, Priority.NONE), ({"left": 90.1}, Priority.NONE), ({"left": 90.0}, Priority.CAUTION),
+        ({"left": 60.0}, Priority.WARNING), ({"left": 30.0}, Priority.ALARM), ({"left": -1.0}, Priority.ALARM),
         ({"left": -1.0, "gone": True}, Priority.EMERGENCY_ALARM),
     ],
 )  # fmt: skip
 def test_the_time_that_is_left_to_act_makes_the_level(told: dict[str, float], level: Priority) -> None:
-    """A minute, 30 s, 15 s."""
+    """90 s, 60 s, 30 s."""
     assert Thresholds().level(forecast(**told)) is level
 
 
@@ -226,7 +226,7 @@ def test_a_spike_is_no_alert() -> None:
     ] * 4
 
 
-@pytest.mark.parametrize("wrong", [{"caution": 20.0}, {"warning": 70.0}, {"alarm": math.nan}])
+@pytest.mark.parametrize("wrong", [{"caution": 20.0}, {"warning": 100.0}, {"alarm": math.nan}])
 def test_thresholds_that_are_none_are_refused(wrong: dict[str, float]) -> None:
     with pytest.raises(nw.InputError, match=next(iter(wrong))):
         Thresholds(**wrong)

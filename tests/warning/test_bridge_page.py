@@ -71,6 +71,8 @@ def test_nothing_is_clear_while_a_last_chance_or_a_contact_comes() -> None:
     assert Watched().status(replace(forecast(), as_is=0.02)).word == "watch"
     assert Watched().status(forecast(), now=NOW | {"y": 110.0}).word == "watch"  # 18 m to starboard
     assert Watched().status(forecast(), now=NOW | {"y": 105.0}).word == "clear"
+    wrong = Watched().status(forecast(wrong_order=32.5))
+    assert (wrong.word, wrong.headline) == ("watch", "32 s to act after a wrong order hard over")
 
 
 def test_water_to_both_sides_is_that_of_geometry() -> None:

@@ -12,7 +12,7 @@ from transit import SENSORS, SPEED, canal, estimate, estimator, ship
 import narrows as nw
 from narrows.estimation import Estimator
 from narrows.warning.forecasting import helmsman
-from narrows.warning.forecasting.forecast import BankForecast
+from narrows.warning.forecasting.forecast import BankForecast, level_time
 from narrows.warning.forecasting.forecaster import Forecaster, Members, crossing, rudder_needed
 from narrows.warning.forecasting.future_lanes import Case
 from narrows.warning.forecasting.helmsman import Helmsmen, LineOfSight, escape_numbers
@@ -49,7 +49,8 @@ class Law(LineOfSight):
 def sailed(state: dict[str, float], model: nw.Model, case: Case, rudder: float, current: float, t: float) -> nw.Voyage:
     """The same future as one voyage."""
     length, limit = model.configuration.ship.length, model.configuration.gear.limit
-    numbers = {**escape_numbers(0.0, length, limit), "since": case.since, "ordered": rudder}
+    ordered = rudder if case.ordered is None else case.ordered
+    numbers = {**escape_numbers(0.0, length, limit), "since": case.since, "ordered": ordered}
     numbers["by_r"] = numbers["by_r"] / state["u"]
     told = {name: state[name] for name in STATE}
     water = canal().with_water(current=current)
@@ -116,9 +117,9 @@ def test_members_are_drawn_from_what_is_known(coefficients: str) -> None:
 
 def test_in_the_middle_nothing_is_met_and_towards_a_bank_everything() -> None:
     calm, lost = forecast(0.0), forecast(100.0, 0.3, 0.5)
-    assert calm.soon == calm.nobody == 0.0
+    assert calm.as_is == calm.nobody == 0.0
     assert calm.last_chance == calm.likely.contact == math.inf
-    assert lost.soon > 0.9
+    assert lost.as_is > 0.9
     assert lost.gone
     assert lost.likely.gone
     assert lost.side == "starboard"
@@ -145,6 +146,24 @@ def test_the_later_somebody_acts_the_more_samples_are_lost() -> None:
 def test_the_last_chance_lies_before_the_contact_and_that_of_the_likely_ship_later() -> None:
     told = forecast(40.0, 0.2, 0.5)
     assert told.last_chance <= told.likely.last_chance < told.likely.contact
+
+
+def test_a_wrong_order_leaves_the_time_that_voyages_have() -> None:
+    """Hard over to the worse side, by the plain engine: 2.5 s sooner an escape is in time, 2.5 s later it is not."""
+    now = estimate(30.0, 0.0)
+    told = forecaster()(now, {"rudder": 0.0}, nobody_yet())
+    model = by_bank(now.values["bank"], dict(ship().coefficients))
+    limit, rudder = ship().configuration.gear.limit, now.values["rudder_bias"]
+    assert 10.0 < told.wrong_order < 60.0
+
+    def grounded(since: float) -> bool:
+        cases = [Case(since + 100.0, since, ordered=order) for order in (-limit, limit)]
+        voyages = [sailed(now.values, model, one, rudder, now.values["current"], one.duration) for one in cases]
+        return any(voyage.outcome.kind in ("grounded", "left validity") for voyage in voyages)
+
+    assert not grounded(told.wrong_order - 2.5)
+    assert grounded(told.wrong_order + 2.5)
+    assert forecast(100.0, 0.3, 0.5).wrong_order < forecast(60.0).wrong_order < told.wrong_order
 
 
 def test_a_last_chance_is_where_rising_shares_cross() -> None:
@@ -188,18 +207,9 @@ def test_a_hand_at_work_is_seen_and_so_is_a_rudder_that_is_forgotten() -> None:
     assert steered(600, None).law(np.array([SPEED]))["by_psi"][0] == pytest.approx(1.2, rel=0.2)
 
 
-def test_the_time_that_makes_the_level_is_longer_where_somebody_acts_and_where_a_hand_often_waits() -> None:
-    """Ten times as long for a hand that acts for certain; up to three times for one that let 15 s come before."""
-    one = Helmsmen(2, 230.0)
-    one.unattended[:] = 0.01, 0.5  # Of the second nothing is learned.
-
-    def level(left: float, nobody: float = 1.0) -> list[float]:
-        return one.level_time(np.full(2, left), np.full(2, nobody)).tolist()
-
-    assert level(15.0) == [15.0, 15.0]
-    assert level(20.0, 0.0) == pytest.approx([200.0, 200.0])
-    assert level(10.0) == pytest.approx([30.0, 10.0], rel=0.01)
-    assert level(-1.0) == [0.0, 0.0]
+def test_the_time_that_makes_the_level_is_ten_times_as_long_where_somebody_acts() -> None:
+    left, nobody = np.array([15.0, 20.0, -1.0, math.inf]), np.array([1.0, 0.0, 1.0, 0.0])
+    assert level_time(left, nobody).tolist() == pytest.approx([15.0, 200.0, 0.0, math.inf])
 
 
 def test_the_odds_of_an_empty_helm_are_those_of_bayes_by_densities_of_student(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -211,7 +221,7 @@ def test_the_odds_of_an_empty_helm_are_those_of_bayes_by_densities_of_student(mo
     for _ in range(30):
         one.update(*(np.array([value]) for value in (0.0, 0.0, 0.0, SPEED, 0.3)))
         ratio = student.pdf(one.off, 3.0, scale=0.2) / student.pdf(one.off, 3.0, scale=0.07)
-        odds *= float(ratio[0]) ** (1.0 / 3.0)
+        odds *= float(ratio[0]) ** (1.0 / 4.0)
         assert one.unattended[0] == pytest.approx(odds / (1.0 + odds), rel=1e-6)
 
 

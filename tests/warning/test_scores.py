@@ -19,7 +19,7 @@ STILL = dict.fromkeys(("x", "y", "psi", "u", "v", "r"), 0.0)
 
 def told(left: float, curved: float = math.inf) -> BankForecast:
     escape, likely = Escape("then steady", -0.6, 0.6, 20.0), LikelyRun(math.inf, "", left)
-    return BankForecast(0.0, likely, left, left, 0.0, 1.0, 1.0, 0.0, 0.0, escape, curved, 0.0, 0.0, 0.6)
+    return BankForecast(0.0, likely, left, 0.0, 1.0, 1.0, 0.0, 50.0, escape, curved, 0.0, 0.0, 0.6)
 
 
 @pytest.mark.parametrize("every", [1.0, 2.0])
@@ -83,13 +83,13 @@ def test_scores_are_those_counted_by_hand() -> None:
 
 
 def test_predictors_count_in_their_own_thresholds() -> None:
-    """Distance 20 m, curved track 40 s, and the levels 60, 30 and 15 s."""
+    """Distance 20 m, curved track 40 s, and the levels 90, 60 and 30 s."""
     ready = SimpleNamespace(ready=True)
     scorer = TransitScorer("one", Thresholds())
     scorer.add(SimpleNamespace(t=7.0, clearance=50.0, estimate=ready, forecast=told(20.0, 25.0)))
     scorer.add(SimpleNamespace(t=9.0, clearance=10.0, estimate=SimpleNamespace(ready=False), forecast=None))
     scored = scorer.transit()
-    expected = [20 / 50, 40 / 25, 60 / 20, 30 / 20, 15 / 20]
+    expected = [20 / 50, 40 / 25, 90 / 20, 60 / 20, 30 / 20]
     np.testing.assert_allclose(scored.urgencies, [expected, [math.nan] * 5])
     np.testing.assert_array_equal(scored.last_chance, [20.0, math.nan])
     assert (scored.contact(5.0), scored.contact(50.1)) == (math.inf, 0.0)

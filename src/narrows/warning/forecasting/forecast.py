@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from narrows.results import BaseSummary
-from narrows.warning.settings import CLEAR_SHARE, HORIZON, TAKEOVERS
+from narrows.warning.settings import ATTENDED_SHARE, CLEAR_SHARE, HORIZON, TAKEOVERS, WRONG_ORDER_TIME
 
 NUMBERS = (
-    "t", "last_chance", "failing", "nobody", "unattended", "soon", "as_is", "curved", "rudder", "rudder_needed",
-    "rudder_limit", "rudder_margin",
+    "t", "last_chance", "failing", "nobody", "unattended", "as_is", "wrong_order", "curved", "rudder",
+    "rudder_needed", "rudder_limit", "rudder_margin",
 )  # fmt: skip
 
 
@@ -58,12 +58,11 @@ class BankForecast(BaseSummary):
     t: float  # When it was made [s]
     likely: LikelyRun  # The most likely run
     last_chance: float  # Last chance of the 95 % ship: infinite beyond the horizon, negative where it has passed [s]
-    level_time: float  # Time that makes the level [s]: longer where somebody probably acts in time
     failing: float  # Share of samples that meet a bank in spite of the best escape now [1]
     nobody: float  # Chance that a bank is met because nobody acts in time [1]
     unattended: float  # Chance that nobody is at the helm [1]
-    soon: float  # Chance of contact within a minute, the rudder as it is [1]
-    as_is: float  # The same within the horizon [1]
+    as_is: float  # Chance of contact within the horizon, the rudder as it is [1]
+    wrong_order: float  # Last chance of the likely ship after an order hard over to the worse side now [s]
     escape: Escape  # Best manoeuvre now
     curved: float  # [s] to contact on a track curved by the yaw rate; infinite beyond the horizon
     rudder: float  # Now [rad]
@@ -77,9 +76,15 @@ class BankForecast(BaseSummary):
         return self.last_chance < 0.0
 
     @property
+    def level_time(self) -> float:
+        """Time that makes the level [s]: longer where somebody probably acts in time."""
+        return float(level_time(self.last_chance, self.nobody))
+
+    @property
     def clear(self) -> bool:
-        """Whether no last chance is in sight, and next to no sample meets a bank."""
-        return self.last_chance == math.inf and self.as_is <= CLEAR_SHARE
+        """Whether no last chance is in sight, next to no sample meets a bank, and a wrong order would leave time."""
+        calm = self.last_chance == math.inf and self.as_is <= CLEAR_SHARE
+        return calm and self.wrong_order >= WRONG_ORDER_TIME
 
     @property
     def side(self) -> str:
@@ -115,6 +120,8 @@ class BankForecast(BaseSummary):
         """Text of the alert, in few words, the number first."""
         run = self.likely
         if not math.isfinite(self.last_chance):
+            if self.wrong_order < WRONG_ORDER_TIME:
+                return f"{max(self.wrong_order, 0.0):.0f} s to act after a wrong order hard over"
             return f"No contact within {HORIZON:.0f} s, rudder as it is"
         side = f" to {self.side}" if self.side else ""
         if self.gone:
@@ -127,3 +134,8 @@ class BankForecast(BaseSummary):
         escape = {**vars(self.escape), "words": self.escape.words()}
         likely = {**vars(self.likely), "gone": self.likely.gone}
         return {"summary": self.summary(), **own, "likely": likely, "escape": escape, "notes": [*self.notes]}
+
+
+def level_time(last_chance: np.ndarray | float, nobody: np.ndarray | float) -> np.ndarray:
+    """Return the time until the last chance, up to ten times as long where somebody acts in time [s]."""
+    return np.asarray(np.maximum(last_chance, 0.0) / (ATTENDED_SHARE + (1.0 - ATTENDED_SHARE) * nobody))

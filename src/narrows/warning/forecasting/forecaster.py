@@ -67,9 +67,15 @@ class Forecaster:
     @cached_property
     def _lanes(self) -> FutureLanes:
         count, cases = self.ships, escapes(self.manoeuvres, TAKEOVERS)
-        likely = [AS_IS, *escapes(self.manoeuvres, CHANCES)]
+        likely = [AS_IS, *escapes(self.manoeuvres, CHANCES), *self.wrong_orders]
         blocks = ((AS_IS, HELMSMAN), self.members.count), (cases, self.escaping.count), (likely, 1)
         return self.laid_out(*(FutureBlock(each, count * members) for each, members in blocks))
+
+    @cached_property
+    def wrong_orders(self) -> list[Case]:
+        """Futures with the rudder hard over to either side from now on, until an escape begins."""
+        limit, times = self.filter.model.configuration.gear.limit, settings.WRONG_ORDER_TAKEOVERS
+        return [Case(since + ESCAPE_TIME, since, STEADY, order) for order in (-limit, limit) for since in times]
 
     @cached_property
     def _track_lanes(self) -> FutureLanes:
@@ -102,8 +108,7 @@ class Forecaster:
         seen = judged(outcomes, self.ships, len(self.manoeuvres), helmsman.unattended)
         best = int(seen.best[0])
         tracks = self._tracks(mean, root, rudder, law, self._flow(now, positions), best)
-        level_time = helmsman.level_time(seen.last_chance, seen.nobody)
-        return self._forecast(estimate, positions, seen, tracks, float(level_time[0]), float(helmsman.unattended[0]))
+        return self._forecast(estimate, positions, seen, tracks, float(helmsman.unattended[0]))
 
     def _forecast(
         self,
@@ -111,7 +116,6 @@ class Forecaster:
         positions: Mapping[str, float],
         seen: "JudgedFutures",
         tracks: Tracks,
-        level_time: float,
         unattended: float,
     ) -> BankForecast:
         now, gear, best = estimate.values, self.filter.model.configuration.gear, int(seen.best[0])
@@ -122,9 +126,9 @@ class Forecaster:
         escape = Escape(self.manoeuvres[best].words, order, gear.limit, left)
         likely = LikelyRun(float(seen.contact[0]), _side(seen.side[0]), float(seen.likely_chance[0]))
         return BankForecast(
-            estimate.t, likely, float(seen.last_chance[0]), level_time, float(seen.failing[0, best, 0]),
-            float(seen.nobody[0]), unattended, float(seen.soon[0]), float(seen.as_is[0]), escape, self.curved(now),
-            rudder, needed, gear.limit, tracks,
+            estimate.t, likely, float(seen.last_chance[0]), float(seen.failing[0, best, 0]), float(seen.nobody[0]),
+            unattended, float(seen.as_is[0]), float(seen.wrong_order[0]), escape, self.curved(now), rudder, needed,
+            gear.limit, tracks,
         )  # fmt: skip
 
     def order(self, now: Mapping[str, float]) -> float:
@@ -198,9 +202,9 @@ class JudgedFutures(NamedTuple):
     failing: np.ndarray  # (ships, manoeuvres, takeovers) Share of samples that meet a bank all the same [1]
     best: np.ndarray  # Index of the best manoeuvre
     nobody: np.ndarray  # Chance that nobody acts in time [1]
-    soon: np.ndarray  # Chance of contact within a minute, the rudder as it is [1]
-    as_is: np.ndarray  # The same within the horizon [1]
+    as_is: np.ndarray  # Chance of contact within the horizon, the rudder as it is [1]
     helmsman: np.ndarray  # The same where the helmsman steers on [1]
+    wrong_order: np.ndarray  # Last chance after an order hard over to the worse side now [s]
 
 
 def judged(outcomes: list[Outcomes], ships: int, count: int, unattended: np.ndarray) -> JudgedFutures:
@@ -208,7 +212,8 @@ def judged(outcomes: list[Outcomes], ships: int, count: int, unattended: np.ndar
     as_is, helmsman = members.contact.reshape(2, ships, -1)
     failing = np.isfinite(escaping.contact).reshape(count, len(TAKEOVERS), ships, -1).mean(axis=-1)
     failing = np.maximum.accumulate(failing.transpose(2, 0, 1), axis=2)
-    single = np.isfinite(likely.contact[1:]).reshape(count, len(CHANCES), ships).transpose(2, 0, 1)
+    met, tries = np.isfinite(likely.contact[1:]), count * len(CHANCES)
+    single = met[:tries].reshape(count, len(CHANCES), ships).transpose(2, 0, 1)
     best_share = failing.min(axis=1)
     # Somebody comes back to the helm after an exponential time; from the last takeover on nobody is in time.
     side = np.where(np.isfinite(escaping.contact), escaping.side, 0)[-1].reshape(ships, -1).sum(axis=1)
@@ -219,8 +224,15 @@ def judged(outcomes: list[Outcomes], ships: int, count: int, unattended: np.ndar
         likely.contact[0], np.where(np.isfinite(likely.contact[0]), likely.side[0], side),
         crossing(CHANCES, single.min(axis=1), 0.5),
         crossing(TAKEOVERS, best_share, settings.FAILING_SHARE), failing, failing[:, :, :2].sum(axis=2).argmin(axis=1),
-        nobody, (as_is <= settings.SOON).mean(axis=1), np.isfinite(as_is).mean(axis=1), steered,
+        nobody, np.isfinite(as_is).mean(axis=1), steered,
+        wrong_order_chance(met[tries:]),
     )  # fmt: skip
+
+
+def wrong_order_chance(met: np.ndarray) -> np.ndarray:
+    """Return the last chance after an order to the worse side [s], of contacts (cases of both sides, ships)."""
+    times = np.array(settings.WRONG_ORDER_TAKEOVERS)
+    return crossing(times, met.reshape(2, len(times), -1).max(axis=0).T, 0.5)
 
 
 def crossing(times: np.ndarray, share: np.ndarray, limit: float) -> np.ndarray:

@@ -29,6 +29,7 @@ class Case(NamedTuple):
     duration: float  # Length of the forecast [s]
     since: float = NEVER  # When the rudder is taken over [s]
     manoeuvre: Manoeuvre | None = None  # None: the helmsman steers as in the last minutes
+    ordered: float | None = None  # Rudder until then [rad]; None: as it is
 
 
 class FutureBlock(NamedTuple):
@@ -114,7 +115,8 @@ class FutureLanes:
     def _law(self, case: Case, ships: Ships, turns: float) -> dict[str, Any]:
         """Numbers of the law in a case."""
         hull, gear = self.ship.model.configuration.ship, self.ship.model.configuration.gear
-        numbers: dict[str, Any] = {"since": case.since, "ordered": ships.rudder}
+        ordered = ships.rudder if case.ordered is None else case.ordered
+        numbers: dict[str, Any] = {"since": case.since, "ordered": ordered}
         if case.manoeuvre is None:
             numbers |= {"approach": 10.0, **ships.helmsman}
             numbers["since"] = np.maximum(numbers["since"], case.since)

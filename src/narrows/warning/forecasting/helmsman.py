@@ -21,16 +21,11 @@ from narrows.quantities.arithmetic import choice, clip
 from narrows.results import BaseSummary
 from narrows.simulation.controllers import ORDER_TOLERANCE, Named
 from narrows.warning.settings import (
-    ATTENDED_SHARE,
     DEVIATION_TIME,
     ENGINE_KICK,
     ESCAPE_ANGLE,
     ESCAPE_HEADING_GAIN,
     ESCAPE_TURN_GAIN,
-    HABIT_FACTOR,
-    HABIT_MEMORY,
-    HABIT_TIME,
-    HABIT_UNATTENDED,
     HELM_DELAYS,
     HELM_FREEDOM,
     HELM_GAINS,
@@ -40,7 +35,6 @@ from narrows.warning.settings import (
     LEAST_HELM_LIMIT,
     LEAST_HELM_SCATTER,
     ORDER_INTERVAL,
-    PERIOD,
     REACH_LENGTHS,
     RETURN_TIME,
     RUDDER_MOVES,
@@ -64,8 +58,6 @@ class Helmsmen:
         self.unattended = np.full(count, 0.02)  # Chance that nobody steers [1]
         self.off = np.zeros(count)  # The rudder from the law's [rad]
         self.limit = np.full(count, LEAST_HELM_LIMIT)  # The largest angle that is used [rad]
-        # Shortest level time that this hand let come: of the last half hour, and of now [s].
-        self._shortest, self._dip = np.full(count, np.inf), np.full(count, np.inf)
         self._held: np.ndarray | None = None  # Angle of the rudder since it last moved [rad]
 
     @property
@@ -94,25 +86,16 @@ class Helmsmen:
     def _judge(self, rudder: np.ndarray) -> None:
         """One step of the filter of the hidden state."""
         self._held = rudder.copy() if self._held is None else self._held
-        moved = np.abs(rudder - self._held) > RUDDER_MOVES
+        step = rudder - self._held
+        moved = np.abs(step) > RUDDER_MOVES
+        # Only a move that brings the rudder nearer to the law shows a hand at work: a wrong order does not.
+        steered = moved & (np.abs(self.off) < np.abs(self.off - step))
         self._held = np.where(moved, rudder, self._held)
         before = self.unattended + (1.0 - self.unattended) / LAPSE_INTERVAL - self.unattended / RETURN_TIME
         scatter = np.sqrt(self._squares[np.arange(self.count), self._best])
         evidence = (log_student(self.off, UNATTENDED_SCATTER) - log_student(self.off, scatter)) / DEVIATION_TIME
-        odds = np.log(before / (1.0 - before)) + evidence + moved * math.log(UNATTENDED_MOVES * ORDER_INTERVAL)
+        odds = np.log(before / (1.0 - before)) + evidence + steered * math.log(UNATTENDED_MOVES * ORDER_INTERVAL)
         self.unattended = np.clip(1.0 / (1.0 + np.exp(-odds)), *UNATTENDED_BOUNDS)
-
-    def level_time(self, last_chance: np.ndarray, nobody: np.ndarray, period: float = PERIOD) -> np.ndarray:
-        """Return the time that makes the level [s]: longer where somebody probably acts, or this hand often waits."""
-        time = np.maximum(last_chance, 0.0) / (ATTENDED_SHARE + (1.0 - ATTENDED_SHARE) * nobody)
-        usual = np.clip(HABIT_TIME / np.maximum(self._shortest, 1.0), 1.0, HABIT_FACTOR)
-        # A dip counts once it is over, and only if a hand ended it.
-        over = time > HABIT_TIME
-        self._shortest *= math.exp(period / HABIT_MEMORY)
-        self._shortest = np.where(over, np.minimum(self._shortest, self._dip), self._shortest)
-        self._dip = np.where(over, np.inf, np.minimum(self._dip, time))
-        self._dip[self.unattended > HABIT_UNATTENDED] = np.inf
-        return np.asarray(time * usual)
 
     def _learn(self, seen: np.ndarray, off: np.ndarray, weight: np.ndarray) -> None:
         """One step of the Kalman filters; what is done while nobody steers teaches nothing."""
