@@ -1,14 +1,17 @@
 """What is not known counts as not tested: nothing is called safe by default."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import narrows as nw
+from narrows.cli.envelopes import SectionOptions
 from narrows.model.data_range import DataRange
 from narrows.safety.caveats import data_coverage, left_out, untested_reasons
 from narrows.warning.monitoring import bridge_monitor
+from narrows.warning.monitoring.watched_transit import TransitLog
 
 OFFSETS, SPEEDS = np.linspace(-60, 60, 7), np.array([3.0, 4.0])
 KNOWN = DataRange(*((0.0, 1e6),) * 6)
@@ -105,3 +108,34 @@ def test_the_monitor_names_ranges_that_are_not_known(with_bank: nw.Model) -> Non
     unknown = replace(with_bank, data_range=DataRange())
     told = bridge_monitor.extrapolations(unknown, way, estimate)
     assert any("surge velocity" in sentence for sentence in told)
+
+
+class TestWaterwayWithoutDepth:
+    """Every door says in one note which depth it took."""
+
+    model = nw.published("estimated_kcs")
+    waterway = nw.straight_waterway(nw.Canal(300.0), 3000.0)
+    NOTE = "The waterway canal has no depth; that of the model, 16.2 m, is used."
+
+    def test_a_voyage_and_a_fleet(self) -> None:
+        asked = {"u": 4.0, "waterway": self.waterway, "duration": 4.0}
+        assert nw.simulate(self.model, y=10.0, **asked).outcome.notes.count(self.NOTE) == 1
+        notes = nw.ensemble(self.model, y=[10.0, 20.0], samples=0, **asked).attrs["notes"]
+        assert notes.splitlines().count(self.NOTE) == 1
+        deep = nw.straight_waterway(nw.Canal(300.0, 16.2), 3000.0)
+        told = nw.simulate(self.model, y=10.0, **{**asked, "waterway": deep}).outcome.notes
+        assert not any("depth" in note for note in told)
+
+    def test_an_envelope_at_a_place_and_along(self, tmp_path: Path) -> None:
+        found = nw.envelope_along(self.model, self.waterway, [500.0, 900.0], y=[0.0, 5.0], u=[4.0], samples=20)
+        assert found.notes.count(self.NOTE) == 1
+        nw.write_waterway(replace(self.waterway, origin=(8.0, 54.0)), tmp_path / "canal.geojson")
+        place = SectionOptions(waterway=tmp_path / "canal.geojson", at=500.0).placed(self.model)
+        assert place[2].count(self.NOTE) == 1
+
+    def test_a_monitor(self) -> None:
+        transit = TransitLog(self.model.configuration, self.waterway).transit()
+        assert transit.notes.count(self.NOTE) == 1
+        unknown = replace(self.model.configuration, canal=nw.Canal(300.0))
+        told = TransitLog(unknown, self.waterway).transit().notes
+        assert "The depth of the waterway canal is not known, so squat and the bottom are not counted." in told

@@ -50,7 +50,7 @@ def test_memory_does_not_grow() -> None:
 
     Free lists of Python and NumPy fill in the first minute, and grow by steps afterwards.
     """
-    one, log, sizes = monitor(), TransitLog(ship().configuration.ship, canal()), []
+    one, log, sizes = monitor(), TransitLog(ship().configuration, canal()), []
     one.forecaster = calm
     for second, tick in enumerate(ticks(180), start=1):
         log.add(one.update(tick, tick.t))

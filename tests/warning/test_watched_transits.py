@@ -49,7 +49,7 @@ def test_recorded_transits_are_scored() -> None:
 
 
 def transit_of(said: list[BridgeStatus]) -> WatchedTransit:
-    log = TransitLog(ship().configuration.ship, canal())
+    log = TransitLog(ship().configuration, canal())
     for status in said:
         log.add(status)
     return log.transit()
@@ -66,7 +66,7 @@ def test_a_transit_is_told_drawn_and_tabled(tmp_path: Path, monkeypatch: pytest.
     transit.save(tmp_path / "a.png")
     transit.save(tmp_path / "a.csv")
     monkeypatch.setattr(watched_transit, "MOST_SECONDS", 4)
-    kept = TransitLog(ship().configuration.ship, canal())
+    kept = TransitLog(ship().configuration, canal())
     for status in monitored(ticks(7)):
         kept.add(status)
     assert kept.transit().columns["t"].tolist() == [3.0, 4.0, 5.0, 6.0]

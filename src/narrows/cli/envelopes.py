@@ -68,12 +68,13 @@ class SectionOptions:
         assert self.waterway is not None
         return read_waterway(self.waterway).with_water(read_current(self.current), self.level)
 
-    def placed(self, model: "Model") -> "tuple[Model, dict[str, Any], str]":
-        """Return the model there, what the envelope is asked of the place, and where the middle is, in words."""
+    def placed(self, model: "Model") -> "tuple[Model, dict[str, Any], tuple[str, ...]]":
+        """Return the model there, what the envelope is asked of the place, and notes on the place."""
         if self.waterway is None:
-            return model, {}, ""
+            return model, {}, ()
         at = self.at
         from narrows.safety.speed_limits import reach_at
+        from narrows.simulation.outcome import water_notes
 
         waterway = self.read()
         if not 0 <= at <= waterway.line.length:
@@ -81,9 +82,9 @@ class SectionOptions:
         reach = reach_at(model, waterway, at)
         sentence = (
             f"at {at:.0f} m along {waterway.name}: the middle is {reach.middle:+z.1f} m off its centreline, starboard "
-            "positive" + (waterway.place and f"; {waterway.place_check}")
+            "positive"
         )
-        return reach.model, reach.asked, sentence
+        return reach.model, reach.asked, (sentence, *water_notes(waterway, model.configuration.canal.depth))
 
 
 @dataclass(frozen=True)
@@ -176,9 +177,9 @@ def envelope(
         delivery.write(along.save, lambda: envelope_along_chart(along))
         delivery.tell(along.to_dict, lambda: print_envelope_along(along))
         raise SystemExit(int(bool(along.to_dataframe()["highest_speed"].isna().all())))
-    ship, reach, where = section.placed(ship)
+    ship, reach, notes = section.placed(ship)
     result = safe_envelope(ship, **asked, **reach)
-    result = result.noting(where) if where else result
+    result = result.noting(*notes)
     delivery.write(result.save, lambda: envelope_chart(result))
     delivery.tell(result.to_dict, lambda: print_envelope(result))
     raise SystemExit(int(bool(result.highest_speed().isnull().all())))

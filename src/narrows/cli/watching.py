@@ -225,7 +225,7 @@ def _watched(monitored: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outle
         click.echo(HINT)
         ticks = with_keys(ticks, monitored)
     ticks = outlets.ask(ticks, monitored)
-    log = TransitLog(monitored.model.configuration.ship, monitored.waterway)
+    log = TransitLog(monitored.model.configuration, monitored.waterway)
     with suppress(KeyboardInterrupt), _ended_by_sigterm():
         for number, tick in enumerate(ticks):
             now = time.time()

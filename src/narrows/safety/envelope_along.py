@@ -20,6 +20,7 @@ from narrows.safety.result import SafeEnvelope
 from narrows.safety.speed_limits import Reach, reach_at
 from narrows.ship.particulars import Ship
 from narrows.simulation.inputs import check_waterway
+from narrows.simulation.outcome import water_notes
 from narrows.waterway.waterway import STATIONS
 
 if TYPE_CHECKING:
@@ -65,9 +66,7 @@ class EnvelopeAlong(BaseResult):
     def notes(self) -> tuple[str, ...]:
         """Notes of the envelopes."""
         reach = "each place stands for the reach midway to its neighbours, computed at its tightest section"
-        known = self.waterway
-        check = (f"The waterway {known.name} lies {known.place_check}.",) if known.place else ()
-        return tuple(dict.fromkeys((reach, *check, *(note for one in self.envelopes for note in one.notes))))
+        return tuple(dict.fromkeys((reach, *(note for one in self.envelopes for note in one.notes))))
 
     @property
     def untested(self) -> str:
@@ -179,7 +178,7 @@ def envelope_along(
         raise InputError(f"a place is beyond {waterway.name}, 0 to {waterway.line.length:.0f} m; choose places on it")
     tightest = _tightest(model.configuration.ship, waterway, along)
     reaches = [reach_at(model, waterway, place) for place in tightest.tolist()]
-    known: dict[Any, SafeEnvelope] = {}
+    water, known = water_notes(waterway, model.configuration.canal.depth), dict[Any, SafeEnvelope]()
     for reach in reaches:  # A canal of one section has one envelope.
         if (key := _section(reach)) not in known:
             usual = {"samples": settings.FIRST_SAMPLES, **reach.asked, **envelope}
@@ -187,7 +186,7 @@ def envelope_along(
                 usual["y"] = default_offsets(reach.model, usual["walls"], settings.ALONG_OFFSETS, denser=True)
             if usual.get("u") is None:
                 usual["u"] = default_speeds(reach.model, settings.ALONG_SPEEDS)
-            known[key] = safe_envelope(reach.model, **usual)
+            known[key] = safe_envelope(reach.model, **usual).noting(*water)
     found = tuple(known[_section(reach)] for reach in reaches)
     middles, draft = np.array([reach.middle for reach in reaches]), model.configuration.ship.draft
     return EnvelopeAlong(waterway, draft, along, tightest, middles, found)

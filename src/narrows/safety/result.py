@@ -117,15 +117,15 @@ class SafeEnvelope(BaseResult):
         """Limits from design and canal rules for the same ship in the same section."""
         return rules_of(self.data.attrs)
 
-    def noting(self, note: str) -> "SafeEnvelope":
-        """Return the result with a further first note.
+    def noting(self, *notes: str) -> "SafeEnvelope":
+        """Return the result with further first notes.
 
         Parameters
         ----------
-        note : str
-            Note in one line.
+        *notes : str
+            Each in one line.
         """
-        return SafeEnvelope(self.data.assign_attrs(notes="\n".join((note, *self.notes))))
+        return SafeEnvelope(self.data.assign_attrs(notes="\n".join((*notes, *self.notes))))
 
     def by_model(self, share: float = SURE_SHARE) -> xr.DataArray:
         """Return where the model has it safe, tested or not: keel clear, and held in at least a share of the samples.

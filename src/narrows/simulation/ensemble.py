@@ -27,7 +27,7 @@ from narrows.simulation.inputs import (
 )
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
 from narrows.simulation.maps import Fleet
-from narrows.simulation.outcome import Code, measured, outside_notes
+from narrows.simulation.outcome import Code, measured, outside_notes, water_notes
 from narrows.simulation.settings import BLOCK_VESSELS, MOST_STEPS, STEP_CHECK_VOYAGES, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip
 from narrows.simulation.steering import steering_of
@@ -173,7 +173,8 @@ def notes_of(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]
     coarse = _coarse(run, grid, voyages) if voyages.attrs["complete"] else ()  # After an interruption simulate no more
     share = float((voyages["outcome"] == Code.DIVERGED).mean())
     lost = f"The motion diverged in {share:.1%} of these voyages: shorten the time step or look at the coefficients."
-    return (*bank, *coarse, *((lost,) if share else ()), *_beyond(run, grid, voyages))
+    water = water_notes(run.waterway, model.configuration.canal.depth)
+    return (*bank, *water, *coarse, *((lost,) if share else ()), *_beyond(run, grid, voyages))
 
 
 def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:

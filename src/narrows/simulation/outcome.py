@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import reduce
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -14,6 +14,9 @@ import numpy as np
 from narrows.model.data_range import ASTERN, MEASURES, DataRange, Measure, extrapolation
 from narrows.model.model import Model
 from narrows.quantities.names import Number
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
 
 
 class Code(IntEnum):
@@ -212,3 +215,13 @@ def outside_notes(known: DataRange, moments: Sequence[Mapping[str, Any]], senten
         for measure, where in ((MEASURES[name], outside & np.logical_not(backwards)), (ASTERN, outside & backwards)):
             if np.any(where):
                 yield sentence(measure, known.shown(name), where, values)
+
+
+def water_notes(waterway: "Waterway | None", depth: float | None) -> tuple[str, ...]:
+    """Notes on a passage: where the waterway lies, and the depth of the model if the waterway has none."""
+    if waterway is None:
+        return ()
+    place = f"The waterway {waterway.name} lies {waterway.place_check}." if waterway.place else ""
+    own = f"The waterway {waterway.name} has no depth; that of the model, {depth or 0:.4g} m, is used."
+    none = f"The depth of the waterway {waterway.name} is not known, so squat and the bottom are not counted."
+    return tuple(filter(None, (place, (own if depth else none) if waterway.depths is None else "")))

@@ -35,7 +35,7 @@ from narrows.simulation.inputs import (
     segments_of,
 )
 from narrows.simulation.integrator import Row, VoyageIntegrator, track_error
-from narrows.simulation.outcome import Code, Outcome, Track, measured, outside_notes
+from narrows.simulation.outcome import Code, Outcome, Track, measured, outside_notes, water_notes
 from narrows.simulation.settings import MOST_ROWS, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip
 from narrows.simulation.steering import steering_of
@@ -358,8 +358,8 @@ class _Log:
         code, side = self._code_and_side(self.rows[-1].state)
         model = self.ship.model
         bank = () if self.ship.shape == OPEN else model.bank_notes
-        place = (f"The waterway {waterway.name} lies {waterway.place_check}.",) if waterway and waterway.place else ()
-        notes = (*bank, *place, *self._beyond(columns), *self._coarse(dt))
+        water = water_notes(waterway, model.configuration.canal.depth)
+        notes = (*bank, *water, *self._beyond(columns), *self._coarse(dt))
         state = {name: last[name] for name in ("x", "y", "psi", "u", "v", "r")}
         distance = last["x"] - float(columns["x"][0])
         lengths = abs(distance) / model.configuration.ship.length

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.results import BaseResult
-from narrows.ship.particulars import Ship
+from narrows.ship.particulars import Configuration, Ship
+from narrows.simulation.outcome import water_notes
 from narrows.warning.alerts.alert import Alert, Priority
 from narrows.warning.monitoring.bridge_status import BridgeStatus, told
 from narrows.warning.settings import CONTACT_CLEARANCE, MOST_ALERTS, MOST_SECONDS, NEAR_MISS
@@ -39,6 +40,7 @@ class WatchedTransit(BaseResult):
     columns: dict[str, np.ndarray]
     alerts: tuple[AlertText, ...]  # Each time that one changed
     faults: dict[str, int]  # Messages that were left out, by what is wrong with them
+    depth: float | None = None  # Of the model, for a waterway without one [m]
 
     @property
     def names(self) -> tuple[str, str]:
@@ -59,7 +61,7 @@ class WatchedTransit(BaseResult):
     @property
     def notes(self) -> tuple[str, ...]:
         left = [f"{count} messages {what} were left out." for what, count in self.faults.items()]
-        return (DECISION_SUPPORT, *left)
+        return (DECISION_SUPPORT, *water_notes(self.waterway, self.depth), *left)
 
     def summary(self) -> str:
         seconds, near = len(self.columns["t"]), self._nearest()
@@ -103,8 +105,8 @@ def _nearness(t: float, clearance: float) -> str:
 
 
 class TransitLog:
-    def __init__(self, ship: Ship, waterway: Waterway) -> None:
-        self.ship, self.waterway = ship, waterway
+    def __init__(self, configuration: Configuration, waterway: Waterway) -> None:
+        self.configuration, self.waterway = configuration, waterway
         self._table, self._count = np.empty((MOST_SECONDS, len(COLUMNS))), 0
         self._alerts: deque[AlertText] = deque(maxlen=MOST_ALERTS)
         self._faults: dict[str, int] = {}
@@ -122,7 +124,8 @@ class TransitLog:
         first = self._count % MOST_SECONDS if self._count > MOST_SECONDS else 0
         table = np.roll(self._table[: self._count], -first, axis=0)
         columns = dict(zip(COLUMNS, table.T, strict=True))
-        return WatchedTransit(self.ship, self.waterway, columns, tuple(self._alerts), dict(self._faults))
+        ship, depth = self.configuration.ship, self.configuration.canal.depth
+        return WatchedTransit(ship, self.waterway, columns, tuple(self._alerts), dict(self._faults), depth)
 
 
 def _row(t: float, status: BridgeStatus) -> tuple[float, ...]:
