@@ -57,6 +57,36 @@ def test_measured_static_runs_of_a_row_each_are_kept() -> None:
     assert nw.read_captive(path, ship, query).rows == len(pd.read_csv(path).query(query))
 
 
+def static_table(rows: int, largest: float, marked: int) -> pd.DataFrame:
+    """Tests of a row each whose side force is as large as a marker, of which some rows hold one."""
+    y, u = np.tile([-1.5, -1.0, -0.5, 0.5, 1.0, 1.5], rows)[:rows], np.where(np.arange(rows) % 4, 0.6, 1.0)
+    side = largest * y / 1.5 * u**2 + np.random.default_rng(0).normal(0, 0.3, rows)
+    side[1 : 1 + marked] = -999.0
+    still = dict.fromkeys(("psi", "v", "r", "udot", "vdot", "rdot", "heave"), 0.0)
+    columns = {"test": [f"t{i}" for i in range(rows)], "y": y, "u": u, "X": -5 * u**2, "Y": side, "N": -0.3 * side}
+    return pd.DataFrame({**columns, **still})
+
+
+def test_a_marker_in_three_rows_is_found_among_forces_of_its_size() -> None:
+    tests = nw.read_captive(static_table(100, 900.0, 3), SHIP)
+    assert tests.rows == 97
+    assert any("row 1, column 'Y' holds -999, and 2 more" in note for note in tests.notes)
+    with pytest.raises(InputError, match=r"row 1, column .Y. holds -999, as do 2 more rows"):
+        nw.read_captive(static_table(7, 50.0, 3), SHIP)
+
+
+def test_a_value_that_is_set_is_no_marker() -> None:
+    table = static_table(100, 50.0, 0).assign(n_rpm=np.where(np.arange(100) < 60, 999.0, 700.0))
+    assert nw.read_captive(table, SHIP).rows == 100
+
+
+def test_a_run_of_markers_alone_is_found() -> None:
+    spoiled = table()
+    spoiled.loc[ROWS : 2 * ROWS - 1, "N"] = -999.0
+    with pytest.raises(InputError, match=r"row 200, column .N. holds -999, as do 199 more rows"):
+        nw.read_captive(spoiled, SHIP)
+
+
 def test_a_column_with_many_wrong_rows_is_refused() -> None:
     spoiled = table()
     spoiled.loc[::10, "Y"] = -999.0

@@ -320,6 +320,12 @@ def _outliers(values: np.ndarray, runs: list[tuple[np.ndarray, bool]]) -> np.nda
     usual = float(np.quantile(sizes, settings.USUAL_SHARE)) if sizes.size else 0.0
     for rows, is_run in runs:
         wrong[rows] = _spikes(values[rows], marks[rows], usual, is_run)
+    # Readings of a gauge hardly repeat, so a marker that several rows hold is none, whatever its size.
+    counts = np.unique(values[~marks & np.isfinite(values)], return_counts=True)[1]
+    if 2 * len(counts) > counts.sum():
+        for mark, count in zip(*np.unique(values[marks], return_counts=True), strict=True):
+            if count >= settings.FEWEST_MARKED and count > counts.max():
+                wrong |= values == mark
     return wrong
 
 

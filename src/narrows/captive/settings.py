@@ -33,6 +33,7 @@ FORCE_NOISE = {"X": 0.35, "Y": 0.5, "N": 0.65}
 # Missing-value markers and spikes, which are left out
 MISSING_MARKS = (999.0, 999.9, 999.99, 9999.0, 9999.9, 9999.99, 99999.0, 999999.0, 32767.0, 32768.0, 1e10, 9.99e9)
 MARK_APART = 3.0  # [1] distance of a marker from the other rows, in their spread
+FEWEST_MARKED = 3  # rows that hold a marker exactly and more often than any other value
 SPIKE = 20.0  # [1] the same for any number: a ramp or an oscillation has rows between
 LONE_SHARE = 0.01  # [1] of a run's rows: largest share of spikes, one at least
 USUAL_SHARE = 0.95  # [1] quantile of a column's sizes in the table that counts as usual
