@@ -4,6 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from scipy import stats
 from scipy.optimize import lsq_linear
 
 import narrows as nw
@@ -115,6 +116,21 @@ def test_ties_join_bounds(name: str, place: str, short: nw.CaptiveTests) -> None
     fit = nw.identify(short, nw.PAPER.with_terms("bounded", **{place: [own]}))
     assert fit.coefficients["b_rdot"] == fit.coefficients["c_vdot"] == -10.0
     assert {"b_rdot", "c_vdot"} <= set(fit.at_bound)
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_at_a_bound_that_the_data_reject_the_posterior_is_truncated(short: nw.CaptiveTests, side: int) -> None:
+    free = nw.identify(short)
+    value, std = free.coefficients["b_v"], free.std["b_v"]
+    bound = value - 4 * side * std
+    room = (bound - 1e4, bound) if side > 0 else (bound, bound + 1e4)
+    own = nw.Term("b_v", "b_v", nw.PAPER["b_v"].regressor, nw.PAPER["b_v"].dimension, room)
+    fit = nw.identify(short, nw.PAPER.with_terms("bounded", sway=[own]))
+    assert fit.verdicts["b_v"].status == "at bound"
+    assert fit.std["b_v"] == pytest.approx(std * stats.truncnorm(4, np.inf).std(), rel=0.1)
+    near, far = sorted(fit.intervals["b_v"], key=lambda end: abs(end - bound))
+    assert near == fit.coefficients["b_v"] == pytest.approx(bound)
+    assert 0.2 * std < side * (near - far) < std
 
 
 def test_a_chain_of_ties_is_one_parameter(short: nw.CaptiveTests) -> None:

@@ -71,7 +71,7 @@ class CoefficientEstimates:
     @cached_property
     def limits(self) -> dict[str, list[tuple[Effect, float]]]:
         """Size of each shared error that moves a coefficient by its standard error, the least unusual first."""
-        return self._sizes(np.where(self.std > 0, self.std, np.inf))
+        return self._sizes(np.where((self.std > 0) & ~self.held, self.std, np.inf))
 
     def _sizes(self, distance: np.ndarray) -> dict[str, list[tuple[Effect, float]]]:
         """Size of each shared error that moves each coefficient by a distance (n,)."""
@@ -154,7 +154,7 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
     means = part.posterior.means * unit
     spreads = part.posterior.covariances * np.outer(unit, unit)
     weights = part.posterior.weights
-    held, beyond_bound = np.zeros(len(unit), bool), np.full(len(unit), np.nan)
+    held, beyond_bound, beyond_std = np.zeros(len(unit), bool), np.zeros(len(unit)), np.zeros(len(unit))
     for _ in range(len(unit)):
         mean = weights @ means
         variances = np.maximum(np.diagonal(spreads, axis1=1, axis2=2), 0.0)  # Conditioned to the last bit.
@@ -165,32 +165,43 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
             break
         worst = int(beyond.argmax())
         edge = bounds[worst, 0] if mean[worst] < bounds[worst, 0] else bounds[worst, 1]
-        held[worst], beyond_bound[worst] = True, mean[worst]
+        held[worst], beyond_bound[worst], beyond_std[worst] = True, mean[worst], std[worst]
         means, spreads = _conditioned(means, spreads, worst, edge)
     draws = _draws(means, spreads, weights)
     inside = draws[((draws >= bounds[:, 0]) & (draws <= bounds[:, 1]) | held).all(axis=1)]
     inside = inside if len(inside) >= LEAST else np.clip(draws, bounds[:, 0], bounds[:, 1])
     free = np.where(held, beyond_bound, weights @ means)
-    free_half = 0.5 * np.diff(np.quantile(draws, [0.025, 0.975], axis=0), axis=0)[0]
+    quantiles = np.quantile(draws, [0.025, 0.975], axis=0)
+    free_half = np.where(held, HALF * beyond_std, 0.5 * (quantiles[1] - quantiles[0]))
     low, high = np.quantile(inside, [0.025, 0.975], axis=0)
     ends = np.stack([low, high], axis=1)
     away = np.minimum(np.abs(free - bounds[:, 0]), np.abs(bounds[:, 1] - free))
-    near = np.flatnonzero((away < BOUND_HALF_WIDTHS * free_half) & ~held)
-    for i in near:
+    near = (away < BOUND_HALF_WIDTHS * free_half) & ~held
+    for i in np.flatnonzero(near):
         # The truth of this one may lie on its bound: the others are then what they are given that.
         edge = bounds[i, 0] if abs(free[i] - bounds[i, 0]) < abs(bounds[i, 1] - free[i]) else bounds[i, 1]
         given = np.quantile(_draws(*_conditioned(means, spreads, int(i), edge), weights), [0.025, 0.975], axis=0)
         given = np.clip(given, bounds[:, 0], bounds[:, 1])
         ends = np.stack([np.minimum(ends[:, 0], given[0]), np.maximum(ends[:, 1], given[1])], axis=1)
-    for i in near:
+    for i in np.flatnonzero(near | held):
         # Near a bound the unified interval holds a truth that lies on it; a truncated quantile never does.
         ends[i] = bounded_interval(float(free[i]), float(free_half[i]) / HALF, tuple(bounds[i]))
     covariance_free = np.atleast_2d(np.cov(draws.T))
     covariance = np.atleast_2d(np.cov(inside.T)) * np.outer(~held, ~held)
     values = _nearest(weights @ means, covariance_free, bounds)
-    ends[held] = values[held, None]
     ends = np.stack([np.minimum(ends[:, 0], values), np.maximum(ends[:, 1], values)], axis=1)
-    return free, free_half, values, np.sqrt(np.diag(covariance)), ends, held, covariance
+    std = np.where(held, beyond_std * _truncated_std(np.abs(free - values), beyond_std), np.sqrt(np.diag(covariance)))
+    return free, free_half, values, std, ends, held, covariance
+
+
+def _truncated_std(beyond: np.ndarray, std: np.ndarray) -> np.ndarray:
+    """Standard deviation of a normal distribution beyond so much of itself, over that of all of it."""
+    from scipy import special
+
+    t = beyond / np.maximum(std, 1e-12 * beyond + 1e-150)
+    near = np.minimum(t, 50.0)  # Farther out the tail is an exponential one, and the difference below is rounding.
+    hazard = np.exp(-0.5 * near**2 - special.log_ndtr(-near)) / np.sqrt(2 * np.pi)
+    return np.asarray(np.where(t < 50.0, np.sqrt(1 - hazard * (hazard - near)), 1 / np.maximum(t, 50.0)))
 
 
 def _nearest(mean: np.ndarray, covariance: np.ndarray, bounds: np.ndarray) -> np.ndarray:

@@ -192,7 +192,8 @@ class Fit(Prediction):
     def implausible(self) -> tuple[str, ...]:
         """Implausible results, each a sentence with its likely cause: masses, signs of forces and rudder."""
         names = self.terms.names
-        errors = {name: std for name, std in self.std.items() if self.diagnostics.determined(name)}
+        free = zip(names, self.estimates.free_std.tolist(), strict=True)
+        errors = {name: std for name, std in free if self.diagnostics.determined(name)}
         rejected = tuple(name for name, held in zip(names, self.estimates.held, strict=True) if held)
         alone = dict(zip(names, self.estimates.free_values.tolist(), strict=True))
         return implausible(

@@ -27,7 +27,7 @@ def bounded_interval(value: float, std: float, bound: tuple[float, float], level
         return (value, value)
     ends = np.array([-1, 1]) * NormalDist().inv_cdf(0.5 + level / 2) * std + value
     low, high = bound
-    if np.isfinite(low):
+    if np.isfinite(low) and value - low <= high - value:
         ends = low + std * np.array(_above_zero((value - low) / std, level))
     elif np.isfinite(high):
         ends = high - std * np.array(_above_zero((high - value) / std, level))[::-1]
