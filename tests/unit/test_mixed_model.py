@@ -262,6 +262,16 @@ def test_tests_of_the_kcs_are_predicted_by_the_others(kcs_fits: dict[int, nw.Fit
     assert 0.88 < held / motions < 0.99
 
 
+def test_no_coefficient_is_identified_where_the_mean_predicts_better(kcs_fits: dict[int, nw.Fit]) -> None:
+    for fit in kcs_fits.values():
+        assert fit.left_out["X"].r2 < 0 < fit.left_out["Y"].r2
+        identified = {name[0] for name, verdict in fit.verdicts.items() if verdict.status == "identified"}
+        assert identified == {"b", "c"}
+    verdict = kcs_fits[50].verdicts["a_u"]
+    assert verdict.status == "imprecise"
+    assert "X of left-out tests is predicted worse than by its mean (R2 -0." in verdict.sentence("a_u")
+
+
 def test_more_honest_runs_do_not_widen_the_interval() -> None:
     more = [*DOZEN, straight(0.7), straight(-0.7), straight(1.4), straight(-1.4)]
     widths = []

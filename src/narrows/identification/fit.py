@@ -186,7 +186,7 @@ class Fit(Prediction):
     @cached_property
     def verdicts(self) -> dict[str, Verdict]:
         """Verdict on each coefficient."""
-        return verdicts(self.diagnostics, self.estimates)
+        return verdicts(self.diagnostics, self.estimates, self.left_out)
 
     @cached_property
     def implausible(self) -> tuple[str, ...]:

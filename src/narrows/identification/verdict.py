@@ -1,11 +1,13 @@
 """Verdict on each coefficient: one word from the posterior, one plain sentence, and its tipping points."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from narrows.identification.collinearity import INVOLVED, Diagnosis, Diagnostics
 from narrows.identification.estimates import HALF, CoefficientEstimates
+from narrows.identification.normal_equations import Score
 from narrows.identification.systematic_effects import Effect
 from narrows.terms.term import Term, TermTable
 
@@ -65,16 +67,26 @@ class Verdict:
         return f"{name} is {self.words}" + (f": {clauses}." if clauses else ".")
 
 
-def verdicts(diagnostics: Diagnostics, found: CoefficientEstimates) -> dict[str, Verdict]:
+def verdicts(
+    diagnostics: Diagnostics, found: CoefficientEstimates, left_out: Mapping[str, Score]
+) -> dict[str, Verdict]:
     """Judge every coefficient of a fit."""
     terms = diagnostics.terms
     judged = {}
     for force, part in terms.forces.items():
         for term in part:
             index, known = terms.names.index(term.name), diagnostics.determined(term.name)
-            verdict = _without_data(term, diagnostics.overall[force], known)
-            judged[term.name] = verdict or _judged(term, index, terms, found)
+            verdict = _without_data(term, diagnostics.overall[force], known) or _judged(term, index, terms, found)
+            judged[term.name] = _of_a_force(verdict, force, left_out[force].r2)
     return judged
+
+
+def _of_a_force(verdict: Verdict, force: str, r2: float) -> Verdict:
+    """Trust no interval where the mean predicts a force of left-out tests better than the terms do."""
+    if verdict.status != IDENTIFIED or not r2 < 0:
+        return verdict
+    reason = f"{force} of left-out tests is predicted worse than by its mean (R2 {r2:.2f})"
+    return Verdict(IMPRECISE, (*verdict.reasons, reason))
 
 
 def _without_data(term: Term, overall: Diagnosis, known: bool) -> Verdict | None:
