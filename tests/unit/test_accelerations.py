@@ -50,6 +50,13 @@ def test_what_was_measured_well_stays() -> None:
         np.testing.assert_allclose(moved[name], clean.columns[name], atol=1e-5)
 
 
+def test_a_constant_speed_has_no_acceleration() -> None:
+    clean = nw.twin(runs=RUNS, rate=8.0)
+    noise = 1e-3 * np.random.default_rng(0).standard_normal(clean.rows)
+    tests = with_accelerations(replace(clean, columns={**clean.columns, "udot": noise}))
+    assert not tests.columns["udot"].any()
+
+
 def test_steep_paths_hold_more_than_five_harmonics() -> None:
     steep = nw.twin(runs=(nw.HarmonicRun("steep", "yaw", 2.8, 20.0, 1.0, 3),), rate=8.0)
     assert with_accelerations(steep).columns["rdot"] is steep.columns["rdot"]

@@ -5,6 +5,7 @@ import pytest
 
 import narrows as nw
 from narrows.captive.tests import CaptiveTests
+from narrows.report.fit_page import section
 from tables import many_runs, short_twin
 
 NAMES = nw.PAPER.names
@@ -96,6 +97,10 @@ def test_the_one_sway_run_informs_sway() -> None:
         test, share = fit.influence.most_informing(name)
         assert test == "the sway"
         assert share > 0.9
+        moving, by = fit.influence.most_moving(name)
+        assert moving == "the sway"
+        assert np.isnan(by)
+    assert "not determined without it" in {entry[4] for entry in section("", fit, 0)["influence"]}
 
 
 @pytest.mark.parametrize("time", [0.0, 1.0])

@@ -22,6 +22,9 @@ LEAST_MOTION = {"v": 0.01, "psi": 0.01, "y": 0.01}
 # Least number of rows in a run: two for each fitted number.
 FEWEST = 2 * (2 * settings.HARMONICS + 1)
 
+# Amplitude of a velocity over a hundredth of the speed, below which it is rounding of a constant.
+ROUNDING = 1e-9
+
 
 class HarmonicMotion(NamedTuple):
     frequency: float  # Angular frequency of the first harmonic; 0 without oscillation [rad/s]
@@ -131,7 +134,8 @@ def _harmonics(t: np.ndarray, column: np.ndarray, frequency: float, usual: float
     if not frequency:
         return np.zeros(2 * settings.HARMONICS), 0.0
     pairs = parts[1:].reshape(2, settings.HARMONICS)
-    silent = (pairs**2).sum(axis=0) < settings.SIGNIFICANT * 4 * error**2 / len(t)
+    least = max(settings.SIGNIFICANT * 4 * error**2 / len(t), (ROUNDING * usual) ** 2)
+    silent = (pairs**2).sum(axis=0) < least
     missing = (settings.HARMONICS + 2) * frequency * error if memory > settings.WHITE else 0.0
     return np.where(silent, 0.0, pairs).ravel(), missing
 

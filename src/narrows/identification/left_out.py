@@ -14,6 +14,8 @@ from narrows.quantities.names import FORCES
 
 # Least share of errors that leverage leaves: of what one motion alone informs it can cancel to less than nothing.
 ROUNDING = 1e-9
+# Share of the information on a coefficient beyond which the motion that holds it alone determines the coefficient.
+ALONE = 0.999
 
 
 @dataclass(frozen=True)
@@ -76,14 +78,16 @@ class Influence:
     # (tests, n) Share of the information on a coefficient that is gone without the test: 1 less the ratio of the
     # variance with all tests to the variance without this one [1]
     information: np.ndarray
-    moved: np.ndarray  # (tests, n) Change of the constrained estimate by the test, in the coefficient's unit
+    # (tests, n) Change of the constrained estimate by the test, in the coefficient's unit; NaN where the other tests
+    # hardly excite the coefficient
+    moved: np.ndarray
 
     def most_informing(self, name: str) -> tuple[str, float]:
         """Return the test that holds most of the information on a coefficient, and its share [1]."""
         return self._most(self.information, name)
 
     def most_moving(self, name: str) -> tuple[str, float]:
-        """Return the test that moves a coefficient most, and how far, in the coefficient's unit."""
+        """Return the test that moves a coefficient most, and how far; NaN: it is not determined without it."""
         return self._most(self.moved, name)
 
     def of(self, name: str) -> dict[str, str | float]:
@@ -111,7 +115,7 @@ def influence(motions: DistinctMotions, found: CoefficientEstimates, solution: S
             added = without_rows(part, best, own).added[:p]
             gone[motion, part.free_parameters] = added / np.maximum(variances + added, 1e-300)
     shares = gone[:, [problem.slot[name] for name in problem.terms.names]]
-    moved = problem.coefficients(solution.z) - problem.fits(motions.without)
+    moved = np.where(shares < ALONE, problem.coefficients(solution.z) - problem.fits(motions.without), np.nan)
     return Influence(motions.labels, problem.terms.names, shares, moved)
 
 
