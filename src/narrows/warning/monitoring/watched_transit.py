@@ -40,7 +40,7 @@ class WatchedTransit(BaseResult):
     columns: dict[str, np.ndarray]
     alerts: tuple[AlertText, ...]  # Each time that one changed
     faults: dict[str, int]  # Messages that were left out, by what is wrong with them
-    depth: float | None = None  # Of the model, for a waterway without one [m]
+    depth: float | None = None  # Depth of the model, for a waterway without one [m]
 
     @property
     def names(self) -> tuple[str, str]:
