@@ -5,6 +5,7 @@ from itertools import combinations
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from narrows.safety import headline
 from narrows.safety.caveats import IN_KNOTS
@@ -66,3 +67,17 @@ def test_speeds_on_a_bridge_are_in_knots() -> None:
 def test_the_wind_pushes_with_the_square_of_its_speed() -> None:
     """1.225 kg/m3 is the density of the standard atmosphere at sea level (ISO 2533)."""
     assert wind_force(10.0, 100.0, 0.8) == pytest.approx(0.5 * 1.225 * 0.8 * 100.0 * 10.0**2)
+
+
+def test_the_limit_in_speed_is_that_of_the_first_place_that_is_not_safe() -> None:
+    """Faster, the middle is still safe; to the sides the coefficients are too uncertain for one pilot."""
+    y, u = np.array([-10.0, 0.0, 10.0]), np.array([2.0, 3.0, 4.0])
+    held = np.array([[0.97, 0.97, 0.8], [0.99, 0.99, 0.97], [0.97, 0.97, 0.8]])
+    shares = {"held": held, "held_low": held, "held_high": held, "known": held, "certain": np.ones((3, 3))}
+    likely = {"clear": np.ones((3, 3), bool), "tested": np.ones((3, 3), bool), "clearance": np.ones((3, 3)),
+              "rudder_likely": np.zeros((3, 3))}  # fmt: skip
+    told = {name: (("y", "u"), values) for name, values in (shares | likely).items()}
+    attrs = {"untested": "", "samples": 100, "reserve": 0.3, "rudder_limit": 0.6}
+    said = headline.headline(xr.Dataset(told, {"y": y, "u": u}, attrs), 0.95)
+    assert "within 10.0 m of the middle" in said
+    assert "to the sides is what was asked; in speed, the uncertainty of the coefficients" in said

@@ -183,7 +183,8 @@ def untested_reasons(model: Model) -> str:
 
 def left_out(model: Model) -> str:
     """Return, in sentences, uncertainties that the result does not include."""
-    lines = [model.trust_note, model.unknown_note]
+    # The first sentence on an estimated model says that no tests determine it.
+    lines = ["" if model.source.estimate else model.trust_note, model.unknown_note]
     if model.covariance is None:
         lines.append("The uncertainty of the coefficients is not known, so it is not counted.")
     if model.configuration.canal.depth is None:

@@ -13,6 +13,10 @@ NOWHERE = (
 )
 
 
+# Difference of two offsets that are the same in words [m].
+SAME_OFFSET = 0.05
+
+
 def headline(data: xr.Dataset, share: float) -> str:
     # The offsets and speeds are those of the largest block of the grid in which every place is safe. First come the
     # untested quantities of the section; with the safe area, where a pilot with the true coefficients would hold it.
@@ -72,15 +76,19 @@ def _reserved(data: xr.Dataset) -> float:
 
 def _limits(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> str:
     rows, columns = block
-    middle_row, middle_column = (rows.start + rows.stop - 1) // 2, (columns.start + columns.stop - 1) // 2
     aside = rows.stop if rows.stop < len(data["y"]) else rows.start - 1
-    sides = "what was asked"
-    if aside >= 0:
-        sides = AT_LENGTH[cause(data.isel(y=aside, u=middle_column), share, _reserved(data))]
-    up = AT_LENGTH[RANGE]
-    if columns.stop < len(data["u"]):
-        up = AT_LENGTH[cause(data.isel(y=middle_row, u=columns.stop), share, _reserved(data))]
+    sides = _first_limit(data.isel(y=[aside], u=columns), share) if aside >= 0 else AT_LENGTH[RANGE]
+    faster = columns.stop < len(data["u"])
+    up = _first_limit(data.isel(y=rows, u=[columns.stop]), share) if faster else AT_LENGTH[RANGE]
     return f"The limit to the sides is {sides}; in speed, {up}."
+
+
+def _first_limit(beside: xr.Dataset, share: float) -> str:
+    """Return what limits the safe area at the places beside it, in the one nearest the middle that is not safe."""
+    places = beside.stack(place=("u", "y"))
+    safe = ((places["held"] >= share) & places["clear"] & places["tested"]).to_numpy()
+    first = int(np.where(safe, math.inf, np.abs(places["y"].to_numpy())).argmin())
+    return AT_LENGTH[cause(places.isel(place=first), share, _reserved(beside))]
 
 
 def _known(data: xr.Dataset, share: float, block: tuple[slice, slice] | None) -> list[str]:
@@ -103,9 +111,18 @@ def _known(data: xr.Dataset, share: float, block: tuple[slice, slice] | None) ->
 def _between(speeds: np.ndarray, offsets: tuple[float, float]) -> str:
     low, high = float(speeds[0]), float(speeds[-1])
     fast = f"at {low:.1f} knots" if low == high else f"from {low:.1f} to {high:.1f} knots"
-    if offsets[0] == offsets[1]:
-        return f"{fast} at {offsets[0]:+.1f} m off the middle (starboard is positive)"
-    return f"{fast} between {offsets[0]:+.1f} and {offsets[1]:+.1f} m off the middle (starboard is positive)"
+    port, starboard = offsets
+    if port == starboard:
+        return f"{fast}, {_off(port)}"
+    if abs(port + starboard) < SAME_OFFSET:
+        return f"{fast} within {starboard:.1f} m of the middle"
+    return f"{fast}, {_off(port)} to {_off(starboard)}"
+
+
+def _off(offset: float) -> str:
+    """Return an offset from the middle in words."""
+    side = "starboard" if offset > 0 else "port"
+    return f"{abs(offset):.1f} m to {side} of the middle" if abs(offset) >= SAME_OFFSET else "in the middle"
 
 
 def safe_offsets(
@@ -126,8 +143,8 @@ def _doubt(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> list[s
         return []
     if sure is None:
         return [f"With {data.attrs['samples']} cases this is uncertain everywhere; try more."]
-    y, u, count = data["y"].to_numpy(), data["u"].to_numpy(), f"{data.attrs['samples']} cases leave the edges uncertain"
-    return [f"{count}, for certain {_between(u[sure[1]] / KNOT, tuple(y[sure[0]][[0, -1]]))}."]
+    span = _between(data["u"].to_numpy()[sure[1]] / KNOT, tuple(data["y"].to_numpy()[sure[0]][[0, -1]]))
+    return [f"Certain with {data.attrs['samples']} cases: {span}."]
 
 
 def sure_blocks(data: xr.Dataset, share: float) -> list[tuple[slice, slice] | None]:
