@@ -93,13 +93,16 @@ def test_what_was_not_tested_is_hatched_and_not_called_safe(found: nw.safety.Env
     assert [left for left, hatch in looks if hatch == UNTESTED] == [0.0, 200.0, 950.0]
 
 
-def test_caveats_of_the_single_envelopes_are_passed_on_once() -> None:
+@pytest.mark.parametrize("estimated", [True, False])
+def test_caveats_of_the_single_envelopes_are_passed_on_once(estimated: bool) -> None:
     model, few = nw.published("estimated_kcs"), {"y": [-3.0, 0.0, 3.0], "u": [4.0], "samples": 20}
+    if not estimated:
+        model = replace(model, source=replace(model.source, estimate=""))
     along = nw.envelope_along(model, way(), [0.0, 400.0], **few)
     reach = reach_at(model, way(), 0.0)
     single = nw.safe_envelope(reach.model, **reach.asked, **few)
     assert along.summary().startswith(single.summary().partition("Safe ")[0])
-    assert along.summary().count(single.trust) == 1
+    assert along.summary().count("estimated from main dimensions" if estimated else single.trust) == 1
     for words in ("With 20 cases this is uncertain everywhere", "; try more."):
         assert words in single.summary()
         assert along.summary().count(words) == 1
