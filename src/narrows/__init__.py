@@ -19,5 +19,6 @@ def __getattr__(name: str) -> Any:
         from narrows.aliases import FUNCTIONS, name_here, public_name
 
         if function := name_here(name, FUNCTIONS):
-            return _loaded(function)
+            room, _, name_there = function.rpartition(".")
+            return getattr(_loaded(room), name_there) if room else _loaded(function)
         raise AttributeError(f"narrows has no {name!r}{public_name(name, __all__)}") from None

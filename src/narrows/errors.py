@@ -49,10 +49,10 @@ def near_miss(word: str, known: Iterable[str], cutoff: float = 0.6) -> str:
     return f"; did you mean {near[0]!r}?" if near else ""
 
 
-def did_you_mean(word: str, known: Iterable[str]) -> str:
+def did_you_mean(word: str, known: Iterable[str], cutoff: float = 0.6) -> str:
     """Return ``'; did you mean X?'`` for a near miss, else the list of what is known."""
     known = sorted(known)
-    return near_miss(word, known) or f"; known: {', '.join(known)}"
+    return near_miss(word, known, cutoff) or f"; known: {', '.join(known)}"
 
 
 def shown(value: object) -> str:

@@ -178,37 +178,41 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     'nw.safe_envelope(u="8 kn")': (lambda: nw.safe_envelope(STEERED, u="8 kn"), "8 kn is 4.12 m/s"),  # type: ignore[arg-type]
     "nw.simulate(x0=[...])": (lambda: nw.simulate(DTC, x0=[0.0, 0.5, 0.0, 1.0, 0.0, 0.0]), "x is the place along"),
     "fit.pvalues": (lambda: fit().pvalues, "write verdicts"),  # type: ignore[attr-defined]
-    "nw.Waterway.straight()": (lambda: nw.Waterway.straight(), "write nw.read_waterway"),
     "nw.simulate(..., t_span=)": (lambda: nw.simulate(DTC, y=0.5, t_span=(0, 9)), "write duration"),
     "nw.simulate(..., y=1, y0=1)": (lambda: nw.simulate(DTC, y=0.5, y0=0.5), "y0 and y are one argument"),
     "fit.popt": (lambda: fit().popt, "write coefficients"),  # type: ignore[attr-defined]
     "fit.tvalues": (lambda: fit().tvalues, "write verdicts"),  # type: ignore[attr-defined]
     "fit.aic": (lambda: fit().aic, "rows of one run are not independent; write left_out"),  # type: ignore[attr-defined]
     "nw.simulate(..., psi_deg=2)": (lambda: nw.simulate(DTC, y=0.5, psi_deg=2.0), r"write psi=np.radians\(...\)"),
-    "fit.simulate(...)": (lambda: fit().simulate(y=0.1), r"write model.simulate\(\)"),  # type: ignore[attr-defined]
     "linear.bode()": (lambda: DTC.linearize(y=0.5).bode(), r"write state_space\(\)"),
     "model.info()": (lambda: DTC.info(), r"write summary\(\)"),  # type: ignore[attr-defined]
     "nw.simulate(..., wind=5)": (lambda: nw.simulate(DTC, y=0.5, wind=5.0), "nw.wind_force"),
-    "nw.load_tests()": (lambda: nw.load_tests(), "write read_captive"),  # type: ignore[attr-defined]
     "nw.safe_speed(model)": (lambda: nw.safe_speed(DTC), "write safe_envelope"),  # type: ignore[attr-defined]
-    "nw.control.mpc": (lambda: nw.control.mpc, "write PredictiveHelm"),
+    "nw.turning_circle(rudder_angle=)": (lambda: nw.turning_circle(STEERED, rudder_angle=35), "in degrees for turning"),
+    "nw.identify(method=)": (lambda: nw.identify(short_twin(), method="ols"), "constrained least squares"),
+    "nw.Autopilot(kp=)": (lambda: nw.Autopilot(kp=1.0), "Autopilot has no argument 'kp'; write gains="),  # type: ignore[call-arg]
     "nw.control.regulatr": (lambda: nw.control.regulatr, "did you mean 'regulator'"),
     "nw.export.write_cc": (lambda: nw.export.write_cc, "did you mean 'write_c'"),
     "nw.tables()": (lambda: nw.tables(), "write PAPER"),  # type: ignore[attr-defined]
-    "nw.linearize(model)": (lambda: nw.linearize(DTC), "write jacobian"),
     "nw.squat_barrass": (lambda: nw.squat_barrass, "write squat"),  # type: ignore[attr-defined]
     "nw.plot_map": (lambda: nw.plot_map, "write report.map_figure"),  # type: ignore[attr-defined]
-    "nw.estimation.ukf": (lambda: nw.estimation.ukf, "write Estimator"),
+    "nw.estimation.ekf": (lambda: nw.estimation.ekf, "write Estimator"),
     "model.to_ss()": (lambda: DTC.to_ss(), r"write linearize\(\).state_space\(\)"),  # type: ignore[attr-defined]
 }
 """Those that do not, and what they are told."""
 MISSED = {
     'ensemble(...)["y"].mean("sample")': "y is where they start; the ends are y_end, psi_end ...",
-    "nw.linearize(model)": "nw.jacobian(model), or model.linearize()",
 }
 """Guesses that do not hold, and why, or what to write instead."""
 
 LATER = """
+assert nw.control.mpc is nw.mpc is nw.control.PredictiveHelm and nw.estimation.UKF is nw.estimation.Estimator
+assert nw.simulate(fit, y=0.1).t[-1] == fit.simulate(y=0.1).t[-1]
+assert nw.simulate("mikkelsen2025_dtc", y=0.5).grounded
+assert nw.Model.load("mikkelsen2025_dtc") == pub and nw.load_tests is nw.read_captive
+assert nw.export.c is nw.export.write_c
+assert nw.simulate(nw.scale_model(pub, 355.0), y=5.0).final["u"] > 1
+assert fit.ship.length == fit.model.configuration.ship.length
 fig, ax = plt.subplots(); fit.plot(ax=ax)
 tests[tests["test"] == "yaw"]
 fleet.grounded.mean().item()

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.empirical.bank_evidence import FORM, bank_prior, tested_places
 from narrows.empirical.calibration import COEFFICIENTS, SIGNED, Calibration, Spread
 from narrows.empirical.estimate_checks import check_proportions, check_shape, check_speed, check_types
@@ -56,6 +57,7 @@ BANK_VERDICT = "estimated from other ships"
 NEEDED = ("length", "beam", "draft", "block_coefficient")
 
 
+@accept_aliases
 def estimate_model(
     ship: Ship | Mapping[str, Any], canal: Canal, water: Water = SEA, *, kind: str | None = None,
     speed: float | None = None, propeller: Propeller | None = None, rudder: Rudder | None = None,

@@ -5,6 +5,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.captive.accelerations import CHOICES, Accelerations, with_accelerations
 from narrows.captive.measured import measured_files
 from narrows.captive.read import as_tests, read_captive
@@ -36,6 +37,7 @@ ROWS = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs
 CONDITION, DENSITY = "C0101A02", 1025.0
 
 
+@accept_aliases
 def identify(
     tests: Any, terms: TermTable | str = PAPER, weights: Weights = "paper", balance: Balance = "tests",
     split: Split = "test", seed: int = 0,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.model.data_range import extrapolation, sum_beyond
 from narrows.model.model import Model
@@ -84,6 +85,7 @@ def _doubt(deviation: Number, unit: str) -> str:
     return f"standard deviation {_shown(deviation)} {unit}" if known else "its standard deviation is not known"
 
 
+@accept_aliases
 def bank_force(
     model: Model, y: Number, u: Number, psi: Number = 0.0, *, starboard: Number | None = None,
     port: Number | None = None, depth: Number | None = None, slope_starboard: Number = 0.0, slope_port: Number = 0.0,

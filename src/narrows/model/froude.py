@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError, shown
 from narrows.model.data_range import MEASURES, DataRange, Range
 from narrows.model.model import Model
@@ -302,11 +303,12 @@ def units_of(configuration: Configuration, system: System, speed: float | None =
         displaced = density * ship.block_coefficient * ship.length * ship.beam * ship.draft
         return Units(ship.mass or displaced, ship.length, float((ship.length / GRAVITY) ** 0.5))
     if not (speed and 0 < speed < float("inf")):
-        raise InputError(f"system {system} measures time by the speed; give a positive one")
+        raise InputError(f"system {system} measures time by the speed; give a positive one in m/s, or system='bis'")
     depth = ship.length if system == "prime1" else ship.draft
     return Units(density / 2 * ship.length**2 * depth, ship.length, ship.length / speed)
 
 
+@accept_aliases
 def nondimensional(model: Model, system: System = "prime2", speed: float | None = None) -> dict[str, float]:
     """Return a model's nondimensional coefficients.
 

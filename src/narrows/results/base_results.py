@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import narrows
-from narrows.aliases import ATTRIBUTES, FIRST, FUNCTIONS, INSTEAD, MADE_BY, WHY, name_here
+from narrows.aliases import ATTRIBUTES, CONSTRUCTORS, FIRST, FUNCTIONS, INSTEAD, MADE_BY, NAMES_ALIKE, WHY, name_here
 from narrows.errors import did_you_mean
 from narrows.files import write_whole
 from narrows.results.saving import FORMS, csv_of, forms_of, to_json, write
@@ -121,7 +121,7 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
         *getattr(type(thing), "__dataclass_fields__", ()),
         *(it for kind in kinds for it in vars(kind)),
     }
-    other = f"; write {remedy}" if remedy else did_you_mean(name, {word for word in own if word[0] != "_"})
+    other = f"; write {remedy}" if remedy else did_you_mean(name, {word for word in own if word[0] != "_"}, NAMES_ALIKE)
     raise AttributeError(f"{type(thing).__name__} has no {name!r}{why}{other}", name=None, obj=None)
 
 
@@ -129,6 +129,8 @@ class Answering(type):
     """Names the function that makes an object, where a class lacks the constructor of another library."""
 
     def __getattr__(cls, name: str) -> Any:
+        if constructor := name_here(f"{cls.__name__}.{name}", CONSTRUCTORS):
+            return getattr(narrows, constructor)
         made = MADE_BY.get(cls.__name__)
         raise AttributeError(f"{cls.__name__} has no {name!r}" + (f"; write {made}" if made else ""))
 

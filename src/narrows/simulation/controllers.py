@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import angle, choice
 from narrows.quantities.names import Number
@@ -261,6 +262,7 @@ class Zigzag(_Law):
         return {"rudder": side * at.angle}, {"side": side, "cos_start": at.cos_start, "sin_start": at.sin_start}
 
 
+@accept_aliases
 @dataclass(frozen=True, repr=False)
 class Autopilot(_WithoutMemory):
     """A track pilot: rudder in proportion to the deviations, added to the rudder of the steady course.
