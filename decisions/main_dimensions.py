@@ -101,12 +101,15 @@ def trials_table(sailed: bool) -> str:
     for name, sides in measured().items() if sailed else ():
         low, middle, high = np.percentile(drawn[name], [5, 50, 95])
         off = 100 * (middle / np.mean(sides) - 1)
-        rows.append(
-            (name, f"{middle:.1f}", f"{low:.1f} to {high:.1f}", f"{sides[0]:.1f}, {sides[1]:.1f}", f"{off:+.0f} %")
-        )
-    heads = ("measure", "median", "90 % interval", "measured, starboard and port", "median over the mean of both")
+        held = " and ".join("yes" if low <= side <= high else "no" for side in sides)
+        pair = f"{sides[0]:.1f}, {sides[1]:.1f}"
+        rows.append((name, f"{middle:.1f}", f"{low:.1f} to {high:.1f}", pair, held, f"{off:+.0f} %"))
+    heads = (
+        "measure", "median", "90 % interval", "measured, starboard and port", "in the interval",
+        "median over the mean of both",
+    )  # fmt: skip
     if sailed:
-        rows.append(("ships that finished no trial", "", f"{failed} of {DRAWN}", "", ""))
+        rows.append(("ships that finished no trial", "", f"{failed} of {DRAWN}", "", "", ""))
     return markdown(heads, rows)
 
 
