@@ -16,7 +16,7 @@ from pages import markdown, publish
 import narrows as nw
 from narrows.empirical.bank_evidence import BANK_EVIDENCE, BankEvidence, bank_effects, bank_prior, left_out_banks
 from narrows.empirical.calibration import SIGNED, Calibration, left_out
-from narrows.empirical.formulas import FORMULAS
+from narrows.empirical.formulas import FORMULAS, depth_factor
 from narrows.empirical.known_ships import KNOWN_SHIPS
 from narrows.empirical.main_dimensions import estimated
 from narrows.quantities.names import KNOT
@@ -26,15 +26,35 @@ DRAWN = 60
 """Ships drawn from the covariance, each sailed through its trials."""
 
 
+LINEAR = tuple(name for name in SIGNED if name in ("X_my", "N_jz", "Y_v", "Y_r", "N_v", "N_r"))
+
+
 def formula_table() -> str:
     """Ratios of all formulas to the known values, by coefficient."""
     rows = []
-    for name in (name for name in SIGNED if name in ("X_my", "N_jz", "Y_v", "Y_r", "N_v", "N_r")):
+    for name in LINEAR:
         laws = [formula.law for formula in FORMULAS if formula.coefficient == name]
         known = [(ship.hull, ship.primes.get(math.inf, {}).get(name)) for ship in KNOWN_SHIPS]
         ratios = np.array([[law(hull) / value for hull, value in known if value] for law in laws])
         rows.append((name, str(len(laws)), str(ratios.shape[1]), f"{ratios.min():.2f} to {ratios.max():.2f}"))
     return markdown(("coefficient", "formulas", "ships", "formula over known value"), rows)
+
+
+def clarke_table() -> str:
+    """Values of KVLCC2 and the KCS beside Clarke's formulas alone, and beside the estimate by the other ships."""
+    laws = {one.coefficient: one.law for one in FORMULAS if one.source.startswith("Clarke")}
+    rows = []
+    for ship in (ship for ship in KNOWN_SHIPS if ship.name in ("KVLCC2", "KCS")):
+        others, ratio = Calibration(tuple(other for other in KNOWN_SHIPS if other is not ship)), max(ship.primes)
+        for name in LINEAR:
+            value = ship.primes[ratio][name] / depth_factor(name, ship.hull, ratio)
+            alone, own = float(laws[name](ship.hull)), others.estimate(name, ship.hull)
+            off = [f"{100 * (one / value - 1):+.0f} %" for one in (alone, own.value)]
+            low, high = (own.value + sign * 1.96 * own.std for sign in (-1, 1))
+            rows.append((ship.name, name, f"{value:.3f}", f"{alone:.3f} ({off[0]})", f"{own.value:.3f} ({off[1]})",
+                         f"{low:.3f} to {high:.3f}"))  # fmt: skip
+    heads = ("ship", "coefficient", "known", "Clarke (1983) alone", "estimate by the other ships", "95 % interval")
+    return markdown(heads, rows)
 
 
 def left_out_table() -> str:
@@ -206,6 +226,8 @@ def text(sailed: bool = True) -> str:
     """All tables, each below its words; without the trials, which take two minutes, where none is sailed."""
     return "\n\n".join((
         "Formulas over the known values of ships in deep water:", formula_table(),
+        "Linear coefficients in deep water (the KCS's by the laws of depth). `clarke83` of the MSS toolbox has "
+        "Clarke's formulas alone, without a spread:", clarke_table(),
         "Each ship estimated by the others:", left_out_table(),
         "KVLCC2's 7 m model, from length, beam, draft and block coefficient, by the other ships:", trials_table(sailed),
         "Evidence on the bank's coefficients, in the form `distance`:", bank_table(),
