@@ -10,7 +10,7 @@ the true simulation. Averted is a contact that does not happen then. False is an
 that no contact follows within 300 s; needless is one whose advice the hand is following already. A threshold is the
 lowest at which so many false alerts come in 100 hours, found in one half of the transits and used in the other, both
 ways round. Intervals hold 90 % of draws of the contacts with replacement. The bound is an alert at the first second of
-every lapse, and none else. With --others come truths of other kinds, at the thresholds of all known transits.
+every lapse, and none else. With --others come truths of other kinds, at the levels as they are.
 
 python decisions/warning_scores.py [--write] [--others] [--kept FOLDER]
 """
@@ -238,22 +238,23 @@ def of_levels(known: Watch) -> str:
 
 
 def of_others(known: Watch, folder: Path | None) -> str:
-    """Averted in truths of other kinds [%] and false alerts in 100 hours, at the thresholds of the known one."""
-    chosen = [(name, threshold_at(known.runs, name, rate)) for name in (RULE, CURVED) for rate in RATES]
+    """Averted in truths of other kinds [%], and false alerts in 100 hours: thresholds are those of the known truth."""
+    levels = Thresholds()
+    chosen = (
+        (RULE, 1.0 / levels.warning),
+        (RULE, 1.0 / levels.alarm),
+        (CURVED, threshold_at(known.runs, CURVED, RATES[0])),
+    )
     rows = []
     for number, physics in enumerate((KNOWN, *OTHERS)):
         other = watch(number, folder)
         found = [score(other, name, (threshold, threshold)) for name, threshold in chosen]
-        false = ["; ".join(f"{one.false[0]:.0f}" for one in pair) for pair in (found[:2], found[2:])]
-        rule, curved = ([percent(one.averted) for one in pair] for pair in (found[:2], found[2:]))
-        rows.append((
-            physics.words, f"{other.contacts} in {sum(len(run['struck']) for run in other.runs)}",
-            *rule, false[0], *curved, false[1], percent(bound(other)),
-        ))  # fmt: skip
-    of_rule, of_curved = (
-        (f"{words} at 10", f"{words} at 2", f"{words}: false at 10; at 2") for words in ("rule", "curved")
-    )
-    return markdown(("truth", "contacts", *of_rule, *of_curved, "bound"), rows)
+        sailed = any(len(normal(run)) for run in other.runs)
+        false = "; ".join(f"{one.false[0]:.0f}" for one in found) if sailed else "-"
+        averts = (percent(share) for share in (*(one.averted for one in found), bound(other)))
+        rows.append((physics.words, f"{other.contacts}", *averts, f"{np.median(found[0].left):.0f}", false))
+    heads = "contacts", "warning", "alarm", "curved", "bound", "left to act at the warning [s]", "false in 100 h"
+    return markdown(("truth", *heads), rows)
 
 
 def of_clear(known: Watch) -> str:
@@ -301,7 +302,9 @@ def text(folder: Path | None = None, others: bool = False) -> str:
     counted = f"{known.contacts} contacts in {sum(len(run['struck']) for run in known.runs)} transits of an hour."
     parts = [counted, of_predictors(known), "The levels as they are:", of_levels(known), of_clear(known)]
     if others:
-        words = "Truths of other kinds, at the thresholds that all transits of the first row set:"
+        words = (
+            "Truths of other kinds: averted [%]; false alerts in 100 h at the warning, the alarm, and the curved track:"
+        )
         parts += [words, of_others(known, folder)]
     return "\n\n".join(parts)
 

@@ -10,7 +10,6 @@ from narrows.warning.forecasting.forecaster import (
     TAKEOVERS,
     BridgePredictor,
     Forecaster,
-    judged,
     wrong_order_chance,
 )
 from narrows.warning.forecasting.future_lanes import Case, FutureBlock
@@ -69,14 +68,8 @@ class ForecastsAbreast:
         return {name: values[here] for name, values in self.helmsmen.law(known.mean[:, 3]).items()}
 
     def _closely(self, known: Gaussian, rudder: np.ndarray, here: np.ndarray) -> dict[str, np.ndarray]:
-        forecaster, mean, root, law = self.close, known.mean[here], known.root[here], self._law(known, here)
-        blocks = [
-            forecaster.samples(members.drawn(mean, root), rudder[here], law, members.count)
-            for members in (forecaster.members, forecaster.escaping)
-        ]
-        blocks.append(forecaster.samples(forecaster.members.likely(mean), rudder[here], law, 1))
-        outcomes = forecaster._lanes(blocks, 0.0)
-        seen = judged(outcomes, AT_ONCE, len(forecaster.manoeuvres), self.helmsmen.unattended[here])
+        law, unattended = self._law(known, here), self.helmsmen.unattended[here]
+        seen = self.close.judge(known.mean[here], known.root[here], rudder[here], law, unattended, (0.0, None))
         failing = seen.failing[np.arange(AT_ONCE), seen.best, 0]
         return {name: getattr(seen, name) for name in COLUMNS[2:7]} | {
             "failing": failing, "helmsman": seen.helmsman, "escapes": seen.failing.min(axis=1),

@@ -98,38 +98,29 @@ class Forecaster:
         if joint is None:
             raise InputError("nothing is known of this ship yet, so nothing can be forecast")
         mean, root = joint.mean[None], joint.root[None]
-        law = helmsman.law(np.array([now["u"]]))
+        law, flow = helmsman.law(np.array([now["u"]])), self._flow(now, positions)
+        seen = self.judge(mean, root, rudder, law, helmsman.unattended, flow)
+        best, limit = int(seen.best[0]), self.filter.model.configuration.gear.limit
+        tracks = self._tracks(mean, root, rudder, law, flow, best)
+        needed = rudder_needed(self.filter.ship, self.filter.waterway, now, positions)
+        escape = Escape(self.manoeuvres[best].words, self.order(now), limit, self._least_water(tracks.escape))
+        likely = LikelyRun(float(seen.contact[0]), _side(seen.side[0]), float(seen.likely_chance[0]))
+        return BankForecast(
+            estimate.t, likely, float(seen.last_chance[0]), float(seen.failing[0, best, 0]), float(seen.nobody[0]),
+            float(helmsman.unattended[0]), float(seen.as_is[0]), float(seen.wrong_order[0]), escape, self.curved(now),
+            float(rudder[0]) + now.get("rudder_bias", 0.0), needed, limit, tracks,
+        )  # fmt: skip
+
+    def judge(
+        self, mean: np.ndarray, root: np.ndarray, rudder: np.ndarray, law: Any, unattended: np.ndarray, flow: Any
+    ) -> "JudgedFutures":
+        """Simulate the futures of ships abreast: mean (ships, n), root (ships, n, k), current and revolutions."""
         blocks = [
             self.samples(members.drawn(mean, root), rudder, law, members.count)
             for members in (self.members, self.escaping)
         ]
         blocks.append(self.samples(self.members.likely(mean), rudder, law, 1))
-        outcomes = self._lanes(blocks, *self._flow(now, positions))
-        seen = judged(outcomes, self.ships, len(self.manoeuvres), helmsman.unattended)
-        best = int(seen.best[0])
-        tracks = self._tracks(mean, root, rudder, law, self._flow(now, positions), best)
-        return self._forecast(estimate, positions, seen, tracks, float(helmsman.unattended[0]))
-
-    def _forecast(
-        self,
-        estimate: Estimate,
-        positions: Mapping[str, float],
-        seen: "JudgedFutures",
-        tracks: Tracks,
-        unattended: float,
-    ) -> BankForecast:
-        now, gear, best = estimate.values, self.filter.model.configuration.gear, int(seen.best[0])
-        rudder = positions.get(RUDDER, 0.0) + now.get("rudder_bias", 0.0)
-        needed = rudder_needed(self.filter.ship, self.filter.waterway, now, positions)
-        order = self.order(now)
-        left = self._least_water(tracks.escape)
-        escape = Escape(self.manoeuvres[best].words, order, gear.limit, left)
-        likely = LikelyRun(float(seen.contact[0]), _side(seen.side[0]), float(seen.likely_chance[0]))
-        return BankForecast(
-            estimate.t, likely, float(seen.last_chance[0]), float(seen.failing[0, best, 0]), float(seen.nobody[0]),
-            unattended, float(seen.as_is[0]), float(seen.wrong_order[0]), escape, self.curved(now), rudder, needed,
-            gear.limit, tracks,
-        )  # fmt: skip
+        return judged(self._lanes(blocks, *flow), self.ships, len(self.manoeuvres), unattended)
 
     def order(self, now: Mapping[str, float]) -> float:
         """Return the first rudder angle of an escape [rad]."""
