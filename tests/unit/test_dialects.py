@@ -66,6 +66,10 @@ DIALECTS: dict[str, str | bytes] = {
     "psi_deg": headed("psi_deg"),
     "psi [deg]": headed("psi [deg]"),
     "psi[°]": headed("psi[°]"),
+    "minus signs of Unicode": text(";").replace("-", "\u2212"),
+    "thousands in groups": text(";", frame=ROWS.assign(N=(ROWS.N * 1e3).map("{:,.12f}".format))).replace(
+        "N\n", "N [mN m]\n", 1
+    ),
     "commas at all ends": "\n".join(line + "," for line in text().splitlines()),
 }
 
@@ -98,6 +102,15 @@ def test_dialects_on_the_stream(case: str, ship_file: Path, tmp_path: Path, monk
         np.testing.assert_array_equal(block.values["Y"], other["Y"])
     streamed_y = np.concatenate([np.asarray(block.values["Y"]) for block in streamed.blocks()])
     np.testing.assert_array_equal(np.sort(streamed_y), np.sort(whole.columns["Y"]))
+
+
+def test_dates_with_dots_begin_with_the_day(ship_file: Path, tmp_path: Path) -> None:
+    start = pd.Timestamp("2026-11-03 23:59:58")  # The day changes within the tests
+    times = (start + pd.to_timedelta(ROWS.t, unit="s")).dt.strftime("%d.%m.%Y %H:%M:%S.%f")
+    found = nw.read_captive(put(tmp_path, text(";", frame=ROWS.assign(t=times))), ship_file)
+    same_test = np.concatenate([np.diff(run["t"]) for run in found])
+    expected = np.concatenate([np.diff(part.t) for _, part in ROWS.groupby("test", sort=False)])
+    np.testing.assert_allclose(same_test, expected, atol=2e-6)
 
 
 def test_columns_parted_by_blanks_under_a_comment(ship_file: Path, tmp_path: Path) -> None:

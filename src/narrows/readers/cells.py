@@ -15,6 +15,9 @@ from narrows.readers.headers import Column
 from narrows.readers.settings import LARGEST, LONGEST_CELL
 from narrows.readers.text_table import FIRST_ROW, seen
 
+# Thousands in groups; without a decimal point the comma could be a decimal one.
+THOUSANDS = r"^\s*[+-]?\d{1,3}(?:,\d{3})+\.\d+\s*$"
+
 
 def row_number(frame: pd.DataFrame, where: np.ndarray) -> int:
     return int(frame.index[int(np.argmax(where))]) + FIRST_ROW
@@ -65,9 +68,18 @@ def floats(column: pd.Series) -> np.ndarray:
     if column.dtype.kind in "mM":
         return np.full(len(column), np.nan)
     try:
-        return pd.to_numeric(column, errors="coerce").to_numpy(dtype=float)
+        values = pd.to_numeric(column, errors="coerce").to_numpy(dtype=float)
+        lost = np.isnan(values) & column.notna().to_numpy()
+        if column.dtype.kind in "fiub" or not lost.any():
+            return values
+        plain = column.astype(str).str.replace("\u2212", "-").str.replace(THOUSANDS, _ungrouped, regex=True)
+        return np.where(lost, pd.to_numeric(plain, errors="coerce").to_numpy(dtype=float), values)
     except (TypeError, ValueError, ArithmeticError):
         return np.array([_float(cell) for cell in column])
+
+
+def _ungrouped(match: re.Match[str]) -> str:
+    return match[0].replace(",", "")
 
 
 def _float(cell: Any) -> float:

@@ -31,6 +31,7 @@ from narrows.waterway.waterway import Waterway
 
 # Largest distance between the bank of a bend and the line written for it [m].
 CHORD = 0.001
+FOOT = 0.3048
 
 
 def read_waterway(path: str | Path) -> Waterway:
@@ -167,17 +168,22 @@ def _lines(features: list[Feature], file: str) -> list[Feature]:
         if roles.count(role) > 1:
             raise InputError(f"{file}: there are two lines with the role {role}; leave one")
     lines, name = [one for one in features if one.geometry.get("type") == "LineString"], Path(file).name
-    sizes = [[size for one in lines if (size := metres(one.properties.get(key)))] for key in ("width", "depth")]
+    sizes = [
+        [size for one in lines if (size := metres(one.properties.get(key))) and size > 0] for key in ("width", "depth")
+    ]
     width, depth = (f"{given[0] if given else usual:g}" for given, usual in zip(sizes, (300, 16), strict=True))
+    examples = ["" if given else f" (here {usual} m, an example: put your own)"
+                for given, usual in zip(sizes, (300, 16), strict=True)]  # fmt: skip
     if any("Polygon" in str(one.geometry.get("type")) for one in features) and not set(roles) >= {"starboard", "port"}:
         line, action = (name, "measure it along its line") if len(lines) == 1 else ("axis.geojson", "draw a line in it")
         raise InputError(
-            f"{file}: has an area; {action}: narrows waterway {name} --line {line} --depth {depth} -o canal.geojson"
+            f"{file}: has an area; {action} and give a depth{examples[1]}: narrows waterway {name} --line {line} "
+            f"--depth {depth} -o canal.geojson"
         )
     if len(lines) == 1 and set(roles) <= {"centreline"}:
         raise InputError(
-            f"{file}: has one line; with a width and a depth it is a waterway: narrows waterway --line "
-            f"{name} --width {width} --depth {depth} -o canal.geojson"
+            f"{file}: has one line; with a width{examples[0]} and a depth{examples[1]} it is a waterway: "
+            f"narrows waterway --line {name} --width {width} --depth {depth} -o canal.geojson"
         )
     if not features:
         raise InputError(f"{file}: has no line; give three LineStrings, or two banks")
@@ -339,9 +345,12 @@ def number(value: Any) -> float | None:
 
 
 def metres(value: Any) -> float | None:
-    """Return a size as a float, as "16 m" too; None if it is none."""
+    """Return a size [m], as "16 m" or "52 ft" too; None if it is none."""
     with suppress(ValueError):
-        return number(float(value.removesuffix("m")) if isinstance(value, str) else value)
+        if not isinstance(value, str):
+            return number(value)
+        bare = value.strip().removesuffix("m").removesuffix("ft").removesuffix("feet")
+        return number(float(bare) * (FOOT if value.strip().endswith(("ft", "feet")) else 1.0))
     return None
 
 
