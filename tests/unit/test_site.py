@@ -67,6 +67,19 @@ def test_every_room_has_a_page(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
     assert ".. automodule:: narrows.ship.particulars" in (tmp_path / "reference" / "api" / "ship.rst").read_text()
 
 
+def test_a_build_replaces_older_files_to_take_along(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Also one that looks newer than the package, as after a step back in the history."""
+    monkeypatch.syspath_prepend(ROOT / "docs")
+    exports = import_module("_extension.exports")
+    monkeypatch.setattr(exports, "FILES", {"dtc.h": exports.FILES["dtc.h"]})
+    ready = tmp_path / exports.FOLDER / "dtc.h"
+    ready.parent.mkdir(parents=True)
+    ready.write_text("of another day")
+    exports.write_all(tmp_path)
+    nw.export.write_c(nw.published("mikkelsen2025_dtc"), tmp_path / "dtc.h")
+    assert ready.read_bytes() == (tmp_path / "dtc.h").read_bytes()
+
+
 @pytest.mark.parametrize(
     ("page", "asks"),
     [
