@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.logbook.filtering.first_guess import first_guess
 from narrows.logbook.filtering.predicted_signals import HELM_GAIN
-from narrows.logbook.filtering.record_grid import grid_of
+from narrows.logbook.filtering.record_grid import first_guess, grid_of
 from narrows.logbook.filtering.recorded_motion import RecordedMotion
 from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_setup import log_problem
@@ -119,7 +118,7 @@ def test_in_bends_the_yaw_rate_counts_the_turning_of_the_line() -> None:
     sailed, _ = motion.sailed(states[:-1], np.zeros((pieces, 3)), first, grid.times, grid.positions, np.zeros(pieces))
     np.testing.assert_allclose(sailed[first[1:] + np.arange(pieces)], states[1:], atol=1e-6)
     silent = replace(record, signals={name: record[name] for name in ("x", "y", "psi", "rudder")})
-    guess = first_guess(motion, grid_of(silent, 1.0, {"rudder": 0.0}))
+    guess = first_guess(grid_of(silent, 1.0, {"rudder": 0.0}), winding())
     np.testing.assert_allclose(guess[::10, 5], states[:-1, 5], atol=2e-5)
 
 

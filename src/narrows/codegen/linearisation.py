@@ -109,9 +109,9 @@ class JacobianBatch:
     def _fill(self) -> Callable[..., None]:
         """The loop over points with the derivatives of the model."""
         from narrows.codegen.addresses import entry
-        from narrows.codegen.kernels import jacobians
+        from narrows.codegen.kernels import loops
 
-        return partial(compiled_loops(jacobians).at_points, entry(self.module, "linear"))
+        return partial(compiled_loops(loops).at_points, entry(self.module, "linear"))
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
         """Return the derivatives at points, (points, 6, 6 + n), in an array that the next call overwrites."""

@@ -119,7 +119,7 @@ def solved(
     # By Newton's method with exact derivatives, compiled. With ``path_curvature`` [1/m] and ``current`` [m/s] among the
     # values the course is a steady turn along a bend.
     from narrows.codegen.addresses import entry
-    from narrows.codegen.kernels import newton
+    from narrows.codegen.kernels import loops
 
     rudder = tuple(actuator for actuator in ship.actuators if actuator.name == RUDDER)
     system = ship.system(law=moving(rudder), pushed="until")
@@ -134,7 +134,7 @@ def solved(
         part |= system.constants(part)
         size = rows.stop - rows.start
         columns = [np.broadcast_to(np.asarray(part[name], float), size) for name in module.COLUMNS]
-        compiled_loops(newton).solve(balance, np.ascontiguousarray(np.stack(columns, axis=1)), drift[rows], angle[rows])
+        compiled_loops(loops).solve(balance, np.ascontiguousarray(np.stack(columns, axis=1)), drift[rows], angle[rows])
 
     workers = workers or cores()
     in_threads(run, [slice(i, min(i + BLOCK, count)) for i in range(0, count, BLOCK)], workers)

@@ -10,10 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from narrows.logbook.filtering.first_guess import first_guess
 from narrows.logbook.filtering.linear_record import Innovations, LinearRecord, Reference, linear_record, weights_of
 from narrows.logbook.filtering.log_problem import LogProblem
-from narrows.logbook.filtering.record_grid import RecordGrid
+from narrows.logbook.filtering.record_grid import RecordGrid, first_guess
 
 DIFFERENCE = 1e-4  # standard deviations before records, for slopes
 LAGS = 400  # readings over which innovations may be correlated
@@ -70,7 +69,7 @@ class RecordLikelihood:
         model = self.problem.model.at(unknowns[self.problem.count :])
         if reference is None:
             zeros = np.zeros((len(self.grid), len(model.processes)))
-            reference = Reference(first_guess(self.problem.motion, self.grid), zeros)
+            reference = Reference(first_guess(self.grid, self.problem.motion.choices.get("waterway")), zeros)
         for _ in range(passes):
             about = self.linear(unknowns, reference)
             smooth = about.smoothed(model, weights_of(about, model))

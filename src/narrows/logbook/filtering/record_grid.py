@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,12 +11,17 @@ from narrows.errors import InputError
 from narrows.logbook.filtering.predicted_signals import HELM, RUDDER
 from narrows.logbook.ship_record import MEETING, TURNING, ShipRecord, Signal
 
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
+
 # Signals that the motion is held to.
 READ = ("x", "y", "psi", "r", "u", "v", "u_ground", "v_ground", "speed_over_ground", "course")
 # Usual times between two values, over which nothing is drawn straight from one to the next.
 GAP = 3.0
 # Steps of a record that a fit needs at least.
 FEWEST_STEPS = 8
+# Nodes that a first guess averages, and readings among which it takes the middle one.
+NODES, SPIKES = 9, 5
 
 
 @dataclass(frozen=True)
@@ -152,3 +158,44 @@ def _readings(name: str, signal: Signal, times: np.ndarray, whole: np.ndarray) -
     before = np.minimum(position.astype(int), steps - 1)
     kept = whole[before]
     return Readings(*(column[kept] for column in (values, before, position - before, counted)))
+
+
+def first_guess(grid: RecordGrid, waterway: "Waterway | None") -> np.ndarray:
+    """Return the states at the start of each step, smoothed from the readings alone, (n, 6)."""
+    place = {name: _without_spikes(grid, read) for name, read in grid.readings.items() if len(read.values)}
+    x, y = (smoothed(place[name]) if name in place else np.zeros(len(grid.times)) for name in ("x", "y"))
+    along, across = np.gradient(x, grid.times), np.gradient(y, grid.times)
+    psi = smoothed(place["psi"]) if "psi" in place else np.unwrap(np.arctan2(across, along))
+    cosine, sine = np.cos(psi), np.sin(psi)
+    guessed = {
+        "u": along * cosine + across * sine,
+        "v": across * cosine - along * sine,
+        "r": np.gradient(psi, grid.times) + along * _curvature(waterway, x),
+    }
+    for name, others in (("u", ("u", "u_ground", "speed_over_ground")), ("v", ("v", "v_ground")), ("r", ("r",))):
+        guessed[name] = next((smoothed(place[other]) for other in others if other in place), guessed[name])
+    states = np.stack([x, y, psi, guessed["u"], guessed["v"], guessed["r"]], axis=1)
+    return np.asarray(states[:-1])
+
+
+def _curvature(waterway: "Waterway | None", x: np.ndarray) -> np.ndarray | float:
+    """Curvature of the waterway's line, to which the heading is relative."""
+    if waterway is None:
+        return 0.0
+    return np.asarray(waterway.section(np.clip(x, 0.0, waterway.line.length)).curvature)
+
+
+def _without_spikes(grid: RecordGrid, read: Readings) -> np.ndarray:
+    """Readings at the nodes, straight between them, spikes cut off."""
+    from scipy.ndimage import median_filter
+
+    return np.asarray(np.interp(grid.times, grid.times_of(read), median_filter(read.values, SPIKES, mode="nearest")))
+
+
+def smoothed(column: np.ndarray, nodes: int = NODES) -> np.ndarray:
+    """Return means of a few nodes, straight on at the ends, (n,)."""
+    width = min(nodes, len(column) // 2 * 2 - 1)
+    if width < 3:
+        return column
+    padded = np.pad(column, width // 2, mode="reflect", reflect_type="odd")
+    return np.convolve(padded, np.ones(width) / width, "valid")

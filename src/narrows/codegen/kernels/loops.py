@@ -1,7 +1,4 @@
-"""Newton's method for many steady courses, ship by ship: one compiled copy serves all models.
-
-The search starts straight ahead with the rudder amidships and limits its steps.
-"""
+"""Loops over points: derivatives of a motion, and Newton's method for steady courses. One compiled copy serves all."""
 
 from typing import Any
 
@@ -17,11 +14,17 @@ FURTHEST = 1.2  # largest drift over speed, or rudder angle [rad], of the search
 LARGEST = 0.25  # largest step of the search
 
 
+def at_points(linear: Any, values: Array, constants: Array, out: Array) -> None:
+    """Write what ``linear(values, constants)``, by its address, returns at each row of values into that of ``out``."""
+    for row in range(len(values)):
+        call_into(linear, out[row], (values[row], constants))
+
+
 def solve(balance: Any, inputs: Array, drifts: Array, angles: Array) -> None:
     """Find drift over speed and rudder angle [rad] for every row of ``inputs``, NaN if no course is steady.
 
-    ``balance(drift, angle, inputs)``, by its address, gives the accelerations in sway and yaw and their
-    derivatives by relative drift and rudder angle.
+    The search starts straight ahead with the rudder amidships. ``balance(drift, angle, inputs)``, by its address,
+    gives the accelerations in sway and yaw and their derivatives by relative drift and rudder angle.
     """
     found = np.empty(6)
     for row in range(len(inputs)):
