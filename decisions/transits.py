@@ -82,13 +82,13 @@ class Kind:
     bends: bool = False
     gusts: nw.TransitConditions = USUAL
     other_hand: bool = False
-    twins: int = 200
+    twins: int = 30
 
 
 KINDS = (
-    Kind("rtk, 1 transit", sensors="rtk"),
-    Kind("vdr, 1 transit"),
-    Kind("ais and the rudder, 1 transit", sensors="ais and the rudder"),
+    Kind("rtk, 1 transit", sensors="rtk", twins=60),
+    Kind("vdr, 1 transit", twins=100),
+    Kind("ais and the rudder, 1 transit", sensors="ais and the rudder", twins=60),
     Kind("no bank in the moment", truth="no c_bank"),
     Kind("bank of the form y_B", truth="distance"),
     Kind("banks 5 m from where they are charted", shifted=5.0),
@@ -97,15 +97,15 @@ KINDS = (
     Kind("a ship passes every ten minutes", passing="not marked"),
     Kind("a ship passes every ten minutes, marked in the log", passing="marked"),
     Kind("round bends of 3 km", bends=True),
-    Kind("vdr, 5 transits", 5),
-    Kind("rtk, 5 transits", 5, sensors="rtk"),
-    Kind("ais and the rudder, 5 transits", 5, sensors="ais and the rudder"),
-    Kind("rtk, 20 transits", 20, sensors="rtk"),
-    Kind("vdr, 20 transits", 20),
-    Kind("ais and the rudder, 20 transits", 20, sensors="ais and the rudder"),
+    Kind("vdr, 5 transits", 5, twins=40),
+    Kind("rtk, 5 transits", 5, sensors="rtk", twins=20),
+    Kind("ais and the rudder, 5 transits", 5, sensors="ais and the rudder", twins=15),
+    Kind("rtk, 20 transits", 20, sensors="rtk", twins=12),
+    Kind("vdr, 20 transits", 20, twins=12),
+    Kind("ais and the rudder, 20 transits", 20, sensors="ais and the rudder", twins=12),
     Kind("gusts that stay 90 s and act ahead of midship", gusts=OFF_MIDSHIP),
-    Kind("another pilot, other gusts, poorer instruments", other_hand=True),
-    Kind("the same, 5 transits", 5, other_hand=True),
+    Kind("another pilot, other gusts, poorer instruments", other_hand=True, twins=60),
+    Kind("the same, 5 transits", 5, other_hand=True, twins=20),
     Kind("the same, bank of the form y_B", truth="distance", other_hand=True),
 )
 """Without the rudder (ais alone) no fit is made, and the answer says why."""
