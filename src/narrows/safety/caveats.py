@@ -183,7 +183,7 @@ def untested_reasons(model: Model) -> str:
 
 def left_out(model: Model) -> str:
     """Return, in sentences, uncertainties that the result does not include."""
-    # The first sentence on an estimated model says that no tests determine it.
+    # The first sentence names an estimated model as one, without tests.
     lines = ["" if model.source.estimate else model.trust_note, model.unknown_note]
     if model.covariance is None:
         lines.append("The uncertainty of the coefficients is not known, so it is not counted.")
