@@ -45,7 +45,7 @@ TESTS = {
     "warning": ["warning/test_alerts.py", "warning/test_scores.py", "warning/test_monitor_sensors.py"],
     "warning/alerts": ["warning/test_alerts.py", "warning/test_monitor.py"],
     "warning/forecasting": ["warning/test_scores.py", "warning/test_forecast.py"],
-    "warning/inputs": ["warning/test_hearing.py"],
+    "warning/inputs": ["warning/test_nmea_decoder.py"],
     "warning/monitoring": ["warning/test_monitor_sensors.py", "warning/test_monitor.py", "warning/test_bridge_page.py"],
     "warning/page": ["warning/test_page_requests.py", "warning/test_bridge_page.py", "warning/test_clients.py"],
     "warning/transit_scores.py": ["warning/test_scores.py", "warning/test_watched_transits.py"],

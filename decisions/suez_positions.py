@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from narrows.identification.fitting import bundled_ship
-from narrows.readers.nmea.nmea_hearing import Entry
+from narrows.readers.nmea.nmea_decoder import Entry
 from narrows.readers.nmea.nmea_sentences import Telling
 from narrows.terms.tables import table_named
 from narrows.warning.inputs.replay import by_second

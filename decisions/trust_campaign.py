@@ -44,7 +44,7 @@ def cable(size: float) -> tuple[Law, Spoil | None]:
 
 
 def heading(size: float) -> tuple[Law, Spoil | None]:
-    """A heading that goes with y [degrees at 1.3 m]."""
+    """A heading proportional to y [degrees at 1.3 m]."""
     return lambda run: drifting(run, np.radians(size) * run["y"] / REACH, NONE), None
 
 
@@ -59,7 +59,7 @@ def rudder(size: float) -> tuple[Law, Spoil | None]:
 
 
 def crossflow(size: float) -> tuple[Law, Spoil | None]:
-    """A crossflow that goes with y [cm/s at 1.3 m]."""
+    """A crossflow proportional to y [cm/s at 1.3 m]."""
     return lambda run: drifting(run, 0.01 * size / run["u"] * run["y"] / REACH, NONE), None
 
 
@@ -88,10 +88,10 @@ def compliance(size: float) -> tuple[Law, Spoil | None]:
 
 # Each error, the names of the limits that stand for it, its sizes, and the runs it is tried on.
 CASES: tuple[tuple[Callable[[float], tuple[Law, Spoil | None]], str, tuple[float, ...], tuple[int, ...]], ...] = (
-    (cable, "force that goes with y", (0.5, 1.5), (12, 18)),
-    (heading, "heading that goes with y", (0.1, 0.3), (12, 18)),
-    (rudder, "rudder angle that goes with y", (0.5, 2.0), (12,)),
-    (crossflow, "crossflow that goes with y", (1.0,), (12,)),
+    (cable, "force proportional to y", (0.5, 1.5), (12, 18)),
+    (heading, "heading proportional to y", (0.1, 0.3), (12, 18)),
+    (rudder, "rudder angle proportional to y", (0.5, 2.0), (12,)),
+    (crossflow, "crossflow proportional to y", (1.0,), (12,)),
     (clocks, "delay between clocks", (0.05, 0.1, 0.15), (0,)),
     (curvature, "curvature", (5.0, 15.0), (0,)),
     (compliance, "compliance", (0.2, 1.0), (0,)),

@@ -17,7 +17,7 @@ from pathlib import Path
 import pyais
 from pages import markdown, publish
 
-from narrows.readers.nmea.nmea_hearing import Hearing
+from narrows.readers.nmea.nmea_decoder import NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import checksum, sentences
 from narrows.readers.settings import MOST_SHIPS
 from narrows.warning.alerts.alert import Alert, AlertState, Priority
@@ -73,34 +73,34 @@ def _write_on(path: Path, pipe: int) -> None:
 
 def many_ships(count: int) -> tuple[str, str]:
     """Reports of ships of random numbers."""
-    chance, hearing, before = random.Random(0), Hearing(), 0
+    chance, decoder, before = random.Random(0), NmeaDecoder(), 0
     usual = {"type": 1, "lon": 5.0, "lat": 52.0, "speed": 7.4, "course": 10.0, "heading": 12}
     start = time.process_time()
     for number in range(count):
         if number == count // 10:
             before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         line = pyais.encode_dict({**usual, "mmsi": chance.randrange(200_000_000, 776_000_000)}, sentence_type="VDM")[0]
-        for one in sentences([line.encode()], hearing.faults):
-            hearing.told(one, 0.01 * number)
+        for one in sentences([line.encode()], decoder.faults):
+            decoder.told(one, 0.01 * number)
     grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
     took = 1e6 * (time.process_time() - start) / count
-    kept = f"{len(hearing.ships)} of at most {MOST_SHIPS} kept, memory grew by {grown:.1f} MB over the last nine tenths"
+    kept = f"{len(decoder.ships)} of at most {MOST_SHIPS} kept, memory grew by {grown:.1f} MB over the last nine tenths"
     return f"{count} random MMSIs", f"{kept}; {took:.0f} us each with making it"
 
 
 def burst(count: int) -> tuple[str, str]:
     """Reports of others in one second, and the ship's own last."""
-    inbox, hearing = Inbox(), Hearing()
+    inbox, decoder = Inbox(), NmeaDecoder()
     lines = [
         pyais.encode_dict({"type": 1, "mmsi": 244_000_000 + k}, sentence_type="VDM")[0].encode() for k in range(200)
     ]
     own = _sentence("HEHDT,12.00,T")
     start = time.process_time()
-    for one in sentences([*(lines * (count // 200)), own], hearing.faults):
+    for one in sentences([*(lines * (count // 200)), own], decoder.faults):
         inbox.put(Arrival(0.0, one))
     (first,) = inbox.own()
     took = time.process_time() - start
-    heard = hearing.told(first.message, 0.0)
+    heard = decoder.told(first.message, 0.0)
     lost = f"{inbox.lost} of others left out, {OTHERS_QUEUE} kept"
     return f"{count} messages in a burst, the own last", f"own heard after {took:.2f} s ({heard.source}); {lost}"
 
@@ -119,10 +119,10 @@ def fuzzed(count: int) -> list[tuple[str, str]]:
         "commands": lambda: _sentence(f"INACN,{noise(LETTERS, 20)},NRW,{noise(LETTERS, 12)},C"),
     }
     for name, make in makers.items():
-        faults, hearing, told, start = Counter[str](), Hearing(), 0, time.process_time()
+        faults, decoder, told, start = Counter[str](), NmeaDecoder(), 0, time.process_time()
         for number in range(count):
-            told += _understood(name, make(), hearing, faults, 0.01 * number)
-        left = sum((faults + hearing.faults).values())
+            told += _understood(name, make(), decoder, faults, 0.01 * number)
+        left = sum((faults + decoder.faults).values())
         took = 1e6 * (time.process_time() - start) / count
         rows.append(
             (
@@ -133,12 +133,12 @@ def fuzzed(count: int) -> list[tuple[str, str]]:
     return rows
 
 
-def _understood(name: str, line: bytes, hearing: Hearing, faults: Counter[str], t: float) -> int:
+def _understood(name: str, line: bytes, decoder: NmeaDecoder, faults: Counter[str], t: float) -> int:
     if name == "Signal K":
         return len(list(SignalK(faults).deltas(line, 0.0)))
     if name == "commands":
         return int(command_of(line.strip()) is not None)
-    return sum(hearing.told(one, t) is not None for one in sentences([line.strip()], hearing.faults))
+    return sum(decoder.told(one, t) is not None for one in sentences([line.strip()], decoder.faults))
 
 
 def _sentence(body: str, begin: str = "$") -> bytes:

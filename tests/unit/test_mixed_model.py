@@ -172,7 +172,7 @@ def test_a_shift_is_what_an_effect_of_known_size_takes_from_the_estimates(fit: n
     """At given scales: forces less the effect of one, and no column for it."""
     at = np.full(len(model.prior), -0.5)
     names = [effect.name for effect in fit.estimates.forces[-1].effects]
-    for name in ("heading that goes with y", "delay between clocks"):
+    for name in ("heading proportional to y", "delay between clocks"):
         i = names.index(name)
         column = model.x[:, model.fixed + i]
         x, group = np.delete(model.x, model.fixed + i, axis=1), np.delete(model.group, i)
@@ -249,7 +249,7 @@ def test_a_cable_is_not_larger_than_its_tipping_point() -> None:
         found = nw.identify(tests)
         if found.verdicts["b_bank"].status == "identified":
             told = {effect.name: size for effect, size in found.estimates.limits["b_bank"]}
-            assert told["force that goes with y in Y"] < 3.0 * found.motions.reach.max() / 1.7
+            assert told["force proportional to y in Y"] < 3.0 * found.motions.reach.max() / 1.7
 
 
 def test_tests_of_the_kcs_are_predicted_by_the_others(kcs_fits: dict[int, nw.Fit]) -> None:

@@ -34,7 +34,7 @@ WINDS = {"N": 10 * 1852 / 3600, "K": 10 / 3.6, "M": 10.0, "S": 4.4704}
 @pytest.mark.parametrize("letter", WINDS)
 def test_winds_are_in_the_unit_of_their_letter(letter: str) -> None:
     told = told_by([sentence(f"WIMWV,30.0,R,10.0,{letter},A").strip().encode()], "WIMWV")
-    wind = told.values["wind as felt on board"]
+    wind = told.values["apparent wind"]
     assert wind == pytest.approx({"apparent_wind_speed": WINDS[letter], "apparent_wind_angle": np.pi / 6})
 
 

@@ -52,7 +52,8 @@ def test_descriptions_have_a_subject(turn: str) -> None:
 
 # Words that a reader of the field searches for; each stands in the source and in the docs.
 TERMS = (
-    "added mass", "anti-windup", "automatic differentiation", "blockage", "bootstrap", "condition number",
+    "added mass", "anti-windup", "automatic differentiation", "bank cushion", "bank suction", "blockage",
+    "bow-out", "bootstrap", "condition number",
     "cross-validation",
     "crossflow drag", "delay margin", "Fisher scoring", "Froude", "Gauss-Markov", "generalised least squares",
     "hidden Markov",

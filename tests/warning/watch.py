@@ -6,7 +6,7 @@ from functools import cache
 
 from transit import canal, ship
 
-from narrows.readers.nmea.nmea_hearing import Entry, Hearing
+from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import sentences
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
@@ -39,12 +39,12 @@ def indicated(t: float, y: float = 0.0, psi: float = 0.0, rudder: float = 0.0) -
 
 
 def ticks(seconds: int, fault: Fault | None = None, **where: float) -> Iterator[Tick]:
-    hearing = Hearing()
+    decoder = NmeaDecoder()
     for t in range(seconds):
         lines = bridge_sentences(canal(), indicated(float(t), **where), BEGAN + t)
         lines = fault(t, lines) if fault else lines
-        told = [hearing.told(one, float(t)) for one in sentences([line.encode() for line in lines], hearing.faults)]
-        yield Tick(BEGAN + t, [Entry(BEGAN + t, one) for one in told if one], dict(hearing.faults))
+        told = [decoder.told(one, float(t)) for one in sentences([line.encode() for line in lines], decoder.faults)]
+        yield Tick(BEGAN + t, [Entry(BEGAN + t, one) for one in told if one], dict(decoder.faults))
 
 
 @cache

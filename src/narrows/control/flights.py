@@ -14,7 +14,7 @@ from narrows.codegen.run import PreparedRun
 from narrows.control.linearization import linearize
 from narrows.control.regulator import held_line
 from narrows.control.regulator_gains import RegulatorWeights, regulator_gains
-from narrows.control.regulator_law import FELT, HeldLine, Regulator
+from narrows.control.regulator_law import FEEDBACK, HeldLine, Regulator
 from narrows.control.settings import (
     FLIGHT_HEADING,
     FLIGHT_LENGTHS,
@@ -110,7 +110,7 @@ class Flights:
     def _law(self) -> SeenWithNoise:
         lines = [held_line(self.model, system) for system in self.systems]
         count = len(lines) * self.ships
-        gains = [self._each([line.gains[place] for line in lines]) for place in range(len(FELT))]
+        gains = [self._each([line.gains[place] for line in lines]) for place in range(len(FEEDBACK))]
         held = {name: self._each([getattr(line, name) for line in lines]) for name in ("y", "rudder", "psi", "v")}
         line = HeldLine(held["y"], tuple(gains), held["rudder"], held["psi"], held["v"])
         lead = np.full(count, LEAD_TIME * self.time)
@@ -174,7 +174,7 @@ class Flights:
         run = self._prepared
         self._begun  # noqa: B018  # as it is before the first flight
         inputs = list(run.kernel.VESSEL_INPUTS)
-        for place, name in enumerate(FELT):
+        for place, name in enumerate(FEEDBACK):
             run.vessel_inputs[:, inputs.index(PARAMETER(f"by_{name}_0"))] = self._each(gains[:, place])
         run.vessel_inputs[:, inputs.index(PARAMETER("unwinding"))] = weights.unwinding_time * self.time
         run.start[:], alive = self._begun, np.ones(len(run.start), bool)

@@ -73,8 +73,8 @@ class LocalMotion:
         shifted = {**at, "y": at["y"] - self.water.middle} | {INPUTS[f]: at.get(f, 0.0) for f in FORCES}
         matrix = along_line(self.ship.linearisation(self.values).linear(shifted), at)
         names = (*LINEARISED, *FORCES, *(actuator.name for actuator in self.ship.actuators))
-        felt = [LINEARISED.index(name) for name in MOVED]
-        columns = {name: matrix[..., felt, index] for index, name in enumerate(names)}
+        rows = [LINEARISED.index(name) for name in MOVED]
+        columns = {name: matrix[..., rows, index] for index, name in enumerate(names)}
         curvature, pace, room = _along(at)
         for name, slope in (("current", -curvature / room), ("curvature", -pace / room)):
             columns[name] = np.zeros((*matrix.shape[:-2], len(MOVED)))

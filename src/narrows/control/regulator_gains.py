@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control.linear_system import LinearSystem
-from narrows.control.regulator_law import FELT
+from narrows.control.regulator_law import FEEDBACK
 from narrows.control.settings import LEAST_DECAY
 from narrows.errors import InputError
 from narrows.model.model import Model
@@ -72,7 +72,7 @@ USUAL = RegulatorWeights()
 def gains_of(
     ship: SimulatedShip, motion: np.ndarray, push: np.ndarray, speed: np.ndarray, weights: RegulatorWeights
 ) -> np.ndarray:
-    """Return gains for the states ``FELT``, (n, 6), of systems (n, 6, 6) driven by the rudder's rate; NaN for none."""
+    """Gains of the states ``FEEDBACK``, (n, 6), of systems (n, 6, 6) driven by the rudder rate; NaN for none."""
     # Each state is scaled to its weight, and time to ship lengths: the entries are of order 1.
     hull, gear, one = ship.model.configuration.ship, ship.model.configuration.gear, np.ones(len(speed))
     time, off, rudder = hull.length / speed, weights.offset * hull.beam / 2, radians(weights.rudder_deg)
@@ -97,7 +97,7 @@ def stacked_gains(
     """Return the gains of a regulator for each of many courses, (n, 6)."""
     linear = ship.linearisation({**ship.values(), **values})
     matrix = linear.linear({**course, "psi": -np.arctan(course["v"] / course["u"])})
-    states, speed = [LINEARISED.index(name) for name in FELT[:4]], np.asarray(course["u"], float)
+    states, speed = [LINEARISED.index(name) for name in FEEDBACK[:4]], np.asarray(course["u"], float)
     rows = np.broadcast_to(matrix, (len(speed), *matrix.shape[-2:]))[:, states]
     rudder = len(LINEARISED) + linear.controlled.index("rudder")
     return gains_of(ship, *rate_driven(rows[:, :, states], rows[:, :, rudder]), speed, weights)
@@ -116,8 +116,8 @@ def regulator_gains(model: Model, linear: LinearSystem, weights: RegulatorWeight
 
 
 def rate_driven(A: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return systems of ``FELT`` driven by the rudder's rate, (n, 6, 6) and (n, 6), from those of y, psi, v, r."""
-    driven, push = np.zeros((len(A), len(FELT), len(FELT))), np.zeros((len(A), len(FELT)))
+    """Return systems of ``FEEDBACK`` driven by the rudder's rate, (n, 6, 6) and (n, 6), from those of y, psi, v, r."""
+    driven, push = np.zeros((len(A), len(FEEDBACK), len(FEEDBACK))), np.zeros((len(A), len(FEEDBACK)))
     driven[:, :4, :4], driven[:, :4, 4] = A, b
     driven[:, 5, 0], push[:, 4] = 1.0, 1.0
     return driven, push

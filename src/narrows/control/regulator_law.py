@@ -13,7 +13,7 @@ from narrows.quantities.arithmetic import choice, clip, maximum
 from narrows.results import BaseSummary
 from narrows.simulation.controllers import LAST_ORDER, ORDER_TOLERANCE, Named
 
-FELT = ("y", "psi", "v", "r", "rudder", "integral")
+FEEDBACK = ("y", "psi", "v", "r", "rudder", "integral")
 TURNED = ("psi", "v", "rudder")
 
 
@@ -51,15 +51,17 @@ class HeldLine:
     start: float = 0.0
 
     def __post_init__(self) -> None:
-        if len(self.gains) != len(FELT) or len(self.turning) != len(TURNED):
-            raise InputError(f"a regulator has gains for {', '.join(FELT)} and turns of {', '.join(TURNED)}; give each")
+        if len(self.gains) != len(FEEDBACK) or len(self.turning) != len(TURNED):
+            raise InputError(
+                f"a regulator has gains for {', '.join(FEEDBACK)} and turns of {', '.join(TURNED)}; give each"
+            )
         for number in (self.y, *self.gains, self.rudder, self.psi, self.v, *self.turning, self.start):
             if not np.isfinite(number).all():
                 raise InputError(f"a regulator with {number} steers nothing; give finite numbers")
 
     def numbers(self) -> dict[str, Any]:
         held = {f"held_{name}": getattr(self, name) for name in ("y", "rudder", "psi", "v")}
-        held |= {f"by_{name}": gain for name, gain in zip(FELT, self.gains, strict=True)}
+        held |= {f"by_{name}": gain for name, gain in zip(FEEDBACK, self.gains, strict=True)}
         return held | {f"turn_{name}": slope for name, slope in zip(TURNED, self.turning, strict=True)}
 
 

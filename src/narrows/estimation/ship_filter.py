@@ -226,8 +226,8 @@ class ShipFilter:
         if self.coefficients == "certain" or covariance is None:
             return np.zeros((len(terms.names), 0))
         solved = [force for force in terms.forces if force != "X" or self.surge == "free"]
-        felt = {term.name for force in solved for term in terms.forces[force]}
-        counts = np.array([name in felt for name in terms.names])
+        acting = {term.name for force in solved for term in terms.forces[force]}
+        counts = np.array([name in acting for name in terms.names])
         size = np.where(counts & (covariance.diagonal() > 0.0), np.sqrt(covariance.diagonal()), np.inf)
         scale = np.where(np.isfinite(size), size, 1.0)
         share, axes = np.linalg.eigh(covariance / np.outer(size, size))

@@ -50,7 +50,7 @@ def passport(model: Model, covariance: bool = True) -> Iterator[str]:
         yield f"{whose} tests covered: {'; '.join(covered)}."
     unknown = unknown_ranges(model) if covered else []
     yield from [f"The model gives no tested range of {', '.join(unknown)}."] * bool(unknown)
-    yield from ["The model does not say what its tests covered."] * (not covered)
+    yield from ["What its tests covered is not known."] * (not covered)
     if not model.verdicts and not model.unknown_note:
         yield "How well tests determine its coefficients is not known: the model has no verdicts."
     yield from _coefficients(model)

@@ -122,7 +122,7 @@ def bank_names(fit: Fit) -> list[str]:
 
 
 def preferred_fit(fit: Fit) -> Fit | None:
-    """Return the fit of the hull's terms, with the same form of the bank, that errs least on what was left out."""
+    """Return the fit of the hull's terms, with the same form of the bank, of least left-out error."""
     # None where the terms of the fit do, within two per cent.
     others = []
     for table in _others(fit.terms):

@@ -73,10 +73,9 @@ class Comparison(BaseResult):
         for force in self.forces:
             best = self.best(force)
             errors = {n: fit.left_out[force].rmse for n, fit in self.fits.items() if force in fit.left_out}
-            against = f", {first} by {errors[first]:.3g}" if best != first and first in errors else ""
-            sentences.append(
-                f"{force}: {best} errs least on what was left out, by {errors[best]:.3g} {FORCES[force].unit}{against}."
-            )
+            against = f"; {first}: {errors[first]:.3g}" if best != first and first in errors else ""
+            error = f"{errors[best]:.3g} {FORCES[force].unit}{against}"
+            sentences.append(f"{force}: {best} has the least error on left-out tests, {error}.")
         return "\n".join(sentences)
 
     def rows(self) -> list[dict[str, Any]]:

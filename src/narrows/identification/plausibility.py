@@ -19,7 +19,7 @@ from narrows.terms.term import TermKind, TermTable
 LEAST_ADDED, MOST = 0.5, 10.0
 # Standard errors that a mass must be beyond what a ship can have; the force that such a mass makes over what the fit
 # leaves, below which nothing is said.
-SURE, FELT = 2.0, 0.1
+SURE, LEAST_FORCE = 2.0, 0.1
 # Error of a fit to a force of the other sign, over that of the fit, below which the sign is in doubt.
 CLEARLY = 0.7
 # Standard errors over the runs by which X must push ahead.
@@ -108,7 +108,7 @@ def mass_sentence(evidence: Judged, mass: Mass) -> str:
     bare, added = mass.bare(configuration), mass.added(configuration)
     least, most = bare + LEAST_ADDED * added, MOST * (bare + added)
     low, high = (evidence.unbounded[name] + side * SURE * evidence.std[name] for side in (-1, 1))
-    if (least <= high and low <= most) or not _felt(evidence, name, mass.force, least):
+    if (least <= high and low <= most) or not _matters(evidence, name, mass.force, least):
         return ""
     side = "under" if high < least else "over"
     return (
@@ -118,13 +118,13 @@ def mass_sentence(evidence: Judged, mass: Mass) -> str:
     )
 
 
-def _felt(evidence: Judged, name: str, force: str, mass: float) -> bool:
+def _matters(evidence: Judged, name: str, force: str, mass: float) -> bool:
     """Return whether such a mass would change the forces by more than the residuals."""
     equations = evidence.equations
     total, column, one = equations.total, equations.columns[name], equations.columns[ONE]
     size = math.sqrt(total[column, column] / total[one, one])
     left = score(equations, total, evidence.problem.terms, evidence.coefficients)[force].rmse
-    return mass * size > FELT * left
+    return mass * size > LEAST_FORCE * left
 
 
 def _cause(value: float, usual: float, force: str, side: str) -> str:

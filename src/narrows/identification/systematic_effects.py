@@ -179,10 +179,10 @@ class Effects:
         rows, place = self.rows, f"at {self.rows.reach:.2g} m"
         speed = float(np.median(rows.speed))
         powers: dict[str, tuple[str, float]] = {
-            "y": ("force that goes with y", 1.0),
-            "y u": ("force that goes with y u", speed),
-            "y u2": ("force that goes with y u2", speed**2),
-            "y2 u2": ("force that goes with y2 u2", speed**2 * rows.reach),
+            "y": ("force proportional to y", 1.0),
+            "y u": ("force proportional to y u", speed),
+            "y u2": ("force proportional to y u2", speed**2),
+            "y2 u2": ("force proportional to y2 u2", speed**2 * rows.reach),
         }
         for f in self._lateral():
             force = rows.blocks.forces[f]
@@ -192,9 +192,9 @@ class Effects:
                 column = rows.of(f, rows.raw(f"column {name}") / (scale * rows.reach))
                 self.add(f"{words} in {force}", column, usual, WITH_OFFSET, unit)
         turned = (rows.shift("heading with y") + self._unexcited_sway(rows.raw("column y u2"))) / rows.reach
-        self.add("heading that goes with y", turned * DEGREE, SIZES["heading with y"], WITH_OFFSET, f"deg {place}")
+        self.add("heading proportional to y", turned * DEGREE, SIZES["heading with y"], WITH_OFFSET, f"deg {place}")
         across = turned / rows.all(rows.speed) * 0.01
-        self.add("crossflow that goes with y", across, SIZES["crossflow with y"], WITH_OFFSET, f"cm/s {place}")
+        self.add("crossflow proportional to y", across, SIZES["crossflow with y"], WITH_OFFSET, f"cm/s {place}")
         self._rudder(rows.raw("column y u2") / rows.reach, f"deg {place}")
 
     def _unexcited_sway(self, column: np.ndarray) -> np.ndarray:
@@ -214,7 +214,7 @@ class Effects:
         force = RUDDER * self.configuration.water.density * ship.length * ship.draft * along
         levers = {"Y": 1.0, "N": -ship.length / 2}
         column = sum(rows.of(f, levers.get(name, 0.0) * force) for f, name in enumerate(rows.blocks.forces))
-        self.add("rudder angle that goes with y", np.asarray(column), SIZES["rudder with y"], WITH_OFFSET, unit)
+        self.add("rudder angle proportional to y", np.asarray(column), SIZES["rudder with y"], WITH_OFFSET, unit)
 
     def _motion(self) -> None:
         """Errors of the motion: heading, rail, clock, mount."""

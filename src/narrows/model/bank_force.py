@@ -1,4 +1,4 @@
-"""The force of the banks in any section of water, with its uncertainty; exported files compute the same."""
+"""Bank suction and bow-out moment (bank cushion) in any section, with uncertainty; exported files compute the same."""
 
 from dataclasses import dataclass
 from functools import reduce

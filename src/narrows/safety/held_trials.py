@@ -10,7 +10,7 @@ import xarray as xr
 
 from narrows.codegen.choices import AFTER
 from narrows.control.regulator_gains import RegulatorWeights, stacked_gains
-from narrows.control.regulator_law import FELT
+from narrows.control.regulator_law import FEEDBACK
 from narrows.control.steady_course import solved, with_propulsion
 from narrows.errors import InputError
 from narrows.model.model import Model
@@ -112,7 +112,7 @@ def _knowing(ship: SimulatedShip, grid: Grid, bend: Bend, workers: int | None) -
     at = grid.sizes["u"] // 2
     values = {name: value.isel(u=at, drop=True) if "u" in value.dims else value for name, value in grid.values.items()}
     one = Grid(values, {name: size for name, size in grid.sizes.items() if name != "u"})
-    gains = np.empty((*one.sizes.values(), len(FELT)))
+    gains = np.empty((*one.sizes.values(), len(FEEDBACK)))
     for block in one.blocks(TRIAL_BLOCK):
         columns, shape = one.flat(block)
         count = math.prod(shape)
@@ -122,7 +122,7 @@ def _knowing(ship: SimulatedShip, grid: Grid, bend: Bend, workers: int | None) -
         course |= {"u": np.broadcast_to(columns["u"], count)}
         course |= {"v": np.where(found, v, np.nan), "rudder": np.where(found, rudder, np.nan)}
         gains[one.region(block)] = stacked_gains(ship, columns, course, RegulatorWeights(bank=1.0)).reshape(*shape, -1)
-    parts = {KNOWING(name): xr.DataArray(gains[..., i], dims=list(one.sizes)) for i, name in enumerate(FELT)}
+    parts = {KNOWING(name): xr.DataArray(gains[..., i], dims=list(one.sizes)) for i, name in enumerate(FEEDBACK)}
     return {**parts, KNOWING("made_for"): xr.DataArray(float(values["u"]))}
 
 
@@ -150,7 +150,7 @@ class _Trial:
         one = sail.held(self.pilot.law(self.ship, numbers, held), found)
         known = one
         if KNOWING("y") in values:
-            gains = [np.broadcast_to(values[KNOWING(name)], count) for name in FELT]
+            gains = [np.broadcast_to(values[KNOWING(name)], count) for name in FEEDBACK]
             made = found & np.isfinite(gains).all(axis=0) & ~one
             # The law takes the course at its design speed, and the sway velocity scales with the speed.
             made_for = float(np.ravel(values[KNOWING("made_for")])[0])

@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.control.regulator import TRACKED, track_gains
 from narrows.control.regulator_gains import USUAL, RegulatorWeights, stacked_gains
-from narrows.control.regulator_law import FELT, HeldLine, Regulator
+from narrows.control.regulator_law import FEEDBACK, HeldLine, Regulator
 from narrows.control.settings import LEAD_TIME
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import choice, clip
@@ -47,12 +47,12 @@ class Pilot:
 def _regulator_numbers(courses: BestEstimateCourses, tuning: RegulatorWeights) -> Numbers:
     """Gains, and rudder, heading and drift of the best-estimate course."""
     gains = courses.filled(stacked_gains(courses.ship, courses.values, courses.course, tuning))
-    return {**{f"by_{name}": gains[..., i] for i, name in enumerate(FELT)}, **courses.held()}
+    return {**{f"by_{name}": gains[..., i] for i, name in enumerate(FEEDBACK)}, **courses.held()}
 
 
 def _regulator(ship: SimulatedShip, numbers: Numbers, course: Course) -> ControlLaw:
     """The regulator; from the drawn ship it uses only y and u."""
-    return regulator_of(ship, [numbers[f"by_{name}"] for name in FELT], {**numbers, "y": course["y"]}, course["u"])
+    return regulator_of(ship, [numbers[f"by_{name}"] for name in FEEDBACK], {**numbers, "y": course["y"]}, course["u"])
 
 
 def _track_numbers(courses: BestEstimateCourses, tuning: None) -> Numbers:

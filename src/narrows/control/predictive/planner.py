@@ -283,10 +283,10 @@ def tracking_cost(
     off: np.ndarray, G: np.ndarray, rates: np.ndarray, weights: Weights, beyond: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Return H and f of the cost of deviations from the reference and of turning the rudder."""
-    felt = np.flatnonzero(weights.states)
-    root = np.sqrt(weights.states[felt])
-    moved = (G[:-1, felt] * root[:, None]).reshape(-1, len(rates))
-    wrong = (off[:-1, felt] * root).ravel()
+    weighted = np.flatnonzero(weights.states)
+    root = np.sqrt(weights.states[weighted])
+    moved = (G[:-1, weighted] * root[:, None]).reshape(-1, len(rates))
+    wrong = (off[:-1, weighted] * root).ravel()
     last = beyond @ G[-1]
     H = moved.T @ moved + G[-1].T @ last
     H.flat[:: len(rates) + 1] += weights.rate

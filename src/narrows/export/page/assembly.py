@@ -239,7 +239,7 @@ def _notes(model: Model, sliders: list[Slider]) -> list[str]:
     doubt = UNTESTED if model.source.estimate else UNSETTLED
     notes = [doubt] if model.trust_note else []  # Without a bank force the headline gives the note
     tested = unsaid and not model.source.estimate
-    silent = f"The model does not say which {' and '.join(unsaid)} its tests covered." if tested else ""
+    silent = f"Which {' and '.join(unsaid)} its tests covered is not known." if tested else ""
     return [*notes, *filter(None, [silent])]
 
 

@@ -100,8 +100,8 @@ def coefficient_prior(
 ) -> CoefficientPrior:
     """Return what is known of the coefficients that a motion can move."""
     # covariance (n, n)
-    felt = [force for force in FORCES if force != "X" or surge == "free"]
-    names = [term.name for force in felt for term in model.terms.forces[force]]
+    acting = [force for force in FORCES if force != "X" or surge == "free"]
+    names = [term.name for force in acting for term in model.terms.forces[force]]
     known = {name: covariance[i, i] > 0 for i, name in enumerate(model.terms.names)}
     groups = _groups(model, [name for name in names if known[name]])
     places = [model.terms.names.index(group[0]) for group in groups]

@@ -79,8 +79,8 @@ def _inertia(model: Model, problem: LogProblem) -> tuple[str, ...]:
     """Coefficients of the inertia in the motion, one for each group of ties."""
     seconds = {second for _, second in model.terms.ties}
     surge = problem.motion.integrator.ship.surge
-    felt = [term for force, terms in model.terms.forces.items() if force != "X" or surge == "free" for term in terms]
-    return tuple(term.name for term in felt if term.kind == TermKind.INERTIA and term.name not in seconds)
+    acting = [term for force, terms in model.terms.forces.items() if force != "X" or surge == "free" for term in terms]
+    return tuple(term.name for term in acting if term.kind == TermKind.INERTIA and term.name not in seconds)
 
 
 def _ranges(records: Iterable[RecordScore]) -> tuple[Range, Range]:

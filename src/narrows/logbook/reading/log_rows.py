@@ -200,7 +200,7 @@ IN_FIXED_AXES = {
 }
 
 FROM_THE_SHIP = {
-    "apparent_wind_speed": Quantity("m/s", "speed of the wind as felt on board"),
+    "apparent_wind_speed": Quantity("m/s", "speed of the apparent wind"),
     "apparent_wind_angle": Quantity("rad", "where it comes from, clockwise from the bow"),
 }
 

@@ -143,7 +143,7 @@ class Placing:
 
 
 def _true_wind(told: RawSignals, record: ShipRecord) -> Signals:
-    """The wind over ground, of the wind that is felt on board."""
+    """The wind over ground, of the apparent wind."""
     measured, moving = told.together("apparent_wind_speed", "apparent_wind_angle"), record.over_ground()
     if measured is None or moving is None or "psi" not in record or "wind_speed" in record:
         return {}

@@ -151,8 +151,8 @@ class LegReadings:
         """Return the readings as columns."""
         names = ("y", "u", "rudder", *readings.directions)
         value, size = (np.stack([part[name] for name in names], axis=1) for part in (readings.values, readings.errors))
-        felt = felt_on(problem.model, readings.values["u"], readings.values)
-        return cls(SteadyBalance(problem.model, felt), value, size, tuple(ZEROS.get(name) for name in names))
+        given = sinkage_and_revolutions(problem.model, readings.values["u"], readings.values)
+        return cls(SteadyBalance(problem.model, given), value, size, tuple(ZEROS.get(name) for name in names))
 
     @property
     def balances(self) -> int:
@@ -209,7 +209,7 @@ def _left_over(by_turning: np.ndarray, mass: np.ndarray, left_over: np.ndarray) 
 @dataclass(frozen=True)
 class SteadyBalance:
     model: Model  # With terms of a rudder
-    felt: Mapping[str, np.ndarray]  # (legs,) Heave [m], and revolutions [1/s] where the terms ask for them
+    given: Mapping[str, np.ndarray]  # (legs,) Heave [m], and revolutions [1/s] where the terms ask for them
 
     @cached_property
     def _ship(self) -> SimulatedShip:
@@ -217,7 +217,7 @@ class SteadyBalance:
 
     @cached_property
     def _particulars(self) -> dict[str, Number]:
-        return {**self._ship.values(), **self.felt}
+        return {**self._ship.values(), **self.given}
 
     def columns(self, latent: np.ndarray) -> np.ndarray:
         """Return what multiplies each coefficient in sway force and yaw moment, (legs, 2, coefficients)."""
@@ -235,7 +235,7 @@ class SteadyBalance:
         named = dict(zip(self.model.terms.names, coefficients.tolist(), strict=True))
         linear = self._ship.linearisation({**self._particulars, **named})
         y, u, rudder, psi = latent.T
-        at = {"y": y, "u": u, "v": -u * np.tan(psi), "psi": psi, "rudder": rudder, **self.felt}
+        at = {"y": y, "u": u, "v": -u * np.tan(psi), "psi": psi, "rudder": rudder, **self.given}
         # The rates are the forces over the mass, which no place changes.
         rates = linear.linear(at)[:, [LINEARISED.index(velocity) for velocity in BALANCED.values()]]
         names = (*LINEARISED, *linear.controlled)
@@ -247,21 +247,21 @@ class SteadyBalance:
 
     def _values(self, latent: np.ndarray) -> dict[str, Number]:
         y, u, rudder, psi = latent.T
-        values = {**self._particulars, **Motion.at(psi, y=y, u=u, v=-u * np.tan(psi)).values(), **self.felt}
+        values = {**self._particulars, **Motion.at(psi, y=y, u=u, v=-u * np.tan(psi)).values(), **self.given}
         for actuator in self.model.terms.actuators:
             if actuator.name == "rudder":
                 values |= actuator.placed(rudder)
         return values
 
 
-def felt_on(model: Model, speeds: np.ndarray, told: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+def sinkage_and_revolutions(model: Model, speeds: np.ndarray, told: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return what goes with the speed of legs: heave [m], and revolutions [1/s] where the terms ask for them."""
     # speeds (legs,) [m/s]
     each, place = np.unique(speeds, return_inverse=True)
-    felt = {"heave": told["heave"] if "heave" in told else keel_at(model, each).midship[place]}
+    given = {"heave": told["heave"] if "heave" in told else keel_at(model, each).midship[place]}
     if model.terms.propelled:
         turns = told.get("revolutions")
         if turns is None:
             turns = np.array([self_propulsion(model, speed) for speed in each.tolist()])[place]
-        felt["revolutions"] = turns
-    return felt
+        given["revolutions"] = turns
+    return given

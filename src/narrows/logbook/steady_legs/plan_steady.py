@@ -384,9 +384,9 @@ def candidates(
     """Find the steady courses at offsets and speeds, and whether a ship may be held there."""
     y, u = (part.ravel() for part in np.meshgrid(offsets, speeds, indexing="ij"))
     keel = keel_at(model, u)
-    felt = {name: xr.DataArray(part, dims="place") for name, part in {"y": y, "u": u, "heave": keel.midship}.items()}
-    mean = steady_course(model, **felt)
-    drawn = steady_course(model, samples=samples, seed=seed, **felt).transpose("place", "sample")
+    steady = {name: xr.DataArray(part, dims="place") for name, part in {"y": y, "u": u, "heave": keel.midship}.items()}
+    mean = steady_course(model, **steady)
+    drawn = steady_course(model, samples=samples, seed=seed, **steady).transpose("place", "sample")
     rudder, psi = (np.nan_to_num(drawn[name].to_numpy(), nan=np.inf) for name in ("rudder", "psi"))
     gear, ship, canal = model.configuration.gear, model.configuration.ship, model.configuration.canal
     turned = ship.length / 2 * np.abs(np.sin(mean["psi"].to_numpy()))

@@ -19,7 +19,7 @@ from narrows.ship.checks import is_finite
 if TYPE_CHECKING:
     import pandas as pd
 
-# What is read on a leg.
+# Readings of a leg.
 READ = {
     "y": Quantity("m", "midship to starboard of the middle of the canal"),
     "u": Quantity("m/s", "surge velocity through the water"),
@@ -28,15 +28,15 @@ READ = {
     "heading": Quantity("rad", "heading to the canal's direction, clockwise seen from above"),
 }
 
-# What a leg may say beside it.
-FELT = {
+# Values of a leg that may be given too.
+GIVEN = {
     "heave": Quantity("m", "midship sinkage; that of the squat formula unless given"),
     "revolutions": Quantity("1/s", "of the propeller, for terms that ask for it"),
 }
 
 LABEL = "leg"
 ERRORS = {f"{name}_error": Quantity(quantity.unit, "standard deviation") for name, quantity in READ.items()}
-COLUMNS = {**READ, **FELT, **ERRORS}
+COLUMNS = {**READ, **GIVEN, **ERRORS}
 
 
 @dataclass(frozen=True, repr=False)
@@ -169,7 +169,7 @@ def steady_readings(table: Any, errors: ReadingErrors | None = None) -> SteadyRe
         raise InputError(f"{source}: has no leg; give a row for each side and speed at which the ship was held")
     columns = _columns(frame, source)
     readings = SteadyReadings(
-        _labels(frame, source), {name: columns[name] for name in (*READ, *FELT) if name in columns},
+        _labels(frame, source), {name: columns[name] for name in (*READ, *GIVEN) if name in columns},
         _errors(columns, errors or ReadingErrors(), source), source, sha256_of_frame(frame),
     )  # fmt: skip
     _check(readings)

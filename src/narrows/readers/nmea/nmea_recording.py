@@ -10,7 +10,7 @@ import pandas as pd
 
 from narrows.errors import InputError
 from narrows.progress import opened
-from narrows.readers.nmea.nmea_hearing import Clock, Entry, Hearing
+from narrows.readers.nmea.nmea_decoder import Clock, Entry, NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import SENTENCE, SOURCES, Sentence, Telling, sentences
 from narrows.readers.settings import NMEA_SHARE, SNIFFED, SOURCE_SENTENCES, TALKER_SILENCE
 
@@ -24,12 +24,12 @@ def is_nmea(path: Path) -> bool:
 
 class Recording:
     def __init__(self, path: Path, mmsi: int | None = None) -> None:
-        self.path, self.hearing = path, Hearing(mmsi)
+        self.path, self.decoder = path, NmeaDecoder(mmsi)
         self.sources, self.clock = Sources(), Clock(logged=False)
 
     @property
     def faults(self) -> Counter[str]:
-        return self.hearing.faults
+        return self.decoder.faults
 
     def entries(self) -> Iterator[Entry]:
         self._begin()
@@ -39,14 +39,14 @@ class Recording:
     def _begin(self) -> None:
         with self.path.open("rb") as file:
             sample = list(islice(self._told(file), SOURCE_SENTENCES))
-        self.hearing.forget()
+        self.decoder.forget()
         logged = sum(sentence.logged is not None for sentence, _ in sample)
         day = next((told.day for _, told in sample if told.day), None)
         self.sources, self.clock = Sources(told for _, told in sample), Clock(logged > NMEA_SHARE * len(sample), day)
 
     def _told(self, lines: Iterable[bytes]) -> Iterator[tuple[Sentence, Telling]]:
-        for sentence in sentences(lines, self.hearing.faults):
-            told = self.hearing.told(sentence, sentence.logged or 0.0)
+        for sentence in sentences(lines, self.decoder.faults):
+            told = self.decoder.told(sentence, sentence.logged or 0.0)
             if told is not None:
                 yield sentence, told
 
@@ -96,7 +96,7 @@ class NmeaTable(Recording):
             if len(frame.columns) > 1:
                 yield frame
         if not self.sources.chosen:
-            ships = ", ".join(name for name, _ in self.hearing.ships.most_common(3))
+            ships = ", ".join(name for name, _ in self.decoder.ships.most_common(3))
             heard = f"; it heard the ships {ships} by AIS: say whose reports to read, mmsi=" if ships else ""
             raise InputError(f"{self.path}: no sentence gives the position or motion of this ship{heard}")
 

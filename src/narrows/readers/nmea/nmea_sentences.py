@@ -48,7 +48,7 @@ SOURCES = {
     "revolutions": ("RPM",),
     "speed through the water": ("VBW", "VHW"),
     "speed over ground in the ship's axes": ("VBW",),
-    "wind as felt on board": ("MWV",),
+    "apparent wind": ("MWV",),
     "wind": ("MWD",),
 }
 # Groups that are not measured by a navigation sensor: the ship's draft, and the echo sounder's depth.
@@ -204,7 +204,7 @@ def _mwv(message: Any) -> Tellings:
     if message.status != "A" or message.reference != "R" or message.speedu not in SPEEDS:
         return {}
     speed = _scaled(_only(apparent_wind_speed=message.speed), SPEEDS[message.speedu])
-    return {"wind as felt on board": speed | _scaled(_only(apparent_wind_angle=message.angle), DEGREE)}
+    return {"apparent wind": speed | _scaled(_only(apparent_wind_angle=message.angle), DEGREE)}
 
 
 def _mwd(message: Any) -> Tellings:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.readers.nmea.nmea_hearing import Entry
+from narrows.readers.nmea.nmea_decoder import Entry
 from narrows.readers.nmea.nmea_sentences import PARTICULARS, SOURCES, WATER_DEPTH, Values
 from narrows.warning.settings import SOURCE_SILENCE, WATERWAY_REACH
 from narrows.waterway.map_lines import projected

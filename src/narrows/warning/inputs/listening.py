@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 from urllib.parse import parse_qs, urlsplit
 
 from narrows.errors import InputError, needs, reason
-from narrows.readers.nmea.nmea_hearing import Entry, Hearing
+from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import PARTICULARS, Sentence, Telling, Tellings, Values, sentences
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.settings import (
@@ -74,7 +74,7 @@ class Connection:
 class Listening:
     def __init__(self, connections: Sequence[Connection], mmsi: int | None = None, peers: Iterable[str] = ()) -> None:
         self._peers = frozenset(peers)  # Hosts or devices whose commands (ACN) are taken
-        self.inbox, self.hearing, self._stop = Inbox(), Hearing(mmsi), Event()
+        self.inbox, self.decoder, self._stop = Inbox(), NmeaDecoder(mmsi), Event()
         self.broken: dict[str, str] = {}
         self._faults = [Counter[str]() for _ in connections]
         self._threads = [
@@ -101,7 +101,7 @@ class Listening:
             due = max(due, now - PERIOD) + PERIOD
 
     def faults(self) -> dict[str, int]:
-        total = sum((Counter(faults) for faults in self._faults), Counter(self.hearing.faults))
+        total = sum((Counter(faults) for faults in self._faults), Counter(self.decoder.faults))
         total["for which there was no time"] = self.inbox.lost
         return dict(+total)
 
@@ -114,7 +114,7 @@ class Listening:
 
     def _entries(self, arrivals: list[Arrival]) -> list[Entry]:
         told = (
-            (t, self.hearing.told(message, t) if isinstance(message, Sentence) else message) for t, message in arrivals
+            (t, self.decoder.told(message, t) if isinstance(message, Sentence) else message) for t, message in arrivals
         )
         return [Entry(t, one) for t, one in told if one is not None]
 

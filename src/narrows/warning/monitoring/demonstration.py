@@ -11,7 +11,7 @@ from narrows.control.regulator import track_pilot
 from narrows.identification.fitting import bundled_ship
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
-from narrows.readers.nmea.nmea_hearing import Entry, Hearing
+from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import checksum, sentences, with_checksum
 from narrows.simulation.controllers import Autopilot, Order, VoyageState
 from narrows.simulation.voyage import Voyage, simulate
@@ -80,11 +80,11 @@ class Demonstration:
     bridge: SimulatedBridge  # That tells
 
     def ticks(self) -> Iterator[Tick]:
-        hearing = Hearing()
+        decoder = NmeaDecoder()
         for t, told in self.bridge.seconds():
             lines = [line.encode("ascii") for line in told]
-            heard = [hearing.told(one, t) for one in sentences(lines, hearing.faults)]
-            yield Tick(t, [Entry(t, one) for one in heard if one is not None], dict(hearing.faults))
+            heard = [decoder.told(one, t) for one in sentences(lines, decoder.faults)]
+            yield Tick(t, [Entry(t, one) for one in heard if one is not None], dict(decoder.faults))
 
 
 def demonstration(seed: int = 0) -> Demonstration:

@@ -163,13 +163,13 @@ def _route(access: PageAccess, stream: Stream) -> Any:
 async def _look_on(websocket: "WebSocket", stream: Stream) -> None:
     client = stream.clients.enter()
     telling = asyncio.create_task(stream.clients.tell(client, websocket.send_text))
-    hearing = asyncio.create_task(_hear(websocket, client, stream.take))
+    receiving = asyncio.create_task(_hear(websocket, client, stream.take))
     try:
-        await asyncio.wait({telling, hearing}, return_when=asyncio.FIRST_COMPLETED)
+        await asyncio.wait({telling, receiving}, return_when=asyncio.FIRST_COMPLETED)
     finally:
         stream.clients.leave(client)
-        telling.cancel(), hearing.cancel()
-        await asyncio.gather(telling, hearing, return_exceptions=True)
+        telling.cancel(), receiving.cancel()
+        await asyncio.gather(telling, receiving, return_exceptions=True)
         with suppress(Exception):  # However it ended: it is over.
             await asyncio.wait_for(websocket.close(), 1.0)
 

@@ -10,7 +10,7 @@ from narrows.readers.nmea.nmea_sentences import Sentence, Telling, told_by
 from narrows.readers.settings import MOST_OPEN, MOST_SHIPS, PART_WAIT
 
 
-class Hearing:
+class NmeaDecoder:
     def __init__(self, mmsi: int | None = None) -> None:
         with needs("nmea", "NMEA 0183"):
             import pyais  # noqa: F401

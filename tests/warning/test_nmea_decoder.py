@@ -21,7 +21,7 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from logs import motion, sentence
-from narrows.readers.nmea.nmea_hearing import AisFragments, Entry, Hearing
+from narrows.readers.nmea.nmea_decoder import AisFragments, Entry, NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import Sentence, Telling, sentences
 from narrows.warning.inputs.bridge_readings import NOT_HERE, BridgeReadings, Messages, Tick
 from narrows.warning.inputs.listening import (
@@ -43,18 +43,18 @@ from narrows.warning.inputs.replay import Replay, by_second, in_order
 MOST_SHIPS, LONGEST_LINE, OTHERS_QUEUE, OWN_QUEUE = 2000, 4096, 5000, 20_000
 
 
-def understood(*lines: str, mmsi: int | None = None, hearing: Hearing | None = None, t: float = 0.0) -> list[dict]:
-    hearing = hearing or Hearing(mmsi)
+def understood(*lines: str, mmsi: int | None = None, decoder: NmeaDecoder | None = None, t: float = 0.0) -> list[dict]:
+    decoder = decoder or NmeaDecoder(mmsi)
     texts = [line.encode("latin-1") for line in lines]
-    told = [hearing.told(one, t) for one in sentences(texts, hearing.faults)]
+    told = [decoder.told(one, t) for one in sentences(texts, decoder.faults)]
     return [one.values for one in told if one is not None]
 
 
 def heard(*lines: str, t: float = 10.0, bridge: BridgeReadings | None = None) -> Messages:
-    hearing = Hearing()
-    told = [hearing.told(one, t) for one in sentences([line.encode() for line in lines], hearing.faults)]
+    decoder = NmeaDecoder()
+    told = [decoder.told(one, t) for one in sentences([line.encode() for line in lines], decoder.faults)]
     entries = [Entry(t, one) for one in told if one is not None]
-    return (bridge or BridgeReadings(WAY)).heard(Tick(t, entries, dict(hearing.faults)))
+    return (bridge or BridgeReadings(WAY)).heard(Tick(t, entries, dict(decoder.faults)))
 
 
 def test_a_second_becomes_readings_along_the_waterway() -> None:
@@ -127,9 +127,9 @@ def test_a_message_of_two_sentences_is_joined() -> None:
 def test_parts_of_two_ships_are_never_one() -> None:
     one, other = ais("VDO", 244000001, **VOYAGE), ais("VDO", 244000002, **{**VOYAGE, "draught": 3.0})
     for order in ([one[0], other[0], other[1], one[1]], [one[0], other[0], one[1]], [one[1], other[0]], [*one[::-1]]):
-        hearing = Hearing()
-        assert understood(*order, hearing=hearing) == []
-        assert sum(hearing.faults.values()) >= len(order) - 1
+        decoder = NmeaDecoder()
+        assert understood(*order, decoder=decoder) == []
+        assert sum(decoder.faults.values()) >= len(order) - 1
 
 
 def test_a_part_that_comes_too_late_is_given_up() -> None:
@@ -142,25 +142,25 @@ def test_a_part_that_comes_too_late_is_given_up() -> None:
 
 
 def test_memory_stays_bounded_whatever_ships_there_are() -> None:
-    chance, hearing = random.Random(0), Hearing()
+    chance, decoder = random.Random(0), NmeaDecoder()
     for number in range(3 * MOST_SHIPS):
         line = ais("VDM", 200_000_000 + chance.randrange(99_999_999))[0].encode()
-        hearing.told(Sentence(line, "AIVDM", None), 0.01 * number)
+        decoder.told(Sentence(line, "AIVDM", None), 0.01 * number)
         part = b"!AIVDM,3,1,%d,%s,53`dU0@0000,0*00" % (number % 10, b"AB"[number % 2 : number % 2 + 1])
-        hearing.told(Sentence(part, "AIVDM", None), 0.01 * number)
-    assert len(hearing.ships) <= MOST_SHIPS
-    assert len(hearing._fragments) <= 20
+        decoder.told(Sentence(part, "AIVDM", None), 0.01 * number)
+    assert len(decoder.ships) <= MOST_SHIPS
+    assert len(decoder._fragments) <= 20
 
 
 @given(st.binary(max_size=300), st.integers(0, 5))
 def test_fuzzed_bytes_are_counted_and_never_raise(noise: bytes, at: int) -> None:
-    hearing, splitter = Hearing(), LineSplitter(Counter())
+    decoder, splitter = NmeaDecoder(), LineSplitter(Counter())
     line = told_at(3.0)[at].encode()
     cut = len(line) * (at + 1) // 6
     for piece in (line[:cut] + noise, line[cut:] + b"\r\n", noise, b"\n"):
-        for one in sentences(splitter.lines(piece), hearing.faults):
-            hearing.told(one)
-    list(SignalK(hearing.faults).deltas(noise, 0.0))
+        for one in sentences(splitter.lines(piece), decoder.faults):
+            decoder.told(one)
+    list(SignalK(decoder.faults).deltas(noise, 0.0))
 
 
 @given(st.text(alphabet="0123456789.,-ANEWTKMnaif", max_size=60), st.sampled_from(
@@ -175,13 +175,13 @@ def test_fuzzed_fields_with_a_right_checksum_never_raise(fields: str, kind: str)
 def test_corrupted_sentences_are_never_believed() -> None:
     """One character of each of 3000 sentences is another: pynmeagps alone accepts some, pyais a seventh."""
     chance, lines = random.Random(1), [*told_at(3.0), *ais("VDO", 244000001)]
-    hearing = Hearing()
+    decoder = NmeaDecoder()
     for _ in range(3000):
         line = bytearray(chance.choice(lines).encode())
         line[chance.randrange(1, len(line))] = chance.randrange(32, 127)
         if line.decode() not in lines:
-            assert understood(line.decode(), hearing=hearing) == []
-    assert sum(hearing.faults.values()) > 2900
+            assert understood(line.decode(), decoder=decoder) == []
+    assert sum(decoder.faults.values()) > 2900
 
 
 def test_a_line_that_never_ends_is_given_up() -> None:
