@@ -44,6 +44,7 @@ ATTRIBUTES: Rows = {
     "length": ("L", "Lpp"), "beam": ("B",), "draft": ("T",), "block_coefficient": ("Cb",),
     "ship.length": ("length", "L", "Lpp"), "ship.beam": ("beam", "B"), "ship.draft": ("draft", "T"),
     "configuration.ship": ("ship", "particulars", "hull"), "ship": ("particulars", "hull", "vessel"),
+    "model.linearize()": ("linearize()",), "model.export()": ("export()",),
     "model.configuration.ship": ("ship", "particulars", "hull"), "final": ("final_state", "last", "end_state"),
     "configuration.canal": ("canal",), "canal.depth": ("depth",),
     "canal.width": ("width",), "line.length": ("length",),

@@ -209,6 +209,7 @@ LATER = """
 assert nw.control.mpc is nw.mpc is nw.control.PredictiveHelm and nw.estimation.UKF is nw.estimation.Estimator
 assert nw.simulate(fit, y=0.1).t[-1] == fit.simulate(y=0.1).t[-1]
 assert nw.simulate("mikkelsen2025_dtc", y=0.5).grounded
+assert fit.linearize(u=1.0).A.shape == fit.model.linearize(u=1.0).A.shape; fit.export("fit.h")
 assert nw.Model.load("mikkelsen2025_dtc") == pub and nw.load_tests is nw.read_captive
 assert nw.export.c is nw.export.write_c
 assert nw.simulate(nw.scale_model(pub, 355.0), y=5.0).final["u"] > 1
