@@ -99,6 +99,8 @@ def test_the_average_of_two_models_has_the_moments_of_their_mixture() -> None:
     place = model.terms.names.index("b_bank")
     assert both.values[place] == pytest.approx(drawn[:, place].mean(), rel=2e-3)
     assert both.covariance[place, place] == pytest.approx(drawn[:, place].var(), rel=1e-2)
+    far = after(prior, np.full(size, 5.0), 50.0 * np.eye(size))
+    assert averaged(far, one).probability == averaged(one, far).probability == one.probability
 
 
 def test_a_pilot_who_sees_more_than_the_log_is_told_from_a_standard_error() -> None:

@@ -57,9 +57,11 @@ def log_posterior(
 def averaged(one: LogPosterior, other: LogPosterior) -> LogPosterior:
     """Return the posterior of two models that are equally likely: their difference is part of the covariance."""
     # Hoeting, Madigan, Raftery and Volinsky (1999), Bayesian model averaging: a tutorial, Statistical Science 14.
+    # Log and prior contradict each other only if they do in both.
     apart = (one.values - other.values) / 2
     covariance = (one.covariance + other.covariance) / 2 + np.outer(apart, apart)
-    return replace(one, values=one.values - apart, covariance=covariance)
+    agreeing = max(one, other, key=lambda each: each.probability)
+    return replace(agreeing, values=one.values - apart, covariance=covariance)
 
 
 def expected_std(model: Model, before: np.ndarray, problem: Unknowns, information: np.ndarray) -> dict[str, float]:
