@@ -39,10 +39,11 @@ def read_waterway(path: str | Path) -> Waterway:
 
     A FeatureCollection of three LineStrings, each with a property ``role``: ``centreline``, ``starboard`` and ``port``,
     looking along the centreline. The centreline may have ``depth``: one number [m], or one for each of its points; or
-    ``depths``: pairs [distance along it, depth], rising [m]. It may have ``current``: its speed at the beginning [m/s],
-    or pairs [distance along it, speed]. A sloped bank has ``profile``: points [distance beyond its
-    line, height above the bottom], outward [m]. Lines without roles are identified by their place. From two banks the
-    centreline is computed; its direction is that of the first, or has the bank ``left`` to port.
+    ``depths``: pairs [distance along it, depth], rising [m]; without them a depth of the banks counts. It may have
+    ``current``: its speed at the beginning [m/s], or pairs [distance along it, speed]. A sloped bank has ``profile``:
+    points [distance beyond its line, height above the bottom], outward [m]. Lines without roles are identified by their
+    place. From two banks the centreline is computed; its direction is that of the first, or has the bank ``left`` to
+    port.
 
     Parameters
     ----------
@@ -64,7 +65,9 @@ def read_waterway(path: str | Path) -> Waterway:
         line = Centreline(metres["centreline"])
         _check_sides(line, metres["starboard"], metres["port"])
         banks = {s: bank_from_points(s, metres[s], line, profile_of(features[s], s)) for s in ROLES[1:]}
-        depths = _depths(features["centreline"], line)
+        told = {role: own for role in ROLES if (own := _depths(features[role], line)) is not None}
+        # Without a depth of the centreline that of the shallower bank counts.
+        depths = told.get("centreline", min(told.values(), key=lambda own: own[1].min(), default=None))
         at = (float(origin[0]), float(origin[1]))
         current = features["centreline"].properties.get("current")
         way = Waterway(line, banks["starboard"], banks["port"], depths, name=Path(path).stem, origin=at)
