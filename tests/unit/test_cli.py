@@ -139,7 +139,7 @@ def test_help(words: list[str], cli) -> None:
 @pytest.mark.parametrize(
     ("words", "sentence"),
     [
-        (["identify"], "Missing argument"),
+        (["identify"], "see narrows identify --help. Example: narrows identify"),
         (["identify", "t.csv", "--ship", "s.toml", "--bogus"], "No such option '--bogus'"),
         (["identfy"], "did you mean 'identify'"),
         (["fit"], "Missing argument"),

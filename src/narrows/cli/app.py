@@ -135,7 +135,9 @@ def _sentence(error: Exception) -> str:
         message = error.format_message().replace(
             "is not a valid float.", "is no number; write one as 12.5, without a unit"
         )
-        return f"{message} (see narrows --help)"
+        verb = getattr(error, "ctx", None)
+        name, example = (f" {verb.command.name}", verb.command.epilog) if verb and verb.parent else ("", "")
+        return f"{message.rstrip('.')}; see narrows{name} --help{example and f'. {example}'}"
     if isinstance(error, OSError | UnicodeEncodeError):
         _silence()
         return f"the output cannot be written ({reason(error)}); send it elsewhere"
