@@ -105,7 +105,8 @@ def text(ways: tuple[str, ...] = WAYS) -> str:
     """The table, or the rows of some ways."""
     header = (
         "coefficients", "NEES per state, true", "median NEES, drawn", "error across, drawn [m]",
-        "of sway velocity [m/s]", "50 m jump [m]", "60 s without fixes [m]", "spoof told at [m]", "at its end [m]",
+        "of sway velocity [m/s]", "50 m jump [m]", "60 s without fixes [m]", "drift of the fixes when reported [m]",
+        "error across at its end [m]",
         "twins with a false alarm",
     )  # fmt: skip
     return markdown(header, [row(way) for way in ways])

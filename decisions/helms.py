@@ -26,7 +26,7 @@ from scenes.helms import HELMS
 TRUTHS = 1000
 HEADER = (
     "scene", "helm", "median largest deviation [m]", "rudder travel [degrees]", "aground of 1000", "lost of 1000",
-    "lost under the best rudder", "lost, if the tests told twice as much",
+    "lost under the best rudder", "lost of 1000 with half the standard deviations",
 )  # fmt: skip
 COLOURS = {"track": "#d55e00", "regulator": "#0072b2"}
 

@@ -35,8 +35,8 @@ def text() -> str:
     low, high = (fits(share)["C0101A01"].left_out["N"].rmse for share in (0.2, 1.0))
     table = markdown(("clearance", "tests", *NAMES, "lever c_helm/b_helm", "verdict"), rows)
     return (
-        f"{table}\n\nFrom a flow straightening of 0.2 to one of 1.0 the error of N on tests left out goes from "
-        f"{low:.3f} to {high:.3f} N m: these tests do not tell it."
+        f"{table}\n\nThe error of N on left-out tests is {low:.3f} N m with a flow straightening of 0.2 and "
+        f"{high:.3f} N m with 1.0: these tests do not determine it."
     )
 
 

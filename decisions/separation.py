@@ -20,9 +20,17 @@ SETS = {
     "harmonic yaw, one run": (YAW,),
     "harmonic yaw, two amplitudes": (YAW, SMALLER),
     "harmonic yaw, two amplitudes at two speeds": (YAW, SMALLER, *SLOWER),
-    "and another period at one speed": (YAW, SMALLER, nw.HarmonicRun("yaw 0.3 m 14 s", "yaw", 0.3, 14.0)),
-    "and harmonic sway": (YAW, SMALLER, nw.HarmonicRun("sway", "sway", 0.9, 25.0)),
-    "and straight runs off the centreline": (YAW, SMALLER, *(nw.StraightRun(f"y {y}", y) for y in (0.9, 1.5))),
+    "two amplitudes, and another period at one speed": (
+        YAW,
+        SMALLER,
+        nw.HarmonicRun("yaw 0.3 m 14 s", "yaw", 0.3, 14.0),
+    ),
+    "two amplitudes, and harmonic sway": (YAW, SMALLER, nw.HarmonicRun("sway", "sway", 0.9, 25.0)),
+    "two amplitudes, and straight runs off the centreline": (
+        YAW,
+        SMALLER,
+        *(nw.StraightRun(f"y {y}", y) for y in (0.9, 1.5)),
+    ),
     "six runs of narrows plan": nw.plan_tests(PUBLISHED.configuration, 6, tank=nw.Tank(speeds=(0.7, 1.0))).runs,
 }
 

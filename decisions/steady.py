@@ -76,7 +76,7 @@ class Kind:
 
 
 KINDS = (
-    Kind("as it is taken"),
+    Kind("default assumptions"),
     Kind("two legs only", legs=(5.0, -5.0)),
     Kind("all legs on one side", legs=(5.0, 5.0, 5.0, 5.0)),
     Kind("wind changes by half of what it is", wind_change=0.5),
@@ -111,14 +111,14 @@ def reported() -> str:
             cells = (f"{fit.coefficients[name].prior_std:.3f} to {fit.std[name]:.3f}" for name in ("c_bank", "b_bank"))
             angles = (band(found, 10.0, 10 * KNOT) for found in (model, fit.model))
             rows.append((CLEARANCES[label], words, *cells, *(f"{low} to {high}" for low, _, high in angles)))
-    heads = "clearance", "taken of the legs", "c_bank", "b_bank", "rudder at 10 m before [deg]", "after [deg]"
+    heads = "clearance", "errors assumed", "c_bank", "b_bank", "rudder at 10 m before [deg]", "after [deg]"
     return markdown(heads, rows)
 
 
 ANGLES = {"rudder": "rudder", "drift": "psi"}
 TAKEN = (
-    ("as usual", nw.ReadingErrors(), nw.SteadyConditions()),
-    ("place and speed exact, all quite steady", nw.ReadingErrors(y=0.0, u=0.0),
+    ("default", nw.ReadingErrors(), nw.SteadyConditions()),
+    ("exact offset and speed, no remaining motion", nw.ReadingErrors(y=0.0, u=0.0),
      nw.SteadyConditions(wind_change=0.0, y_zero=0.0, yaw_rate_deg=0.0, yaw_change_deg=0.0, sway_change=0.0)),
 )  # fmt: skip
 
@@ -257,7 +257,7 @@ class Score:
     std : float [1]
         Of c_bank.
     learned, contradicted, resolved : bool
-        c_bank is called learned; the legs are called a contradiction; the interval of c_bank is without 0.
+        c_bank is called learned; the legs are called a contradiction; the interval of c_bank excludes 0.
     """
 
     coefficients: tuple[bool, bool]
@@ -306,7 +306,7 @@ def row(kind: Kind, count: int | None = None) -> tuple[str, ...]:
 
 HEADS = (
     "twins", "held", "called contradicted", "c_bank covered", "b_bank", "rudder at 5 m", "at 20 m",
-    "standard error of c_bank", "learned", "without 0",
+    "standard error of c_bank", "learned", "interval of c_bank excludes 0",
 )  # fmt: skip
 
 

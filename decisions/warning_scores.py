@@ -269,13 +269,15 @@ def of_clear(known: Watch) -> str:
             shares.append(calm[:, normal(run)].mean())
         kinds, since = np.array(told).reshape(-1, 2).T
         counts = (f"{(kinds == kind).sum()}, {((kinds == kind) & (since >= SEEN)).sum()}" for kind in range(4))
-        rows.append((f"{least:.0f} s" if least else "no matter", *counts, f"{100 * np.mean(shares):.0f}"))
+        rows.append((f"{least:.0f} s" if least else "not required", *counts, f"{100 * np.mean(shares):.0f}"))
     gone = sum(int(last_chances_gone(run).sum()) for run in known.runs)
     text = (
-        f'The last chance went {gone} times. How often "clear" was told within {MINUTE:.0f} s before, and how often '
-        f"{SEEN:.0f} s or more after the lapse began:"
+        f'The last chance passed in {gone} cases. How often "clear" was shown within {MINUTE:.0f} s before, and how '
+        f"often {SEEN:.0f} s or more after the lapse began:"
     )
-    return f"{text}\n\n" + markdown(("a wrong order leaves", *LAPSES, "no lapse", "safe time clear [%]"), rows)
+    return f"{text}\n\n" + markdown(
+        ("time required after a wrong order", *LAPSES, "no lapse", "safe time clear [%]"), rows
+    )
 
 
 def last_chances_gone(run: Run) -> np.ndarray:
@@ -300,7 +302,13 @@ def clear_before(run: Run, calm: np.ndarray) -> list[tuple[int, float]]:
 def text(folder: Path | None = None, others: bool = False) -> str:
     known = watch(0, folder)
     counted = f"{known.contacts} contacts in {sum(len(run['struck']) for run in known.runs)} transits of an hour."
-    parts = [counted, of_predictors(known), "The levels as they are:", of_levels(known), of_clear(known)]
+    parts = [
+        counted,
+        of_predictors(known),
+        "Alert levels with the default thresholds:",
+        of_levels(known),
+        of_clear(known),
+    ]
     if others:
         words = (
             "Truths of other kinds: averted [%]; false alerts in 100 h at the warning, the alarm, and the curved track:"

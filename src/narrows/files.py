@@ -68,7 +68,10 @@ def form_of(path: str | Path, forms: tuple[str, ...]) -> str:
     """Return the format of a file by its suffix, or the first one for a device without one."""
     suffix = Path(path).suffix.lower() or (forms[0] if is_stream(path) else "")
     if suffix not in forms:
-        raise InputError(f"{path}: cannot write a {suffix[1:] or 'nameless'} file here; name it {', '.join(forms)}")
+        picture = "; for a picture use --plot" if suffix in (".png", ".svg", ".pdf") else ""
+        raise InputError(
+            f"{path}: cannot write a {suffix[1:] or 'nameless'} file here; name it {', '.join(forms)}{picture}"
+        )
     return suffix
 
 
@@ -98,7 +101,7 @@ def write_zarr(dataset: "xarray.Dataset", path: str | Path) -> None:
     """Write a dataset as a Zarr folder, whole or not at all."""
     target = Path(path)
     if target.exists() and not (target / "zarr.json").exists():
-        raise InputError(f"{path}: is there and is no folder of Zarr; name another, or remove it")
+        raise InputError(f"{path}: exists and is not a Zarr folder; choose another name, or remove it")
     temporary = target.parent / f".narrows-{uuid4().hex}"
     try:
         with needs("cluster", f"{path}: Zarr"):

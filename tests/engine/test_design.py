@@ -80,7 +80,7 @@ def test_a_designed_regulator_loses_fewer_ships_that_it_was_not_tuned_on() -> No
     lost, usual = (np.mean([row[name] for row in judged.values()]) for name in ("lost", "usual"))
     assert lost < usual
     assert list(judged) == list(SCENES)
-    assert "in brackets by usual weights" in designed().summary()
+    assert "default weights in brackets" in designed().summary()
     assert designed().to_dataframe().shape == (4, 4)
 
 

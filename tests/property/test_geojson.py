@@ -139,7 +139,7 @@ def test_texts_that_are_no_geojson_are_refused(tmp_path: Path, name: str) -> Non
         (("features", 1, "properties", "profile", 1), [30.0, 1e308], "starboard bank has the point 30, 1e"),
         (("features", 1, "properties", "profile"), [], "starboard bank is empty"),
         (("features", 1, "properties", "profile", 1), [30.0, -1.0], "none below the bottom"),
-        (("features", 0, "properties", "depth"), 1e308, "is in no sea"),
+        (("features", 0, "properties", "depth"), 1e308, "is deeper than any sea"),
         (("features", 0, "properties", "depth", 2), [[]], "is not a number or one for each point"),
         (("features", 0, "geometry", "type"), "Polygon", "the centreline is a 'Polygon'; make it a LineString"),
     ],

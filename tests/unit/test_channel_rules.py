@@ -165,12 +165,14 @@ def test_where_ours_is_bolder_a_note_says_so_and_why(certain: nw.Model) -> None:
     answer = nw.safe_envelope(certain, offsets, np.array([3.0, 5.0]), disturbance=calm, samples=1)
     farthest = float(answer.data["y"][answer.by_model().any("u")].max())
     assert farthest > 70.0
-    (wider,) = [note for note in answer.notes if note.startswith("Bolder than") and "m instead of" in note]
+    (wider,) = [
+        note for note in answer.notes if note.startswith("The envelope is wider than") and "m instead of" in note
+    ]
     assert "UFC 4-150-06 (+82 m instead of +95 m)" in wider
     assert "those widths include manual steering" in wider
     (harder,) = [note for note in answer.notes if "degrees)" in note]
     assert "5 instead of" in harder
-    (faster,) = [note for note in answer.notes if "over the limits of" in note]
+    (faster,) = [note for note in answer.notes if "above the limits of" in note]
     assert "Kiel (6.5 knots)" in faster
     near = nw.safe_envelope(certain, np.array([0.0, 20.0]), np.array([3.0]), disturbance=calm, samples=1)
     assert not any(note.startswith(("Bolder", "Safe to")) for note in near.notes)

@@ -505,7 +505,7 @@ class TestCommand:
             "--plot", tmp_path / "chart.svg", "-o", tmp_path / "e.nc",
         )  # fmt: skip
         assert code == 0
-        assert out.startswith("Safe from")
+        assert out.startswith("Safe up to")
         assert "limited by" in out
         assert (tmp_path / "chart.svg").stat().st_size > 10_000
         with xr.open_dataset(tmp_path / "e.nc", engine="scipy") as data:

@@ -154,7 +154,7 @@ def test_other_names_are_refused_before_anything_is_done(case: str, tmp_path: Pa
 def test_what_is_no_zarr_is_not_replaced(tmp_path: Path) -> None:
     (tmp_path / "m.zarr").mkdir()
     (tmp_path / "m.zarr" / "thesis.txt").write_text("mine")
-    with pytest.raises(nw.InputError, match="is there and is no folder of Zarr"):
+    with pytest.raises(nw.InputError, match="exists and is not a Zarr folder"):
         save_dataset(nw.ensemble(nw.published(DTC), y=[0.5]), tmp_path / "m.zarr")
     assert (tmp_path / "m.zarr" / "thesis.txt").exists()
 

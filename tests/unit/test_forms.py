@@ -85,10 +85,10 @@ def test_a_model_that_feels_no_bank_says_so(dtc: nw.Model, short: nw.CaptiveTest
     silent = dtc.with_coefficients(b_bank=0.0, c_bank=0.0)
     assert "bank coefficients are 0" in silent.bank_note
     assert not silent.feels_bank
-    assert "'paper+open_water' feel no bank" in dtc.in_open_water().bank_note
-    assert "'mmg' feel no bank" in nw.published("yasukawa2015_kvlcc2").bank_note
+    assert "'paper+open_water' have no bank force" in dtc.in_open_water().bank_note
+    assert "'mmg' have no bank force" in nw.published("yasukawa2015_kvlcc2").bank_note
     assert table_named("paper+open_water").bank_note in nw.identify(short, table_named("paper+open_water")).notes
-    assert not any("feel no bank" in note for note in nw.identify(short).notes)
+    assert not any("have no bank force" in note for note in nw.identify(short).notes)
 
 
 def steered(dtc: nw.Model) -> nw.Model:

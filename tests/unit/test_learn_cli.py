@@ -83,8 +83,8 @@ def test_a_log_that_does_not_tell_is_exit_1(cli, folder: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "says"),
     [
-        (["{ship}"], "logs after the model"), (["{ship}", "{log}", "--demo"], "one of them"),
-        (["--demo", "--steady", "x.csv"], "one of them"), (["{ship}", "{gone}"], "no such file"),
+        (["{ship}"], "logs after the model"), (["{ship}", "{log}", "--demo"], "exactly one of"),
+        (["--demo", "--steady", "x.csv"], "exactly one of"), (["{ship}", "{gone}"], "no such file"),
         (["{ship}", "{log}"], "--spread 0.1"), (["{ship}", "{log}", "{log}"], "is given twice"),
         (["{ship}", "{log}", "--spread", "0.1", "--free", "N_vv,N_w"], "did you mean"),
         (["{ship}", "{log}", "--spread", "0.1", "--sensors", "gps"], "rtk or vdr or ais or basin"),

@@ -81,8 +81,8 @@ def test_the_verb_leaves_with_one_where_no_leg_is_allowed(cli, tmp_path: Path) -
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ((), "one of them"),
-        (("--steady", "held.csv", "--plan-steady", "page.svg"), "one of them"),
+        ((), "exactly one of"),
+        (("--steady", "held.csv", "--plan-steady", "page.svg"), "exactly one of"),
         (("--plan-steady", "page.svg", "-o", "new.toml"), "nothing is learned yet"),
         (("--plan-steady", "page.txt"), "cannot write a txt file"),
         (("--steady", "none.csv"), "no such file"),

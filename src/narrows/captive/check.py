@@ -37,7 +37,7 @@ def check_heading(frame: pd.DataFrame, psi: np.ndarray, column: Column, table: s
     if not column.stated:
         raise InputError(
             f"{table}: row {row}, column {column.header!r} = {value:g} rad looks like degrees; "
-            "head the column 'psi [deg]'"
+            "head the column 'psi [deg]', or give its unit in the --mapping file: [units] psi = \"deg\""
         )
     raise InputError(
         f"{table}: row {row}, column {column.header!r} is a heading of {math.degrees(value):.1f} deg; "
@@ -77,7 +77,7 @@ def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], configurat
         y, width_there = columns["y"][first], float(np.broadcast_to(width, touching.shape)[first])
         raise InputError(
             f"{table}: row {row}, column 'y' = {y:g} m puts the hull on the bank of a canal "
-            f"{width_there:g} m wide; check y, psi and the ship file"
+            f"{width_there:g} m wide; check y, psi, their units and the ship file"
         )
 
 

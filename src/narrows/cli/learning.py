@@ -77,7 +77,8 @@ class LegOptions:
 @dataclass(frozen=True)
 class InformationOptions:
     predict_information: Annotated[
-        str | None, Option(help="Predict the information on bank coefficients from transits, sensors rtk or vdr.")
+        str | None,
+        Option(help="Predict the information of transits on the bank coefficients; give the sensors: rtk or vdr."),
     ] = None
     waterway: WaterwayFile = None
 
@@ -122,7 +123,7 @@ def _check(
     asked = (logs, logged.demo or None, legs.steady, legs.plan_steady, ahead.predict_information)
     if sum(one is not None for one in asked) != 1:
         raise InputError(
-            "give one of them: logs after the model, --steady with the legs that were held, --plan-steady, "
+            "give exactly one of: logs after the model, --steady with a table of legs, --plan-steady, "
             "--predict-information, --demo"
         )
     if (model is None) != logged.demo:
@@ -212,7 +213,7 @@ def _change(fit: "SteadyFit") -> "EnvelopeChange":
 
     configuration, read = fit.prior.configuration, fit.readings.values
     room = (configuration.canal.width - configuration.ship.beam) / 2
-    with stage("asking the safe envelope of both models"):
+    with stage("computing the safe envelopes of both models"):
         return envelope_change(fit.prior, fit.model, *places_of(read["y"], read["u"], room))
 
 

@@ -1,4 +1,4 @@
-"""``simulate``, ``map`` and ``waterway``: where, when and on which side a ship grounds; waterways from charts."""
+"""``simulate``, ``map``, ``trials`` and ``waterway``: voyages, maps of grounding, manoeuvres, waterway files."""
 
 import sys
 from pathlib import Path
@@ -64,7 +64,11 @@ def simulate(
     controller = helm.of(chosen, u, start.x, waterway)
     voyage = run(chosen, u=u, rudder=radians(helm.rudder_deg), waterway=waterway, controller=controller, **options)
     delivery.write(voyage.save, voyage.plot)
-    delivery.tell(voyage.to_dict, lambda: click.echo(voyage.summary()))
+    unsteered = controller is None and any(actuator.name == "rudder" for actuator in chosen.terms.actuators)
+    fixed = (
+        f"\nNobody steered: the rudder stayed at {helm.rudder_deg:g} degrees; --hold 0 steers along y = 0." * unsteered
+    )
+    delivery.tell(voyage.to_dict, lambda: click.echo(voyage.summary() + fixed))
     raise SystemExit(int(voyage.outcome.kind == "diverged"))
 
 
@@ -168,7 +172,7 @@ def waterway(
 
     _check_together(file, line, width, reach)
     if not 0 <= draft < 1000:
-        raise InputError(f"--draft {draft} is no draft; give metres from 0")
+        raise InputError(f"--draft {draft} is invalid; give metres from 0 to 1000")
     if file is None:
         if line is None or width is None or depth is None:
             raise InputError("give a file, or --line axis.geojson --width 300 --depth 16 to make a canal of one width")

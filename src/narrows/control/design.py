@@ -32,7 +32,7 @@ from narrows.simulation.inputs import finite_numbers
 if TYPE_CHECKING:
     import pandas as pd
 
-SIX, FIVE, THREE = (math.radians(angle) for angle in (6.0, 5.0, 3.0))
+SIX, FIVE = math.radians(6.0), math.radians(5.0)
 # Test scenes: an offset, a bank that recedes twice, gusts, and a gust and a receding bank far off the centreline.
 SCENES = {
     "offset": Scene(0.8, 0.3),
@@ -57,7 +57,7 @@ class RegulatorDesign(BaseSummary):
     u : float [m/s]
         Surge velocity.
     weights : RegulatorWeights
-        Those with the fewest lost ships.
+        Weights with the lowest cost: lost ships, late offset and rudder travel.
     judged : mapping of str to mapping
         By scene: the shares of other ships that are ``lost``, the same with the default weights (``usual``), and the
         median ``travel`` of the rudder of both [rad].
@@ -83,7 +83,7 @@ class RegulatorDesign(BaseSummary):
     def summary(self) -> str:
         """Return the shares of lost ships, also with the default weights."""
         parts = [f"{name} {1000 * row['lost']:.0f} ({1000 * row['usual']:.0f})" for name, row in self.judged.items()]
-        return f"Lost of 1000 ships that it was not tuned on, in brackets by usual weights: {', '.join(parts)}."
+        return f"Ships lost per 1000 test ships (default weights in brackets): {', '.join(parts)}."
 
 
 def design(
@@ -139,9 +139,9 @@ def design(
     check_count("ships", ships, 10)
     check_count("rounds", rounds, 1)
     check_count("seed", seed)
-    flown = model if gear is None else with_gear(model, gear)
+    geared = model if gear is None else with_gear(model, gear)
     scenes = tuple(SCENES.values())
-    flights = Flights(flown, y, u, scenes, ships, seed, noise)
+    flights = Flights(geared, y, u, scenes, ships, seed, noise)
 
     def cost(point: np.ndarray) -> float:
         weights = weights_at(point)
@@ -151,8 +151,8 @@ def design(
     with bar(rounds, progress) as advance:
         best = searched(cost, np.append(np.zeros(len(TUNED)), USUAL.bank), rounds, advance)
     weights = weights_at(best) or USUAL
-    judge = Flights(flown, y, u, scenes, DESIGN_JUDGES * ships, seed + 1, noise)
-    return RegulatorDesign(model, float(y), float(u), weights, _judged(judge, weights))
+    judge = Flights(geared, y, u, scenes, DESIGN_JUDGES * ships, seed + 1, noise)
+    return RegulatorDesign(geared, float(y), float(u), weights, _judged(judge, weights))
 
 
 def with_gear(model: Model, gear: SteeringGear) -> Model:

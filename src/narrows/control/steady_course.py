@@ -71,7 +71,7 @@ def steady_course(
     check_rudder(model)
     for name in ("x", "psi", "v", "r", RUDDER, "X"):
         if name in vary:
-            raise InputError(f"a steady course does not take {name!r}: it is sought, or plays no part; leave it out")
+            raise InputError(f"a steady course does not take {name!r}: it is computed, or has no effect; leave it out")
     check_workers(workers)
     ship, grid = SimulatedShip(model), grid_of(model, with_propulsion(model, {"u": 1.0, **vary}), samples, seed)
     check_inside(grid.values["y"], grid.values["width"], grid.values["beam"])
@@ -100,8 +100,8 @@ def check_holds(model: Model, rudder: float, y: float, u: float) -> None:
     gear = model.configuration.gear
     if not abs(rudder) <= gear.limit:
         raise InputError(
-            f"no rudder to {gear.limit_deg:g} degrees holds this ship {y:g} m off the middle at {u:g} m/s; choose a "
-            "place nearer to it"
+            f"no rudder up to {gear.limit_deg:g} degrees holds this ship at y = {y:g} m and {u:g} m/s; choose a "
+            "smaller offset"
         )
 
 

@@ -76,7 +76,7 @@ SURGE_SHARE = 0.05  # Added mass in surge over the mass
 
 
 def _cross(hull: Hull) -> Number:
-    """pi (T/L)^2 over 1/2 L^2 units, as primes of L d."""
+    """pi (T/L)^2 per 1/2 rho L^2 U^2, converted to 1/2 rho L d U^2: pi T/L."""
     return math.pi * hull.slenderness
 
 
@@ -125,7 +125,7 @@ def _aspect(hull: Hull) -> Number:
     return 2 * hull.slenderness
 
 
-INOUE_YAW = "the square of the aspect ratio is added; one of six transcriptions subtracts it, against KVLCC2"
+INOUE_YAW = "the square of the aspect ratio is added; one of six transcriptions subtracts it, which contradicts KVLCC2"
 WITH_SURGE = "the author counts the added mass in surge with Y_r"
 
 # One row per formula; those of one coefficient are adjacent.
@@ -133,13 +133,13 @@ FORMULAS = (
     Formula("X_mx", CLARKE, lambda hull: SURGE_SHARE * hull.mass),
     Formula("X_my", ZHOU, _zhou_sway, "four transcriptions agree; one leaves out C_B in the last term"),
     Formula("X_my", CLARKE, _clarke_sway),
-    Formula("N_jz", ZHOU, _zhou_yaw, "radius over L; one transcription divides by L once more, against KVLCC2"),
+    Formula("N_jz", ZHOU, _zhou_yaw, "radius over L; another, divided by L once more, contradicts KVLCC2"),
     Formula("N_jz", CLARKE, _clarke_yaw, "0.33 B/L; one transcription has 0.0033"),
     Formula("Y_v", CLARKE, lambda hull: -_cross(hull) * (1 + 0.40 * hull.block_coefficient * hull.beam_to_draft)),
     Formula("Y_v", INOUE, lambda hull: -(math.pi / 2 * _aspect(hull) + 1.4 * hull.fullness)),
     Formula("Y_v", SMITT, lambda hull: -1.59 * _cross(hull), ALONE),
     Formula("Y_v", NORRBIN, lambda hull: -_cross(hull) * (1.69 + 0.08 * _norrbin_fullness(hull)), ALONE),
-    Formula("Y_r", CLARKE, _clarke_turning_force, f"-0.080 B/T; one of four has +0.08, against KVLCC2; {WITH_SURGE}"),
+    Formula("Y_r", CLARKE, _clarke_turning_force, f"-0.080 B/T; +0.08 in one of four contradicts KVLCC2; {WITH_SURGE}"),
     Formula("Y_r", KIJIMA, lambda hull: 0.5 * hull.fullness + SURGE_SHARE * hull.mass,
             "m' + m_x' - 1.5 C_B B/L; as in Yoshimura and Masumoto (2012)"),
     Formula("Y_r", INOUE, lambda hull: math.pi / 4 * _aspect(hull), ALONE),
@@ -158,7 +158,7 @@ FORMULAS = (
     Formula("X_rr", YOSHIMURA, lambda hull: -0.085 * hull.fullness + 0.008 - hull.x_g * _zhou_sway(hull)),
     Formula("X_vvvv", YOSHIMURA, lambda hull: -6.68 * hull.fullness + 1.1),
     Formula("Y_vvv", YOSHIMURA, lambda hull: -0.185 * hull.length_to_beam - 0.48,
-            "- 0.48; three of four have + 0.48, against KVLCC2, S-175 and Mariner"),
+            "- 0.48; three of four have + 0.48, which contradicts KVLCC2, S-175 and Mariner"),
     Formula("Y_vvr", YOSHIMURA, lambda hull: -0.75),
     Formula("Y_vvr", KIJIMA, lambda hull: 1.5 * hull.block_coefficient / hull.beam_to_draft - 0.65),
     Formula("Y_vrr", YOSHIMURA, lambda hull: -(0.26 * (1 - hull.block_coefficient) * hull.length_to_beam + 0.11)),
@@ -172,12 +172,12 @@ FORMULAS = (
     Formula("N_vvr", YOSHIMURA, lambda hull: 1.55 * hull.fullness - 0.76),
     Formula("N_vvr", KIJIMA, lambda hull: -(57.5 * hull.fullness**2 - 18.4 * hull.fullness + 1.6)),
     Formula("N_vrr", YOSHIMURA, lambda hull: -0.075 * (1 - hull.block_coefficient) * hull.length_to_beam + 0.098,
-            "+ 0.098; three of four have - 0.098, against KVLCC2 and S-175"),
+            "+ 0.098; three of four have - 0.098, which contradicts KVLCC2 and S-175"),
     Formula("N_rrr", YOSHIMURA, lambda hull: 0.25 * hull.fullness - 0.056),
 )  # fmt: skip
 
 # Growth of primes from deep water to h/T, by coefficient; missing ones are constant.
-# Li and Wu (1990); unverified: the KCS decides 0.0129 against the 0.129 of the one transcription.
+# Li and Wu (1990); unverified: the only transcription has 0.129, but the KCS data fit 0.0129.
 
 
 def _li_wu(hull: Hull, depth_to_draft: Number, slope: float, curve: float) -> Number:

@@ -139,6 +139,7 @@ def _harmonic(configuration: Configuration, tank: Tank, speed: float, depth: flo
             continue
         amplitude = round(share * (room - abs(offset)), 3)
         period = round(tank.length_for(configuration) / speed / cycles, 2)
+        # Path angle at the centre crossing: a yaw run moves along its heading (sine), a sway run drifts (tangent).
         steep = np.sin if kind == "yaw" else np.tan
         if not 0 < amplitude * 2 * np.pi / period < speed * steep(np.radians(tank.heading)):
             continue

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 USUAL_PREFIX = "ship"
-# Letters of a formula that explains a constant; of a longer one the terms are named.
+# Longest formula that is printed as a constant's meaning [letters]; beyond it, the names of the terms.
 LONGEST_FORMULA = 72
 WALLS = ("wall_starboard", "wall_port")
 FORCES_FROM_OUTSIDE = {
@@ -78,7 +78,7 @@ RESERVED = {
     ".m": OF_MATLAB, ".c": OF_MATLAB | OF_C_SHARP_OR_CPP, ".cs": OF_C_SHARP_OR_CPP, ".hpp": OF_C_SHARP_OR_CPP,
     ".h": frozenset({"math", "stdbool"}), ".py": frozenset({*kwlist, *sys.stdlib_module_names, "numpy"}) - UNIMPORTED,
 }  # fmt: skip
-# Particulars that tell how large a section is for a ship.
+# Particulars that relate a section to the ship.
 PARTICULARS = ("length", "beam", "draft", "block_coefficient")
 # Constants that the rule of a voyage needs, whatever the hull.
 ALWAYS = ("hull_length", "least_cos", "near_bank")
@@ -240,7 +240,7 @@ class ExportedShip:
 
     @property
     def exact(self) -> bool:
-        """True if the exact clearance is computed where its lower bound is used up."""
+        """True if the exact clearance is computed once its lower bound reaches zero."""
         return self.waterway is not None and self.ship.shape not in (MIDSHIP, OPEN)
 
     @property

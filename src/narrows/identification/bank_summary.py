@@ -57,7 +57,8 @@ class BankSummary:
         known = sum(self.fit.verdicts[name].status == IDENTIFIED for name in hull)
         first = f"The tests identify {known} of {len(hull)} hull coefficients"
         parts = [f"{one.half:.2g} {FORCES[one.force].unit} in {one.force}" for one in self.fit.predictiveness]
-        return f"{first}; the model predicts left-out motions within {listed(parts)} (95 %)." if parts else f"{first}."
+        intervals = f"the median 95 % interval of left-out motions is +-{listed(parts)}"
+        return f"{first}; {intervals}." if parts else f"{first}."
 
     def _bank(self) -> str:
         if not bank_names(self.fit):

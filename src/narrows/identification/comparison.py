@@ -64,7 +64,7 @@ class Comparison(BaseResult):
     @property
     def notes(self) -> tuple[str, ...]:
         """Tables that were not fitted, and why."""
-        return tuple(f"{name} was left out: {reason}." for name, reason in self.left_out.items())
+        return tuple(f"{name} was not fitted: {reason}." for name, reason in self.left_out.items())
 
     def summary(self) -> str:
         """Best table for each force on left-out tests, compared with the first table: a line each."""
@@ -138,7 +138,7 @@ def compare(
     tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
         Tests of one condition, or of several for tables with the depth.
     tables : str, TermTable or a sequence of them
-        Tables, or names of them; all that come with the package unless given.
+        Tables, or names of them; those of ``ready_tables`` unless given.
     weights, balance : str
         As in ``identify``.
     ship : str, Path, Configuration or mapping, optional

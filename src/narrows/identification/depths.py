@@ -12,7 +12,7 @@ from narrows.identification.normal_equations import NormalEquations
 from narrows.identification.run_errors import RunErrors
 from narrows.ship.particulars import Configuration
 
-# Probability of as much difference under which a coefficient is said to change with the depth.
+# Significance level of the chi-square test of equal coefficients [1].
 DIFFERENT = 0.05
 
 
@@ -20,8 +20,8 @@ DIFFERENT = 0.05
 class DepthTest:
     """A coefficient at each depth by itself, and the test of whether it is one."""
 
-    values: Mapping[float, float]  # Its estimate by the tests at each depth alone, in its unit [m]
-    std: Mapping[float, float]  # Their standard errors [m]
+    values: Mapping[float, float]  # Depth [m]: estimate from the tests at that depth alone, in the coefficient's unit
+    std: Mapping[float, float]  # Depth [m]: its standard error, in the coefficient's unit
     chi2: float  # Sum of squared distances from their weighted mean, each over its standard error [1]
     p: float  # Probability of as much, were it one coefficient [1]
 

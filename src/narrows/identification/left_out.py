@@ -12,9 +12,9 @@ from narrows.identification.mixed_model import one_thread
 from narrows.identification.motions import DistinctMotions
 from narrows.quantities.names import FORCES
 
-# Least share of errors that leverage leaves: of what one motion alone informs it can cancel to less than nothing.
+# Lower bound of 1 - leverage: rounding can make it negative where one motion alone determines a coefficient.
 ROUNDING = 1e-9
-# Share of the information on a coefficient beyond which the motion that holds it alone determines the coefficient.
+# Share of the information on a coefficient above which one motion alone determines it.
 ALONE = 0.999
 
 
@@ -146,7 +146,7 @@ def without_rows(part: ForcePosterior, draw: int, own: np.ndarray) -> WithoutRow
     scaled = np.linalg.solve(lower, x)
     known = conditional.covariance @ scaled.T
     values, vectors = np.linalg.eigh(scaled @ known)
-    left = np.maximum(1 - values, ROUNDING)  # where no other row informs a coefficient its prior is all that is left
+    left = np.maximum(1 - values, ROUNDING)  # Without information from other rows only the prior remains
     error = vectors.T @ np.linalg.solve(lower, model.y[own] - x @ conditional.mean)
     back = lower @ vectors
     added = ((known @ vectors) ** 2 / left).sum(axis=1)

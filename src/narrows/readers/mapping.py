@@ -17,6 +17,11 @@ from narrows.ship.ship_file import check_table, load_toml
 WAYS = {
     "forward": "aft", "starboard": "port", "down": "up", "clockwise": "counter-clockwise",
 }  # fmt: skip
+# Other words for these directions.
+OTHER_WAYS = {
+    "ahead": "forward", "astern": "aft", "right": "starboard", "left": "port",
+    **dict.fromkeys(("anticlockwise", "anti-clockwise", "counterclockwise"), "counter-clockwise"),
+}  # fmt: skip
 # Positive direction of each quantity here; a rudder by the side to which it turns the bow.
 COUNTED = {
     **dict.fromkeys(("x", "u", "udot", "X", "u_ground", "x_rate"), ("forward",)),
@@ -116,14 +121,14 @@ def read_mapping(mapping: str | Path | Mapping[str, Any] | ColumnMapping | None)
 
 
 def _sign(name: str, way: str, table: str) -> float:
-    ways = COUNTED.get(name, ())
+    ways, way = COUNTED.get(name, ()), OTHER_WAYS.get(way, way)
     if way in ways:
         return 1.0
     opposite = [WAYS[straight] for straight in ways]
     if way in opposite:
         return -1.0
     known: Iterable[str] = (*ways, *opposite)
-    raise InputError(f"{table}: [positive] {name} = {way!r} is no way that it may count{did_you_mean(way, known)}")
+    raise InputError(f"{table}: [positive] {name} = {way!r} is no direction of it{did_you_mean(way, known)}")
 
 
 def _parsed(header: str, vocabulary: Vocabulary) -> str | None:

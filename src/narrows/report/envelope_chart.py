@@ -67,7 +67,7 @@ OUTSIDE = "0.92"
 
 
 def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> list[Any]:
-    """Draw shares of the cases, linear between tested speeds, no line between untested ones; return further keys."""
+    """Draw contours of the shares of cases, none between untested speeds; return further legend keys."""
     data = envelope.data.transpose("y", "u", ...)
     y, u = data["y"].to_numpy(), data["u"].to_numpy() / KNOT
     if len(y) > 1 and len(u) > 1:
@@ -236,7 +236,7 @@ def _draw_banks(axes: Axes, envelope: SafeEnvelope) -> None:
     axes.set_xlim(-1.02 * port, 1.02 * starboard)
 
 
-HEADS = ("offset\n[m]", "safe speeds\n[knots]", "held by one pilot;\none who knew", "rudder of 19\nin 20 [deg]",
+HEADS = ("offset\n[m]", "safe speeds\n[knots]", "held: same pilot;\ntrue coefficients", "rudder, 95 %\n[deg]",
          "what limits it")  # fmt: skip
 
 WIDTHS = (0.1, 0.17, 0.25, 0.18, 0.3)
@@ -287,10 +287,10 @@ def print_envelope(envelope: SafeEnvelope) -> None:
     if everything():
         console.print()
         console.print(_by_speed(envelope))
-        console.print("\nRules from outside, for comparison (* not all of its numbers were read by us):")
+        console.print("\nPublished rules, for comparison (* not all numbers were checked in the source):")
         console.print(table_of(RULE_HEADS, map(cells, envelope.rules.rows()), left=("rule",)))
     else:
-        console.print("Water under the keel by speed, and the rules of designers and canals beside it: add --verbose.")
+        console.print("Add --verbose for under-keel clearance by speed and for published design and canal rules.")
     print_notes(console, (*envelope.notes, *envelope.rules.notes))
 
 
@@ -357,7 +357,7 @@ def draw_rudders(axes: Axes, rules: OutsideRules) -> None:
 
 
 def doubt(row: dict[str, Any]) -> str:
-    """Return the legend's addition for a rule with missing numbers."""
+    """Return the note in the legend for a rule whose numbers were not all checked in its source."""
     return {READ: "", REMEMBERED: ", from memory"}.get(row["standing"], ", in part from memory")
 
 

@@ -81,6 +81,8 @@ def print_estimate(model: Model) -> None:
     rows = ((str(name), f"{row['value']:.3g}", f"{row['std']:.2g}", str(row["unit"])) for name, row in table.iterrows())
     for note in model.notes:
         console.print(note, soft_wrap=True)
+    if model.configuration.canal.depth is None:
+        console.print("No depth is given: the estimate is for deep water; add --depth for a canal.", soft_wrap=True)
     console.print(table_of(("", "estimate", "std", "unit"), rows, left=("", "unit"), no_wrap=True))
 
 
@@ -92,6 +94,7 @@ def print_ships(table: "pd.DataFrame") -> None:
     console.print("Each name replaces a model file; --json gives the source of each.")
 
 
+NO_DEPTH = "No depth is given: voyages use that of the model; add --depth 16."
 STATIONS, CROSSINGS_SHOWN = 2001, 11
 # Share of the centreline below which a missing bank is not mentioned.
 NEGLIGIBLE = 0.002
@@ -119,7 +122,8 @@ def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
         "sharpest": dict(zip(("radius", "at", "over"), sharpest, strict=True)) if sharpest else None,
         "stations": _stations(waterway, draft),
     }
-    return {**summary, "summary": _sentence(summary, waterway), "notes": list(_not_drawn(waterway))}
+    notes = [*_not_drawn(waterway), *(NO_DEPTH,) * (waterway.depths is None)]
+    return {**summary, "summary": _sentence(summary, waterway), "notes": notes}
 
 
 def _not_drawn(waterway: Waterway) -> Iterator[str]:

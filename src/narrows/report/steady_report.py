@@ -25,7 +25,7 @@ def write_steady_report(fit: SteadyFit, change: EnvelopeChange, path: str | Path
     found = fit.to_dict()
     page = render(
         "steady.html.j2",
-        title=f"{fit.prior.configuration.ship.name or 'A ship'}: what {len(fit.readings)} steady legs taught",
+        title=f"{fit.prior.configuration.ship.name or 'A ship'}: coefficients from {len(fit.readings)} steady legs",
         standing=ON_TWINS,
         said=[line for line in fit.summary().splitlines() if line != ON_TWINS],
         learned=learned_rows(fit.coefficients),
@@ -102,7 +102,7 @@ def change_figure(change: EnvelopeChange) -> Figure:
 
 
 def print_steady_fit(fit: SteadyFit, change: EnvelopeChange | None = None) -> None:
-    console, words = console_of(WIDTH), "what the legs say"
+    console, words = console_of(WIDTH), "information"
     console.print(fit.summary())
     console.print(table_of((*LEARNED_HEADS, words), learned_rows(fit.coefficients), left=("", "unit", words)))
     if change is not None:
@@ -127,7 +127,7 @@ CHANGE_HEADS = (
 
 
 def change_rows(change: EnvelopeChange) -> list[tuple[str, ...]]:
-    """Return the envelope table at each offset, with the tested range of the model."""
+    """Return a row for each offset: rudder interval, share of cases held and highest safe speed, before and after."""
     return [
         (f"{row['offset']:+.3g}", _band(row, "before"), _band(row, "after"), f"{100 * row['held_before']:.0f} %",
          f"{100 * row['held_after']:.0f} %", _knots(row["highest_speed_before"]), _knots(row["highest_speed_after"]))

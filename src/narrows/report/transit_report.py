@@ -19,13 +19,13 @@ from narrows.warning.monitoring.watched_transit import WatchedTransit
 from narrows.warning.settings import NEAR_MISS
 
 TRACK = (
-    "The canal from above, unrolled, as wide as the keel has room, starboard down: the course of midship, and what the "
-    "hull swept, coloured where an alert held."
+    "Plan view along the unrolled centreline, starboard down: banks at keel depth, the track of midship, and the area "
+    "that the hull swept, coloured by alert level."
 )
 
 HISTORY = (
-    "Water beside the hull, chances, times to contact and to the last chance, "
-    "and the rudder beside the one that holds the ship where it is; shaded where an alert held."
+    "Clearance of the hull, probabilities of contact, times to contact and to the last chance to act, "
+    "and the rudder with the angle that keeps the ship on its offset; shading shows alerts."
 )
 
 
@@ -110,7 +110,7 @@ def _patches(alpha: float) -> list[Patch]:
 
 
 def _levels(level: np.ndarray) -> Iterator[tuple[slice, Priority]]:
-    """Start and end of each alert level, including the second after."""
+    """Yield the samples of each alert level, with the first sample after it."""
     edges = [0, *(np.flatnonzero(np.diff(level)) + 1).tolist(), len(level)]
     for first, last in pairwise(edges):
         if first < last:

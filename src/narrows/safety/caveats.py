@@ -65,7 +65,9 @@ def envelope_notes(request: EnvelopeRequest, under: Keel) -> tuple[str, ...]:
     gear = configuration.gear
     notes.append(f"rudder to {gear.limit_deg:.3g} degrees at {gear.rate_deg:.3g} degrees a second")
     if configuration.steering is None and configuration.ship.length < SHIP_LENGTH:
-        notes.append("that gear is a ship's, and this is a model's size: scale the model, or give [steering] its rate")
+        notes.append(
+            "the default rudder rate is that of a full-size ship; scale the model, or give the rate in [steering]"
+        )
     return (*notes, _propulsion(model, request.most_revolutions))
 
 
@@ -89,7 +91,7 @@ WHY_FASTER = "those limits also protect banks and traffic, which is not examined
 
 
 def exceeded_rules(data: xr.Dataset, rules: OutsideRules, share: float) -> tuple[str, ...]:
-    """Return one sentence for each rule that the model exceeds, with the reason."""
+    """Return up to three sentences: the exceeded rules on widths, on rudder angles and on speeds, with the reason."""
     data = data.transpose("y", "u", ...)
     safe = ((data["held"] >= share) & data["clear"]).to_numpy()
     if not safe.any():
@@ -99,7 +101,7 @@ def exceeded_rules(data: xr.Dataset, rules: OutsideRules, share: float) -> tuple
 
 
 def _wider(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> str:
-    """The rules of widths that are exceeded, each at the speeds of the largest excess."""
+    """Describe the exceeded rules on widths, each at the speed of the largest excess."""
     y, knots = data["y"].to_numpy(), data["u"].to_numpy() / KNOT
     worst: dict[str, tuple[float, str]] = {}
     for row in rows:
@@ -117,15 +119,15 @@ def _wider(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> st
             words = f"{row['rule']} ({allowed} instead of {place:+.0f} m{doubt})"
             worst[row["rule"]] = max(worst.get(row["rule"], (-np.inf, "")), (over, words))
     listed = " and ".join(words for _, words in worst.values())
-    return f"Bolder than {listed}: {WHY_WIDER}." if worst else ""
+    return f"The envelope is wider than {listed}: {WHY_WIDER}." if worst else ""
 
 
 def _harder(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> str:
-    """The rule of rudders, if half of the cases need more."""
+    """Describe the exceeded rules on rudder angles, by the median rudder of the safe cases."""
     most = float(np.degrees(np.abs(data["rudder"].to_numpy()[safe]).max()))
     rules = [row for row in rows if row["rudder"] is not None and most > row["rudder"]]
     listed = " and ".join(f"{row['rule']} ({row['rudder']:g} instead of {most:.0f} degrees)" for row in rules)
-    return f"Bolder than {listed}: {WHY_RUDDER}." if rules else ""
+    return f"The envelope needs more rudder than {listed}: {WHY_RUDDER}." if rules else ""
 
 
 def _faster(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> str:
@@ -133,7 +135,7 @@ def _faster(data: xr.Dataset, safe: np.ndarray, rows: list[dict[str, Any]]) -> s
     fastest = float(data["u"].to_numpy()[safe.any(axis=0)].max()) / KNOT
     over = [row for row in rows if row["speed_limit"] is not None and fastest > row["speed_limit"]]
     listed = ", ".join(f"{row['rule']} ({row['speed_limit']:.1f} knots)" for row in over)
-    return f"By the model safe to {fastest:.1f} knots, over the limits of {listed}: {WHY_FASTER}." if over else ""
+    return f"The model is safe up to {fastest:.1f} knots, above the limits of {listed}: {WHY_FASTER}." if over else ""
 
 
 # Parts of an envelope inside the tested range. Wording of ranges for the bridge.

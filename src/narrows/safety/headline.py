@@ -29,11 +29,15 @@ def headline(data: xr.Dataset, share: float) -> str:
     guess += [f"Extrapolated, as the tests did not cover this: {section}."] if section else []
     if block is None:
         return " ".join([*guess, _nowhere(data, by_model), *_known(data, share, None), _way(data, share)])
-    offsets, speeds = safe_offsets(data, block, share), u[block[1]] / KNOT
-    sentences = [*guess, f"Safe {_between(speeds, offsets)}, with 95 % probability.", _limits(data, share, block)]
+    offsets = safe_offsets(data, block, share)
+    sentences = [
+        *guess,
+        f"Safe {_between(data, block[1], offsets)}, with 95 % probability.",
+        _limits(data, share, block),
+    ]
     wider = largest_rectangle(by_model, y, u)
     if wider is not None and wider != block:
-        span = _between(u[wider[1]] / KNOT, tuple(y[wider[0]][[0, -1]]))
+        span = _between(data, wider[1], tuple(y[wider[0]][[0, -1]]))
         sentences.append(f"By the model also {span}, but there the tests end.")
     return " ".join([*sentences, *_known(data, share, block), *_doubt(data, share, block)])
 
@@ -48,7 +52,7 @@ def _nowhere(data: xr.Dataset, by_model: np.ndarray) -> str:
     y, u = data["y"].to_numpy(), data["u"].to_numpy()
     wider = largest_rectangle(by_model, y, u)
     if wider is not None:
-        span = _between(u[wider[1]] / KNOT, tuple(y[wider[0]][[0, -1]]))
+        span = _between(data, wider[1], tuple(y[wider[0]][[0, -1]]))
         return f"Nowhere safe within the tests; by the model {span}."
     best = _best(data)
     if best is None:
@@ -104,13 +108,19 @@ def _known(data: xr.Dataset, share: float, block: tuple[slice, slice] | None) ->
         return ["A pilot with the true coefficients would not hold it either."]
     if known == block:
         return []
-    span = _between(u[known[1]] / KNOT, safe_offsets(data, known, share, "known"))
+    span = _between(data, known[1], safe_offsets(data, known, share, "known"))
     return [f"A pilot with the true coefficients would hold it {span}."]
 
 
-def _between(speeds: np.ndarray, offsets: tuple[float, float]) -> str:
+def _between(data: xr.Dataset, columns: slice, offsets: tuple[float, float]) -> str:
+    """Return speeds and offsets in words; a range that begins at the slowest speed of the grid has no lower limit."""
+    speeds = data["u"].to_numpy()[columns] / KNOT
     low, high = float(speeds[0]), float(speeds[-1])
-    fast = f"at {low:.1f} knots" if low == high else f"from {low:.1f} to {high:.1f} knots"
+    fast = f"from {low:.1f} to {high:.1f} knots"
+    if low == high:
+        fast = f"at {low:.1f} knots"
+    elif columns.start == 0:
+        fast = f"up to {high:.1f} knots (slowest tried {low:.1f})"
     port, starboard = offsets
     if port == starboard:
         return f"{fast}, {_off(port)}"
@@ -143,7 +153,7 @@ def _doubt(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> list[s
         return []
     if sure is None:
         return [f"With {data.attrs['samples']} cases this is uncertain everywhere; try more."]
-    span = _between(data["u"].to_numpy()[sure[1]] / KNOT, tuple(data["y"].to_numpy()[sure[0]][[0, -1]]))
+    span = _between(data, sure[1], tuple(data["y"].to_numpy()[sure[0]][[0, -1]]))
     return [f"Certain with {data.attrs['samples']} cases: {span}."]
 
 

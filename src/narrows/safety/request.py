@@ -121,6 +121,10 @@ class Disturbance:
         return {name: xr.DataArray(column, dims="sample") for name, column in columns.items()}
 
 
+# Curvature under which a bend is straight in words [1/m].
+LEAST_CURVATURE = 1e-5
+
+
 @dataclass(frozen=True)
 class Bend:
     """A bend of the canal whose curvature does not change, and the water that flows along it."""
@@ -139,7 +143,7 @@ class Bend:
     @property
     def words(self) -> str:
         """Words for the description; empty for a straight canal without current."""
-        turn = f"a bend of {1 / abs(self.curvature):.4g} m radius to " if self.curvature else ""
+        turn = f"a bend of {1 / abs(self.curvature):.4g} m radius to " if abs(self.curvature) > LEAST_CURVATURE else ""
         turn += ("starboard" if self.curvature > 0 else "port") if turn else ""
         flow = f"a current of {self.current:+.3g} m/s" if self.current else ""
         return " and ".join(filter(None, (turn, flow)))

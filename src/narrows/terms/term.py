@@ -27,7 +27,7 @@ NONNEGATIVE: Bound = (0.0, float("inf"))
 # Quantities that describe the banks and the water depth.
 BANKS, DEPTH = "width", "depth"
 
-# Valid names of a coefficient: not reserved by Python, and without blanks.
+# A coefficient's name: no blanks, and no two underscores at its start (keywords: see ``Term.__post_init__``).
 NAME = re.compile(r"(?!__)\S+")
 
 ARITHMETIC = "arithmetic, abs() and minimum, maximum, clip and choice of narrows.quantities.arithmetic"
@@ -315,7 +315,7 @@ class TermTable(BaseSummary):
 
     @property
     def propelled(self) -> bool:
-        """True if a term is of the propeller."""
+        """True if a term uses the propeller."""
         return PROPELLER in self.actuators
 
     @property
@@ -326,8 +326,8 @@ class TermTable(BaseSummary):
     @property
     def bank_note(self) -> str:
         """Note for questions about a canal if no term is of the bank; nothing otherwise."""
-        told = f"The terms {self.name!r} feel no bank: the banks of a canal end a voyage, and do nothing before"
-        return "" if self.feels_bank else f"{told}; a name like mmg+delta gives them a form of it."
+        told = f"The terms {self.name!r} have no bank force: a bank only ends a voyage"
+        return "" if self.feels_bank else f"{told}; a name like mmg+delta adds one."
 
     @property
     def feels_depth(self) -> bool:

@@ -29,7 +29,7 @@ SHELF = 0.01
 @dataclass(frozen=True)
 class Chart:
     banks: tuple[np.ndarray, ...]  # (n, 2) Lines, longitude and latitude [deg]
-    # Areas with their holes, as Shapely geometries, and the least depth in each [deg]
+    # Areas with their holes, as Shapely geometries in longitude and latitude [deg], and the least depth in each [m]
     areas: tuple[tuple[Any, float], ...]
     name: str  # Name of the cell
 
@@ -40,7 +40,7 @@ def waterway_from_chart(chart: Chart, centreline: np.ndarray, reach: float = REA
     # meet, by exact intersection. The depth is the least of the shallowest area that contains the line. Banks are
     # vertical walls at the chart's lines.
     if not 0 < reach < MOST:
-        raise InputError(f"a reach of {reach} m is none; give a length over 0")
+        raise InputError(f"reach = {reach} m must be over 0 and under {MOST:g} m")
     if not chart.banks:
         raise InputError(f"{chart.name}: the chart has no banks; is it the right cell?")
     origin = origin_of(centreline)
@@ -59,7 +59,7 @@ def chart_of_area(path: Path, depth: float) -> Chart:
     try:
         parts = [part for area in areas for part in shapely.get_parts(shapely.from_geojson(json.dumps(area)))]
     except shapely.errors.GEOSException as error:
-        raise InputError(f"{path}: has an area that is none ({error}); mend it") from None
+        raise InputError(f"{path}: has an invalid polygon ({error}); correct it") from None
     if not parts:
         raise InputError(f"{path}: has no area of water; give a polygon, or three lines without --line")
     rings = [np.array(ring.coords)[:, :2] for part in parts for ring in (part.exterior, *part.interiors)]

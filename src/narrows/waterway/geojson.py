@@ -190,7 +190,14 @@ def _lines(features: list[Feature], file: str) -> list[Feature]:
         )
     if not features:
         raise InputError(f"{file}: has no line; give three LineStrings, or two banks")
-    return [one for one in features if one.role] or lines
+    rest = [one for one in lines if not one.role]
+    if set(roles) == {"starboard", "port"} and len(rest) == 1:
+        return [rest[0]._replace(properties={**rest[0].properties, "role": "centreline"}), *_named(features)]
+    return _named(features) or lines
+
+
+def _named(features: list[Feature]) -> list[Feature]:
+    return [one for one in features if one.role]
 
 
 def _roles(features: list[Feature], lines: list[np.ndarray]) -> tuple[dict[str, Feature], dict[str, np.ndarray]]:
@@ -240,7 +247,13 @@ def read_features(path: Path) -> list[Feature]:
     if not isinstance(features, list) or not all(isinstance(feature, Mapping) for feature in features):
         raise InputError(f"{path}: its features are no list of GeoJSON features; give three LineStrings")
     found = [
-        Feature(*(_object(feature, name, f"{path}: feature {number}") for name in ("properties", "geometry")))
+        Feature(
+            {
+                str(key).lower(): value
+                for key, value in _object(feature, "properties", f"{path}: feature {number}").items()
+            },
+            _object(feature, "geometry", f"{path}: feature {number}"),
+        )
         for number, feature in enumerate(features)
     ]
     if crs and found:

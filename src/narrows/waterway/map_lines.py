@@ -143,13 +143,13 @@ TOUCHING = 1e-5
 
 
 class Feature(NamedTuple):
-    properties: Mapping[str, Any]  # As given
+    properties: Mapping[str, Any]  # As given, with keys in lower case
     geometry: Mapping[str, Any]  # As given
 
     @property
     def role(self) -> str | None:
         """Return the role of a line in a waterway, from any property that names it."""
-        said = {str(key).lower(): value for key, value in self.properties.items() if isinstance(value, str)}
+        said = {key: value for key, value in self.properties.items() if isinstance(value, str)}
         for key in SAID_IN:
             words = re.sub(r"\b(bank|line)\b|[_-]", " ", said.get(key, "").lower()).split()
             found = next((role for role, meant in WORDS.items() if " ".join(words) in meant), None)
@@ -184,7 +184,8 @@ def read_other(path: Path) -> list[Feature]:
             turned = into_degrees(str(meta["crs"] or "CRS84"), str(path))
             for part, number in zip(parts, whose.tolist(), strict=True):
                 geometry = turned(shapely.geometry.mapping(part))
-                features.append(Feature(values[number] if values else {}, geometry))
+                told = {key.lower(): value for key, value in values[number].items()} if values else {}
+                features.append(Feature(told, geometry))
     except pyogrio.errors.DataSourceError as error:
         raise InputError(f"{path}: cannot be read as a map ({str(error).split(';')[0]}); save it as GeoJSON") from None
     return features

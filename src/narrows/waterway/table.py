@@ -123,7 +123,7 @@ def _lowest(ahead: np.ndarray, out: np.ndarray, to: np.ndarray, out_to: np.ndarr
     return np.where(inside, lowest, np.inf)
 
 
-# A waterway as a table of equal cells, for look-up at every step.
+# Largest number of cells in a table.
 MOST_CELLS = 1_000_000
 
 # Cells per beam of the ship that keep contact within 0.01 of the beam. A kink of a bank by a slope m between nodes errs

@@ -56,7 +56,7 @@ class Waterway(BaseSummary):
         Speed of the water along the line at its beginning, from where the same discharge passes every section; or
         (place [m], speed [m/s]) pairs, linear between places. The water flows along the line, alike from bank to bank.
     level : float [m]
-        Level of the water above that of the depths.
+        Water level above the datum of the depths.
     name : str
         Name.
     origin : pair of float [deg], optional
@@ -109,10 +109,10 @@ class Waterway(BaseSummary):
             hole = ~(np.isfinite(wet) & (wet > 0))
             if hole.any():
                 along = float(np.asarray(self.depths[0])[int(hole.argmax())])
-                remedy = "fill the hole in the depths" if not self.level else f"raise the level of {self.level:g} m"
+                remedy = "give metres over 0 everywhere" if not self.level else f"raise the level of {self.level:g} m"
                 raise InputError(f"{self.name}: no depth of water at {along:.0f} m along it; {remedy}")
             if wet.max() > DEEPEST:
-                raise InputError(f"{self.name}: a depth of {wet.max():.6g} m is in no sea; give it in metres")
+                raise InputError(f"{self.name}: a depth of {wet.max():.6g} m is deeper than any sea; give it in metres")
 
     @classmethod
     def from_geojson(cls, path: str | Path) -> "Waterway":
@@ -341,7 +341,7 @@ class Waterway(BaseSummary):
 def _checked_current(name: str, current: Any) -> float | tuple[tuple[float, float], ...]:
     """Return a current as a float, or as pairs of place and speed that rise."""
     try:
-        # An array of rows that are not alike is none of floats; words and truth values would turn into floats.
+        # Rows of different length make no float array; text and booleans would be converted to floats.
         kind, values = np.asarray(current).dtype.kind, np.asarray(current, float)
     except (TypeError, ValueError, OverflowError):
         kind, values = "O", np.array(np.nan)
@@ -349,7 +349,7 @@ def _checked_current(name: str, current: Any) -> float | tuple[tuple[float, floa
     speeds = values[:, 1] if rows else values
     if kind not in "iuf" or not (values.ndim == 0 or rows) or not (np.abs(speeds) < FASTEST).all():
         raise InputError(
-            f"{name}: a current of {shown(current)} m/s is none of a waterway; give one number for its beginning, or "
+            f"{name}: the current {shown(current)} is invalid; give one speed in m/s for its beginning, or "
             "(place, speed) pairs along it"
         )
     return tuple((float(place), float(speed)) for place, speed in values) if rows else float(values)
@@ -385,7 +385,7 @@ def straight_waterway(canal: Canal, length: float, heading: float = 0.0) -> Wate
     canal: 5000 m long, 300 m wide, 16 m deep, straight
     """
     if not length > 0:
-        raise InputError(f"a waterway {length} m long is none; give its length in metres")
+        raise InputError(f"the length of a waterway must be positive, not {length} m")
     ends = np.array([[0.0, 0.0], [length * np.sin(heading), length * np.cos(heading)]])
     s, half = np.array([0.0, length]), np.full(2, canal.width / 2)
     depths = None if canal.depth is None else (s, np.full(2, canal.depth))

@@ -8,7 +8,7 @@ from typing import NamedTuple
 SINE_TERMS = 11
 """Terms of the series of sine and cosine: exact to the last place up to a quarter turn, enough for any rudder."""
 ANGLE_TERMS = 12
-"""Terms of the polynomial for arctan t/t up to an eighth of half a turn."""
+"""Terms of the polynomial for (arctan t)/t, for angles up to 22.5 degrees."""
 
 HEADER = '''"""Made by narrows {version} from a table of terms: made again where it is missing, so do not edit."""
 import numpy as np

@@ -203,7 +203,7 @@ class Equations:
         return lines
 
     def values(self, known: Mapping[str, Number]) -> list[str]:
-        """Return the numbers of the particulars that the forces and definitions written so far use, as many as fit."""
+        """Return the values of the particulars that the equations use, packed into lines."""
         units = REGRESSOR_INPUTS | {name: of for one in self.table.actuators for name, of in one.quantities.items()}
         parts = []
         for name, value in known.items():
@@ -217,7 +217,7 @@ class Equations:
 
 
 def _named(inputs: Mapping[str, Recorded], known: int) -> dict[int, str]:
-    """Return the lines of named quantities that the terms used."""
+    """Return the symbols of named quantities, by their line on the tape."""
     found: dict[int, str] = {}
     for written, function in NAMED.items():
         together = next((own for module, own in TOGETHER.items() if function.__module__ == module.__name__), None)

@@ -91,7 +91,7 @@ class VoyageOrders:
     def _ordered(self, t: float, state: VoyageState) -> float:
         elapsed = t - self._seen.t if self._seen else 0.0
         expected = self._expected(state, elapsed)
-        seen = _made_whole(t, state, expected)
+        seen = _without_gaps(t, state, expected)
         if self._seen is not None and np.isfinite([state.v, state.r]).all():
             self._estimate(seen, expected, elapsed)
         if not math.isfinite(self._order):
@@ -99,7 +99,7 @@ class VoyageOrders:
             self._stages = [self._order] * STAGES
         elif self.gear.delay:
             self._stages = self._turned(float(seen.state[RUDDER]), self._stages, elapsed)[1]
-        self._seen, heard = seen, self._when_heard(seen)
+        self._seen, heard = seen, self._at_actuation(seen)
         rate = self._rate(heard, elapsed)
         limit, fastest = self.planner.limits
         reach = max(elapsed, self.planner.horizon.period)
@@ -111,8 +111,8 @@ class VoyageOrders:
         self.plan, self._seen, self.push, self.way = None, None, no_push(self.course.spread), 0.0
         self._order = math.nan
 
-    def _when_heard(self, seen: Seen) -> Seen:
-        """Predict the ship at the time when the gear follows the next order: earlier orders come first."""
+    def _at_actuation(self, seen: Seen) -> Seen:
+        """Predict the state at the time when the steering gear starts to follow the next order."""
         # The rudder is then at the last order, not at the indicated angle, which lags it.
         x, state, stages, delay = seen.x, seen.state.copy(), self._stages, self.gear.delay
         parts = math.ceil(2 * delay / self.planner.horizon.interval)
@@ -250,7 +250,7 @@ class PredictiveHelm(BaseSummary):
         if not 0.5 <= self.confidence < 1:
             raise InputError(f"confidence = {self.confidence:g} must be a share from 0.5 to less than 1")
         if self.seconds < 0 or (self.margin is not None and self.margin < 0):
-            raise InputError("a margin and the seconds of a plan are numbers from 0; give such")
+            raise InputError("margin and seconds must not be negative")
         if self.revolutions is not None and not self.model.terms.propelled:
             raise InputError("revolutions change nothing here: this model has no terms of a propeller; leave them out")
         ship, canal = self.model.configuration.ship, self.model.configuration.canal
@@ -307,7 +307,7 @@ class PredictiveHelm(BaseSummary):
         return {"revolutions": turns}
 
 
-def _made_whole(t: float, state: VoyageState, expected: Seen) -> Seen:
+def _without_gaps(t: float, state: VoyageState, expected: Seen) -> Seen:
     """Return the measured state, with expected values in place of NaN."""
     told = np.array([state.y, state.psi, state.v, state.r, state.rudder], float)
     whole = np.where(np.isfinite(told), told, expected.state)

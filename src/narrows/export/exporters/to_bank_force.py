@@ -43,4 +43,5 @@ def write_bank_force(model: "Model", path: str | Path, *, fmi: int = 2) -> None:
 EXPORTER = Exporter(
     "bank-force", "the bank's force as one function in C and C++, C#, JavaScript, MATLAB and Octave, or as an FMU",
     (".m", ".h", ".cs", ".mjs", ".fmu"), write_bank_force,
+    refused={"waterway": "the bank's force takes the section as input; leave --waterway out"},
 )  # fmt: skip

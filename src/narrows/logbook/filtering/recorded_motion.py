@@ -22,11 +22,11 @@ CURRENT = "current"
 
 @dataclass(frozen=True)
 class RecordedMotion:
-    """A model that is sailed as ships were steered."""
+    """A model and the choices with which it is integrated under recorded orders."""
 
     model: Model  # The ship
     positions: Mapping[str, float]  # Actuators that follow a record, each with a position that is usual
-    # What the motion is differentiated by, besides the starts of the pieces, the pushes and the rudder's zero
+    # Derivatives are taken by these, by the initial states, the external forces and the rudder's zero
     coefficients: tuple[str, ...]
     choices: Mapping[str, Any]  # As for ``simulate``: surge, contact, waterway, u
 
@@ -45,7 +45,7 @@ class RecordedMotion:
 
     @cached_property
     def of_records(self) -> "RecordedMotion":
-        """The same motion, not differentiated by coefficients: for what records have of their own alone."""
+        """The same motion without derivatives by coefficients: for parameters of single records."""
         return replace(self, coefficients=())
 
     def with_coefficients(self, values: Mapping[str, float]) -> "RecordedMotion":
@@ -58,8 +58,8 @@ class RecordedMotion:
         positions: Mapping[str, np.ndarray], offset: np.ndarray, current: float = 0.0,
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
         """Sail every piece of a record from its own start."""
-        # starts (pieces, 6) [m]; pushes (pieces, 3) [N, N, N m]; first (pieces + 1,); times (nodes,) [s]; offset
-        # (pieces,) [rad]; current [m/s]
+        # starts (pieces, 6): x, y [m], psi [rad], u, v [m/s], r [rad/s]; pushes (pieces, 3): X, Y [N], N [N m]
+        # first (pieces + 1,); times (nodes,) [s]; offset (pieces,) [rad]; current [m/s]
         integrator = self.integrator
         kept, count = integrator.integrator.choices.kept, np.diff(first)
         begun = first[:-1]
@@ -101,7 +101,7 @@ class RecordedMotion:
 def _poses(
     kept: Sequence[str], starts: np.ndarray, first: np.ndarray, states: np.ndarray, slopes: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The six states of what is kept: the heading counts on from the start of its piece."""
+    """Return the six states and their derivatives; the heading does not jump by 2 pi within a piece."""
     column = {name: i for i, name in enumerate(kept)}
     heading, turned = _heading(column, starts, first, states, slopes)
     pose, moved = np.empty((len(states), 6)), np.empty((len(states), 6, slopes.shape[2]))
@@ -115,7 +115,7 @@ def _poses(
 def _heading(
     column: Mapping[str, int], starts: np.ndarray, first: np.ndarray, states: np.ndarray, slopes: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The heading and its slopes, of what counts it, or else of its cosine and sine."""
+    """Return the heading and its derivatives, from the counted heading if there is one, else from cosine and sine."""
     if COUNTED in column:
         return states[:, column[COUNTED]], slopes[:, column[COUNTED]]
     cosine, sine = states[:, column["cos_psi"]], states[:, column["sin_psi"]]

@@ -29,7 +29,7 @@ class LogSource:
 
     @classmethod
     def of(cls, records: Iterable[ShipRecord], name: str, sensors: str) -> "LogSource":
-        """Return what a log is known by."""
+        """Return the identification of a log: name, sensors, hash, first and last time."""
         hashed, start, stop = hashlib.sha256(), np.inf, -np.inf
         for record in records:
             hashed.update(record.name.encode())
@@ -41,7 +41,7 @@ class LogSource:
         return cls(name, sensors, hashed.hexdigest(), float(start), float(stop))
 
     def after(self, prior: Model, records: int) -> Source:
-        """Return the source of the model that was learned: what was before, and the log."""
+        """Return the source of a learned model: the source of the prior model, then this log."""
         several = "1 record" if records == 1 else f"{records} records"
         text = (
             f"learned from {several} of the ship itself ({self.name}, {_when(self.start)} to {_when(self.stop)}, "

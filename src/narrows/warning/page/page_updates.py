@@ -57,7 +57,7 @@ POINT, POSE = slice(2), slice(3)
 
 
 def scene(monitored: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | None:
-    """Return what there is to draw, points as [north, east] [m]; None where nobody knows where the ship is."""
+    """Return what the page draws, points as [north, east] [m]; None until the position is known."""
     if not status.estimate.ready:
         return None
     way, ship, now = monitored.waterway, monitored.model.configuration.ship, status.estimate.values
@@ -67,9 +67,9 @@ def scene(monitored: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | No
     lines = {**own, **_banks(way, along, None), **_banks(way, along, ship.draft), **(_tracks(pose, fan) if fan else {})}
     drawn = _on_map(way, lines)
     return {
-        "ship": {"pose": _told(drawn["pose"], POSE)[0], "length": ship.length, "beam": ship.beam},
-        "middle": _told(drawn["middle"], POSE)[0],
-        **{name: [_told(drawn[f"{name} {side}"], POINT) for side in SIDES] for name in ("banks", "limits")},
+        "ship": {"pose": _rounded(drawn["pose"], POSE)[0], "length": ship.length, "beam": ship.beam},
+        "middle": _rounded(drawn["middle"], POSE)[0],
+        **{name: [_rounded(drawn[f"{name} {side}"], POINT) for side in SIDES] for name in ("banks", "limits")},
         "fan": _fan(drawn, fan) if fan else None,
     }
 
@@ -107,12 +107,12 @@ def _fan(drawn: Mapping[str, np.ndarray], tracks: Tracks) -> dict[str, Any]:
     members = drawn["members"].reshape(len(tracks.fan), -1, 3)
     return {
         "times": tracks.times.tolist(),
-        "members": [_told(member, POINT) for member in members],
-        **{name: _told(drawn[name], POSE) for name in ("likely", "escape")},
+        "members": [_rounded(member, POINT) for member in members],
+        **{name: _rounded(drawn[name], POSE) for name in ("likely", "escape")},
     }
 
 
-def _told(line: np.ndarray, part: slice) -> list[list[float]]:
+def _rounded(line: np.ndarray, part: slice) -> list[list[float]]:
     """Round to a decimetre and to a ten-thousandth of a radian."""
     return (np.round(line * [10.0, 10.0, 1e4]) / [10.0, 10.0, 1e4])[:, part].tolist()  # type: ignore[no-any-return]
 
@@ -121,16 +121,16 @@ Send = Callable[[str], Awaitable[None]]
 
 
 class _Call:
-    """A function called in a loop, asked for in any thread: once, however often asked for, until it was called."""
+    """Request a function call in an event loop from any thread; requests before the call runs count as one."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop, function: Callable[[], None]) -> None:
         self.loop, self._function, self._waits = loop, function, False
 
     def __call__(self) -> None:
-        if self._waits:  # A loop that is stuck is called once, and not for every message.
+        if self._waits:  # One pending call is enough, even if the loop is blocked.
             return
         self._waits = True
-        with suppress(RuntimeError):  # It is closed: there is nobody any more.
+        with suppress(RuntimeError):  # The loop is closed, so no client is left.
             self.loop.call_soon_threadsafe(self._run)
 
     def _run(self) -> None:
@@ -145,7 +145,7 @@ class Client:
         self._wake = _Call(loop, self.awake.set)
 
     def answer(self, message: str) -> None:
-        """Leave a message for this onlooker alone, in any thread."""
+        """Queue a message for this client alone; callable from any thread."""
         self.answers.append(message)
         self._wake()
 
