@@ -298,6 +298,8 @@ def accept_aliases(function: Function) -> Function:
                 given[ours] = given.pop(name)
             elif ours:
                 raise InputError(f"{name} and {ours} are one argument; give {ours}")
+            elif any_name and name in ARGUMENTS:
+                continue  # A quantity that a fleet varies
             elif meant := name_here(name, {row: names for row, names in OTHER_ARGUMENTS.items() if has(row)}):
                 raise InputError(f"{own} has no argument {name!r}; write {meant}")
         if has_model and values:
