@@ -332,7 +332,7 @@ class TestEnvelope:
     def test_a_models_gear_is_asked_for(self, kcs_tests: dict) -> None:
         tank = nw.borrow_rudder(nw.published("mikkelsen2025_dtc"), steered_kcs())
         found = nw.safe_envelope(tank, np.array([0.0]), np.array([0.5]), samples=1)
-        assert any("a model's size" in note for note in found.notes)
+        assert any("that of a full-size ship" in note for note in found.notes)
 
     def test_a_rudder_that_is_not_needed_or_not_enough_says_nothing_of_speed(self, ship: nw.Model) -> None:
         """Zero on the middle, or no course at all, is the same at every speed and no proof of anything."""
