@@ -323,7 +323,7 @@ class TestEnvelope:
         found = nw.safe_envelope(ship, np.array([0.0, 20.0]), np.array([0.4, 2.0, 5.0]), disturbance=blow, samples=20)
         np.testing.assert_array_equal(found.safe().to_numpy(), [[False, True, True]] * 2)
         np.testing.assert_array_equal(found.lowest_speed(), 2.0)
-        assert "from 3.9 to 9.7 knots, in the middle to 20.0 m to starboard of the middle" in found.summary()
+        assert "from 3.9 to 9.7 knots, 0.0 to 20.0 m to starboard of the middle" in found.summary()
 
     def test_shares_mirror_themselves_to_the_bit(self, found: nw.SafeEnvelope) -> None:
         for name in ("held", "held_low", "held_high", "holds", "found"):

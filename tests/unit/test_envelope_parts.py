@@ -81,3 +81,17 @@ def test_the_limit_in_speed_is_that_of_the_first_place_that_is_not_safe() -> Non
     said = headline.headline(xr.Dataset(told, {"y": y, "u": u}, attrs), 0.95)
     assert "within 10.0 m of the middle" in said
     assert "to the sides is what was asked; in speed, the uncertainty of the coefficients" in said
+
+
+@pytest.mark.parametrize(
+    ("offsets", "words"),
+    [
+        ((-8.0, 8.0), " within 8.0 m of the middle"), ((0.0, 0.0), " in the middle"),
+        ((-8.0, 3.0), ", from 8.0 m to port to 3.0 m to starboard of the middle"),
+        ((-8.0, -3.0), ", 3.0 to 8.0 m to port of the middle"), ((5.0, 5.0), ", 5.0 m to starboard of the middle"),
+    ],
+)  # fmt: skip
+def test_offsets_are_told_from_the_middle(offsets: tuple[float, float], words: str) -> None:
+    grid = xr.Dataset(coords={"u": np.array([2.0, 4.0]) * 1852 / 3600})
+    assert headline.place_in_words(grid, slice(0, 2), offsets) == f"up to 4.0 knots (slowest tried 2.0){words}"
+    assert headline.place_in_words(grid, slice(1, 2), offsets) == f"at 4.0 knots{words}"

@@ -32,12 +32,12 @@ def headline(data: xr.Dataset, share: float) -> str:
     offsets = safe_offsets(data, block, share)
     sentences = [
         *guess,
-        f"Safe {_between(data, block[1], offsets)}, with 95 % probability.",
+        f"Safe {place_in_words(data, block[1], offsets)}, with 95 % probability.",
         _limits(data, share, block),
     ]
     wider = largest_rectangle(by_model, y, u)
     if wider is not None and wider != block:
-        span = _between(data, wider[1], tuple(y[wider[0]][[0, -1]]))
+        span = place_in_words(data, wider[1], tuple(y[wider[0]][[0, -1]]))
         sentences.append(f"By the model also {span}, but there the tests end.")
     return " ".join([*sentences, *_known(data, share, block), *_doubt(data, share, block)])
 
@@ -52,7 +52,7 @@ def _nowhere(data: xr.Dataset, by_model: np.ndarray) -> str:
     y, u = data["y"].to_numpy(), data["u"].to_numpy()
     wider = largest_rectangle(by_model, y, u)
     if wider is not None:
-        span = _between(data, wider[1], tuple(y[wider[0]][[0, -1]]))
+        span = place_in_words(data, wider[1], tuple(y[wider[0]][[0, -1]]))
         return f"Nowhere safe within the tests; by the model {span}."
     best = _best(data)
     if best is None:
@@ -108,11 +108,11 @@ def _known(data: xr.Dataset, share: float, block: tuple[slice, slice] | None) ->
         return ["A pilot with the true coefficients would not hold it either."]
     if known == block:
         return []
-    span = _between(data, known[1], safe_offsets(data, known, share, "known"))
+    span = place_in_words(data, known[1], safe_offsets(data, known, share, "known"))
     return [f"A pilot with the true coefficients would hold it {span}."]
 
 
-def _between(data: xr.Dataset, columns: slice, offsets: tuple[float, float]) -> str:
+def place_in_words(data: xr.Dataset, columns: slice, offsets: tuple[float, float]) -> str:
     """Return speeds and offsets in words; a range that begins at the slowest speed of the grid has no lower limit."""
     speeds = data["u"].to_numpy()[columns] / KNOT
     low, high = float(speeds[0]), float(speeds[-1])
@@ -122,17 +122,13 @@ def _between(data: xr.Dataset, columns: slice, offsets: tuple[float, float]) -> 
     elif columns.start == 0:
         fast = f"up to {high:.1f} knots (slowest tried {low:.1f})"
     port, starboard = offsets
-    if port == starboard:
-        return f"{fast}, {_off(port)}"
     if abs(port + starboard) < SAME_OFFSET:
-        return f"{fast} within {starboard:.1f} m of the middle"
-    return f"{fast}, {_off(port)} to {_off(starboard)}"
-
-
-def _off(offset: float) -> str:
-    """Return an offset from the middle in words."""
-    side = "starboard" if offset > 0 else "port"
-    return f"{abs(offset):.1f} m to {side} of the middle" if abs(offset) >= SAME_OFFSET else "in the middle"
+        return f"{fast} within {starboard:.1f} m of the middle" if starboard > port else f"{fast} in the middle"
+    if port < 0 < starboard:
+        return f"{fast}, from {-port:.1f} m to port to {starboard:.1f} m to starboard of the middle"
+    near, far = sorted((abs(port), abs(starboard)))
+    side = "starboard" if starboard > 0 else "port"
+    return f"{fast}, {f'{near:.1f} to ' * (near < far)}{far:.1f} m to {side} of the middle"
 
 
 def safe_offsets(
@@ -153,7 +149,7 @@ def _doubt(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> list[s
         return []
     if sure is None:
         return [f"With {data.attrs['samples']} cases this is uncertain everywhere; try more."]
-    span = _between(data, sure[1], tuple(data["y"].to_numpy()[sure[0]][[0, -1]]))
+    span = place_in_words(data, sure[1], tuple(data["y"].to_numpy()[sure[0]][[0, -1]]))
     return [f"Certain with {data.attrs['samples']} cases: {span}."]
 
 
