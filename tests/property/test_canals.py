@@ -199,7 +199,7 @@ class TestChart:
 
     @pytest.mark.parametrize("reach", [float("nan"), -100.0])
     def test_lengths_that_are_none_are_refused(self, tmp_path: Path, reach: float) -> None:
-        with pytest.raises(nw.InputError, match="give a length over 0"):
+        with pytest.raises(nw.InputError, match="must be over 0 and under"):
             waterway_from_chart(read_chart(cell(tmp_path)), AXIS, reach)
 
     def test_what_is_no_chart_is_refused(self, tmp_path: Path, cli) -> None:
@@ -254,7 +254,7 @@ def test_a_voyage_starts_on_the_waterway() -> None:
 
 
 def test_water_that_is_none_is_named() -> None:
-    with pytest.raises(nw.InputError, match="none of a waterway"):
+    with pytest.raises(nw.InputError, match="is invalid; give one speed in m/s"):
         canal().with_water(current=float("nan"))
     with pytest.raises(nw.InputError, match="raise the level of -1 m"):
         canal().with_water(level=-1.0)

@@ -199,7 +199,7 @@ def test_what_does_not_scale_is_said(dtc: nw.Model, changed: dict[str, float], s
 @pytest.mark.parametrize(
     ("act", "said"),
     [
-        (lambda m: nw.scale_model(m, -1.0), "is none"),
+        (lambda m: nw.scale_model(m, -1.0), "must be over 0 and under"),
         (lambda m: nw.scale_model(m, 355.0, width=40.0), "does not fit"),
         (lambda m: nw.nondimensional(m, "prime3"), "choose prime1"),
         (lambda m: nw.nondimensional(m, "prime2"), "give a positive one"),

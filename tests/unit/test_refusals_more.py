@@ -35,7 +35,7 @@ KVLCC2 = nw.published("yasukawa2015_kvlcc2")
         (lambda: nw.bank_force(DTC, 0.5, 1.0, 5), "give radians"),
         (lambda: KVLCC2.forces(u=1.0, rudder=10), "give radians"),
         (lambda: nw.ensemble(DTC, width=[0.5, 7.0]), "does not fit in"),
-        (lambda: nw.scale_model(DTC, 1e200), "is none"),
+        (lambda: nw.scale_model(DTC, 1e200), "must be over 0 and under"),
         (lambda: nw.scale_model(DTC, 355.0, width=0.0), "must be positive"),
         (lambda: nw.scale_model(DTC, 355.0, friction=nw.Friction(400.0, 0.1, 1.0)), "more than the whole of a_uu"),
         (

@@ -154,7 +154,7 @@ def scale_model(
         If a number is not positive, or the ship does not fit the canal.
     """
     if not is_finite(length) or not 0 < length < LONGEST:
-        raise InputError(f"the length of a ship must be positive, not {shown(length)} m")
+        raise InputError(f"the length {shown(length)} m of a ship must be over 0 and under {LONGEST:g} m")
     old = model.configuration
     ratio = length / old.ship.length
     water = Water(old.water.density if density is None else density)

@@ -121,7 +121,7 @@ def place_in_words(data: xr.Dataset, columns: slice, offsets: tuple[float, float
         fast = f"at {low:.1f} knots"
     elif columns.start == 0:
         fast = f"up to {high:.1f} knots (slowest tried {low:.1f})"
-    port, starboard = offsets
+    port, starboard = map(float, offsets)
     if abs(port + starboard) < SAME_OFFSET:
         return f"{fast} within {starboard:.1f} m of the middle" if starboard > port else f"{fast} in the middle"
     if port < 0 < starboard:
