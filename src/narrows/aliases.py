@@ -262,6 +262,14 @@ def remedy(name: str, rows: Rows, known: Iterable[str]) -> str:
     return f"; write {meant}" if meant else near_miss(name, known)
 
 
+def part_named(name: str, room: str, parts: Mapping[str, Any], rows: Rows) -> Any:
+    """Return a part of a subpackage by another library's name; raise if there is none."""
+    same = name_here(name, SAME_PARTS)
+    if same and same in parts:
+        return parts[same]
+    raise AttributeError(f"nw.{room} has no {name!r}{remedy(name, rows, parts)}")
+
+
 def public_name(name: str, known: Iterable[str]) -> str:
     """Return what to write instead of an unknown public name, as the end of a sentence."""
     longer = [word for word in sorted(known) if len(name) > 2 and name.lower() in word.lower()]
@@ -286,20 +294,19 @@ def accept_aliases(function: Function) -> Function:
     }
 
     own = function.__qualname__.removesuffix(".__init__")
+    known = {*parameters, *(ARGUMENTS if any_name else ())}  # A fleet varies any quantity
 
     def has(row: str) -> bool:
         return any_name or row.split("=")[0] in parameters
 
     @wraps(function)
     def called(*values: Any, **given: Any) -> Any:
-        for name in given.keys() - parameters.keys():
+        for name in given.keys() - known:
             ours = aliases.get(name)
             if ours and ours not in given:
                 given[ours] = given.pop(name)
             elif ours:
                 raise InputError(f"{name} and {ours} are one argument; give {ours}")
-            elif any_name and name in ARGUMENTS:
-                continue  # A quantity that a fleet varies
             elif meant := name_here(name, {row: names for row, names in OTHER_ARGUMENTS.items() if has(row)}):
                 raise InputError(f"{own} has no argument {name!r}; write {meant}")
         if has_model and values:

@@ -68,7 +68,7 @@ def form_of(path: str | Path, forms: tuple[str, ...]) -> str:
     """Return the format of a file by its suffix, or the first one for a device without one."""
     suffix = Path(path).suffix.lower() or (forms[0] if is_stream(path) else "")
     if suffix not in forms:
-        picture = "; for a picture use --plot" if suffix in (".png", ".svg", ".pdf") else ""
+        picture = "; for a picture use --plot" if suffix in PICTURES else ""
         raise InputError(
             f"{path}: cannot write a {suffix[1:] or 'nameless'} file here; name it {', '.join(forms)}{picture}"
         )

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from narrows.aliases import CONTROL, SAME_PARTS, name_here, remedy
+from narrows.aliases import CONTROL, part_named
 from narrows.control.closed_loop import ClosedLoop as ClosedLoop
 from narrows.control.closed_loop import closed_loop as closed_loop
 from narrows.control.design import RegulatorDesign as RegulatorDesign
@@ -23,6 +23,4 @@ from narrows.control.steady_course import steady_course as steady_course
 
 
 def __getattr__(name: str) -> Any:
-    if (same := name_here(name, SAME_PARTS)) in globals():
-        return globals()[same]
-    raise AttributeError(f"nw.control has no {name!r}{remedy(name, CONTROL, globals())}")
+    return part_named(name, "control", globals(), CONTROL)

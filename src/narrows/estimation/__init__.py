@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from narrows.aliases import ESTIMATION, SAME_PARTS, name_here, remedy
+from narrows.aliases import ESTIMATION, part_named
 from narrows.estimation.consistency import Consistency as Consistency
 from narrows.estimation.consistency import consistency as consistency
 from narrows.estimation.estimate import Estimate as Estimate
@@ -16,6 +16,4 @@ from narrows.estimation.states import ProcessNoise as ProcessNoise
 
 
 def __getattr__(name: str) -> Any:
-    if (same := name_here(name, SAME_PARTS)) in globals():
-        return globals()[same]
-    raise AttributeError(f"nw.estimation has no {name!r}{remedy(name, ESTIMATION, globals())}")
+    return part_named(name, "estimation", globals(), ESTIMATION)

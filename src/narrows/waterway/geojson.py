@@ -247,13 +247,7 @@ def read_features(path: Path) -> list[Feature]:
     if not isinstance(features, list) or not all(isinstance(feature, Mapping) for feature in features):
         raise InputError(f"{path}: its features are no list of GeoJSON features; give three LineStrings")
     found = [
-        Feature(
-            {
-                str(key).lower(): value
-                for key, value in _object(feature, "properties", f"{path}: feature {number}").items()
-            },
-            _object(feature, "geometry", f"{path}: feature {number}"),
-        )
+        Feature(*(_object(feature, name, f"{path}: feature {number}") for name in ("properties", "geometry")))
         for number, feature in enumerate(features)
     ]
     if crs and found:
@@ -276,6 +270,7 @@ def _as_collection(document: Any) -> Any:
 
 def _parts(feature: Feature) -> list[Feature]:
     """The lines of a feature of several; nothing of one without a shape, or of points such as buoys."""
+    feature = feature._replace(properties={str(key).lower(): value for key, value in feature.properties.items()})
     kind, shapes = feature.geometry.get("type"), feature.geometry.get("coordinates")
     if kind == "MultiLineString" and isinstance(shapes, list):
         return [Feature(feature.properties, {"type": "LineString", "coordinates": shape}) for shape in shapes]

@@ -143,7 +143,7 @@ TOUCHING = 1e-5
 
 
 class Feature(NamedTuple):
-    properties: Mapping[str, Any]  # As given, with keys in lower case
+    properties: Mapping[str, Any]  # As given; in a waterway with keys in lower case
     geometry: Mapping[str, Any]  # As given
 
     @property
@@ -184,8 +184,7 @@ def read_other(path: Path) -> list[Feature]:
             turned = into_degrees(str(meta["crs"] or "CRS84"), str(path))
             for part, number in zip(parts, whose.tolist(), strict=True):
                 geometry = turned(shapely.geometry.mapping(part))
-                told = {key.lower(): value for key, value in values[number].items()} if values else {}
-                features.append(Feature(told, geometry))
+                features.append(Feature(values[number] if values else {}, geometry))
     except pyogrio.errors.DataSourceError as error:
         raise InputError(f"{path}: cannot be read as a map ({str(error).split(';')[0]}); save it as GeoJSON") from None
     return features
