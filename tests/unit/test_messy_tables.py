@@ -226,7 +226,10 @@ def test_a_confirmed_draft_is_used_without_being_named(tmp_path: Path, ship_file
     table, draft = put(tmp_path, DRAFTED["headers of nobody"][0]), tmp_path / "columns.toml"
     assert cli("identify", table, "--ship", ship_file)[0] == 2
     draft.write_text(draft.read_text().replace("confirmed = false", "confirmed = true"))
-    assert cli("identify", table, "--ship", ship_file)[0] == 0
+    model = tmp_path / "m.toml"
+    assert cli("identify", table, "--ship", ship_file, "-o", model)[0] == 0
+    assert cli("explain", model, table, "--compare", "paper")[0] == 0
+    assert cli("plan", ship_file, "--runs", 2, "--speed", "0.6", "--after", table)[0] in (0, 1)  # 1: not determined
 
 
 def test_a_column_that_may_be_a_quantity_is_told() -> None:

@@ -85,7 +85,7 @@ def identify(
     if stream and delivery.report:
         raise InputError("--report draws the rows, which --stream does not keep; leave one of them out")
     options, read = fitting.options(), stream_captive if stream else read_captive
-    mapping = selection.mapping or _confirmed(table)
+    mapping = selection.mapping_of(table)
     try:
         tests = read(table, ship, selection.where, mapping=mapping)
         with stage("fitting"):
@@ -93,15 +93,6 @@ def identify(
     except InputError as error:
         raise InputError(f"{error}{'' if mapping else _drafted(table, ship)}") from None
     publish(fits, table.stem, delivery)
-
-
-def _confirmed(table: Path) -> Path | None:
-    """The confirmed columns.toml beside a table, if there is one."""
-    from narrows.readers.mapping import CONFIRMED
-    from narrows.ship.ship_file import load_toml
-
-    path = table.with_name("columns.toml")
-    return path if path.is_file() and load_toml(path).get(CONFIRMED) is True else None
 
 
 def _drafted(table: Path, ship: Path) -> str:
@@ -180,7 +171,8 @@ def explain(
     from narrows.report.explanation_report import print_explanation, write_explanation
 
     chosen = model_named(model)
-    read = read_captive(table, ship or chosen.configuration, selection.where, chosen.terms.actuators, selection.mapping)
+    mapping = selection.mapping_of(table)
+    read = read_captive(table, ship or chosen.configuration, selection.where, chosen.terms.actuators, mapping)
     result = explained(chosen, the_condition(read, selection.condition), tuple(filter(None, compare.split(","))))
     delivery.write(result.save)
     if delivery.report:
@@ -322,5 +314,5 @@ def _made(after: Path | None, ship: Path, selection: SelectionOptions, terms: "T
         if selection != SelectionOptions():
             raise InputError("--where, --mapping and --condition are of tests that were made; give those by --after")
         return None
-    read = read_captive(after, ship, selection.where, terms.actuators, selection.mapping)
+    read = read_captive(after, ship, selection.where, terms.actuators, selection.mapping_of(after))
     return the_condition(read, selection.condition)

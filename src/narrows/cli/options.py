@@ -117,6 +117,15 @@ class SelectionOptions:
     ] = None
     condition: Annotated[str | None, Option(help="Use only this condition of the table.")] = None
 
+    def mapping_of(self, table: Path) -> Path | None:
+        """The mapping that was given, or else the confirmed columns.toml beside the table, if there is one."""
+        from narrows.readers.mapping import CONFIRMED
+        from narrows.ship.ship_file import load_toml
+
+        path = table.with_name("columns.toml")
+        confirmed = self.mapping is None and path.is_file() and load_toml(path).get(CONFIRMED) is True
+        return path if confirmed else self.mapping
+
 
 Function = TypeVar("Function", bound=Callable[..., None])
 
