@@ -226,7 +226,7 @@ def test_a_frame_is_not_changed_and_its_hash_is_of_its_cells(ship_file: Path) ->
 
 
 def test_rows_of_a_frame_are_counted_from_nought(ship_file: Path) -> None:
-    with pytest.raises(nw.InputError, match="the DataFrame: row 3, column 'u' holds nan"):
+    with pytest.raises(nw.InputError, match="the DataFrame: row 3, column 'u' is empty"):
         nw.read_captive(ROWS.assign(u=ROWS.u.where(ROWS.index != 3)), ship_file)
 
 

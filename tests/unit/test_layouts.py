@@ -125,7 +125,7 @@ def test_dtc_rates_come_from_positions(ship_file: Path, tmp_path: Path) -> None:
         (lambda f: f.iloc[:10], "10 rows are too few to low-pass"),
         (lambda f: f.drop(index=50), "time steps vary from"),
         (lambda f: f.assign(time=f.time.where(f.index != 7, f.time[6])), "time steps vary from"),
-        (lambda f: f.assign(x0=f.x0.where(f.index != 7)), "row 10, column 'x0 [m]' holds nan"),
+        (lambda f: f.assign(x0=f.x0.where(f.index != 7)), "row 10, column 'x0 [m]' is empty"),
         (lambda f: f.assign(y0=f.y0.astype(object).where(f.index != 2, "lost")), "row 5, column 'y0 [m]' holds lost"),
     ],
 )

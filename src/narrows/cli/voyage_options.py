@@ -111,9 +111,6 @@ class PhysicsOptions:
     surge_inertia: Annotated[float | None, Option(help="Mass in surge with its added mass [kg], for 'free'.")] = None
     coriolis: Annotated[bool, Option("--coriolis", help="Add the rigid body's Coriolis force.")] = False
     contact: ContactKind = "corners"
-    bottom: Annotated[
-        bool, Option("--bottom/--no-bottom", help="End the voyage if the ship touches bottom or chokes the section.")
-    ] = True
 
 
 CurrentText = Annotated[

@@ -47,6 +47,9 @@ def simulate(
     physics: PhysicsOptions,
     water: WaterOptions,
     delivery: TrackDelivery,
+    bottom: Annotated[
+        bool, Option("--bottom/--no-bottom", help="End the voyage if the ship touches bottom or chokes the section.")
+    ] = True,
 ) -> None:
     """Simulate one voyage, to where the ship grounds.
 
@@ -60,7 +63,7 @@ def simulate(
 
     chosen, waterway = model_named(model), water.read()
     u = voyage_defaults(chosen).speed if start.u is None else start.u
-    options: dict[str, Any] = start.values() | push.values() | vars(time) | vars(physics)
+    options: dict[str, Any] = start.values() | push.values() | vars(time) | vars(physics) | {"bottom": bottom}
     controller = helm.of(chosen, u, start.x, waterway)
     voyage = run(chosen, u=u, rudder=radians(helm.rudder_deg), waterway=waterway, controller=controller, **options)
     delivery.write(voyage.save, voyage.plot)

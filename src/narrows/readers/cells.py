@@ -49,12 +49,12 @@ def numbers(frame: pd.DataFrame, header: str, table: str, blanks: bool = False) 
         wrong &= ~_blank(frame[header])
     if wrong.any():
         cell = frame[header].iloc[int(np.argmax(wrong))]
+        empty = pd.isna(cell) or not str(cell).strip()
         cell = cell if isinstance(cell, str) and len(cell) < LONGEST_CELL else shown(cell)
         fault = "which nothing measures" if np.isfinite(values[wrong][0]) else "not a finite number"
-        row = row_number(frame, wrong)
-        raise InputError(
-            f"{table}: row {row}, column {header!r} holds {cell}, {fault}; mend the cell or leave the row out"
-        )
+        place = f"row {row_number(frame, wrong)}, column {header!r}"
+        told = "is empty" if empty else f"holds {cell}, {fault}"
+        raise InputError(f"{table}: {place} {told}; mend the cell or leave the row out")
     return values
 
 
