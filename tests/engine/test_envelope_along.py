@@ -103,7 +103,7 @@ def test_caveats_of_the_single_envelopes_are_passed_on_once(estimated: bool) -> 
     single = nw.safe_envelope(reach.model, **reach.asked, **few)
     assert along.summary().startswith(single.summary().partition("Safe ")[0])
     assert along.summary().count("estimated from main dimensions" if estimated else single.trust) == 1
-    for words in ("With 20 cases this is uncertain everywhere", "; try more."):
+    for words in ("With 20 cases ", "; more samples (--samples, in Python samples=) make it certain."):
         assert words in single.summary()
         assert along.summary().count(words) == 1
 
@@ -128,6 +128,8 @@ def test_the_verb(tmp_path: Path, cli) -> None:
     nw.write_waterway(way(), tmp_path / "way.geojson")
     words = ("envelope", "estimated_kcs", "--waterway", tmp_path / "way.geojson", "--y", "0,30", "--speed", "6kn,9kn",
              "--samples", 3)  # fmt: skip
+    code, out, _ = cli(*words, "--along", "all")
+    assert (code, "11 places" in out) == (0, True)
     code, out, err = cli(*words, "--along", "0,2500", "-o", tmp_path / "along.nc", "--plot", tmp_path / "a.png")
     assert code == 0, err
     assert "2 places" in out

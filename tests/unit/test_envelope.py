@@ -417,7 +417,7 @@ class TestTruth:
         doubtful = replace(doubtful, covariance=4 * doubtful.covariance)
         few, settled = (nw.safe_envelope(doubtful, offsets, speeds, samples=samples) for samples in (50, None))
         assert settled.samples > 400
-        assert "With 50 cases this is uncertain everywhere; try more." in few.summary()
+        assert "With 50 cases this is uncertain everywhere; more samples (--samples, " in few.summary()
         some = nw.safe_envelope(doubtful, offsets, speeds, samples=300)
         assert "Certain with 300 cases: " in some.summary()
 

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from narrows.waterway import Waterway
 
 
+# Number of places of ``--along all``.
+ALONG_PLACES = 11
 # Speed of a gust of a minute over the mean of an hour [1], Durst (1960), from memory, not verified.
 GUST_FACTOR = 1.24
 
@@ -46,12 +48,14 @@ class GridOptions:
 
 @dataclass(frozen=True)
 class SectionOptions:
+    width: Annotated[float | None, Option(help="Width of the canal [m]; default: the model's own.")] = None
+    depth: Annotated[float | None, Option(help="Depth of the canal [m], likewise.")] = None
     waterway: Annotated[
         Path | None, Option(help="GeoJSON of a waterway, whose section replaces the model's canal.")
     ] = None
     at: Annotated[float, Option(help="Place along the waterway [m].")] = 0.0
     along: Annotated[
-        str | None, Option(help="Places along the waterway instead [m]: 0:5000:11. A chart and a table by distance.")
+        str | None, Option(help="Places along the waterway instead [m]: all, or 0:5000:11. Chart and table by distance.")
     ] = None
     current: CurrentText = None
     level: Annotated[float, Option(help="Water level above that of the depths [m].")] = 0.0
@@ -61,12 +65,20 @@ class SectionOptions:
             raise InputError("--at, --along, --current and --level are a waterway's; add --waterway, or leave them out")
         if self.at and self.along is not None:
             raise InputError("--at is one place and --along are several; leave one out")
+        if self.waterway is not None and not (self.width is None and self.depth is None):
+            raise InputError("--width and --depth are those of a canal, and --waterway has its own; leave one out")
 
     def read(self) -> "Waterway":
         from narrows.waterway import read_waterway
 
         assert self.waterway is not None
         return read_waterway(self.waterway).with_water(read_current(self.current), self.level)
+
+    def places(self, waterway: "Waterway") -> list[float]:
+        """Return the places of ``--along`` [m]: ``all`` are evenly spaced from end to end."""
+        if self.along == "all":
+            return [waterway.line.length * index / (ALONG_PLACES - 1) for index in range(ALONG_PLACES)]
+        return list(numbers("--along", str(self.along)).tolist())
 
     def placed(self, model: "Model") -> "tuple[Model, dict[str, Any], tuple[str, ...]]":
         """Return the model there, what the envelope is asked of the place, and notes on the place."""
@@ -163,7 +175,7 @@ def envelope(
     section.check()
     if (model is None) != demo:
         raise InputError("give a model file or the name of a ship (narrows ships lists them), or --demo for an example")
-    disturbance, ship = weather.disturbance(), model_named(model or DEMO_SHIP)
+    disturbance, ship = weather.disturbance(), model_named(model or DEMO_SHIP, section.width, section.depth)
     ship = borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
     asked: dict[str, Any] = {
         "y": grid.offsets, "u": grid.speeds, "disturbance": disturbance, **vars(reserves), **vars(cases), "bank": bank,
@@ -171,7 +183,8 @@ def envelope(
     }  # fmt: skip
     if section.along is not None:
         asked = {name: value for name, value in asked.items() if (name, value) != ("samples", None)}
-        along = envelope_along(ship, section.read(), numbers("--along", section.along).tolist(), **asked)
+        waterway = section.read()
+        along = envelope_along(ship, waterway, section.places(waterway), **asked)
         from narrows.report.envelope_along_chart import envelope_along_chart, print_envelope_along
 
         delivery.write(along.save, lambda: envelope_along_chart(along))

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -122,8 +122,15 @@ def published(name: str | None = None) -> "Model | list[str]":
     return ready[name]()
 
 
-def model_named(name: str) -> Model:
-    return load_model(name) if "." in name or "/" in name or os.path.exists(name) else published(name)
+def model_named(name: str, width: float | None = None, depth: float | None = None) -> Model:
+    """Return a model by its file or name, in a canal of another width and depth [m] if given."""
+    sizes = {"width": width, "depth": depth}
+    given = {side: size for side, size in sizes.items() if size is not None}
+    if given and name in ESTIMATED_SHIPS:  # Its formulas take the depth.
+        row = ESTIMATED_SHIPS[name]
+        return _estimate(replace(row, canal=replace(row.canal, **given)))
+    model = load_model(name) if "." in name or "/" in name or os.path.exists(name) else published(name)
+    return model.with_canal(**given) if given else model
 
 
 def ready_ships() -> "pd.DataFrame":

@@ -66,26 +66,23 @@ def _filled(
                 axes.fill_between(s[inside], *ends, **look)
 
 
-HEADS = (
-    "along [m]", "computed at [m]", "safe [kn]", "safe offsets [m]", "at [kn]", "by the model [kn]", "by the model [m]",
-    "limited by",
-)  # fmt: skip
+HEADS = ("along [m]", "safe up to [kn]", "widest safe offsets [m]", "at [kn]", "limited by")
 
 
 def print_envelope_along(along: EnvelopeAlong) -> None:
-    def span(row: dict[str, Any], low: str, high: str) -> str:
-        return f"{row[low]:.1f} to {row[high]:.1f}" if np.isfinite(row[low]) else "-"
+    """Print the summary and one row per place; a star marks what is safe by the model and was not tested."""
+    rows = along.rows()
+    untested = [not np.isfinite(row["highest_speed"]) and np.isfinite(row["highest_speed_by_model"]) for row in rows]
+    table = (_cells(row, "_by_model" if star else "") for row, star in zip(rows, untested, strict=True))
+    key = "* safe by the model; no test covered that place" if any(untested) else None
+    print_result(along, table_of(HEADS, table, left=("limited by",), caption=key, caption_justify="left"))
 
-    table = (
-        (
-            f"{row['distance']:.0f}", f"{row['computed_at']:.0f}", span(row, "lowest_speed", "highest_speed"),
-            _offsets(row["port"], row["starboard"]), f"{row['at_speed']:.1f}" if np.isfinite(row["at_speed"]) else "-",
-            span(row, "lowest_speed_by_model", "highest_speed_by_model"),
-            _offsets(row["port_by_model"], row["starboard_by_model"]), row["limited_by"],
-        )
-        for row in along.rows()
-    )  # fmt: skip
-    print_result(along, table_of(HEADS, table, left=("limited by",)))
+
+def _cells(row: dict[str, Any], suffix: str) -> tuple[str, ...]:
+    top, at = row[f"highest_speed{suffix}"], row[f"at_speed{suffix}"]
+    speeds = [f"{speed:.1f}{'*' if suffix else ''}" if np.isfinite(speed) else "-" for speed in (top, at)]
+    sides = _offsets(row[f"port{suffix}"], row[f"starboard{suffix}"])
+    return f"{row['distance']:.0f}", speeds[0], sides, speeds[1], row["limited_by"]
 
 
 def _offsets(port: float, starboard: float) -> str:

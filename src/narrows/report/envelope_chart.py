@@ -282,7 +282,10 @@ def _span(low: float, high: float) -> str:
 def print_envelope(envelope: SafeEnvelope) -> None:
     console = console_of(130)
     console.print(envelope.summary())
-    console.print(f"{envelope.description}; {envelope.weather}; {envelope.samples} cases tried at each place.")
+    low, high = (float(end) for end in envelope.data["u"].to_numpy()[[0, -1]])
+    tried = f"{low:.3g} to {high:.3g} m/s ({low / KNOT:.1f} to {high / KNOT:.1f} knots)"
+    tried = tried if high > low else f"{low:.3g} m/s ({low / KNOT:.1f} knots)"
+    console.print(f"{envelope.description}; {envelope.weather}; {tried}, {envelope.samples} cases at each place.")
     console.print(_by_offset(envelope))
     if everything():
         console.print()

@@ -14,7 +14,7 @@ from narrows.quantities.names import KNOT
 from narrows.results import BaseResult
 from narrows.safety import settings
 from narrows.safety.envelope import safe_envelope
-from narrows.safety.headline import estimated, first_run, runs, safe_offsets, sure_blocks
+from narrows.safety.headline import MORE, estimated, first_run, runs, safe_offsets, sure_blocks
 from narrows.safety.request import default_offsets, default_speeds
 from narrows.safety.result import SafeEnvelope
 from narrows.safety.speed_limits import Reach, reach_at
@@ -72,8 +72,8 @@ class EnvelopeAlong(BaseResult):
     def untested(self) -> str:
         """Reasons why the results are extrapolated; empty if every section was tested."""
         reasons = list(dict.fromkeys(one.untested for one in self.envelopes if one.untested))
-        more = [f"and {len(reasons) - 2} other sections"] if len(reasons) > 2 else []
-        return "; ".join([*reasons[:2], *more])
+        more = [f"and {len(reasons) - 1} other sections"] if len(reasons) > 1 else []
+        return "; ".join([*reasons[:1], *more])
 
     def rows(self) -> list[dict[str, Any]]:
         """Return one row per place: banks and safe offsets off the line [m], speeds [knots], what limits the speed."""
@@ -108,7 +108,7 @@ class EnvelopeAlong(BaseResult):
     def summary(self) -> str:
         """Describe the slowest and the fastest place, and where the tests cover them."""
         rows, start = self.rows(), f"Along {self.waterway.name}, {len(self.places)} places"
-        first, doubts = self.envelopes[0], [*self._doubts(), *dict.fromkeys(one.trust for one in self.envelopes)]
+        first, doubts = self.envelopes[0], [self._doubt(), *dict.fromkeys(one.trust for one in self.envelopes)]
         tested = [row for row in rows if not math.isnan(row["highest_speed"])]
         sentences = [
             *estimated(first.data),
@@ -125,16 +125,15 @@ class EnvelopeAlong(BaseResult):
         untested = [f"Not tested: {self.untested}."] if self.untested else []
         return " ".join([*sentences, *untested, *filter(None, doubts)])
 
-    def _doubts(self) -> list[str]:
-        """Return the places at which the samples leave the safe area uncertain, in sentences."""
-        places: dict[str, list[str]] = {}
+    def _doubt(self) -> str:
+        """Return the places at which the samples leave the safe area uncertain, in a sentence."""
+        unsure = []
         for place, one in zip(self.places, self.envelopes, strict=True):
             sure, perhaps = sure_blocks(one.data, settings.SURE_SHARE)
             if perhaps != sure and one.safe().any():
-                which = "is uncertain everywhere" if sure is None else "has uncertain edges"
-                places.setdefault(f"With {one.samples} cases this {which}", []).append(f"{place:.0f}")
-        where = {words: "" if len(at) == len(self.places) else f" at {', '.join(at)} m" for words, at in places.items()}
-        return [f"{words}{at}; try more." for words, at in where.items()]
+                unsure.append(f"{place:.0f}")
+        where = "everywhere" if len(unsure) == len(self.places) else f"at {', '.join(unsure)} m"
+        return f"With {self.envelopes[0].samples} cases the edges are uncertain {where}; {MORE}." if unsure else ""
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything by name, as ``envelope --along --json`` prints it."""
@@ -152,7 +151,7 @@ def envelope_along(
 
     Each place stands for the reach midway to its neighbours. The safe envelope is computed in the tightest section of
     that reach: least free width (less what the hull sweeps in a bend) times water under the keel. Unless told otherwise
-    it has nine offsets, denser in the middle, nine speeds and those where the tests end, with 400 samples.
+    it has nine offsets, nine speeds and those where the tests end, with 400 samples.
 
     Parameters
     ----------
@@ -183,7 +182,7 @@ def envelope_along(
         if (key := _section(reach)) not in known:
             usual = {"samples": settings.FIRST_SAMPLES, **reach.asked, **envelope}
             if usual.get("y") is None:
-                usual["y"] = default_offsets(reach.model, usual["walls"], settings.ALONG_OFFSETS, denser=True)
+                usual["y"] = default_offsets(reach.model, usual["walls"], settings.ALONG_OFFSETS)
             if usual.get("u") is None:
                 usual["u"] = default_speeds(reach.model, settings.ALONG_SPEEDS)
             known[key] = safe_envelope(reach.model, **usual).noting(*water)

@@ -13,6 +13,8 @@ NOWHERE = (
 )
 
 
+# Remedy for an edge that the number of samples leaves uncertain.
+MORE = "more samples (--samples, in Python samples=) make it certain"
 # Difference of two offsets that are the same in words [m].
 SAME_OFFSET = 0.05
 
@@ -33,6 +35,7 @@ def headline(data: xr.Dataset, share: float) -> str:
     sentences = [
         *guess,
         f"Safe {place_in_words(data, block[1], offsets)}, with 95 % probability.",
+        *_outside(by_model & data["tested"].to_numpy(), block, y, u),
         _limits(data, share, block),
     ]
     wider = largest_rectangle(by_model, y, u)
@@ -76,6 +79,17 @@ def _way(data: xr.Dataset, share: float) -> str:
 
 def _reserved(data: xr.Dataset) -> float:
     return float((1 - data.attrs["reserve"]) * data.attrs["rudder_limit"])
+
+
+def _outside(safe: np.ndarray, block: tuple[slice, slice], y: np.ndarray, u: np.ndarray) -> list[str]:
+    """Return the safe places that the largest block leaves out, so that no table contradicts it."""
+    # safe (offsets, speeds)
+    rest = safe.copy()
+    rest[block] = False
+    if not rest.any():
+        return []
+    fastest, farthest = u[safe.any(axis=0)].max() / KNOT, np.abs(y[safe.any(axis=1)]).max()
+    return [f"Single places outside this are safe too, up to {fastest:.1f} knots and out to {farthest:.1f} m."]
 
 
 def _limits(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> str:
@@ -148,7 +162,7 @@ def _doubt(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> list[s
     if sure == perhaps or perhaps is None:
         return []
     if sure is None:
-        return [f"With {data.attrs['samples']} cases this is uncertain everywhere; try more."]
+        return [f"With {data.attrs['samples']} cases this is uncertain everywhere; {MORE}."]
     span = place_in_words(data, sure[1], tuple(data["y"].to_numpy()[sure[0]][[0, -1]]))
     return [f"Certain with {data.attrs['samples']} cases: {span}."]
 

@@ -210,17 +210,15 @@ def envelope_request(
     )
 
 
-def default_offsets(model: Model, room: Walls, count: int = OFFSETS, denser: bool = False) -> np.ndarray:
+def default_offsets(model: Model, room: Walls, count: int = OFFSETS) -> np.ndarray:
+    """Return offsets [m] whose steps grow linearly from the middle to the banks, and those where the tests end."""
     port, starboard = (wall - model.configuration.ship.beam for wall in room)
     if port + starboard <= 0:
         raise InputError("the canal is less than two beams wide: there is no offset to look at; check its width")
     covered = model.data_range.abs_y
     ends = [] if covered is None else [end for end in (-covered[1], covered[1]) if -port < end < starboard]
-    offsets = np.linspace(-port, starboard, count)
-    if denser:  # In the middle: steps that grow linearly towards the banks
-        middle, half = (starboard - port) / 2, (starboard + port) / 2
-        offsets = middle + (offsets - middle) * np.abs(offsets - middle) / half
-    return np.union1d(offsets, ends)
+    middle, half, steps = (starboard - port) / 2, (starboard + port) / 2, np.linspace(-1, 1, count)
+    return np.union1d(middle + half * steps * np.abs(steps), ends)
 
 
 def default_speeds(model: Model, count: int = SPEEDS) -> np.ndarray:
