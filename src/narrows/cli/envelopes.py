@@ -55,7 +55,8 @@ class SectionOptions:
     ] = None
     at: Annotated[float, Option(help="Place along the waterway [m].")] = 0.0
     along: Annotated[
-        str | None, Option(help="Places along the waterway instead [m]: all, or 0:5000:11. Chart and table by distance.")
+        str | None,
+        Option(help="Places along the waterway instead [m]: all, or 0:5000:11. Chart and table by distance."),
     ] = None
     current: CurrentText = None
     level: Annotated[float, Option(help="Water level above that of the depths [m].")] = 0.0

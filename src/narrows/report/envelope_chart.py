@@ -141,8 +141,7 @@ def _shade(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> 
     handles += _shade_outside(axes, envelope, y, u)
     _draw_ends_of_tests(axes, envelope, (y[0] - _half(y), y[-1] + _half(y)), (u[0] - _half(u), u[-1] + _half(u)))
     if envelope.untested or not data["tested"].all():
-        words = "safe by the model, not tested"
-        handles.append(Patch(facecolor="none", edgecolor=PURPLE, hatch=UNTESTED, label=words))
+        handles.append(Patch(fc="none", edgecolor=PURPLE, hatch=UNTESTED, label="safe by the model, not tested"))
     return handles
 
 
@@ -282,9 +281,7 @@ def _span(low: float, high: float) -> str:
 def print_envelope(envelope: SafeEnvelope) -> None:
     console = console_of(130)
     console.print(envelope.summary())
-    low, high = (float(end) for end in envelope.data["u"].to_numpy()[[0, -1]])
-    tried = f"{low:.3g} to {high:.3g} m/s ({low / KNOT:.1f} to {high / KNOT:.1f} knots)"
-    tried = tried if high > low else f"{low:.3g} m/s ({low / KNOT:.1f} knots)"
+    tried = " to ".join(f"{u:.3g} m/s ({u / KNOT:.1f} knots)" for u in np.unique(envelope.data["u"][[0, -1]]))
     console.print(f"{envelope.description}; {envelope.weather}; {tried}, {envelope.samples} cases at each place.")
     console.print(_by_offset(envelope))
     if everything():
