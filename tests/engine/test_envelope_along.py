@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 import narrows as nw
+from narrows.empirical.fleet import model_named
 from narrows.quantities.names import KNOT
 from narrows.report.envelope_along_chart import print_envelope_along
 from narrows.report.envelope_chart import UNTESTED
@@ -143,3 +144,17 @@ def test_the_verb(tmp_path: Path, cli) -> None:
         code, _, err = cli(*words, *wrong)
         assert (code, err.count("\n")) == (2, 1)
     assert cli("envelope", "estimated_kcs", "--along", "0")[0] == 2
+
+
+def test_a_width_and_a_depth_are_those_of_the_canal(cli) -> None:
+    """An estimated ship is estimated for that depth."""
+    words = ("envelope", "estimated_kcs", "--y", "0", "--speed", "6kn", "--samples", 3)
+    other = ("--width", 250, "--depth", 15)
+    code, out, err = cli(*words, *other)
+    assert (code, err) == (0, "")
+    assert "in a canal 250 m wide, 15 m deep" in " ".join(out.split())
+    usual, there = model_named("estimated_kcs"), model_named("estimated_kcs", 250.0, 15.0)
+    assert there.configuration.canal.depth == 15.0
+    assert there["Y_v"] != usual["Y_v"]
+    code, _, err = cli(*words, *other, "--waterway", "way.geojson")
+    assert (code, "--waterway has its own" in err) == (2, True)
