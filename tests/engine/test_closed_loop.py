@@ -78,7 +78,18 @@ def test_the_delay_that_it_tells_is_the_one_that_loses_the_ship() -> None:
 
     assert farthest(math.floor(0.9 * told)) < 0.5
     assert farthest(math.ceil(1.1 * told)) > 1.5
-    assert loop().tolerated_delay() == pytest.approx(told, rel=0.2)
+    assert loop().tolerated_delay() == pytest.approx(told, rel=0.1)
+
+
+def test_a_slow_gear_leaves_as_much_delay_as_the_margin() -> None:
+    slow = loop(gear=nw.SteeringGear(dead_time=5.0, lag=4.0))
+    assert slow.tolerated_delay() == pytest.approx(slow.margins()["delay"], rel=0.1)
+
+
+def test_noise_of_sensors_alone_is_no_lost_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in (("LOOP_TIME", 20.0), ("DELAY_DIGITS", 0.5)):
+        monkeypatch.setitem(ClosedLoop._late_offset.__globals__, name, value)
+    assert 2.0 < loop(sensors=SENSORS).tolerated_delay(seed=1) < 2 * loop().margins()["delay"]
 
 
 def test_margins_of_gains_are_those_of_the_law_at_short_steps() -> None:

@@ -260,26 +260,30 @@ class ClosedLoop(BaseSummary):
     def tolerated_delay(self, seed: int = 0) -> float:
         """Return the longest additional dead time of the gear under which the ship keeps its line [s].
 
-        Found by voyages from a small offset: the ship keeps its line if its offset is smaller in the second half of the
-        voyage than at the start.
+        Found by voyages from a small offset: the ship keeps its line if a tenth of that offset is left in the second
+        half of the voyage, or, where sensor noise moves it, at most twice the offset without the additional dead time.
 
         Parameters
         ----------
         seed : int
             Seed of the sensor noise.
         """
-        longest = MOST_DELAY * self._passing
-        kept, lost = 0.0, longest
-        if not self._kept(0.0, seed):
+        beam, longest = self.model.configuration.ship.beam, MOST_DELAY * self._passing
+        usual = self._late_offset(0.0, seed)
+        noisy = 2.0 * usual if self.sensors and usual < beam / 2 else 0.0
+        most = max(noisy, LOST_LOOP * LOOP_OFFSET * beam)
+        if usual > most:
             return 0.0
-        if self._kept(longest, seed):
+        if self._late_offset(longest, seed) <= most:
             return longest
+        kept, lost = 0.0, longest
         while lost - kept > max(DELAY_DIGITS * kept, DELAY_DIGITS * self.dt):
             middle = (kept + lost) / 2
-            kept, lost = (middle, lost) if self._kept(middle, seed) else (kept, middle)
+            kept, lost = (middle, lost) if self._late_offset(middle, seed) <= most else (kept, middle)
         return kept
 
-    def _kept(self, delay: float, seed: int) -> bool:
+    def _late_offset(self, delay: float, seed: int) -> float:
+        """Return the largest offset from the line in the second half of a voyage [m]; infinite if the ship is lost."""
         gear = self.model.configuration.gear
         later = replace(gear, dead_time=gear.dead_time + delay)
         configuration = replace(self.model.configuration, steering=later)
@@ -287,9 +291,8 @@ class ClosedLoop(BaseSummary):
         loop.__dict__["course"] = self.course
         begun = self.y - math.copysign(LOOP_OFFSET * self.model.configuration.ship.beam, self.y)
         voyage = loop.simulate(LOOP_TIME * self._passing, seed, y=begun)
-        off = np.abs(voyage.y - self.y)
-        late = voyage.t > voyage.t[-1] / 2
-        return voyage.outcome.kind == "afloat" and bool(off[late].max() < LOST_LOOP * off[0])
+        off = np.abs(voyage.y - self.y)[voyage.t > voyage.t[-1] / 2]
+        return float(off.max()) if voyage.outcome.kind == "afloat" else math.inf
 
     def summary(self) -> str:
         """Describe the controller, the gear and the sensors."""
