@@ -12,8 +12,8 @@ import narrows as nw
 from logs import D, kvlcc2, sensed, trial, zigzag
 from narrows.logbook.filtering.likelihood import RecordLikelihood
 from narrows.logbook.filtering.record_grid import grid_of
+from narrows.logbook.learning.learn_log import LogSource
 from narrows.logbook.learning.log_setup import parts
-from narrows.logbook.learning.log_source import LogSource
 
 WRONG = {"N_v": 1.12, "Y_v": 0.9, "N_rudder": 0.93, "R_0": 1.1}
 MANOEUVRES = ("psi", "x", "y", "r", "rudder")

@@ -11,8 +11,8 @@ from test_predict_information import OWN, SPEED, posed, ship
 import narrows as nw
 from narrows.codegen.cache import compiled_loops
 from narrows.logbook.filtering import kalman_loops
-from narrows.logbook.filtering.gauss_markov import SWAY, YAW, Estimated, Process, StochasticModel
 from narrows.logbook.filtering.likelihood import RecordLikelihood, readings_for_one
+from narrows.logbook.filtering.log_problem import SWAY, YAW, Estimated, Process, StochasticModel
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.transits.transit_conditions import wandering
 from narrows.logbook.transits.transit_twins import recorded

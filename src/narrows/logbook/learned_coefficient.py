@@ -95,29 +95,6 @@ def learned_coefficients(prior: Model, values: np.ndarray, covariance: np.ndarra
     }  # fmt: skip
 
 
-def coefficient_frame(coefficients: Mapping[str, LearnedCoefficient]) -> "pd.DataFrame":
-    import pandas as pd
-
-    rows = [
-        (c.prior, c.prior_std, c.value, c.std, *c.interval, c.left, c.unit, c.verdict) for c in coefficients.values()
-    ]
-    columns = ["prior", "prior_std", "value", "std", "low", "high", "std_left", "unit", "verdict"]
-    return pd.DataFrame(rows, columns=columns, index=pd.Index(list(coefficients), name="coefficient"))
-
-
-def pairs(coefficients: Mapping[str, LearnedCoefficient], covariance: np.ndarray) -> list[tuple[str, str, float]]:
-    names, size = list(coefficients), np.sqrt(np.maximum(np.diag(covariance), 0.0))
-    scale = np.where(size > 0, size, np.inf)
-    correlation = covariance / np.outer(scale, scale)
-    correlation[np.abs(correlation) > TIED_CORRELATION] = 0.0  # Itself, and what is tied to it.
-    found: dict[frozenset[str], tuple[str, str, float]] = {}
-    for i, name in enumerate(names):
-        j = int(np.abs(correlation[i]).argmax())
-        if coefficients[name].word != PRIOR and abs(correlation[i, j]) >= PAIR_CORRELATION:
-            found.setdefault(frozenset((name, names[j])), (name, names[j], float(correlation[i, j])))
-    return list(found.values())
-
-
 def verdicts_after(prior: Model, coefficients: Mapping[str, LearnedCoefficient], contradicted: bool) -> dict[str, str]:
     """Return the verdicts of the model that comes out: those of the tests, but for what was learned."""
     learned = [name for name, coefficient in coefficients.items() if coefficient.word == LEARNED]
@@ -129,6 +106,7 @@ def verdicts_after(prior: Model, coefficients: Mapping[str, LearnedCoefficient],
 
 
 class LearnedAnswer(BaseResult):
+    model: Model
     coefficients: Mapping[str, LearnedCoefficient]
 
     @property
@@ -148,7 +126,28 @@ class LearnedAnswer(BaseResult):
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Give the coefficients as a table: a row each, before and after."""
-        return coefficient_frame(self.coefficients)
+        import pandas as pd
+
+        told = self.coefficients
+        rows = [(c.prior, c.prior_std, c.value, c.std, *c.interval, c.left, c.unit, c.verdict) for c in told.values()]
+        columns = ["prior", "prior_std", "value", "std", "low", "high", "std_left", "unit", "verdict"]
+        return pd.DataFrame(rows, columns=columns, index=pd.Index(list(told), name="coefficient"))
+
+    def correlated(self) -> list[str]:
+        """Return a sentence for each pair of coefficients of which a record determines a combination."""
+        names, covariance = list(self.coefficients), np.asarray(self.model.covariance)
+        size = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        scale = np.where(size > 0, size, np.inf)
+        correlation = covariance / np.outer(scale, scale)
+        correlation[np.abs(correlation) > TIED_CORRELATION] = 0.0  # Itself, and what is tied to it.
+        found: dict[frozenset[str], str] = {}
+        for i, name in enumerate(names):
+            j = int(np.abs(correlation[i]).argmax())
+            by = correlation[i, j]
+            if self.coefficients[name].word != PRIOR and abs(by) >= PAIR_CORRELATION:
+                said = f"{name} and {names[j]} are correlated ({by:+.2f}): a combination"
+                found.setdefault(frozenset((name, names[j])), f"{said} of both is more precise than each.")
+        return list(found.values())
 
 
 def learnable(model: Model, targets: object) -> tuple[str, ...]:

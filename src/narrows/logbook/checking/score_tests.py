@@ -14,7 +14,7 @@ import numpy as np
 
 from narrows.logbook.checking.faults import MISREADINGS, Fault, Misreading, faults_of
 from narrows.logbook.checking.record_checks import longest_run
-from narrows.logbook.filtering.likelihood import DIFFERENCE, RecordLikelihood, RecordScore
+from narrows.logbook.filtering.likelihood import DIFFERENCE, RecordLikelihood, RecordScore, score_and_information
 from narrows.logbook.filtering.log_problem import LogProblem
 from narrows.logbook.filtering.record_grid import RecordGrid, grid_of
 from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
@@ -23,7 +23,6 @@ from narrows.logbook.settings import FALSE_ALARM, MOVED, OUTLYING, STUCK_LENGTHS
 STATES = {"x": 0, "y": 1, "psi": 2, "r": 5}  # signals that may be stuck, and their places among the states
 DETERMINED = 1e-6  # of the information on a fault that the fitted numbers leave, at least
 FEWEST = 4  # records whose scores have a variance
-CHI_SQUARE_MEDIAN = 0.4549  # of one degree of freedom
 
 
 class FaultTest(NamedTuple):
@@ -144,8 +143,8 @@ def _of_record(
     path = path or likelihood.smoothed(found.unknowns, None, FIRST_PASSES)
     if path is None:
         return grid.record.name, [], record.score, record.information
-    _, at, by_value, by_variance = likelihood.slopes(found.unknowns, path)
-    model, e, s = problem.model.at(found.unknowns[problem.count :]), at.values, at.variances
+    at, by_value, by_variance = likelihood.slopes(found.unknowns, path)
+    model, e, s = problem.model_at(found.unknowns), at.values, at.variances
     faults = list(faults_of(grid, grid.by_signal(e / np.sqrt(s))))
     values, variances = [*by_value], [*by_variance]
     for fault in faults:
@@ -154,9 +153,7 @@ def _of_record(
         there = about.innovations(model, path.weights)
         values.append((there.values - e) / size)
         variances.append((there.variances - s) / size)
-    value, variance = np.array(values), np.array(variances)
-    score = -value @ (e / s) - 0.5 * variance @ (1 / s - (e / s) ** 2)
-    information = (value / s) @ value.T + 0.5 * (variance / s**2) @ variance.T
+    score, information = score_and_information(e, s, np.array(values), np.array(variances))
     return grid.record.name, faults, score / problem.correlated, information / problem.correlated
 
 

@@ -1,22 +1,224 @@
 """The likelihood of a record by the innovations of a Kalman filter, its score and information.
 
-Schweppe (1965), IEEE Trans. Inf. Theory 11, for the likelihood; Gupta and Mehra (1974), IEEE Trans. Autom. Control 19,
-for the information by the slopes of innovations and of their variances.
+A record is a linear state-space model about a reference path, with the exact tangents of the engine. Schweppe (1965),
+IEEE Trans. Inf. Theory 11, for the likelihood; Gupta and Mehra (1974), IEEE Trans. Autom. Control 19, for the
+information by the slopes of innovations and of their variances.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import NamedTuple
+from functools import cached_property
 
 import numpy as np
 
-from narrows.logbook.filtering.linear_record import Innovations, LinearRecord, Reference, linear_record, weights_of
-from narrows.logbook.filtering.log_problem import LogProblem
+from narrows.codegen.cache import compiled_loops
+from narrows.logbook.filtering import kalman_loops
+from narrows.logbook.filtering.log_problem import LogProblem, Scales, StochasticModel
+from narrows.logbook.filtering.predicted_signals import (
+    CURRENT_X,
+    CURRENT_Y,
+    PREDICTED,
+    RUDDER,
+    RUDDER_OFFSET,
+    PredictedSignal,
+    SeenStates,
+)
 from narrows.logbook.filtering.record_grid import RecordGrid, first_guess
+from narrows.logbook.filtering.recorded_motion import CURRENT, PUSHES, RecordedMotion
 
+INPUTS = (*PUSHES, RUDDER_OFFSET, CURRENT_X, CURRENT_Y)
+# Standard deviation of a step of each state, relative to the others.
+WALKS = np.array([1.0, 1.0, 0.3, 1.0, 1.0, 0.3])
+# Random walk of a held speed in a second, over itself.
+SPEED_WALK = 2e-3
+# Standard deviation of a start about the first guess, over lengths, radians and speeds of the ship.
+START = np.array([0.1, 0.1, 0.2, 0.2, 0.2, 0.3])
+# Factor of gusts while another ship passes.
+IN_MEETINGS = 30.0
+USUAL, MET, LOOSE = 0, 1, 2
+# A residual over its noise beyond which a reading counts less.
+OUTLIER = 4.0
 DIFFERENCE = 1e-4  # standard deviations before records, for slopes
 LAGS = 400  # readings over which innovations may be correlated
 UNCORRELATED = 0.05  # correlation of innovations below which they count as independent
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A path about which a record is linear."""
+
+    states: np.ndarray  # (n, 6) x, y, psi, u, v, r at the start of each step
+    processes: np.ndarray  # (n, m)
+
+
+@dataclass(frozen=True)
+class Innovations:
+    """Readings less their predictions from earlier readings."""
+
+    values: np.ndarray  # (N,)
+    variances: np.ndarray  # (N,)
+
+    @property
+    def cost(self) -> float:
+        """Minus twice the logarithm of the likelihood, to a constant."""
+        with np.errstate(all="ignore"):
+            cost = float(np.sum(self.values**2 / self.variances + np.log(self.variances)))
+        return cost if np.isfinite(cost) else np.inf
+
+
+@dataclass(frozen=True)
+class LinearRecord:
+    """A record about a reference path."""
+
+    grid: RecordGrid
+    scales: Scales
+    slopes: np.ndarray  # (n, 6, 6 + inputs)
+    misses: np.ndarray  # (n, 6) End of a step of the reference, less the begin of the next
+    drives: np.ndarray  # (m,) The input of each process, or -1
+    rows: np.ndarray  # (N, 6 + m) Slopes of readings
+    residual: np.ndarray  # (N,) Readings less those of the reference with no process
+    left: Mapping[str, np.ndarray]  # Readings less those of the reference, by signal
+
+    @cached_property
+    def kind(self) -> np.ndarray:
+        """Kind of each step, (n,)."""
+        met = self.grid.meetings | np.append(self.grid.meetings[1:], False)
+        return np.where(self.grid.whole, np.where(met, MET, USUAL), LOOSE)
+
+    def variances(self, model: StochasticModel, weights: np.ndarray) -> np.ndarray:
+        """Return the variances of readings, (N,)."""
+        parts = [model.noise[name] ** 2 / read.counted for name, read in self.grid.readings.items()]
+        return np.asarray(np.concatenate(parts)[self.grid.order] / weights)
+
+    def innovations(self, model: StochasticModel, weights: np.ndarray) -> Innovations:
+        """Filter the readings."""
+        return self._run(model, weights, 0)[0]
+
+    def smoothed(self, model: StochasticModel, weights: np.ndarray) -> np.ndarray:
+        """Filter the readings, and return the smoothed states off the reference with the processes, (n, 6 + m)."""
+        found, means, gains, covariances = self._run(model, weights, len(self.slopes))
+        kept = self._kinds(model)[0]
+        compiled_loops(kalman_loops).smooth(
+            self.slopes, self.drives, self.kind, kept, self.grid.first_readings, self.rows, found.values,
+            found.variances, gains, means, covariances,
+        )  # fmt: skip
+        return means
+
+    def _run(
+        self, model: StochasticModel, weights: np.ndarray, room: int
+    ) -> tuple[Innovations, np.ndarray, np.ndarray, np.ndarray]:
+        size, count = self.rows.shape[1], len(self.rows)
+        values, spread, gains = np.empty(count), np.empty(count), np.empty((count, size))
+        means, covariances = np.empty((room, size)), np.empty((room, size, size))
+        start, kind = np.zeros((size, size)), self.kind
+        start[range(6), range(6)] = (START * self.scales.states) ** 2
+        start[6:, 6:] = model.covariance(IN_MEETINGS if kind[0] == MET else 1.0)
+        compiled_loops(kalman_loops).filter_readings(
+            np.zeros(size), start, self.slopes, self.misses, self.drives, kind, *self._kinds(model),
+            self.grid.first_readings, self.rows, self.residual, self.variances(model, weights), values, spread, gains,
+            means, covariances,
+        )  # fmt: skip
+        return Innovations(values, spread), means, gains, covariances
+
+    def _kinds(self, model: StochasticModel) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the kept part of processes, the new part, and the walk of states, by the kind of a step."""
+        step, scale = self.grid.step, self.scales.states
+        kept = model.kept(step)
+        gusty = np.array([one.name in model.gusts for one in model.processes], bool)
+        met = np.where(gusty, 0.0, kept)
+        usual = (self.scales.walk * WALKS * scale) ** 2
+        usual[3] += (SPEED_WALK * scale[3]) ** 2 * step * self.scales.held
+        return (
+            np.stack([kept, met, kept]),
+            np.stack([
+                model.covariance() * (1 - np.outer(kept, kept)),
+                model.covariance(IN_MEETINGS) * (1 - np.outer(met, met)),
+                model.covariance() * (1 - np.outer(kept, kept)),
+            ]),
+            np.stack([usual, usual, (START * scale) ** 2]),
+        )  # fmt: skip
+
+
+@np.errstate(all="ignore")  # A model that cannot follow the record may run away.
+def linear_record(
+    grid: RecordGrid, scales: Scales, motion: RecordedMotion, inertia: np.ndarray, model: StochasticModel,
+    reference: Reference,
+) -> LinearRecord:  # fmt: skip
+    """Return a record about a reference path; motion is without slopes by coefficients."""
+    names = [one.adds_to for one in model.processes]
+    drives = np.array([INPUTS.index(name) if name in INPUTS else -1 for name in names], np.int64)
+    sums = {name: np.zeros(len(grid)) for name in (*INPUTS, *names)}
+    for place, name in enumerate(names):
+        sums[name] = sums[name] + reference.processes[:, place]
+    pushes = np.stack([sums[name] for name in PUSHES], axis=1) * inertia
+    known = CURRENT in motion.directions
+    current = float(sums[CURRENT_X][0]) if known else 0.0
+    states, along = motion.sailed(
+        reference.states, pushes, np.arange(len(grid) + 1), grid.times, grid.positions, sums[RUDDER_OFFSET], current
+    )
+    ends, slopes = states[1::2], _slopes(grid, motion, inertia, along[1::2])
+    if not known:
+        for place, name in enumerate((CURRENT_X, CURRENT_Y)):
+            ends[:, place] += sums[name] * np.diff(grid.times)
+    driven = np.einsum("nij,nj->ni", slopes[:, :, 6:], np.stack([sums[name] for name in INPUTS], axis=1))
+    misses = ends - np.append(reference.states[1:], ends[-1:], axis=0) - driven
+    rows, residual, left, rudder = [], [], {}, grid.positions.get(RUDDER, np.zeros(len(grid)))
+    for name, read in grid.readings.items():
+        share, at = read.share[:, None], read.step
+        there = (1 - share) * reference.states[at] + share * ends[at]
+        errors = {key: value[at] for key, value in sums.items()}
+        seen = PREDICTED[name](SeenStates(there, errors, grid.record.antenna, rudder[at]))
+        row = read.gain * _rows(seen, slopes[at], share, drives, names)
+        left[name] = read.values - read.gain * seen.value
+        rows.append(row)
+        residual.append(left[name] + np.einsum("ni,ni->n", row[:, 6:], reference.processes[at]))
+    return LinearRecord(
+        grid, scales, np.ascontiguousarray(slopes), misses, drives, np.concatenate(rows)[grid.order],
+        np.concatenate(residual)[grid.order], left,
+    )  # fmt: skip
+
+
+def _slopes(grid: RecordGrid, motion: RecordedMotion, inertia: np.ndarray, along: np.ndarray) -> np.ndarray:
+    """Slopes of the ends of steps by states and inputs, (n, 6, 6 + inputs)."""
+    slopes, lasting = np.zeros((len(along), 6, 6 + len(INPUTS))), np.diff(grid.times)
+    slopes[:, :, :6] = along[:, :, :6]
+    factors = {**dict(zip(PUSHES, inertia.tolist(), strict=True)), RUDDER_OFFSET: 1.0, CURRENT: 1.0}
+    for place, name in enumerate(motion.directions):
+        if name in factors:
+            slopes[:, :, 6 + INPUTS.index(CURRENT_X if name == CURRENT else name)] = along[:, :, place] * factors[name]
+    if CURRENT not in motion.directions:
+        slopes[:, 0, 6 + INPUTS.index(CURRENT_X)] = lasting
+        slopes[:, 1, 6 + INPUTS.index(CURRENT_Y)] = lasting
+    return slopes
+
+
+def _rows(
+    seen: PredictedSignal, slopes: np.ndarray, share: np.ndarray, drives: np.ndarray, names: list[str]
+) -> np.ndarray:
+    """Slopes of readings by states and processes at the start of their step."""
+    row = np.zeros((len(share), 6 + len(names)))
+    for state, slope in seen.by_state.items():
+        by = np.broadcast_to(slope, len(share))[:, None]
+        row[:, state] += (by * (1 - share))[:, 0]
+        row[:, :6] += by * share * slopes[:, state, :6]
+        for place, drive in enumerate(drives):
+            if drive >= 0:
+                row[:, 6 + place] += (by * share)[:, 0] * slopes[:, state, 6 + drive]
+    for place, name in enumerate(names):
+        if name in seen.by_error:
+            row[:, 6 + place] += seen.by_error[name]
+    return row
+
+
+@np.errstate(all="ignore")
+def weights_of(record: LinearRecord, model: StochasticModel) -> np.ndarray:
+    """Weigh readings by what the reference leaves of them, (N,)."""
+    # A reading beyond the limit counts as one at the limit, so that no spike sets the noise that is estimated.
+    parts = []
+    for name, read in record.grid.readings.items():
+        size = np.abs(record.left[name]) / (model.noise[name] / np.sqrt(read.counted))
+        parts.append((OUTLIER / np.maximum(size, OUTLIER)) ** 2)
+    return np.asarray(np.concatenate(parts)[record.grid.order])
 
 
 @dataclass(frozen=True)
@@ -40,15 +242,6 @@ class RecordScore:
     path: RecordPath | None = None  # None in a long log
 
 
-class InnovationSlopes(NamedTuple):
-    """Innovations of a record, and their slopes by the unknowns."""
-
-    about: LinearRecord
-    at: Innovations
-    by_value: np.ndarray  # (P, N) Slopes of the innovations
-    by_variance: np.ndarray  # (P, N) Slopes of their variances
-
-
 @dataclass(frozen=True)
 class RecordLikelihood:
     """One record at sets of unknowns: scaled coefficients, then the estimated numbers of the stochastic model."""
@@ -58,15 +251,16 @@ class RecordLikelihood:
 
     def linear(self, unknowns: np.ndarray, reference: Reference) -> LinearRecord:
         """Return the record about a reference path."""
-        problem, count = self.problem, self.problem.count
-        motion, inertia = problem.at(unknowns[:count])
-        model = problem.model.at(unknowns[count:])
-        return linear_record(self.grid, problem.scales, motion.of_records, inertia, model, reference)
+        problem = self.problem
+        motion, inertia = problem.at(unknowns[: problem.count])
+        return linear_record(
+            self.grid, problem.scales, motion.of_records, inertia, problem.model_at(unknowns), reference
+        )
 
     @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
     def smoothed(self, unknowns: np.ndarray, reference: Reference | None, passes: int) -> RecordPath | None:
         """Smooth the reference path, from the readings alone if there is none; None where the motion diverges."""
-        model = self.problem.model.at(unknowns[self.problem.count :])
+        model = self.problem.model_at(unknowns)
         if reference is None:
             zeros = np.zeros((len(self.grid), len(model.processes)))
             reference = Reference(first_guess(self.grid, self.problem.motion.choices.get("waterway")), zeros)
@@ -81,42 +275,40 @@ class RecordLikelihood:
     @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
     def cost(self, unknowns: np.ndarray, path: RecordPath) -> float:
         """Return minus twice the log-likelihood about a path."""
-        model = self.problem.model.at(unknowns[self.problem.count :])
+        model = self.problem.model_at(unknowns)
         about = self.linear(unknowns, path.reference).innovations(model, path.weights)
         return about.cost / self.problem.correlated
 
     @np.errstate(all="ignore")
-    def slopes(self, unknowns: np.ndarray, path: RecordPath) -> "InnovationSlopes":
-        """Return innovations and their slopes by differences about a path."""
-        problem, count = self.problem, self.problem.count
+    def slopes(self, unknowns: np.ndarray, path: RecordPath) -> tuple[Innovations, np.ndarray, np.ndarray]:
+        """Return innovations, and the slopes (P, N) of them and of their variances by differences, about a path."""
+        problem = self.problem
         about = self.linear(unknowns, path.reference)
-        at = about.innovations(problem.model.at(unknowns[count:]), path.weights)
+        at = about.innovations(problem.model_at(unknowns), path.weights)
         by_value, by_variance = np.zeros((2, len(unknowns), len(at.values)))
         for place in range(len(unknowns)):
             moved = unknowns + DIFFERENCE * (np.arange(len(unknowns)) == place)
-            there = self.linear(moved, path.reference) if place < count else about
-            found = there.innovations(problem.model.at(moved[count:]), path.weights)
+            there = self.linear(moved, path.reference) if place < problem.count else about
+            found = there.innovations(problem.model_at(moved), path.weights)
             by_value[place] = (found.values - at.values) / DIFFERENCE
             by_variance[place] = (found.variances - at.variances) / DIFFERENCE
-        return InnovationSlopes(about, at, by_value, by_variance)
+        return at, by_value, by_variance
 
     @np.errstate(all="ignore")
     def scored(self, unknowns: np.ndarray, path: RecordPath) -> RecordScore:
         """Return score and information about a path."""
         problem = self.problem
-        _, at, by_value, by_variance = self.slopes(unknowns, path)
+        at, by_value, by_variance = self.slopes(unknowns, path)
         e, s = at.values, np.abs(at.variances)  # The cost is infinite where the filter diverges.
-        score = -by_value @ (e / s) - 0.5 * by_variance @ (1 / s - (e / s) ** 2)
-        information = (by_value / s) @ by_value.T + 0.5 * (by_variance / s**2) @ by_variance.T
+        score, information = score_and_information(e, s, by_value, by_variance)
         share = 1 / problem.correlated
         met = np.abs(path.reference.states[:, [1, 3]])
+        weights = self.grid.by_signal(path.weights)
         return RecordScore(
             share * score, share * information, share * at.cost, self._autocovariance(e / np.sqrt(s)),
-            np.stack([met.min(axis=0), met.max(axis=0)]), self._outliers(path.weights), path,
+            np.stack([met.min(axis=0), met.max(axis=0)]),
+            {name: (int((own < 1.0).sum()), len(own)) for name, own in weights.items()}, path,
         )  # fmt: skip
-
-    def _outliers(self, weights: np.ndarray) -> dict[str, tuple[int, int]]:
-        return {name: (int((own < 1.0).sum()), len(own)) for name, own in self.grid.by_signal(weights).items()}
 
     def _autocovariance(self, normalised: np.ndarray) -> np.ndarray:
         """Products of normalised innovations so many readings apart, over the signals."""
@@ -133,3 +325,11 @@ def readings_for_one(autocovariance: np.ndarray) -> float:
     correlation = autocovariance / max(autocovariance[0], 1e-300)
     below = np.flatnonzero(correlation < UNCORRELATED)
     return 1.0 + 2.0 * float(correlation[1 : below[0] if below.size else None].sum())
+
+
+def score_and_information(
+    e: np.ndarray, s: np.ndarray, by_value: np.ndarray, by_variance: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the slope of the log-likelihood (P,) and the information (P, P) by innovations and their variances."""
+    score = -by_value @ (e / s) - 0.5 * by_variance @ (1 / s - (e / s) ** 2)
+    return score, (by_value / s) @ by_value.T + 0.5 * (by_variance / s**2) @ by_variance.T

@@ -2,12 +2,9 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-
-from narrows.results.base_results import BaseSummary
-from narrows.simulation.controllers import Named
 
 # The current along the axes [m/s], which enters what is told over ground.
 CURRENT_X, CURRENT_Y = "current_x", "current_y"
@@ -32,12 +29,11 @@ class SeenStates:
     """States at the times of the readings of a signal."""
 
     states: np.ndarray  # (n, 6) x, y, psi, u, v, r
-    errors: Mapping[str, np.ndarray | float]  # (n,) Errors of the sensors, and the current; 0 where nothing is said
+    errors: Mapping[str, np.ndarray]  # (n,) Errors of the sensors, and the current; 0 where nothing is said
     antenna: tuple[float, float]  # Forward and to starboard of midship [m]
     rudder: np.ndarray  # (n,) At the start of the step [rad]
 
     def error(self, name: str) -> np.ndarray | float:
-        """Return an error, 0 where nothing is said of it."""
         return self.errors.get(name, 0.0)
 
 
@@ -46,26 +42,32 @@ ONE = np.ones(1)
 Predicting = Callable[[SeenStates], PredictedSignal]
 
 
-def _x(at: SeenStates) -> PredictedSignal:
-    cosine, sine = np.cos(at.states[:, 2]), np.sin(at.states[:, 2])
-    forward, starboard = at.antenna
-    value = at.states[:, 0] + forward * cosine - starboard * sine
-    by_state = {0: ONE, 2: -forward * sine - starboard * cosine}
-    return PredictedSignal(value + at.error(ERROR("x")), by_state, {ERROR("x"): ONE})
-
-
-def _y(at: SeenStates) -> PredictedSignal:
-    cosine, sine = np.cos(at.states[:, 2]), np.sin(at.states[:, 2])
-    forward, starboard = at.antenna
-    value = at.states[:, 1] + forward * sine + starboard * cosine
-    by_state = {1: ONE, 2: forward * cosine - starboard * sine}
-    return PredictedSignal(value + at.error(ERROR("y")), by_state, {ERROR("y"): ONE})
-
-
-def _state(name: str, column: int) -> Predicting:
-    """A signal that is a state."""
+def _read(name: str, predicting: Predicting) -> Predicting:
+    """A signal with its constant error."""
     error = ERROR(name)
-    return lambda at: PredictedSignal(at.states[:, column] + at.error(error), {column: ONE}, {error: ONE})
+
+    def predicted(at: SeenStates) -> PredictedSignal:
+        seen = predicting(at)
+        return PredictedSignal(seen.value + at.error(error), seen.by_state, {**seen.by_error, error: ONE})
+
+    return predicted
+
+
+def _position(axis: int) -> Predicting:
+    """The antenna along an axis."""
+
+    def predicted(at: SeenStates) -> PredictedSignal:
+        cosine, sine = np.cos(at.states[:, 2]), np.sin(at.states[:, 2])
+        ahead, aside = (cosine, sine)[axis], (-sine, cosine)[axis]
+        forward, starboard = at.antenna
+        value = at.states[:, axis] + forward * ahead + starboard * aside
+        return PredictedSignal(value, {axis: ONE, 2: forward * aside - starboard * ahead}, {})
+
+    return predicted
+
+
+def _state(column: int) -> Predicting:
+    return lambda at: PredictedSignal(at.states[:, column], {column: ONE}, {})
 
 
 def _over_ground(at: SeenStates) -> tuple[PredictedSignal, PredictedSignal]:
@@ -80,18 +82,10 @@ def _over_ground(at: SeenStates) -> tuple[PredictedSignal, PredictedSignal]:
     )
 
 
-def _of_velocity(place: int, name: str) -> Predicting:
-    def predicted(at: SeenStates) -> PredictedSignal:
-        return _with_error(_over_ground(at)[place], at, name)
-
-    return predicted
-
-
 def _speed(at: SeenStates) -> PredictedSignal:
     along, across = _over_ground(at)
     speed = np.maximum(np.hypot(along.value, across.value), 1e-9)
-    seen = _combined(speed, along.value / speed, along, across.value / speed, across)
-    return _with_error(seen, at, "speed_over_ground")
+    return _combined(speed, along.value / speed, along, across.value / speed, across)
 
 
 def _course(at: SeenStates) -> PredictedSignal:
@@ -99,13 +93,7 @@ def _course(at: SeenStates) -> PredictedSignal:
     square = np.maximum(along.value**2 + across.value**2, 1e-12)
     value = at.states[:, 2] + np.arctan2(across.value, along.value)
     seen = _combined(value, -across.value / square, along, along.value / square, across)
-    turned = PredictedSignal(seen.value, {**seen.by_state, 2: seen.by_state[2] + 1.0}, seen.by_error)
-    return _with_error(turned, at, "course")
-
-
-def _with_error(seen: PredictedSignal, at: SeenStates, name: str) -> PredictedSignal:
-    error = ERROR(name)
-    return PredictedSignal(seen.value + at.error(error), seen.by_state, {**seen.by_error, error: ONE})
+    return seen._replace(by_state={**seen.by_state, 2: seen.by_state[2] + 1.0})
 
 
 def _combined(
@@ -132,53 +120,16 @@ def _helm(at: SeenStates) -> PredictedSignal:
     gains = {name: at.error(HELM_GAIN(name)) for name in seen}
     value = at.rudder + at.error(ERROR(HELM)) + sum(gains[name] * column for name, column in seen.items())
     by_state = {place: np.asarray(gains[name]) for name, place in SEEN.items()}
-    return PredictedSignal(
-        value, by_state, {HELM_GAIN(name): column for name, column in seen.items()} | {ERROR(HELM): ONE}
-    )
+    by_error = {HELM_GAIN(name): column for name, column in seen.items()}
+    return PredictedSignal(value, by_state, {**by_error, ERROR(HELM): ONE})
 
 
 # Prediction of each signal of the motion.
 PREDICTED: Mapping[str, Predicting] = {
-    "x": _x, "y": _y, "psi": _state("psi", 2), "r": _state("r", 5), "u": _state("u", 3), "v": _state("v", 4),
-    "u_ground": _of_velocity(0, "u_ground"), "v_ground": _of_velocity(1, "v_ground"),
-    "speed_over_ground": _speed, "course": _course, HELM: _helm,
-}  # fmt: skip
-
-# A helm that does again what was recorded: actuators go from one recorded position to the next within each step.
-# Name in the law of an actuator's position at the end of the step.
-RECORDED = "recorded_{}".format
-
-# Limit and rate of what was recorded: it went where it went.
-UNLIMITED = 1e9
-
-
-@dataclass(frozen=True, repr=False)
-class RecordedHelm(BaseSummary):
-    """A control law that follows recorded positions, straight between the ends of the steps."""
-
-    positions: Mapping[str, float]  # Positions of the recorded actuators, at the start
-
-    def summary(self) -> str:
-        """Recorded signals."""
-        return f"as recorded: {', '.join(self.positions)}"
-
-    def parameters(self) -> Mapping[str, float]:
-        """Return the positions at the end of the step, and how far the rudder's zero is off."""
-        offset = {RUDDER_OFFSET: 0.0} if RUDDER in self.positions else {}
-        return {RECORDED(name): position for name, position in self.positions.items()} | offset
-
-    def memory(self, start: Named) -> Named:
-        """Return nothing: all that it follows is told."""
-        return {}
-
-    def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return where the actuators are at the end of the step."""
-        orders = {name: getattr(at, RECORDED(name)) for name in self.positions}
-        if RUDDER in orders:
-            orders[RUDDER] = orders[RUDDER] + at.rudder_offset
-        return orders, {}
-
-
-def unlimited(names: tuple[str, ...]) -> dict[str, float]:
-    """Return limits and rates that no record meets, by the names of the lines."""
-    return {f"{name}_{end}": UNLIMITED for name in names for end in ("limit", "rate")}
+    name: _read(name, predicting)
+    for name, predicting in {
+        "x": _position(0), "y": _position(1), "psi": _state(2), "r": _state(5), "u": _state(3), "v": _state(4),
+        "u_ground": lambda at: _over_ground(at)[0], "v_ground": lambda at: _over_ground(at)[1],
+        "speed_over_ground": _speed, "course": _course,
+    }.items()
+} | {HELM: _helm}  # fmt: skip

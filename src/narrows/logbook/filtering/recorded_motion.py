@@ -9,8 +9,10 @@ import numpy as np
 
 from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import INPUTS as PUSHED
-from narrows.logbook.filtering.predicted_signals import RECORDED, RUDDER, RUDDER_OFFSET, RecordedHelm, unlimited
+from narrows.logbook.filtering.predicted_signals import RUDDER, RUDDER_OFFSET
 from narrows.model.model import Model
+from narrows.results import BaseSummary
+from narrows.simulation.controllers import Named
 from narrows.simulation.sensitivities import TangentIntegrator
 from narrows.simulation.steering import PARAMETER
 
@@ -18,6 +20,35 @@ STATES = ("x", "y", "psi", "u", "v", "r")
 PUSHES = ("X", "Y", "N")
 # Quantities of a waterway, along its line.
 CURRENT = "current"
+# Name, in the law, of an actuator's position at the end of the step; actuators go there straight within the step.
+RECORDED = "recorded_{}".format
+# Limit and rate of what was recorded: it went where it went.
+UNLIMITED = 1e9
+
+
+@dataclass(frozen=True, repr=False)
+class RecordedHelm(BaseSummary):
+    """A control law that follows recorded positions, straight between the ends of the steps."""
+
+    positions: Mapping[str, float]  # Positions of the recorded actuators, at the start
+
+    def summary(self) -> str:
+        return f"as recorded: {', '.join(self.positions)}"
+
+    def parameters(self) -> Mapping[str, float]:
+        """Return the positions at the end of the step, and how far the rudder's zero is off."""
+        offset = {RUDDER_OFFSET: 0.0} if RUDDER in self.positions else {}
+        return {RECORDED(name): position for name, position in self.positions.items()} | offset
+
+    def memory(self, start: Named) -> Named:
+        return {}
+
+    def orders(self, at: Any) -> tuple[Named, Named]:
+        """Return where the actuators are at the end of the step."""
+        orders = {name: getattr(at, RECORDED(name)) for name in self.positions}
+        if RUDDER in orders:
+            orders[RUDDER] = orders[RUDDER] + at.rudder_offset
+        return orders, {}
 
 
 @dataclass(frozen=True)
@@ -50,14 +81,13 @@ class RecordedMotion:
 
     def with_coefficients(self, values: Mapping[str, float]) -> "RecordedMotion":
         """Return the motion with other coefficients."""
-        model = self.model.with_coefficients(**values)
-        return replace(self, model=model)
+        return replace(self, model=self.model.with_coefficients(**values))
 
     def sailed(
         self, starts: np.ndarray, pushes: np.ndarray, first: np.ndarray, times: np.ndarray,
         positions: Mapping[str, np.ndarray], offset: np.ndarray, current: float = 0.0,
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-        """Sail every piece of a record from its own start."""
+        """Sail every piece of a record from its own start; return the six states and their derivatives."""
         # starts (pieces, 6): x, y [m], psi [rad], u, v [m/s], r [rad/s]; pushes (pieces, 3): X, Y [N], N [N m]
         # first (pieces + 1,); times (nodes,) [s]; offset (pieces,) [rad]; current [m/s]
         integrator = self.integrator
@@ -65,17 +95,19 @@ class RecordedMotion:
         begun = first[:-1]
         at_start = {name: positions[name][begun] + (offset if name == RUDDER else 0.0) for name in self.positions}
         begin, slopes = self._started(kept, starts, at_start)
-        pushed = {PUSHED[name]: np.repeat(pushes[:, i], count) for i, name in enumerate(PUSHES)}
+        told = {PUSHED[name]: np.repeat(pushes[:, i], count) for i, name in enumerate(PUSHES)}
         after = slice(first[0] + 1, first[-1] + 1)
-        orders = {PARAMETER(RECORDED(name)): positions[name][after] for name in self.positions}
-        orders[PARAMETER(RUDDER_OFFSET)] = np.repeat(offset, count)
+        told |= {PARAMETER(RECORDED(name)): positions[name][after] for name in self.positions}
+        told[PARAMETER(RUDDER_OFFSET)] = np.repeat(offset, count)
         lengths = np.diff(times[first[0] : first[-1] + 1])
-        others = unlimited(tuple(self.positions))
+        others = {f"{name}_{end}": UNLIMITED for name in self.positions for end in ("limit", "rate")}
         if CURRENT in self.directions:
             others[CURRENT] = integrator.integrator.inputs[CURRENT] + current
-        return _poses(kept, starts, first, *integrator.segments(
-            begin, slopes, first - first[0], {**orders, **pushed}, lengths, **others
-        ))  # fmt: skip
+        columns = integrator.segments(begin, slopes, first - first[0], told, lengths, **others)
+        found = {name: tuple(part[:, i] for part in columns) for i, name in enumerate(kept)}
+        found["psi"] = found[COUNTED] if COUNTED in found else _heading(found, np.repeat(starts[:, 2], count + 1))
+        states, moved = (np.stack(part, axis=1) for part in zip(*(found[name] for name in STATES), strict=True))
+        return states, moved
 
     def _started(
         self, kept: Sequence[str], starts: np.ndarray, positions: Mapping[str, np.ndarray]
@@ -86,40 +118,17 @@ class RecordedMotion:
         state |= {"cos_psi": cosine, "sin_psi": sine, COUNTED: state["psi"], "t": np.zeros(len(starts)), **positions}
         begin = np.stack([state[name] for name in kept], axis=1)
         slopes = np.zeros((len(starts), len(kept), len(self.directions)))
-        by = {name: self.directions.index(name) for name in STATES}
-        turned = {"cos_psi": -sine, "sin_psi": cosine, COUNTED: np.ones(len(starts))}
+        by = {name: (name, 1.0) for name in STATES} | {RUDDER: (RUDDER_OFFSET, 1.0)}
+        by |= {"cos_psi": ("psi", -sine), "sin_psi": ("psi", cosine), COUNTED: ("psi", 1.0)}
         for i, name in enumerate(kept):
-            if name in by:
-                slopes[:, i, by[name]] = 1.0
-            elif name in turned:
-                slopes[:, i, by["psi"]] = turned[name]
-            elif name == RUDDER and RUDDER_OFFSET in self.directions:
-                slopes[:, i, self.directions.index(RUDDER_OFFSET)] = 1.0
+            if name in by and by[name][0] in self.directions:
+                slopes[:, i, self.directions.index(by[name][0])] = by[name][1]
         return begin, slopes
 
 
-def _poses(
-    kept: Sequence[str], starts: np.ndarray, first: np.ndarray, states: np.ndarray, slopes: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the six states and their derivatives; the heading does not jump by 2 pi within a piece."""
-    column = {name: i for i, name in enumerate(kept)}
-    heading, turned = _heading(column, starts, first, states, slopes)
-    pose, moved = np.empty((len(states), 6)), np.empty((len(states), 6, slopes.shape[2]))
-    pose[:, 2], moved[:, 2] = heading, turned
-    for i, name in enumerate(STATES):
-        if name != "psi":
-            pose[:, i], moved[:, i] = states[:, column[name]], slopes[:, column[name]]
-    return pose, moved
-
-
-def _heading(
-    column: Mapping[str, int], starts: np.ndarray, first: np.ndarray, states: np.ndarray, slopes: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return the heading and its derivatives, from the counted heading if there is one, else from cosine and sine."""
-    if COUNTED in column:
-        return states[:, column[COUNTED]], slopes[:, column[COUNTED]]
-    cosine, sine = states[:, column["cos_psi"]], states[:, column["sin_psi"]]
-    begun = np.repeat(starts[:, 2], np.diff(first) + 1)
+def _heading(found: Mapping[str, tuple[np.ndarray, ...]], begun: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Heading and its derivatives from cosine and sine; it does not jump by 2 pi within a piece."""
+    (cosine, by_cosine), (sine, by_sine) = found["cos_psi"], found["sin_psi"]
     turned = np.arctan2(sine, cosine) - begun
-    moved = cosine[:, None] * slopes[:, column["sin_psi"]] - sine[:, None] * slopes[:, column["cos_psi"]]
+    moved = cosine[:, None] * by_sine - sine[:, None] * by_cosine
     return begun + turned - 2 * np.pi * np.round(turned / (2 * np.pi)), moved

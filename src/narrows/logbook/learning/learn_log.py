@@ -1,33 +1,52 @@
 """Learn a model from a ship's own records: ``learn``."""
 
-from collections.abc import Sequence
+import hashlib
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from narrows.errors import InputError
-from narrows.logbook.filtering.predicted_signals import RUDDER
-from narrows.logbook.filtering.search import search
-from narrows.logbook.learning.log_fit import LogFit
+from narrows.logbook.filtering.likelihood import RecordScore
+from narrows.logbook.filtering.log_problem import SWAY, YAW, LogProblem
+from narrows.logbook.filtering.predicted_signals import HELM, RUDDER
+from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult, search
+from narrows.logbook.learned_coefficient import learned_coefficients, learned_model
+from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise
+from narrows.logbook.learning.log_posterior import LogPosterior, averaged, log_posterior
 from narrows.logbook.learning.log_prior import Spread
-from narrows.logbook.learning.log_result import log_result
-from narrows.logbook.learning.log_setup import log_problem
-from narrows.logbook.learning.log_source import LogSource
+from narrows.logbook.learning.log_setup import LogSetup, log_problem
+from narrows.logbook.learning.record_answers import record_answers
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import ShipLog
+from narrows.logbook.ship_record import ShipRecord
+from narrows.model.data_range import Range
 from narrows.model.model import Model
+from narrows.model.sections import Source
 from narrows.progress import stage
+from narrows.terms.term import TermKind
 
 if TYPE_CHECKING:
     from narrows.waterway import Waterway
 
-SENSORS = "vdr"
 RUNS_AWAY = (
     "the model cannot follow this log at all: its motion goes to infinity; look at signs and axes with `check_log`"
 )
+STRETCHES = (
+    "The model does not fit whole records and was fitted to short stretches. Do not predict whole manoeuvres with it."
+)
+# Digits of a hash in a sentence.
+HASH_DIGITS = 12
+# Times after this one count from 1970 [s].
+A_DATE = 1e8
 
 
 def learn(
-    model: Model, log: Any, *, free: Sequence[str] = (), sensors: str | SensorGrade = SENSORS,
+    model: Model, log: Any, *, free: Sequence[str] = (), sensors: str | SensorGrade = "vdr",
     spread: Spread | None = None, gusts: bool | None = None, asymmetry: bool | None = None,
     waterway: "Waterway | None" = None, **choices: Any,
 ) -> LogFit:  # fmt: skip
@@ -75,14 +94,8 @@ def learn(
     InputError
         Where the model has neither covariance nor spread, a name is unknown, or no record can be used.
     """
-    given: dict[str, Any] = {
-        "free": free,
-        "spread": spread,
-        "gusts": gusts,
-        "asymmetry": asymmetry,
-        "waterway": waterway,
-        **choices,
-    }
+    given: dict[str, Any] = {"free": free, "spread": spread, "gusts": gusts, "asymmetry": asymmetry}
+    given |= {"waterway": waterway, **choices}
     setup = log_problem(model, log, sensors, **given)
     came_from = LogSource.of(setup.source.log, _name(setup.source.log), setup.source.assumptions.grade.name)
     with stage("fitting the records"):
@@ -104,3 +117,150 @@ def _name(log: Any) -> str:
     if isinstance(log, ShipLog):
         return log.names[0] if len(log) == 1 else f"{log.names[0]} to {log.names[-1]}"
     return Path(str(getattr(log, "name", "a log"))).name
+
+
+@dataclass(frozen=True)
+class LogSource:
+    """Identification of a log."""
+
+    name: str  # Name of the log
+    sensors: str  # The grade that it was taken for
+    sha256: str  # Hash of all names, times and values
+    start: float  # Time of the first value [s]
+    stop: float  # Time of the last value [s]
+
+    @classmethod
+    def of(cls, records: Iterable[ShipRecord], name: str, sensors: str) -> "LogSource":
+        """Return the identification of a log: name, sensors, hash, first and last time."""
+        hashed, start, stop = hashlib.sha256(), np.inf, -np.inf
+        for record in records:
+            hashed.update(record.name.encode())
+            start, stop = min(start, record.start), max(stop, record.stop)
+            for key in record:
+                hashed.update(key.encode())
+                for column in (record[key].t, record[key].values):
+                    hashed.update(np.ascontiguousarray(column, float).tobytes())
+        return cls(name, sensors, hashed.hexdigest(), float(start), float(stop))
+
+    def after(self, prior: Model, records: int) -> Source:
+        """Return the source of a learned model: the source of the prior model, then this log."""
+        several = "1 record" if records == 1 else f"{records} records"
+        text = (
+            f"learned from {several} of the ship itself ({self.name}, {_when(self.start)} to {_when(self.stop)}, "
+            f"sensors {self.sensors}, sha256 {self.sha256[:HASH_DIGITS]}...), "
+            f"from the model {_hash_of(prior)[:HASH_DIGITS]}..."
+        )
+        before = prior.source
+        return Source(*("; ".join(filter(None, pair)) for pair in (
+            (before.text, text), (before.table, self.name), (before.sha256, self.sha256)
+        )))  # fmt: skip
+
+
+def log_result(
+    posed: LogSetup, found: SearchResult, log: LogSource, free: Sequence[str], piloted: SearchResult | None = None
+) -> LogFit:
+    """Return the answer of a search, averaged with that of one with a pilot where there is one."""
+    source, prior = posed.source, replace(posed.model, covariance=posed.before)
+    after = _posterior(posed, found)
+    apart: tuple[str, ...] = ()
+    if piloted is not None and piloted.records and not (piloted.diverged or piloted.interrupted):
+        given, joint = after, _posterior(posed, piloted)
+        after, apart = averaged(given, joint), rudder_matters(posed.model, given, joint)
+    learned = learned_coefficients(prior, after.values, after.covariance)
+    answers = record_answers(found, source)
+    came = learned_model(prior, learned, after.covariance, "", *_ranges(found.records))
+    stopped = f"The search was interrupted after {found.steps} steps; the result is from {len(answers)} records."
+    about = (
+        *apart,
+        *(STRETCHES,) * (found.problem.walk == LOOSE_WALK),
+        *_assumptions(found.problem, free, sum(answer.met for answer in answers)),
+        *source.left_out,
+        *(stopped,) * found.interrupted,
+    )
+    return LogFit(
+        replace(came, source=log.after(prior, len(answers))), prior, learned, answers, _gusts(found), _noise(found),
+        after.disagreement, after.freedom, after.probability, _inertia(posed.model, found.problem), about,
+        found.converged,
+    )  # fmt: skip
+
+
+def _posterior(posed: LogSetup, found: SearchResult) -> LogPosterior:
+    scores = np.stack([one.score for one in found.records])
+    return log_posterior(posed.model, posed.before, found.problem, found.unknowns, found.information, scores)
+
+
+def rudder_matters(model: Model, given: LogPosterior, joint: LogPosterior) -> tuple[str, ...]:
+    """Return the bank coefficients that depend on whether the rudder is an input or the order of a pilot."""
+    # Hausman (1978), Specification tests in econometrics, Econometrica 46: of the two only the second is consistent
+    # where the pilot sees more than the log.
+    return tuple(
+        f"{name} is {one:.3g} if the rudder is taken as given and {other:.3g} with a pilot's law, more than a standard "
+        "error apart: the pilot may see more than the log. Its interval includes both."
+        for name, one, other, variance in zip(
+            model.terms.names, given.values, joint.values, np.diag(given.covariance), strict=True
+        )
+        if model.terms[name].from_bank and abs(one - other) > math.sqrt(variance)
+    )
+
+
+def _inertia(model: Model, problem: LogProblem) -> tuple[str, ...]:
+    """Coefficients of the inertia in the motion, one for each group of ties."""
+    seconds = {second for _, second in model.terms.ties}
+    surge = problem.motion.integrator.ship.surge
+    acting = [term for force, terms in model.terms.forces.items() if force != "X" or surge == "free" for term in terms]
+    return tuple(term.name for term in acting if term.kind == TermKind.INERTIA and term.name not in seconds)
+
+
+def _ranges(records: Iterable[RecordScore]) -> tuple[Range, Range]:
+    """Ranges of distance from the centreline and of speed."""
+    ends = np.stack([one.ranges for one in records])
+    (near, far), (slow, fast) = zip(ends[:, 0].min(axis=0), ends[:, 1].max(axis=0), strict=True)
+    return (float(near), float(far)), (float(slow), float(fast))
+
+
+def _gusts(found: SearchResult) -> Gusts | None:
+    problem = found.problem
+    model = problem.model_at(found.unknowns)
+    sizes = {one.name: one for one in model.processes}
+    if SWAY not in model.gusts:
+        return None
+    usual = {one.name: one.std for one in problem.model.processes}
+    strength = max(sizes[name].std / usual[name] for name in (SWAY, YAW))
+    return Gusts(sizes[SWAY].std, sizes[YAW].std, sizes[SWAY].memory, model.correlation, float(strength))
+
+
+def _noise(found: SearchResult) -> dict[str, SignalNoise]:
+    noise = found.problem.model_at(found.unknowns).noise
+    counts = {name: np.sum([one.outliers.get(name, (0, 0)) for one in found.records], axis=0) for name in noise}
+    return {
+        name: SignalNoise(size, float(counts[name][0] / max(counts[name][1], 1)))
+        for name, size in noise.items() if name != HELM
+    }  # fmt: skip
+
+
+def _assumptions(problem: LogProblem, free: Sequence[str], met: int) -> Iterator[str]:
+    """Yield a sentence on fixed coefficients, on ship and water, and on passing ships."""
+    if free:
+        yield f"Only {', '.join(free)} may change. Their intervals include the errors of the fixed coefficients."
+    model = problem.motion.model
+    if model.feels_bank:
+        known = "waterway" in problem.motion.choices
+        depth = "the waterway's depths" if known else f"a depth of {model.configuration.canal.depth:.3g} m"
+        yield (
+            f"Assumed: a draft of {model.configuration.ship.draft:.3g} m, {depth}, and charted banks with one offset "
+            "to each record. At another depth or draft the coefficients differ, and a transit does not show it. The "
+            "intervals are then too narrow."
+        )
+    if met:
+        yield f"Another ship passed in {met} steps; forces there are not used."
+
+
+def _when(t: float) -> str:
+    return f"{datetime.fromtimestamp(t, UTC):%Y-%m-%d %H:%M:%S} UTC" if t > A_DATE else f"{t:.0f} s"
+
+
+def _hash_of(model: Model) -> str:
+    """Return the hash of coefficients and covariance."""
+    hashed = hashlib.sha256(repr(sorted(model.coefficients.items())).encode())
+    hashed.update(np.ascontiguousarray(model.covariance, float).tobytes())
+    return hashed.hexdigest()

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, PRIOR, LearnedAnswer, LearnedCoefficient, pairs
+from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, PRIOR, LearnedAnswer, LearnedCoefficient
 from narrows.logbook.learning.record_answers import RecordAnswer
 from narrows.model.model import Model
 
@@ -115,53 +115,31 @@ class LogFit(LearnedAnswer):
     @property
     def notes(self) -> tuple[str, ...]:
         """Contradictions, inseparable pairs, assumptions, left-out records, and coefficients that fix the rest."""
-        together = [
-            f"{name} and {other} are correlated ({by:+.2f}): a combination of both is more precise than each."
-            for name, other, by in pairs(self.coefficients, np.asarray(self.model.covariance))
-        ]
         inertia = f"Motion determines only forces over inertia. Inertia keeps its prior: {', '.join(self.held)}."
         open_water = (IN_OPEN_WATER,) * (not self.prior.feels_bank)
-        return (*self._doubts, *together, inertia, *self.about, *open_water, ON_TWINS)
+        return (*self._doubts, *self.correlated(), inertia, *self.about, *open_water, ON_TWINS)
 
     @property
     def _doubts(self) -> tuple[str, ...]:
-        return (*self._disagreement, *self._search, *self._simpler, *self._left, *self._pushed)
-
-    @property
-    def _search(self) -> tuple[str, ...]:
-        return ("The search did not converge: do not rely on these numbers.",) * (not self.settled)
-
-    @property
-    def _left(self) -> tuple[str, ...]:
-        if "psi" not in self.noise or self.noise["psi"].size < HEADING_LEFT:
-            return ()
-        left = np.degrees(self.noise["psi"].size)
-        return (
-            f"The learned model misses the heading by {left:.1f} deg, more than the error of a compass. Its terms do "
-            "not fit this log. Check whether the log is from another ship or draft.",
-        )
-
-    @property
-    def _disagreement(self) -> tuple[str, ...]:
-        if not self.disagrees:
-            return ()
+        """Contradictions, failures of the search, errors of forecasts, and disturbances that are no gusts."""
         uncertain = [c for c in self.coefficients.values() if c.prior_std > 0]
         far = [c.name for c in uncertain if abs(c.value - c.prior) > MOVED_STDS * c.prior_std]
         named = f", mainly in {', '.join(far)}" if far else ""
-        return (
+        left = self.noise["psi"].size if "psi" in self.noise else 0.0
+        strength, whole = self.gusts.strength if self.gusts else 0.0, self.whole_missed
+        doubts = {
             f"Log and prior contradict each other{named}: the sum of squares is {self.disagreement:.0f}, the expected "
             f"value {self.freedom}. Check the signs of rudder and yaw rate, and whether the log is from another ship "
-            "or draft. Otherwise one of the stated errors is too small.",
-        )
-
-    @property
-    def _pushed(self) -> tuple[str, ...]:
-        if self.gusts is None or not self.pushed:
-            return ()
-        return (
-            f"Disturbances are {self.gusts.strength:.0f} times as strong as the prior gusts. Other ships may have "
-            "passed: mark these times in the log (`meeting`). Otherwise the intervals are too narrow.",
-        )
+            "or draft. Otherwise one of the stated errors is too small.": self.disagrees,
+            "The search did not converge: do not rely on these numbers.": not self.settled,
+            "This model predicts the heading of left-out records less well than a nonlinear Nomoto model of the same "
+            "records. Do not rely on it for manoeuvres like these.": bool(whole) and whole["after"] > whole["nomoto"],
+            f"The learned model misses the heading by {np.degrees(left):.1f} deg, more than the error of a compass. "
+            "Its terms do not fit this log. Check whether the log is from another ship or draft.": left >= HEADING_LEFT,
+            f"Disturbances are {strength:.0f} times as strong as the prior gusts. Other ships may have passed: mark "
+            "these times in the log (`meeting`). Otherwise the intervals are too narrow.": self.pushed,
+        }
+        return tuple(sentence for sentence, holds in doubts.items() if holds)
 
     def summary(self) -> str:
         """Warnings, learned coefficients, coefficients from the prior, and prediction errors."""
@@ -172,7 +150,15 @@ class LogFit(LearnedAnswer):
         told += [f"learned: {', '.join(learned)}"] if learned else []
         first = f"Learned from {self._size}: {'; '.join(told) or 'nothing'}."
         rest = f" Unchanged from the prior: {', '.join(open_still)}." if open_still else ""
-        return "\n".join(filter(None, (*self._doubts, first + rest, self._prediction, self._gusty, ON_TWINS)))
+        gusty = (
+            ""
+            if self.gusts is None
+            else (
+                f"Estimated gusts: {self.gusts.sway:.2g} m/s2 in sway and {self.gusts.yaw:.2g} rad/s2 in yaw (standard "
+                f"deviations), with a correlation time of {self.gusts.memory:.0f} s."
+            )
+        )
+        return "\n".join(filter(None, (*self._doubts, first + rest, self._prediction, gusty, ON_TWINS)))
 
     @property
     def _prediction(self) -> str:
@@ -190,15 +176,6 @@ class LogFit(LearnedAnswer):
         return f"{words}; {np.degrees(before):.2g} deg with the prior model.{worse}"
 
     @property
-    def _gusty(self) -> str:
-        if self.gusts is None:
-            return ""
-        return (
-            f"Estimated gusts: {self.gusts.sway:.2g} m/s2 in sway and {self.gusts.yaw:.2g} rad/s2 in yaw (standard "
-            f"deviations), with a correlation time of {self.gusts.memory:.0f} s."
-        )
-
-    @property
     def whole_missed(self) -> dict[str, float]:
         """Root mean square over whole records of the heading missed [rad], by model; empty where gusts act."""
         rows = [record.whole for record in self.records if {"before", "after", "nomoto"} <= record.whole.keys()]
@@ -208,16 +185,6 @@ class LogFit(LearnedAnswer):
         return {
             name: float(np.sqrt(np.mean([row[name] ** 2 for row in rows]))) for name in ("before", "after", "nomoto")
         }
-
-    @property
-    def _simpler(self) -> tuple[str, ...]:
-        told = self.whole_missed
-        if not told or told["after"] <= told["nomoto"]:
-            return ()
-        return (
-            "This model predicts the heading of left-out records less well than a nonlinear Nomoto model of the same "
-            "records. Do not rely on it for manoeuvres like these.",
-        )
 
     def missed(self, state: str) -> tuple[float, float]:
         """Return the forecast errors of prior and learned model over all left-out records.

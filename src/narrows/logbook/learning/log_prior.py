@@ -6,8 +6,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
-from narrows.logbook.filtering.gauss_markov import SWAY, YAW, Estimated, Process, StochasticModel
-from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem, PushInertia
+from narrows.logbook.filtering.log_problem import (
+    SWAY,
+    YAW,
+    CoefficientPrior,
+    Estimated,
+    LogProblem,
+    Process,
+    PushInertia,
+    StochasticModel,
+)
 from narrows.logbook.filtering.predicted_signals import (
     CURRENT_X,
     CURRENT_Y,

@@ -1,21 +1,18 @@
-"""Contribution of each record, and its prediction from the other records."""
+"""Contribution of each record, and its prediction from the other records: by the model, and by a Nomoto model."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
 
-from narrows.logbook.filtering.gauss_markov import StochasticModel
-from narrows.logbook.filtering.likelihood import RecordLikelihood, RecordScore
-from narrows.logbook.filtering.linear_record import INPUTS, Reference
-from narrows.logbook.filtering.log_problem import LogProblem
+from narrows.logbook.filtering.likelihood import INPUTS, RecordLikelihood, RecordScore, Reference
+from narrows.logbook.filtering.log_problem import LogProblem, StochasticModel
 from narrows.logbook.filtering.predicted_signals import CURRENT_X, CURRENT_Y, HELM, RUDDER_OFFSET
 from narrows.logbook.filtering.record_grid import RecordGrid
 from narrows.logbook.filtering.recorded_motion import CURRENT, PUSHES
 from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
 from narrows.logbook.learning.log_posterior import posterior_covariance
-from narrows.logbook.learning.nomoto import fitted_nomoto, heading_record, nomoto_missed
 
 MOST_DRAWN = 4  # records whose forecasts are kept to be drawn
 AHEAD = 3.5  # times of a ship length that a forecast reaches
@@ -24,6 +21,11 @@ MOST_COMPARED = 50  # records up to which whole records are predicted, and Nomot
 # Standard deviations of a fitted start from the smoothed one: heading [rad], and speed, drift and turn over the ship's.
 START_FREE = np.array([0.01, 0.05, 0.05, 0.05])
 HEADING_READ = 0.01  # [rad] weight of a heading in that fit
+# The yaw rate, in turns of one radian a ship length, that the largest rudder of a record turns the ship with, about.
+USUAL_TURN = 0.5
+NUMBERS = 5
+# Standard deviation of a compass reading [rad], which only weighs the start; and of the yaw rate at the start [rad/s].
+READING, START_RATE = 0.01, 0.01
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,7 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
     assert path is not None
     before_it = np.zeros(count)  # which is what is known without the only record, too
     without_it = found.scaled * prior.free - moved if len(found.records) > 1 else before_it
-    model = problem.model.at(found.unknowns[count:])
+    model = problem.model_at(found.unknowns)
     both = [forecast(problem, at, grid, path.reference, model) for at in (before_it, without_it)]
     before, later = (missed(each) for each in both)
     whole = {} if nomoto is None else {
@@ -179,3 +181,72 @@ def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path
 
     found = least_squares(left, np.zeros(4), max_nfev=15)
     return float(HEADING_READ * np.sqrt(np.mean(found.fun[:-4] ** 2)))
+
+
+@dataclass(frozen=True)
+class HeadingRecord:
+    """The part of a record for the Nomoto model: rudder and heading on even times."""
+
+    step: float  # [s]
+    rudder: np.ndarray  # (nodes,) [rad]
+    heading: np.ndarray  # (nodes,) [rad]
+    rate: float  # Yaw rate at the start [rad/s]
+
+
+def heading_record(grid: RecordGrid) -> HeadingRecord | None:
+    """Return rudder and heading of a record; None where one of them was not recorded."""
+    if "psi" not in grid.readings or "rudder" not in grid.positions:
+        return None
+    read = grid.readings["psi"]
+    heading = np.interp(grid.times, grid.times_of(read), read.values)
+    few = min(10, len(heading) - 1)
+    return HeadingRecord(
+        grid.step, grid.positions["rudder"], heading, float(heading[few] - heading[0]) / few / grid.step
+    )
+
+
+def headings(numbers: np.ndarray, record: HeadingRecord, start: np.ndarray) -> np.ndarray:
+    """Integrate ``rdot = a rudder + b + c r + d |r| r + e r^3`` by Euler's method."""
+    a, b, c, d, e = numbers
+    psi, r, path = start[0], start[1], np.empty(len(record.rudder))
+    for place, rudder in enumerate(record.rudder.tolist()):
+        path[place] = psi
+        psi += record.step * r
+        r += record.step * (a * rudder + b + (c + d * abs(r) + e * r * r) * r)
+        if not abs(r) < 1.0:
+            path[place:] = 1e3
+            break
+    return path
+
+
+def fitted_nomoto(records: Sequence[HeadingRecord], time: float) -> np.ndarray:
+    """Fit the five numbers, and the start of each record, to headings under the recorded rudder."""
+    # time [s], of a ship length
+    from scipy.optimize import least_squares
+
+    scale = np.array([1.0, 0.01, time, time**2, time**3]) / time**2
+    first = np.array([USUAL_TURN, 0.0, -1.0, 0.0, -4.0])
+
+    def residuals(unknowns: np.ndarray) -> np.ndarray:
+        starts = unknowns[NUMBERS:].reshape(-1, 2)
+        return np.concatenate([_left(unknowns[:NUMBERS] * scale, *pair) for pair in zip(records, starts, strict=True)])
+
+    found = least_squares(residuals, np.append(first, np.zeros(2 * len(records))), method="trf", max_nfev=40)
+    return np.asarray(found.x[:NUMBERS] * scale)
+
+
+def nomoto_missed(numbers: np.ndarray, record: HeadingRecord) -> float:
+    """Return the root mean square of what the model misses of the heading, its start fitted [rad]."""
+    from scipy.optimize import least_squares
+
+    def residuals(start: np.ndarray) -> np.ndarray:
+        return _left(numbers, record, start)
+
+    found = least_squares(residuals, np.zeros(2), max_nfev=40)
+    return float(np.sqrt(np.mean(found.fun**2)) * READING)
+
+
+def _left(numbers: np.ndarray, record: HeadingRecord, start: np.ndarray) -> np.ndarray:
+    """Headings missed over the error of a reading; start (2,) in units of READING and START_RATE."""
+    begun = np.array([record.heading[0] + READING * start[0], record.rate + START_RATE * start[1]])
+    return np.asarray((headings(numbers, record, begun) - record.heading) / READING)

@@ -16,7 +16,6 @@ from narrows.logbook.learned_coefficient import (
     LearnedCoefficient,
     learned_coefficients,
     learned_model,
-    pairs,
 )
 from narrows.logbook.learning.log_posterior import log_posterior, posterior_covariance
 from narrows.logbook.settings import CONTRADICTION, WRONG_SIGN_GAIN
@@ -91,12 +90,9 @@ class SteadyFit(LearnedAnswer):
     @property
     def notes(self) -> tuple[str, ...]:
         """Contradictions, undetermined quantities, inseparable pairs, assumptions."""
-        together = pairs(self.coefficients, np.asarray(self.model.covariance))
-        told = [f"{name} and {other} are correlated ({by:+.2f}): a combination of both is more precise than each."
-                for name, other, by in together]  # fmt: skip
         taken = f"Assumed: {self.conditions.summary()}."
         whose = () if self.checks.contradicted else (WHOSE,)
-        return (*self.checks.findings, *told, taken, *whose, ON_TWINS)
+        return (*self.checks.findings, *self.correlated(), taken, *whose, ON_TWINS)
 
     def summary(self) -> str:
         """What was learned, what still comes from the tests, and whether the legs agree."""

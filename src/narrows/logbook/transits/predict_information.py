@@ -9,7 +9,7 @@ import numpy as np
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, check_count
 from narrows.logbook import settings
-from narrows.logbook.filtering.gauss_markov import SWAY, YAW
+from narrows.logbook.filtering.log_problem import SWAY, YAW
 from narrows.logbook.filtering.search import FIRST_PASSES, scored
 from narrows.logbook.learned_coefficient import ON_TWINS, learnable
 from narrows.logbook.learning.log_posterior import expected_std
