@@ -15,8 +15,7 @@ import numpy as np
 
 import narrows as nw
 from narrows.control.steady_course import self_propulsion
-from narrows.logbook.transits.transit_conditions import TransitPilot, wandering
-from narrows.logbook.transits.transit_twins import ROUTINE, Excursion, TransitTwin
+from narrows.logbook.transits.transit_twins import ROUTINE, Excursion, TransitPilot, TransitTwin, wandering
 
 DEGREE = math.pi / 180
 STEP = 0.5

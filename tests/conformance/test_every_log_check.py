@@ -10,8 +10,7 @@ from faults import FAULTS as EXAMPLES
 from faults import ashore
 from logs import bend, bent_waterway, circle, kvlcc2, zigzag
 from narrows.logbook.checking.faults import FAULTS, MISREADINGS, Misreading
-from narrows.logbook.checking.finding import Finding
-from narrows.logbook.checking.record_checks import RECORD_CHECKS, Checked
+from narrows.logbook.checking.record_checks import RECORD_CHECKS, Checked, Finding
 from narrows.logbook.ship_record import SIGNALS
 
 

@@ -1,8 +1,8 @@
 """System identification: learn coefficients that the tests did not settle, from a ship's own records."""
 
 from narrows.logbook.checking.check_log import check_log as check_log
-from narrows.logbook.checking.finding import Finding as Finding
-from narrows.logbook.checking.finding import LogFindings as LogFindings
+from narrows.logbook.checking.record_checks import Finding as Finding
+from narrows.logbook.checking.record_checks import LogFindings as LogFindings
 from narrows.logbook.envelope_change import EnvelopeChange as EnvelopeChange
 from narrows.logbook.envelope_change import envelope_change as envelope_change
 from narrows.logbook.learned_coefficient import LearnedCoefficient as LearnedCoefficient
@@ -31,5 +31,5 @@ from narrows.logbook.steady_legs.steady_readings import steady_readings as stead
 from narrows.logbook.transits.predict_information import InformationForecast as InformationForecast
 from narrows.logbook.transits.predict_information import TransitInformation as TransitInformation
 from narrows.logbook.transits.predict_information import predict_information as predict_information
-from narrows.logbook.transits.transit_conditions import TransitConditions as TransitConditions
 from narrows.logbook.transits.transit_twins import Excursion as Excursion
+from narrows.logbook.transits.transit_twins import TransitConditions as TransitConditions

@@ -8,8 +8,7 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.logbook import settings
 from narrows.logbook.checking.faults import FAULTS
-from narrows.logbook.checking.finding import Finding, LogFindings
-from narrows.logbook.checking.record_checks import check_place, checked_record, record_findings
+from narrows.logbook.checking.record_checks import Finding, LogFindings, check_place, checked_record, record_findings
 from narrows.logbook.checking.score_tests import FaultTest, FaultTests, misreading, stuck
 from narrows.logbook.filtering.predicted_signals import RUDDER
 from narrows.logbook.filtering.record_grid import RecordGrid

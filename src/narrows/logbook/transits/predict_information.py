@@ -18,8 +18,7 @@ from narrows.logbook.sensor_grades import SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.steady_legs.learn_steady import check_covariance
 from narrows.logbook.steady_legs.plan_steady import usual_offsets, usual_speeds
-from narrows.logbook.transits.transit_conditions import TransitConditions
-from narrows.logbook.transits.transit_twins import ROUTINE, Excursion, TransitTwin, recorded
+from narrows.logbook.transits.transit_twins import ROUTINE, Excursion, TransitConditions, TransitTwin, recorded
 from narrows.model.model import Model
 from narrows.progress import bar, is_shown
 from narrows.quantities.names import KNOT
