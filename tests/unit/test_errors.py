@@ -25,7 +25,7 @@ def put(column: str, row: int, value: object) -> Spoil:
 TABLES: dict[str, tuple[Spoil, list[str]]] = {
     "missing column": (lambda f: f.drop(columns="v"), ["'v' is missing", "sway velocity", "add it"]),
     "misspelt column": (lambda f: f.rename(columns={"X": "XX"}), ["'X' is missing", "did you mean 'XX'"]),
-    "a NaN": (put("Y", 7, np.nan), ["row 9", "'Y'", "nan", "mend"]),
+    "a NaN": (put("Y", 7, np.nan), ["row 9", "'Y'", "is empty or NaN", "mend"]),
     "text": (put("u", 3, "fast"), ["row 5", "'u'", "fast"]),
     "degrees as radians": (lambda f: f.assign(psi=np.degrees(f.psi)), ["'psi'", "looks like degrees", "psi [deg]"]),
     "small degrees": (

@@ -48,12 +48,12 @@ def numbers(frame: pd.DataFrame, header: str, table: str, blanks: bool = False) 
     if blanks:
         wrong &= ~_blank(frame[header])
     if wrong.any():
-        cell = frame[header].iloc[int(np.argmax(wrong))]
-        empty = pd.isna(cell) or not str(cell).strip()
+        first = int(np.argmax(wrong))
+        cell, empty = frame[header].iloc[first], _blank(frame[header])[first]
         cell = cell if isinstance(cell, str) and len(cell) < LONGEST_CELL else shown(cell)
         fault = "which nothing measures" if np.isfinite(values[wrong][0]) else "not a finite number"
         place = f"row {row_number(frame, wrong)}, column {header!r}"
-        told = "is empty" if empty else f"holds {cell}, {fault}"
+        told = "is empty or NaN" if empty else f"holds {cell}, {fault}"
         raise InputError(f"{table}: {place} {told}; mend the cell or leave the row out")
     return values
 
