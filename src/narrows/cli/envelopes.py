@@ -77,9 +77,8 @@ class SectionOptions:
 
     def places(self, waterway: "Waterway") -> list[float]:
         """Return the places of ``--along`` [m]: ``all`` are evenly spaced from end to end."""
-        if self.along == "all":
-            return [waterway.line.length * index / (ALONG_PLACES - 1) for index in range(ALONG_PLACES)]
-        return list(numbers("--along", str(self.along)).tolist())
+        everywhere = f"0:{waterway.line.length}:{ALONG_PLACES}"
+        return list(numbers("--along", everywhere if self.along == "all" else str(self.along)).tolist())
 
     def placed(self, model: "Model") -> "tuple[Model, dict[str, Any], tuple[str, ...]]":
         """Return the model there, what the envelope is asked of the place, and notes on the place."""
