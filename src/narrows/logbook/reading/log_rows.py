@@ -128,57 +128,44 @@ class RecordSplit:
         self.table, self.stem, self.gap = table, stem, gap
         self.names: list[str] = []
         self.cuts = 0
-        self._last = ("", np.nan)
-        self._held: list[LogRows] = []
 
     def records(self, pieces: Iterable[LogRows]) -> Iterator[RawRecord]:
-        for piece in pieces:
-            for part, begins in self._parts(piece):
-                if begins and _label(part) in self.names:
+        label, last, held = "", np.nan, list[LogRows]()
+        for piece in filter(lambda one: len(one.t), pieces):
+            begins = self._begins(piece, label, last)
+            edges = np.unique([0, *np.flatnonzero(begins), len(piece.t)])
+            for start, stop in pairwise(edges.tolist()):
+                columns = {name: column[start:stop] for name, column in piece.columns.items()}
+                part = LogRows(piece.t[start:stop], piece.record[start:stop], columns)
+                label, last = str(part.record[0]) if part.record.size else "", float(part.t[-1])
+                if begins[start] and label in self.names:
                     raise InputError(
-                        f"{self.table}: the rows of record {_label(part)} do not stand together; sort it by record"
+                        f"{self.table}: the rows of record {label} do not stand together; sort it by record"
                     )
-                if self._held and (begins or sum(len(held.t) for held in self._held) + len(part.t) > MOST_ROWS):
-                    yield self._finished()
-                self._held.append(part)
-                self._last = (_label(part), float(part.t[-1]))
-        if self._held:
-            yield self._finished()
+                if held and (begins[start] or sum(len(one.t) for one in held) + len(part.t) > MOST_ROWS):
+                    yield self._finished(held)
+                    held = []
+                held.append(part)
+        if held:
+            yield self._finished(held)
 
-    def _parts(self, piece: LogRows) -> Iterator[tuple[LogRows, bool]]:
-        """Stretches of one record each, and whether a record begins with it."""
-        if not len(piece.t):
-            return
+    def _begins(self, piece: LogRows, label: str, last: float) -> np.ndarray:
+        """Rows with which another record begins, (rows,)."""
         if piece.record.size:
-            other = np.concatenate([[self._last[0]], piece.record[:-1]]) != piece.record
-        else:
-            other = np.diff(piece.t, prepend=self._last[1]) > self.gap
-            self.cuts += int(other.sum())
-        edges = np.unique([0, *np.flatnonzero(other), len(piece.t)])
-        for start, stop in pairwise(edges.tolist()):
-            columns = {name: column[start:stop] for name, column in piece.columns.items()}
-            yield LogRows(piece.t[start:stop], piece.record[start:stop], columns), bool(other[start])
+            return np.asarray(np.concatenate([[label], piece.record[:-1]]) != piece.record)
+        other = np.diff(piece.t, prepend=last) > self.gap
+        self.cuts += int(other.sum())
+        return other
 
-    def _finished(self) -> RawRecord:
-        held, self._held = self._held, []
-        name = self._named(_label(held[0]))
-        names = dict.fromkeys(name for part in held for name in part.columns)
-        columns = {own: np.concatenate([_column(part, own) for part in held]) for own in names}
-        return RawRecord(name, np.concatenate([part.t for part in held]), columns)
-
-    def _named(self, label: str) -> str:
-        stem = label or self.stem
-        name = f"{stem} {len(self.names) + 1}" if stem in self.names else stem
-        self.names.append(name)
-        return name
-
-
-def _label(rows: LogRows) -> str:
-    return str(rows.record[0]) if rows.record.size else ""
-
-
-def _column(rows: LogRows, name: str) -> np.ndarray:
-    return rows.columns.get(name, np.full(len(rows.t), np.nan))
+    def _finished(self, held: list[LogRows]) -> RawRecord:
+        stem = (str(held[0].record[0]) if held[0].record.size else "") or self.stem
+        self.names.append(f"{stem} {len(self.names) + 1}" if stem in self.names else stem)
+        known = dict.fromkeys(name for part in held for name in part.columns)
+        columns = {
+            name: np.concatenate([part.columns.get(name, np.full(len(part.t), np.nan)) for part in held])
+            for name in known
+        }
+        return RawRecord(self.names[-1], np.concatenate([part.t for part in held]), columns)
 
 
 # Signals on the map, converted to the axes of the waterway or of the record.
