@@ -51,6 +51,13 @@ TESTS = {
     "warning/transit_scores.py": ["warning/test_scores.py", "warning/test_watched_transits.py"],
     "safety": ["unit/test_envelope_parts.py", "unit/test_envelope.py", "unit/test_pilots.py"],
     "safety/channel_rules.py": ["unit/test_channel_rules.py"],
+    "logbook": ["unit/test_learned_coefficient.py", "unit/test_ship_log.py", "unit/test_sensor_grades.py"],
+    "logbook/checking": ["unit/test_check_log.py"],
+    "logbook/filtering": ["unit/test_record_filter.py", "unit/test_log_posterior.py", "unit/test_learn.py"],
+    "logbook/learning": ["unit/test_log_posterior.py", "unit/test_learn.py", "unit/test_learn_transits.py"],
+    "logbook/reading": ["unit/test_read_log.py", "unit/test_nmea.py"],
+    "logbook/steady_legs": ["unit/test_learn_steady.py", "unit/test_plan_steady.py"],
+    "logbook/transits": ["unit/test_predict_information.py", "unit/test_learn_transits.py"],
     "identification/least_squares.py": ["unit/test_solve.py", "unit/test_normal_equations.py", "unit/test_split.py"],
 }
 PACKAGES = [name for name in TESTS if "/" not in name or name.startswith("identification")]
