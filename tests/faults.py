@@ -72,9 +72,9 @@ def moved(forward: float) -> Spoil:
 
 
 def late(delay: float, *names: str) -> Spoil:
-    """Signals that are recorded late."""
+    """Signals that are recorded late: before the first has come there is none, for a held one would be a step."""
     return lambda record: record.with_signals(**{
-        name: nw.Signal(record[name].t, record[name].at(np.maximum(record[name].t - delay, record[name].t[0])))
+        name: nw.Signal(record[name].t + delay, record[name].values).between(record.start, record.stop)
         for name in names
     })  # fmt: skip
 
