@@ -79,7 +79,8 @@ class FiltersAbreast:
         first, ahead, behind = moved[:, 0], moved[:, 1 : pairs + 1], moved[:, pairs + 1 :]
         off = ahead + behind - 2.0 * first[:, None]
         total = off.sum(axis=1)
-        slopes, bends = (ahead - behind) * spread.slope, (off + spread.bend * total[:, None]) * spread.slope
+        slope = 0.5 / spread.distance[:, None]
+        slopes, bends = (ahead - behind) * slope, (off + spread.bend * total[:, None]) * slope
         self.mean = first + spread.mean * total
         self.covariance = slopes.transpose(0, 2, 1) @ slopes + bends.transpose(0, 2, 1) @ bends + self.noise
         return lost

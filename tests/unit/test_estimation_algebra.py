@@ -5,12 +5,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from narrows.codegen.cache import compiled_loops
+from narrows.estimation import square_roots
 from narrows.estimation.recursion import gate, normalised_innovation_squared
 from narrows.estimation.ship_filter import MotionStep
 from narrows.estimation.smoothing import smoothed
 from narrows.estimation.unscented import (
     Gaussian,
-    innovation_covariance,
     predict,
     sigma_point_weights,
     sigma_points,
@@ -40,7 +41,7 @@ def measured_by(now: Gaussian, told: np.ndarray, seen: np.ndarray = SEEN, spread
     """The unscented step, for a measurement that is linear."""
     spread = spread or sigma_point_weights(SIZE)
     expected = unscented_transform(sigma_points(now.mean, now.root, spread) @ seen.T, spread)
-    covariance = innovation_covariance(expected, SIGMA)
+    covariance = compiled_loops(square_roots).innovation_covariance(expected.slopes, expected.bends, SIGMA)
     return update(now, expected, told - expected.mean, covariance, SIGMA, spread)
 
 
@@ -83,7 +84,7 @@ def test_a_bent_system_has_the_filter_of_filterpy(alpha: float, beta: float, kap
         peer.update(told)
         now = predict(now, bent, noise, spread)[0]
         expected = unscented_transform(seen(sigma_points(now.mean, now.root, spread)), spread)
-        covariance = innovation_covariance(expected, SIGMA)
+        covariance = compiled_loops(square_roots).innovation_covariance(expected.slopes, expected.bends, SIGMA)
         now = update(now, expected, told - expected.mean, covariance, SIGMA, spread)
     np.testing.assert_allclose(now.mean, peer.x, rtol=1e-7)
     np.testing.assert_allclose(now.covariance, peer.P, rtol=1e-6, atol=1e-9)

@@ -37,7 +37,6 @@ def test_sigma_points_meet_the_fourth_moment_of_a_gaussian() -> None:
     weights = sigma_point_weights(5)
     second, fourth = (2 * weights.mean * weights.distance[0] ** power for power in (2, 4))
     assert (second, fourth) == pytest.approx((1.0, 3.0))
-    assert weights.slope[0, 0] == pytest.approx(1 / (2 * np.sqrt(3.0)))
     # With n = 5, alpha = 1/2 and beta = 2: root(1 + (2 - 1/4) 5 / 3) = 1 + 5 bend.
     assert weights.bend == pytest.approx((np.sqrt(1 + 1.75 * 5 / 3) - 1) / 5)
 

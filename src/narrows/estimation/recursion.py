@@ -4,10 +4,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from narrows.codegen.cache import compiled_loops
+from narrows.estimation import square_roots
 from narrows.estimation.sensor import MarkovProcess, Sensor, error_states
 from narrows.estimation.settings import DRIFT_MEMORIES, DRIFT_MOST_INNOVATION, DRIFT_THRESHOLD, GROSS_ERROR_NIS
 from narrows.estimation.states import Columns, StateNames
@@ -15,7 +17,6 @@ from narrows.estimation.unscented import (
     Gaussian,
     SigmaPointWeights,
     Transformed,
-    innovation_covariance,
     predict,
     sigma_points,
     unscented_transform,
@@ -39,7 +40,7 @@ class UpdateResult(NamedTuple):
 class NumberLayout(NamedTuple):
     names: tuple[str, ...]  # Names of the sensors
     parts: tuple[slice, ...]  # Components of each sensor
-    places: np.ndarray | slice  # Places of the components among those of all sensors
+    places: np.ndarray  # Places of the components among those of all sensors
     gates: tuple[float, ...]  # Largest normalised innovation squared of each sensor [1]
     sigma: np.ndarray  # Standard deviations
     angles: tuple[int, ...]  # Components that are angles
@@ -48,8 +49,7 @@ class NumberLayout(NamedTuple):
     errors: tuple[tuple[int, int], ...]  # Components, and places of their errors among the states
 
 
-# Share of a sum and of its variance that remains after each reading, (2, memories, 1).
-FADING = (1.0 - 1.0 / np.array(DRIFT_MEMORIES)[:, None]) ** np.array([1, 2])[:, None, None]
+MEMORIES = np.array(DRIFT_MEMORIES)
 
 
 @dataclass
@@ -65,24 +65,13 @@ class DriftMonitor:
         self.sums = np.zeros((2, len(DRIFT_MEMORIES), self.size))
         self.common = np.zeros((len(DRIFT_MEMORIES), self.considered, self.size))
 
-    def statistics(self, whitened: np.ndarray, places: np.ndarray | slice, shared: np.ndarray) -> np.ndarray:
+    def statistics(self, whitened: np.ndarray, places: np.ndarray, shared: np.ndarray) -> np.ndarray:
         """Add whitened innovations (numbers,); return the distance of the sums from zero [standard deviations]."""
-        # Errors of considered coefficients, (considered, numbers), are common to all readings: they add up like a bias
-        # and do not indicate a drift.
-        parts = self.sums[..., places]  # A view of all, a copy of some
-        parts *= FADING
-        sums, variances = parts
-        sums += np.minimum(np.maximum(whitened, -DRIFT_MOST_INNOVATION), DRIFT_MOST_INNOVATION)
-        variances += 1.0
-        if self.considered:
-            variances -= np.minimum((shared * shared).sum(axis=0), 1.0)
-        if not isinstance(places, slice):
-            self.sums[..., places] = parts
-        if self.considered:
-            common = FADING[0, :, None] * self.common[..., places] + shared
-            self.common[..., places] = common
-            variances = variances + (common * common).sum(axis=1)
-        return np.asarray((np.abs(sums) / np.sqrt(variances)).max(axis=0))
+        return np.asarray(
+            compiled_loops(square_roots).drift_statistics(
+                self.sums, self.common, MEMORIES, places, whitened, shared, DRIFT_MOST_INNOVATION
+            )
+        )
 
     def copy(self) -> "DriftMonitor":
         other = DriftMonitor(self.size, self.considered)
@@ -139,7 +128,7 @@ class Recursion:
         """Return the state after the readings of one moment that pass the gates, with their log-likelihood."""
         layout = self._layout(tuple(readings))
         expected, sigma = self._expected(now, layout), layout.sigma
-        covariance = innovation_covariance(expected, sigma)
+        covariance = compiled_loops(square_roots).innovation_covariance(expected.slopes, expected.bends, sigma)
         innovation = self._innovation(layout, readings, expected.mean)
         spread = np.sqrt(covariance.diagonal())
         whitened = innovation / spread
@@ -168,7 +157,7 @@ class Recursion:
             likelihood -= 0.5 * float(np.linalg.slogdet(covariance)[1])
             likelihood -= 0.5 * sum(most for name, _, most in named if name in refused)
         if refused:
-            expected = Transformed(*(part[..., kept] for part in expected))
+            expected = Transformed(*(np.ascontiguousarray(part[..., kept]) for part in expected))
             innovation, sigma, covariance = innovation[kept], sigma[kept], covariance[np.ix_(kept, kept)]
         if len(innovation):
             likelihood -= 0.5 * normalised_innovation_squared(innovation, covariance) if weigh else 0.0
@@ -185,8 +174,7 @@ class Recursion:
             sensors = [self.sensors[name] for name in names]
             ends = np.cumsum([len(sensor.fields) for sensor in sensors]).tolist()
             parts = tuple(slice(a, b) for a, b in zip([0, *ends], ends, strict=False))
-            places: Any = np.concatenate([self._places[name] for name in names])
-            places = slice(None) if names == tuple(self.sensors) else places
+            places = np.concatenate([self._places[name] for name in names])
             gates = tuple(gate(self.refusing, len(sensor.fields)) for sensor in sensors)
             sigma = np.concatenate([np.array(sensor.sigma, float) for sensor in sensors])
             angles = np.concatenate([np.array(sensor.angles, bool) for sensor in sensors])
@@ -207,7 +195,7 @@ class Recursion:
     def _expected(self, now: Gaussian, layout: NumberLayout) -> Transformed:
         """Predicted measurement by the sigma points; by the root itself if the measurement is linear."""
         if layout.seen is not None:
-            return Transformed(layout.seen @ now.mean, (layout.seen @ now.root).T, layout.none)
+            return Transformed(layout.seen @ now.mean, now.root.T @ layout.seen.T, layout.none)
         points = sigma_points(now.mean, now.root, self.measuring)
         return unscented_transform(self._measured(points, layout), self.measuring)
 

@@ -16,6 +16,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import lapack
 
+from narrows.codegen.cache import compiled_loops
+from narrows.estimation import square_roots
 from narrows.estimation.settings import CONSIDERED_DISTANCE, SQUARED_DISTANCE
 
 
@@ -41,22 +43,14 @@ class SigmaPointWeights(NamedTuple):
 
     distance: np.ndarray  # (k,) Distance of each pair, in standard deviations
     mean: float  # Weight of each corrected pair in the mean
-    slope: np.ndarray  # (k, 1) One over the distance within each pair
     bend: float  # Share of the sum of all second differences in the nonlinear part of each pair
     # The first pairs, along errors that are carried and not corrected: linear, without weight in the mean
     considered: int
 
 
 def unscented_transform(values: np.ndarray, spread: SigmaPointWeights) -> Transformed:
-    """Return mean and deviations of the values at sigma points."""
-    # values (1 + 2 k, m)
-    k, p = len(spread.distance), spread.considered
-    first, ahead, behind = values[0], values[1 : k + 1], values[k + 1 :]
-    off = ahead[p:] + behind[p:] - 2.0 * first
-    total = off.sum(axis=0)
-    return Transformed(
-        first + spread.mean * total, (ahead - behind) * spread.slope, (off + spread.bend * total) * spread.slope[p:]
-    )
+    """Return mean and deviations of the values at sigma points, (1 + 2 k, m)."""
+    return Transformed(*compiled_loops(square_roots).transform(values, *spread))
 
 
 def predict(
@@ -65,18 +59,7 @@ def predict(
     """Return the distribution after a motion, and the transformation of its root."""
     # noise (j, n)
     after, p = unscented_transform(move(sigma_points(now.mean, now.root, spread)), spread), spread.considered
-    root = triangular_root(np.concatenate([after.slopes[p:], after.bends, noise]))
-    root = np.concatenate([after.slopes[:p].T, root], axis=1) if p else root
-    return Gaussian(after.mean, root), after
-
-
-def innovation_covariance(expected: Transformed, sigma: np.ndarray) -> np.ndarray:
-    """Return the covariance of the innovation, (m, m)."""
-    covariance = expected.slopes.T @ expected.slopes
-    if len(expected.bends):
-        covariance += expected.bends.T @ expected.bends
-    covariance.flat[:: len(sigma) + 1] += sigma * sigma
-    return np.asarray(covariance)
+    return _joined(after.mean, np.concatenate([after.slopes, after.bends, noise]), p), after
 
 
 def update(
@@ -84,14 +67,15 @@ def update(
     spread: SigmaPointWeights,
 ) -> Gaussian:  # fmt: skip
     """Return the distribution after a measurement; carried columns are not corrected."""
-    # innovation (m,); covariance (m, m); sigma (m,) Joseph's form is a sum of squares: it stays a covariance for any
-    # gain.
-    p, s = spread.considered, expected.slopes
-    gain = lapack.dposv(covariance, (now.root @ s).T)[1].T
-    rest = now.root - gain @ s.T
-    root = triangular_root(np.concatenate([rest[:, p:].T, gain.T * sigma[:, None], expected.bends @ gain.T]))
-    root = np.concatenate([rest[:, :p], root], axis=1) if p else root
-    return Gaussian(now.mean + gain @ innovation, root)
+    # innovation (m,); covariance (m, m); sigma (m,)
+    numbers = *now, expected.slopes, expected.bends, innovation, covariance, sigma
+    mean, rows = compiled_loops(square_roots).update(*numbers)
+    return _joined(mean, rows, spread.considered)
+
+
+def _joined(mean: np.ndarray, rows: np.ndarray, considered: int) -> Gaussian:
+    root = triangular_root(rows[considered:])
+    return Gaussian(mean, np.concatenate([rows[:considered].T, root], axis=1) if considered else root)
 
 
 # Julier and Uhlmann (1997), A new extension of the Kalman filter to nonlinear systems. van der Merwe (2004),
@@ -105,18 +89,12 @@ def sigma_point_weights(
     # The covariance has the pairs' second differences d about the mean, and the central point by the weight 1 - n/h^2 +
     # 1 - alpha^2 + beta, which may be negative. Both together are sums of squares of (d_i + bend sum d) / 2 h.
     bend = (np.sqrt(max(1.0 + (beta - alpha * alpha) * size / squared, 0.0)) - 1.0) / size
-    return SigmaPointWeights(distance, 0.5 / squared, 0.5 / distance[:, None], float(bend), considered)
+    return SigmaPointWeights(distance, 0.5 / squared, float(bend), considered)
 
 
 def sigma_points(mean: np.ndarray, root: np.ndarray, spread: SigmaPointWeights) -> np.ndarray:
     """Return the points, (1 + 2 k, n): the mean, then one point on either side of it along each column."""
-    pairs = len(spread.distance)
-    points = np.empty((1 + 2 * pairs, len(mean)))
-    steps = root.T * spread.distance[:, None]
-    points[0] = mean
-    np.add(mean, steps, out=points[1 : pairs + 1])
-    np.subtract(mean, steps, out=points[pairs + 1 :])
-    return points
+    return np.asarray(compiled_loops(square_roots).sigma_points(mean, root, spread.distance))
 
 
 # A covariance P stored as a root L, with L L^T = P, stays symmetric and positive. van der Merwe and Wan (2001), The

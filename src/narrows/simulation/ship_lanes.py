@@ -8,6 +8,7 @@ import numpy as np
 from narrows.codegen.choices import COLUMNS, ROW, SHARED
 from narrows.codegen.free_motion import INPUTS as FORCES
 from narrows.codegen.run import PreparedRun
+from narrows.codegen.system import DEFAULTS
 from narrows.errors import InputError
 from narrows.quantities.names import Number
 from narrows.simulation.inputs import INPUTS, START
@@ -63,7 +64,9 @@ class ShipLanes:
         self._inputs = {name: place for place, name in enumerate(kernel.VESSEL_INPUTS)}
         self._rates = [self._inputs[PARAMETER(f"turning_{name}")] for name in self.actuators]
         self._pushes = [self._inputs[name] for name in (FORCES["Y"], FORCES["N"])] if pushed else []
-        self._system, self._ship_values = self._run._system(self._values(1.0)), ship.values()
+        self._system = self._run._system(self._values(1.0))
+        self._ship_values: dict[str, Any] = {**DEFAULTS, **ship.values()}
+        self._constants = [self._inputs.get(name) for name in self._system.scalar.CONSTANTS]
         self._base, self._slope = self._by_bank()
         self._water = self.prepared.water.table.reshape(-1, ROW) if waterway else None
         # Cosine and sine of the headings before and after a step, as complex numbers.
@@ -181,12 +184,15 @@ class ShipLanes:
 
     def columns_of(self, coefficients: np.ndarray, bank: np.ndarray) -> np.ndarray:
         """Return the inputs of lanes of other coefficients, (lanes, inputs)."""
-        model = self.ship.model
-        numbers = dict(zip(model.terms.names, coefficients.T, strict=True))
+        numbers = dict(zip(self.ship.model.terms.names, coefficients.T, strict=True))
         numbers |= {name: bank * numbers[name] for name in self.silent}
-        constants = self._system.constants({**self._ship_values, **numbers})
+        known = self._ship_values | numbers
+        with np.errstate(all="ignore"):
+            constants = self._system.columns.constants(*map(known.__getitem__, self._system.parameters))
         columns = self._base.copy()
-        for name, place in self._inputs.items():
-            if name in constants:
-                columns[:, place] = constants[name]
+        for place, constant in zip(self._constants, constants, strict=True):
+            if place is not None:
+                columns[:, place] = constant
+        if not np.isfinite(columns).all():
+            self._system.constants(known)  # Raises and tells why
         return columns
