@@ -29,6 +29,7 @@ def test_the_version_stands_in_one_place(cli) -> None:
     assert PROJECT["tool"]["hatch"]["version"]["path"] == "src/narrows/__init__.py"
     assert cli("--version") == (0, f"narrows {nw.__version__}\n", "")
     assert f"version: {nw.__version__}\n" in (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"badge/version-{nw.__version__}-" in (ROOT / "README.md").read_text(encoding="utf-8")
     first = re.search(r"^## (.*)$", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
     assert first[1] == nw.__version__
     assert f"narrows {nw.__version__}" in (ROOT / "docs" / "release-note.md").read_text(encoding="utf-8")
