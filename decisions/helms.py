@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
-from pages import markdown, publish
+from pages import Rows, markdown, publish, records
 
 import narrows as nw
 
@@ -43,6 +43,26 @@ def text(chosen: tuple[str, ...] = ()) -> str:
         moved = (f"{row['deviation']:.1f}", f"{row['travel']:.0f}")
         rows.append((scene, helm, *moved, aground, now_lost, bound, better_lost))
     return markdown(HEADER, rows)
+
+
+def shown(rows: Rows) -> str:
+    """A row a scene: how many ships each helm loses."""
+    helms, lost = ("track", "regulator", "regulator that knows the ship"), "lost of 1000"
+    found = {(row["scene"], row["helm"]): row for row in records(rows, "scene")}
+    heads = (
+        "scene",
+        "track pilot",
+        "regulator",
+        "with the true coefficients",
+        "best rudder",
+        "regulator, intervals halved",
+    )
+    lines = []
+    for scene in dict.fromkeys(scene for scene, _ in found):
+        own = found[scene, "regulator"]
+        last = own["lost under the best rudder"], own[HEADER[-1]]
+        lines.append((scene, *(found[scene, helm][lost] for helm in helms), *last))
+    return markdown(heads, lines)
 
 
 def best_rudder(model: nw.Model, name: str) -> float:
@@ -109,4 +129,4 @@ def figure() -> Figure:
 
 
 if __name__ == "__main__":
-    publish(__file__, "benchmarks.md", text())
+    publish(__file__, "benchmarks.md", text(), shown)

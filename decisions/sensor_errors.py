@@ -50,13 +50,12 @@ def covered(true: Gnss, told: Gnss, off: float) -> tuple[float, float, float]:
 
 
 def text(chosen: tuple[str, ...] = tuple(ERRORS)) -> str:
-    """One row for each error of the fixes, or those chosen, and each declaration."""
-    header = ("error of the fixes", "declared", "offsets within the band of 95 % [%]", "error [m]", "band [m]")
+    """One row for each error of the fixes, or those chosen: a column a declaration."""
+    header = ("error of the fixes", *DECLARED)
     rows = []
     for error, (true, off) in ((error, ERRORS[error]) for error in chosen):
-        for declared, told in DECLARED.items():
-            share, rmse, std = covered(true, told, off)
-            rows.append((error, declared, f"{100 * share:.0f}", f"{rmse:.1f}", f"{1.96 * std:.1f}"))
+        found = (covered(true, told, off) for told in DECLARED.values())
+        rows.append((error, *(f"{100 * share:.0f} %, {rmse:.1f}, {1.96 * std:.1f}" for share, rmse, std in found)))
     return markdown(header, rows)
 
 

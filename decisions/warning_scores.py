@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from pages import markdown, publish
+from pages import Rows, markdown, publish, records
 from scipy.special import ndtr
 from watched.runs import BEFORE, EVERY, FROM, Run, averted, kept_runs
 from watched.truths import DEPTH, LAPSES, LENGTH, Physics, modelled
@@ -317,7 +317,28 @@ def text(folder: Path | None = None, others: bool = False) -> str:
     return "\n\n".join(parts)
 
 
+def shown(rows: Rows) -> str:
+    """What an alert averts by predictor, by level and by truth."""
+    counted, levels, _, others = (row[0] for row in rows if len(row) == 1)
+    parts = (
+        markdown(("predictor", "averted at 10 [%]", "at 2 [%]", "left to act [s]"), [
+            (row["predictor"], row["averted at 10 [%]"], row["averted at 2 [%]"], row["left to act [s]"])
+            for row in records(rows, "predictor")
+        ]),
+        levels,
+        markdown(("level", "averted [%]", "left to act [s]", "false in 100 h"), [
+            tuple(row.values())[:4] for row in records(rows, "level")
+        ]),
+        others.partition(";")[0] + ":",
+        markdown(("truth", "contacts", "warning", "bound", "false in 100 h at the warning"), [
+            (row["truth"], row["contacts"], row["warning"], row["bound"], row["false in 100 h"].partition(";")[0])
+            for row in records(rows, "truth")
+        ]),
+    )  # fmt: skip
+    return "\n\n".join((counted, *parts))
+
+
 if __name__ == "__main__":
     asked = dict(zip(sys.argv[1:], sys.argv[2:], strict=False))
     kept = Path(asked["--kept"]) if "--kept" in asked else None
-    publish(__file__, "benchmarks.md", text(kept, "--others" in sys.argv))
+    publish(__file__, "benchmarks.md", text(kept, "--others" in sys.argv), shown)
