@@ -10,27 +10,24 @@ from pages import markdown, publish
 import narrows as nw
 
 CLEARANCES = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
-HEADER = ("clearance", "terms", "force", "motions", "inside the 95 % interval", "half width, median", "of the force")
+HEADER = ("clearance", "terms", "Y", "N")
 
 
-def rows(label: str, terms: str) -> list[tuple[str, ...]]:
-    """One condition under one table of terms: a row a force."""
+def row(label: str, terms: str) -> tuple[str, ...]:
+    """One condition under one table of terms: share inside the interval, its median half width, and over the force."""
     fit = nw.identify(nw.measured_tests("kcs").by_condition()[label], terms)
-    return [
-        (
-            CLEARANCES[label], f"`{terms}`", one.force, str(one.motions), f"{one.held:.0%}",
-            f"{one.half:.2g} {'N m' if one.force == 'N' else 'N'}", f"{one.relative:.0%}",
-        )
+    units = {"Y": "N", "N": "N m"}
+    cells = {
+        one.force: f"{100 * one.held:.0f} %, {one.half:.2g} {units[one.force]} ({100 * one.relative:.0f} %)"
         for one in fit.predictiveness
-        if one.force != "X"
-    ]  # fmt: skip
+        if one.force in units
+    }
+    return CLEARANCES[label], f"`{terms}`", cells["Y"], cells["N"]
 
 
 def text() -> str:
     """Every depth, under the paper's terms and under those that predict best."""
-    return markdown(
-        HEADER, [row for label in CLEARANCES for terms in ("paper", "crossflow") for row in rows(label, terms)]
-    )
+    return markdown(HEADER, [row(label, terms) for label in CLEARANCES for terms in ("paper", "crossflow")])
 
 
 if __name__ == "__main__":

@@ -55,9 +55,9 @@ def text(sets: tuple[str, ...] = tuple(SETS)) -> str:
         fit = fitted(name, PUBLISHED)
         (low, high), verdict = fit.intervals["b_bank"], fit.verdicts["b_bank"]
         word = verdict.status + (f" with {' and '.join(verdict.partners)}" if verdict.partners else "")
-        figures = (f"{fit.diagnostics.overall['Y'].vif['b_bank']:.3g}", f"{fit.coefficients['b_bank']:.3f}")
-        rows.append((name, *figures, f"{low:.3f} to {high:.3f}", word, f"{power(name):.0%}"))
-    return markdown(("tests", "VIF", "b_bank", "95 % interval", "verdict", "power"), rows)
+        inflation = f"{fit.diagnostics.overall['Y'].vif['b_bank']:.3g}"
+        rows.append((name, inflation, f"{low:.3g} to {high:.3g}", word, f"{100 * power(name):.0f} %"))
+    return markdown(("tests", "VIF", "b_bank, 95 %", "verdict", "power"), rows)
 
 
 if __name__ == "__main__":

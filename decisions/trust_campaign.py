@@ -14,7 +14,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from pages import markdown, publish
+from pages import Rows, markdown, publish, records
 from trust_tank import BANK, CONFIGURATION, FULL, HULL, NONE, Columns, Tank, forces, measured
 
 import narrows as nw
@@ -137,6 +137,20 @@ def text(twins: int = TWINS) -> str:
     return markdown(HEADER, rows)
 
 
+def shown(rows: Rows) -> str:
+    """A row an error and its runs, with all sizes."""
+    found = records(rows, HEADER[0])
+    lines = []
+    for name in dict.fromkeys(row[HEADER[0]] for row in found):
+        own = [row for row in found if row[HEADER[0]] == name]
+        sizes, missed = (", ".join(row[key].rstrip("%") for row in own) for key in HEADER[1:3])
+        lines.append((name.partition(": ")[2], sizes, missed))
+    silent = max(float(row[HEADER[3]].rstrip("%")) for row in found)
+    table = markdown((HEADER[0], "sizes", "identified and missed [%]"), lines)
+    return f"{table}\n\nVerdicts that do not name the error: at most {silent:.0f} %."
+
+
 if __name__ == "__main__":
     words = sys.argv[1:]
-    publish(__file__, "uncertainty.md", text(int(words[words.index("--twins") + 1]) if "--twins" in words else TWINS))
+    count = int(words[words.index("--twins") + 1]) if "--twins" in words else TWINS
+    publish(__file__, "uncertainty.md", text(count), shown)

@@ -9,7 +9,7 @@ terms, less that of the defaults. Importance sampling repeats it to about 8.
 from collections.abc import Sequence
 
 import numpy as np
-from pages import markdown, publish
+from pages import Rows, markdown, publish, records
 
 import narrows as nw
 from narrows.identification import systematic_effects as effects
@@ -85,5 +85,15 @@ def text() -> str:
     return markdown(HEADER, rows)
 
 
+def shown(rows: Rows) -> str:
+    """The range of the gains by larger sizes, and those by the last prior."""
+    *sizes, last = records(rows, "prior")
+    gains = [float(row[name]) for row in sizes for name in HEADER[1:]]
+    return (
+        f"Four times any of {len(sizes)} groups of sizes changes the density by {min(gains):.0f} to {max(gains):+.0f}; "
+        f"a half-normal prior of the added masses by {last[HEADER[1]]} and {last[HEADER[2]]}."
+    )
+
+
 if __name__ == "__main__":
-    publish(__file__, "uncertainty.md", text())
+    publish(__file__, "uncertainty.md", text(), shown)

@@ -5,7 +5,7 @@
 Each cell is of so many twins: the share in which a coefficient of the bank is called identified while its interval
 misses the truth, how often it is identified, and how often its interval holds the truth. Honest kinds, whose errors
 are those of runs alone, also have the half width over that of an oracle, which knows the errors' covariance.
-All rows are in ``trust_twins.csv``; the page has those with a miss. With ``--counted`` the file is read, not computed.
+All rows are in ``trust_twins.csv``; the page has those that mislead. With ``--counted`` the file is read, not computed.
 """
 
 import csv
@@ -76,25 +76,39 @@ def kept() -> list[tuple[str, ...]]:
         return [tuple(line) for line in csv.reader(file)][1:]
 
 
-def with_a_miss(rows: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    """Rows in which an interval misses the bank's truth, without the columns of honest kinds."""
-    return [line[:7] for line in rows if line[2] != "0%" or {line[4], line[6]} != {"100%"}]
+def misled(rows: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
+    """Rows in which a verdict misleads."""
+    return [line for line in rows if line[2] != "0%"]
+
+
+def by_kind(rows: list[tuple[str, ...]]) -> str:
+    """A row a kind, with all strengths: how often a verdict misleads, how often the intervals hold the truth."""
+    lines = []
+    for kind in dict.fromkeys(line[0] for line in rows):
+        own = [line for line in rows if line[0] == kind]
+        lines.append((kind, *(", ".join(line[k].rstrip("%") for line in own) for k in (1, 2, 4, 6))))
+    return markdown(("kind", "strengths", *(f"{HEADER[k]} [%]" for k in (2, 4, 6))), lines)
 
 
 def text(rows: list[tuple[str, ...]]) -> str:
-    """Write the rows with a miss, and what the others have in common."""
-    missed, honest = with_a_miss(rows), [line for line in rows if line[8]]
+    """Write the rows in which a verdict misleads, and what the others have in common."""
+    missed, honest = misled(rows), [line for line in rows if line[8]]
+    complete = sum(line[2] == "0%" and {line[4], line[6]} == {"100%"} for line in rows)
+    least = min((line for line in rows if line[2] == "0%"), key=lambda line: int(line[4].rstrip("%")))
     over = np.array([[float(value) for value in line[8].split(";")] for line in honest]).reshape(-1, 2)
     hull = [float(line[7].rstrip("%")) for line in honest]
-    held = len(rows) - len(missed)
-    lines = [f"In the other {held} of {len(rows)} cases all intervals of both coefficients hold the truth."]
+    others = f"In the other {len(rows) - len(missed)} of {len(rows)} cases no verdict misleads"
+    lines = [
+        f"{others}, and in {complete} of them all intervals hold the truth. "
+        f"The lowest share is {least[4]} of b_bank, in {least[0].partition(':')[0]} at {least[1]}."
+    ]
     if honest:
         lines.append(
-            f"In honest kinds {min(hull):.0f} to {max(hull):.0f} % of the hull's intervals do; half widths are "
-            f"{over[:, 0].min():.2g} to {over[:, 0].max():.2g} times the oracle's for b_bank, "
+            f"In honest kinds {min(hull):.0f} to {max(hull):.0f} % of the hull's intervals hold the truth; "
+            f"half widths are {over[:, 0].min():.2g} to {over[:, 0].max():.2g} times the oracle's for b_bank, "
             f"{over[:, 1].min():.2g} to {over[:, 1].max():.2g} times in the median of eight coefficients."
         )
-    return "\n".join([markdown(HEADER[:7], missed), "", *lines])
+    return "\n".join([by_kind(missed), "", *lines])
 
 
 if __name__ == "__main__":

@@ -34,11 +34,11 @@ def test_every_kind_has_its_strengths(script) -> None:
     assert len(script.KINDS) >= 20
 
 
-def test_the_page_has_the_rows_with_a_miss(script) -> None:
+def test_the_page_has_the_rows_that_mislead(script) -> None:
     page = (ROOT / "docs" / "uncertainty.md").read_text(encoding="utf-8")
     table = page.partition("<!-- made by decisions/trust_twins.py -->\n")[2].partition("\n<!-- end -->")[0]
     assert table == script.text(script.kept())
-    assert 0 < len(script.with_a_miss(script.kept())) < len(rows()) / 3
+    assert 0 < len(script.misled(script.kept())) < len(rows()) / 3
 
 
 def test_no_kind_misleads_in_more_than_one_twin_of_ten_but_those_that_the_page_names() -> None:

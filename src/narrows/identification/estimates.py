@@ -210,6 +210,7 @@ def _nearest(mean: np.ndarray, covariance: np.ndarray, bounds: np.ndarray) -> np
         return mean
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     inverse = np.linalg.pinv(covariance / np.outer(size, size), rcond=1e-10, hermitian=True)
+    inverse /= np.diag(inverse).max()  # The ridge of the solver is for a matrix of this size.
     z = solve(inverse, inverse @ (mean / size), *(bounds / size[:, None]).T).z * size
     return np.where(size > 1e-140, np.clip(z, bounds[:, 0], bounds[:, 1]), mean)
 
