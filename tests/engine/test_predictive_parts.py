@@ -15,20 +15,18 @@ from scipy.linalg import expm
 from scipy.optimize import minimize
 
 import narrows as nw
+from narrows.codegen.cache import compiled_loops
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control.local_motion import LocalMotion, LocalWater, along_line
+from narrows.control.predictive import plan_loops
 from narrows.control.predictive.course_ahead import margins_of, regulator_of, weights_of
 from narrows.control.predictive.line_frame import HELD, WaterAhead, over_interval, share_of, water_ahead
 from narrows.control.predictive.planner import (
     QuadraticProgram,
-    clearance_rows,
-    condensed,
-    corner_offsets,
     horizon_of,
     later,
     program_of,
     solution,
-    tracking_cost,
 )
 from narrows.control.predictive.push_estimate import BankSpread, Push, no_push, updated_push
 from narrows.simulation.ship import SimulatedShip
@@ -37,14 +35,15 @@ from narrows.waterway import Bank, Centreline, Waterway
 # Of a hull, ahead and to starboard, in halves of the length and of the beam.
 CORNERS = ((1, 1), (-1, 1), (1, -1), (-1, -1))
 
+LOOPS = compiled_loops(plan_loops)
 random = np.random.default_rng(0).standard_normal
 WALLS = BankSpread(0.8, np.stack([np.linspace(-4.0, 4.0, 41) ** 3, -np.linspace(-4.0, 4.0, 41)], axis=1))
 
 
 def test_condensed_states_are_those_of_the_recursion() -> None:
-    A, B, defects, start = random((7, 3, 3)), random((7, 3)), random((7, 3)), random(3)
-    e, G = condensed(A, B, defects, start)
-    change, off = random(7), start
+    A, B, defects = random((7, 3, 3)), random((7, 3)), random((7, 3))
+    e, G = LOOPS.condensed(A, B, defects)
+    change, off = random(7), np.zeros(3)
     for k in range(7):
         off = A[k] @ off + B[k] * change[k] + defects[k]
         np.testing.assert_allclose(e[k] + G[k] @ change, off, atol=1e-10)
@@ -115,13 +114,13 @@ def test_corners_beside_a_bend_are_where_the_map_has_them(y: float, psi: float) 
     heading = float(along[0]) + psi
     ahead, aside = np.array([np.sin(heading), np.cos(heading)]), np.array([np.cos(heading), -np.sin(heading)])
     state = np.array([[y, psi, 0.0, 0.0, 0.0]])
-    off, by_heading, _ = corner_offsets(state, half_length, half_beam, np.array([1 / radius]))
+    off, by_heading, _ = LOOPS.corner_offsets(state, half_length, half_beam, np.array([1 / radius]))
     for number, (forward, side) in enumerate(CORNERS):
         corner = middle + forward * half_length * ahead + side * half_beam * aside
         _, there, _ = way.to_channel(corner[None], 0.0)
         assert off[number, 0] == pytest.approx(float(there[0]), abs=0.02)
     turned = state + np.array([0.0, 1e-6, 0.0, 0.0, 0.0])
-    slope = (corner_offsets(turned, half_length, half_beam, np.array([1 / radius]))[0] - off) / 1e-6
+    slope = (LOOPS.corner_offsets(turned, half_length, half_beam, np.array([1 / radius]))[0] - off) / 1e-6
     np.testing.assert_allclose(by_heading, slope, rtol=1e-3, atol=1e-3)
 
 
@@ -131,27 +130,28 @@ MAPPED = bend(250.0)
 def test_clearance_rows_hold_as_the_corners_are_clear() -> None:
     states, e, G = 0.1 * random((6, 5)), np.zeros((6, 5)), 0.01 * random((6, 5, 6))
     hull, curvature, room = (10.0, 1.5), np.full(6, 0.001), (np.full((4, 6), 4.0), np.full((4, 6), 3.0))
-    corners = corner_offsets(states, *hull, curvature)[:2]
-    rows, bounds = clearance_rows(corners, e, G, room, np.inf)
+    corners = LOOPS.corner_offsets(states, *hull, curvature)[:2]
+    rows, bounds = LOOPS.clearance_rows(*corners, e, G, *room, np.inf)
     change = 0.01 * random(6)
-    after, _, _ = corner_offsets(states + G @ change, *hull, curvature)
+    after, _, _ = LOOPS.corner_offsets(states + G @ change, *hull, curvature)
     sides = np.array(CORNERS)[:, 1:]
     clear = np.where(sides > 0, room[0], room[1]) - sides * after
     np.testing.assert_allclose(bounds - rows @ change, clear.ravel(), atol=1e-4)
-    few, nearest = clearance_rows(corners, e, G, room, 2.0)
+    few, nearest = LOOPS.clearance_rows(*corners, e, G, *room, 2.0)
     assert len(few) == (bounds <= 2.0).sum() == len(nearest)
 
 
 def test_the_cost_of_a_plan_is_the_sum_over_its_states() -> None:
     weights, beyond = weights_of(2.0, 5.0), np.eye(5) + 0.3
     off, G, rates, change = random((4, 5)), random((4, 5, 4)), random(4), random(4)
+    G *= np.tri(4)[:, None, :]  # a rate changes later states alone
 
     def cost(z: np.ndarray) -> float:
         states = off + G @ z
         within = sum(state @ np.diag(weights.states) @ state for state in states[:-1])
         return float(within + states[-1] @ beyond @ states[-1] + weights.rate * (rates + z) @ (rates + z)) / 2
 
-    H, f = tracking_cost(off, G, rates, weights, beyond)
+    H, f = LOOPS.tracking_cost(off, G, rates, weights.states, weights.rate, beyond)
     assert change @ H @ change / 2 + f @ change == pytest.approx(cost(change) - cost(np.zeros(4)), rel=1e-10)
 
 

@@ -7,8 +7,10 @@ from statistics import NormalDist
 
 import numpy as np
 
+from narrows.codegen.cache import compiled_loops
 from narrows.control.linearization import steady_courses
 from narrows.control.local_motion import MOVED, LocalWater
+from narrows.control.predictive import plan_loops
 from narrows.control.predictive.line_frame import (
     FORCED,
     HELD,
@@ -86,10 +88,8 @@ class SteadyTrack:
         if len(self.places) == 1:
             there = np.tile(states[0] + given_way, (len(x), 1))
         else:
-            position = (x - self.places[0]) / (self.places[1] - self.places[0])
-            first = np.minimum(np.maximum(position.astype(int), 0), len(self.places) - 2)
-            share = np.minimum(np.maximum(position - first, 0.0), 1.0)[:, None]
-            there = states[first] + share * (states[first + 1] - states[first]) + given_way
+            step = self.places[1] - self.places[0]
+            there = compiled_loops(plan_loops).interpolate(states, self.places[0], step, x)[0] + given_way
         there[:, RUDDER] = np.minimum(np.maximum(there[:, RUDDER], -self.limit), self.limit)
         return there
 

@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from narrows.codegen.cache import compiled_loops
 from narrows.codegen.linearisation import LINEARISED
+from narrows.control.predictive import plan_loops
 from narrows.model.model import Model
 
 if TYPE_CHECKING:
@@ -52,11 +54,7 @@ class WaterAhead:
                 columns = np.broadcast_to(self.nodes[:1].T, (len(COLUMNS), len(x)))
                 self._known[len(x)] = dict(zip(COLUMNS, columns, strict=True))
             return self._known[len(x)]
-        last = len(self.nodes) - 1
-        position = np.minimum(np.maximum(x / self.step, 0.0), last)
-        cell = np.minimum(position.astype(int), last - 1)
-        start = self.nodes[cell]
-        rows = start + (position - cell)[:, None] * (self.nodes[cell + 1] - start)
+        rows, _ = compiled_loops(plan_loops).interpolate(self.nodes, 0.0, self.step, x)
         return dict(zip(COLUMNS, rows.T, strict=True))
 
 

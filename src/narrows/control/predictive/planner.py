@@ -1,13 +1,16 @@
 """Plans of the rudder: predicted by lanes of the kernel, bettered by a step of sequential quadratic programming."""
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from narrows.codegen.cache import compiled_loops
 from narrows.codegen.linearisation import LINEARISED, JacobianBatch
 from narrows.control.local_motion import along_line
+from narrows.control.predictive import plan_loops
 from narrows.control.predictive.course_ahead import Weights
 from narrows.control.predictive.line_frame import (
     FORCED,
@@ -68,9 +71,6 @@ def predict(
 
 # Steady states as the reference of a plan, (places, 5), at places along the line.
 Reference = Callable[[np.ndarray], np.ndarray]
-
-# Corners of the hull's rectangle: half lengths forward, half beams to starboard, (4, 1) each.
-FORWARD, SIDES = np.array(((1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, -1.0))).T[:, :, None]
 
 # DAQP's infinite bound.
 WITHOUT_BOUND = 1e20
@@ -160,7 +160,7 @@ class Planner:
         # The external force of an interval is that of the place where it begins.
         by_place = by_force @ (by_share * (2.0 / there["width"])[:, None])[:, :, None]
         A[:, :, 0] += (integral[:, :, FORCED] @ by_place)[:, :, 0]
-        e, G = condensed(A, integral[..., RUDDER], reached - plan.states[1:], np.zeros(reached.shape[1]))
+        e, G = compiled_loops(plan_loops).condensed(A, integral[..., RUDDER], reached - plan.states[1:])
         x = np.append(plan.x[0], plan.x[0] + np.cumsum(end - plan.x[:-1]))
         program = self._program(RudderPlan(x, plan.states, plan.rates), e, G, reference(x)[1:], beyond)
         z = solution(program, seconds)
@@ -202,10 +202,11 @@ class Planner:
     def _program(
         self, plan: RudderPlan, e: np.ndarray, G: np.ndarray, reference: np.ndarray, beyond: np.ndarray
     ) -> QuadraticProgram:  # fmt: skip
-        nodes, x = plan.states[1:], plan.x[1:]
-        cost = tracking_cost(nodes + e - reference, G, plan.rates, self.weights, beyond)
-        off, by_heading, ahead = corner_offsets(nodes, *self.hull, self.water.at(x)["curvature"])
-        clearance = clearance_rows((off, by_heading), e, G, self._room(x + ahead), FREE_CLEARANCE * self.hull[1])
+        nodes, x, loops = plan.states[1:], plan.x[1:], compiled_loops(plan_loops)
+        cost = loops.tracking_cost(nodes + e - reference, G, plan.rates, self.weights.states, self.weights.rate, beyond)
+        off, by_heading, ahead = loops.corner_offsets(nodes, *self.hull, self.water.at(x)["curvature"])
+        room, spare = self._room(x + ahead), FREE_CLEARANCE * self.hull[1]
+        clearance = loops.clearance_rows(off, by_heading, e, G, *room, spare)
         # The rudder after each interval, and how changes of the rates move it.
         rudders = nodes[:, RUDDER] + e[:, RUDDER], G[:, RUDDER]
         return program_of(cost, plan.rates, rudders, clearance, self.limits, self.hull[1])
@@ -235,64 +236,6 @@ def planner_of(
     )  # fmt: skip
 
 
-def corner_offsets(
-    states: np.ndarray, half_length: float, half_beam: float, curvature: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
-    """Return the corners' offsets, their derivatives by the heading, and their distance ahead."""
-    # In a bend the line curves away ahead and astern by half its curvature times the distance squared.
-    forward, aside = half_length * FORWARD, half_beam * SIDES
-    sine, cosine = np.sin(states[:, 1]), np.cos(states[:, 1])
-    ahead = forward * cosine - aside * sine
-    across = forward * sine + aside * cosine
-    off = states[:, 0] + across - curvature * ahead**2 / 2
-    return off, ahead + curvature * ahead * across, ahead
-
-
-def clearance_rows(
-    corners: tuple[np.ndarray, np.ndarray], e: np.ndarray, G: np.ndarray, room: tuple[np.ndarray, np.ndarray],
-    spare: float,
-) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Return rows and bounds: rows @ change of the rates <= bounds keeps every corner off the banks."""
-    # corners and room (4, nodes) [m]; e (nodes, 5); G (nodes, 5, rates)
-    off, lever = corners
-    y, psi = HELD.index("y"), HELD.index("psi")
-    now = SIDES * (off + e[:, y] + lever * e[:, psi])
-    bounds = np.where(SIDES > 0, room[0], room[1]) - now
-    corner, node = np.nonzero(~(bounds > spare))  # keeps NaN, so that the program refuses it
-    rows = SIDES[corner] * (G[node, y] + lever[corner, node, None] * G[node, psi])
-    return rows, bounds[corner, node]
-
-
-def condensed(
-    A: np.ndarray, B: np.ndarray, defects: np.ndarray, start: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Return e and G; states after each interval deviate from their nodes by e + G @ change of the rates."""
-    # The recursion off_(k+1) = A_k off_k + B_k change_k + defect_k, so that the rates alone remain in the program.
-    intervals, n = B.shape
-    step = np.zeros((intervals, n + 1, n + 1))
-    step[:, :n, :n], step[:, :n, n], step[:, n, n] = A, defects, 1.0
-    both = np.zeros((intervals + 1, n + 1, intervals + 1))
-    both[0, :n, -1], both[0, n, -1] = start, 1.0
-    for k in range(intervals):
-        np.dot(step[k], both[k], out=both[k + 1])
-        both[k + 1, :n, k] = B[k]
-    return both[1:, :n, -1], both[1:, :n, :-1]
-
-
-def tracking_cost(
-    off: np.ndarray, G: np.ndarray, rates: np.ndarray, weights: Weights, beyond: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Return H and f of the cost of deviations from the reference and of turning the rudder."""
-    weighted = np.flatnonzero(weights.states)
-    root = np.sqrt(weights.states[weighted])
-    moved = (G[:-1, weighted] * root[:, None]).reshape(-1, len(rates))
-    wrong = (off[:-1, weighted] * root).ravel()
-    last = beyond @ G[-1]
-    H = moved.T @ moved + G[-1].T @ last
-    H.flat[:: len(rates) + 1] += weights.rate
-    return H, moved.T @ wrong + last.T @ off[-1] + weights.rate * rates
-
-
 def program_of(
     cost: tuple[np.ndarray, np.ndarray], rates: np.ndarray, rudders: tuple[np.ndarray, np.ndarray],
     clearance: tuple[np.ndarray, np.ndarray], limits: tuple[float, float], half_beam: float,
@@ -316,7 +259,7 @@ def solution(program: QuadraticProgram, seconds: float = 0.0) -> np.ndarray | No
     # recursive LDL^T updates, IEEE Transactions on Automatic Control 67(8), 4362-4369.
     with needs("control", "a predictive helm"):
         import daqp
-    if not all(map(np.isfinite, (program.H.sum(), program.f.sum(), program.rows.sum(), program.upper.sum()))):
+    if not math.isfinite(program.H.sum() + program.f.sum() + program.rows.sum() + program.upper.sum()):
         return None
     z, _, flag, _ = daqp.solve(
         program.H, program.f, program.rows, program.upper, program.lower, None,

@@ -6,9 +6,11 @@ covariance of the coefficients, grows with the offset and changes sign with it; 
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
+
+from narrows.codegen.cache import compiled_loops
+from narrows.control.predictive import plan_loops
 
 Variances = tuple[float, float, float]
 
@@ -25,19 +27,11 @@ class BankSpread:
     # (n, 2) One standard deviation, positive for a stronger suction, at equal steps from port to starboard [N, N m]
     forces: np.ndarray
 
-    @cached_property
-    def _cells(self) -> np.ndarray:
-        """Force and moment at the beginning of each cell, and their rise over it, (n - 1, 4)."""
-        return np.concatenate([self.forces[:-1], np.diff(self.forces, axis=0)], axis=1)
-
     def at(self, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return force and moment at places between the banks, and their derivatives, (places, 2) each."""
-        per_cell = (len(self.forces) - 1) / (2 * self.furthest)
-        position = (np.minimum(np.maximum(share, -self.furthest), self.furthest) + self.furthest) * per_cell
-        cell = np.minimum(position.astype(int), len(self.forces) - 2)
-        rows = self._cells[cell]
-        within = np.abs(share) < self.furthest
-        return rows[:, :2] + (position - cell)[:, None] * rows[:, 2:], rows[:, 2:] * (within * per_cell)[:, None]
+        step = 2 * self.furthest / (len(self.forces) - 1)
+        forces, slopes = compiled_loops(plan_loops).interpolate(self.forces, -self.furthest, step, share)
+        return forces, slopes
 
 
 @dataclass(frozen=True)
