@@ -227,7 +227,8 @@ def built() -> dict[str, Built]:
             way, along,
             {"line": nw.straight_waterway(nw.Canal(7.0), 100.0).line, "starboard": bank("starboard", 3.0),
              "port": bank("port", 3.0), "depths": (np.array([0.0, 500.0]), np.array([0.4, 0.4])), "current": 0.5,
-             "level": 0.1, "step": 0.5, "name": "other", "origin": (5.0, 52.0)},
+             "level": 0.1, "step": 0.5, "name": "other", "origin": (5.0, 52.0), "current_across": 0.02,
+             "current_shear": 0.01},
         ),
         "Configuration": Built(
             mmg().configuration, lambda own: _configured(own),

@@ -42,6 +42,15 @@ KINDS: dict[str, dict[str, Any]] = {
     "a bend": {"waterway": way(bend=0.8)},
     "a bend with a current by continuity": {"waterway": way(bend=-0.5, half=100.0, current=0.6)},
     "a current that turns": {"waterway": way(current=[(0.0, 0.5), (1000.0, -0.4), (LENGTH, 0.2)])},
+    "a current across": {"waterway": way(current_across=0.15)},
+    "a current across that turns, in a bend": {
+        "waterway": way(bend=0.5, current=0.4, current_across=[(0.0, -0.2), (1200.0, 0.3), (LENGTH, 0.0)])
+    },
+    "a current with a shear": {"waterway": way(half=100.0, current=0.3, current_shear=2e-3)},
+    "a field, a wind and shoals": {
+        "waterway": way(depth=11.6, current_across=[(0.0, 0.1), (LENGTH, -0.1)], current_shear=-1e-3),
+        "Y": 4e4,
+    },
     "shoals": {"waterway": way(depth=11.6)},
     "shoals in a current, their bottom not counted": {"waterway": way(depth=11.6, current=-0.3), "bottom": False},
     "a wind": {"Y": 4e4, "N": -1e6},

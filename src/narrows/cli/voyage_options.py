@@ -123,23 +123,39 @@ class WaterOptions:
     waterway: WaterwayFile = None
     current: CurrentText = None
     level: Annotated[float | None, Option(help="Water level above that of the waterway's depths [m].")] = None
+    current_across: Annotated[str | None, Option(help="Current to starboard of the line, likewise.")] = None
+    current_shear: Annotated[
+        str | None, Option(help="Rise of the current along for each metre to starboard [1/s]: 0.002; or 0:0.001,900:0.")
+    ] = None
 
     def read(self) -> "Waterway | None":
+        water = (self.current, self.level, self.current_across, self.current_shear)
         if self.waterway is None:
-            if self.current is not None or self.level is not None:
-                raise InputError("--current and --level are a waterway's; add --waterway, or leave them out")
+            if any(own is not None for own in water):
+                raise InputError(
+                    "--current, --current-across, --current-shear and --level are a waterway's; add --waterway, or "
+                    "leave them out"
+                )
             return None
         from narrows.waterway import read_waterway
 
-        return read_waterway(self.waterway).with_water(read_current(self.current), self.level)
+        across = read_current(self.current_across, "--current-across")
+        shear = read_current(self.current_shear, "--current-shear", shear=True)
+        return read_waterway(self.waterway).with_water(read_current(self.current), self.level, across, shear)
 
 
-def read_current(text: str | None) -> "float | list[tuple[float, float]] | None":
+def read_current(
+    text: str | None, option: str = "--current", shear: bool = False
+) -> "float | list[tuple[float, float]] | None":
     """Read the speed of a current [m/s], or pairs of a place [m] and the speed there: ``0:0.4m/s,2000:1m/s``."""
+
+    def number(text: str) -> float:
+        return float(numbers(option, text)[0]) if shear else read_speed(option, text)
+
     if text is None or ":" not in text:
-        return None if text is None else read_speed("--current", text)
+        return None if text is None else number(text)
     pairs = [pair.partition(":") for pair in text.split(",")]
-    return [(float(numbers("--current", place)[0]), read_speed("--current", speed)) for place, _, speed in pairs]
+    return [(float(numbers(option, place)[0]), number(speed)) for place, _, speed in pairs]
 
 
 @dataclass(frozen=True)

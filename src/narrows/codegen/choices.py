@@ -14,6 +14,9 @@ COLUMNS = (
 )  # fmt: skip
 # Numbers per cell: for each column the value at its start and the rise to the next.
 ROW = 2 * len(COLUMNS)
+# Further columns where the current is not along the line alone: its speed across, and the rise of that along it to
+# starboard.
+FIELD = ("across", "shear")
 # Speed through the water at which a ship touches the bottom or chokes the section [m/s]: an input in a straight canal,
 # the last column of the table of a waterway with known depths.
 AFLOAT_SPEED = "afloat_speed"
@@ -41,6 +44,8 @@ DIRECTIONS = 32
 AFTER = "{}_after".format
 
 Pushed = Literal["never", "always", "until"]
+# A current across: none; the same everywhere, an input of each vessel; or by place in a waterway's table, with a shear.
+Across = Literal["none", "uniform", "field"]
 
 
 # First-order stages that approximate the dead time of a gear: more make the delay sharper and each step dearer.
@@ -81,11 +86,17 @@ class Choices:
     # External forces: none, constant, or changing ones that end at ``push_end`` [s]
     pushed: Pushed = "never"
     bottom: bool = False  # True if bottom contact or a choked section ends a voyage
+    across: Across = "none"
+
+    @property
+    def columns(self) -> tuple[str, ...]:
+        """Columns of a waterway's table."""
+        return (*COLUMNS, *FIELD * (self.across == "field"), *(AFLOAT_SPEED,) * self.bottom)
 
     @property
     def row(self) -> int:
-        """Numbers per cell of a waterway's table."""
-        return ROW + 2 * self.bottom
+        """Numbers per cell of a waterway's table: for each column the value at its start and the rise to the next."""
+        return 2 * len(self.columns)
 
     @property
     def kept(self) -> tuple[str, ...]:
@@ -111,7 +122,7 @@ class Choices:
         return (
             *controls,
             *(("width", "depth") if self.waterway else ()),
-            *(INPUTS.values() if self.pushed == "until" else ()),
+            *(INPUTS.values() if self.pushed == "until" or self.across == "field" else ()),
         )
 
 

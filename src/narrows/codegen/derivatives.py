@@ -10,13 +10,14 @@ from functools import cached_property
 import sympy
 from sympy import Integer, sympify
 
-from narrows.codegen.choices import DIRECTIONS, LENGTH, ROW, Actuated
+from narrows.codegen.choices import DIRECTIONS, LENGTH, Actuated, Choices
 from narrows.codegen.free_motion import ACCELERATIONS, STATE, Expr, FreeMotion, symbol
 from narrows.codegen.kernels.elementary import module_text
 from narrows.codegen.linearisation import LINEARISED, arguments, controlled
 from narrows.codegen.lines import FUNCTIONS, Assignment, Lines, real, straight_lines
 from narrows.codegen.printers.python import Arithmetic, constants_text, function_text
-from narrows.codegen.step import Rates, Step
+from narrows.codegen.rates import Rates
+from narrows.codegen.step import Step
 from narrows.quantities.names import FORCES
 
 positive = FUNCTIONS["positive"]
@@ -231,12 +232,14 @@ class Tangent:
             yield f"    block[{i * DIRECTIONS} + lane] = {printer.doprint(slopes_out[name])}"
 
 
-def tangent_text(step: Step, kept: tuple[str, ...], moving: Sequence[str]) -> str:
+def tangent_text(step: Step, choices: Choices, moving: Sequence[str]) -> str:
     """Write the module that integrates a voyage with its derivatives."""
-    tangent, printer = Tangent(step.with_whole_steps(), kept, tuple(moving)), Arithmetic()
+    kept, printer = choices.kept, Arithmetic()
+    tangent = Tangent(step.with_whole_steps(), kept, tuple(moving))
     body = tangent.text(printer)
     numbers = {"INPUTS": tangent.inputs, "KEPT": len(kept), "MOVING": len(moving)}
-    return module_text("float64", ROW, "\n".join(f"{name} = {value!r}" for name, value in numbers.items()), body)
+    names = "\n".join(f"{name} = {value!r}" for name, value in numbers.items())
+    return module_text("float64", choices.row, names, body)
 
 
 def constants_slopes_text(rates: Rates) -> str:

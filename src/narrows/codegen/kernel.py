@@ -10,7 +10,8 @@ from narrows.codegen.kernels.elementary import module_text
 from narrows.codegen.lines import Lines, real
 from narrows.codegen.printers.lanes import LaneArithmetic, Lanes
 from narrows.codegen.printers.python import Arithmetic, constants_text, function_text
-from narrows.codegen.step import Rates, Step, ends_left, least_clearance
+from narrows.codegen.rates import Rates
+from narrows.codegen.step import Step, ends_left, least_clearance
 
 
 def kernel_text(lanes: Lanes, choices: Choices, precision: str) -> str:

@@ -11,7 +11,8 @@ from narrows.codegen.derivatives import coefficient_slopes, linear_slopes, with_
 from narrows.codegen.free_motion import INPUTS, OPEN, STATE, Expr, FreeMotion
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program, real
-from narrows.codegen.step import Rates, Step, least_clearance, rate_here, section_at, section_here, step_of
+from narrows.codegen.rates import Rates
+from narrows.codegen.step import Step, least_clearance, rate_here, section_at, section_here, step_of
 from narrows.codegen.tape import tape_of
 
 # Name in the lines of a caller's order to an actuator with a gear.
@@ -161,7 +162,7 @@ class Portable:
     def _section(self) -> Program:
         """Width and depth of the water at the ship's place."""
         lines = Lines()
-        at = section_at(lines, real("x"), ("starboard", "port", "depth"), "here")
+        at = section_at(lines, self.choices, real("x"), ("starboard", "port", "depth"), "here")
         return Program.of(lines, [at["starboard"] + at["port"], at["depth"]])
 
     def _linear(self, columns: slice) -> Program:
@@ -172,7 +173,7 @@ class Portable:
     def _by_coefficient(self) -> Program:
         lines, values = Lines(), self._values
         if self.waterway:
-            values, _ = section_here(lines, self.rates, values, "")
+            values, _ = section_here(lines, self.rates, self.choices, values, "")
         return Program.of(lines, coefficient_slopes(lines, self.rates, self.names, values))
 
 

@@ -4,144 +4,34 @@ It holds control law, actuators, the section of the water at the ship's place, R
 is a waterway with a constant section. Every engine prints these lines.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import partial
 
 import sympy
 
-from narrows.codegen.choices import AFLOAT_SPEED, AFTER, COLUMNS, COUNTED, LENGTH, SHARE, TIME, WATER, Actuated, Choices
+from narrows.codegen.choices import AFLOAT_SPEED, AFTER, COUNTED, FIELD, LENGTH, SHARE, TIME, WATER, Actuated, Choices
 from narrows.codegen.free_motion import (
-    ACCELERATIONS,
     CORNERS,
     INPUTS,
     MIDSHIP,
     OPEN,
     STATE,
     Expr,
-    FreeMotion,
     exact_number,
     point_names,
-    symbol,
 )
 from narrows.codegen.lines import (
     FUNCTIONS,
-    Assignment,
-    Constants,
     Lines,
     clipped,
     greatest,
     least,
     real,
-    straight_lines,
 )
+from narrows.codegen.rates import TURNED, Rates
+from narrows.physics.current import current_gradient
 from narrows.physics.rudder import gear_motion
-
-TURNED = ("cos_psi", "sin_psi", "u", "v", "r")
-
-
-@dataclass(frozen=True)
-class Rates:
-    """The rates of ``STATE`` by state, controls, section of the water and constants."""
-
-    motion: FreeMotion  # The equations of motion
-    # Quantities that change within a voyage besides the state: moving actuators, the section, external forces
-    moving: tuple[str, ...]
-    pushed: bool = False  # True if external forces act
-
-    @cached_property
-    def constants(self) -> Constants:
-        """Quantities that stay constant through a voyage, by their names in the lines."""
-        constants = self._parts[0]
-        return Constants(constants.parameters, dict(constants.table))  # Exports lift more into their own.
-
-    @property
-    def _parts(self) -> tuple[Constants, tuple[Expr, ...], tuple[list[Assignment], list[Expr]]]:
-        return _rate_lines(self.motion, self.moving, self.pushed)
-
-    @property
-    def parameters(self) -> dict[str, Expr]:
-        """Symbols that the constants are computed from, by the names of the vocabulary."""
-        used = set().union(*(expression.free_symbols for expression in self.constants.table))
-        return {name: symbol for name, symbol in self.motion.names.items() if symbol in used}
-
-    @property
-    def derivatives(self) -> tuple[Expr, ...]:
-        return self._parts[1]
-
-    @property
-    def lines(self) -> tuple[list[Assignment], list[Expr]]:
-        """The rates as straight lines with their results."""
-        return self._parts[2]
-
-    def depend_on(self, name: str) -> bool:
-        return any(symbol(name) in rate.free_symbols for rate in self.derivatives)
-
-    def inlined(self, lines: Lines, tag: str, values: Mapping[str, Expr]) -> dict[str, Expr]:
-        where = {symbol(name): value for name, value in values.items()}
-        results = lines.inline(f"e{tag}_", *self.lines, where)
-        return {name: lines.put(f"d{tag}_{name}", rate) for name, rate in zip(STATE, results, strict=True)}
-
-    # How a stage of a step gets its rates.
-    written = inlined
-
-    def program(self) -> tuple[Lines, dict[str, Expr]]:
-        lines = Lines()
-        names = {*STATE, *self.moving}
-        return lines, self.inlined(lines, "", {name: real(name) for name in names})
-
-
-# The call of a function of the rates, which its printer writes, and one of its results.
-RATES, ITEM = (sympy.Function(name, real=True) for name in ("rates", "item"))
-
-
-class CalledRates(Rates):
-    """Rates as a function that the stages of a step call: a compiler then reads their lines once."""
-
-    @cached_property
-    def arguments(self) -> tuple[str, ...]:
-        return tuple(name for name in (*STATE, *self.moving) if self.depend_on(name))
-
-    def written(self, lines: Lines, tag: str, values: Mapping[str, Expr]) -> dict[str, Expr]:
-        call = lines.put(f"rates_{tag}", RATES(*(values[name] for name in self.arguments)))
-        rates = zip(STATE, self.derivatives, strict=True)
-        items = {name: ITEM(call, place) if rate else rate for place, (name, rate) in enumerate(rates)}
-        return {name: lines.put(f"d{tag}_{name}", item) for name, item in items.items()}
-
-
-@lru_cache(maxsize=32)
-def _rate_lines(
-    motion: FreeMotion, moving: tuple[str, ...], is_pushed: bool
-) -> tuple[Constants, tuple[Expr, ...], tuple[list[Assignment], list[Expr]]]:
-    """Constants, derivatives of the state, and those as straight lines: the same for every law and contact."""
-    constants = Constants({s for name, s in motion.names.items() if name not in moving})
-    pushed = {f: symbol(INPUTS[f]) for f in motion.components} if is_pushed else {}
-    derivatives = _derivatives(motion, constants.lift, pushed)
-    return constants, derivatives, straight_lines(derivatives)
-
-
-def _derivatives(motion: FreeMotion, lift: Callable[[Expr], Expr], pushes: Mapping[str, Expr]) -> tuple[Expr, ...]:
-    c, s, u, v, r = (symbol(name) for name in TURNED)
-    basis = [lift(expression) for expression in motion.basis]
-    accelerations = dict.fromkeys(ACCELERATIONS, sympy.Integer(0))
-    for force, gains, row in zip(motion.components, motion.gains, motion.pushes, strict=True):
-        parts = [(lift(gain), function) for gain, function in zip(gains, basis, strict=True)]
-        pushed = sum((lift(part * pushes[f]) for f, part in zip(motion.components, row, strict=True) if f in pushes), 0)
-        accelerations[force] = _grouped(parts, (v, r)) + pushed
-    return (u * c - v * s, u * s + v * c, -r * s, r * c, *accelerations.values())
-
-
-def _grouped(parts: Iterable[tuple[Expr, Expr]], factors: Sequence[Expr]) -> Expr:
-    """Sum gains times functions with factors collected: v (k0 + k1 |v|), not k0 v + k1 |v| v."""
-    total, gathered = sympy.Integer(0), dict.fromkeys(factors, sympy.Integer(0))
-    for gain, basis in parts:
-        factor = next((f for f in factors if f in sympy.Mul.make_args(basis)), None)
-        if factor is None:
-            total += gain * basis
-        else:
-            gathered[factor] += gain * (basis / factor)
-    return total + sum((factor * inner for factor, inner in gathered.items()), sympy.Integer(0))
-
 
 # The classical Runge-Kutta method of order 4: places of its stages within the step.
 NODES = (sympy.Integer(0), sympy.Rational(1, 2), sympy.Rational(1, 2), sympy.Integer(1))
@@ -188,23 +78,25 @@ def step_of(rates: Rates, choices: Choices) -> Step:
     return Step(lines, out)
 
 
-def section_at(lines: Lines, x: Expr, columns: tuple[str, ...], tag: str) -> dict[str, Expr]:
-    """Write the water at a place from the table, linear between its nodes."""
+def section_at(lines: Lines, choices: Choices, x: Expr, columns: tuple[str, ...], tag: str) -> dict[str, Expr]:
+    """Write the water at a place from the table, linear between its nodes, with the slope of the current across."""
     position = lines.put(f"position_{tag}", FUNCTIONS["maximum"]((x - real("x_first")) * real("cells_a_metre"), 0))
     cell = lines.put(f"cell_{tag}", FUNCTIONS["whole"](FUNCTIONS["minimum"](position, real("last_cell"))))
     part = lines.put(f"part_{tag}", FUNCTIONS["minimum"](position - cell, 1))
     section = {}
     for name in columns:
-        first = 2 * (*COLUMNS, AFLOAT_SPEED).index(name)
+        first = 2 * choices.columns.index(name)
         start, rise = (lines.put(f"{name}_{k}_{tag}", FUNCTIONS["entry"](first + k, cell)) for k in range(2))
         section[name] = lines.put(f"{name}_{tag}", start + part * rise)
+        if name == "across":
+            section["across_slope"] = lines.put(f"{name}_slope_{tag}", rise * real("cells_a_metre"))
     return section
 
 
 def _water(lines: Lines, choices: Choices, column: str, x: Expr) -> Expr:
     """Write the water quantities of a control law at a place; a straight canal is the same everywhere."""
     if choices.waterway:
-        return section_at(lines, lines.put("seen", x), (column,), f"{column}_seen")[column]
+        return section_at(lines, choices, lines.put("seen", x), (column,), f"{column}_seen")[column]
     walls = {"keel_starboard": real("wall_starboard"), "keel_port": real("wall_port")}
     return walls.get(column, sympy.Integer(0))
 
@@ -215,7 +107,10 @@ def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict
         return {}, {}
     asked = {**z, "dt": real(LENGTH), "current": sympy.Integer(0)}
     if choices.waterway and "current" in choices.law.tape.inputs:
-        asked["current"] = lines.put("current_seen", real("current") * _water(lines, choices, "flow", z["x"]))
+        along = real("current") * _water(lines, choices, "flow", z["x"])
+        if choices.across == "field":
+            along += _water(lines, choices, "shear", z["x"]) * z["y"]
+        asked["current"] = lines.put("current_seen", along)
     inputs = {name: asked.get(name, real(name)) for name in choices.law.tape.inputs}
     water = {name: partial(_water, lines, choices, column) for name, column in WATER.items()}
     results = choices.law.tape.replay(inputs, exact_number, {**FUNCTIONS, **water})
@@ -271,7 +166,7 @@ def _controls(
 def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, Expr]:
     """External forces: others from where the middle of the step lies beyond their end."""
     if choices.pushed != "until":
-        return {}
+        return {name: real(name) for name in INPUTS.values() if choices.pushed == "always" and name in choices.moving}
     left = lines.put("push_left", real("push_end") - (z[TIME] + real(LENGTH) / 2))
     return {
         name: lines.put(f"{name}_now", FUNCTIONS["choice"](left, real(name), real(AFTER(name))))
@@ -280,35 +175,62 @@ def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, 
 
 
 def section_here(
-    lines: Lines, rates: Rates, values: Mapping[str, Expr], tag: str
+    lines: Lines, rates: Rates, choices: Choices, values: Mapping[str, Expr], tag: str
 ) -> tuple[dict[str, Expr], dict[str, Expr]]:
     """Write the local straight canal at a ship's place, and the waterway there by column."""
     columns = ("starboard", "port", *(("depth",) if rates.depend_on("depth") else ()), "curvature", "flow")
-    now = section_at(lines, values["x"], columns, f"stage{tag}")
+    columns += FIELD * (choices.across == "field")
+    now = section_at(lines, choices, values["x"], columns, f"stage{tag}")
     here = {
         "width": lines.put(f"width_{tag}", now["starboard"] + now["port"]),
         "depth": now.get("depth", real("depth")),
         "y": lines.put(f"off_{tag}", values["y"] - sympy.Rational(1, 2) * (now["starboard"] - now["port"])),
     }
+    if choices.across == "field":
+        here |= _in_gradient(lines, values, now, tag)
     return {**values, **here}, now
+
+
+def _in_gradient(lines: Lines, values: Mapping[str, Expr], now: Mapping[str, Expr], tag: str) -> dict[str, Expr]:
+    """Write the yaw rate through the water, and the forces on a floating ship's mass in a current that varies."""
+    slope = lines.put(f"across_rise_{tag}", now["across_slope"] / (1 - now["curvature"] * values["y"]))
+    c, s, u, v = (values[name] for name in TURNED[:4])
+    turn, *lost = current_gradient(c, s, u, v, slope, now["shear"])
+    mass = sympy.Mul(*(real(name) for name in ("density", "block_coefficient", "length", "beam", "draft")))
+    forces = {name: values.get(name, sympy.Integer(0)) for name in INPUTS.values()}
+    for name, acceleration in zip(forces, lost, strict=False):
+        forces[name] = lines.put(f"{name}_{tag}", forces[name] - mass * acceleration)
+    return {**forces, "r": lines.put(f"r_water_{tag}", values["r"] - turn)}
 
 
 def rate_here(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Expr], tag: str) -> dict[str, Expr]:
     """Write the rates in the waterway from those of the local straight canal."""
     if not choices.waterway:
-        return {**rates.written(lines, tag, values), COUNTED: values["r"]}
-    here, now = section_here(lines, rates, values, tag)
+        straight = rates.written(lines, tag, values)
+        return {**straight, COUNTED: values["r"], **_set_across(lines, choices, straight, {}, tag)}
+    here, now = section_here(lines, rates, choices, values, tag)
     straight, curvature = rates.written(lines, tag, here), now["curvature"]
-    over_ground = straight["x"] + real("current") * now["flow"]
-    pace = lines.put(f"pace_{tag}", over_ground / (1 - curvature * values["y"]))
+    along = real("current") * now["flow"] + now.get("shear", 0) * values["y"]
+    pace = lines.put(f"pace_{tag}", (straight["x"] + along) / (1 - curvature * values["y"]))
     turn = lines.put(f"turn_{tag}", values["r"] - curvature * pace)
     heading = {"cos_psi": -turn * values["sin_psi"], "sin_psi": turn * values["cos_psi"]}
     return {
         **straight,
         "x": pace,
         COUNTED: turn,
+        **_set_across(lines, choices, straight, now, tag),
         **{name: lines.put(f"d{tag}_{name}_", slope) for name, slope in heading.items()},
     }
+
+
+def _set_across(
+    lines: Lines, choices: Choices, rates: Mapping[str, Expr], now: Mapping[str, Expr], tag: str
+) -> dict[str, Expr]:
+    """Write the rate of y over the ground in a current across."""
+    if choices.across == "none":
+        return {}
+    across = now["across"] if choices.across == "field" else real("current_across")
+    return {"y": lines.put(f"d{tag}_y_", rates["y"] + across)}
 
 
 Rate = Callable[[Mapping[str, Expr], int], dict[str, Expr]]
@@ -360,7 +282,7 @@ def ends_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str
     if choices.bottom:
         most = real(AFLOAT_SPEED)
         if choices.waterway:
-            most = section_at(lines, z["x"], (AFLOAT_SPEED,), "ends")[AFLOAT_SPEED]
+            most = section_at(lines, choices, z["x"], (AFLOAT_SPEED,), "ends")[AFLOAT_SPEED]
         left["afloat"] = lines.put("left_afloat", most - abs(z["u"]))
     return left
 
@@ -370,7 +292,7 @@ def _walls(lines: Lines, choices: Choices, x: Expr) -> tuple[Expr, Expr]:
         return real("wall_starboard"), real("wall_port")
     kind = "keel" if choices.contact == MIDSHIP else "near"
     names = (f"{kind}_starboard", f"{kind}_port")
-    section = section_at(lines, x, names, "after")
+    section = section_at(lines, choices, x, names, "after")
     return section[names[0]], section[names[1]]
 
 

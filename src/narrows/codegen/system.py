@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from narrows.codegen.choices import Actuated, Choices
     from narrows.codegen.free_motion import Surge
     from narrows.codegen.linearisation import Linearisation
-    from narrows.codegen.step import Rates, Step
+    from narrows.codegen.rates import Rates
+    from narrows.codegen.step import Step
 
 # Values of the numbers that a caller may omit.
 DEFAULTS = dict.fromkeys(("X_in", "Y_in", "N_in", "heave", "surge_inertia"), 0.0)
@@ -47,10 +48,11 @@ class System:
     @cached_property
     def rates(self) -> "Rates":
         from narrows.codegen.free_motion import trace
-        from narrows.codegen.step import Rates
+        from narrows.codegen.rates import Rates
 
         motion = trace(self.tape, self._forces, self.surge, self.coriolis)
-        return Rates(motion, self.choices.moving, self.choices.pushed != "never")
+        choices = self.choices
+        return Rates(motion, choices.moving, choices.pushed != "never" or choices.across == "field")
 
     @cached_property
     def step(self) -> "Step":
@@ -85,7 +87,8 @@ class System:
     def key(self) -> tuple[object, ...]:
         law = self.choices.law
         told = (law.tape.text, law.memory, law.ordered) if law else ()
-        choices = (self.choices.contact, self.choices.waterway, self.choices.pushed, self.choices.bottom, told)
+        one = self.choices
+        choices = (one.contact, one.waterway, one.pushed, one.bottom, one.across, told)
         return (self.tape.text, self._forces, self.surge, self.coriolis, *choices)
 
     def constants(self, values: Mapping[str, Number]) -> dict[str, Number]:
@@ -118,7 +121,8 @@ class System:
             from narrows.codegen.kernel import kernel_text
             from narrows.codegen.kernels.queue import LANES
             from narrows.codegen.printers.lanes import Lanes
-            from narrows.codegen.step import CalledRates, step_of
+            from narrows.codegen.rates import CalledRates
+            from narrows.codegen.step import step_of
 
             rates = CalledRates(self.rates.motion, self.rates.moving, self.rates.pushed)
             lanes = Lanes(rates, step_of(rates, self.choices).with_whole_steps(), self.choices.kept, LANES)
@@ -132,7 +136,7 @@ class System:
         def text() -> str:
             from narrows.codegen.derivatives import tangent_text
 
-            return tangent_text(self.step, self.choices.kept, moving)
+            return tangent_text(self.step, self.choices, moving)
 
         return generated("tangent", (*self.key, moving), text)
 

@@ -40,6 +40,8 @@ def ship_to_export(
         raise InputError(
             f"a {type(controller).__name__} runs in Python alone; export a law in arithmetic, such as a regulator"
         )
+    if waterway is not None:
+        waterway.check_along_only("a file")
     ship = SimulatedShip(model, *choices)
     return ExportedShip(ship, waterway, prefix_of(path), steering_of(controller, ship.actuators))
 

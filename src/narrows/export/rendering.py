@@ -7,7 +7,7 @@ from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
-from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS, COUNTED, LENGTH, ROW
+from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS, COUNTED, LENGTH
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.codegen.portable import PLACES
 from narrows.codegen.printers.language import Language
@@ -158,7 +158,8 @@ def rendered(template: str, exported: ExportedShip, language: Language, **told: 
     sizes = {"speed": "state[4]", "abs_y": "state[1]", "abs_psi": turned, "abs_r": "state[6]"}
     measured = {**sizes, **_section_sizes(exported, language), **told.get("sizes", {})}
     rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # Results of ``rates``
-    alike = {"ship": exported, "prefix": exported.prefix, "row": ROW, "rates": rates, "number": language.literal,
+    alike = {"ship": exported, "prefix": exported.prefix, "row": exported.portable.choices.row, "rates": rates,
+             "number": language.literal,
              "cannot_integrate": CANNOT_INTEGRATE, "name": language.named, "beyond_bits": tuple(BEYOND.values()),
              "bits": f"{bits_in_words(exported.ship.model)}, {BEYOND['bottom'][0]} bottom",
              "tested": tuple(_tested(exported, language, measured))}  # fmt: skip

@@ -8,7 +8,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS
+from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS, FIELD, Across
 from narrows.codegen.free_motion import OPEN, Outline
 from narrows.codegen.kernels import event
 from narrows.codegen.run import NOWHERE, WaterTable
@@ -85,6 +85,11 @@ def _afloat(values: Mapping[str, Number]) -> tuple[Any, np.ndarray]:
     return known if known.ndim else float(known), np.atleast_1d(choking < touching)
 
 
+def across_of(waterway: "Waterway | None") -> Across:
+    """Return where a waterway has a current across, or a shear."""
+    return "field" if waterway is not None and waterway.has_current_field else "none"
+
+
 def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline, bottom: bool = False) -> Channel:
     from narrows.waterway.table import STEPS_A_BEAM
 
@@ -122,21 +127,23 @@ def _tabulated(
 
     known = _TABLES.setdefault(waterway.line, {})
     parts = waterway.starboard, waterway.port, waterway.depths
-    key = (draft, step, outline, waterway.level, waterway.current_pairs, *map(id, parts))
+    field = (np.asarray(one, float).tobytes() for one in (waterway.current_across, waterway.current_shear))
+    key = (draft, step, outline, waterway.level, waterway.current_pairs, *field, *map(id, parts))
     if key not in known:
         table = tabulate(waterway, draft, step)
         near = least_walls(table, np.array(outline))
-        cells = _cells(table, near)
+        columns = (*COLUMNS, *FIELD * waterway.has_current_field)
+        cells = _cells(table, near, columns)
         # The cache holds the waterway's parts, so that their memory addresses are not reused.
         known[key] = (table, cells)
         known[key, "parts"] = parts  # type: ignore[assignment]
     return known[key]
 
 
-def _cells(table: "WaterwayTable", near: "LeastWalls") -> np.ndarray:
+def _cells(table: "WaterwayTable", near: "LeastWalls", names: tuple[str, ...] = COLUMNS) -> np.ndarray:
     columns = {**vars(table), "near_starboard": near[0], "near_port": near[1]}
-    cells = np.empty((len(table.s) - 1, 2 * len(COLUMNS)))
-    for index, name in enumerate(COLUMNS):
+    cells = np.empty((len(table.s) - 1, 2 * len(names)))
+    for index, name in enumerate(names):
         cells[:, 2 * index], cells[:, 2 * index + 1] = columns[name][:-1], np.diff(columns[name])
     return cells
 

@@ -47,6 +47,8 @@ class ShipLanes:
         self, ship: SimulatedShip, states: Sequence[str], lanes: int, waterway: "Waterway | None" = None,
         coefficients: np.ndarray | None = None, *, pushed: bool = False, endless: bool = False,
     ) -> None:  # fmt: skip
+        if waterway is not None:
+            waterway.check_along_only("an estimate or a plan")
         # states: x, y, psi, u, v, r, then any of bank, current, current_across and rudder_bias. coefficients (lanes,
         # coefficients), the model's unless given. endless: beyond its ends the waterway has its last sections.
         self.ship, self.lanes, self.waterway, self.coefficients = ship, lanes, waterway, coefficients

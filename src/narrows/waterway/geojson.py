@@ -32,6 +32,7 @@ from narrows.waterway.waterway import Waterway
 # Largest distance between the bank of a bend and the line written for it [m].
 CHORD = 0.001
 FOOT = 0.3048
+CURRENT = ("current", "current_across", "current_shear")
 
 
 def read_waterway(path: str | Path) -> Waterway:
@@ -40,7 +41,8 @@ def read_waterway(path: str | Path) -> Waterway:
     A FeatureCollection of three LineStrings, each with a property ``role``: ``centreline``, ``starboard`` and ``port``,
     looking along the centreline. The centreline may have ``depth``: one number [m], or one for each of its points; or
     ``depths``: pairs [distance along it, depth], rising [m]; without them a depth of the banks counts. It may have
-    ``current``: its speed at the beginning [m/s], or pairs [distance along it, speed]. A sloped bank has ``profile``:
+    ``current``: its speed at the beginning [m/s], or pairs [distance along it, speed]; and likewise ``current_across``,
+    to starboard [m/s], and ``current_shear``, the rise of the speed to starboard [1/s]. A sloped bank has ``profile``:
     points [distance beyond its line, height above the bottom], outward [m]. Lines without roles are identified by their
     place. From two banks the centreline is computed; its direction is that of the first, or has the bank ``left`` to
     port.
@@ -69,9 +71,9 @@ def read_waterway(path: str | Path) -> Waterway:
         # Without a depth of the centreline that of the shallower bank counts.
         depths = told.get("centreline", min(told.values(), key=lambda own: own[1].min(), default=None))
         at = (float(origin[0]), float(origin[1]))
-        current = features["centreline"].properties.get("current")
+        water = {name: features["centreline"].properties.get(name) for name in CURRENT}
         way = Waterway(line, banks["starboard"], banks["port"], depths, name=Path(path).stem, origin=at)
-        return way.with_water(current=current)
+        return way.with_water(**water)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
 
@@ -139,8 +141,7 @@ def write_waterway(waterway: Waterway, path: str | Path) -> None:
         raise InputError(f"{waterway.name}: nothing says where on earth it is; give its origin, longitude and latitude")
     line, origin = waterway.line, np.array(waterway.origin)
     depth = {} if waterway.depths is None else {"depths": np.stack(waterway.depths, axis=1).tolist()}
-    current = waterway.current_pairs or waterway.reference_current
-    flow = {"current": current} if current else {}
+    flow = {name: np.asarray(own).tolist() for name in CURRENT if np.any(own := getattr(waterway, name))}
     features = [_feature("centreline", np.asarray(line.points), origin, {**depth, **flow})]
     for bank, sign in ((waterway.starboard, 1), (waterway.port, -1)):
         shape = {"profile": [list(point) for point in bank.profile]} if bank.profile else {}

@@ -8,6 +8,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.waterway.bank_clearance import GAUSS, PORT_BANK, STARBOARD_BANK, TURNED_AWAY
+from narrows.waterway.current_profile import profile_at
 from narrows.waterway.waterway import Waterway
 
 
@@ -31,6 +32,8 @@ class WaterwayTable:
     depth: np.ndarray  # (n,) Depth; NaN if unknown [m]
     curvature: np.ndarray  # (n,) Curvature of the line, to starboard [1/m]
     flow: np.ndarray  # (n,) Current along the line over that of the waterway [1]
+    across: np.ndarray | float = 0.0  # (n,) Current to starboard of the line [m/s]
+    shear: np.ndarray | float = 0.0  # (n,) Rise of the current along the line to starboard [1/s]
 
     @property
     def step(self) -> float:
@@ -147,8 +150,9 @@ def tabulate(waterway: Waterway, draft: float, step: float) -> WaterwayTable:
         np.fmin(wall, bank.keel(s, depth - draft)) for wall, bank in zip((starboard, port), banks, strict=True)
     )
     return WaterwayTable(
-        s, starboard, port, keel_starboard, keel_port, depth, waterway.line.curvature(s), waterway.flow(s)
-    )
+        s, starboard, port, keel_starboard, keel_port, depth, waterway.line.curvature(s), waterway.flow(s),
+        profile_at(waterway.current_across, s), profile_at(waterway.current_shear, s),
+    )  # fmt: skip
 
 
 def _integrated(curvature: np.ndarray, step: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,10 +1,9 @@
 """A waterway: a centreline, two banks, depths, a current and a level; a straight canal is its simplest case."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from narrows.results import BaseSummary
 from narrows.ship.particulars import Canal, Ship
 from narrows.waterway.banks import Bank
 from narrows.waterway.centreline import Centreline
+from narrows.waterway.current_profile import Profile, checked_profile, current_words, extent, profile_at
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 STATIONS = 2000
 # Depth greater than any sea's [m].
 DEEPEST = 12_000.0
-# Speed greater than any current [m/s].
-FASTEST = 100.0
 # Length over radius below which a line counts as straight, due to rounding.
 STRAIGHT = 1e-6
 # Length of a bend whose radius is given, over the width: shorter ones hardly turn a ship, and show scattered points.
@@ -54,7 +52,7 @@ class Waterway(BaseSummary):
         Places along the line, and the depth at each.
     current : float [m/s] or pairs
         Speed of the water along the line at its beginning, from where the same discharge passes every section; or
-        (place [m], speed [m/s]) pairs, linear between places. The water flows along the line, alike from bank to bank.
+        (place [m], speed [m/s]) pairs, linear between places.
     level : float [m]
         Water level above the datum of the depths.
     name : str
@@ -64,6 +62,10 @@ class Waterway(BaseSummary):
     step : float [m], optional
         Spacing of the nodes of the simulation's table, which is linear between them; default: a quarter of the ship's
         beam, which locates a contact within a hundredth of the beam.
+    current_across : float [m/s] or pairs
+        Speed of the water to starboard of the line, everywhere or as pairs.
+    current_shear : float [1/s] or pairs
+        Rise of the speed along the line for each metre to starboard of it, likewise.
 
     Raises
     ------
@@ -81,14 +83,17 @@ class Waterway(BaseSummary):
     starboard: Bank
     port: Bank
     depths: tuple[np.ndarray, np.ndarray] | None = None
-    current: "float | Sequence[Sequence[float]]" = 0.0
+    current: Profile = 0.0
     level: float = 0.0
     name: str = "waterway"
     origin: tuple[float, float] | None = None
     step: float | None = None
+    current_across: Profile = 0.0
+    current_shear: Profile = 0.0
 
     def __post_init__(self) -> None:
-        _checked_current(self.name, self.current)
+        for name in ("current", "current_across", "current_shear"):
+            checked_profile(self.name, name, getattr(self, name))
         is_number = isinstance(self.level, int | float | np.number) and not isinstance(self.level, bool)
         if not is_number or not abs(self.level) < DEEPEST:
             raise InputError(f"{self.name}: the level of {shown(self.level)} m is not one number; give metres")
@@ -154,7 +159,7 @@ class Waterway(BaseSummary):
 
     @cached_property
     def _current(self) -> float | tuple[tuple[float, float], ...]:
-        return _checked_current(self.name, self.current)
+        return checked_profile(self.name, "current", self.current)
 
     @property
     def current_pairs(self) -> tuple[tuple[float, float], ...]:
@@ -182,25 +187,49 @@ class Waterway(BaseSummary):
         deeper = 1.0 if self.depths is None else begin.depth / there.depth
         return np.asarray(begin.width / there.width * deeper)
 
-    def current_at(self, s: np.ndarray | float) -> np.ndarray:
+    @property
+    def has_current_field(self) -> bool:
+        """True if its current has a component across, or a shear."""
+        return bool(np.any(self.current_across) or np.any(self.current_shear))
+
+    def check_along_only(self, user: str) -> None:
+        """Raise if its current has a component across, or a shear.
+
+        Parameters
+        ----------
+        user : str
+            What does not take one, for the sentence.
+
+        Raises
+        ------
+        InputError
+            If it has; the sentence says how to leave it out.
+        """
+        if self.has_current_field:
+            remedy = "give one along the line: with_water(current_across=0, current_shear=0)"
+            raise InputError(f"{self.name} has a current across or a shear, which {user} does not take; {remedy}")
+
+    def current_at(self, s: np.ndarray | float, y: np.ndarray | float = 0.0) -> np.ndarray:
         """Return the speed of the water along the line at places [m/s].
 
         Parameters
         ----------
         s : array or float [m]
             Along the line.
+        y : array or float [m]
+            To starboard of the line.
         """
-        return self.reference_current * self.flow(s)
+        return np.asarray(self.reference_current * self.flow(s) + profile_at(self.current_shear, s) * y)
 
     def summary(self) -> str:
         """Describe its length, width, depth, sharpest bend and current."""
-        there, sharpest = self.section(self._stations), self.sharpest_bend
+        there, sharpest, s = self.section(self._stations), self.sharpest_bend, self._stations
         parts = [
-            f"{self.line.length:.4g} m long", f"{_between(there.width)} m wide",
-            "without a depth" if np.isnan(there.depth).all() else f"{_between(there.depth)} m deep",
+            f"{self.line.length:.4g} m long", f"{extent(there.width)} m wide",
+            "without a depth" if np.isnan(there.depth).all() else f"{extent(there.depth)} m deep",
             "straight" if sharpest is None else f"sharpest bend of {sharpest[0]:.3g} m radius over {sharpest[2]:.3g} m",
         ]  # fmt: skip
-        parts += [f"current {_between(self.current_at(self._stations))} m/s"] if self.reference_current else []
+        parts += current_words(self.current_at(s), self.current_across, self.current_shear, s)
         return f"{self.name}{self.place and f' ({self.place})'}: {', '.join(parts)}"
 
     @property
@@ -323,8 +352,9 @@ class Waterway(BaseSummary):
                 )
 
     def with_water(
-        self, current: "float | Sequence[Sequence[float]] | None" = None, level: float | None = None
-    ) -> "Waterway":
+        self, current: Profile | None = None, level: float | None = None, current_across: Profile | None = None,
+        current_shear: Profile | None = None,
+    ) -> "Waterway":  # fmt: skip
         """Return the waterway with another current or level.
 
         Parameters
@@ -333,26 +363,11 @@ class Waterway(BaseSummary):
             Along the line at its beginning, or (place [m], speed [m/s]) pairs; its own unless given.
         level : float [m], optional
             Level above that of the depths; its own unless given.
+        current_across, current_shear : float or pairs, optional
+            Current to starboard [m/s], and rise of that along the line to starboard [1/s]; its own unless given.
         """
-        own = {"current": current, "level": level}
+        own = {"current": current, "level": level, "current_across": current_across, "current_shear": current_shear}
         return replace(self, **{name: value for name, value in own.items() if value is not None})  # type: ignore[arg-type]
-
-
-def _checked_current(name: str, current: Any) -> float | tuple[tuple[float, float], ...]:
-    """Return a current as a float, or as pairs of place and speed that rise."""
-    try:
-        # Rows of different length make no float array; text and booleans would be converted to floats.
-        kind, values = np.asarray(current).dtype.kind, np.asarray(current, float)
-    except (TypeError, ValueError, OverflowError):
-        kind, values = "O", np.array(np.nan)
-    rows = values.ndim == 2 and values.shape[1] == 2 and bool((np.diff(values[:, 0]) > 0).all())
-    speeds = values[:, 1] if rows else values
-    if kind not in "iuf" or not (values.ndim == 0 or rows) or not (np.abs(speeds) < FASTEST).all():
-        raise InputError(
-            f"{name}: the current {shown(current)} is invalid; give one speed in m/s for its beginning, or "
-            "(place, speed) pairs along it"
-        )
-    return tuple((float(place), float(speed)) for place, speed in values) if rows else float(values)
 
 
 def _turned(angle: np.ndarray) -> np.ndarray:
@@ -390,8 +405,3 @@ def straight_waterway(canal: Canal, length: float, heading: float = 0.0) -> Wate
     s, half = np.array([0.0, length]), np.full(2, canal.width / 2)
     depths = None if canal.depth is None else (s, np.full(2, canal.depth))
     return Waterway(Centreline(ends), Bank("starboard", s, half), Bank("port", s, half), depths, name="canal")
-
-
-def _between(values: np.ndarray) -> str:
-    """Return the lowest and highest, once if they are equal."""
-    return " to ".join(dict.fromkeys(f"{end:.4g}" for end in (float(np.nanmin(values)), float(np.nanmax(values)))))

@@ -14,7 +14,8 @@ from narrows.codegen.choices import BOOK, SHARED
 from narrows.codegen.free_motion import STATE, Expr
 from narrows.codegen.lines import Assignment, Lines, rounds
 from narrows.codegen.printers.python import Arithmetic
-from narrows.codegen.step import ITEM, RATES, CalledRates, Step
+from narrows.codegen.rates import ITEM, RATES, CalledRates
+from narrows.codegen.step import Step
 
 SPEED_LIMITS = {"u": "most_speed", "v": "most_speed", "r": "most_rate"}
 

@@ -74,6 +74,7 @@ def water_ahead(model: Model, waterway: "Waterway | None") -> WaterAhead:
     from narrows.waterway.table import tabulate
 
     waterway.check_fits(ship)
+    waterway.check_along_only("a plan")
     table = tabulate(waterway, ship.draft, waterway.step or ship.beam)
     depth = np.full_like(table.s, own_depth) if np.isnan(table.depth).all() else table.depth
     width, middle = table.starboard + table.port, (table.starboard - table.port) / 2

@@ -179,6 +179,7 @@ def _motion(
     }
     told = {"contact": "midship" if model.terms.feels_bank else "none", "u": u, **choices}
     if waterway is not None:
+        waterway.check_along_only("learning")
         told |= {"waterway": waterway, "x": waterway.line.length / 2}
     return RecordedMotion(model, positions, coefficients, told)
 
