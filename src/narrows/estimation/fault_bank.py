@@ -1,7 +1,7 @@
 """Fault isolation: a bank of filters over the recent readings, each with an error of one sensor.
 
 All filters explain the same readings; the most likely one names the faulty sensor, which is then left out. In its
-filter the error is a state: a small drift that began some time ago, or a recent step.
+filter the error is a state: a small drift from one of several onsets, or a recent step.
 
 References
 ----------
@@ -19,6 +19,7 @@ from narrows.estimation.filter_run import FilterRun, Moment, replay
 from narrows.estimation.sensors import is_white, slowed
 from narrows.estimation.settings import (
     BANK_THRESHOLD,
+    DRIFT_ONSETS,
     DRIFT_START,
     DRIFT_THRESHOLD,
     FAULT_PRIOR,
@@ -178,21 +179,20 @@ class FaultBank:
             wider = self._tried(self.faults, self.faulty(self.faults, slow).adopt(begun, before), moments, stuck, slow)
             if wider:
                 yield wider._replace(score=wider.score - FAULT_PRIOR)
-        onset = min(self._refused.values()) if refusing else t - JUDGE_WAIT * self.scale
-        place = max(bisect_left(moments, onset, key=lambda one: one.t) - 1, 0)
+        if base is None:
+            return
+        step = min(self._refused.values()) if refusing else t - JUDGE_WAIT * self.scale
+        onsets = [(t - ago * self.scale, DRIFT_START) for ago in DRIFT_ONSETS]
+        onsets.append((step, 1.0 if refusing else STEP_START))
         for one in suspects:
             more = self.faults | {one}
-            if more == self.faults:
-                continue
-            drift = self._tried(more, self.faulty(more).adopt(begun, before, DRIFT_START), moments, stuck)
-            if drift:
-                yield drift
-            if base and place < len(moments) - 1:
-                then = self.faulty(more).adopt(base.run.history[place].state, before, 1.0 if refusing else STEP_START)
-                step = self._tried(more, then, moments[place:], stuck)
-                if step:
+            for onset, size in onsets if more != self.faults else ():
+                place = max(bisect_left(moments, onset, key=lambda moment: moment.t) - 1, 0)
+                then = self.faulty(more).adopt(base.run.history[place].state, before, size)
+                tried = self._tried(more, then, moments[place:], stuck)
+                if tried:
                     known = _likelihood(base.run) - _likelihood(base.run, moments[place].t)
-                    yield step._replace(score=step.score + known)
+                    yield tried._replace(score=tried.score + known - math.log(len(onsets)))
 
     def _tried(
         self, faults: Faults, state: Gaussian, moments: list[Moment], stuck: Faults, slow: Faults | None = None

@@ -36,6 +36,8 @@ FAULT_STD, FAULT_WALK = 100.0, 0.3
 RUDDER_FAULT_STD, RUDDER_FAULT_TIME = math.radians(15.0), 60.0
 # Factor on the random walks of the velocities under a model fault: the size of a passing ship or another bank.
 MODEL_FAULT = 3.0
+# Beginnings of a drift that the bank tries [s ago, of the reference ship].
+DRIFT_ONSETS = (60.0, 30.0, 15.0)
 # Share of that standard deviation at the start of a drift, and at the start of a step that no gate refuses.
 DRIFT_START, STEP_START = 0.02, 0.1
 # Time [s, of the reference ship] for which a sensor is left out, unless its error becomes as small as its noise.
