@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from pages import Rows, markdown, publish, records
+from pages import Rows, markdown, part, publish, records
 from transits import BANKS, KINDS, ship, twin
 
 import narrows as nw
@@ -112,8 +112,8 @@ def shown(rows: Rows) -> str:
     found = [row for row in records(rows, "fault") if row["shift in transits [standard errors]"]]
     always = [row["fault"] for row in found if row["found"] == f"{TWINS} of {TWINS}"]
     heads = "fault", "shift in transits [standard errors]", "transits harmed", "found", "found where it harms"
-    hidden = [tuple(row[name] for name in heads) for row in found if row["fault"] not in always]
-    return f"Found in all {TWINS} transits: {', '.join(always)}.\n\n{markdown(heads, hidden)}"
+    hidden = part([row for row in found if row["fault"] not in always], *heads)
+    return f"Found in all {TWINS} transits: {', '.join(always)}.\n\n{hidden}"
 
 
 def without_fault() -> tuple[str, ...]:

@@ -6,12 +6,13 @@ KVLCC2 is estimated by the other ships. Its measured circles and zigzags are tho
 """
 
 import math
+import re
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 from manoeuvres import APPROACH, CIRCLES, OVERSHOOTS
-from pages import markdown, publish
+from pages import Rows, markdown, part, publish, records
 
 import narrows as nw
 from narrows.empirical.bank_evidence import BANK_EVIDENCE, BankEvidence, bank_effects, bank_prior, left_out_banks
@@ -237,5 +238,30 @@ def text(sailed: bool = True) -> str:
     ))  # fmt: skip
 
 
+def shown(rows: Rows) -> str:
+    """Formulas, trials, evidence and sources of spread; of the other tables what they come to."""
+    linear = records(rows, "ship", "coefficient")
+    alone, estimate = ([abs(float(re.search(r"([+-]\d+) %", row[name]).group(1))) for row in linear]
+                       for name in ("Clarke (1983) alone", "estimate by the other ships"))  # fmt: skip
+    hulls, banks = records(rows, "water"), records(rows, "ship", "coefficients")
+    places = [row for row in records(rows, "ship and canal") if int(row["as estimated"].split()[0]) > 50]
+    return "\n\n".join((
+        "Formulas over the known values of ships in deep water:",
+        part(records(rows, "coefficient")),
+        f"Errors of {len(linear)} linear coefficients of KVLCC2 and the KCS: median {np.median(alone):.0f} %, largest "
+        f"{max(alone):.0f} % by Clarke (1983) alone, as `clarke83` of the MSS toolbox; {np.median(estimate):.0f} and "
+        f"{max(estimate):.0f} % by the estimate from the other ships.",
+        f"Each ship estimated by the others: the 95 % intervals hold {hulls[-1]['in their 95 % interval']} of "
+        f"{hulls[-1]['coefficients']} coefficients of the hull, all but {hulls[-1]['outside']}; and "
+        f"{banks[-1]['in their 95 % interval']} of {banks[-1]['coefficients']} of the bank.",
+        "KVLCC2's 7 m model, from length, beam, draft and block coefficient, by the other ships:",
+        part(records(rows, "measure"), "measure", "median", "90 % interval", "measured, starboard and port"),
+        "Evidence on the bank's coefficients, in the form `distance`:",
+        part(records(rows, "ship", "tests")),
+        "Cases that stay controllable at 8 knots (in Suez 7), each with one source of spread switched off:",
+        part(places),
+    ))  # fmt: skip
+
+
 if __name__ == "__main__":
-    publish(__file__, "main-dimensions.md", text())
+    publish(__file__, "main-dimensions.md", text(), shown)

@@ -42,14 +42,20 @@ def cells(made: str) -> Rows:
     return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
 
 
+def part(rows: list[dict[str, str]], *heads: str) -> str:
+    """Write some columns of rows, or all."""
+    names = heads or tuple(rows[0])
+    return markdown(names, [tuple(row[name] for name in names) for row in rows])
+
+
 def kept(script: str) -> Rows:
     """Return all rows that a script has written beside it."""
     with Path(__file__).with_name(f"{script}.csv").open(encoding="utf-8", newline="") as file:
         return list(csv.reader(file))
 
 
-def records(rows: Rows, head: str) -> list[dict[str, str]]:
-    """Return the rows of one table, by the names of its columns; it begins with a head."""
-    start = next(i for i, row in enumerate(rows) if row[0] == head)
+def records(rows: Rows, *heads: str) -> list[dict[str, str]]:
+    """Return the rows of one table, by the names of its columns, of which the first are given."""
+    start = next(i for i, row in enumerate(rows) if tuple(row[: len(heads)]) == heads)
     own = list(takewhile(lambda row: len(row) == len(rows[start]), rows[start:]))
     return [dict(zip(own[0], row, strict=True)) for row in own[1:]]

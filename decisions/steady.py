@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from pages import Rows, markdown, publish, records
+from pages import Rows, markdown, part, publish, records
 from suez import CLEARANCES, measured
 
 import narrows as nw
@@ -325,10 +325,7 @@ def shown(rows: Rows) -> str:
     second = [row for row in records(rows, "twins") if row["twins"] in {KINDS[k].words for k in CHOSEN}]
     heads = "twins", "c_bank covered", "b_bank", "rudder at 5 m", "learned", "called contradicted"
     known = [name for name in first[0] if name != "errors assumed"]
-    return "\n\n".join((
-        markdown(tuple(known), [tuple(row[name] for name in known) for row in first]),
-        markdown(heads, [tuple(row[name] for name in heads) for row in second]),
-    ))  # fmt: skip
+    return f"{part(first, *known)}\n\n{part(second, *heads)}"
 
 
 def figure() -> Figure:
