@@ -17,7 +17,8 @@ import narrows as nw
 from narrows.terms.bank_forms import without_bank
 
 NO_DRIFT, PROPELLER_ON, PROPELLER_OFF = "BCDFHIJ", "BDIJ", "CFH"
-SHOWN, NO_BANK = ("delta", "distance"), "no bank"
+NO_BANK = "no bank"
+COMPARED = ("delta", "distance", "tuck", NO_BANK)
 HEAD = ("tests", "form", "force", "rmse_left_out", "coefficient", "value")
 KCS = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
 
@@ -76,63 +77,60 @@ def full_rows(found: dict[str, nw.Comparison]) -> Iterator[tuple[str, ...]]:
 
 
 def tables(found: dict[str, nw.Comparison]) -> Iterator[str]:
-    """Yield the errors of every form, and the coefficients of two."""
+    """Yield the errors of some forms, and the coefficients of one, and of two on the banks."""
     rows = list(full_rows(found))
     errors = {(label, name, force): error for label, name, force, error, _, _ in rows}
     yield "\nErrors of Y [N] and N [N m] on tests left out in turn:\n"
-    names = (*nw.FORMS, NO_BANK)
     yield markdown(
-        ("tests", *names),
-        [(label, *(f"{errors[label, name, 'Y']}, {errors[label, name, 'N']}" for name in names)) for label in found],
+        ("tests", *COMPARED),
+        [(label, *(f"{errors[label, name, 'Y']}, {errors[label, name, 'N']}" for name in COMPARED)) for label in found],
     )
-    yield "\nCoefficients with 95 % intervals; `decisions/bank_forms.csv` has those of all forms:\n"
+    yield "\nCoefficients with 95 % intervals:\n"
     cells = {(label, name, force): own for label, name, force, _, _, own in rows}
-    yield markdown(
-        ("tests", "form", "b_bank", "c_bank"),
-        [(label, name, cells[label, name, "Y"], cells[label, name, "N"]) for label in found for name in SHOWN],
-    )
+    shown = [("delta", label) for label in found if "without" not in label] + [("distance", "banks, seven tests")]
+    rows = [(label, name, cells[label, name, "Y"], cells[label, name, "N"]) for name, label in shown]
+    yield markdown(("tests", "form", "b_bank", "c_bank"), rows)
 
 
 def sign_change() -> Iterator[str]:
     """Yield what the seven tests say of the depth at which suction turns to repulsion, and which tests would tell."""
     fit, plain = (nw.identify(steady(NO_DRIFT), nw.bank_only(form)) for form in ("distance_depth", "distance"))
     (low, high), near, far = fit.intervals["b_bank_depth"], fit.coefficients["b_bank_depth"], fit.coefficients["b_bank"]
-    told = "without 0: a change" if not low <= 0 <= high else "with 0 in it: no change that the tests establish"
+    told = "excludes" if not low <= 0 <= high else "contains"
     errors = fit.left_out["Y"].rmse, plain.left_out["Y"].rmse
     yield (
-        f"\nWith y_B and y_B T/(h - T) the seven tests put the change from suction to repulsion at h/T = "
-        f"{1 - near / far:.2f}. But the interval of b_bank_depth is {low:.3f} to {high:.3f}, {told}; and on tests left "
-        f"out the form errs by {errors[0]:.2f} N, y_B alone by {errors[1]:.2f} N."
+        f"\nBy `distance_depth` suction turns to repulsion at h/T = {1 - near / far:.2f} in the seven tests. But the "
+        f"interval of b_bank_depth, {low:.3f} to {high:.3f}, {told} 0, and on left-out tests the form errs by "
+        f"{errors[0]:.2f} N, `distance` by {errors[1]:.2f} N."
     )
     configuration = nw.Configuration(nw.Ship(4.01, 0.53, 0.18, 0.65), nw.Canal(6.33, 0.36))
     tank = nw.Tank(speeds=(0.458, 0.572), depths=(0.198, 0.216, 0.243, 0.36))
     terms = nw.with_bank(nw.PAPER, "distance_depth")
     plan = nw.plan_tests(configuration, 4, tank=tank, terms=terms, targets=("b_bank", "b_bank_depth"))
-    runs = "; ".join(
-        f"{row['kind']} at y = {row['offset']:.2f} m, {row['speed']:g} m/s, h/T = {row['depth'] / 0.18:.2f}"
-        for row in plan.rows()
+    runs = ", ".join(
+        " and ".join(dict.fromkeys(word.format(row[name]) for row in plan.rows()))
+        for name, word in (("offset", "y = {:.2f} m"), ("speed", "{:g} m/s"), ("depth", "depth {:.2f} m"))
     )
     yield (
-        f"\n`nw.plan_tests` proposes: {runs}. Four such runs of one hull along one wall would bring the "
-        f"standard error of b_bank_depth to {plan.std['b_bank_depth'][-1]:.4f}; the seven tests give "
-        f"{fit.std['b_bank_depth']:.3f}."
+        f"\n`nw.plan_tests` proposes four straight runs: {runs}. They would reduce the standard error of b_bank_depth "
+        f"from {fit.std['b_bank_depth']:.3f} to {plan.std['b_bank_depth'][-1]:.4f}."
     )
 
 
 def signs() -> Iterator[str]:
     """Yield the sign of the yaw moment on the clean cases, each predicted from the other tests."""
-    yield "\n| form | " + " | ".join(f"N on {name} [N m]" for name in "DFH") + " |\n|---|---|---|---|"
-    measured = {name: float(steady(name).columns["N"][0]) for name in "DFH"}
-    yield "| measured | " + " | ".join(f"{measured[name]:.2f}" for name in "DFH") + " |"
-    for form in nw.FORMS:
-        table = nw.bank_only(form)
+    rows = []
+    for name in "DFH":
         predicted = []
-        for name in "DFH":
+        for form in nw.FORMS:
+            table = nw.bank_only(form)
             model = nw.identify(steady(NO_DRIFT.replace(name, "")), table).model
             row = steady(name)
             values = {**row.configuration.values(), **{key: float(column[0]) for key, column in row.columns.items()}}
             predicted.append(sum(model.coefficients[term.name] * term.column(values) for term in table.yaw))
-        yield f"| {form} | " + " | ".join(f"{value:.2f}" for value in predicted) + " |"
+        ends = f"{min(predicted):.2f} to {max(predicted):.2f}"
+        rows.append((name, f"{steady(name).columns['N'][0]:.2f}", ends))
+    yield "\n" + markdown(("test", "measured N [N m]", "by the seven forms"), rows)
 
 
 def shown_sets() -> dict[str, nw.Comparison]:

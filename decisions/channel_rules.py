@@ -18,9 +18,9 @@ CASES = {
 
 
 def sources() -> str:
-    """Each rule, its content, its source and whether the source was read."""
-    rows = [(rule.name, rule.says, rule.source.partition(",")[0], rule.standing) for rule in CHANNEL_RULES]
-    return markdown(("rule", "says", "source", "its numbers"), rows)
+    """Each rule, its content and its source."""
+    rows = [(rule.name, rule.says, rule.source.partition(",")[0]) for rule in CHANNEL_RULES]
+    return markdown(("rule", "says", "source"), rows)
 
 
 def cases() -> str:
@@ -49,14 +49,14 @@ def cell(banks: list[list[dict[str, Any]]], wanted: tuple[str, float | None, flo
     if not found:
         return "-"
     if found[0]["speed_limit"] is not None:
-        return f"{found[0]['speed_limit']:.2f} knots, {100 * found[0]['of_choking']:.0f} % of choking"
+        return f"{found[0]['speed_limit']:.2f} knots, {100 * found[0]['of_choking']:.0f} %"
     offsets = ["none" if row["starboard"] is None else f"{row['starboard']:.0f}" for row in found]
     return " / ".join(offsets if len(set(offsets)) > 1 else offsets[:1])
 
 
 def text() -> str:
     """Two tables."""
-    left = "How far off the middle each leaves [m], at gentle / sloping / steep banks, and its speed limits:"
+    left = "Offset that each leaves [m], at gentle / sloping / steep banks, or its speed limit as a share of choking:"
     return f"{sources()}\n\n{left}\n\n{cases()}"
 
 

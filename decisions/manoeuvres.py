@@ -20,23 +20,24 @@ OVERSHOOTS = {"+10/10": (8.2, 21.9), "-10/10": (9.5, 15.0), "+20/20": (13.7, 14.
 
 
 def text() -> str:
-    """Circles, then zigzags: computed, measured, the difference."""
+    """Circles, then zigzags: computed and measured."""
     found = nw.sail_trials(nw.published("yasukawa2015_kvlcc2"), APPROACH).to_dict()
-    circles = []
+    names = ("advance", "transfer", "tactical_diameter")
+    circles, zigzags = [], []
     for order, measured in CIRCLES.items():
-        for name, value in zip(("advance", "transfer", "tactical_diameter"), measured, strict=True):
-            own = found["turning"][order][f"{name}_over_length"]
-            word = f"{name.replace('_', ' ')}/L"
-            circles.append((f"{order} deg", word, f"{own:.2f}", f"{value:.2f}", f"{100 * (own / value - 1):+.0f} %"))
-    zigzags = []
+        own = [found["turning"][order][f"{name}_over_length"] for name in names]
+        pairs = zip(own, measured, strict=True)
+        circles.append(
+            (f"{order} deg", *(f"{one:.2f}, {two:.2f} ({100 * (one / two - 1):+.0f} %)" for one, two in pairs))
+        )
     for order, measured in OVERSHOOTS.items():
-        for place, value in enumerate(measured):
-            own = found["zigzags"][order]["overshoots_deg"][place]
-            zigzags.append((order, ("first", "second")[place], f"{own:.1f}", f"{value:.1f}", f"{own - value:+.1f}"))
+        pairs = zip(found["zigzags"][order]["overshoots_deg"], measured, strict=False)
+        zigzags.append((order, *(f"{one:.1f}, {two:.1f}" for one, two in pairs)))
+    heads = (f"{name.replace('_', ' ')}/L" for name in names)
     return "\n\n".join(
         (
-            markdown(("rudder", "measure", "computed", "measured", "difference"), circles),
-            markdown(("zigzag", "overshoot", "computed [deg]", "measured [deg]", "difference [deg]"), zigzags),
+            markdown(("rudder", *heads), circles),
+            markdown(("zigzag", "first overshoot [deg]", "second [deg]"), zigzags),
         )
     )
 

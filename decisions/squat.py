@@ -44,18 +44,17 @@ def kcs(label: str) -> Iterator[Run]:
         )
 
 
-def rows_of(label: str, runs: list[Run]) -> Iterator[tuple[str, ...]]:
-    """One row for each formula that gives what was measured."""
-    for name, formula in nw.SQUAT.items():
-        seen = [(s, u, m[formula.gives]) for s, u, m in runs if formula.gives in m and u < nw.choke_speed(s)]
-        if not seen:
-            continue
-        told = np.array([formula.sinkage(s, u) for s, u, _ in seen])
-        measured = np.array([m for _, _, m in seen])
-        inside = sum(not formula.outside(s, u) for s, u, _ in seen)
-        bias, spread = 100 * np.median(told / measured - 1), 1e3 * np.sqrt(np.mean((told - measured) ** 2))
-        figures = (f"{1e3 * measured.mean():.2f}", f"{1e3 * told.mean():.2f}", f"{spread:.2f}", f"{bias:+.0f} %")
-        yield (label, f"`{name}`", formula.gives, f"{inside} of {len(seen)}", *figures)
+def cell(formula: nw.SquatFormula, runs: list[Run]) -> str:
+    """Root mean square and median error of a formula, and where not all runs are within its limits how many are."""
+    seen = [(s, u, m[formula.gives]) for s, u, m in runs if formula.gives in m and u < nw.choke_speed(s)]
+    if not seen:
+        return ""
+    told = np.array([formula.sinkage(s, u) for s, u, _ in seen])
+    measured = np.array([m for _, _, m in seen])
+    inside = sum(not formula.outside(s, u) for s, u, _ in seen)
+    bias, spread = 100 * np.median(told / measured - 1), 1e3 * np.sqrt(np.mean((told - measured) ** 2))
+    noted = "" if inside == len(seen) else f", {inside} of {len(seen)} within its limits"
+    return f"{bias:+.0f} %, {spread:.2f} mm{noted}"
 
 
 def limits(formula: nw.SquatFormula) -> str:
@@ -68,10 +67,10 @@ def text() -> str:
     about = [(f"`{name}`", own.gives, own.source, own.status, limits(own)) for name, own in nw.SQUAT.items()]
     sets = {"8000 TEU, 35 %, sloping bank": list(lataire())}
     sets |= {f"KCS, {said}": list(kcs(label)) for label, said in DEPTHS.items()}
-    means = ("measured [mm]", "formula [mm]", "RMSE [mm]", "median error")
-    header = ("runs", "formula", "sinkage", "within its limits", *means)
-    rows = [row for label, runs in sets.items() for row in rows_of(label, runs)]
-    return markdown(("formula", "gives", "source", "status", "limits"), about) + "\n\n" + markdown(header, rows)
+    means = (f"{label}, {1e3 * np.mean([m['midship'] for _, _, m in runs]):.1f} mm" for label, runs in sets.items())
+    rows = [(f"`{name}`", *(cell(own, runs) for runs in sets.values())) for name, own in nw.SQUAT.items()]
+    heads = ("formula", "gives", "source", "status", "limits")
+    return markdown(heads, about) + "\n\n" + markdown(("formula", *means), rows)
 
 
 if __name__ == "__main__":

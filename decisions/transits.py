@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 from other_hand import OtherTransit, misread
-from pages import markdown, publish
+from pages import Rows, markdown, part, publish, records
 
 import narrows as nw
 from narrows.logbook.sensor_grades import AIS, RTK, VDR, SensorGrade
@@ -271,11 +271,13 @@ def _share(cases: "np.ndarray | list[bool]") -> str:
     return f"{100 * np.mean(cases):.0f} %"
 
 
+OF_BANK = ("covered", "off, in standard errors", "standard error", "predicted")
 HEADS = (
-    "sensors and transits", "twins", "b_bank covered", "off, in standard errors", "standard error",
-    "predicted", "c_bank covered", "off", "standard error", "predicted", "c_bank unresolved", "reports a contradiction",
-    "did not converge",
+    "sensors and transits", "twins", *(f"{name} {word}" for name in BANKS for word in OF_BANK),
+    "c_bank unresolved", "reports a contradiction", "did not converge",
 )  # fmt: skip
+SHOWN = (0, 1, 2, 11, 15, 3, 4, 5, 6, 7, 8, 9, 18)
+"""Kinds of the page."""
 
 
 def text(kinds: tuple[Kind, ...] = KINDS, folder: Path | None = None) -> str:
@@ -287,10 +289,17 @@ def text(kinds: tuple[Kind, ...] = KINDS, folder: Path | None = None) -> str:
     return markdown(HEADS, rows)
 
 
+def shown(rows: Rows) -> str:
+    """Some kinds, without forecasts and mean errors."""
+    found = {row[HEADS[0]]: row for row in records(rows, HEADS[0])}
+    known = (f"{name} {word}" for name in BANKS for word in ("covered", "standard error"))
+    return part([found[KINDS[k].words] for k in SHOWN], HEADS[0], *known, "reports a contradiction")
+
+
 def _asked(option: str) -> str | None:
     return sys.argv[sys.argv.index(option) + 1] if option in sys.argv else None
 
 
 if __name__ == "__main__":
     chosen = tuple(KINDS[int(number)] for number in (_asked("--rows") or "").split(",") if number) or KINDS
-    publish(__file__, "learning.md", text(chosen, Path(kept) if (kept := _asked("--kept")) else None))
+    publish(__file__, "learning.md", text(chosen, Path(kept) if (kept := _asked("--kept")) else None), shown)

@@ -1,5 +1,6 @@
 """The table of transits: rows of the script, intervals that cover, and what the script computes."""
 
+import csv
 import importlib
 import sys
 from pathlib import Path
@@ -20,10 +21,14 @@ def script():
 
 def table() -> dict[str, list[str]]:
     """The cells of each row, by what sails."""
+    with (ROOT / "decisions" / "transits.csv").open(encoding="utf-8", newline="") as file:
+        return {row[0]: row for row in list(csv.reader(file))[1:]}
+
+
+def test_the_page_has_its_part(script) -> None:
     page = (ROOT / "docs" / "learning.md").read_text(encoding="utf-8")
-    kept = page.partition("<!-- made by decisions/transits.py -->\n")[2].partition("\n<!-- end -->")[0]
-    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in kept.splitlines()[2:]]
-    return {row[0]: row for row in rows}
+    block = page.partition("<!-- made by decisions/transits.py -->\n")[2].partition("\n<!-- end -->")[0]
+    assert block == script.shown(importlib.import_module("pages").kept("transits"))
 
 
 def share(cell: str) -> float:
