@@ -25,7 +25,7 @@ FOLDER = Path(__file__).parents[2] / "shared" / "data" / "kvlcc2_free_running"
 DEGREE = np.pi / 180
 SPREADS = (0.1, 0.2, 0.3)
 """Of the published coefficients, over their size."""
-SMOOTHED, ORDER = (1.0, 2.0, 4.0), 3
+SMOOTHED, ORDER = (2.0,), 3
 """Seconds over which equation error smooths, and the order of its polynomials."""
 STEP = 0.1
 """Of even times, for smoothing [s]."""
