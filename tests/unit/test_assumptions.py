@@ -1,12 +1,15 @@
 """Assumptions about values that a file does not give are told: density, verdicts, covariance, order of coordinates."""
 
+import copy
 import json
-from dataclasses import replace
+import re
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 import narrows as nw
+from narrows.export.passport import passport
 from narrows.report.printed_tables import print_waterway
 from narrows.waterway.geojson import read_line, waterway_from_line, write_waterway
 from tables import DTC_SHIP, frame_of, short_twin
@@ -37,21 +40,44 @@ def test_a_larger_ship_in_the_same_water_is_told() -> None:
     assert not any("keeps its density" in note for note in sea.notes)
 
 
-def test_every_door_tells_that_a_file_has_no_verdicts_and_no_covariance() -> None:
-    known = replace(
-        DTC, verdicts=dict.fromkeys(DTC.terms.names, "identified"), covariance=nw.identify(short_twin()).covariance
-    )
-    doors = {
-        "voyage": lambda model: nw.simulate(model, y=0.5, u=1.0, duration=1.0).notes,
-        "fleet": lambda model: tuple(nw.ensemble(model, y=[0.5], u=1.0, duration=1.0).attrs["notes"].splitlines()),
-        "linear": lambda model: model.linearize(u=1.0).notes,
-        "bank force": lambda model: nw.bank_force(model, 1.0, 0.5, 0.0).notes,
-        "scale": lambda model: nw.scale_model(model, 355.0).notes,
-        "model": lambda model: model.notes,
-    }
-    for name, notes in doors.items():
-        assert any("the model has no verdict and no covariance" in note for note in notes(DTC)), name
-        assert not any("is not known: the model has no" in note for note in notes(known)), name
+KNOWN = nw.published("estimated_kcs").to_dict()
+NO_RANGE = "gives no tested range of [^.]*"
+UNKNOWN = {
+    "verdicts": "the model has no verdict", "covariance": "the model has no covariance",
+    "data_range.speed": f"{NO_RANGE}speed", "data_range.abs_y": f"{NO_RANGE}offset",
+    "data_range.depth_to_draft": f"{NO_RANGE}depth", "data_range.width_to_beam": f"{NO_RANGE}width",
+    "water.density": "density is not given: 1000 kg/m3", "canal.depth": "depth of the canal is not known",
+}  # fmt: skip
+DOORS = {
+    "voyage": lambda model: nw.simulate(model, y=5.0, u=4.0, duration=1.0).notes,
+    "fleet": lambda model: nw.ensemble(model, y=[5.0], u=4.0, duration=1.0, samples=0).attrs["notes"].split("\n"),
+    "linear": lambda model: model.linearize(u=4.0).notes,
+    "bank force": lambda model: nw.bank_force(model, 4.0, 5.0, 0.0).notes,
+    "scale": lambda model: nw.scale_model(model, 115.0).notes,
+    "stability": lambda model: nw.stability(model, y=[5.0], u=[4.0]).attrs["notes"].split("\n"),
+    "steady course": lambda model: [nw.steady_course(model, u=4.0, y=5.0).notes],
+    "C file": lambda model: tuple(passport(model)),
+    "envelope": lambda model: (*(found := nw.safe_envelope(model, [0.0], [4.0], samples=20)).notes, found.summary()),
+}  # fmt: skip
+WITH_BOTTOM = ("voyage", "fleet", "envelope")  # Doors that count squat and the bottom
+
+
+@cache
+def told_of_known(door: str) -> str:
+    return " ".join(DOORS[door](nw.Model.from_dict(KNOWN)))
+
+
+@pytest.mark.parametrize("key", UNKNOWN)
+def test_every_door_tells_what_the_file_does_not_give(key: str) -> None:
+    tables, (section, _, name) = copy.deepcopy(KNOWN), key.partition(".")
+    del (tables[section] if name else tables)[name or section]
+    unknown = nw.Model.from_dict(tables)
+    for door, notes in DOORS.items():
+        assert not re.search(UNKNOWN[key], told_of_known(door)), door
+        told = re.search(UNKNOWN[key], " ".join(notes(unknown)))
+        assert told or (key == "canal.depth" and door not in WITH_BOTTOM), door
+    if not key.startswith(("verdicts", "covariance", "water")):
+        assert not nw.safe_envelope(unknown, [0.0], [4.0], samples=20).safe().any()
 
 
 def test_a_map_with_latitude_first_is_seen_by_the_place_that_is_told(

@@ -39,7 +39,7 @@ def passport(model: Model, covariance: bool = True) -> Iterator[str]:
     yield f"Model {model_hash(model)}, written by narrows {version('narrows')}. {LICENCE}"
     if model.source.text:
         yield f"Source: {model.source.text}."
-    yield from model.notes
+    yield from (note for note in model.notes if note != model.range_note)
     covered = [
         f"{measure.words} {measure.shown(*pair)}"
         for name, measure in MEASURES.items()

@@ -315,7 +315,9 @@ class _TrialShip:
         if not u > 0:
             raise InputError(f"an approach at {u} m/s is none; give its speed over 0")
         ship, hull = model.in_open_water(), model.configuration.ship
-        notes = [] if ship.surge_inertia > 0 else ["the speed is held: the model has no term for surge resistance"]
+        notes = list(model.configuration.notes)
+        if not ship.surge_inertia > 0:
+            notes.append("the speed is held: the model has no term for surge resistance")
         if model.configuration.steering is None and hull.length < MODEL_LENGTH:
             notes.append("the gear is as slow as a ship's, and this is a model's size: give [steering] its rate")
         if ship is not model:

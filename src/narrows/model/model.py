@@ -14,7 +14,7 @@ import numpy as np
 
 import narrows
 from narrows.errors import InputError, check_choice, did_you_mean, shown
-from narrows.model.data_range import DataRange
+from narrows.model.data_range import MEASURES, DataRange
 from narrows.model.sections import Source, fields_of, sections_of
 from narrows.quantities.names import MOTION, Number
 from narrows.results import BaseResult
@@ -182,7 +182,7 @@ class Model(Configured, Operations):
     @property
     def notes(self) -> tuple[str, ...]:
         """Main notes: the data of an estimate, and uncertain bank coefficients."""
-        return tuple(filter(None, (self.source.estimate, *self.bank_notes, *self.configuration.notes)))
+        return tuple(filter(None, (self.source.estimate, *self.bank_notes)))
 
     def summary(self) -> str:
         """Describe the ship, the terms and the origin of the numbers."""
@@ -348,8 +348,16 @@ class Model(Configured, Operations):
 
     @property
     def bank_notes(self) -> tuple[str, ...]:
-        """First notes on the banks: no bank force, or coefficients that tests do not determine for certain."""
-        return tuple(note for note in (self.bank_note, self.trust_note, self.unknown_note) if note)
+        """First notes on the banks: no force, uncertain or unknown coefficients, unknown ranges, assumed values."""
+        trust = (self.bank_note, self.trust_note, self.unknown_note, self.range_note)
+        return tuple(filter(None, (*trust, *self.configuration.notes)))
+
+    @property
+    def range_note(self) -> str:
+        """Note on tested ranges that the model does not give; nothing otherwise."""
+        asked = ("speed", "depth_to_draft", *(("abs_y", "width_to_beam") if self.feels_bank else ()))
+        missing = [MEASURES[name].short for name in asked if getattr(self.data_range, name) is None]
+        return f"The model gives no tested range of {', '.join(missing)}." if missing else ""
 
     @property
     def unknown_note(self) -> str:

@@ -146,11 +146,12 @@ UNKNOWN = "the file does not give the tested ranges of"
 
 
 def data_coverage(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> np.ndarray:
-    """Return which offsets and speeds the tests covered, (offsets, speeds); none if unknown."""
+    """Return which offsets and speeds the tests covered, (offsets, speeds); none in a section that is not known."""
     # offsets (n,) [m]; speeds (m,) [m/s]. A place nearer to the middle than the tests counts as covered.
     known = _to_the_middle(model)
     near, fast = known.covers("abs_y", np.abs(offsets)), known.covers("speed", speeds)
-    return np.asarray(model.feels_bank & np.asarray(near)[:, None] & np.asarray(fast)[None])
+    section = model.configuration.canal.depth and known.width_to_beam and known.depth_to_draft
+    return np.asarray(bool(model.feels_bank and section) & np.asarray(near)[:, None] & np.asarray(fast)[None])
 
 
 def _to_the_middle(model: Model) -> DataRange:
@@ -161,7 +162,7 @@ def _to_the_middle(model: Model) -> DataRange:
 def beyond_tests(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> tuple[str, ...]:
     # offsets (n,) [m]; speeds (m,) [m/s]
     asked = {"speed": speeds, "abs_y": np.abs(offsets).max(), **_section(model)}
-    return extrapolation(_to_the_middle(model), asked, IN_KNOTS, unknown=True)
+    return extrapolation(_to_the_middle(model), asked, IN_KNOTS)
 
 
 def untested_reasons(model: Model) -> str:

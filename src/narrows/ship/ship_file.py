@@ -81,12 +81,14 @@ def configuration_from(tables: Mapping[str, Any], file: str, actuators: Iterable
     try:
         main = {name: _section(cls, name, tables.get(name, {})) for name, cls in NEEDED.items()}
         parts = [_section(cls, name, tables[name]) for name, cls in sections.items() if name in tables]
-        density = main["water"].density
-        notes: tuple[str, ...] = (f"[water] density is not given: {density:g} kg/m3, that of fresh water, is assumed",)
-        notes *= "density" not in tables.get("water", {})
+        notes = () if "density" in tables.get("water", {}) else (assumed_density(main["water"].density),)
         return Configuration(**main, depths=dict(tables.get("depths", {})), notes=notes).with_parts(parts)
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
+
+
+def assumed_density(density: float) -> str:
+    return f"[water] density is not given: {density:g} kg/m3, that of fresh water, is assumed"
 
 
 def check_table(name: str, table: object, file: str) -> None:

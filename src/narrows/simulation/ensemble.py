@@ -169,11 +169,13 @@ def _run_here(run: KernelRun, grid: Grid, workers: int | None, progress: bool) -
 def notes_of(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
     model = run.ship.model
     varied = any(grid.values[term.name].dims for term in model.terms.terms if term.kind == TermKind.BANK)
-    bank = () if run.ship.shape == OPEN or (varied and not model.feels_bank) else model.bank_notes
+    without = run.ship.shape == OPEN or (varied and not model.feels_bank)
+    bank = model.configuration.notes if without else model.bank_notes
     coarse = _coarse(run, grid, voyages) if voyages.attrs["complete"] else ()  # After an interruption simulate no more
     share = float((voyages["outcome"] == Code.DIVERGED).mean())
     lost = f"The motion diverged in {share:.1%} of these voyages: shorten the time step or look at the coefficients."
-    water = water_notes(run.waterway, model.configuration.canal.depth)
+    known = run.waterway is None and (run.ship.shape == OPEN or "depth" in grid.values)
+    water = () if known else water_notes(run.waterway, model.configuration.canal.depth)
     return (*bank, *water, *coarse, *((lost,) if share else ()), *_beyond(run, grid, voyages))
 
 

@@ -220,7 +220,7 @@ def outside_notes(known: DataRange, moments: Sequence[Mapping[str, Any]], senten
 def water_notes(waterway: "Waterway | None", depth: float | None) -> tuple[str, ...]:
     """Notes on a passage: where the waterway lies, and the depth of the model if the waterway has none."""
     if waterway is None:
-        return ()
+        return () if depth else ("The depth of the canal is not known, so squat and the bottom are not counted.",)
     place = f"The waterway {waterway.name} lies {waterway.place_check}." if waterway.place else ""
     own = f"The waterway {waterway.name} has no depth; that of the model, {depth or 0:.4g} m, is used."
     none = f"The depth of the waterway {waterway.name} is not known, so squat and the bottom are not counted."

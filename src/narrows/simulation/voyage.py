@@ -357,8 +357,9 @@ class _Log:
         last = {name: float(column[-1]) for name, column in columns.items() if name != "rudder"}
         code, side = self._code_and_side(self.rows[-1].state)
         model = self.ship.model
-        bank = () if self.ship.shape == OPEN else model.bank_notes
-        water = water_notes(waterway, model.configuration.canal.depth)
+        is_open = self.ship.shape == OPEN
+        bank = model.configuration.notes if is_open else model.bank_notes
+        water = () if is_open and waterway is None else water_notes(waterway, model.configuration.canal.depth)
         notes = (*bank, *water, *self._beyond(columns), *self._coarse(dt))
         state = {name: last[name] for name in ("x", "y", "psi", "u", "v", "r")}
         distance = last["x"] - float(columns["x"][0])
