@@ -4,6 +4,7 @@ import io
 import re
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -156,6 +157,13 @@ REFUSED: dict[str, tuple[pd.DataFrame, str, Mend]] = {
         lambda f: f.rename(columns={"Ruderwinkel": "rudder [rad]"})),
     "a draft in millimetres": (
         CLEAN.assign(draft=163.0), r"'draft \[mm\]'", lambda f: f.rename(columns={"draft": "draft [mm]"})),
+    "an offset from the port bank": (
+        CLEAN.assign(y=CLEAN.y + 3.5), "subtract half the width, 3.5 m", lambda f: f.assign(y=f.y - 3.5)),
+    "an offset in millimetres": (headed({}, y=1e3), r"'y \[mm\]'", lambda f: f.rename(columns={"y": "y [mm]"})),
+    "a path in millimetres": (headed({}, x=1e3), r"head 'x \[mm\]'", lambda f: f.rename(columns={"x": "x [mm]"})),
+    "speeds in knots": (
+        headed({}, u=1 / KNOT, v=1 / KNOT), r"head 'u \[kn\]' and 'v \[kn\]'",
+        lambda f: f.rename(columns={"u": "u [kn]", "v": "v [kn]"})),
     "milliseconds without a unit": (
         headed({}, t=1e3), r"head 't \[ms\]'", lambda f: f.rename(columns={"t": "t [ms]"})),
     "velocities along the canal": (
@@ -188,6 +196,34 @@ def test_the_remedy_of_a_refusal_works(name: str) -> None:
     with pytest.raises(nw.InputError, match=sentence):
         nw.read_captive(frame, TESTS.configuration)
     same(nw.read_captive(mend(frame), TESTS.configuration))
+
+
+DTC = nw.published("mikkelsen2025_dtc")
+
+
+def straight_runs() -> pd.DataFrame:
+    """Straight runs of a row each: no motion that would show a mistake in another column."""
+    places = [(y, psi, u) for y in (-2.5, -1.0, 1.0, 2.5) for psi in (-0.07, 0.0, 0.07) for u in (0.6, 0.9)]
+    y, psi, speed = np.array(places).T
+    motion = {"y": y, "psi": psi, "u": speed * np.cos(psi), "v": -speed * np.sin(psi)}
+    forces = {name: force + np.sin(7 * np.arange(len(y))) for name, force in DTC.forces(**motion).items()}
+    still = dict.fromkeys(("r", "udot", "vdot", "rdot", "heave"), 0.0)
+    return pd.DataFrame({"test": [f"t{row}" for row in range(len(y))], **motion, **still, **forces})
+
+
+def test_what_straight_runs_contradict_is_told() -> None:
+    runs = straight_runs()
+    in_knots = runs.assign(u=runs.u / KNOT, v=runs.v / KNOT)
+    told = {
+        "exchanged in y": runs.assign(y=-runs.y), "is u in knots": in_knots, "": runs,
+    }  # fmt: skip
+    for words, table in told.items():
+        fit = nw.identify(nw.read_captive(table, DTC.configuration))
+        assert any(words in one for one in fit.implausible) if words else not fit.implausible, words
+    shallow = replace(DTC.configuration, canal=nw.Canal(7.0, 0.25))
+    with pytest.raises(nw.InputError, match=r"chokes the canal.*'u \[kn\]'"):
+        nw.read_captive(in_knots, shallow)
+    assert nw.read_captive(in_knots.rename(columns={"u": "u [kn]", "v": "v [kn]"}), shallow).rows == len(runs)
 
 
 DRAFTED: dict[str, tuple[pd.DataFrame, str]] = {

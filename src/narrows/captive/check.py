@@ -10,6 +10,7 @@ from narrows.captive import settings
 from narrows.captive.columns import COLUMNS
 from narrows.errors import InputError
 from narrows.model.masses import displacement
+from narrows.physics.squat_and_depth import critical_speed
 from narrows.quantities.names import GRAVITY
 from narrows.readers.cells import row_number
 from narrows.readers.headers import Column
@@ -65,7 +66,9 @@ def check_rates(columns: dict[str, np.ndarray], test: np.ndarray, by_name: dict[
             )
 
 
-def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], configuration: Configuration, table: str) -> None:
+def check_inside(
+    frame: pd.DataFrame, columns: dict[str, np.ndarray], configuration: Configuration, column: Column | None, table: str
+) -> None:
     """Raise if a hull corner touches or crosses a bank."""
     if not {"y", "cos_psi", "sin_psi"} <= columns.keys():
         return
@@ -74,10 +77,17 @@ def check_inside(frame: pd.DataFrame, columns: dict[str, np.ndarray], configurat
     touching = reach >= np.asarray(width) / 2
     if touching.any():
         row, first = row_number(frame, touching), int(np.argmax(touching))
-        y, width_there = columns["y"][first], float(np.broadcast_to(width, touching.shape)[first])
+        y, half = columns["y"], np.broadcast_to(np.asarray(width) / 2, touching.shape)
+        remedy = "check y, psi, their units and the ship file"
+        if (np.abs(y) < 2 * half).all() and (np.all(y > 0) or np.all(y < 0)):
+            middle = f"half the width, {half[first]:g} m"
+            remedy = f"if it counts from a bank, count it from the middle: {'subtract' if y[0] > 0 else 'add'} {middle}"
+            remedy += f" (from a bank to starboard, take it from {half[first]:g} m)" * bool(y[0] > 0)
+        elif column and not column.stated and (np.abs(y) / 1e3 + reach - np.abs(y) < half).all():
+            remedy = "head it 'y [mm]' if that is its unit"
         raise InputError(
-            f"{table}: row {row}, column 'y' = {y:g} m puts the hull on the bank of a canal "
-            f"{width_there:g} m wide; check y, psi, their units and the ship file"
+            f"{table}: row {row}, column 'y' = {y[first]:g} m puts the hull on the bank of a canal "
+            f"{2 * half[first]:g} m wide; {remedy}"
         )
 
 
@@ -98,6 +108,27 @@ def check_units(frame: pd.DataFrame, columns: Columns, by_name: Mapping[str, Col
                 f"{table}: row {row_number(frame, large)}, column {by_name[name].header!r} = {value:g} {unit} is too "
                 f"large for this ship; head it {header!r} if that is its unit, or '{name} [{unit}]'"
             )
+
+
+def check_speed(
+    frame: pd.DataFrame, columns: Columns, configuration: Configuration, column: Column | None, table: str
+) -> None:
+    """Raise if a speed without a unit is more than the section lets pass, or than any displacement hull reaches."""
+    if column is None or column.stated:
+        return
+    values = configuration.values()
+    section = {name: columns.get(name, values.get(name)) for name in ("beam", "draft", "width", "depth")}
+    most = np.asarray(settings.FASTEST * math.sqrt(GRAVITY * configuration.ship.length))
+    if section["depth"] is not None:
+        most = np.minimum(most, settings.PAST_CHOKING * critical_speed(**section))
+    fast = np.abs(columns["u"]) > most
+    if fast.any():
+        i = int(np.argmax(fast))
+        raise InputError(
+            f"{table}: row {row_number(frame, fast)}, column {column.header!r} = {columns['u'][i]:g} m/s is over "
+            f"{float(np.broadcast_to(most, fast.shape)[i]):.3g} m/s, where this ship chokes the canal or rides its own "
+            "wave; head it 'u [kn]' if that is its unit, or 'u [m/s]'"
+        )
 
 
 def check_mass(configuration: Configuration, table: str) -> tuple[str, ...]:

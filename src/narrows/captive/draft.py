@@ -182,7 +182,7 @@ def _disagreements(name: str, columns: dict[str, np.ndarray]) -> Iterator[float]
     for column, rate in rates_of(columns).items():
         part = rate if column == name else rate - without[column]
         own = float(np.sqrt(np.mean(part[inside] ** 2)))
-        if own > 0 and (column == name or name in RATES[column]):
+        if own > 0 and (column == name or (name in RATES[column] and column != "x")):  # The signs of x are free
             with np.errstate(all="ignore"):
                 away = (np.diff(columns[column]) / steps - rate)[inside]
             yield float(np.sqrt(np.mean(away**2))) / own

@@ -15,8 +15,10 @@ from narrows.readers.headers import Column
 
 DEGREE = math.pi / 180
 # Columns that determine the rate of each column.
-RATES = {"y": ("u", "v", "psi"), "psi": ("r",), "u": ("udot",), "v": ("vdot",), "r": ("rdot",)}
-SAYS = {"y": "what u, v and psi say", "psi": "r", "u": "udot", "v": "vdot", "r": "rdot"}
+RATES = {
+    "x": ("u", "v", "psi"), "y": ("u", "v", "psi"), "psi": ("r",), "u": ("udot",), "v": ("vdot",), "r": ("rdot",),
+}  # fmt: skip
+SAYS = {"x": "what u, v and psi say", "y": "what u, v and psi say", "psi": "r", "u": "udot", "v": "vdot", "r": "rdot"}
 
 # Columns whose signs are reversed together, the fewest first.
 MIRRORED = (
@@ -25,7 +27,18 @@ MIRRORED = (
 )  # fmt: skip
 
 TURNING = (("psi",), ("r",), ("rdot",), ("psi", "r"), ("r", "rdot"), ("psi", "r", "rdot"))
-MOVING = (("y",), ("u",), ("v",), ("vdot",), ("udot",), ("v", "vdot"), ("u", "v"), ("u", "v", "udot", "vdot"))
+MOVING = (
+    ("x",),
+    ("y",),
+    ("x", "y"),
+    ("u",),
+    ("v",),
+    ("vdot",),
+    ("udot",),
+    ("v", "vdot"),
+    ("u", "v"),
+    ("u", "v", "udot", "vdot"),
+)
 
 # Columns that are in another unit together: how many of the first unit one of the second is.
 UNITS = (
@@ -119,19 +132,20 @@ def kinematic_consistency(motions: MotionColumns) -> dict[str, Agreement]:
 def rates_of(columns: Columns) -> dict[str, np.ndarray]:
     """Return the rates of columns computed from other columns, midway between rows, (rows - 1,)."""
     known = [name for name, asked in RATES.items() if {name, *asked} <= columns.keys()]
-    rates = {
-        name: columns["u"] * np.sin(columns["psi"]) + columns["v"] * np.cos(columns["psi"])
-        if name == "y"
-        else columns[RATES[name][0]]
-        for name in known
-    }
-    return {name: 0.5 * (rate[1:] + rate[:-1]) for name, rate in rates.items()}
+    rates = {name: columns[RATES[name][0]] for name in known}
+    if "y" in known:
+        rates["y"] = columns["u"] * np.sin(columns["psi"]) + columns["v"] * np.cos(columns["psi"])
+    if "x" in known:
+        rates["x"] = columns["u"] * np.cos(columns["psi"]) - columns["v"] * np.sin(columns["psi"])
+    means = {name: 0.5 * (rate[1:] + rate[:-1]) for name, rate in rates.items()}
+    # A carriage may count x to either end of the tank.
+    return means | ({"x": np.copysign(means["x"], np.diff(columns["x"]))} if "x" in means else {})
 
 
 def _moves(motions: MotionColumns, name: str) -> bool:
     """Return whether a column varies by more than a carriage's vibration."""
     speed = float(np.abs(motions.columns.get("u", np.ones(1))).mean())
-    least = {"y": motions.length, "psi": 1.0, "u": speed, "v": speed, "r": speed / motions.length}[
+    least = {"x": motions.length, "y": motions.length, "psi": 1.0, "u": speed, "v": speed, "r": speed / motions.length}[
         name
     ] * settings.SHAKE
     return bool(np.std(motions.columns[name]) > least)

@@ -137,7 +137,8 @@ def checked(
     assumed = [name for name in ASSUMED if name not in columns]
     columns |= {name: np.zeros(len(frame)) for name in assumed}
     condition = _conditions(frame, columns, configuration, table)
-    check.check_inside(frame, columns, configuration, table)
+    check.check_inside(frame, columns, configuration, by_name.get("y"), table)
+    check.check_speed(frame, columns, configuration, by_name.get("u"), table)
     sense = _physical_sense(frame, columns, test, configuration, by_name, table)
     notes = [f"column {name!r} is absent: taken as 0" for name in assumed]
     notes += [] if "test" in frame else ["column 'test' is absent: all rows are taken as one test"]

@@ -44,3 +44,5 @@ TOTALS = ("mean", "average", "total", "sum", "std", "min", "max", "mittelwert", 
 # Largest sizes that a column without a unit may have
 DEEPEST = 100.0  # [1] water depth over draft
 WIDEST = 200.0  # [1] width of the canal over beam
+FASTEST = 0.5  # [1] Froude number by length, near which the wave resistance of a displacement hull is highest
+PAST_CHOKING = 1.3  # [1] speed over that which chokes the canal by one-dimensional theory

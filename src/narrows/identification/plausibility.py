@@ -11,6 +11,7 @@ from narrows.captive.tests import CaptiveTests, Tests
 from narrows.identification.design_matrix import ONE
 from narrows.identification.least_squares import Problem
 from narrows.identification.normal_equations import NormalEquations, score
+from narrows.model.froude import ittc57
 from narrows.model.masses import added_sway, added_yaw, ship_inertia, ship_mass
 from narrows.terms.term import TermKind, TermTable
 
@@ -28,6 +29,9 @@ SURE_PUSH = 3.0
 AXES = {"X": "X counted astern", "Y": "Y counted to port", "N": "N counted anticlockwise"}
 # Units of forces other than N and N m, and their factors.
 UNITS = {"kgf or kgf m": 9.80665, "kN or kN m": 1e3}
+# Resistance over the friction of the ITTC's line: every hull has more than 1, and knots read as m/s divide it by 3.8;
+# viscosity of fresh water at 20 degrees [m2/s]; least Reynolds number of the line.
+LEAST_DRAG, VISCOSITY, LEAST_REYNOLDS = 0.9, 1.0e-6, 1e5
 RUDDER_MOVES = math.radians(1.0)
 
 
@@ -48,7 +52,8 @@ def implausible(evidence: Judged) -> tuple[str, ...]:
     """Return the implausible results of a fit, each a sentence with its likely cause."""
     reversed_forces = [force for force in AXES if fits_reversed(evidence, force)]
     signs = [f"{force} of the other sign fits far better: is {AXES[force]}?" for force in reversed_forces]
-    signs += [] if "X" in reversed_forces else [push_sentence(evidence)]
+    signs += [] if "X" in reversed_forces else [push_sentence(evidence), drag_sentence(evidence)]
+    signs += [] if reversed_forces else [bank_sentence(evidence)]
     masses = [mass_sentence(evidence, mass) for mass in MASSES if mass.force not in reversed_forces]
     return tuple(sentence for sentence in (*signs, *masses, rudder_sentence(evidence)) if sentence)
 
@@ -79,6 +84,39 @@ def push_sentence(evidence: Judged) -> str:
     return (
         f"X pushes the ship the way it goes, by {means.mean():.2g} N in the mean of {len(means)} runs: is X counted "
         "astern, or does a propeller push?"
+    )
+
+
+def drag_sentence(evidence: Judged) -> str:
+    """Warn that X resists less than the friction of the hull; empty where it does not, or a propeller turns."""
+    tests, ship = evidence.tests, evidence.tests.configuration.ship
+    if not evidence.problem.terms.forces["X"] or not isinstance(tests, CaptiveTests) or "revolutions" in tests.columns:
+        return ""
+    u, density = tests.columns["u"], tests.configuration.water.density
+    fast = np.abs(u) > np.abs(u).max() / 2
+    speed = float(np.sqrt(np.mean(u[fast] ** 2)))
+    # Wetted surface by Denny and Mumford
+    surface = ship.length * (1.7 * ship.draft + ship.block_coefficient * ship.beam)
+    friction = 0.5 * density * surface * speed**2 * ittc57(max(speed * ship.length / VISCOSITY, LEAST_REYNOLDS))
+    drag = -float(np.mean(np.sign(u[fast]) * tests.columns["X"][fast]))
+    if not 0 < drag < LEAST_DRAG * friction:
+        return ""
+    return (
+        f"X resists with {drag:.2g} N in the mean, {drag / friction:.2g} of the friction of this hull at "
+        f"{speed:.2g} m/s: is u in knots ('u [kn]'), X in another unit, or does a propeller push?"
+    )
+
+
+def bank_sentence(evidence: Judged) -> str:
+    """Warn that both force and moment of the bank have the wrong sign; empty where they have not."""
+    names = [term.name for term in evidence.problem.terms.terms if term.from_bank]
+    if len(names) != 2 or not evidence.std.keys() >= set(names):
+        return ""
+    if any(evidence.unbounded[name] > -SURE * evidence.std[name] for name in names):
+        return ""
+    return (
+        "The nearer bank pushes the ship off and draws in its bow, the opposite of every published bank: are port and "
+        "starboard exchanged in y, or does y count from a bank?"
     )
 
 
