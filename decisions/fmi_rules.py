@@ -65,7 +65,7 @@ def by_rules(path: Path, fmi: int) -> str:
 
 
 def by_libcosim(path: Path, fmi: int) -> str:
-    """Whether libcosim loads and steps it; it knows FMI 2.0 alone."""
+    """What libcosim says where it loads and steps it; it knows FMI 2.0 alone."""
     if fmi != 2:
         return "knows FMI 2.0 alone"
     steps = (
@@ -74,7 +74,8 @@ def by_libcosim(path: Path, fmi: int) -> str:
         "e.add_local_slave(S(fmu_path=sys.argv[1], instance_name='ship')); assert e.simulate_until(1_000_000_000)"
     )
     done = subprocess.run([sys.executable, "-c", steps, path], capture_output=True, text=True)
-    return ABSENT if "ModuleNotFoundError" in done.stderr else counted(int(done.returncode != 0))
+    words = re.findall(r"\[(?:warning|error|fatal)\]", done.stdout)
+    return ABSENT if "ModuleNotFoundError" in done.stderr else counted(len(words) + (done.returncode != 0))
 
 
 def counted(problems: int) -> str:

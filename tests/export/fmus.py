@@ -41,7 +41,7 @@ class Imported:
         return self
 
     def place(self, name: str) -> int:
-        return int(self.variables[name].valueReference)
+        return int(self.variables[name].valueReference) if name in self.variables else {"time": 0}[name]
 
     def set(self, **values: float) -> None:
         setter = self.fmu.setReal if self.fmi == 2 else self.fmu.setFloat64
@@ -52,9 +52,7 @@ class Imported:
         return np.array(getter([self.place(name) for name in names]))
 
     def whole(self, name: str) -> int:
-        kind = self.variables[name].type
-        kinds = {"Boolean": "Boolean", "Enumeration": "Integer" if self.fmi == 2 else "Int64", "Integer": "Integer"}
-        return int(getattr(self.fmu, f"get{kinds.get(kind, kind)}")([self.place(name)])[0])
+        return int(getattr(self.fmu, f"get{self.variables[name].type}")([self.place(name)])[0])
 
     def put_states(self, values: Sequence[float]) -> None:
         array = (ctypes.c_double * len(values))(*values)

@@ -135,27 +135,40 @@ def test_model_exchange_is_the_solution_by_other_integrators(
     assert rows["aground"][-1] == 1
 
 
-def test_libcosim_sails_the_voyage(paper: Path) -> None:
+def test_libcosim_sails_two_ships_without_a_word(paper: Path, steered: Path, capfd: pytest.CaptureFixture[str]) -> None:
     """The Open Simulation Platform's co-simulation, FMI 2.0."""
     pytest.importorskip("libcosimpy", reason="libcosimpy is not installed")
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimObserver import CosimObserver
     from libcosimpy.CosimSlave import CosimLocalSlave
 
-    places = {one.name: one.valueReference for one in fmpy.read_model_description(str(paper)).modelVariables}
     execution = CosimExecution.from_step_size(step_size=round(DT * 1e9))
-    ship = execution.add_local_slave(CosimLocalSlave(fmu_path=str(paper), instance_name="ship"))
-    for name, value in START.items():
-        execution.real_initial_value(ship, places[name], value)
+    starts, ships = {"paper": START, "steered": {**START, "u": speed_of("steered")}}, {}
+    for path in (paper, steered):
+        places = {one.name: one.valueReference for one in fmpy.read_model_description(str(path)).modelVariables}
+        ship = execution.add_local_slave(CosimLocalSlave(fmu_path=str(path), instance_name=path.stem))
+        for name, value in starts[path.stem].items():
+            execution.real_initial_value(ship, places[name], value)
+        ships[path.stem] = ship, places
     seen = CosimObserver.create_last_value()
     execution.add_observer(seen)
-    voyage = nw.simulate(model_of("paper"), **START, duration=20.0, dt=DT)
-    for number in range(1, len(voyage.t) - 1):
+    voyages = {
+        name: nw.simulate(
+            model_of(name), **starts[name], duration=20.0, dt=DT, waterway=bent(name) if name == "steered" else None
+        )
+        for name in ships
+    }
+    for number in range(1, min(len(voyage.t) for voyage in voyages.values()) - 1):
         execution.simulate_until(target_time=number * round(DT * 1e9))
-        values = seen.last_real_values(slave_index=ship, variable_references=[places[name] for name in POSE])
-        np.testing.assert_allclose(values, [getattr(voyage, name)[number] for name in POSE], rtol=1e-12, atol=1e-12)
+        for name, (ship, places) in ships.items():
+            values = seen.last_real_values(slave_index=ship, variable_references=[places[one] for one in POSE])
+            wanted = [getattr(voyages[name], one)[number] for one in POSE]
+            np.testing.assert_allclose(values, wanted, rtol=1e-10, atol=1e-10)
     execution.simulate_until(target_time=20_000_000_000)
+    ship, places = ships["paper"]
     assert seen.last_boolean_values(slave_index=ship, variable_references=[places["aground"]]) == [True]
+    assert seen.last_integer_values(slave_index=ship, variable_references=[places["outcome"]]) == [1]
+    assert re.findall(r"\[(?:warning|error|fatal)\].*", capfd.readouterr().out) == []
 
 
 def test_derivatives_and_state(paper: Path) -> None:

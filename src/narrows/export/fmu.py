@@ -20,7 +20,6 @@ from narrows.export.exported_ship import ExportedShip
 from narrows.export.fmu_variables import (
     INTEGERS,
     KNOWNS,
-    OUTCOMES,
     REALS,
     UNKNOWNS,
     FmuVariable,
@@ -31,7 +30,7 @@ from narrows.export.fmu_variables import (
 )
 from narrows.export.native_build import NativeBuild, libraries_of_source
 from narrows.export.passport import passport
-from narrows.export.rendering import OUTCOME_CODES, commented, filled, places_in, rendered
+from narrows.export.rendering import commented, filled, places_in, rendered
 from narrows.export.ship_files import c_text, rates_of
 from narrows.model.model import Model
 from narrows.simulation.initial_state import voyage_defaults
@@ -57,9 +56,8 @@ def fmu_bytes(
     usual = voyage_defaults(model, speed)
     output = OUTPUT_STEPS * usual.dt
     stop = round(round(usual.duration / output) * output, 6)  # No step of a default experiment passes its end
-    outcomes = [(name, OUTCOME_CODES.index(name.upper()), words) for name, words in OUTCOMES.items()]
     description = description_text(
-        model, variables, fmi, identifier=identifier, token=token, stop=stop, output=output, outcomes=outcomes,
+        model, variables, fmi, identifier=identifier, token=token, stop=stop, output=output,
         derivatives="true",
     )  # fmt: skip
     sources = {"ship.h": header, "choices.h": _choices(exported, variables, token, speed, dt)}
@@ -152,17 +150,18 @@ def _constants_along(exported: ExportedShip, language: C) -> str:
 
 
 def description_text(model: Model, variables: tuple[FmuVariable, ...], fmi: int, **told: Any) -> str:
+    # FMI 2.0 has its event indicators and its time without a variable.
+    shown = tuple(one for one in variables if fmi > 2 or one.kind not in (Kind.INDICATOR, Kind.TIME_ITSELF))
     indices: dict[str, list[int]] = {"Outputs": [], "Derivatives": [], "InitialUnknowns": []}
-    for index, one in enumerate(variables, 1):
+    for index, one in enumerate(shown, 1):
         asked: dict[str, Any] = {
             "Outputs": one.kind.causality == "output", "Derivatives": one.derivative,
             "InitialUnknowns": one.kind.initial == "calculated" and one.kind is not Kind.INDICATOR,
         }  # fmt: skip
         for part, wanted in asked.items():
             indices[part] += [index] if wanted else []
-    shown = variables if fmi > 2 else tuple(one for one in variables if one.kind is not Kind.INDICATOR)
     return filled(
-        f"fmi{fmi}.xml.j2", variables=shown, all=variables, version=version("narrows"), number=repr, kinds=Kind,
+        f"fmi{fmi}.xml.j2", variables=shown, version=version("narrows"), number=repr, kinds=Kind,
         name=commented(model.configuration.ship.name), about=commented(" ".join(passport(model, covariance=False))),
         units={unit: unit_powers(unit) for unit in dict.fromkeys(one.unit for one in shown)},
         structure=indices, indicators=[one.reference for one in variables if one.kind is Kind.INDICATOR], **told,

@@ -33,7 +33,6 @@ class Kind(StrEnum):
     RATE = "d", "local", "continuous", "calculated"
     CALCULATED = "c", "output", "continuous", "calculated"
     TRUTH = "b", "output", "discrete", "calculated"
-    CHOICE = "e", "output", "discrete", "calculated"
     WHOLE = "i", "output", "discrete", "calculated"
     MOMENT = "o", "output", "discrete", "calculated"
     FIXED = "f", "parameter", "fixed", "exact"
@@ -50,11 +49,11 @@ PER_SECOND = {"m": "m/s", "rad": "rad/s", "m/s": "m/s2", "rad/s": "rad/s2"}
 # Outcomes of a voyage, in the order of the codes in C, with the reason in words.
 OUTCOMES = {
     "afloat": "the voyage goes on",
-    "grounded": "the hull has touched a bank; the ship lies still",
-    "diverged": "the numbers diverged; they are no longer valid",
-    "outside": "the heading lies across the canal; the ship lies still",
-    "astern": "the ship left the waterway at its beginning; it lies still",
-    "passed": "the ship has passed the end of the waterway; it lies still",
+    "grounded": "the hull has touched a bank and lies still",
+    "diverged": "the numbers are no longer valid",
+    "outside": "the ship lies across the canal and lies still",
+    "astern": "the ship left the waterway at its beginning and lies still",
+    "passed": "the ship has passed the end of the waterway and lies still",
 }
 # Longest step of co-simulation, as a multiple of the ship's default step: ten steps a ship length.
 LONGEST_STEP = 20.0
@@ -70,7 +69,7 @@ class FmuVariable:
     unit: str  # SI unit
     meaning: str  # Meaning in words
     start: float | None = None  # Start value, if it may be set
-    derivative: int = 0  # Index of the variable that it differentiates; 0 for none
+    derivative: int = 0  # Value reference of the variable that it differentiates; 0 for none
     bounds: tuple[float, float] = WIDEST  # Limits for an importer
     reference: int = 0  # Value reference
 
@@ -97,15 +96,15 @@ def _variables(exported: ExportedShip, speed: float, dt: float) -> Iterator[FmuV
     for name, unit, meaning in states:
         yield FmuVariable(name, Kind.STATE, unit, meaning, speed if name == "u" else 0.0)
     for number, (name, unit, _) in enumerate(states):
-        # The index of a variable is its place in the list, from 1.
-        yield FmuVariable(f"der({name})", Kind.RATE, PER_SECOND.get(unit, "1/s"), f"rate of {name}", None, number + 2)
+        yield FmuVariable(f"der({name})", Kind.RATE, PER_SECOND.get(unit, "1/s"), f"rate of {name}", None, number + 1)
     if exported.ship.shape != OPEN:
         for side in SIDES:
             yield FmuVariable(f"clearance_{side}", Kind.CALCULATED, "m", f"clearance to {side} of the hull")
     yield FmuVariable(
         "aground", Kind.TRUTH, "1", "whether the hull has touched a bank; from then on the ship lies still"
     )
-    yield FmuVariable("outcome", Kind.CHOICE, "1", "outcome of the voyage")
+    outcomes = "; ".join(f"{code} {name}, {words}" for code, (name, words) in enumerate(OUTCOMES.items()))
+    yield FmuVariable("outcome", Kind.WHOLE, "1", f"outcome of the voyage: {outcomes}")
     yield FmuVariable("side", Kind.WHOLE, "1", "side of the bank that was touched: 1 starboard, -1 port, 0 none")
     yield FmuVariable("outcome_time", Kind.MOMENT, "s", "time of the end of the voyage; 0 until then")
     beyond = f"{bits_in_words(exported.ship.model)}, {BEYOND['bottom'][0]} bottom"

@@ -88,7 +88,7 @@ def force_fmu(model: Model, identifier: str, fmi: int) -> bytes:
     token = token_of(header, identifier, fmi)
     variables = tuple(replace(one, reference=place) for place, one in enumerate(_variables(model)))
     description = description_text(
-        model, variables, fmi, identifier=identifier, token=token, stop=1.0, output=0.1, outcomes=(),
+        model, variables, fmi, identifier=identifier, token=token, stop=1.0, output=0.1,
         derivatives="false",
     )  # fmt: skip
     inputs = [one for one in variables if one.kind is Kind.INPUT]

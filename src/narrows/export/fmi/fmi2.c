@@ -77,7 +77,7 @@ EXPORT S fmi2GetBoolean(C c, const Ref r[], size_t n, fmi2Boolean v[]) {
 }
 EXPORT S fmi2GetInteger(C c, const Ref r[], size_t n, fmi2Integer v[]) {
     EACH(n) {
-        if (!may_get(c, r[i], WHOLES)) return fmi2Error;
+        if (!may_get(c, r[i], INTEGERS)) return fmi2Error;
         v[i] = (fmi2Integer)get(c, r[i]);
     }
     return fmi2OK;

@@ -77,7 +77,7 @@ EXPORT S fmi3Reset(C c) { return reset(c), fmi3OK; }
         EACH(n) { if (!may_get(c, r[i], KINDS_OF)) return fmi3Error; v[i] = (fmi3##T)get(c, r[i]); } \
         return fmi3OK; \
     }
-GET(Float64, REALS) GET(Int32, INTEGERS) GET(Int64, CHOICES)
+GET(Float64, REALS) GET(Int32, INTEGERS)
 EXPORT S fmi3GetBoolean(C c, const Ref r[], size_t n, fmi3Boolean v[], size_t nv) {
     if (n != nv) return fmi3Error;
     EACH(n) { if (!may_get(c, r[i], TRUTHS)) return fmi3Error; v[i] = get(c, r[i]) != 0.0; }
@@ -90,7 +90,7 @@ EXPORT S fmi3SetFloat64(C c, const Ref r[], size_t n, const fmi3Float64 v[], siz
 }
 #define NO_GET(T) EXPORT S fmi3Get##T(C c, const Ref r[], size_t n, fmi3##T v[], size_t nv) { return (void)r, (void)v, (void)nv, none(c, n); }
 #define NO_SET(T) EXPORT S fmi3Set##T(C c, const Ref r[], size_t n, const fmi3##T v[], size_t nv) { return (void)r, (void)v, (void)nv, none(c, n); }
-NO_GET(Float32) NO_GET(Int8) NO_GET(UInt8) NO_GET(Int16) NO_GET(UInt16) NO_GET(UInt32) NO_GET(UInt64) NO_GET(String)
+NO_GET(Float32) NO_GET(Int8) NO_GET(UInt8) NO_GET(Int16) NO_GET(UInt16) NO_GET(UInt32) NO_GET(Int64) NO_GET(UInt64) NO_GET(String)
 NO_SET(Float32) NO_SET(Int8) NO_SET(UInt8) NO_SET(Int16) NO_SET(UInt16) NO_SET(Int32) NO_SET(UInt32) NO_SET(Int64) NO_SET(UInt64)
 NO_SET(String) NO_SET(Boolean)
 EXPORT S fmi3GetBinary(C c, const Ref r[], size_t n, size_t s[], fmi3Binary v[], size_t nv) { return (void)r, (void)s, (void)v, (void)nv, none(c, n); }
