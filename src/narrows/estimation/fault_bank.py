@@ -15,6 +15,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
+import numpy as np
+
 from narrows.estimation.filter_run import FilterRun, Moment, replay
 from narrows.estimation.sensors import is_white, slowed
 from narrows.estimation.settings import (
@@ -32,12 +34,18 @@ from narrows.estimation.settings import (
     SAME_TIME,
     STEP_START,
     STUCK_READINGS,
+    WHITENESS_MEMORY,
+    WHITENESS_READINGS,
+    WHITENESS_THRESHOLD,
 )
 from narrows.estimation.ship_filter import MODEL, ShipFilter, Start
 from narrows.estimation.unscented import Gaussian
 from narrows.simulation.ship_lanes import RUDDER
 
 Faults = frozenset[str]
+
+# Share of the sums of a whiteness test, and of their variance, that remains after a reading.
+WHITENESS_FADING = (1.0 - 1.0 / WHITENESS_MEMORY) ** np.array([1, 2, 1, 1])
 
 
 class Hypothesis(NamedTuple):
@@ -51,12 +59,34 @@ class Hypothesis(NamedTuple):
 
 
 @dataclass
+class WhitenessTest:
+    """Fading autocorrelation of the innovations of a sensor from one reading to the next."""
+
+    # Mehra (1970), On the identification of variances and adaptive Kalman filtering, IEEE Transactions on Automatic
+    # Control 15: zero for the right noise.
+    readings: int = 0
+    last: np.ndarray | None = None
+    # Fading sums: products with the innovation before, the variance of that sum for unit variance, squares, components.
+    sums: np.ndarray = field(default_factory=lambda: np.zeros(4))
+
+    def statistic(self, innovation: np.ndarray) -> float:
+        """Add a whitened innovation; return the autocorrelation [standard deviations], 0 for the first readings."""
+        before = np.zeros_like(innovation) if self.last is None else self.last
+        self.sums *= WHITENESS_FADING
+        self.sums += innovation @ before, innovation.size, innovation @ innovation, innovation.size
+        self.readings, self.last = self.readings + 1, innovation
+        products, variance, squares, components = self.sums.tolist()
+        return products / math.sqrt(variance) * components / squares if self.readings >= WHITENESS_READINGS else 0.0
+
+
+@dataclass
 class FaultBank:
     filter: ShipFilter  # Filter without faults
     horizon: float  # Largest delay of a reading [s]
     faults: Faults = frozenset()  # Current faults: sensors, the rudder's indicator, the model
     slow: Faults = frozenset()  # Sensors with slow errors that were not declared
     _filters: dict[tuple[Faults, Faults], ShipFilter] = field(default_factory=dict)
+    _whiteness: dict[str, WhitenessTest] = field(default_factory=dict)
     _refused: dict[str, float] = field(default_factory=dict)
     _same: dict[str, tuple[tuple[float, ...], int]] = field(default_factory=dict)
     _since: dict[str, float] = field(default_factory=dict)
@@ -72,7 +102,7 @@ class FaultBank:
     def begin(self, t: float) -> None:
         self.slow = frozenset()
         self.faults, self._watched, self._next, self._routine = frozenset(), None, t, t
-        self._refused, self._same, self._since = {}, {}, {}
+        self._refused, self._same, self._since, self._whiteness = {}, {}, {}, {}
 
     def faulty(self, faults: Faults, slow: Faults | None = None) -> ShipFilter:
         """Return the filter with faults and undeclared slow errors, those found unless given."""
@@ -84,7 +114,10 @@ class FaultBank:
 
     def test_hypotheses(self, run: FilterRun) -> tuple[FilterRun, str]:
         """Return the run of the most likely hypothesis, and a sentence if the hypothesis changed."""
-        t = run.last.t
+        t, coloured = run.last.t, self.slow | self._coloured(run)
+        if coloured != self.slow:
+            state = self.faulty(self.faults, coloured).adopt(run.history[0].state, run.filter)
+            return self._adopted(run, Hypothesis(self.faults, state, run.history, run, 0.0, coloured), t)
         refusing, drifting, stuck = self._refusing(run, t), self._drifting(run, t), self._stuck(run)
         routine = bool(stuck - self.faults or self.faults) and t >= self._routine
         young = t - run.begun < REPLAY_TIME * self.scale
@@ -130,6 +163,16 @@ class FaultBank:
     def _white(self) -> Faults:
         """Receivers without a slow error, neither declared nor found."""
         return frozenset(name for name, one in self.filter.sensors.items() if is_white(one)) - self.slow
+
+    def _coloured(self, run: FilterRun) -> Faults:
+        """Return receivers that count as white and whose innovations are correlated."""
+        found = set()
+        for name in self._white - self.faults:
+            test = self._whiteness.setdefault(name, WhitenessTest())
+            innovations = [result.whitened[name] for result in run.results if name in result.nis]
+            if any(test.statistic(innovation) > WHITENESS_THRESHOLD for innovation in innovations):
+                found.add(name)
+        return frozenset(found)
 
     def _refusing(self, run: FilterRun, t: float) -> bool:
         """Return whether a sensor has been refused for a long time."""

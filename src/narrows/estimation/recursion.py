@@ -30,6 +30,7 @@ class UpdateResult(NamedTuple):
 
     state: Gaussian  # State after the readings
     nis: dict[str, float]  # Normalised innovation squared, by sensor [1]
+    whitened: dict[str, np.ndarray]  # Innovations over their standard deviations [1], 0 for gross errors, by sensor
     refused: tuple[str, ...]  # Sensors with a refused reading
     suspects: tuple[str, ...]  # Sensors with biased innovations
     surprising: tuple[str, ...] = ()  # Sensors of several kinds that contradict the model at once; they are used
@@ -162,7 +163,8 @@ class Recursion:
         if len(innovation):
             likelihood -= 0.5 * normalised_innovation_squared(innovation, covariance) if weigh else 0.0
             now = update(now, expected, innovation, covariance, sigma, self.measuring)
-        return UpdateResult(now, nis, refused, suspects, surprising, likelihood, drift)
+        by_sensor = {name: whitened[part] for name, part, _ in named}
+        return UpdateResult(now, nis, by_sensor, refused, suspects, surprising, likelihood, drift)
 
     def _agree(self, odd: tuple[str, ...], nis: Mapping[str, float]) -> bool:
         """Return whether sensors of several kinds agree against the prediction: then the model is wrong."""

@@ -28,6 +28,9 @@ JUDGE_WAIT = 5.0
 RESTART_TIME = 20.0
 # Equal readings in a row after which a sensor may be stuck and the bank is run.
 STUCK_READINGS = 20
+# Whiteness test: memory [readings], the first readings that it needs, and its threshold [standard deviations]: exceeded
+# by chance once in 30 000 independent tests.
+WHITENESS_MEMORY, WHITENESS_READINGS, WHITENESS_THRESHOLD = 200.0, 30, 4.0
 # Error of a faulty sensor, a Gauss-Markov process: its standard deviation [white standard deviations], wide enough for
 # a log stuck at 0, and its random walk [white standard deviations per root period], for a spoof by 0.5 m/s or a stuck
 # value.
