@@ -3,7 +3,7 @@
 python decisions/term_tables.py [--write]
 """
 
-from pages import markdown, publish
+from pages import Rows, markdown, part, publish, records
 
 import narrows as nw
 from narrows.terms.tables import BARE
@@ -33,5 +33,10 @@ def text() -> str:
     return markdown(HEADER, rows)
 
 
+def shown(rows: Rows) -> str:
+    """The errors, without the intervals of the bank."""
+    return part(records(rows, HEADER[0]), *HEADER[:-2])
+
+
 if __name__ == "__main__":
-    publish(__file__, "uncertainty.md", text())
+    publish(__file__, "uncertainty.md", text(), shown)

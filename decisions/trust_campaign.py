@@ -138,15 +138,16 @@ def text(twins: int = TWINS) -> str:
 
 
 def shown(rows: Rows) -> str:
-    """A row an error and its runs, with all sizes."""
+    """A row an error: its sizes and plans, and how often verdicts mislead."""
     found = records(rows, HEADER[0])
     lines = []
-    for name in dict.fromkeys(row[HEADER[0]] for row in found):
-        own = [row for row in found if row[HEADER[0]] == name]
-        sizes, missed = (", ".join(row[key].rstrip("%") for row in own) for key in HEADER[1:3])
-        lines.append((name.partition(": ")[2], sizes, missed))
+    for name in dict.fromkeys(row[HEADER[0]].rpartition(", ")[0] for row in found):
+        own = [row for row in found if row[HEADER[0]].startswith(name)]
+        sizes, missed = (sorted({float(row[key].rstrip("%")) for row in own}) for key in HEADER[1:3])
+        ends = [" to ".join(dict.fromkeys(f"{end:g}" for end in (values[0], values[-1]))) for values in (sizes, missed)]
+        lines.append((name.partition(": ")[2], *ends))
     silent = max(float(row[HEADER[3]].rstrip("%")) for row in found)
-    table = markdown((HEADER[0], "sizes", "identified and missed [%]"), lines)
+    table = markdown(("error", "size", "identified and missed [%]"), lines)
     return f"{table}\n\nVerdicts that do not name the error: at most {silent:.0f} %."
 
 

@@ -319,7 +319,7 @@ def text(folder: Path | None = None, others: bool = False) -> str:
 
 def shown(rows: Rows) -> str:
     """What an alert averts by predictor, by level and by truth."""
-    counted, levels, _, others = (row[0] for row in rows if len(row) == 1)
+    counted, levels, *_ = (row[0] for row in rows if len(row) == 1)
     parts = (
         markdown(("predictor", "averted at 10 [%]", "at 2 [%]", "left to act [s]"), [
             (row["predictor"], row["averted at 10 [%]"], row["averted at 2 [%]"], row["left to act [s]"])
@@ -329,10 +329,9 @@ def shown(rows: Rows) -> str:
         markdown(("level", "averted [%]", "left to act [s]", "false in 100 h"), [
             tuple(row.values())[:4] for row in records(rows, "level")
         ]),
-        others.partition(";")[0] + ":",
-        markdown(("truth", "contacts", "warning", "bound", "false in 100 h at the warning"), [
-            (row["truth"], row["contacts"], row["warning"], row["bound"], row["false in 100 h"].partition(";")[0])
-            for row in records(rows, "truth")
+        "The warning with truths of other kinds:",
+        markdown(("truth", "averted [%]", "false in 100 h"), [
+            (row["truth"], row["warning"], row["false in 100 h"].partition(";")[0]) for row in records(rows, "truth")
         ]),
     )  # fmt: skip
     return "\n\n".join((counted, *parts))

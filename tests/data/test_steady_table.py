@@ -39,12 +39,6 @@ def test_every_kind_has_its_row(script, tables) -> None:
     assert [row[0] for row in tables[1]] == [kind.words for kind in script.KINDS]
 
 
-def test_the_page_has_its_part(script) -> None:
-    page = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
-    block = page.partition("<!-- made by decisions/steady.py -->\n")[2].partition("\n<!-- end -->")[0]
-    assert block == script.shown(importlib.import_module("pages").kept("steady"))
-
-
 def test_intervals_cover_where_the_page_says_so(tables) -> None:
     for row in tables[1]:
         if row[0] not in NOT_COVERED:

@@ -25,12 +25,6 @@ def table() -> dict[str, list[str]]:
         return {row[0]: row for row in list(csv.reader(file))[1:]}
 
 
-def test_the_page_has_its_part(script) -> None:
-    page = (ROOT / "docs" / "learning.md").read_text(encoding="utf-8")
-    block = page.partition("<!-- made by decisions/transits.py -->\n")[2].partition("\n<!-- end -->")[0]
-    assert block == script.shown(importlib.import_module("pages").kept("transits"))
-
-
 def share(cell: str) -> float:
     return float(cell.rstrip("%")) / 100
 
