@@ -101,7 +101,7 @@ STRAIGHT = np.array([[0.0, 0.0], [0.0, 1000.0]])
         (STRAIGHT, [[50, 500], [50, 500]], "needs two points or more"),
         (STRAIGHT, [[50, 500], [50, float("nan")]], "needs two points or more"),
         (STRAIGHT, [50, 500], "needs two points or more"),
-        (CIRCLE, [[500, 10], [500, -10], [290, -300]], r"beyond the centre of the bend there, whose radius is 30\d m"),
+        (CIRCLE, [[500, 10], [500, -10], [290, -300]], r"beyond the centre of the bend there, of radius 30\d m"),
     ],
 )
 def test_banks_that_cannot_be_are_named_with_their_place(line: np.ndarray, points: list, said: str) -> None:

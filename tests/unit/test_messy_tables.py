@@ -95,6 +95,14 @@ READ: dict[str, pd.DataFrame | str | bytes] = {
     "Chinese": text(CHINESE),
     "Chinese of UTF-16": text(CHINESE, "\t").encode("utf-16"),
     "Chinese of Excel": text(CHINESE).encode("gb18030"),
+    "French": headed(
+        {"t": "Temps (s)", "test": "Essai", "psi": "Cap (deg)", "u": "Vitesse longitudinale (m/s)",
+         "r": "Vitesse de lacet (deg/s)", "Y": "Force transversale (N)", "N": "Moment de lacet (N.m)"}, psi=DEG, r=DEG),
+    "Japanese of a measuring computer": text(headed(
+        {"t": "時間 [s]", "test": "試験番号", "psi": "方位角 [deg]", "v": "横速度 [m/s]", "Y": "横力 [N]",
+         "N": "回頭モーメント [Nm]"}, psi=DEG)).encode("cp932"),
+    "dots over symbols": headed({"psi": "ψ [°]", "r": "ψ̇ [°/s]", "rdot": "ψ̈ [°/s²]", "vdot": "v̇"}, **IN_DEGREES),
+    "exponents of Fortran": CLEAN.assign(Y=CLEAN.Y.map(lambda force: f"{force:.9E}".replace("E", "D"))),
     "kilogram-force": headed({"X": "Fx [kgf]", "N": "Mz [kgf m]"}, X=1 / 9.80665, N=1 / 9.80665),
     "degrees a minute": headed({"r": "ROT [deg/min]"}, r=60 * DEG),
     "underscores": headed({"psi": "heading_deg", "r": "yaw_rate", "v": "sway_velocity"}, psi=DEG),
@@ -135,11 +143,14 @@ def same(found: nw.CaptiveTests, given: tuple[str, ...] = ("y", "psi", "u", "v",
         assert np.abs(found[rate] - TESTS[rate])[inner].max() < 0.05 * np.abs(TESTS[rate]).max(), rate
 
 
+WITHOUT_NOTE = ("empty columns at the end", "an index without a name", "exponents of Fortran")
+
+
 @pytest.mark.parametrize("name", READ)
 def test_a_table_is_read_as_the_clean_one(name: str, tmp_path: Path) -> None:
     found = nw.read_captive(put(tmp_path, READ[name]), TESTS.configuration)
     same(found)
-    assert len(found.notes) > len(TESTS.notes) or name in ("empty columns at the end", "an index without a name")
+    assert len(found.notes) > len(TESTS.notes) or name in WITHOUT_NOTE
 
 
 Mend = Callable[[pd.DataFrame], pd.DataFrame]

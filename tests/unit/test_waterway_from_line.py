@@ -3,9 +3,11 @@
 import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import narrows as nw
+from narrows.waterway.map_lines import unprojected
 
 # A meridian in the Suez Canal: 0.05 degrees of latitude are 5540 m on WGS84 there.
 LINE = {"type": "LineString", "coordinates": [[32.58, 30.00], [32.58, 30.05]]}
@@ -43,6 +45,66 @@ def test_swapped_banks_and_swapped_axes_are_told_from_a_bank_that_crosses(mirror
     path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
     with pytest.raises(nw.InputError, match=r"exchange their roles.*longitude before latitude"):
         nw.read_waterway(path)
+
+
+S = np.linspace(0, 6000, 61)
+AXIS = np.stack([0.8 * S, 0.6 * S + 300 * np.sin(S / 1500)], axis=1)
+AHEAD = np.gradient(AXIS, axis=0) / np.linalg.norm(np.gradient(AXIS, axis=0), axis=1)[:, None]
+ACROSS = np.stack([AHEAD[:, 1], -AHEAD[:, 0]], axis=1)
+BENDING = {"centreline": AXIS, "starboard": AXIS + 75 * ACROSS, "port": AXIS - 75 * ACROSS}
+"""Lines of a canal 150 m wide that bends [m]."""
+
+
+def degrees(points: np.ndarray) -> list:
+    return unprojected(points, np.array([9.2, 54.1])).tolist()
+
+
+def saved(path: Path, *shapes: tuple[str, object, dict]) -> Path:
+    features = [
+        {"type": "Feature", "properties": about, "geometry": {"type": kind, "coordinates": points}}
+        for kind, points, about in shapes
+    ]
+    path.write_text(json.dumps({"type": "FeatureCollection", "features": features}))
+    return path
+
+
+def test_of_a_canal_that_bends_latitude_first_is_told_for_certain(tmp_path: Path) -> None:
+    shapes = [("LineString", [point[::-1] for point in degrees(p)], {"role": r}) for r, p in BENDING.items()]
+    with pytest.raises(nw.InputError, match="only if latitude comes first; put longitude first"):
+        nw.read_waterway(saved(tmp_path / "turned.geojson", *shapes))
+    exchanged = zip(BENDING, (AXIS, BENDING["port"], BENDING["starboard"]), strict=True)
+    shapes = [("LineString", degrees(points), {"role": role}) for role, points in exchanged]
+    with pytest.raises(nw.InputError, match="exchange their roles"):
+        nw.read_waterway(saved(tmp_path / "exchanged.geojson", *shapes))
+
+
+def test_longitudes_may_count_to_360(tmp_path: Path) -> None:
+    shapes = [("LineString", [[x + 340, y] for x, y in degrees(p)], {"role": r}) for r, p in BENDING.items()]
+    assert nw.read_waterway(saved(tmp_path / "west.geojson", *shapes)).place == "about 54.12 N, 10.76 W"
+
+
+def test_a_width_at_each_point_makes_the_banks(tmp_path: Path) -> None:
+    widths = (150 + np.arange(61)).tolist()
+    line = ("LineString", degrees(AXIS), {"width": widths, "depth": 11})
+    read = nw.read_waterway(saved(tmp_path / "line.geojson", line))
+    assert float(read.section(read.line.length / 2).width) == pytest.approx(180, abs=3)
+    assert float(read.section(0.0).depth) == 11
+    with pytest.raises(nw.InputError, match="has 61 points; give each a width over 0 m"):
+        nw.read_waterway(saved(tmp_path / "few.geojson", (*line[:2], {"width": widths[1:]})))
+
+
+def test_an_area_may_end_with_its_line_and_hold_an_island(tmp_path: Path, cli) -> None:
+    around = np.array([[15, 0], [0, 15], [-15, 0], [15, 0]]) + AXIS[15] + 45 * ACROSS[15]
+    sides = [(BENDING["starboard"][part], BENDING["port"][part]) for part in (slice(0, 31), slice(30, 61))]
+    halves = [[degrees(np.concatenate([right, left[::-1], right[:1]]))] for right, left in sides]
+    halves[0].append(degrees(around))
+    area = saved(tmp_path / "area.geojson", *(("Polygon", rings, {}) for rings in halves))
+    axis, out = saved(tmp_path / "axis.geojson", ("LineString", degrees(AXIS), {})), tmp_path / "canal.geojson"
+    code, _, err = cli("waterway", area, "--line", axis, "--depth", 12, "-o", out)
+    assert (code, err) == (0, "")
+    read = nw.read_waterway(out)
+    widths = read.section(np.linspace(0.0, read.line.length, 1000)).width
+    assert (widths.min(), np.median(widths), widths.max()) == pytest.approx((75 + 45 - 15, 150, 150), abs=5)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Headers that laboratories use for the documented columns, in English, German, Dutch and Chinese."""
+"""Headers that laboratories use for the documented columns, in seven languages."""
 
 import re
 import unicodedata
@@ -15,30 +15,39 @@ from narrows.readers.headers import is_unit, parse_header
 
 # In lower case, without accents, units and punctuation.
 SYNONYMS = {
-    "t": ("time", "elapsed time", "time stamp", "timestamp", "zeit", "tijd", "时间"),
-    "test": ("run", "run no", "run number", "run id", "test no", "test number", "test id", "test name", "sheet", "no",
-             "versuch", "versuchsnummer", "lauf", "proef", "proefnummer", "试验", "试验编号", "工况"),
-    "x": ("x position", "longitudinal position", "langsposition", "laengsposition", "纵向位置"),
+    "t": ("time", "elapsed time", "time stamp", "timestamp", "zeit", "tijd", "时间", "temps", "tiempo", "時間"),
+    "test": ("run", "run no", "run number", "run id", "test no", "test number", "test id", "test name", "sheet",
+             "no", "versuch", "versuchsnummer", "lauf", "proef", "proefnummer", "试验", "试验编号", "工况", "essai",
+             "ensayo", "試験番号"),
+    "x": ("x position", "longitudinal position", "langsposition", "laengsposition", "纵向位置",
+          "position longitudinale", "posicion longitudinal"),
     "y": ("y position", "sway position", "lateral position", "transverse position", "lateral offset", "querablage",
-          "querposition", "dwarspositie", "横向位置"),
+          "querposition", "dwarspositie", "横向位置", "position transversale", "posicion transversal"),
     "psi": ("heading", "heading angle", "yaw angle", "kurswinkel", "gierwinkel", "koers", "koershoek", "ψ", "艏向角",
-            "航向角", "航向"),
+            "航向角", "航向", "cap", "rumbo", "方位角", "回頭角"),
     "u": ("surge velocity", "surge speed", "longitudinal velocity", "longitudinal speed", "forward speed",
-          "langsgeschwindigkeit", "laengsgeschwindigkeit", "langssnelheid", "纵向速度"),
+          "langsgeschwindigkeit", "laengsgeschwindigkeit", "langssnelheid", "纵向速度", "vitesse longitudinale",
+          "velocidad longitudinal", "前進速度"),
     "v": ("sway velocity", "sway speed", "lateral velocity", "transverse velocity", "quergeschwindigkeit",
-          "dwarssnelheid", "横向速度"),
-    "r": ("yaw rate", "yaw velocity", "rate of turn", "turn rate", "rot", "gierrate", "drehrate", "giergeschwindigkeit",
-          "draaisnelheid", "giersnelheid", "艏摇角速度", "转艏角速度"),
+          "dwarssnelheid", "横向速度", "vitesse transversale", "velocidad transversal", "横速度"),
+    "r": ("yaw rate", "yaw velocity", "rate of turn", "turn rate", "rot", "gierrate", "drehrate",
+          "giergeschwindigkeit", "draaisnelheid", "giersnelheid", "艏摇角速度", "转艏角速度", "ψ dot",
+          "vitesse de lacet", "velocidad de guinada", "回頭角速度"),
     "udot": ("surge acceleration", "longitudinal acceleration", "u dot", "du dt", "langsbeschleunigung",
-             "laengsbeschleunigung", "langsversnelling", "纵向加速度"),
+             "laengsbeschleunigung", "langsversnelling", "纵向加速度", "acceleration longitudinale",
+             "aceleracion longitudinal"),
     "vdot": ("sway acceleration", "lateral acceleration", "transverse acceleration", "v dot", "dv dt",
-             "querbeschleunigung", "dwarsversnelling", "横向加速度"),
-    "rdot": ("yaw acceleration", "r dot", "dr dt", "gierbeschleunigung", "gierversnelling", "艏摇角加速度"),
+             "querbeschleunigung", "dwarsversnelling", "横向加速度", "acceleration transversale",
+             "aceleracion transversal"),
+    "rdot": ("yaw acceleration", "r dot", "dr dt", "gierbeschleunigung", "gierversnelling", "艏摇角加速度", "ψ ddot",
+             "acceleration de lacet", "aceleracion de guinada", "回頭角加速度"),
     "heave": ("sinkage", "mean sinkage", "tauchung", "inzinking", "下沉", "下沉量"),
-    "X": ("surge force", "longitudinal force", "x force", "fx", "langskraft", "laengskraft", "langskracht", "纵向力"),
-    "Y": ("sway force", "lateral force", "side force", "transverse force", "y force", "fy", "querkraft", "dwarskracht",
-          "横向力"),
-    "N": ("yaw moment", "yawing moment", "n moment", "mz", "giermoment", "艏摇力矩", "转艏力矩"),
+    "X": ("surge force", "longitudinal force", "x force", "fx", "langskraft", "laengskraft", "langskracht", "纵向力",
+          "force longitudinale", "fuerza longitudinal", "前後力"),
+    "Y": ("sway force", "lateral force", "side force", "transverse force", "y force", "fy", "querkraft",
+          "dwarskracht", "横向力", "force transversale", "fuerza transversal", "横力"),
+    "N": ("yaw moment", "yawing moment", "n moment", "mz", "giermoment", "艏摇力矩", "转艏力矩", "moment de lacet",
+          "momento de guinada", "回頭モーメント"),
     "rudder": ("rudder angle", "ruderwinkel", "ruder", "roerhoek", "roer", "舵角"),
     "depth": ("water depth", "wassertiefe", "waterdiepte", "水深"),
     "draft": ("draught", "tiefgang", "diepgang", "吃水"),
@@ -114,7 +123,8 @@ def meant(header: str) -> tuple[str, str]:
 
 
 def plain(words: str) -> str:
-    bare = "".join(letter for letter in unicodedata.normalize("NFKD", words) if not unicodedata.combining(letter))
+    dotted = unicodedata.normalize("NFKD", words).replace("\u0307", " dot").replace("ψ\u0308", "ψ ddot")
+    bare = "".join(letter for letter in dotted if not unicodedata.combining(letter))
     return re.sub(r"[\W_]+", " ", bare.casefold()).strip()
 
 

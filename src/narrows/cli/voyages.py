@@ -188,8 +188,9 @@ def waterway(
         of_chart = file.suffix == ".000"
         if not of_chart and depth is None:
             raise InputError(f"{file} gives no depth; add --depth 16")
-        chart = read_chart(file) if of_chart else chart_of_area(file, depth or 0.0)
-        result = waterway_from_chart(chart, read_line(line), reach)
+        axis = read_line(line)
+        chart = read_chart(file) if of_chart else chart_of_area(file, axis, depth or 0.0)
+        result = waterway_from_chart(chart, axis, reach)
     if output:
         write_waterway(result, output)
     if json:

@@ -73,6 +73,7 @@ def floats(column: pd.Series) -> np.ndarray:
         if column.dtype.kind in "fiub" or not lost.any():
             return values
         plain = column.astype(str).str.replace("\u2212", "-").str.replace(THOUSANDS, _ungrouped, regex=True)
+        plain = plain.str.replace(r"(?<=[\d.])[dD](?=[+-]\d+$)", "e", regex=True)  # Fortran's exponent
         return np.where(lost, pd.to_numeric(plain, errors="coerce").to_numpy(dtype=float), values)
     except (TypeError, ValueError, ArithmeticError):
         return np.array([_float(cell) for cell in column])

@@ -74,7 +74,10 @@ def _options(dialect: Dialect) -> dict[str, Any]:
 def _counted(frame: pd.DataFrame, first: int) -> pd.DataFrame:
     """Rows by line number; pandas would take extra cells for row names."""
     if not isinstance(frame.index, pd.RangeIndex):
-        raise InputError(f"row {first + FIRST_ROW} has more cells than the header; give each column one header")
+        raise InputError(
+            f"row {first + FIRST_ROW} has more cells than the header; give each column one "
+            "header, and put words with spaces in quotes"
+        )
     frame.index = pd.RangeIndex(first, first + len(frame))
     return frame
 
@@ -271,14 +274,15 @@ def _sample(path: Path) -> tuple[str, list[tuple[int, str]]]:
 
 
 def _encoding(raw: bytes) -> str:
-    """Encoding by its byte-order mark, else the first of UTF-8, Chinese and Latin that is valid."""
+    """Encoding by its byte-order mark, else the first of UTF-8, Chinese, Japanese and Latin that is valid."""
     for mark, encoding in MARKS.items():
         if raw.startswith(mark):
             return encoding
-    for encoding in ("utf-8", "gb2312"):  # Bytes above 127 are even in number in Chinese, mostly alone in Latin.
+    for encoding in ("utf-8", "gb2312", "cp932"):  # Bytes above 127 come in pairs in Chinese, mostly alone in Latin.
         with suppress(UnicodeDecodeError):
-            codecs.getincrementaldecoder(encoding)().decode(raw, final=len(raw) < DIALECT_BYTES)
-            return encoding
+            text = codecs.getincrementaldecoder(encoding)().decode(raw, final=len(raw) < DIALECT_BYTES)
+            if encoding != "cp932" or not re.search(r"(?<![^\0-\x7f])[^\0-\x7f](?![^\0-\x7f])", text):
+                return encoding
     return "latin-1"
 
 

@@ -158,7 +158,7 @@ class BankLine:
             first = int(beyond.argmax())
             raise InputError(
                 f"the normal of the centreline at {s[first]:.0f} m meets the {self.side} bank beyond the centre of the "
-                f"bend there, whose radius is {1 / bend[first]:.0f} m; smooth the centreline, or mend the bank"
+                f"bend there, of radius {1 / bend[first]:.0f} m; give the centreline fewer points, or mend the bank"
             )
 
     def _refuse_crossing(self, s: np.ndarray, out: np.ndarray, beside: np.ndarray) -> None:

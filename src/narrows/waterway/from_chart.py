@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from narrows.errors import InputError, needs
-from narrows.waterway.banks import Bank, Normals, bank_from_points
+from narrows.waterway.banks import SLACK, Bank, Normals, bank_from_points
 from narrows.waterway.centreline import Centreline
 from narrows.waterway.geojson import read_features
-from narrows.waterway.map_lines import gdal, origin_of, projected
+from narrows.waterway.map_lines import TOUCHING, gdal, origin_of, projected
 from narrows.waterway.waterway import Waterway
 
 # Distance greater than any waterway's width [m].
@@ -51,19 +51,33 @@ def waterway_from_chart(chart: Chart, centreline: np.ndarray, reach: float = REA
     return Waterway(line, starboard, port, depths, name=chart.name, origin=(float(origin[0]), float(origin[1])))
 
 
-def chart_of_area(path: Path, depth: float) -> Chart:
+def chart_of_area(path: Path, centreline: np.ndarray, depth: float) -> Chart:
     """Return a map of water areas as a chart of one depth [m]: their edges are the banks."""
     with needs("charts", "an area of water"):
         import shapely
     areas = [one.geometry for one in read_features(path) if "Polygon" in str(one.geometry.get("type"))]
     try:
         parts = [part for area in areas for part in shapely.get_parts(shapely.from_geojson(json.dumps(area)))]
+        whole = shapely.union_all(shapely.force_2d(parts))
     except shapely.errors.GEOSException as error:
         raise InputError(f"{path}: has an invalid polygon ({error}); correct it") from None
     if not parts:
         raise InputError(f"{path}: has no area of water; give a polygon, or three lines without --line")
-    rings = [np.array(ring.coords)[:, :2] for part in parts for ring in (part.exterior, *part.interiors)]
-    return Chart(tuple(rings), tuple((part, depth) for part in parts), path.stem)
+    # Where the centreline leaves an area no bank closes it; an island that it crosses is a fault.
+    shores = [edge for part in shapely.get_parts(whole) for edge in _sides(part.exterior, centreline)]
+    islands = [np.array(ring.coords) for part in shapely.get_parts(whole) for ring in part.interiors]
+    return Chart((*shores, *islands), tuple((part, depth) for part in parts), path.stem)
+
+
+def _sides(ring: Any, centreline: np.ndarray) -> list[np.ndarray]:
+    """The pieces of a ring without the edges that a line crosses, each (n, 2)."""
+    import shapely
+
+    points = np.array(ring.coords)
+    edges = shapely.linestrings(np.stack([points[:-1], points[1:]], axis=1))
+    kept = edges[~shapely.dwithin(edges, shapely.LineString(centreline), TOUCHING)]
+    merged = shapely.get_parts(shapely.line_merge(shapely.multilinestrings(kept)))
+    return [np.array(part.coords) for part in merged]
 
 
 def _shores(banks: list[np.ndarray], line: Centreline, reach: float) -> tuple[np.ndarray, np.ndarray]:
@@ -84,6 +98,10 @@ def _bank(side: str, line: Centreline, points: np.ndarray, gaps: np.ndarray, rea
     corners = normals.corners() if len(points) > 1 else np.array([0.0, line.length])
     distance, piece = normals.first((corners[1:] + corners[:-1]) / 2)
     missing = ~(distance < reach)
+    if not missing.all():  # Short pieces without a bank at the ends: it goes on as it ends.
+        first, last = np.flatnonzero(~missing)[[0, -1]]
+        if max(corners[first], line.length - corners[last + 1]) <= SLACK * line.length:
+            corners, piece, missing = corners[first : last + 2], piece[first : last + 1], missing[first : last + 1]
     if missing.any():
         along = float(corners[int(missing.argmax())])
         raise InputError(

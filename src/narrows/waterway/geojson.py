@@ -18,6 +18,7 @@ from narrows.waterway.map_lines import (
     OTHERS,
     ROLES,
     Feature,
+    check_sides,
     into_degrees,
     joined,
     middle_line,
@@ -65,7 +66,7 @@ def read_waterway(path: str | Path) -> Waterway:
         origin = origin_of(points[drawn])
         features, metres = _roles(found, [projected(line, origin) for line in points])
         line = Centreline(metres["centreline"])
-        _check_sides(line, metres["starboard"], metres["port"])
+        check_sides(metres, origin)
         banks = {s: bank_from_points(s, metres[s], line, profile_of(features[s], s)) for s in ROLES[1:]}
         told = {role: own for role in ROLES if (own := _depths(features[role], line)) is not None}
         # Without a depth of the centreline that of the shallower bank counts.
@@ -76,15 +77,6 @@ def read_waterway(path: str | Path) -> Waterway:
         return way.with_water(**water)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
-
-
-def _check_sides(line: Centreline, starboard: np.ndarray, port: np.ndarray) -> None:
-    """Raise if both banks lie on the wrong side: their roles are exchanged, or the whole map is mirrored."""
-    if np.median(line.locate(starboard)[1]) < 0 < np.median(line.locate(port)[1]):
-        raise InputError(
-            "each bank lies on the side of the other as one sails along the centreline; exchange their roles, turn the "
-            "centreline round, or, where the file has latitude first, put longitude before latitude"
-        )
 
 
 def read_line(path: str | Path) -> np.ndarray:
@@ -185,16 +177,35 @@ def _lines(features: list[Feature], file: str) -> list[Feature]:
             f"--depth {depth} -o canal.geojson"
         )
     if len(lines) == 1 and set(roles) <= {"centreline"}:
+        if isinstance(widths := lines[0].properties.get("width", lines[0].properties.get("widths")), list):
+            return _with_banks(lines[0], [metres(one) for one in widths], file)
         raise InputError(
             f"{file}: has one line; with a width{examples[0]} and a depth{examples[1]} it is a waterway: "
             f"narrows waterway --line {name} --width {width} --depth {depth} -o canal.geojson"
         )
     if not features:
-        raise InputError(f"{file}: has no line; give three LineStrings, or two banks")
+        raise InputError(f"{file}: has no line; draw a centreline (then --line, --width and --depth), or two banks")
     rest = [one for one in lines if not one.role]
     if set(roles) == {"starboard", "port"} and len(rest) == 1:
         return [rest[0]._replace(properties={**rest[0].properties, "role": "centreline"}), *_named(features)]
     return _named(features) or lines
+
+
+def _with_banks(feature: Feature, widths: list[float | None], file: str) -> list[Feature]:
+    """A centreline and its banks, by the width at each of its points."""
+    points = coordinates(feature, f"{file}: the line")
+    if len(widths) != len(points) or not all(width and 0 < width < FARTHEST for width in widths):
+        raise InputError(f"{file}: the line has {len(points)} points; give each a width over 0 m")
+    line, half = Centreline(projected(points, origin := origin_of(points))), np.array(widths, float) / 2
+    sides = {"centreline": 0.0, "starboard": 1.0, "port": -1.0}
+    drawn = {role: unprojected(line.at(line.stations, sign * half), origin).tolist() for role, sign in sides.items()}
+    return [
+        Feature(
+            {**(feature.properties if role == "centreline" else {}), "role": role},
+            {"type": "LineString", "coordinates": points},
+        )
+        for role, points in drawn.items()
+    ]
 
 
 def _named(features: list[Feature]) -> list[Feature]:
@@ -288,7 +299,7 @@ def coordinates(feature: Feature, name: str) -> np.ndarray:
     points = points[np.append(True, (np.diff(points, axis=0) != 0).any(axis=1))] if len(points) else points
     if len(points) < 2:
         raise InputError(f"{name} has fewer than two points; add some")
-    wrong = ~((np.abs(points[:, 0]) <= 180) & (np.abs(points[:, 1]) <= 90))
+    wrong = ~((-180 <= points[:, 0]) & (points[:, 0] <= 360) & (np.abs(points[:, 1]) <= 90))
     if wrong.any():
         first = points[int(wrong.argmax())]
         hint = "; latitude seems to come first" if abs(first[0]) <= 90 < abs(first[1]) <= 180 else ""
