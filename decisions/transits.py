@@ -26,6 +26,9 @@ from narrows.logbook.transits.transit_twins import SPEED, TransitTwin, drawn_tru
 from narrows.terms.tables import table_named
 from narrows.waterway import Bank, Centreline
 
+sys.path.append(str(Path(__file__).parent.parent / "tests"))
+from logs import PassedTransit
+
 MOST_DRAWN, MINUTES, OFF = 2000, 20.0, 5.0
 """Ships that are drawn at most; of a transit; how far off the middle forms of the bank are compared [m]."""
 BANKS = ("b_bank", "c_bank")
@@ -162,10 +165,8 @@ def kept_figures(kind: Kind, count: int, folder: Path | None) -> Iterator[dict[s
 
 
 def _conditions(kind: Kind) -> TransitTwin:
-    passes = PASSES if kind.passing else ()
-    waterway = winding() if kind.bends else None
-    transit = OtherTransit if kind.other_hand else TransitTwin
-    return transit(ship(), SPEED, 60 * MINUTES, kind.gusts, passes, waterway)
+    told = (ship(), SPEED, 60 * MINUTES, kind.gusts, winding() if kind.bends else None)
+    return OtherTransit(*told) if kind.other_hand else PassedTransit(*told, tuple(PASSES) if kind.passing else ())
 
 
 def _marked(log: nw.ShipLog) -> nw.ShipLog:

@@ -1,6 +1,7 @@
 """Logs for tests: a ship in a bend as its sensors would record it, and sentences of NMEA 0183."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cache, reduce
 from operator import xor
 from pathlib import Path
@@ -9,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 import narrows as nw
+from narrows.logbook.transits.transit_twins import TransitTwin
 from narrows.waterway import Bank, Centreline
 
 Told = Mapping[str, np.ndarray]
@@ -127,3 +129,24 @@ def round_the_bend() -> nw.Voyage:
 def bend(seed: int = 0) -> nw.ShipRecord:
     """A way round a bend, along it."""
     return sensed("bend", round_the_bend(), seed)
+
+
+@dataclass(frozen=True)
+class PassedTransit(TransitTwin):
+    """A transit on which other ships pass at some times [s]: off, on, off again in sway, out and back in yaw."""
+
+    # No measured passing force is behind it: its size is that of a bank's suction and its time that of two lengths at
+    # twice the speed.
+    passes: tuple[float, ...] = ()
+
+    def _pushes(self, draw: np.random.Generator) -> dict[str, list[tuple[float, float]]]:
+        ship, pushes = self.truth.configuration.ship, super()._pushes(draw)
+        size = 0.02 * self.truth.configuration.water.density * self.u**2 * ship.length * ship.draft
+        times = np.array(pushes["Y"])[:, 0]
+        phases = [np.clip((times - passed) * self.u / ship.length, -1.0, 1.0) for passed in self.passes]
+        sway = sum((-size * np.cos(1.5 * np.pi * phase) * (np.abs(phase) < 1) for phase in phases), 0.0 * times)
+        yaw = sum((0.15 * ship.length * size * np.sin(np.pi * phase) for phase in phases), 0.0 * times)
+        return {
+            name: [(t, value + more) for (t, value), more in zip(pushes[name], added.tolist(), strict=True)]
+            for name, added in (("Y", sway), ("N", yaw))
+        }

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
+from logs import PassedTransit
 from narrows.logbook.filtering.predicted_signals import HELM_GAIN
 from narrows.logbook.filtering.record_grid import first_guess, grid_of
 from narrows.logbook.filtering.recorded_motion import RecordedMotion
@@ -85,7 +86,7 @@ def test_the_law_of_a_pilot_is_found_in_the_rudder() -> None:
     names = [one.name for one in setup.problem.model.processes]
     for record in found.records:
         assert record.path is not None
-        law = dict(zip(names, record.path.reference.processes[0].tolist(), strict=True))
+        law = dict(zip(names, record.path.processes[0].tolist(), strict=True))
         assert law[HELM_GAIN("psi")] < -0.1
         assert law[HELM_GAIN("r")] < -10.0
         assert -0.6 < law[HELM_GAIN("rudder")] < 0.0
@@ -145,7 +146,7 @@ def test_no_bank_is_called_unresolved_and_not_small() -> None:
 
 def passed(marked: bool) -> nw.LogFit:
     """A transit on which a ship passes after five minutes."""
-    truth, transit = twin()[0], TransitTwin(twin()[0], SPEED, 60 * MINUTES, passes=(300.0, 900.0))
+    truth, transit = twin()[0], PassedTransit(twin()[0], SPEED, 60 * MINUTES, passes=(300.0, 900.0))
     (record,) = transits_of(truth, VDR, 1, 3, transit)
     t = np.arange(0.0, 60 * MINUTES, 10.0)
     near = np.minimum(abs(t - 300.0), abs(t - 900.0)) < ship().configuration.ship.length / SPEED

@@ -144,7 +144,7 @@ def scheduled(seed: int) -> LogSetup:
     log = posed(1)
     sizes = {one.name: one for one in log.problem.model.processes}
     pushes = {}
-    for name, inertia in zip((SWAY, YAW), log.problem.inertia.at(log.problem.prior.mean)[1:], strict=True):
+    for name, inertia in zip((SWAY, YAW), log.problem.at(np.zeros(log.problem.count))[1][1:], strict=True):
         gust, steady = sizes[name], sizes[f"steady_{name}"]
         series = wandering(gust.std, gust.memory, step, round(duration / step), draw)[:, 0]
         series += 0.05 * steady.std * draw.standard_normal()

@@ -177,9 +177,8 @@ def _demonstrate(logged: LogOptions, delivery: ModelDelivery) -> bool:
     from narrows.logbook import sensor_grade
     from narrows.logbook.transits.transit_twins import demonstrated_log
 
-    twins = demonstrated_log(sensor_grade(logged.sensors))
-    fit = learned(twins.prior, twins.log, sensors=logged.sensors)
-    return _deliver(fit, delivery, twins.truth.coefficients)
+    prior, truth, log = demonstrated_log(sensor_grade(logged.sensors))
+    return _deliver(learned(prior, log, sensors=logged.sensors), delivery, truth.coefficients)
 
 
 def _deliver(fit: "LogFit", delivery: ModelDelivery, truth: "Mapping[str, float] | None" = None) -> bool:

@@ -170,13 +170,15 @@ ON_TWINS = "Bank coefficients from legs and transits are shown on twins only, un
 
 def learned_model(
     prior: Model, coefficients: Mapping[str, LearnedCoefficient], covariance: np.ndarray, source: str,
-    offsets: Range, speeds: Range, contradicted: bool = False,
+    offsets: np.ndarray, speeds: np.ndarray, contradicted: bool = False,
 ) -> Model:  # fmt: skip
+    # offsets [m] and speeds [m/s] that were met
+    met = ((float(part.min()), float(part.max())) for part in (offsets, speeds))
     return replace(
         prior,
         coefficients={name: coefficient.value for name, coefficient in coefficients.items()},
         covariance=(covariance + covariance.T) / 2,
-        data_range=covered_range(prior, offsets, speeds),
+        data_range=covered_range(prior, *met),
         source=replace(prior.source, text="; ".join(filter(None, (prior.source.text, source)))),
         verdicts=verdicts_after(prior, coefficients, contradicted),
     )

@@ -1,8 +1,9 @@
 """Errors of a ship's sensors, by grade: noise, correlated noise, and constant errors of a record."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from narrows.errors import InputError, check_choice, shown
 from narrows.logbook.ship_record import check_signals
@@ -24,6 +25,16 @@ BROADCAST = (
     "heading in whole degrees and no rudder, by the form of the message (ais_msg_2.html at vislab-ccom.unh.edu, read "
     "by us); the rest ours"
 )
+
+
+def check_sizes(thing: Any, over: Collection[str]) -> None:
+    """Raise where a number among the fields of a dataclass is negative or not finite, or 0 where it must be over."""
+    for name, value in vars(thing).items():
+        if isinstance(value, str) or value is None is getattr(type(thing), name, ""):
+            continue
+        if not is_finite(value) or value < 0 or (name in over and value == 0):
+            least = "over 0" if name in over else "from 0"
+            raise InputError(f"{type(thing).__name__}: {name} = {shown(value)}: give a finite number {least}")
 
 
 @dataclass(frozen=True)
@@ -64,10 +75,7 @@ class SignalGrade:
     source: str = OURS
 
     def __post_init__(self) -> None:
-        for name in ("noise", "period", "wander", "memory", "zero"):
-            value, least = getattr(self, name), "over 0" if name in ("noise", "period", "memory") else "from 0"
-            if not is_finite(value) or value < 0 or (least == "over 0" and value == 0):
-                raise InputError(f"a signal's {name} = {shown(value)}: give a finite number {least}, in its unit")
+        check_sizes(self, over=("noise", "period", "memory"))
 
 
 @dataclass(frozen=True, repr=False)

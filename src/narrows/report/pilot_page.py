@@ -185,7 +185,7 @@ def _draw_table(axes: Axes, plan: SteadyPlan) -> None:
     axes.text(sum(WIDTHS[:FIRST_BLANK]), 1.03, "To write: means", fontsize=9, weight="bold", transform=axes.transAxes)
 
 
-def _turned(angles: tuple[float, float, float], digits: int = 0) -> str:
+def _turned(angles: tuple[float, ...], digits: int = 0) -> str:
     """A range of angles by side: P to port, S to starboard."""
     low, _, high = np.degrees(angles)
     return " to ".join(f"{'P' if angle < 0 else 'S'} {abs(angle):.{digits}f}°" for angle in (low, high))

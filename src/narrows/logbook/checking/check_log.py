@@ -64,10 +64,14 @@ def check_log(
     for whole in log:
         record = replace(whole, signals={name: whole[name] for name in whole if len(whole[name]) > 1})
         count += 1
-        found = list(_alone(record, model, water))
+        try:
+            found = list(record_findings(record, model, water))
+        except InputError as error:
+            found = [Finding("missing", record.name, str(error), "leave it out, or record what is missing")]
         findings += found
         if not any(one.wrong for one in found) and len(good) < settings.MOST_CHECKED:
-            good.append(replace(record, name=f"{record.name} ({count})") if record.name in _names(good) else record)
+            twice = record.name in {other.name for other in good}
+            good.append(replace(record, name=f"{record.name} ({count})") if twice else record)
     if not count:
         raise InputError("there is no record to check; give one or more")
     if good:
@@ -78,17 +82,6 @@ def check_log(
         if not any(one.wrong for one in findings):  # A hull in a bank follows from other faults.
             findings += [one for record in good for one in check_place(checked_record(record, model, water))]
     return LogFindings(tuple(findings), count)
-
-
-def _names(records: Iterable[ShipRecord]) -> set[str]:
-    return {record.name for record in records}
-
-
-def _alone(record: ShipRecord, model: Model, waterway: Waterway | None) -> Iterator[Finding]:
-    try:
-        yield from record_findings(record, model, waterway)
-    except InputError as error:
-        yield Finding("missing", record.name, str(error), "leave it out, or record what is missing")
 
 
 def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: Spread | None) -> Iterator[Finding]:

@@ -55,23 +55,20 @@ class FaultTests:
         """Score every fault of each record, and those of one kind and signal in all records together."""
         done = [_of_record(found, *pair) for pair in zip(grids, found.records, strict=False)]
         count, faults = len(found.unknowns), [(fault, name) for name, own, *_ in done for fault in own]
-        alike: dict[tuple[str, str], list[int]] = {}
-        for place, (fault, _) in enumerate(faults):
-            if fault.kind != "step" and len(done) > 1:  # A step belongs to one record.
-                alike.setdefault(fault[:2], []).append(place)
-        sums, parts, scores, first = np.zeros((len(alike), len(faults))), [], [], 0
-        for row, places in zip(sums, alike.values(), strict=True):
-            row[places] = 1.0
+        # Those of one kind and signal; a step belongs to one record.
+        alike = list(dict.fromkeys(fault[:2] for fault, _ in faults if fault.kind != "step")) if len(done) > 1 else []
+        size, first, parts, scores = count + len(faults) + len(alike), count, [], []
         for _, own, score, information in done:
-            spread = np.zeros((len(own), len(faults)))
-            spread[range(len(own)), range(first, first + len(own))] = 1.0
-            placed = np.zeros((count + len(own), count + len(faults) + len(alike)))
+            placed = np.zeros((count + len(own), size))
             placed[:count, :count] = np.eye(count)
-            placed[count:, count:] = np.hstack([spread, spread @ sums.T])
+            for row, fault in enumerate(own, start=count):
+                placed[row, first + row - count] = 1.0
+                if fault[:2] in alike:
+                    placed[row, count + len(faults) + alike.index(fault[:2])] = 1.0
             parts.append(placed.T @ information @ placed)
             scores.append(placed.T @ score)
             first += len(own)
-        pooled = [(faults[places[0]][0], together) for places in alike.values()]
+        pooled = [(next(fault for fault, _ in faults if fault[:2] == key), together) for key in alike]
         return cls(found, (*faults, *pooled), tuple(parts), np.array(scores))
 
     @cached_property
@@ -83,6 +80,8 @@ class FaultTests:
 
     def tested(self, known: Sequence[int] = ()) -> list[FaultTest]:
         """Test each fault where known ones are estimated with the unknowns."""
+        from scipy.stats import t
+
         problem, count = self.found.problem, len(self.found.unknowns)
         fitted = np.array([*range(count), *known])
         whole, score = self.information, self.scores.sum(axis=0)
@@ -98,7 +97,7 @@ class FaultTests:
             size = float(score @ direction / left)
             variance, freedom = self._variance(place, direction, size, left)
             error = np.sqrt(variance) / left
-            probability = _probability(size / error, freedom, fault)
+            probability = min(1.0, 2 * float(t.sf(abs(size / error), freedom)) * fault.tries)
             tests.append(FaultTest(place, fault, record, size, float(error), probability))
         return tests
 
@@ -126,13 +125,6 @@ class FaultTests:
         return (scattered, len(own) - 1.0) if scattered > left else (left, np.inf)
 
 
-def _probability(significance: float, freedom: float, fault: Fault) -> float:
-    from scipy.stats import norm, t
-
-    tail = norm.sf(abs(significance)) if np.isinf(freedom) else t.sf(abs(significance), freedom)
-    return float(min(1.0, 2 * tail * fault.tries))
-
-
 @np.errstate(all="ignore")
 def _of_record(
     found: SearchResult, grid: RecordGrid, record: RecordScore
@@ -149,7 +141,7 @@ def _of_record(
     values, variances = [*by_value], [*by_variance]
     for fault in faults:
         size = DIFFERENCE * fault.scale
-        about = RecordLikelihood(problem, fault.mended(size)).linear(found.unknowns, path.reference)
+        about = RecordLikelihood(problem, fault.mended(size)).linear(found.unknowns, path)
         there = about.innovations(model, path.weights)
         values.append((there.values - e) / size)
         variances.append((there.variances - s) / size)
@@ -214,5 +206,5 @@ def stuck(problem: LogProblem, grid: RecordGrid) -> Iterator[tuple[str, float, f
         )
         path = likelihood.smoothed(np.zeros(len(problem.precision)), None, FIRST_PASSES)
         during = (grid.times[:-1] > begin) & (grid.times[:-1] < end)
-        if path and during.any() and np.ptp(path.reference.states[during, column]) > MOVED * problem.model.noise[name]:
+        if path and during.any() and np.ptp(path.states[during, column]) > MOVED * problem.model.noise[name]:
             yield name, begin, end

@@ -6,7 +6,7 @@ information by the slopes of innovations and of their variances.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -44,11 +44,12 @@ UNCORRELATED = 0.05  # correlation of innovations below which they count as inde
 
 
 @dataclass(frozen=True)
-class Reference:
+class RecordPath:
     """A path about which a record is linear."""
 
     states: np.ndarray  # (n, 6) x, y, psi, u, v, r at the start of each step
     processes: np.ndarray  # (n, m)
+    weights: np.ndarray  # (N,) Weights of readings there
 
 
 @dataclass(frozen=True)
@@ -142,36 +143,36 @@ class LinearRecord:
 @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
 def linear_record(
     grid: RecordGrid, scales: Scales, motion: RecordedMotion, inertia: np.ndarray, model: StochasticModel,
-    reference: Reference,
+    path: RecordPath,
 ) -> LinearRecord:  # fmt: skip
     """Return a record about a reference path; motion is without slopes by coefficients."""
     names = [one.adds_to for one in model.processes]
     drives = np.array([INPUTS.index(name) if name in INPUTS else -1 for name in names], np.int64)
     sums = {name: np.zeros(len(grid)) for name in (*INPUTS, *names)}
     for place, name in enumerate(names):
-        sums[name] = sums[name] + reference.processes[:, place]
+        sums[name] = sums[name] + path.processes[:, place]
     pushes = np.stack([sums[name] for name in PUSHES], axis=1) * inertia
     known = CURRENT in motion.directions
     current = float(sums[CURRENT_X][0]) if known else 0.0
     states, along = motion.sailed(
-        reference.states, pushes, np.arange(len(grid) + 1), grid.times, grid.positions, sums[RUDDER_OFFSET], current
+        path.states, pushes, np.arange(len(grid) + 1), grid.times, grid.positions, sums[RUDDER_OFFSET], current
     )
     ends, slopes = states[1::2], _slopes(grid, motion, inertia, along[1::2])
     if not known:
         for place, name in enumerate((CURRENT_X, CURRENT_Y)):
             ends[:, place] += sums[name] * np.diff(grid.times)
     driven = np.einsum("nij,nj->ni", slopes[:, :, 6:], np.stack([sums[name] for name in INPUTS], axis=1))
-    misses = ends - np.append(reference.states[1:], ends[-1:], axis=0) - driven
+    misses = ends - np.append(path.states[1:], ends[-1:], axis=0) - driven
     rows, residual, left, rudder = [], [], {}, grid.positions.get(RUDDER, np.zeros(len(grid)))
     for name, read in grid.readings.items():
         share, at = read.share[:, None], read.step
-        there = (1 - share) * reference.states[at] + share * ends[at]
+        there = (1 - share) * path.states[at] + share * ends[at]
         errors = {key: value[at] for key, value in sums.items()}
         seen = PREDICTED[name](SeenStates(there, errors, grid.record.antenna, rudder[at]))
         row = read.gain * _rows(seen, slopes[at], share, drives, names)
         left[name] = read.values - read.gain * seen.value
         rows.append(row)
-        residual.append(left[name] + np.einsum("ni,ni->n", row[:, 6:], reference.processes[at]))
+        residual.append(left[name] + np.einsum("ni,ni->n", row[:, 6:], path.processes[at]))
     return LinearRecord(
         grid, scales, np.ascontiguousarray(slopes), misses, drives, np.concatenate(rows)[grid.order],
         np.concatenate(residual)[grid.order], left,
@@ -222,14 +223,6 @@ def weights_of(record: LinearRecord, model: StochasticModel) -> np.ndarray:
 
 
 @dataclass(frozen=True)
-class RecordPath:
-    """About what a record is linear, and how readings are weighed there."""
-
-    reference: Reference
-    weights: np.ndarray  # (N,) Weights of readings
-
-
-@dataclass(frozen=True)
 class RecordScore:
     """Contribution of one record."""
 
@@ -249,46 +242,44 @@ class RecordLikelihood:
     problem: LogProblem
     grid: RecordGrid
 
-    def linear(self, unknowns: np.ndarray, reference: Reference) -> LinearRecord:
-        """Return the record about a reference path."""
+    def linear(self, unknowns: np.ndarray, path: RecordPath) -> LinearRecord:
+        """Return the record about a path."""
         problem = self.problem
         motion, inertia = problem.at(unknowns[: problem.count])
-        return linear_record(
-            self.grid, problem.scales, motion.of_records, inertia, problem.model_at(unknowns), reference
-        )
+        return linear_record(self.grid, problem.scales, motion.of_records, inertia, problem.model_at(unknowns), path)
 
     @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
-    def smoothed(self, unknowns: np.ndarray, reference: Reference | None, passes: int) -> RecordPath | None:
-        """Smooth the reference path, from the readings alone if there is none; None where the motion diverges."""
+    def smoothed(self, unknowns: np.ndarray, path: RecordPath | None, passes: int) -> RecordPath | None:
+        """Smooth a path, from the readings alone if there is none; None where the motion diverges."""
         model = self.problem.model_at(unknowns)
-        if reference is None:
-            zeros = np.zeros((len(self.grid), len(model.processes)))
-            reference = Reference(first_guess(self.grid, self.problem.motion.choices.get("waterway")), zeros)
+        if path is None:
+            guess = first_guess(self.grid, self.problem.motion.choices.get("waterway"))
+            path = RecordPath(guess, np.zeros((len(guess), len(model.processes))), np.empty(0))
+        about = self.linear(unknowns, path)
         for _ in range(passes):
-            about = self.linear(unknowns, reference)
             smooth = about.smoothed(model, weights_of(about, model))
             if not np.isfinite(smooth).all():
                 return None
-            reference = Reference(reference.states + smooth[:, :6], smooth[:, 6:])
-        return RecordPath(reference, weights_of(self.linear(unknowns, reference), model))
+            path = RecordPath(path.states + smooth[:, :6], smooth[:, 6:], path.weights)
+            about = self.linear(unknowns, path)
+        return replace(path, weights=weights_of(about, model))
 
     @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
     def cost(self, unknowns: np.ndarray, path: RecordPath) -> float:
         """Return minus twice the log-likelihood about a path."""
         model = self.problem.model_at(unknowns)
-        about = self.linear(unknowns, path.reference).innovations(model, path.weights)
-        return about.cost / self.problem.correlated
+        return self.linear(unknowns, path).innovations(model, path.weights).cost / self.problem.correlated
 
     @np.errstate(all="ignore")
     def slopes(self, unknowns: np.ndarray, path: RecordPath) -> tuple[Innovations, np.ndarray, np.ndarray]:
         """Return innovations, and the slopes (P, N) of them and of their variances by differences, about a path."""
         problem = self.problem
-        about = self.linear(unknowns, path.reference)
+        about = self.linear(unknowns, path)
         at = about.innovations(problem.model_at(unknowns), path.weights)
         by_value, by_variance = np.zeros((2, len(unknowns), len(at.values)))
         for place in range(len(unknowns)):
             moved = unknowns + DIFFERENCE * (np.arange(len(unknowns)) == place)
-            there = self.linear(moved, path.reference) if place < problem.count else about
+            there = self.linear(moved, path) if place < problem.count else about
             found = there.innovations(problem.model_at(moved), path.weights)
             by_value[place] = (found.values - at.values) / DIFFERENCE
             by_variance[place] = (found.variances - at.variances) / DIFFERENCE
@@ -302,7 +293,7 @@ class RecordLikelihood:
         e, s = at.values, np.abs(at.variances)  # The cost is infinite where the filter diverges.
         score, information = score_and_information(e, s, by_value, by_variance)
         share = 1 / problem.correlated
-        met = np.abs(path.reference.states[:, [1, 3]])
+        met = np.abs(path.states[:, [1, 3]])
         weights = self.grid.by_signal(path.weights)
         return RecordScore(
             share * score, share * information, share * at.cost, self._autocovariance(e / np.sqrt(s)),

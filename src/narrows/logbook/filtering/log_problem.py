@@ -108,21 +108,6 @@ class CoefficientPrior:
         return low, high
 
 
-@dataclass(frozen=True)
-class PushInertia:
-    """Inertia in surge, sway and yaw: disturbances are accelerations."""
-
-    # Motion determines forces over inertia, so that with a disturbance in newtons the strength of gusts would fix what
-    # only mass can.
-
-    held: np.ndarray  # (3,) The part that does not change with the coefficients [kg, kg, kg m2]
-    by_coefficient: np.ndarray  # (3, p) Its slopes by the coefficients, each in its own unit
-
-    def at(self, values: np.ndarray) -> np.ndarray:
-        """Return it at values (p,) of the coefficients, (3,)."""
-        return np.asarray(self.held + self.by_coefficient @ values)
-
-
 class Unknowns:
     """Scaled coefficients with their prior, then numbers with independent normal priors of mean 0."""
 
@@ -160,7 +145,10 @@ class LogProblem(Unknowns):
 
     motion: RecordedMotion  # How the ship moves under its recorded rudder
     prior: CoefficientPrior
-    inertia: PushInertia
+    # (3, 1 + p) Inertia in surge, sway and yaw: its constant part [kg, kg, kg m2], then slopes by the coefficients.
+    # Disturbances are accelerations: motion determines forces over inertia, so that with a disturbance in newtons the
+    # strength of gusts would fix what only mass can.
+    inertia: np.ndarray
     model: StochasticModel
     correlated: float = 1.0  # Readings for each independent one
     # Standard deviation of a step over ship lengths and speeds, for rounding alone. At 1e-5 the filter follows a
@@ -189,7 +177,7 @@ class LogProblem(Unknowns):
         if key not in self._last:  # A motion is prepared once for all passes at the same coefficients.
             self._last.clear()
             motion = self.motion.with_coefficients(self.prior.values(scaled))
-            self._last[key] = motion, self.inertia.at(self.prior.mean + self.prior.scale * scaled)
+            self._last[key] = motion, self.inertia @ [1.0, *(self.prior.mean + self.prior.scale * scaled)]
         return self._last[key]
 
     @cached_property

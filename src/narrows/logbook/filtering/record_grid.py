@@ -162,10 +162,10 @@ def _readings(name: str, signal: Signal, times: np.ndarray, whole: np.ndarray) -
 
 def first_guess(grid: RecordGrid, waterway: "Waterway | None") -> np.ndarray:
     """Return the states at the start of each step, smoothed from the readings alone, (n, 6)."""
-    place = {name: _without_spikes(grid, read) for name, read in grid.readings.items() if len(read.values)}
-    x, y = (smoothed(place[name]) if name in place else np.zeros(len(grid.times)) for name in ("x", "y"))
+    seen = {name: _smoothed(grid, read) for name, read in grid.readings.items() if len(read.values)}
+    x, y = (seen.get(name, np.zeros(len(grid.times))) for name in ("x", "y"))
     along, across = np.gradient(x, grid.times), np.gradient(y, grid.times)
-    psi = smoothed(place["psi"]) if "psi" in place else np.unwrap(np.arctan2(across, along))
+    psi = seen["psi"] if "psi" in seen else np.unwrap(np.arctan2(across, along))
     cosine, sine = np.cos(psi), np.sin(psi)
     guessed = {
         "u": along * cosine + across * sine,
@@ -173,7 +173,7 @@ def first_guess(grid: RecordGrid, waterway: "Waterway | None") -> np.ndarray:
         "r": np.gradient(psi, grid.times) + along * _curvature(waterway, x),
     }
     for name, others in (("u", ("u", "u_ground", "speed_over_ground")), ("v", ("v", "v_ground")), ("r", ("r",))):
-        guessed[name] = next((smoothed(place[other]) for other in others if other in place), guessed[name])
+        guessed[name] = next((seen[other] for other in others if other in seen), guessed[name])
     states = np.stack([x, y, psi, guessed["u"], guessed["v"], guessed["r"]], axis=1)
     return np.asarray(states[:-1])
 
@@ -185,17 +185,10 @@ def _curvature(waterway: "Waterway | None", x: np.ndarray) -> np.ndarray | float
     return np.asarray(waterway.section(np.clip(x, 0.0, waterway.line.length)).curvature)
 
 
-def _without_spikes(grid: RecordGrid, read: Readings) -> np.ndarray:
-    """Readings at the nodes, straight between them, spikes cut off."""
+def _smoothed(grid: RecordGrid, read: Readings) -> np.ndarray:
+    """Means of a few nodes of the readings, spikes cut off."""
     from scipy.ndimage import median_filter
+    from scipy.signal import savgol_filter
 
-    return np.asarray(np.interp(grid.times, grid.times_of(read), median_filter(read.values, SPIKES, mode="nearest")))
-
-
-def smoothed(column: np.ndarray, nodes: int = NODES) -> np.ndarray:
-    """Return means of a few nodes, straight on at the ends, (n,)."""
-    width = min(nodes, len(column) // 2 * 2 - 1)
-    if width < 3:
-        return column
-    padded = np.pad(column, width // 2, mode="reflect", reflect_type="odd")
-    return np.convolve(padded, np.ones(width) / width, "valid")
+    column = np.interp(grid.times, grid.times_of(read), median_filter(read.values, SPIKES, mode="nearest"))
+    return np.asarray(savgol_filter(column, min(NODES, len(column) // 2 * 2 - 1), 1))

@@ -120,9 +120,7 @@ def scored(
         with bar(total, is_shown(), "records") as done:
             for number, grid in enumerate(grids):
                 likelihood, before = RecordLikelihood(problem, grid), paths[number] if number < len(paths) else None
-                path = likelihood.smoothed(
-                    unknowns, before.reference if before else None, passes if before else FIRST_PASSES
-                )
+                path = likelihood.smoothed(unknowns, before, passes if before else FIRST_PASSES)
                 if path is None:
                     return None
                 one, steps = likelihood.scored(unknowns, path), steps + len(grid)

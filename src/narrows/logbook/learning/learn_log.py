@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.logbook.filtering.likelihood import RecordScore
 from narrows.logbook.filtering.log_problem import SWAY, YAW, LogProblem
 from narrows.logbook.filtering.predicted_signals import HELM, RUDDER
 from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult, search
@@ -24,7 +23,6 @@ from narrows.logbook.learning.record_answers import record_answers
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord
-from narrows.model.data_range import Range
 from narrows.model.model import Model
 from narrows.model.sections import Source
 from narrows.progress import stage
@@ -145,10 +143,12 @@ class LogSource:
     def after(self, prior: Model, records: int) -> Source:
         """Return the source of a learned model: the source of the prior model, then this log."""
         several = "1 record" if records == 1 else f"{records} records"
+        model = hashlib.sha256(repr(sorted(prior.coefficients.items())).encode())
+        model.update(np.ascontiguousarray(prior.covariance, float).tobytes())
         text = (
             f"learned from {several} of the ship itself ({self.name}, {_when(self.start)} to {_when(self.stop)}, "
             f"sensors {self.sensors}, sha256 {self.sha256[:HASH_DIGITS]}...), "
-            f"from the model {_hash_of(prior)[:HASH_DIGITS]}..."
+            f"from the model {model.hexdigest()[:HASH_DIGITS]}..."
         )
         before = prior.source
         return Source(*("; ".join(filter(None, pair)) for pair in (
@@ -168,7 +168,7 @@ def log_result(
         after, apart = averaged(given, joint), rudder_matters(posed.model, given, joint)
     learned = learned_coefficients(prior, after.values, after.covariance)
     answers = record_answers(found, source)
-    came = learned_model(prior, learned, after.covariance, "", *_ranges(found.records))
+    came = learned_model(prior, learned, after.covariance, "", *np.stack([one.ranges for one in found.records]).T)
     stopped = f"The search was interrupted after {found.steps} steps; the result is from {len(answers)} records."
     about = (
         *apart,
@@ -211,13 +211,6 @@ def _inertia(model: Model, problem: LogProblem) -> tuple[str, ...]:
     return tuple(term.name for term in acting if term.kind == TermKind.INERTIA and term.name not in seconds)
 
 
-def _ranges(records: Iterable[RecordScore]) -> tuple[Range, Range]:
-    """Ranges of distance from the centreline and of speed."""
-    ends = np.stack([one.ranges for one in records])
-    (near, far), (slow, fast) = zip(ends[:, 0].min(axis=0), ends[:, 1].max(axis=0), strict=True)
-    return (float(near), float(far)), (float(slow), float(fast))
-
-
 def _gusts(found: SearchResult) -> Gusts | None:
     problem = found.problem
     model = problem.model_at(found.unknowns)
@@ -257,10 +250,3 @@ def _assumptions(problem: LogProblem, free: Sequence[str], met: int) -> Iterator
 
 def _when(t: float) -> str:
     return f"{datetime.fromtimestamp(t, UTC):%Y-%m-%d %H:%M:%S} UTC" if t > A_DATE else f"{t:.0f} s"
-
-
-def _hash_of(model: Model) -> str:
-    """Return the hash of coefficients and covariance."""
-    hashed = hashlib.sha256(repr(sorted(model.coefficients.items())).encode())
-    hashed.update(np.ascontiguousarray(model.covariance, float).tobytes())
-    return hashed.hexdigest()

@@ -150,14 +150,10 @@ class LogFit(LearnedAnswer):
         told += [f"learned: {', '.join(learned)}"] if learned else []
         first = f"Learned from {self._size}: {'; '.join(told) or 'nothing'}."
         rest = f" Unchanged from the prior: {', '.join(open_still)}." if open_still else ""
-        gusty = (
-            ""
-            if self.gusts is None
-            else (
-                f"Estimated gusts: {self.gusts.sway:.2g} m/s2 in sway and {self.gusts.yaw:.2g} rad/s2 in yaw (standard "
-                f"deviations), with a correlation time of {self.gusts.memory:.0f} s."
-            )
-        )
+        gusty = "" if self.gusts is None else (
+            f"Estimated gusts: {self.gusts.sway:.2g} m/s2 in sway and {self.gusts.yaw:.2g} rad/s2 in yaw (standard "
+            f"deviations), with a correlation time of {self.gusts.memory:.0f} s."
+        )  # fmt: skip
         return "\n".join(filter(None, (*self._doubts, first + rest, self._prediction, gusty, ON_TWINS)))
 
     @property
@@ -178,13 +174,10 @@ class LogFit(LearnedAnswer):
     @property
     def whole_missed(self) -> dict[str, float]:
         """Root mean square over whole records of the heading missed [rad], by model; empty where gusts act."""
-        rows = [record.whole for record in self.records if {"before", "after", "nomoto"} <= record.whole.keys()]
-        rows = [row for row in rows if np.isfinite(row["after"])]
+        rows = [record.whole for record in self.records if np.isfinite(record.whole.get("after", np.nan))]
         if len(rows) < 2:
             return {}
-        return {
-            name: float(np.sqrt(np.mean([row[name] ** 2 for row in rows]))) for name in ("before", "after", "nomoto")
-        }
+        return {name: float(np.sqrt(np.mean([row[name] ** 2 for row in rows]))) for name in rows[0]}
 
     def missed(self, state: str) -> tuple[float, float]:
         """Return the forecast errors of prior and learned model over all left-out records.

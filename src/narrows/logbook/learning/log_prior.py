@@ -13,7 +13,6 @@ from narrows.logbook.filtering.log_problem import (
     Estimated,
     LogProblem,
     Process,
-    PushInertia,
     StochasticModel,
 )
 from narrows.logbook.filtering.predicted_signals import (
@@ -65,10 +64,9 @@ def _stated(model: Model, spread: Spread) -> np.ndarray:
         for name in spread:
             if name not in names:
                 raise InputError(f"spread: there is no coefficient {name!r}{did_you_mean(name, names)}")
-    held = {term.name for term in model.terms.terms if term.kind == TermKind.INERTIA}
-    if isinstance(spread, Mapping):
         sizes = np.array([float(spread.get(name, 0.0)) for name in names])
     else:
+        held = {term.name for term in model.terms.terms if term.kind == TermKind.INERTIA}
         sizes = np.array([spread * abs(model.coefficients[name]) * (name not in held) for name in names])
     if not (np.isfinite(sizes).all() and (sizes >= 0).all() and sizes.any()):
         raise InputError(f"a spread of {spread} is none: give a share over 0, or standard deviations by coefficient")
@@ -115,16 +113,13 @@ def coefficient_prior(
     places = [model.terms.names.index(group[0]) for group in groups]
     part = covariance[np.ix_(places, places)]
     scale = np.sqrt(np.diag(part))
-    bounds = np.array([_bounds(model, group) for group in groups]).reshape(len(groups), 2)
+    ends = [np.array([model.terms[name].bound for name in group]).T for group in groups]
+    bounds = np.array([(low.max(), high.min()) for low, high in ends]).reshape(len(groups), 2)
     mean = np.array([model.coefficients[group[0]] for group in groups])
     changes = np.array([free is None or not free.isdisjoint(group) for group in groups])
-    return CoefficientPrior(groups, mean, scale, _precision(part / np.outer(scale, scale)), bounds, changes)
-
-
-def _precision(correlation: np.ndarray) -> np.ndarray:
-    """Inverse of a correlation; what is known as one stays so nearly."""
-    sizes, axes = np.linalg.eigh(correlation)
-    return np.asarray((axes / np.maximum(sizes, RANK * max(sizes[-1], 1.0))) @ axes.T)
+    sizes, axes = np.linalg.eigh(part / np.outer(scale, scale))  # Coefficients that are known as one stay so nearly.
+    precision = (axes / np.maximum(sizes, RANK * max(sizes[-1], 1.0))) @ axes.T
+    return CoefficientPrior(groups, mean, scale, precision, bounds, changes)
 
 
 def _groups(model: Model, names: Sequence[str]) -> tuple[tuple[str, ...], ...]:
@@ -137,27 +132,22 @@ def _groups(model: Model, names: Sequence[str]) -> tuple[tuple[str, ...], ...]:
     return tuple(tuple(name for name in names if leader[name] == head) for head in dict.fromkeys(leader.values()))
 
 
-def _bounds(model: Model, group: Sequence[str]) -> tuple[float, float]:
-    ends = [model.terms[name].bound for name in group]
-    return max(low for low, _ in ends), min(high for _, high in ends)
-
-
-def push_inertia(model: Model, prior: CoefficientPrior, u: float, surge_inertia: float | None = None) -> PushInertia:
-    """Return what resists accelerations, by the terms."""
+def push_inertia(model: Model, prior: CoefficientPrior, u: float, surge_inertia: float | None = None) -> np.ndarray:
+    """Return what resists accelerations, by the terms, (3, 1 + p)."""
     # u [m/s]; surge_inertia [kg]
     names = {name: place for place, group in enumerate(prior.groups) for name in group}
     still = {**SimulatedShip(model).values(), **Motion.at(u=u).values()}
-    held, moving = np.zeros(3), np.zeros((3, len(prior.groups)))
+    inertia = np.zeros((3, 1 + len(prior.groups)))
     for axis, (terms, acceleration) in enumerate(zip(model.terms.forces.values(), ACCELERATIONS, strict=True)):
         pushed = {**still, acceleration: 1.0}
         for term in terms:
             resists = float(term.column(still) - term.column(pushed))
             if term.name in names:
-                moving[axis, names[term.name]] += resists
+                inertia[axis, 1 + names[term.name]] += resists
             else:
-                held[axis] += resists * model.coefficients[term.name]
-    held[0] = surge_inertia or held[0] or 1.0
-    return PushInertia(held, moving)
+                inertia[axis, 0] += resists * model.coefficients[term.name]
+    inertia[0, 0] = surge_inertia or inertia[0, 0] or 1.0
+    return inertia
 
 
 # Length of a step, in times of a ship length; in a basin, where the kinks of a rudder in a zigzag matter more.
@@ -219,7 +209,7 @@ class LogAssumptions:
         return float(f"{(STEP if self.gusts else BASIN_STEP) * length / u:.2g}")
 
     def problem(
-        self, motion: RecordedMotion, prior: CoefficientPrior, inertia: PushInertia, signals: set[str], u: float
+        self, motion: RecordedMotion, prior: CoefficientPrior, inertia: np.ndarray, signals: set[str], u: float
     ) -> LogProblem:
         """Return what is estimated."""
         length = motion.model.configuration.ship.length

@@ -114,7 +114,10 @@ def log_problem(
     steered = RUDDER in {own.name for own in model.terms.actuators}
     if steered and (not gusty and not free if asymmetry is None else asymmetry):
         model, before = with_asymmetry_before(model, before, u)
-    prior = coefficient_prior(model, before, surge, _known(model, free))
+    for name in free:
+        if name not in model.terms.names:
+            raise InputError(f"free: there is no coefficient {name!r}{did_you_mean(name, model.terms.names)}")
+    prior = coefficient_prior(model, before, surge, frozenset(free) or None)
     motion = _motion(model, signals, u, choices, waterway or getattr(records, "waterway", None), prior.members)
     inertia = push_inertia(model, prior, u, choices.get("surge_inertia"))
     problem = assumptions.problem(motion, prior, inertia, signals, u)
@@ -158,13 +161,6 @@ def _rounding(signal: Signal) -> tuple[float, float]:
     # Uniform over a step; of a signal that rises steadily it is a sawtooth of period T, whose autocorrelation
     # 1 - 6 s/T (1 - s/T) begins like that of a process of memory T/6.
     return float(moved.min() / np.sqrt(12)), float(np.ptp(signal.t) / len(moved) / 6)
-
-
-def _known(model: Model, free: Sequence[str]) -> frozenset[str] | None:
-    for name in free:
-        if name not in model.terms.names:
-            raise InputError(f"free: there is no coefficient {name!r}{did_you_mean(name, model.terms.names)}")
-    return frozenset(free) or None
 
 
 def _motion(

@@ -2,13 +2,14 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
 
-from narrows.logbook.filtering.likelihood import INPUTS, RecordLikelihood, RecordScore, Reference
+from narrows.logbook.filtering.likelihood import INPUTS, RecordLikelihood, RecordPath, RecordScore
 from narrows.logbook.filtering.log_problem import LogProblem, StochasticModel
-from narrows.logbook.filtering.predicted_signals import CURRENT_X, CURRENT_Y, HELM, RUDDER_OFFSET
+from narrows.logbook.filtering.predicted_signals import CURRENT_X, CURRENT_Y, HELM, RUDDER, RUDDER_OFFSET
 from narrows.logbook.filtering.record_grid import RecordGrid
 from narrows.logbook.filtering.recorded_motion import CURRENT, PUSHES
 from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
@@ -20,11 +21,9 @@ STATES_JUDGED = {"y": 1, "psi": 2, "r": 5}  # places among the states
 MOST_COMPARED = 50  # records up to which whole records are predicted, and Nomoto models fitted
 # Standard deviations of a fitted start from the smoothed one: heading [rad], and speed, drift and turn over the ship's.
 START_FREE = np.array([0.01, 0.05, 0.05, 0.05])
-HEADING_READ = 0.01  # [rad] weight of a heading in that fit
 # The yaw rate, in turns of one radian a ship length, that the largest rudder of a record turns the ship with, about.
 USUAL_TURN = 0.5
-NUMBERS = 5
-# Standard deviation of a compass reading [rad], which only weighs the start; and of the yaw rate at the start [rad/s].
+# Error of a heading [rad] and of the yaw rate at the start [rad/s], which only weigh the start.
 READING, START_RATE = 0.01, 0.01
 
 
@@ -65,24 +64,13 @@ class RecordAnswer:
 def record_answers(found: SearchResult, grids: Iterable[RecordGrid]) -> tuple[RecordAnswer, ...]:
     """Return what each record contributed."""
     whole = not found.problem.model.gusts and not found.interrupted and len(found.records) <= MOST_COMPARED
-    nomoto = _nomoto_missed(found, grids) if whole else []
+    scales = found.problem.scales.states
+    nomoto = nomoto_missed(grids, scales[0] / scales[3]) if whole else []
     pairs = enumerate(zip(grids, found.records, strict=False))
     return tuple(
         _answer(found, grid, one, number < MOST_DRAWN, nomoto[number] if whole else None)
         for number, (grid, one) in pairs
     )
-
-
-def _nomoto_missed(found: SearchResult, grids: Iterable[RecordGrid]) -> list[float]:
-    """Headings missed by Nomoto models, each fitted to all other records; to the only record itself."""
-    records = [heading_record(grid) for grid in grids]
-    known = [record for record in records if record is not None]
-    scales = found.problem.scales.states
-    missed = []
-    for record in records:
-        others = [other for other in known if other is not record] or known
-        missed.append(np.nan if record is None else nomoto_missed(fitted_nomoto(others, scales[0] / scales[3]), record))
-    return missed
 
 
 def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool, nomoto: float | None) -> RecordAnswer:
@@ -96,11 +84,11 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
     before_it = np.zeros(count)  # which is what is known without the only record, too
     without_it = found.scaled * prior.free - moved if len(found.records) > 1 else before_it
     model = problem.model_at(found.unknowns)
-    both = [forecast(problem, at, grid, path.reference, model) for at in (before_it, without_it)]
+    both = [forecast(problem, at, grid, path, model) for at in (before_it, without_it)]
     before, later = (missed(each) for each in both)
     whole = {} if nomoto is None else {
-        "before": whole_missed(problem, before_it, grid, path.reference),
-        "after": whole_missed(problem, without_it, grid, path.reference), "nomoto": nomoto,
+        "before": whole_missed(problem, before_it, grid, path),
+        "after": whole_missed(problem, without_it, grid, path), "nomoto": nomoto,
     }  # fmt: skip
     constant = [
         place for place, process in enumerate(model.processes)
@@ -108,7 +96,7 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
     ]  # fmt: skip
     return RecordAnswer(
         grid.record.name, float(grid.times[-1] - grid.times[0]), len(grid), int(grid.meetings.sum()),
-        {model.processes[place].name: float(path.reference.processes[0, place]) for place in constant},
+        {model.processes[place].name: float(path.processes[0, place]) for place in constant},
         dict(zip(prior.names, gone.tolist(), strict=True)),
         dict(zip(prior.names, (moved * prior.scale).tolist(), strict=True)),
         {name: (before[name], later[name]) for name in STATES_JUDGED},
@@ -122,7 +110,7 @@ def _measured(grid: RecordGrid) -> dict[str, tuple[np.ndarray, np.ndarray]]:
 
 
 def forecast(
-    problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: Reference, model: StochasticModel
+    problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: RecordPath, model: StochasticModel
 ) -> Forecast:
     """Return forecasts of a record, begun now and then at the smoothed state, at scaled coefficients (p,).
 
@@ -146,7 +134,7 @@ def forecast(
     pieces = np.repeat(grid.times[first[:-1]], np.diff(first) + 1)
     if CURRENT not in problem.motion.directions:
         states[:, :2] += np.outer(grid.times[nodes] - pieces, [known[CURRENT_X], known[CURRENT_Y]])
-    rudder = grid.positions.get("rudder", np.zeros(len(grid.times)))[nodes] + known[RUDDER_OFFSET]
+    rudder = grid.positions.get(RUDDER, np.zeros(len(grid.times)))[nodes] + known[RUDDER_OFFSET]
     ends = first[1:] - first[0] + np.arange(len(first) - 1)
     return Forecast(grid.times[nodes], states, ends, path.states[begun[1:]], rudder)
 
@@ -159,7 +147,7 @@ def missed(predicted: Forecast) -> dict[str, float]:
     return {name: float(root[place]) for name, place in STATES_JUDGED.items()}
 
 
-def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: Reference) -> float:
+def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: RecordPath) -> float:
     """Return the root mean square of headings missed over a whole record under its recorded rudder [rad].
 
     Heading, speed, drift and yaw rate at its start are fitted, and nothing else.
@@ -177,76 +165,68 @@ def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path
         with np.errstate(all="ignore"):
             states, _ = motion.sailed(begun[None], np.zeros((1, 3)), ends, grid.times, grid.positions, np.zeros(1))
         off = np.interp(read.step + read.share, nodes, states[:, 2]) - read.values
-        return np.append(np.nan_to_num(off / HEADING_READ, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3), start)
+        return np.append(np.nan_to_num(off / READING, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3), start)
 
     found = least_squares(left, np.zeros(4), max_nfev=15)
-    return float(HEADING_READ * np.sqrt(np.mean(found.fun[:-4] ** 2)))
+    return float(READING * np.sqrt(np.mean(found.fun[:-4] ** 2)))
 
 
 @dataclass(frozen=True)
-class HeadingRecord:
+class SteeredHeading:
     """The part of a record for the Nomoto model: rudder and heading on even times."""
 
     step: float  # [s]
-    rudder: np.ndarray  # (nodes,) [rad]
+    rudder: list[float]  # [rad], at the nodes
     heading: np.ndarray  # (nodes,) [rad]
-    rate: float  # Yaw rate at the start [rad/s]
+
+    def left(self, numbers: np.ndarray, start: np.ndarray) -> np.ndarray:
+        """Return the headings missed, over READING, by ``rdot = a rudder + b + c r + d |r| r + e r^3`` (Euler)."""
+        # start (2,): heading and yaw rate off those recorded, in units of READING and START_RATE
+        a, b, c, d, e = numbers
+        few = min(10, len(self.heading) - 1)
+        psi = self.heading[0] + READING * start[0]
+        r = (self.heading[few] - self.heading[0]) / few / self.step + START_RATE * start[1]
+        path = np.full(len(self.rudder), 1e3)
+        for place, rudder in enumerate(self.rudder):
+            path[place] = psi
+            psi += self.step * r
+            r += self.step * (a * rudder + b + (c + d * abs(r) + e * r * r) * r)
+            if not abs(r) < 1.0:
+                break
+        return np.asarray((path - self.heading) / READING)
 
 
-def heading_record(grid: RecordGrid) -> HeadingRecord | None:
-    """Return rudder and heading of a record; None where one of them was not recorded."""
-    if "psi" not in grid.readings or "rudder" not in grid.positions:
-        return None
-    read = grid.readings["psi"]
-    heading = np.interp(grid.times, grid.times_of(read), read.values)
-    few = min(10, len(heading) - 1)
-    return HeadingRecord(
-        grid.step, grid.positions["rudder"], heading, float(heading[few] - heading[0]) / few / grid.step
-    )
+def nomoto_missed(grids: Iterable[RecordGrid], time: float) -> list[float]:
+    """Return the root mean square of headings missed by Nomoto models, each fitted to all other records [rad].
 
-
-def headings(numbers: np.ndarray, record: HeadingRecord, start: np.ndarray) -> np.ndarray:
-    """Integrate ``rdot = a rudder + b + c r + d |r| r + e r^3`` by Euler's method."""
-    a, b, c, d, e = numbers
-    psi, r, path = start[0], start[1], np.empty(len(record.rudder))
-    for place, rudder in enumerate(record.rudder.tolist()):
-        path[place] = psi
-        psi += record.step * r
-        r += record.step * (a * rudder + b + (c + d * abs(r) + e * r * r) * r)
-        if not abs(r) < 1.0:
-            path[place:] = 1e3
-            break
-    return path
-
-
-def fitted_nomoto(records: Sequence[HeadingRecord], time: float) -> np.ndarray:
-    """Fit the five numbers, and the start of each record, to headings under the recorded rudder."""
+    The model of an only record is fitted to itself. The start of each record is fitted too. Without rudder or heading
+    a record has NaN.
+    """
     # time [s], of a ship length
     from scipy.optimize import least_squares
 
     scale = np.array([1.0, 0.01, time, time**2, time**3]) / time**2
     first = np.array([USUAL_TURN, 0.0, -1.0, 0.0, -4.0])
 
-    def residuals(unknowns: np.ndarray) -> np.ndarray:
-        starts = unknowns[NUMBERS:].reshape(-1, 2)
-        return np.concatenate([_left(unknowns[:NUMBERS] * scale, *pair) for pair in zip(records, starts, strict=True)])
+    def residuals(unknowns: np.ndarray, records: Sequence[SteeredHeading]) -> np.ndarray:
+        numbers, starts = unknowns[: len(first)] * scale, unknowns[len(first) :].reshape(-1, 2)
+        return np.concatenate([own.left(numbers, start) for own, start in zip(records, starts, strict=True)])
 
-    found = least_squares(residuals, np.append(first, np.zeros(2 * len(records))), method="trf", max_nfev=40)
-    return np.asarray(found.x[:NUMBERS] * scale)
-
-
-def nomoto_missed(numbers: np.ndarray, record: HeadingRecord) -> float:
-    """Return the root mean square of what the model misses of the heading, its start fitted [rad]."""
-    from scipy.optimize import least_squares
-
-    def residuals(start: np.ndarray) -> np.ndarray:
-        return _left(numbers, record, start)
-
-    found = least_squares(residuals, np.zeros(2), max_nfev=40)
-    return float(np.sqrt(np.mean(found.fun**2)) * READING)
+    known = {place: _steered_heading(grid) for place, grid in enumerate(grids)}
+    steered = {place: record for place, record in known.items() if record is not None}
+    missed = dict.fromkeys(known, np.nan)
+    for place, record in steered.items():
+        others = [other for other in steered.values() if other is not record] or [record]
+        unknowns = np.append(first, np.zeros(2 * len(others)))
+        numbers = scale * least_squares(residuals, unknowns, args=(others,), max_nfev=40).x[: len(first)]
+        left = least_squares(partial(record.left, numbers), np.zeros(2), max_nfev=40).fun
+        missed[place] = float(np.sqrt(np.mean(left**2)) * READING)
+    return list(missed.values())
 
 
-def _left(numbers: np.ndarray, record: HeadingRecord, start: np.ndarray) -> np.ndarray:
-    """Headings missed over the error of a reading; start (2,) in units of READING and START_RATE."""
-    begun = np.array([record.heading[0] + READING * start[0], record.rate + START_RATE * start[1]])
-    return np.asarray((headings(numbers, record, begun) - record.heading) / READING)
+def _steered_heading(grid: RecordGrid) -> SteeredHeading | None:
+    if "psi" not in grid.readings or RUDDER not in grid.positions:
+        return None
+    read = grid.readings["psi"]
+    heading = np.interp(grid.times, grid.times_of(read), read.values)
+    return SteeredHeading(grid.step, grid.positions[RUDDER].tolist(), heading)

@@ -183,7 +183,8 @@ def learn_steady(
     check_covariance(model)
     readings, conditions = steady_readings(observations, errors), conditions or SteadyConditions()
     canal, ship = model.configuration.canal, model.configuration.ship
-    check_inside(readings.values["y"], canal.width, ship.beam)
+    read = readings.values
+    check_inside(read["y"], canal.width, ship.beam)
     problem = LegProblem.of(model, conditions)
     found = problem.fit(readings)
     checks = steady_checks(readings, found, problem)
@@ -191,7 +192,7 @@ def learn_steady(
     learned = learned_coefficients(model, posterior.values, posterior.covariance)
     after = learned_model(
         model, learned, posterior.covariance, f"learned from {readings.summary()} ({readings.source})",
-        _ends(abs(readings.values["y"])), _ends(readings.values["u"]), checks.contradicted,
+        abs(read["y"]), read["u"], checks.contradicted,
     )  # fmt: skip
     std = np.sqrt(np.diag(posterior_covariance(problem, found.information)))[problem.count :] * problem.common
     value = found.unknowns[problem.count :] * problem.common
@@ -205,10 +206,6 @@ def check_covariance(model: Model) -> None:
             "this model has no covariance of its coefficients, so nothing says what a record may change; identify it "
             "from tests, or state one"
         )
-
-
-def _ends(column: Any) -> tuple[float, float]:
-    return float(column.min()), float(column.max())
 
 
 # Common errors of legs: words, printed unit, factor from SI.
@@ -244,7 +241,11 @@ def steady_checks(readings: SteadyReadings, found: LegFit, problem: LegProblem) 
     chance = float(chdtrc(found.counted, max(found.chi_square, 0.0)))
     findings = [] if readings.both_sides else [ONE_SIDE]
     if chance < CONTRADICTION:
-        findings.append(_contradiction(found.chi_square, found.counted, legs))
+        findings.append(
+            "The legs contradict the model, each other or their errors: a sum of squares of "
+            f"{found.chi_square:.1f} where {found.counted} was to be expected; leg {min(legs, key=legs.__getitem__)} "
+            "fits worst. Hold it again, or look for a fault of an instrument."
+        )
     findings += _other_sign(readings, found.chi_square, problem)
     if not found.converged:
         findings.append("The search for the true states of the legs did not converge; give smaller errors of y and u.")
@@ -253,25 +254,17 @@ def steady_checks(readings: SteadyReadings, found: LegFit, problem: LegProblem) 
     return SteadyChecks(found.chi_square, found.counted, chance, legs, (*findings, SCALE))
 
 
-def _contradiction(squares: float, freedom: int, legs: dict[str, float]) -> str:
-    worst = min(legs, key=lambda leg: legs[leg])
-    return (
-        f"The legs contradict the model, each other or their errors: a sum of squares of {squares:.1f} where {freedom} "
-        f"was to be expected; leg {worst} fits worst. Hold it again, or look for a fault of an instrument."
-    )
-
-
 def _other_sign(readings: SteadyReadings, squares: float, problem: LegProblem) -> list[str]:
     if squares <= WRONG_SIGN_GAIN:  # There is nothing to be won.
         return []
-    turned = {name: problem.fit(_turned(readings, name)).chi_square for name in TURNED if name in readings.values}
+    read = readings.values
+    turned = {
+        name: problem.fit(replace(readings, values={**read, name: -read[name]})).chi_square
+        for name in TURNED if name in read
+    }  # fmt: skip
     return [
         f"With the other sign of {name} the legs fit far better, {other:.1f} instead of {squares:.1f}: is it positive "
         "where it turns the bow to starboard, or where the bow is to starboard?"
         for name, other in turned.items()
         if squares - other > WRONG_SIGN_GAIN
     ]
-
-
-def _turned(readings: SteadyReadings, name: str) -> SteadyReadings:
-    return replace(readings, values={**readings.values, name: -readings.values[name]})

@@ -179,10 +179,14 @@ class LegReadings:
             if zero is not None:
                 design[:, :, count + zero] -= through[:, :, column]
         covariance = np.einsum("lqi,li,lri->lqr", through, self.size**2, through)
-        covariance[:, forces, forces] += _left_over(by_turning, mass, left_over)
-        return LinearLegs(
-            -np.einsum("lqi,li->lq", through, self.value - self._read_at(latent)), design, covariance, through
-        )
+        # What wind and a rest of motion leave out of balance
+        moved, turned = mass * left_over[3:], left_over[2] * by_turning
+        covariance[:, forces, forces] += np.diag(left_over[:2] ** 2) + moved @ np.swapaxes(moved, 1, 2)
+        covariance[:, forces, forces] += turned[:, :, None] * turned[:, None]
+        # Readings without errors: the direction as often as it is read
+        again = latent[:, len(LATENT) - 1 :].repeat(self.value.shape[1] - len(LATENT), axis=1)
+        off = self.value - np.concatenate([latent, again], axis=1)
+        return LinearLegs(-np.einsum("lqi,li->lq", through, off), design, covariance, through)
 
     def corrected(self, about: LinearLegs, values: np.ndarray) -> np.ndarray:
         """Return the most likely states: the readings less zeros and their share of the rest of the balance."""
@@ -192,18 +196,6 @@ class LegReadings:
         common = values[len(values) - len(UNKNOWN) :]
         zeros = np.array([0.0 if zero is None else common[zero] for zero in self.zeros])
         return np.asarray((self.value - zeros - errors)[:, : len(LATENT)])
-
-    def _read_at(self, latent: np.ndarray) -> np.ndarray:
-        """Return the readings without errors: the direction as often as it is read."""
-        again = latent[:, len(LATENT) - 1 :].repeat(self.value.shape[1] - len(LATENT), axis=1)
-        return np.concatenate([latent, again], axis=1)
-
-
-def _left_over(by_turning: np.ndarray, mass: np.ndarray, left_over: np.ndarray) -> np.ndarray:
-    """Covariance of what wind and a rest of motion leave out of balance, (legs, 2, 2)."""
-    wind, turning, accelerations = left_over[:2], left_over[2], left_over[3:]
-    moved, turned = mass * accelerations, turning * by_turning
-    return np.asarray(np.diag(wind**2) + turned[:, :, None] * turned[:, None] + moved @ np.swapaxes(moved, 1, 2))
 
 
 @dataclass(frozen=True)

@@ -59,8 +59,8 @@ class PlannedLeg:
 
     offset: float
     speed: float
-    rudder: tuple[float, float, float]
-    drift: tuple[float, float, float]
+    rudder: tuple[float, ...]
+    drift: tuple[float, ...]
 
     @property
     def side(self) -> str:
@@ -226,21 +226,22 @@ def plan_steady(
     ahead = usual_speeds(model) if speeds is None else _rising("speeds", speeds)
     check_inside(beside, model.configuration.canal.width, model.configuration.ship.beam)
     found = candidates(model, beside, ahead, reserve, side, samples, seed)
-    allowed = np.flatnonzero(found.allowed(SURE_SHARE))
+    allowed = np.flatnonzero(found.allowed)
     problem, before = LegProblem.of(model, conditions), np.asarray(model.covariance)
     pairs = pair_informations(problem, found, allowed, errors)
     best = best_pairs(problem, pairs.sum(axis=1), names, legs // 2)
     order = sorted(best, key=lambda i: (found.offsets[allowed[i]], found.speeds[allowed[i]]))
-    planned = [leg for turn, i in enumerate(order) for leg in _both_sides(found, allowed[i], turn)]
-    sides = [pairs[i, side] for turn, i in enumerate(order) for side in ((1, 0) if turn % 2 else (0, 1))]
-    told = np.cumsum([np.zeros(problem.precision.shape), *sides], axis=0)
+    # The sides come first in turn, so that what grows with time cancels too.
+    held = [(i, sign) for turn, i in enumerate(order) for sign in ((-1, 1) if turn % 2 else (1, -1))]
+    told = np.cumsum([np.zeros(problem.precision.shape), *(pairs[i, int(sign < 0)] for i, sign in held)], axis=0)
     known = [expected_std(model, before, problem, one) for one in told]
     std = {name: np.array([one[name] for one in known]) for name in names}
     after = log_posterior(model, before, problem, np.zeros(len(told[-1])), told[-1]).covariance
     then = candidates(replace(model, covariance=after), beside, ahead, reserve, side, samples, seed) if order else found
-    far = _farthest(found), max(_farthest(found), _farthest(then))
+    planned = tuple(found.leg(allowed[i], sign) for i, sign in held)
     return SteadyPlan(
-        tuple(planned), names, std, model, errors, conditions, reserve, side, len(allowed), far,
+        planned, names, std, model, errors, conditions, reserve, side, len(allowed),
+        (found.farthest, max(found.farthest, then.farthest)),
         (*_refused(found, reserve, side), f"Assumed: {errors.summary()}; {conditions.summary()}.", WHO_HOLDS),
     )  # fmt: skip
 
@@ -279,30 +280,24 @@ class Candidates:
     within: np.ndarray  # (places,) Share of the samples that leave the rudder its reserve [1]
     clear: np.ndarray  # (places,) True where side and keel have their clearance
 
-    def allowed(self, share: float) -> np.ndarray:
-        """Return at which places a ship may be held, (places,) of bool."""
-        return np.asarray(self.clear & (self.within >= share) & np.isfinite(self.rudder))
+    @property
+    def allowed(self) -> np.ndarray:
+        """Where a ship may be held, (places,) of bool."""
+        return np.asarray(self.clear & (self.within >= SURE_SHARE) & np.isfinite(self.rudder))
 
+    @property
+    def farthest(self) -> float:
+        """Largest offset of them [m]."""
+        return float(self.offsets[self.allowed].max(initial=0.0))
 
-def _both_sides(found: Candidates, place: int, turn: int) -> tuple[PlannedLeg, PlannedLeg]:
-    """A pair, the side that comes first in turn: what grows with time then cancels too."""
-    rudder, drift = found.rudder_told[place], found.psi_told[place]
-    leg = PlannedLeg(float(found.offsets[place]), float(found.speeds[place]), _angles(rudder), _angles(drift))
-    other = PlannedLeg(-leg.offset, leg.speed, _angles(-rudder[::-1]), _angles(-drift[::-1]))
-    return (other, leg) if turn % 2 else (leg, other)
-
-
-def _angles(told: np.ndarray) -> tuple[float, float, float]:
-    low, middle, high = told.tolist()
-    return low, middle, high
-
-
-def _farthest(found: Candidates) -> float:
-    return float(found.offsets[found.allowed(SURE_SHARE)].max(initial=0.0))
+    def leg(self, place: int, sign: int) -> PlannedLeg:
+        """Return a leg to starboard (1) or to port (-1)."""
+        rudder, drift = (tuple(np.sort(sign * told[place]).tolist()) for told in (self.rudder_told, self.psi_told))
+        return PlannedLeg(float(sign * self.offsets[place]), float(self.speeds[place]), rudder, drift)
 
 
 def _refused(found: Candidates, reserve: float, clearance: float) -> list[str]:
-    short = found.clear & ~found.allowed(SURE_SHARE)
+    short = found.clear & ~found.allowed
     notes = []
     if short.any():
         first = int(np.flatnonzero(short)[found.offsets[short].argmin()])

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,11 +10,11 @@ import numpy as np
 
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.logbook.beam_wind import BeamWind
+from narrows.logbook.sensor_grades import check_sizes
 from narrows.logbook.settings import MISPLACED, MOST_ANGLE
 from narrows.model.model import Model
 from narrows.quantities.names import Quantity
 from narrows.results import BaseSummary
-from narrows.ship.checks import is_finite
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -72,11 +72,7 @@ class ReadingErrors(BaseSummary):
     heading_deg: float = 0.2
 
     def __post_init__(self) -> None:
-        for entry in fields(self):
-            value = getattr(self, entry.name)
-            least = "over 0" if entry.name.endswith("_deg") else "from 0"
-            if not is_finite(value) or value < 0 or (least == "over 0" and value == 0):
-                raise InputError(f"a reading's error {entry.name} = {shown(value)}: give a finite number {least}")
+        check_sizes(self, over=("rudder_deg", "drift_deg", "heading_deg"))
 
     def summary(self) -> str:
         """The standard deviations."""
@@ -147,17 +143,15 @@ class SteadyReadings(BaseSummary):
         import pandas as pd
 
         columns = {**self.values, **{f"{name}_error": value for name, value in self.errors.items()}}
-        shown_as = {
-            f"{name}_deg" if COLUMNS[name].unit == "rad" else name: np.degrees(value)
-            if COLUMNS[name].unit == "rad" else value
-            for name, value in columns.items()
-        }  # fmt: skip
-        return pd.DataFrame(shown_as, index=pd.Index(self.legs, name=LABEL))
+        table = pd.DataFrame(columns, index=pd.Index(self.legs, name=LABEL))
+        angles = [name for name in columns if COLUMNS[name].unit == "rad"]
+        table[angles] = np.degrees(table[angles])
+        return table.rename(columns={name: f"{name}_deg" for name in angles})
 
 
 def steady_readings(table: Any, errors: ReadingErrors | None = None) -> SteadyReadings:
     """Read the legs of a ship that was held."""
-    from narrows.readers.cells import as_sheet, name_of, sha256_of_frame
+    from narrows.readers.cells import as_sheet, labels, name_of, sha256_of_frame
     from narrows.readers.frames import read_frame
 
     if isinstance(table, SteadyReadings):
@@ -168,19 +162,13 @@ def steady_readings(table: Any, errors: ReadingErrors | None = None) -> SteadyRe
     if frame.empty:
         raise InputError(f"{source}: has no leg; give a row for each side and speed at which the ship was held")
     columns = _columns(frame, source)
+    names = labels(frame, LABEL, source) if LABEL in frame else range(1, len(frame) + 1)
     readings = SteadyReadings(
-        _labels(frame, source), {name: columns[name] for name in (*READ, *GIVEN) if name in columns},
+        tuple(map(str, names)), {name: columns[name] for name in (*READ, *GIVEN) if name in columns},
         _errors(columns, errors or ReadingErrors(), source), source, sha256_of_frame(frame),
     )  # fmt: skip
     _check(readings)
     return readings
-
-
-def _labels(frame: "pd.DataFrame", source: str) -> tuple[str, ...]:
-    from narrows.readers.cells import labels
-
-    names = labels(frame, LABEL, source) if LABEL in frame else range(1, len(frame) + 1)
-    return tuple(str(name) for name in names)
 
 
 def _columns(frame: "pd.DataFrame", source: str) -> dict[str, np.ndarray]:

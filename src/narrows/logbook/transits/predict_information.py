@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -121,8 +121,7 @@ class InformationForecast(BaseResult):
         """Expected error of each target by routine transits, and the most informative excursion."""
         if not self.kinds:
             return "\n".join((*self.reasons, ON_TWINS))
-        routine, best = self.kinds[0], self.best
-        after = " and ".join(map(str, self.transits))
+        routine, best, after = self.kinds[0], self.best, " and ".join(map(str, self.transits))
         gains = "; ".join(
             f"{name} from {self.prior_std[name]:.2g} to {', '.join(f'{std:.2g}' for std in routine.std[name])}"
             for name in self.targets
@@ -212,19 +211,32 @@ def predict_information(
     check_rudder(model)
     check_covariance(model)
     check_waterway(waterway)
-    counts = _counts(transits)
+    counts = tuple(transits) if isinstance(transits, Sequence | np.ndarray) else (transits,)
+    if not counts:
+        raise InputError("transits is empty; give numbers of transits such as [1, 5, 20]")
+    for count in counts:
+        check_count("transits", count, 1)
     names, grade, conditions = learnable(model, targets), sensor_grade(sensors), conditions or TransitConditions()
     plan = _plan(model, waterway, u, duration, conditions)
-    before = np.sqrt(np.diag(np.asarray(model.covariance)))
+    std = dict(zip(model.terms.names, np.sqrt(np.diag(np.asarray(model.covariance))).tolist(), strict=True))
     told: dict[str, Any] = {"model": model, "grade": grade, "conditions": conditions, "u": plan.u}
     told |= {"duration": plan.duration, "transits": counts, "targets": names}
-    told |= {"prior_std": _std(model, names, before)}
+    told |= {"prior_std": {name: std[name] for name in names}}
     if "rudder" not in grade.signals:
         return InformationForecast((), safe_offset=0.0, reasons=(NO_RUDDER,), **told)
-    safe = safe_offset(_narrowest(model, waterway), plan.u, seed) if within is None else _within(within)
-    kinds, reasons = _kinds(_Request(plan, grade, names, counts, seed), safe)
-    reasons += (NOWHERE.format(plan.u),) if within is None and not safe else ()
-    return InformationForecast(kinds, safe_offset=safe, reasons=reasons, **told)
+    if within is None:
+        safe = safe_offset(_narrowest(model, waterway), plan.u, seed)
+    elif (safe := finite_numbers(within=within)["within"]) < 0:
+        raise InputError(f"within = {safe:g} m: give how far off the middle excursions may go, from 0 (none)")
+    kinds, reasons = [_information(plan, ROUTINE, grade, names, counts, seed)], []
+    for excursion in excursions(safe, model.configuration.ship.length / plan.u):
+        try:
+            kinds.append(_information(plan, excursion, grade, names, counts, seed))
+        except InputError as error:
+            reasons.append(f"Left out: {error}.")
+    if within is None and not safe:
+        reasons.append(NOWHERE.format(plan.u))
+    return InformationForecast(tuple(kinds), safe_offset=safe, reasons=tuple(reasons), **told)
 
 
 def _plan(
@@ -233,44 +245,15 @@ def _plan(
     speed = float(usual_speeds(model)[0]) if u is None else finite_numbers(u=u)["u"]
     if speed <= 0:
         raise InputError(f"u = {speed:g} m/s is no speed ahead; give one over 0")
-    lasting = _duration(waterway, speed) if duration is None else finite_numbers(duration=duration)["duration"]
+    lasting = settings.ROUTINE
+    if duration is not None:
+        lasting = finite_numbers(duration=duration)["duration"]
+    elif waterway is not None:
+        whole = waterway.line.length / (speed + waterway.reference_current)
+        lasting = min(0.95 * whole, settings.LONGEST_TRANSIT)
     if not 0 < lasting <= settings.MOST_TIME:
         raise InputError(f"a transit of {lasting:g} s is none; give a duration over 0, to {settings.MOST_TIME:g}")
     return TransitTwin(model, speed, lasting, conditions, waterway=waterway)
-
-
-def _counts(transits: int | Sequence[int]) -> tuple[int, ...]:
-    counts = tuple(transits) if isinstance(transits, Sequence | np.ndarray) else (transits,)
-    if not counts:
-        raise InputError("transits is empty; give numbers of transits such as [1, 5, 20]")
-    for count in counts:
-        check_count("transits", count, 1)
-    return counts
-
-
-def _within(offset: float) -> float:
-    if (within := finite_numbers(within=offset)["within"]) < 0:
-        raise InputError(f"within = {within:g} m: give how far off the middle excursions may go, from 0 (none)")
-    return within
-
-
-class _Request(NamedTuple):
-    plan: TransitTwin
-    grade: SensorGrade
-    names: tuple[str, ...]
-    transits: tuple[int, ...]
-    seed: int
-
-
-def _kinds(request: _Request, safe: float) -> tuple[tuple[TransitInformation, ...], tuple[str, ...]]:
-    """Expected information of routine transits and of each possible excursion; why others are left out."""
-    kinds, reasons = [_information(request, ROUTINE)], []
-    for excursion in excursions(safe, request.plan.truth.configuration.ship.length / request.plan.u):
-        try:
-            kinds.append(_information(request, excursion))
-        except InputError as error:
-            reasons.append(f"Left out: {error}.")
-    return tuple(kinds), tuple(reasons)
 
 
 def safe_offset(model: Model, u: float, seed: int = 0) -> float:
@@ -282,50 +265,28 @@ def safe_offset(model: Model, u: float, seed: int = 0) -> float:
 
 def excursions(safe: float, time: float) -> list[Excursion]:
     ways = (("aside to one side", (1,)), ("aside to either side, as in meetings", (1, -1)))
-    minutes = (
-        f"for {settings.EXCURSION_STAY * time / 60:.1g} minutes"
-        if settings.EXCURSION_STAY * time >= MINUTE
-        else f"for {settings.EXCURSION_STAY * time:.2g} s"
-    )
+    stay, turn = settings.EXCURSION_STAY * time, settings.EXCURSION_TURN * time
+    lasting = f"for {stay / MINUTE:.1g} minutes" if stay >= MINUTE else f"for {stay:.2g} s"
     return [
-        Excursion(
-            f"{share * safe:.3g} m {words}, {minutes}", share * safe, sides, settings.EXCURSION_STAY * time,
-            settings.EXCURSION_TURN * time,
-        )
+        Excursion(f"{share * safe:.3g} m {words}, {lasting}", share * safe, sides, stay, turn)
         for share in settings.EXCURSION_SHARES if safe > 0 for words, sides in ways
     ]  # fmt: skip
 
 
-def _information(request: _Request, excursion: Excursion) -> TransitInformation:
-    std = []
+def _information(
+    plan: TransitTwin, excursion: Excursion, grade: SensorGrade, names: Sequence[str], counts: Sequence[int], seed: int
+) -> TransitInformation:
+    """Medians of the expected standard errors over simulated transits."""
+    push, std = plan.conditions.gust_push(plan.truth), []
     with bar(settings.SIMULATED_TRANSITS, is_shown(), excursion.words) as done:
-        for number in range(request.seed, request.seed + settings.SIMULATED_TRANSITS):
-            std.append(_expected_std(request, excursion, number))
+        for number in range(seed, seed + settings.SIMULATED_TRANSITS):
+            record = recorded(f"transit {number}", plan.sailed(number, excursion), grade, number, current=0.0)
+            setup = log_problem(plan.truth, ShipLog((record,), plan.waterway), grade, gusts=True)
+            one = expected_information(setup, push @ push.T, plan.conditions.gust_time)
+            after = [expected_std(plan.truth, setup.before, setup.problem, count * one) for count in counts]
+            std.append([[each[name] for name in names] for each in after])
             done(1)
-    return TransitInformation(excursion, dict(zip(request.names, np.median(std, axis=0).T, strict=True)))
-
-
-def _expected_std(request: _Request, excursion: Excursion, number: int) -> list[list[float]]:
-    """Standard errors after transits like one, (counts, names)."""
-    plan = request.plan
-    record = recorded(f"transit {number}", plan.sailed(number, excursion), request.grade, number, current=0.0)
-    setup = log_problem(plan.truth, ShipLog((record,), plan.waterway), request.grade, gusts=True)
-    push = plan.conditions.gust_push(plan.truth)
-    told = expected_information(setup, push @ push.T, plan.conditions.gust_time)
-    after = [expected_std(plan.truth, setup.before, setup.problem, count * told) for count in request.transits]
-    return [[one[name] for name in request.names] for one in after]
-
-
-def _std(model: Model, names: Sequence[str], std: np.ndarray) -> dict[str, float]:
-    return {name: float(std[model.terms.names.index(name)]) for name in names}
-
-
-def _duration(waterway: "Waterway | None", u: float) -> float:
-    return (
-        settings.ROUTINE
-        if waterway is None
-        else min(0.95 * waterway.line.length / (u + waterway.reference_current), settings.LONGEST_TRANSIT)
-    )
+    return TransitInformation(excursion, dict(zip(names, np.median(std, axis=0).T, strict=True)))
 
 
 def _narrowest(model: Model, waterway: "Waterway | None") -> Model:
@@ -341,7 +302,7 @@ def expected_information(setup: LogSetup, gusts: np.ndarray, memory: float) -> n
     """Return the information of records at the prior mean, with gusts of covariance (2, 2) and memory [s], (P, P)."""
     problem = setup.problem
     unknowns, usual = np.zeros(len(problem.precision)), {one.name: one for one in problem.model.processes}
-    size = np.sqrt(np.diag(gusts)) / problem.inertia.at(problem.prior.mean)[1:]
+    size = np.sqrt(np.diag(gusts)) / problem.at(np.zeros(problem.count))[1][1:]
     strong = dict(zip((SWAY, YAW), size.tolist(), strict=True))
     for place, (of, names, _) in enumerate(problem.model.estimated, start=problem.count):
         if of == "std" and names[0] in strong:

@@ -1,7 +1,6 @@
 """Twins of a ship's own log: transits of a ship whose truth is known, in wind and gusts, as its sensors record them."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -110,12 +109,11 @@ class TransitConditions(BeamWind):
 def wandering(
     size: float, memory: float, step: float, count: int, draw: np.random.Generator, width: int = 1
 ) -> np.ndarray:
+    from scipy.signal import lfilter
+
     kept, normal = math.exp(-step / memory), draw.standard_normal((count, width))
-    values = np.empty((count, width))
-    values[0] = normal[0]
-    for i in range(1, count):
-        values[i] = kept * values[i - 1] + math.sqrt(1 - kept**2) * normal[i]
-    return size * values
+    normal[1:] *= math.sqrt(1 - kept**2)
+    return np.asarray(size * lfilter([1.0], [1.0, -kept], normal, axis=0))
 
 
 @dataclass(frozen=True)
@@ -222,7 +220,6 @@ class TransitTwin:
     u: float  # Through the water [m/s]
     duration: float = 2400.0  # [s]
     conditions: TransitConditions = field(default_factory=TransitConditions)  # Wind, gusts, and wander of the aim
-    passes: Sequence[float] = ()  # Times at which another ship passes [s]
     waterway: "Waterway | None" = None  # Instead of the model's own canal
 
     def sailed(self, seed: int, excursion: Excursion = ROUTINE) -> Voyage:
@@ -248,30 +245,15 @@ class TransitTwin:
         return self.truth.configuration.ship.length / self.u
 
     def _pushes(self, draw: np.random.Generator) -> dict[str, list[tuple[float, float]]]:
-        """Sway force and yaw moment through the transit: wind, gusts, and ships that pass."""
+        """Sway force and yaw moment through the transit: wind and gusts."""
         told, step = self.conditions, min(PUSH_STEP, self.conditions.gust_time / GUST_PIECES)
         times = np.arange(0.0, self.duration, step)
         gusts = wandering(1.0, told.gust_time, step, len(times), draw, 2) @ told.gust_push(self.truth).T
         pushes = gusts + draw.standard_normal(2) * told.steady_push(self.truth)
-        for passed in self.passes:
-            pushes += _passing(self.truth, self.u, times - passed)
         return {
             name: list(zip(times.tolist(), column, strict=True))
             for name, column in zip("YN", pushes.T.tolist(), strict=True)
         }
-
-
-def _passing(model: Model, u: float, since: np.ndarray) -> np.ndarray:
-    """Force and moment of a passing ship [N, N m]: off, on, off again in sway, out and back in yaw."""
-    # No measured passing force is behind it: its size is that of a bank's suction and its time that of two lengths at
-    # twice the speed.
-    ship = model.configuration.ship
-    size = 0.02 * model.configuration.water.density * u * u * ship.length * ship.draft
-    phase = np.clip(since * u / ship.length, -1.0, 1.0)
-    inside = np.abs(phase) < 1
-    sway = -size * np.cos(1.5 * np.pi * phase) * inside
-    yaw = 0.15 * ship.length * size * np.sin(np.pi * phase) * inside
-    return np.stack([sway, yaw], axis=1)
 
 
 def recorded(name: str, voyage: Voyage, grade: SensorGrade, seed: int, current: float = CURRENT) -> ShipRecord:
@@ -309,24 +291,18 @@ LENGTH, WIDTH = 399.94, 205.0
 SPEED, MINUTES, SHORT_MINUTES = 8 * KNOT, 40.0, 20.0
 
 
-@dataclass(frozen=True)
-class DemonstratedLog:
-    prior: Model  # The ship by its captive tests
-    truth: Model  # What it is
-    log: ShipLog  # What its sensors recorded
-
-
 def large_container_ship() -> Model:
     return bundled_ship(LENGTH, WIDTH)
 
 
-def demonstrated_log(sensors: SensorGrade, transits: int = 10, seed: int = 1) -> DemonstratedLog:
+def demonstrated_log(sensors: SensorGrade, transits: int = 10, seed: int = 1) -> tuple[Model, Model, ShipLog]:
+    """Return a ship by its captive tests, what it truly is, and what its sensors recorded."""
     prior = large_container_ship()
     for ship in range(MOST_SHIPS):
         truth = drawn_truth(prior, MOST_SHIPS * seed + ship)
         try:
             twin = TransitTwin(truth, SPEED, 60 * SHORT_MINUTES)
-            return DemonstratedLog(prior, truth, transits_of(truth, sensors, transits, MOST_SHIPS * seed + ship, twin))
+            return prior, truth, transits_of(truth, sensors, transits, MOST_SHIPS * seed + ship, twin)
         except InputError:
             continue
     raise InputError("none of the ships that were drawn comes through the canal; take another seed")
