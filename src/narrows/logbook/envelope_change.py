@@ -45,10 +45,7 @@ class EnvelopeChange(BaseResult):
     @property
     def notes(self) -> tuple[str, ...]:
         """Number of cases, and assumptions."""
-        return (
-            f"{self.before.samples} cases at each place: a look; narrows envelope settles the edges.",
-            ON_TWINS,
-        )
+        return f"{self.before.samples} cases at each place: a look; narrows envelope settles the edges.", ON_TWINS
 
     def summary(self) -> str:
         """Safe area before, and now."""
@@ -56,33 +53,28 @@ class EnvelopeChange(BaseResult):
 
     def rows(self) -> list[dict[str, float]]:
         """Give a row an offset [m]: at the middle speed rudder [deg] and share held, and the highest speed [knots]."""
-        middle = self.before.data.sizes["u"] // 2
-        tops = {"before": _tops(self.before), "after": _tops(self.after)}
-        shares = {when: env.data["held"].isel(u=middle).to_numpy()
-                  for when, env in (("before", self.before), ("after", self.after))}  # fmt: skip
-        angles = {"before": self.rudder_before, "after": self.rudder_after}
-        return [
-            {"offset": float(y), "speed": float(self.before.data["u"][middle]) / KNOT}
-            | {key: math.degrees(angle) for when in angles for key, angle in _named(when, angles[when][i]).items()}
-            | {f"held_{when}": float(shares[when][i]) for when in shares}
-            | {f"highest_speed_{when}": tops[when][i] for when in tops}
-            for i, y in enumerate(self.before.data["y"].to_numpy())
-        ]  # fmt: skip
+        table = self.to_dataframe().reset_index()
+        return [dict(zip(table.columns, row, strict=True)) for row in table.to_numpy().tolist()]
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Give the rows as a table."""
         import pandas as pd
 
-        return pd.DataFrame(self.rows()).set_index("offset")
+        data = self.before.data
+        middle = data.sizes["u"] // 2
+        table = {"offset": data["y"].to_numpy(), "speed": float(data["u"][middle]) / KNOT}
+        for when, angles in (("before", self.rudder_before), ("after", self.rudder_after)):
+            names = (f"rudder_{name}_{when}" for name in ("low", "median", "high"))
+            table |= dict(zip(names, np.degrees(angles).T, strict=True))
+        for when, envelope in (("before", self.before), ("after", self.after)):
+            table[f"held_{when}"] = envelope.data["held"].isel(u=middle).to_numpy()
+            table[f"highest_speed_{when}"] = _tops(envelope)
+        return pd.DataFrame(table).set_index("offset")
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name: part of what ``learn --json`` prints."""
-        return {
-            "summary": self.summary(),
-            "samples": self.before.samples,
-            "offsets": self.rows(),
-            "notes": list(self.notes),
-        }
+        told = {"summary": self.summary(), "samples": self.before.samples, "offsets": self.rows()}
+        return {**told, "notes": list(self.notes)}
 
 
 def envelope_change(
@@ -134,11 +126,6 @@ def rudder_band(model: Model, y: np.ndarray, u: float, samples: int = CHANGE_SAM
     ordered = np.where(np.isnan(angles), beyond, angles)
     low, high = RUDDER_BAND
     return np.asarray(np.quantile(ordered, (low, 0.5, high), axis=1, method="higher").T)
-
-
-def _named(when: str, angles: np.ndarray) -> dict[str, float]:
-    names = (f"rudder_{name}_{when}" for name in ("low", "median", "high"))
-    return dict(zip(names, angles.tolist(), strict=True))
 
 
 def _tops(envelope: SafeEnvelope) -> list[float]:
