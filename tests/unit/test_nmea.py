@@ -8,7 +8,7 @@ import pytest
 
 import narrows as nw
 from logs import angle, antenna_on_earth, bent_waterway, clock, motion, sentence, write_recording
-from narrows.readers.nmea.nmea_sentences import checksum, told_by
+from narrows.readers.nmea.nmea_sentences import checksum
 
 KNOT = 1852 / 3600
 PRINTED = {
@@ -25,17 +25,6 @@ WAY = bent_waterway()
 @pytest.mark.parametrize(("body", "told"), PRINTED.items())
 def test_checksums_are_those_that_are_printed(body: bytes, told: int) -> None:
     assert checksum(body) == told
-
-
-# A wind of 10 by the letters of its unit in MWV [m/s]: knots, km/h, m/s, statute miles of 1609.344 m an hour.
-WINDS = {"N": 10 * 1852 / 3600, "K": 10 / 3.6, "M": 10.0, "S": 4.4704}
-
-
-@pytest.mark.parametrize("letter", WINDS)
-def test_winds_are_in_the_unit_of_their_letter(letter: str) -> None:
-    told = told_by([sentence(f"WIMWV,30.0,R,10.0,{letter},A").strip().encode()], "WIMWV")
-    wind = told.values["apparent wind"]
-    assert wind == pytest.approx({"apparent_wind_speed": WINDS[letter], "apparent_wind_angle": np.pi / 6})
 
 
 def recording(antenna: tuple[float, float] = (0.0, 0.0)) -> list[str]:

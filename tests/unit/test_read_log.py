@@ -185,33 +185,6 @@ def test_velocities_in_fixed_axes_are_turned_into_those_of_the_ship() -> None:
     np.testing.assert_allclose(record["v_ground"].values, v, atol=1e-12)
 
 
-def test_the_wind_that_is_felt_becomes_the_wind_over_ground() -> None:
-    wind, come_from, psi, u, v = 7.0, 0.8, 2.0 * np.sin(T / 90), 5.0, -0.3
-    ahead = -wind * np.cos(come_from - psi) - u
-    aside = -wind * np.sin(come_from - psi) - v
-    table = {
-        "t": T, "psi": psi, "u_ground": np.full(len(T), u), "v_ground": np.full(len(T), v),
-        "apparent_wind_speed": np.hypot(ahead, aside), "apparent_wind_angle": np.arctan2(-aside, -ahead),
-    }  # fmt: skip
-    record = nw.read_log(table)[0]
-    np.testing.assert_allclose(record["wind_speed"].values, wind)
-    np.testing.assert_allclose(record["wind_direction"].values, come_from)
-
-
-def test_speed_and_course_tell_velocities_along_and_across_the_ship() -> None:
-    table = {
-        "t": T,
-        "psi": np.full(len(T), 0.3),
-        "speed_over_ground": np.full(len(T), 5.0),
-        "course": np.full(len(T), 0.4),
-    }
-    ahead, aside = nw.read_log(table)[0].over_ground() or (None, None)
-    assert ahead is not None
-    assert ahead.values == pytest.approx(5 * np.cos(0.1))
-    assert aside.values == pytest.approx(5 * np.sin(0.1))
-    assert nw.read_log({"t": T, "psi": T})[0].over_ground() is None
-
-
 def test_times_that_are_rounded_are_one_by_their_means() -> None:
     table = {"t": [0.0, 0.0, 1.0, 1.0], "psi [deg]": [359.0, 1.0, 2.0, 4.0], "r": [1.0, 3.0, 5.0, 5.0]}
     record = nw.read_log(table)[0]

@@ -177,29 +177,6 @@ class ShipRecord:
         check_signals(signals)
         return replace(self, signals={**self.signals, **signals})
 
-    def over_ground(self, longest: float = 10.0) -> tuple[Signal, Signal] | None:
-        """Return the velocities over ground along and across the ship [m/s], from speed and course where need be.
-
-        Parameters
-        ----------
-        longest : float [s]
-            Between two courses, or two headings, over which they are still joined.
-
-        Returns
-        -------
-        pair of Signal, or None
-            None where nothing tells them.
-        """
-        if "u_ground" in self and "v_ground" in self:
-            return self["u_ground"], self["v_ground"]
-        if not {"speed_over_ground", "course", "psi"} <= self.signals.keys():
-            return None
-        speed = self["speed_over_ground"]
-        drift = self["course"].at(speed.t, longest) - self["psi"].at(speed.t, longest)
-        known = np.isfinite(drift)
-        t, ahead, drift = speed.t[known], speed.values[known], drift[known]
-        return Signal(t, ahead * np.cos(drift)), Signal(t, ahead * np.sin(drift))
-
     def to_dataframe(self) -> "pd.DataFrame":
         """Give a row for each time at which anything was measured: NaN where that signal was not."""
         import pandas as pd

@@ -26,7 +26,7 @@ OTHER_WAYS = {
 COUNTED = {
     **dict.fromkeys(("x", "u", "udot", "X", "u_ground", "x_rate"), ("forward",)),
     **dict.fromkeys(("y", "v", "vdot", "Y", "v_ground", "y_rate"), ("starboard",)),
-    **dict.fromkeys(("psi", "r", "rdot", "N", "course", "apparent_wind_angle"), ("starboard", "clockwise")),
+    **dict.fromkeys(("psi", "r", "rdot", "N", "course"), ("starboard", "clockwise")),
     "rudder": ("starboard",),
     "heave": ("down",),
 }

@@ -60,13 +60,13 @@ class RowReader:
         mapped = self.mapping.columns
         if is_ais_archive(raw):
             raw, self.mmsi = one_ship(raw, self.mmsi, self.table)
-            mapped = replace(mapped, units={**archive_units(mapped.columns), **mapped.units})
+            units = {name: unit for name, unit in ARCHIVE_UNITS.items() if name in mapped.columns}
+            mapped = replace(mapped, units={**units, **mapped.units})
         elif self.mmsi is not None:
             raise InputError(
                 f"{self.table}: mmsi = {self.mmsi} asks for AIS reports, and this table has none; leave it out"
             )
-        frame, notes = mapped.applied(renamed(raw, mapped.columns.values()), self.table, VOCABULARY)
-        self.notes = notes
+        frame, self.notes = mapped.applied(renamed(raw, mapped.columns.values()), self.table, VOCABULARY)
         recognised = recognised_in(frame, QUANTITIES, self.table)
         cells.check_once(recognised, [str(header) for header in frame.columns], QUANTITIES, self.table)
         columns = {
@@ -76,7 +76,13 @@ class RowReader:
         t = columns.pop("t") if "t" in columns else self._clock(frame)
         if not columns:
             raise InputError(f"{self.table}: has times and nothing else; head its columns as in docs/ship-log.md")
-        self._check_on_earth(frame, columns)
+        for name in columns.keys() & EARTH.keys():
+            beyond = (np.abs(columns[name]) > EARTH[name]) & ~np.isin(columns[name], ABSENT[name])
+            if beyond.any():
+                row, value = cells.row_number(frame, beyond), columns[name][int(np.argmax(beyond))]
+                raise InputError(
+                    f"{self.table}: row {row}, {name} {value:g} is not on earth; give it in degrees, WGS84"
+                )
         record = cells.labels(frame, "record", self.table) if "record" in frame else np.empty(0, dtype=object)
         return LogRows(t, record, {name: self._measured(name, column) for name, column in columns.items()})
 
@@ -100,21 +106,12 @@ class RowReader:
         begin = self.begin = self.begin or times.iloc[0]
         return (times - begin).dt.total_seconds().to_numpy(float)
 
-    def _check_on_earth(self, frame: pd.DataFrame, columns: dict[str, np.ndarray]) -> None:
-        for name in columns.keys() & EARTH.keys():
-            beyond = (np.abs(columns[name]) > EARTH[name]) & ~np.isin(columns[name], ABSENT[name])
-            if beyond.any():
-                row, value = cells.row_number(frame, beyond), columns[name][int(np.argmax(beyond))]
-                raise InputError(
-                    f"{self.table}: row {row}, {name} {value:g} is not on earth; give it in degrees, WGS84"
-                )
-
     def _measured(self, name: str, column: np.ndarray) -> np.ndarray:
         """A column without the numbers that stand for none."""
-        none = np.isin(column, ABSENT.get(name, ()))
-        if none.any():
+        if (none := np.isin(column, ABSENT.get(name, ()))).any():
             self.absent[name] += int(none.sum())
-        return np.where(none, np.nan, column) if none.any() else column
+            return np.where(none, np.nan, column)
+        return column
 
 
 class RawRecord(NamedTuple):
@@ -186,12 +183,7 @@ IN_FIXED_AXES = {
     "y_rate": Quantity("m/s", "velocity over ground along the axis of y"),
 }
 
-FROM_THE_SHIP = {
-    "apparent_wind_speed": Quantity("m/s", "speed of the apparent wind"),
-    "apparent_wind_angle": Quantity("rad", "where it comes from, clockwise from the bow"),
-}
-
-QUANTITIES = {"t": Quantity("s", "time"), **SIGNALS, **ON_EARTH, **IN_FIXED_AXES, **FROM_THE_SHIP}
+QUANTITIES = {"t": Quantity("s", "time"), **SIGNALS, **ON_EARTH, **IN_FIXED_AXES}
 # Columns of words: the manoeuvre or transit; date and time where there is no ``t``.
 LABELS = ("record", "time")
 VOCABULARY = Vocabulary(QUANTITIES, LABELS, blanks=True)
@@ -240,11 +232,6 @@ def one_ship(frame: pd.DataFrame, mmsi: int | None, table: str) -> tuple[pd.Data
     return frame.loc[ships == mmsi, list(kept)].rename(columns=units), mmsi
 
 
-def archive_units(columns: Mapping[str, str]) -> dict[str, str]:
-    """Return the units of columns of an archive that a mapping names."""
-    return {name: unit for name, unit in ARCHIVE_UNITS.items() if name in columns}
-
-
 def renamed(frame: pd.DataFrame, mapped: Iterable[str] = ()) -> pd.DataFrame:
     """Return a table with the documented names, but for headers that a mapping reads."""
     headers, kept = [str(header) for header in frame.columns], set(mapped)
@@ -279,12 +266,13 @@ def log_mapping(
 ) -> LogMapping:  # fmt: skip
     """Read how a log is to be understood; what is given beside a file goes before what is in it."""
     tables, name = _tables(mapping)
+    place = tables.get("antenna", {})
     parts = {section: tables.get(section, {}) for section in OF_COLUMNS}
     columns = ColumnMapping(**{**parts, "units": {**parts["units"], **(units or {})}}, name=name)
     return LogMapping(
         columns,
         {**tables.get("late", {}), **(late or {})},
-        _antenna(tables.get("antenna", {}), name) if antenna is None else antenna,
+        (place.get("forward", 0.0), place.get("starboard", 0.0)) if antenna is None else antenna,
         {**tables.get("condition", {}), **(condition or {})},
     )
 
@@ -298,14 +286,10 @@ def _tables(mapping: str | Path | Mapping[str, Any] | None) -> tuple[Mapping[str
             raise InputError(f"{name}: unknown section [{section}]{did_you_mean(str(section), sections)}")
         if not isinstance(table, Mapping):
             raise InputError(f"{name}: {section} = {shown(table)} is no section; write [{section}] and keys below it")
-    return tables, name
-
-
-def _antenna(table: Mapping[str, float], name: str) -> tuple[float, float]:
-    for key in table:
+    for key in tables.get("antenna", {}):
         if key not in ANTENNA:
             raise InputError(f"{name}: [antenna] has no {key!r}{did_you_mean(str(key), ANTENNA)}")
-    return table.get("forward", 0.0), table.get("starboard", 0.0)
+    return tables, name
 
 
 def _check_numbers(what: str, values: Mapping[str, object]) -> None:

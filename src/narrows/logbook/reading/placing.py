@@ -1,6 +1,6 @@
 """Raw records to signals: from the map to the waterway, from fixed axes to the ship's, from the antenna to midship."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -16,11 +16,8 @@ from narrows.waterway.map_lines import projected
 BY_MAP = {"psi": "heading", "course": "course_over_ground", "wind_direction": "wind_from"}
 JUMPING = (*TURNING, *BY_MAP.values())
 Signals = dict[str, Signal]
-
-
-class Fixes(NamedTuple):
-    t: np.ndarray  # (n,) When [s]
-    positions: np.ndarray  # (n, 2) East and north; in a plane without a waterway x is north [m]
+# Times [s], and places east and north; in a plane without a waterway x is north [m].
+Fixes = tuple[np.ndarray, np.ndarray]
 
 
 class RawSignals(NamedTuple):
@@ -61,23 +58,22 @@ class Placing:
             signals |= self._along(self._at_midship(fixes, signals, antenna))
             signals |= self._directions(told, signals)
         signals |= self._over_ground(told, signals)
-        record = ShipRecord(raw.name, {name: signals[name] for name in SIGNALS if name in signals})
-        wind = _true_wind(told, record)
         brought = fixes is not None and "psi" in signals
-        return replace(
-            record.with_signals(**wind), antenna=(0.0, 0.0) if brought else antenna, condition=self.mapping.condition
-        )
+        return ShipRecord(
+            raw.name, {name: signals[name] for name in SIGNALS if name in signals}, (0.0, 0.0) if brought else antenna,
+            self.mapping.condition,
+        )  # fmt: skip
 
     def _fixes(self, told: RawSignals, moved: bool) -> Fixes | None:
         """Positions by the map; those along the waterway too where they must be moved."""
         if measured := told.together("longitude", "latitude"):
             t, *degrees = measured
-            return Fixes(t, projected(np.stack(degrees, axis=1), self._origin(degrees)))
+            return t, projected(np.stack(degrees, axis=1), self._origin(degrees))
         if measured := told.together("east", "north"):
-            return Fixes(measured[0], np.stack(measured[1:], axis=1))
+            return measured[0], np.stack(measured[1:], axis=1)
         if moved and (measured := told.together("x", "y")):
             t, x, y = measured
-            return Fixes(t, self.waterway.to_map(x, y)[0] if self.waterway else np.stack([y, x], axis=1))
+            return t, self.waterway.to_map(x, y)[0] if self.waterway else np.stack([y, x], axis=1)
         return None
 
     def _origin(self, degrees: list[np.ndarray]) -> np.ndarray:
@@ -92,10 +88,10 @@ class Placing:
 
     def _along(self, fixes: Fixes) -> Signals:
         if self.waterway is None:
-            y, x = fixes.positions.T
+            y, x = fixes[1].T
         else:
-            x, y = self.waterway.line.locate(fixes.positions)
-        return {"x": Signal(fixes.t, x), "y": Signal(fixes.t, y)}
+            x, y = self.waterway.line.locate(fixes[1])
+        return {"x": Signal(fixes[0], x), "y": Signal(fixes[0], y)}
 
     def _axis(self, t: np.ndarray, signals: Signals) -> np.ndarray:
         """Direction of the axis that headings are measured from [rad] from north: of the waterway's line, or north."""
@@ -117,12 +113,13 @@ class Placing:
         return found
 
     def _at_midship(self, fixes: Fixes, signals: Signals, antenna: tuple[float, float]) -> Fixes:
-        heading = signals["psi"].at(fixes.t, HEADING_GAP) + self._axis(fixes.t, signals)
+        t, positions = fixes
+        heading = signals["psi"].at(t, HEADING_GAP) + self._axis(t, signals)
         known = np.isfinite(heading)
         ahead = np.stack([np.sin(heading), np.cos(heading)], axis=1)
         starboard = np.stack([ahead[:, 1], -ahead[:, 0]], axis=1)
-        moved = fixes.positions - antenna[0] * ahead - antenna[1] * starboard
-        return Fixes(fixes.t[known], moved[known])
+        moved = positions - antenna[0] * ahead - antenna[1] * starboard
+        return t[known], moved[known]
 
     def _over_ground(self, told: RawSignals, signals: Signals) -> Signals:
         """Velocities in fixed axes, along and across the ship; of midship where the yaw rate is known."""
@@ -140,22 +137,6 @@ class Placing:
         v = east * np.cos(angle) - north * np.sin(angle) - forward * turn
         known = np.isfinite(u)
         return {"u_ground": Signal(t[known], u[known]), "v_ground": Signal(t[known], v[known])}
-
-
-def _true_wind(told: RawSignals, record: ShipRecord) -> Signals:
-    """The wind over ground, of the apparent wind."""
-    measured, moving = told.together("apparent_wind_speed", "apparent_wind_angle"), record.over_ground()
-    if measured is None or moving is None or "psi" not in record or "wind_speed" in record:
-        return {}
-    t, speed, angle = measured
-    ahead = moving[0].at(t, HEADING_GAP) - speed * np.cos(angle)
-    aside = moving[1].at(t, HEADING_GAP) - speed * np.sin(angle)
-    direction = np.arctan2(-aside, -ahead) + record["psi"].at(t, HEADING_GAP)
-    known = np.isfinite(direction)
-    return {
-        "wind_speed": Signal(t[known], np.hypot(ahead, aside)[known]),
-        "wind_direction": _smoothly("wind_direction", Signal(t[known], direction[known])),
-    }
 
 
 def _smoothly(name: str, signal: Signal) -> Signal:

@@ -30,7 +30,7 @@ def read_log(
     """Read a ship's own records into memory.
 
     Columns are those of ``SIGNALS``, SI and radians unless a header carries a unit, and those of docs/ship-log.md:
-    longitude and latitude, heading and course from north, velocities in fixed axes, apparent wind. Empty
+    longitude and latitude, heading and course from north, velocities in fixed axes. Empty
     cells are times at which that was not measured. Tables of the Danish and of NOAA's AIS archive are read as they
     are, speeds in knots and directions in degrees by the standard of AIS.
 

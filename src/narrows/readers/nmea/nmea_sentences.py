@@ -13,8 +13,6 @@ from typing import Any, NamedTuple
 from narrows.quantities.names import KNOT
 from narrows.readers.headers import DEGREE
 
-# Units of wind speed by letter.
-SPEEDS = {"N": KNOT, "K": 1 / 3.6, "M": 1.0, "S": 1609.344 / 3600}
 # AIS message types with position and motion, and with the ship's loading (ITU-R M.1371).
 AIS_POSITIONS, AIS_VOYAGE = (1, 2, 3, 18), 5
 # AIS values for "not available"; other such values lie beyond ``LARGEST``.
@@ -23,7 +21,7 @@ NO_SPEED, NO_COURSE = 102.3, 360.0
 LARGEST = {
     "longitude": 180.0, "latitude": 90.0, "heading": 360.0, "course_over_ground": 360.0, "speed_over_ground": 102.3,
     "r": 720.0, "rudder": 90.0, "revolutions": 6000.0, "u": 102.3, "v": 102.3, "u_ground": 102.3, "v_ground": 102.3,
-    "apparent_wind_angle": 360.0, "wind_from": 360.0, "draft": 25.5, "depth": 1000.0,
+    "wind_from": 360.0, "draft": 25.5, "depth": 1000.0,
 }  # fmt: skip
 
 Values = dict[str, float]
@@ -48,7 +46,6 @@ SOURCES = {
     "revolutions": ("RPM",),
     "speed through the water": ("VBW", "VHW"),
     "speed over ground in the ship's axes": ("VBW",),
-    "apparent wind": ("MWV",),
     "wind": ("MWD",),
 }
 # Groups that are not measured by a navigation sensor: the ship's draft, and the echo sounder's depth.
@@ -200,13 +197,6 @@ def _dpt(message: Any) -> Tellings:
     return {WATER_DEPTH: {"depth" if of_all else "under_keel_clearance": told["depth"] + told["offset"]}}
 
 
-def _mwv(message: Any) -> Tellings:
-    if message.status != "A" or message.reference != "R" or message.speedu not in SPEEDS:
-        return {}
-    speed = _scaled(_only(apparent_wind_speed=message.speed), SPEEDS[message.speedu])
-    return {"apparent wind": speed | _scaled(_only(apparent_wind_angle=message.angle), DEGREE)}
-
-
 def _mwd(message: Any) -> Tellings:
     speed = _only(wind_speed=message.speedM) or _scaled(_only(wind_speed=message.speedN), KNOT)
     return {"wind": speed | _scaled(_only(wind_from=message.dirT), DEGREE)}
@@ -215,7 +205,7 @@ def _mwd(message: Any) -> Tellings:
 # By type.
 READ: Mapping[str, Reader] = {
     "GGA": _gga, "GNS": _gns, "GLL": _gll, "RMC": _rmc, "VTG": _vtg, "HDT": _hdt, "THS": _ths, "HDG": _hdg,
-    "ROT": _rot, "RSA": _rsa, "RPM": _rpm, "VHW": _vhw, "VBW": _vbw, "DPT": _dpt, "MWV": _mwv, "MWD": _mwd,
+    "ROT": _rot, "RSA": _rsa, "RPM": _rpm, "VHW": _vhw, "VBW": _vbw, "DPT": _dpt, "MWD": _mwd,
     "ZDA": lambda message: {},
 }  # fmt: skip
 
