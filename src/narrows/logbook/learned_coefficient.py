@@ -133,6 +133,16 @@ class LearnedAnswer(BaseResult):
         columns = ["prior", "prior_std", "value", "std", "low", "high", "std_left", "unit", "verdict"]
         return pd.DataFrame(rows, columns=columns, index=pd.Index(list(told), name="coefficient"))
 
+    def _taught(self, source: str) -> str:
+        """Return what was learned from a source, and what keeps its prior."""
+        known = [c for c in self.coefficients.values() if c.prior_std > 0]
+        told = [c.sentence() for c in known if c.from_bank and c.word != PRIOR]
+        learned = [c.name for c in known if c.word == LEARNED and not c.from_bank]
+        told += [f"learned: {', '.join(learned)}"] * bool(learned)
+        unchanged = ", ".join(c.name for c in known if c.word == PRIOR)
+        rest = f" Unchanged from the prior: {unchanged}." if unchanged else ""
+        return f"Learned from {source}: {'; '.join(told) or 'nothing'}.{rest}"
+
     def correlated(self) -> list[str]:
         """Return a sentence for each pair of coefficients of which a record determines a combination."""
         names, covariance = list(self.coefficients), np.asarray(self.model.covariance)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, PRIOR, LearnedAnswer, LearnedCoefficient
+from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer, LearnedCoefficient
 from narrows.logbook.learning.record_answers import RecordAnswer
 from narrows.model.model import Model
 
@@ -143,18 +143,11 @@ class LogFit(LearnedAnswer):
 
     def summary(self) -> str:
         """Warnings, learned coefficients, coefficients from the prior, and prediction errors."""
-        bank = [c for c in self.coefficients.values() if c.from_bank and c.prior_std > 0]
-        learned = [c.name for c in self.coefficients.values() if c.word == LEARNED and not c.from_bank]
-        open_still = [c.name for c in self.coefficients.values() if c.word == PRIOR and c.prior_std > 0]
-        told = [c.sentence() for c in bank if c.word != PRIOR]
-        told += [f"learned: {', '.join(learned)}"] if learned else []
-        first = f"Learned from {self._size}: {'; '.join(told) or 'nothing'}."
-        rest = f" Unchanged from the prior: {', '.join(open_still)}." if open_still else ""
         gusty = "" if self.gusts is None else (
             f"Estimated gusts: {self.gusts.sway:.2g} m/s2 in sway and {self.gusts.yaw:.2g} rad/s2 in yaw (standard "
             f"deviations), with a correlation time of {self.gusts.memory:.0f} s."
         )  # fmt: skip
-        return "\n".join(filter(None, (*self._doubts, first + rest, self._prediction, gusty, ON_TWINS)))
+        return "\n".join(filter(None, (*self._doubts, self._taught(self._size), self._prediction, gusty, ON_TWINS)))
 
     @property
     def _prediction(self) -> str:

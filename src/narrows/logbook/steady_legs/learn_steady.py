@@ -11,7 +11,6 @@ from narrows.errors import InputError
 from narrows.logbook.learned_coefficient import (
     LEARNED,
     ON_TWINS,
-    PRIOR,
     LearnedAnswer,
     LearnedCoefficient,
     learned_coefficients,
@@ -96,19 +95,11 @@ class SteadyFit(LearnedAnswer):
 
     def summary(self) -> str:
         """What was learned, what still comes from the tests, and whether the legs agree."""
-        by_word = {word: [c for c in self.coefficients.values() if c.word == word] for word in (LEARNED, PRIOR)}
-        bank = [c for c in self.coefficients.values() if c.from_bank and c.word != PRIOR]
-        first = "; ".join(c.sentence() for c in bank) or "nothing of the bank"
-        others = [c.name for c in by_word[LEARNED] if not c.from_bank]
-        also = f" Learned with them: {', '.join(others)}." if others else ""
-        open_still = [c.name for c in by_word[PRIOR] if c.prior_std > 0]
-        rest = f"Unchanged from the tests: {', '.join(open_still)}." if open_still else ""
         agree = (
             f"The legs {'contradict' if self.checks.contradicted else 'agree with'} the model: a sum of squares of "
             f"{self.checks.chi_square:.1f}, {self.checks.freedom} expected."
         )
-        lines = f"Learned from {self.readings.summary()}: {first}.{also}", rest, agree, ON_TWINS
-        return "\n".join(filter(None, lines))
+        return "\n".join((self._taught(self.readings.summary()), agree, ON_TWINS))
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name: part of what ``learn --steady --json`` prints."""
