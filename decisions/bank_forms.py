@@ -80,7 +80,7 @@ def tables(found: dict[str, nw.Comparison]) -> Iterator[str]:
     """Yield the errors of some forms, and the coefficients of one, and of two on the banks."""
     rows = list(full_rows(found))
     errors = {(label, name, force): error for label, name, force, error, _, _ in rows}
-    yield "\nErrors of Y [N] and N [N m] on tests left out in turn:\n"
+    yield "Errors of Y [N] and N [N m] on tests left out in turn:\n"
     yield markdown(
         ("tests", *COMPARED),
         [(label, *(f"{errors[label, name, 'Y']}, {errors[label, name, 'N']}" for name in COMPARED)) for label in found],
@@ -140,11 +140,7 @@ def shown_sets() -> dict[str, nw.Comparison]:
 
 def text() -> str:
     """Write everything that is computed."""
-    forms = markdown(
-        ("form", "pressure parameter of", "holds"),
-        [(form.name, form.source, form.validity) for form in nw.FORMS.values()],
-    )
-    return "\n".join([forms, *tables(shown_sets()), *sign_change(), *signs()])
+    return "\n".join([*tables(shown_sets()), *sign_change(), *signs()])
 
 
 def figure() -> Figure:

@@ -239,15 +239,15 @@ def text(sailed: bool = True) -> str:
 
 
 def shown(rows: Rows) -> str:
-    """Formulas, trials, evidence and sources of spread; of the other tables what they come to."""
+    """Trials, evidence and sources of spread; of the other tables what they come to."""
     linear = records(rows, "ship", "coefficient")
     alone, estimate = ([abs(float(re.search(r"([+-]\d+) %", row[name]).group(1))) for row in linear]
                        for name in ("Clarke (1983) alone", "estimate by the other ships"))  # fmt: skip
     hulls, banks = records(rows, "water"), records(rows, "ship", "coefficients")
+    ends = [float(end) for row in records(rows, "coefficient") for end in row["formula over known value"].split(" to ")]
     places = [row for row in records(rows, "ship and canal") if int(row["as estimated"].split()[0]) > 50]
     return "\n\n".join((
-        "Formulas over the known values of ships in deep water:",
-        part(records(rows, "coefficient")),
+        f"Single formulas give {min(ends):.2f} to {max(ends):.2f} times the known values of ships in deep water.",
         f"Errors of {len(linear)} linear coefficients of KVLCC2 and the KCS: median {np.median(alone):.0f} %, largest "
         f"{max(alone):.0f} % by Clarke (1983) alone, as `clarke83` of the MSS toolbox; {np.median(estimate):.0f} and "
         f"{max(estimate):.0f} % by the estimate from the other ships.",
@@ -259,7 +259,7 @@ def shown(rows: Rows) -> str:
         "Evidence on the bank's coefficients, in the form `distance`:",
         part(records(rows, "ship", "tests")),
         "Cases that stay controllable at 8 knots (in Suez 7), each with one source of spread switched off:",
-        part(places),
+        part(places, *(name for name in places[0] if not name.startswith(("rudder", "heading")))),
     ))  # fmt: skip
 
 

@@ -57,20 +57,13 @@ def cell(formula: nw.SquatFormula, runs: list[Run]) -> str:
     return f"{bias:+.0f} %, {spread:.2f} mm{noted}"
 
 
-def limits(formula: nw.SquatFormula) -> str:
-    """Write where a formula holds."""
-    return "; ".join(f"{name} {low:g} to {high:g}" for name, (low, high) in formula.limits.items())
-
-
 def text() -> str:
     """Hold every formula to every set of runs."""
-    about = [(f"`{name}`", own.gives, own.source, own.status, limits(own)) for name, own in nw.SQUAT.items()]
     sets = {"8000 TEU, 35 %, sloping bank": list(lataire())}
     sets |= {f"KCS, {said}": list(kcs(label)) for label, said in DEPTHS.items()}
     means = (f"{label}, {1e3 * np.mean([m['midship'] for _, _, m in runs]):.1f} mm" for label, runs in sets.items())
-    rows = [(f"`{name}`", *(cell(own, runs) for runs in sets.values())) for name, own in nw.SQUAT.items()]
-    heads = ("formula", "gives", "source", "status", "limits")
-    return markdown(heads, about) + "\n\n" + markdown(("formula", *means), rows)
+    rows = [(f"`{name}`, {own.gives}", *(cell(own, runs) for runs in sets.values())) for name, own in nw.SQUAT.items()]
+    return markdown(("formula", *means), rows)
 
 
 if __name__ == "__main__":

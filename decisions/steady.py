@@ -315,17 +315,10 @@ def text() -> str:
     return f"{reported()}\n\n{markdown(HEADS, [row(kind) for kind in KINDS])}"
 
 
-CHOSEN = (0, 1, 2, 3, 4, 8, 11, 12)
-"""Rows of the page: the default, and what changes it."""
-
-
 def shown(rows: Rows) -> str:
-    """The first table with default errors, and some columns of some kinds of the second."""
+    """The first table with default errors."""
     first = [row for row in records(rows, "clearance") if row["errors assumed"] == "default"]
-    second = [row for row in records(rows, "twins") if row["twins"] in {KINDS[k].words for k in CHOSEN}]
-    heads = "twins", "c_bank covered", "b_bank", "rudder at 5 m", "learned", "called contradicted"
-    known = [name for name in first[0] if name != "errors assumed"]
-    return f"{part(first, *known)}\n\n{part(second, *heads)}"
+    return part(first, *(name for name in first[0] if name != "errors assumed"))
 
 
 def figure() -> Figure:
