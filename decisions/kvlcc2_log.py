@@ -18,13 +18,18 @@ from pages import markdown, publish
 from scipy.signal import savgol_filter
 
 import narrows as nw
+from narrows.logbook.filtering.search import SearchResult, search
+from narrows.logbook.learning.learn_log import LogSource, log_result
 from narrows.logbook.learning.log_prior import covariance_before
+from narrows.logbook.learning.log_setup import log_problem
 from narrows.ship.actuators import Actuator
 
 FOLDER = Path(__file__).parents[2] / "shared" / "data" / "kvlcc2_free_running"
 DEGREE = np.pi / 180
-SPREADS = (0.1, 0.2, 0.3)
+SPREADS = (0.1, 0.2, 0.3, 0.5, 0.8)
 """Of the published coefficients, over their size."""
+SPREAD, CORRELATED = 0.2, 200.0
+"""Of equation error, and readings for each independent one in the marginal likelihood."""
 SMOOTHED, ORDER = (2.0,), 3
 """Seconds over which equation error smooths, and the order of its polynomials."""
 STEP = 0.1
@@ -104,18 +109,35 @@ def judged(words: str, model: nw.Model) -> tuple[str, ...]:
     return (words, *(f"{value:+.0f} %" for value in circles), f"{root:.1f}")
 
 
+def learned(published: nw.Model, records: list[nw.ShipRecord], spread: float) -> tuple[str, ...]:
+    """Judge the model of a spread; its marginal likelihood, and the headings it misses of zigzags left out."""
+    setup = log_problem(published, records, "basin", spread=spread)
+    found = search(setup.problem, setup.source)
+    fit = log_result(setup, found, LogSource.of(records, "HSVA", "basin"), ())
+    missed = np.degrees(fit.whole_missed["after"])
+    return (*judged(f"learned, spread {spread:g}", fit.model), f"{missed:.2f}", f"{evidence(found):.0f}")
+
+
+def evidence(found: SearchResult) -> float:
+    """Minus twice the logarithm of the marginal likelihood, to a constant, by Laplace's approximation."""
+    share, precision = found.problem.correlated / CORRELATED, found.problem.precision
+    cost = share * sum(one.cost for one in found.records) + found.unknowns @ precision @ found.unknowns
+    after = precision + share * found.information
+    return float(cost + np.linalg.slogdet(after)[1] - np.linalg.slogdet(precision)[1])
+
+
 def text(folder: Path = FOLDER) -> str:
     """One table."""
     published, records = nw.published("yasukawa2015_kvlcc2"), hsva(folder)
-    rows = [judged("as published, from captive tests", published)]
-    for spread in SPREADS:
-        learned = nw.learn(published, records, sensors="basin", spread=spread)
-        rows.append(judged(f"learned, spread {spread:g}", learned.model))
+    rows = [(*judged("as published, from captive tests", published), "", "")]
+    rows += [learned(published, records, spread) for spread in SPREADS]
     for seconds in SMOOTHED:
-        rival = smoothed(published, records, seconds, SPREADS[1])
-        rows.append(judged(f"equation error, smoothed over {seconds:g} s, spread {SPREADS[1]:g}", rival))
+        rival = smoothed(published, records, seconds, SPREAD)
+        words = f"equation error, smoothed over {seconds:g} s, spread {SPREAD:g}"
+        rows.append((*judged(words, rival), "", ""))
     heads = [f"{name} {order}" for order in CIRCLES for name in ("advance", "tactical diameter")]
-    return markdown(("model", *heads, "overshoots, rms [deg]"), rows)
+    others = ("overshoots, rms [deg]", "headings of left-out zigzags, rms [deg]", "-2 ln marginal likelihood")
+    return markdown(("model", *heads, *others), rows)
 
 
 if __name__ == "__main__":

@@ -3,8 +3,9 @@
 python decisions/manoeuvres.py [--write]
 
 The measured figures were read from the raw records of the 7 m model (files MARIN_FREE_KVLCC2_tc_*, _zz_* as published
-by github.com/martinlarsalbert/System-identification-of-Vessel-Manoeuvring-Models): distances from the start of the
-file, overshoots over the nominal heading. Their rudder counts the other way round.
+by github.com/martinlarsalbert/System-identification-of-Vessel-Manoeuvring-Models): distances from where the rudder
+begins to move, overshoots over the nominal heading. Their rudder counts the other way round. The files of the circles
+begin 0.10 (-35) and 0.16 (+35) ship lengths before the rudder moves, and the computed gear has no dead time.
 """
 
 from pages import markdown, publish
@@ -13,7 +14,7 @@ import narrows as nw
 
 APPROACH = 1.179
 """Of the 7 m model [m/s]."""
-CIRCLES = {"+35": (3.25, 1.36, 3.34), "-35": (3.11, 1.22, 3.08)}
+CIRCLES = {"+35": (3.09, 1.37, 3.34), "-35": (3.01, 1.23, 3.08)}
 """Measured advance, transfer and tactical diameter over the length."""
 OVERSHOOTS = {"+10/10": (8.2, 21.9), "-10/10": (9.5, 15.0), "+20/20": (13.7, 14.9), "-20/20": (15.1, 13.3)}
 """Measured first and second overshoot [deg]."""
