@@ -1,5 +1,5 @@
 // A simulator with a hull of its own, in surge, sway and yaw; the bank's force comes from narrows.
-//   narrows export bank-force mikkelsen2025_dtc -o dtc.cs && mcs Host.cs dtc.cs && mono Host.exe
+//   narrows export bank-force mikkelsen2025_dtc -o canal.cs && mcs Host.cs canal.cs && mono Host.exe
 // In Unity put both files into Assets, and call Bank once in FixedUpdate (y is to starboard of the canal's line).
 using System;
 using System.Globalization;
@@ -14,14 +14,14 @@ public class Ship
     public State S = new State { y = 0.8, u = 1.0 };
 
     // The water abreast of the ship: what your chart says at x.
-    static dtc.Water WaterAt(double x)
+    static canal.Water WaterAt(double x)
     {
-        return new dtc.Water { starboard = x < 20.0 ? 3.5 : 3.2, port = 3.5, depth = 0.3 };
+        return new canal.Water { starboard = x < 20.0 ? 3.5 : 3.2, port = 3.5, depth = 0.3 };
     }
 
-    public static dtc.Force Bank(State s)
+    public static canal.Force Bank(State s)
     {
-        return dtc.BankForce(s.y, s.psi, s.u, WaterAt(s.x));
+        return canal.BankForce(s.y, s.psi, s.u, WaterAt(s.x));
     }
 
     static State Rates(State s, bool banks)

@@ -1,8 +1,8 @@
 // A simulator with a hull of its own, in surge, sway and yaw; the bank's force comes from narrows.
-//   narrows export bank-force mikkelsen2025_dtc -o dtc.h && g++ -std=c++11 host.cpp -o host && ./host
+//   narrows export bank-force mikkelsen2025_dtc -o canal.h && g++ -std=c++11 host.cpp -o host && ./host
 #include <cmath>
 #include <cstdio>
-#include "dtc.h"
+#include "canal.h"
 
 // Your ship as it is: a linear hull here. Replace it by your own.
 struct Hull {
@@ -15,8 +15,8 @@ struct State {
 };
 
 // The water abreast of the ship: what your chart says at x.
-static dtc_water water_at(double x) {
-    dtc_water water;
+static canal_water water_at(double x) {
+    canal_water water;
     water.starboard = x < 20.0 ? 3.5 : 3.2; // from the line to the foot of the bank [m]
     water.port = 3.5;
     water.slope_starboard = 0.0; // metres outward for each metre up; 0 of a wall
@@ -28,8 +28,8 @@ static dtc_water water_at(double x) {
 static State rates(const Hull &hull, const State &s, bool banks) {
     double Y = -hull.y_v * s.v - hull.y_r * s.r, N = -hull.n_v * s.v - hull.n_r * s.r;
     if (banks) {
-        const dtc_water water = water_at(s.x);
-        const dtc_force bank = dtc_bank_force(s.y, s.psi, s.u, &water); // the one line to add
+        const canal_water water = water_at(s.x);
+        const canal_force bank = canal_bank_force(s.y, s.psi, s.u, &water); // the one line to add
         Y += bank.Y, N += bank.N;
     }
     const double c = std::cos(s.psi), sine = std::sin(s.psi);
@@ -49,8 +49,8 @@ int main() {
             const State middle = moved(s, rates(hull, s, banks), h / 2);
             s = moved(s, rates(hull, middle, banks), h);
         }
-        const dtc_water water = water_at(s.x);
-        const dtc_force bank = dtc_bank_force(s.y, s.psi, s.u, &water);
+        const canal_water water = water_at(s.x);
+        const canal_force bank = canal_bank_force(s.y, s.psi, s.u, &water);
         std::printf("%s banks: y %.2f m, heading %.1f deg, beyond the tests %d\n", banks ? "with" : "without", s.y,
                     s.psi * 57.29577951308232, bank.beyond);
     }

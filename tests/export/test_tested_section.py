@@ -122,7 +122,7 @@ def test_the_file_names_the_ranges_that_it_does_not_know(tmp_path: Path) -> None
     nw.export.write_bank_force(nw.published("mikkelsen2025_dtc"), tmp_path / "bank.h")
     nw.export.write_c(narrow(300.0), tmp_path / "ship.h")
     bank, ship = ((tmp_path / name).read_text(encoding="utf-8") for name in ("bank.h", "ship.h"))
-    assert "32 depth (not known, sets no bit: speed ahead, heading, depth)" in bank
+    assert "32 depth (not known, sets no bit: speed ahead, heading up to 45 deg, depth)" in bank
     assert "32 depth (not known, sets no bit: heading, yaw rate), 128 bottom" in ship
     assert "The model gives no tested range of heading, yaw rate." in ship
 

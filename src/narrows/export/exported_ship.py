@@ -189,7 +189,12 @@ class ExportedShip:
         terms, actuators = self.ship.model.terms, self.ship.model.terms.actuators
         if name in terms.names:
             term = terms[name]
-            return Quantity(term.dimension.unit, f"coefficient {name}, {term.kind.value}")
+            limits = (
+                f", at {word} {end:g}"
+                for word, end in zip(("least", "most"), term.bound, strict=True)
+                if np.isfinite(end)
+            )
+            return Quantity(term.dimension.unit, f"coefficient {name}, {term.kind.value}{''.join(limits)}")
         of_gear = {
             f"{one.name}_{of}": Quantity(unit.format(one.unit), f"{meaning} of the {one.name}")
             for one in actuators

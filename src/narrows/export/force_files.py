@@ -18,7 +18,7 @@ from narrows.export.fmu import description_text, fmu_of, source_of, token_of
 from narrows.export.fmu_variables import HEADING, INTEGERS, REALS, SIDES, FmuVariable, Kind
 from narrows.export.passport import ASKED_OF_BANK, bits_in_words, ends_of_data, passport
 from narrows.export.rendering import commented, filled
-from narrows.model.bank_force import CONTACT
+from narrows.model.bank_force import CONTACT, beside_banks
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, MOTION
 from narrows.ship.checks import SMALLEST
@@ -73,7 +73,7 @@ def force_text(model: Model, path: str | Path, prefix: str) -> str:
     y, psi, sine = (written.called("abs", name) for name in ("y", "psi", "sin_psi"))
     section = f"width / {hull.beam!r}", f"depth / {hull.draft!r}"
     sizes = dict(zip(ASKED_OF_BANK, ("u", y, psi, *section), strict=True))
-    ends = ends_of_data(model, ASKED_OF_BANK).items()
+    ends = ends_of_data(beside_banks(model), ASKED_OF_BANK).items()
     return filled(
         f"bank_force{suffix}.j2", prefix=prefix, lines=lines, contact=CONTACT,
         tested=[(sizes[name], bit, repr(low), repr(high)) for name, (bit, low, high) in ends],

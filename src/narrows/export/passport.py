@@ -3,21 +3,26 @@
 import hashlib
 import json
 import math
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Container, Iterator, Mapping
 from importlib.metadata import version
 from textwrap import wrap
 
 import numpy as np
 
-from narrows.model.data_range import MEASURES, tolerated
+from narrows.model.bank_force import ALONG
+from narrows.model.data_range import MEASURES, DataRange, tolerated
 from narrows.model.model import Model
 
 # Quantities of a voyage, by their bit in the sum ``beyond``.
 BEYOND = {name: (one.bit, one.short) for name, one in sorted(MEASURES.items(), key=lambda item: item[1].bit)}
 # A speed at which the ship touches the bottom or chokes the section, which ends a voyage of ``simulate``.
 BEYOND |= {"bottom": (128, "bottom")}
-# Inputs of the bank's force, by size in the unit of the range.
-ASKED_OF_BANK = ("speed", "abs_y", "abs_psi", "width_to_beam", "depth_to_draft")
+# Quantities of a voyage and of the bank's force, each with the part that sets no bit where its range is unknown.
+ASKED_OF_VOYAGE = {**dict.fromkeys(MEASURES, ""), "speed": " ahead"}
+ASKED_OF_BANK = {
+    "speed": " ahead", "abs_y": "", "abs_psi": f" up to {math.degrees(ALONG):.0f} deg", "width_to_beam": "",
+    "depth_to_draft": "",
+}  # fmt: skip
 LICENCE = "This file may be used, changed and passed on freely, for any purpose, without warranty."
 HASH_DIGITS = 16
 # Normal distribution: 95 % lie within this many standard deviations.
@@ -72,20 +77,19 @@ def _coefficients(model: Model) -> Iterator[str]:
         yield f"  {name} = {value:.4g} ({low:.4g} to {high:.4g}) {term.dimension.unit}{verdict}"
 
 
-def unknown_ranges(model: Model, names: Iterable[str] = MEASURES) -> list[str]:
+def unknown_ranges(model: Model, asked: Mapping[str, str] = ASKED_OF_VOYAGE) -> list[str]:
     """Return the quantities whose tested range the model does not give; astern counts as not tested."""
-    missing = [name for name in names if getattr(model.data_range, name) is None]
-    return [MEASURES[name].short + " ahead" * (name == "speed") for name in missing]
+    return [MEASURES[name].short + part for name, part in asked.items() if getattr(model.data_range, name) is None]
 
 
-def bits_in_words(model: Model, names: Iterable[str] = MEASURES) -> str:
+def bits_in_words(model: Model, asked: Mapping[str, str] = ASKED_OF_VOYAGE) -> str:
     """Return the bits of ``beyond`` for some quantities, and which of them set none."""
-    bits = ", ".join(f"{bit} {words}" for name, (bit, words) in BEYOND.items() if name in names)
-    unknown = unknown_ranges(model, names)
+    bits = ", ".join(f"{bit} {words}" for name, (bit, words) in BEYOND.items() if name in asked)
+    unknown = unknown_ranges(model, asked)
     return bits + (f" (not known, sets no bit: {', '.join(unknown)})" if unknown else "")
 
 
-def ends_of_data(model: Model, names: Container[str]) -> dict[str, tuple[int, float, float]]:
+def ends_of_data(known: DataRange, names: Container[str]) -> dict[str, tuple[int, float, float]]:
     """Return for each measure its bit and the limits of the data."""
-    pairs = {name: model.data_range.range_of(name) for name in MEASURES if name in names}
+    pairs = {name: known.range_of(name) for name in MEASURES if name in names}
     return {name: (MEASURES[name].bit, *tolerated(pair)) for name, pair in pairs.items() if pair is not None}

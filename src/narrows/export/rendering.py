@@ -139,7 +139,7 @@ def _tested(
     exported: ExportedShip, language: Language, sizes: Mapping[str, str]
 ) -> Iterator[tuple[str, int, str, str]]:
     """Comparison of a state with the data: the size, its bit, the limits."""
-    for name, (bit, low, high) in ends_of_data(exported.ship.model, sizes).items():
+    for name, (bit, low, high) in ends_of_data(exported.ship.model.data_range, sizes).items():
         size = language.called("abs", sizes[name]) if name.startswith("abs") else sizes[name]
         yield size, bit, language.literal(low), language.literal(high)
     if AFLOAT_SPEED in sizes:

@@ -1,6 +1,7 @@
 """Bank suction and bow-out moment (bank cushion) in any section, with uncertainty; exported files compute the same."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from functools import reduce
 from operator import add
 from typing import TYPE_CHECKING, Any
@@ -9,7 +10,7 @@ import numpy as np
 
 from narrows.aliases import accept_aliases
 from narrows.errors import InputError
-from narrows.model.data_range import extrapolation, sum_beyond
+from narrows.model.data_range import DataRange, extrapolation, sum_beyond
 from narrows.model.model import Model
 from narrows.quantities.names import Number
 from narrows.results import BaseResult
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 
 # Bit of ``beyond`` where the hull touches a bank.
 CONTACT = 64
+# Largest heading along the banks [rad]: an unknown range of headings ends here. One degree given as a radian is more.
+ALONG = math.pi / 4
 NO_MEANING = "The hull touches a bank: the force has no meaning there."
 
 
@@ -41,7 +44,7 @@ class BankForce(BaseResult):
         Standard deviation of ``N``.
     beyond : number
         0 if the tests of the model covered the input; else a sum of 1 speed, 2 offset, 4 heading, 16 width, 32 depth,
-        and 64 if the hull touches a bank.
+        and 64 if the hull touches a bank. Where no range of headings is known, a heading over 45 degrees counts.
     notes : tuple of str
         Limits of the tests: coefficients they do not determine, ranges they did not cover.
     """
@@ -150,11 +153,17 @@ def bank_force(
     free = np.minimum(0.5 * deep, deep - ship.draft)
     reach = 0.5 * ship.length * abs(np.sin(psi)) + 0.5 * ship.beam * np.cos(psi)
     walls = [foot + slope * free for foot, slope in zip(feet, slopes, strict=True)]
-    touches = (y + reach >= walls[0]) | (reach - y >= walls[1])
-    notes = (*model.bank_notes, *extrapolation(model.data_range, asked), *[NO_MEANING] * bool(np.any(touches)))
+    touches = np.logical_not((y + reach < walls[0]) & (reach - y < walls[1]))
+    known = beside_banks(model)
+    notes = (*model.bank_notes, *extrapolation(known, asked), *[NO_MEANING] * bool(np.any(touches)))
     (Y, Y_deviation), (N, N_deviation) = forces
-    beyond = sum_beyond(model.data_range, asked) + CONTACT * np.asarray(touches, int)
+    beyond = sum_beyond(known, asked) + CONTACT * np.asarray(touches, int)
     return BankForce(Y, N, Y_deviation, N_deviation, beyond, notes)
+
+
+def beside_banks(model: Model) -> DataRange:
+    """Return the ranges of the data; an unknown range of headings is any along the banks."""
+    return replace(model.data_range, abs_psi=model.data_range.abs_psi or (0.0, ALONG))
 
 
 def _with_deviation(model: Model, force: str, values: dict[str, Number]) -> tuple[Number, Number]:
