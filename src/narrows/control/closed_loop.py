@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from narrows.codegen.choices import COUNTED, TIME
+from narrows.control.design import with_gear
 from narrows.control.linear_system import loop_margins
 from narrows.control.linearization import linearize
 from narrows.control.sensed_helm import SensedHelm
@@ -286,8 +287,7 @@ class ClosedLoop(BaseSummary):
         """Return the largest offset from the line in the second half of a voyage [m]; infinite if the ship is lost."""
         gear = self.model.configuration.gear
         later = replace(gear, dead_time=gear.dead_time + delay)
-        configuration = replace(self.model.configuration, steering=later)
-        loop = replace(self, model=replace(self.model, configuration=configuration))
+        loop = replace(self, model=with_gear(self.model, later))
         loop.__dict__["course"] = self.course
         begun = self.y - math.copysign(LOOP_OFFSET * self.model.configuration.ship.beam, self.y)
         voyage = loop.simulate(LOOP_TIME * self._passing, seed, y=begun)
@@ -358,5 +358,5 @@ def closed_loop(
     if estimator is not None and not sensors:
         raise InputError("an estimator needs the sensors that it was made for; give sensors too")
     if gear is not None:
-        model = replace(model, configuration=replace(model.configuration, steering=gear))
+        model = with_gear(model, gear)
     return ClosedLoop(model, controller, waterway=waterway, sensors=tuple(sensors), estimator=estimator, **numbers)

@@ -142,10 +142,7 @@ def best_gains(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.
     with np.errstate(all="ignore"):
         cost = _doubled(motion[known], push[known, :, None] * push[known, None, :], weights)
         found = np.einsum("ni,nij->nj", push[known], cost)
-    usable = np.isfinite(found).all(axis=1)
-    known, found = known[usable], found[usable]
-    poles = np.linalg.eigvals(motion[known] - push[known, :, None] * found[:, None, :])
-    holds = poles.real.max(axis=1) < -LEAST_DECAY * np.abs(poles).max(axis=1)
+    holds = holding(motion[known], push[known], found)
     gains[known[holds]] = found[holds]
     return gains
 

@@ -94,17 +94,16 @@ class _SensedOrders:
 
     def __post_init__(self) -> None:
         self._ahead = water_ahead(self.helm.model, self.helm.waterway)
-        self._measuring = [sensor for sensor in self.helm.sensors if hasattr(sensor, "measured")]
-        self._indicator = next((one for one in self.helm.sensors if not hasattr(one, "measured")), None)
-        self._longest = max((sensor.late for sensor in self._measuring), default=0.0)
-        self._errors = {one.name: narrows.estimation.sensor.ErrorProcess(one, self.random) for one in self._measuring}
-        self._bias = self._indicator.bias * self.random.standard_normal() if self._indicator is not None else 0.0
+        self._measuring, self._indicator = narrows.estimation.ship_filter.split_sensors(self.helm.sensors)
+        self._longest = max(sensor.late for sensor in self._measuring.values())
+        process = narrows.estimation.sensor.ErrorProcess
+        self._errors = {name: process(sensor, self.random) for name, sensor in self._measuring.items()}
+        self._bias = self._indicator.bias * self.random.standard_normal()
 
     def __call__(self, t: float, state: VoyageState) -> float:
         self._past = [(then, seen) for then, seen in self._past if then > t - self._longest - 2 * self.helm.dt]
         self._past.append((t, state))
-        noise = self._indicator.noise if self._indicator is not None else 0.0
-        rudder = state.rudder + float(noise * self.random.standard_normal() - self._bias)
+        rudder = state.rudder + float(self._indicator.noise * self.random.standard_normal() - self._bias)
         estimate = self.estimator.update(t, {**dict(self._readings(t)), "rudder": rudder})
         if not estimate.ready:
             # No estimate yet: the rudder stays.
@@ -113,11 +112,11 @@ class _SensedOrders:
         return self.inner(t, VoyageState(**seen, rudder=rudder))
 
     def _readings(self, t: float) -> Iterator[tuple[str, Any]]:
-        for sensor in self._measuring:
-            if t < self._due.get(sensor.name, -math.inf) - ORDER_TOLERANCE * self.helm.dt or t < sensor.late:
+        for name, sensor in self._measuring.items():
+            if t < self._due.get(name, -math.inf) - ORDER_TOLERANCE * self.helm.dt or t < sensor.late:
                 continue
-            self._due[sensor.name] = t + sensor.period
-            yield sensor.name, self._errors[sensor.name].reading(self._at(t - sensor.late))
+            self._due[name] = t + sensor.period
+            yield name, self._errors[name].reading(self._at(t - sensor.late))
 
     def _at(self, time: float) -> SimpleNamespace:
         """Return the state at a time, linear between stored ones, with further quantities for sensors."""

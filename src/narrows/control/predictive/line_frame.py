@@ -1,6 +1,6 @@
 """The water along a line, and the motion over an interval of a plan."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -41,7 +41,6 @@ class WaterAhead:
     nodes: np.ndarray  # (nodes, 7) ``COLUMNS`` at the ends of cells [m, m, m, 1/m, m, m, m/s]
     step: float  # Length of a cell [m]
     straight: bool = False  # True for the model's own canal
-    _known: dict[int, dict[str, np.ndarray]] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def length(self) -> float:
@@ -49,11 +48,6 @@ class WaterAhead:
         return 0.0 if self.straight else self.step * (len(self.nodes) - 1)
 
     def at(self, x: np.ndarray) -> dict[str, np.ndarray]:
-        if self.straight:
-            if len(x) not in self._known:
-                columns = np.broadcast_to(self.nodes[:1].T, (len(COLUMNS), len(x)))
-                self._known[len(x)] = dict(zip(COLUMNS, columns, strict=True))
-            return self._known[len(x)]
         rows, _ = compiled_loops(plan_loops).interpolate(self.nodes, 0.0, self.step, x)
         return dict(zip(COLUMNS, rows.T, strict=True))
 
