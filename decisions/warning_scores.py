@@ -329,7 +329,7 @@ def shown(rows: Rows) -> str:
         markdown(("level", "averted [%]", "left to act [s]", "false in 100 h"), [
             tuple(row.values())[:4] for row in records(rows, "level")
         ]),
-        "The warning with truths of other kinds:",
+        "The warning with truths of other kinds (-: not counted):",
         markdown(("truth", "averted [%]", "false in 100 h"), [
             (row["truth"], row["warning"], row["false in 100 h"].partition(";")[0]) for row in records(rows, "truth")
         ]),
