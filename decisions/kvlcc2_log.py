@@ -112,7 +112,7 @@ def judged(words: str, model: nw.Model) -> tuple[str, ...]:
 def learned(published: nw.Model, records: list[nw.ShipRecord], spread: float) -> tuple[str, ...]:
     """Judge the model of a spread; its marginal likelihood, and the headings it misses of zigzags left out."""
     setup = log_problem(published, records, "basin", spread=spread)
-    found = search(setup.problem, setup.source)
+    found = search(setup.problem, setup)
     fit = log_result(setup, found, LogSource.of(records, "HSVA", "basin"), ())
     missed = np.degrees(fit.whole_missed["after"])
     return (*judged(f"learned, spread {spread:g}", fit.model), f"{missed:.2f}", f"{evidence(found):.0f}")

@@ -92,9 +92,9 @@ def transits() -> nw.ShipLog:
 
 def scores_of(*spoilt: nw.ShipRecord) -> dict[tuple[str, str, str], FaultTest]:
     posed = log_problem(large_container_ship(), list(spoilt), "vdr")
-    found = search(posed.problem, posed.source, 4)
+    found = search(posed.problem, posed, 4)
     assert found is not None
-    tests = FaultTests.of(found, posed.source, ALL).tested()
+    tests = FaultTests.of(found, posed, ALL).tested()
     return {(one.fault.kind, one.fault.signal, one.record): one for one in tests}
 
 

@@ -67,7 +67,7 @@ def test_what_is_predicted_of_transits_is_what_fits_to_them_find() -> None:
     ratios = []
     for seed in (1, 2, 3):
         log = posed(seed)
-        fit = nw.learn(ship(), log.source.log, sensors=OWN, gusts=True)
+        fit = nw.learn(ship(), log.log, sensors=OWN, gusts=True)
         ratios.append([expected(log)[name] / fit.std[name] for name in ("b_bank", "c_bank")])
     assert np.median(ratios, axis=0) == pytest.approx([1.0, 1.0], abs=0.33)
 

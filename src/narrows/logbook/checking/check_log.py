@@ -87,9 +87,9 @@ def check_log(
 def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: Spread | None) -> Iterator[Finding]:
     """Yield the strongest fault of the records by the filter."""
     setup = log_problem(model, log, sensors, spread=spread)
-    for note in setup.source.left_out:
+    for note in setup.left_out:
         yield Finding("missing", log.names[0], note.removesuffix("."), "leave it out, or record what is missing")
-    if not (grids := list(setup.source)):
+    if not (grids := list(setup)):
         return
     where = grids[0].record.name if len(grids) == 1 else ALL
     held = [
@@ -105,7 +105,7 @@ def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: S
         check, evidence = " and ".join(other.signals[:2]), {"log_likelihood_ratio": gain / 2} if better else {}
         yield Finding(check, where, other.sentence + better, other.remedy, evidence)
     else:
-        gusty = setup.source.assumptions.gusts
+        gusty = setup.assumptions.gusts
         pushed = setup if gusty else log_problem(model, log, sensors, spread=spread, gusts=True)
         yield from _tested(setup, pushed, grids, where)
 
@@ -114,7 +114,7 @@ def _tested(setup: LogSetup, pushed: LogSetup, grids: list[RecordGrid], where: s
     """Yield the fault with the strongest score after a fit that harms, and the strongest that does not."""
     learned = _scores(setup, grids)
     # Where nothing disturbs the ship, what the model leaves must not pass for a sensor's fault: it is a force then.
-    scores = learned if pushed is setup else _scores(pushed, list(pushed.source))
+    scores = learned if pushed is setup else _scores(pushed, list(pushed))
     if not (learned and scores):
         said = "the model cannot follow this log at all: its motion goes to infinity"
         yield Finding("model", where, said, "look at signs, units and axes, and at the size of the model")
@@ -135,7 +135,7 @@ def _tested(setup: LogSetup, pushed: LogSetup, grids: list[RecordGrid], where: s
 
 
 def _scores(setup: LogSetup, grids: list[RecordGrid]) -> FaultTests | None:
-    found = search(setup.problem, setup.source, settings.CHECK_STEPS)
+    found = search(setup.problem, setup, settings.CHECK_STEPS)
     return FaultTests.of(found, grids, ALL) if found and found.records and not found.diverged else None
 
 

@@ -189,7 +189,7 @@ def _scatter(values: np.ndarray) -> float:
 
 def stuck(problem: LogProblem, grid: RecordGrid) -> Iterator[tuple[str, float, float]]:
     """Yield signals that say the same for long, while the ship moves by all others: from when to when [s]."""
-    lasting = STUCK_LENGTHS * problem.scales.states[0] / problem.scales.states[3]
+    lasting = STUCK_LENGTHS * problem.scales[0] / problem.scales[3]
     for name, column in STATES.items():
         if name not in grid.readings:
             continue

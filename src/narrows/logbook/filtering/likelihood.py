@@ -13,7 +13,7 @@ import numpy as np
 
 from narrows.codegen.cache import compiled_loops
 from narrows.logbook.filtering import kalman_loops
-from narrows.logbook.filtering.log_problem import LogProblem, Scales, StochasticModel
+from narrows.logbook.filtering.log_problem import LogProblem, StochasticModel
 from narrows.logbook.filtering.predicted_signals import (
     CURRENT_X,
     CURRENT_Y,
@@ -72,7 +72,7 @@ class LinearRecord:
     """A record about a reference path."""
 
     grid: RecordGrid
-    scales: Scales
+    problem: LogProblem
     slopes: np.ndarray  # (n, 6, 6 + inputs)
     misses: np.ndarray  # (n, 6) End of a step of the reference, less the begin of the next
     drives: np.ndarray  # (m,) The input of each process, or -1
@@ -112,7 +112,7 @@ class LinearRecord:
         values, spread, gains = np.empty(count), np.empty(count), np.empty((count, size))
         means, covariances = np.empty((room, size)), np.empty((room, size, size))
         start, kind = np.zeros((size, size)), self.kind
-        start[range(6), range(6)] = (START * self.scales.states) ** 2
+        start[range(6), range(6)] = (START * self.problem.scales) ** 2
         start[6:, 6:] = model.covariance(IN_MEETINGS if kind[0] == MET else 1.0)
         compiled_loops(kalman_loops).filter_readings(
             np.zeros(size), start, self.slopes, self.misses, self.drives, kind, *self._kinds(model),
@@ -123,12 +123,12 @@ class LinearRecord:
 
     def _kinds(self, model: StochasticModel) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the kept part of processes, the new part, and the walk of states, by the kind of a step."""
-        step, scale = self.grid.step, self.scales.states
+        step, scale = self.grid.step, self.problem.scales
         kept = model.kept(step)
         gusty = np.array([one.name in model.gusts for one in model.processes], bool)
         met = np.where(gusty, 0.0, kept)
-        usual = (self.scales.walk * WALKS * scale) ** 2
-        usual[3] += (SPEED_WALK * scale[3]) ** 2 * step * self.scales.held
+        usual = (self.problem.walk * WALKS * scale) ** 2
+        usual[3] += (SPEED_WALK * scale[3]) ** 2 * step * self.problem.speed_is_held
         return (
             np.stack([kept, met, kept]),
             np.stack([
@@ -138,45 +138,6 @@ class LinearRecord:
             ]),
             np.stack([usual, usual, (START * scale) ** 2]),
         )  # fmt: skip
-
-
-@np.errstate(all="ignore")  # A model that cannot follow the record may run away.
-def linear_record(
-    grid: RecordGrid, scales: Scales, motion: RecordedMotion, inertia: np.ndarray, model: StochasticModel,
-    path: RecordPath,
-) -> LinearRecord:  # fmt: skip
-    """Return a record about a reference path; motion is without slopes by coefficients."""
-    names = [one.adds_to for one in model.processes]
-    drives = np.array([INPUTS.index(name) if name in INPUTS else -1 for name in names], np.int64)
-    sums = {name: np.zeros(len(grid)) for name in (*INPUTS, *names)}
-    for place, name in enumerate(names):
-        sums[name] = sums[name] + path.processes[:, place]
-    pushes = np.stack([sums[name] for name in PUSHES], axis=1) * inertia
-    known = CURRENT in motion.directions
-    current = float(sums[CURRENT_X][0]) if known else 0.0
-    states, along = motion.sailed(
-        path.states, pushes, np.arange(len(grid) + 1), grid.times, grid.positions, sums[RUDDER_OFFSET], current
-    )
-    ends, slopes = states[1::2], _slopes(grid, motion, inertia, along[1::2])
-    if not known:
-        for place, name in enumerate((CURRENT_X, CURRENT_Y)):
-            ends[:, place] += sums[name] * np.diff(grid.times)
-    driven = np.einsum("nij,nj->ni", slopes[:, :, 6:], np.stack([sums[name] for name in INPUTS], axis=1))
-    misses = ends - np.append(path.states[1:], ends[-1:], axis=0) - driven
-    rows, residual, left, rudder = [], [], {}, grid.positions.get(RUDDER, np.zeros(len(grid)))
-    for name, read in grid.readings.items():
-        share, at = read.share[:, None], read.step
-        there = (1 - share) * path.states[at] + share * ends[at]
-        errors = {key: value[at] for key, value in sums.items()}
-        seen = PREDICTED[name](SeenStates(there, errors, grid.record.antenna, rudder[at]))
-        row = read.gain * _rows(seen, slopes[at], share, drives, names)
-        left[name] = read.values - read.gain * seen.value
-        rows.append(row)
-        residual.append(left[name] + np.einsum("ni,ni->n", row[:, 6:], path.processes[at]))
-    return LinearRecord(
-        grid, scales, np.ascontiguousarray(slopes), misses, drives, np.concatenate(rows)[grid.order],
-        np.concatenate(residual)[grid.order], left,
-    )  # fmt: skip
 
 
 def _slopes(grid: RecordGrid, motion: RecordedMotion, inertia: np.ndarray, along: np.ndarray) -> np.ndarray:
@@ -242,11 +203,43 @@ class RecordLikelihood:
     problem: LogProblem
     grid: RecordGrid
 
+    @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
     def linear(self, unknowns: np.ndarray, path: RecordPath) -> LinearRecord:
         """Return the record about a path."""
-        problem = self.problem
+        grid, problem = self.grid, self.problem
         motion, inertia = problem.at(unknowns[: problem.count])
-        return linear_record(self.grid, problem.scales, motion.of_records, inertia, problem.model_at(unknowns), path)
+        motion, model = motion.of_records, problem.model_at(unknowns)
+        names = [one.adds_to for one in model.processes]
+        drives = np.array([INPUTS.index(name) if name in INPUTS else -1 for name in names], np.int64)
+        sums = {name: np.zeros(len(grid)) for name in (*INPUTS, *names)}
+        for place, name in enumerate(names):
+            sums[name] = sums[name] + path.processes[:, place]
+        pushes = np.stack([sums[name] for name in PUSHES], axis=1) * inertia
+        known = CURRENT in motion.directions
+        current = float(sums[CURRENT_X][0]) if known else 0.0
+        states, along = motion.sailed(
+            path.states, pushes, np.arange(len(grid) + 1), grid.times, grid.positions, sums[RUDDER_OFFSET], current
+        )
+        ends, slopes = states[1::2], _slopes(grid, motion, inertia, along[1::2])
+        if not known:
+            for place, name in enumerate((CURRENT_X, CURRENT_Y)):
+                ends[:, place] += sums[name] * np.diff(grid.times)
+        driven = np.einsum("nij,nj->ni", slopes[:, :, 6:], np.stack([sums[name] for name in INPUTS], axis=1))
+        misses = ends - np.append(path.states[1:], ends[-1:], axis=0) - driven
+        rows, residual, left, rudder = [], [], {}, grid.positions.get(RUDDER, np.zeros(len(grid)))
+        for name, read in grid.readings.items():
+            share, at = read.share[:, None], read.step
+            there = (1 - share) * path.states[at] + share * ends[at]
+            errors = {key: value[at] for key, value in sums.items()}
+            seen = PREDICTED[name](SeenStates(there, errors, grid.record.antenna, rudder[at]))
+            row = read.gain * _rows(seen, slopes[at], share, drives, names)
+            left[name] = read.values - read.gain * seen.value
+            rows.append(row)
+            residual.append(left[name] + np.einsum("ni,ni->n", row[:, 6:], path.processes[at]))
+        return LinearRecord(
+            grid, problem, np.ascontiguousarray(slopes), misses, drives, np.concatenate(rows)[grid.order],
+            np.concatenate(residual)[grid.order], left,
+        )  # fmt: skip
 
     @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
     def smoothed(self, unknowns: np.ndarray, path: RecordPath | None, passes: int) -> RecordPath | None:

@@ -131,14 +131,6 @@ class Unknowns:
         return matrix
 
 
-class Scales(NamedTuple):
-    """Scales of a ship, and whether it keeps its speed."""
-
-    states: np.ndarray  # (6,) Length, length, radian, speed, speed, speed over length
-    held: bool  # True where the speed is held
-    walk: float  # Standard deviation of a step over lengths, radians and speeds of the ship
-
-
 @dataclass(frozen=True)
 class LogProblem(Unknowns):
     """Unknowns of a fit to records, and how the ship moves."""
@@ -161,11 +153,15 @@ class LogProblem(Unknowns):
         return np.array([one.spread for one in self.model.estimated])
 
     @cached_property
-    def scales(self) -> Scales:
-        """Scales of the ship's states."""
+    def scales(self) -> np.ndarray:
+        """Scales of the ship's states: length, length, radian, speed, speed, speed over length, (6,)."""
         length, u = self.motion.model.configuration.ship.length, float(self.motion.choices["u"])
-        held = self.motion.integrator.ship.surge == "held"
-        return Scales(np.array([length, length, 1.0, u, u, u / length]), held, self.walk)
+        return np.array([length, length, 1.0, u, u, u / length])
+
+    @property
+    def speed_is_held(self) -> bool:
+        """Whether the motion holds the speed."""
+        return self.motion.integrator.ship.surge == "held"
 
     def model_at(self, unknowns: np.ndarray) -> StochasticModel:
         """Return the stochastic model at unknowns (P,)."""

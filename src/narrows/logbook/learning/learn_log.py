@@ -95,19 +95,19 @@ def learn(
     given: dict[str, Any] = {"free": free, "spread": spread, "gusts": gusts, "asymmetry": asymmetry}
     given |= {"waterway": waterway, **choices}
     setup = log_problem(model, log, sensors, **given)
-    came_from = LogSource.of(setup.source.log, _name(setup.source.log), setup.source.assumptions.grade.name)
+    came_from = LogSource.of(setup.log, _name(setup.log), setup.assumptions.grade.name)
     with stage("fitting the records"):
-        found = search(setup.problem, setup.source)
+        found = search(setup.problem, setup)
     if found is None:
         raise InputError(RUNS_AWAY)
     if not found.records:
-        why = " ".join(setup.source.left_out).removesuffix(".") or "it has none"
+        why = " ".join(setup.left_out).removesuffix(".") or "it has none"
         raise InputError(f"no record of this log can be used: {why}")
     piloted = None
-    if setup.source.assumptions.gusts and RUDDER in setup.problem.motion.positions and not found.interrupted:
+    if setup.assumptions.gusts and RUDDER in setup.problem.motion.positions and not found.interrupted:
         joint = log_problem(model, log, sensors, pilot=True, **given)
         with stage("fitting the records with a pilot"):
-            piloted = search(joint.problem, joint.source, scaled=found.scaled)
+            piloted = search(joint.problem, joint, scaled=found.scaled)
     return log_result(setup, found, came_from, free, piloted)
 
 
@@ -160,21 +160,21 @@ def log_result(
     posed: LogSetup, found: SearchResult, log: LogSource, free: Sequence[str], piloted: SearchResult | None = None
 ) -> LogFit:
     """Return the answer of a search, averaged with that of one with a pilot where there is one."""
-    source, prior = posed.source, replace(posed.model, covariance=posed.before)
+    prior = replace(posed.model, covariance=posed.before)
     after = _posterior(posed, found)
     apart: tuple[str, ...] = ()
     if piloted is not None and piloted.records and not (piloted.diverged or piloted.interrupted):
         given, joint = after, _posterior(posed, piloted)
         after, apart = averaged(given, joint), rudder_matters(posed.model, given, joint)
     learned = learned_coefficients(prior, after.values, after.covariance)
-    answers = record_answers(found, source)
+    answers = record_answers(found, posed)
     came = learned_model(prior, learned, after.covariance, "", *np.stack([one.ranges for one in found.records]).T)
     stopped = f"The search was interrupted after {found.steps} steps; the result is from {len(answers)} records."
     about = (
         *apart,
         *(STRETCHES,) * (found.problem.walk == LOOSE_WALK),
         *_assumptions(found.problem, free, sum(answer.met for answer in answers)),
-        *source.left_out,
+        *posed.left_out,
         *(stopped,) * found.interrupted,
     )
     return LogFit(

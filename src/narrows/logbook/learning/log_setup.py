@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice, pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,7 +28,6 @@ from narrows.logbook.sensor_grades import GRADES, SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord, Signal
 from narrows.model.model import Model
-from narrows.ship.particulars import Configuration
 
 if TYPE_CHECKING:
     from narrows.waterway import Waterway
@@ -40,13 +39,14 @@ SELDOM_REPEATED = 0.5
 
 
 @dataclass(frozen=True)
-class GridSource:
-    """The records of a log, laid out on even times."""
+class LogSetup:
+    """Unknowns, and the records of the problem, laid out on even times."""
 
+    problem: LogProblem  # With the prior
     log: Iterable[ShipRecord]  # That can be gone through again and again
     assumptions: LogAssumptions  # How long steps are
-    usual: dict[str, float]  # Actuators, each with where it is if nothing was recorded of it
-    configuration: Configuration  # The ship and the water that the model is of
+    before: np.ndarray  # (n, n) Covariance of all coefficients
+    model: Model  # With an asymmetry where one is learned
 
     def __iter__(self) -> Iterator[RecordGrid]:
         """The records."""
@@ -75,25 +75,16 @@ class GridSource:
                     notes.append(f"{error}.")
 
     def _grid(self, record: ShipRecord) -> RecordGrid:
-        if "rudder" in self.usual and not ("rudder" in record and len(record["rudder"])):
+        usual, ship = self.problem.motion.positions, self.model.configuration.ship
+        if RUDDER in usual and not (RUDDER in record and len(record[RUDDER])):
             raise InputError(f"record {record.name} has no rudder angle: bank and helm cannot be separated; record it")
-        draft = self.configuration.ship.draft
-        if abs(record.condition.get("draft", draft) / draft - 1) > OTHER_DRAFT:
+        if abs(record.condition.get("draft", ship.draft) / ship.draft - 1) > OTHER_DRAFT:
             raise InputError(
-                f"record {record.name} is of a draft of {record.condition['draft']:.3g} m, the model of {draft:.3g} m: "
-                "leave it out, or give a model of that draft"
+                f"record {record.name} is of a draft of {record.condition['draft']:.3g} m, the model of "
+                f"{ship.draft:.3g} m: leave it out, or give a model of that draft"
             )
-        step = self.assumptions.step(self.configuration.ship.length, speed_of(record))
-        return grid_of(record, step, self.usual, self.assumptions.pilot)
-
-
-class LogSetup(NamedTuple):
-    """Unknowns and records of the problem."""
-
-    problem: LogProblem  # With the prior
-    source: GridSource  # The records, laid out
-    before: np.ndarray  # (n, n) Covariance of all coefficients
-    model: Model  # With an asymmetry where one is learned
+        step = self.assumptions.step(ship.length, speed_of(record))
+        return grid_of(record, step, usual, self.assumptions.pilot)
 
 
 def log_problem(
@@ -121,8 +112,7 @@ def log_problem(
     motion = _motion(model, signals, u, choices, waterway or getattr(records, "waterway", None), prior.members)
     inertia = push_inertia(model, prior, u, choices.get("surge_inertia"))
     problem = assumptions.problem(motion, prior, inertia, signals, u)
-    source = GridSource(records, assumptions, dict(motion.positions), model.configuration)
-    return LogSetup(problem, source, before, model)
+    return LogSetup(problem, records, assumptions, before, model)
 
 
 def _records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:

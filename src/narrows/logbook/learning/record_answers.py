@@ -64,7 +64,7 @@ class RecordAnswer:
 def record_answers(found: SearchResult, grids: Iterable[RecordGrid]) -> tuple[RecordAnswer, ...]:
     """Return what each record contributed."""
     whole = not found.problem.model.gusts and not found.interrupted and len(found.records) <= MOST_COMPARED
-    scales = found.problem.scales.states
+    scales = found.problem.scales
     nomoto = nomoto_missed(grids, scales[0] / scales[3]) if whole else []
     pairs = enumerate(zip(grids, found.records, strict=False))
     return tuple(
@@ -116,7 +116,7 @@ def forecast(
 
     Constant disturbances and errors of the record are known, gusts are not.
     """
-    reach = AHEAD * problem.scales.states[0] / max(float(np.abs(path.states[:, 3]).mean()), 1e-3)
+    reach = AHEAD * problem.scales[0] / max(float(np.abs(path.states[:, 3]).mean()), 1e-3)
     every = max(1, min(round(reach / grid.step), (len(grid) - 1) // 2))
     begun = np.arange(0, len(grid), every)
     first, known = begun, dict.fromkeys(INPUTS, 0.0)
@@ -156,7 +156,7 @@ def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path
 
     if "psi" not in grid.readings:
         return np.nan
-    motion, read, scales = problem.at(scaled)[0].of_records, grid.readings["psi"], problem.scales.states
+    motion, read, scales = problem.at(scaled)[0].of_records, grid.readings["psi"], problem.scales
     ends, nodes = np.array([0, len(grid)]), np.arange(len(grid) + 1)
 
     def left(start: np.ndarray) -> np.ndarray:

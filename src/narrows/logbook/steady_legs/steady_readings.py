@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean, shown
-from narrows.logbook.beam_wind import BeamWind
 from narrows.logbook.sensor_grades import check_sizes
-from narrows.logbook.settings import MISPLACED, MOST_ANGLE
+from narrows.logbook.settings import MISPLACED, MOST_ANGLE, WIND_LEVER, WINDAGE
 from narrows.model.model import Model
 from narrows.quantities.names import Quantity
 from narrows.results import BaseSummary
+from narrows.safety.request import wind_force
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -212,6 +212,30 @@ def _check(readings: SteadyReadings) -> None:
 # What all legs of a held ship share and nobody measured: wind, the zeros of the instruments, a rest of motion.
 # What is estimated beside the coefficients: force [N] and moment [N m] of the wind, zeros of angles [rad], y [m].
 UNKNOWN = ("wind_Y", "wind_N", "rudder_zero", "drift_zero", "heading_zero", "y_zero")
+
+
+@dataclass(frozen=True, repr=False)
+class BeamWind(BaseSummary):
+    """Standard deviations of a beam wind, for conditions with further fields."""
+
+    wind: float = 8.0
+    windage: float | None = None
+    wind_lever: float | None = None
+
+    def __post_init__(self) -> None:
+        check_sizes(self, over=[name for name in vars(self) if name.endswith("_time")])
+
+    def steady_push(self, model: Model) -> np.ndarray:
+        """Return sway force [N] and yaw moment [N m] of the wind, (2,).
+
+        Parameters
+        ----------
+        model : Model
+            The ship.
+        """
+        length = model.configuration.ship.length
+        force = wind_force(self.wind, WINDAGE * length**2 if self.windage is None else self.windage)
+        return np.array([force, force * (WIND_LEVER * length if self.wind_lever is None else self.wind_lever)])
 
 
 @dataclass(frozen=True, repr=False)

@@ -312,7 +312,7 @@ def expected_information(setup: LogSetup, gusts: np.ndarray, memory: float) -> n
         elif of == "correlation":
             product = max(float(np.sqrt(gusts[0, 0] * gusts[1, 1])), np.finfo(float).tiny)
             unknowns[place] = np.arctanh(np.clip(gusts[0, 1] / product, -0.99, 0.99))
-    found = scored(problem, setup.source, unknowns, [], FIRST_PASSES)
+    found = scored(problem, setup, unknowns, [], FIRST_PASSES)
     if found is None:
         raise InputError(TOO_COARSE)
     return found.information

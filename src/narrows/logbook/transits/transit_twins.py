@@ -12,7 +12,6 @@ from narrows.control.regulator_law import HeldLine
 from narrows.control.steady_course import self_propulsion, steady_course
 from narrows.errors import InputError, shown
 from narrows.identification.fitting import bundled_ship
-from narrows.logbook.beam_wind import BeamWind
 from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
 from narrows.logbook.settings import (
     AIM_LENGTHS,
@@ -29,6 +28,7 @@ from narrows.logbook.settings import (
 )
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord, Signal
+from narrows.logbook.steady_legs.steady_readings import BeamWind
 from narrows.model.model import Model
 from narrows.progress import bar, is_shown
 from narrows.quantities.names import KNOT
@@ -118,10 +118,13 @@ def wandering(
 
 @dataclass(frozen=True)
 class TransitPilot:
+    """A pilot at the wheel: an order every few seconds, in whole degrees."""
+
     line: HeldLine  # Gains, made for the farthest aim
     lead: float  # How far ahead bends are looked at [s]
     courses: np.ndarray  # (offsets, 4) y [m], rudder, psi [rad], v [m/s] of steady courses
     limit: float  # Limit of the rudder [rad]
+    interval: float  # Time between two orders [s]
     times: np.ndarray  # (n,) Where it wants to be, straight between [s]
     aims: np.ndarray  # (n,) Where it wants to be, straight between [s]
     waterway: "Waterway | None" = None  # Whose bends it follows
@@ -138,14 +141,18 @@ class TransitPilot:
         if not np.isfinite(courses).all():
             raise InputError(f"no rudder holds this ship {far:.3g} m off the middle at {u:.3g} m/s; aim nearer to it")
         law = regulator(model, far, u)  # Where it is hardest.
-        return cls(law.lines[0], float(law.lead), courses, model.configuration.gear.limit, times, aims, waterway)
+        interval = min(ORDER_INTERVAL, model.configuration.ship.length / u / ORDERS_A_LENGTH)
+        gear = model.configuration.gear
+        return cls(law.lines[0], float(law.lead), courses, gear.limit, interval, times, aims, waterway)
 
     def begin(self) -> Order:
         """Return what gives the orders of one voyage: the rudder a step on, by its rate."""
         by_y, by_psi, by_v, by_r, by_rudder, by_integral = (float(gain) for gain in self.line.gains)
-        memory = {"t": 0.0, "off": 0.0}
+        memory = {"t": 0.0, "off": 0.0, "next": 0.0, "order": 0.0}
 
         def order(t: float, at: VoyageState) -> float:
+            if t < memory["next"] - 1e-6:
+                return memory["order"]
             aim, rudder, psi, v, turn = self._held(t, at)
             step, memory["t"] = t - memory["t"], t
             wanted = by_y * (at.y - aim) + by_psi * (at.psi - psi) + by_v * (at.v - v) + by_r * (at.r - turn)
@@ -153,7 +160,8 @@ class TransitPilot:
             asked = float(at.rudder - step * wanted / (1 + step * by_rudder))
             # At the end of the rudder the integral waits.
             memory["off"] += step * (at.y - aim) * (abs(asked) < self.limit)
-            return asked
+            memory["next"], memory["order"] = t + self.interval, round(asked / DEGREE) * DEGREE
+            return memory["order"]
 
         return order
 
@@ -167,26 +175,6 @@ class TransitPilot:
         turn = float(self.waterway.section(ahead).curvature) * (at.u + float(self.waterway.current_at(ahead)))
         by_psi, by_v, by_rudder = (float(slope) for slope in self.line.turning)
         return aim, rudder + by_rudder * turn, psi + by_psi * turn, v + by_v * turn, turn
-
-
-@dataclass(frozen=True)
-class WholeDegrees:
-    """A pilot at the wheel: an order every few seconds, in whole degrees."""
-
-    pilot: TransitPilot
-    interval: float  # Time between two orders [s]
-
-    def begin(self) -> Order:
-        """Return what gives the orders of one voyage."""
-        inner, memory = self.pilot.begin(), {"next": 0.0, "order": 0.0}
-
-        def order(t: float, at: VoyageState) -> float:
-            if t >= memory["next"] - 1e-6:
-                memory["order"] = round(inner(t, at) / DEGREE) * DEGREE
-                memory["next"] = t + self.interval
-            return memory["order"]
-
-        return order
 
 
 @dataclass(frozen=True)
@@ -228,8 +216,7 @@ class TransitTwin:
         step = min(AIM_STEP, AIM_LENGTHS * self._length_time)
         times = step * np.arange(math.ceil(self.duration / step) + 1)
         aims = excursion.aims(times, wandering(told.wander, told.wander_time, step, len(times), draw)[:, 0])
-        pilot = TransitPilot.of(self.truth, self.u, times, aims, self.waterway)
-        helm = WholeDegrees(pilot, min(ORDER_INTERVAL, self._length_time / ORDERS_A_LENGTH))
+        helm = TransitPilot.of(self.truth, self.u, times, aims, self.waterway)
         started: dict[str, Any] = {"y": float(aims[0]), "u": self.u, **self._pushes(draw)}
         if self.truth.terms.propelled:
             started["revolutions"] = self_propulsion(self.truth, self.u)
