@@ -153,7 +153,7 @@ def test_what_is_read_piece_by_piece_is_what_is_read_at_once(tmp_path: Path, mon
 
 def test_a_record_beyond_what_memory_likes_goes_on_in_another(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(read_log, "PIECE_ROWS", 100)
-    monkeypatch.setattr("narrows.logbook.reading.log_rows.MOST_ROWS", 100)
+    monkeypatch.setattr(read_log, "MOST_ROWS", 100)
     log = nw.read_log({"record": ["A"] * 90 + ["B"] * 90, "t": np.arange(180.0), "r": np.zeros(180)})
     assert log.names == ("A", "B")
 

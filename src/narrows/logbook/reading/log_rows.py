@@ -1,11 +1,9 @@
-"""Rows of a log in SI: time, whose record each is, and columns with NaN where nothing was measured."""
+"""Columns of a log: their names, units and signs, and the numbers by which AIS says that it has none."""
 
 import math
 import re
-from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, fields, replace
-from itertools import pairwise
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,22 +11,11 @@ import numpy as np
 import pandas as pd
 
 from narrows.errors import InputError, did_you_mean, shown
-from narrows.logbook.settings import MOST_ROWS
 from narrows.logbook.ship_record import SIGNALS
 from narrows.quantities.names import KNOT, Quantity
-from narrows.readers import cells
-from narrows.readers.headers import DEGREE, SUFFIXES, Vocabulary, recognised_in
+from narrows.readers.headers import DEGREE, SUFFIXES, Vocabulary
 from narrows.readers.mapping import ColumnMapping
 from narrows.ship.ship_file import load_toml
-
-# Degrees that a place on earth has at most.
-EARTH = {"latitude": 90.0, "longitude": 360.0}
-
-
-class LogRows(NamedTuple):
-    t: np.ndarray  # (rows,) Time, as it came [s]
-    record: np.ndarray  # (rows,) Ship of each row; empty where the log has no such column
-    columns: dict[str, np.ndarray]  # (rows,) In SI
 
 
 @dataclass(frozen=True)
@@ -49,120 +36,10 @@ class LogMapping:
         _check_numbers("antenna", dict(zip(ANTENNA, self.antenna, strict=True)))
 
 
-class RowReader:
-    def __init__(self, table: str, mapping: LogMapping, mmsi: int | None = None) -> None:
-        self.table, self.mapping, self.mmsi = table, mapping, mmsi
-        self.notes: tuple[str, ...] = ()
-        self.begin: pd.Timestamp | None = None
-        self.absent: Counter[str] = Counter()
-
-    def rows(self, raw: pd.DataFrame) -> LogRows:
-        mapped = self.mapping.columns
-        if is_ais_archive(raw):
-            raw, self.mmsi = one_ship(raw, self.mmsi, self.table)
-            units = {name: unit for name, unit in ARCHIVE_UNITS.items() if name in mapped.columns}
-            mapped = replace(mapped, units={**units, **mapped.units})
-        elif self.mmsi is not None:
-            raise InputError(
-                f"{self.table}: mmsi = {self.mmsi} asks for AIS reports, and this table has none; leave it out"
-            )
-        frame, self.notes = mapped.applied(renamed(raw, mapped.columns.values()), self.table, VOCABULARY)
-        recognised = recognised_in(frame, QUANTITIES, self.table)
-        cells.check_once(recognised, [str(header) for header in frame.columns], QUANTITIES, self.table)
-        columns = {
-            column.quantity: cells.numbers(frame, column.header, self.table, column.quantity != "t") * column.scale
-            for column in recognised
-        }
-        t = columns.pop("t") if "t" in columns else self._clock(frame)
-        if not columns:
-            raise InputError(f"{self.table}: has times and nothing else; head its columns as in docs/ship-log.md")
-        for name in columns.keys() & EARTH.keys():
-            beyond = (np.abs(columns[name]) > EARTH[name]) & ~np.isin(columns[name], ABSENT[name])
-            if beyond.any():
-                row, value = cells.row_number(frame, beyond), columns[name][int(np.argmax(beyond))]
-                raise InputError(
-                    f"{self.table}: row {row}, {name} {value:g} is not on earth; give it in degrees, WGS84"
-                )
-        record = cells.labels(frame, "record", self.table) if "record" in frame else np.empty(0, dtype=object)
-        return LogRows(t, record, {name: self._measured(name, column) for name, column in columns.items()})
-
-    def told(self) -> tuple[str, ...]:
-        begin = (f"t counts from {self.begin.isoformat()}",) if self.begin is not None else ()
-        absent = [f"{count} of {name} stand for none and were left out" for name, count in self.absent.items()]
-        return (*self.notes, *begin, *absent)
-
-    def _clock(self, frame: pd.DataFrame) -> np.ndarray:
-        """Seconds since the first row, of a column of dates and times."""
-        if "time" not in frame:
-            raise InputError(f"{self.table}: no column has the time; head one 't [s]', or 'time' for dates and times")
-        if not len(frame):
-            return np.empty(0)
-        dated = frame["time"] if frame["time"].dtype.kind == "M" else frame["time"].astype(str)
-        by_day = dated.dtype.kind != "M" and bool(DAY_FIRST.match(dated.iloc[0]))
-        times = pd.to_datetime(dated, utc=True, errors="coerce", format="%d/%m/%Y %H:%M:%S" if by_day else "ISO8601")
-        if times.isna().any():
-            row = cells.row_number(frame, times.isna().to_numpy())
-            raise InputError(f"{self.table}: row {row}, column 'time' is no date and time; write 2026-05-01T10:00:00Z")
-        begin = self.begin = self.begin or times.iloc[0]
-        return (times - begin).dt.total_seconds().to_numpy(float)
-
-    def _measured(self, name: str, column: np.ndarray) -> np.ndarray:
-        """A column without the numbers that stand for none."""
-        if (none := np.isin(column, ABSENT.get(name, ()))).any():
-            self.absent[name] += int(none.sum())
-            return np.where(none, np.nan, column)
-        return column
-
-
 class RawRecord(NamedTuple):
     name: str  # Name of the record
     t: np.ndarray  # (rows,) Time, as it came [s]
     columns: dict[str, np.ndarray]  # (rows,) In SI; NaN where nothing was measured
-
-
-class RecordSplit:
-    def __init__(self, table: str, stem: str, gap: float) -> None:
-        self.table, self.stem, self.gap = table, stem, gap
-        self.names: list[str] = []
-        self.cuts = 0
-
-    def records(self, pieces: Iterable[LogRows]) -> Iterator[RawRecord]:
-        label, last, held = "", np.nan, list[LogRows]()
-        for piece in filter(lambda one: len(one.t), pieces):
-            begins = self._begins(piece, label, last)
-            edges = np.unique([0, *np.flatnonzero(begins), len(piece.t)])
-            for start, stop in pairwise(edges.tolist()):
-                columns = {name: column[start:stop] for name, column in piece.columns.items()}
-                part = LogRows(piece.t[start:stop], piece.record[start:stop], columns)
-                label, last = str(part.record[0]) if part.record.size else "", float(part.t[-1])
-                if begins[start] and label in self.names:
-                    raise InputError(
-                        f"{self.table}: the rows of record {label} do not stand together; sort it by record"
-                    )
-                if held and (begins[start] or sum(len(one.t) for one in held) + len(part.t) > MOST_ROWS):
-                    yield self._finished(held)
-                    held = []
-                held.append(part)
-        if held:
-            yield self._finished(held)
-
-    def _begins(self, piece: LogRows, label: str, last: float) -> np.ndarray:
-        """Rows with which another record begins, (rows,)."""
-        if piece.record.size:
-            return np.asarray(np.concatenate([[label], piece.record[:-1]]) != piece.record)
-        other = np.diff(piece.t, prepend=last) > self.gap
-        self.cuts += int(other.sum())
-        return other
-
-    def _finished(self, held: list[LogRows]) -> RawRecord:
-        stem = (str(held[0].record[0]) if held[0].record.size else "") or self.stem
-        self.names.append(f"{stem} {len(self.names) + 1}" if stem in self.names else stem)
-        known = dict.fromkeys(name for part in held for name in part.columns)
-        columns = {
-            name: np.concatenate([part.columns.get(name, np.full(len(part.t), np.nan)) for part in held])
-            for name in known
-        }
-        return RawRecord(self.names[-1], np.concatenate([part.t for part in held]), columns)
 
 
 # Signals on the map, converted to the axes of the waterway or of the record.
@@ -196,8 +73,6 @@ ALIASES = {
     "stw": "u", "rudder_angle": "rudder",
     **{name: name for name in (*QUANTITIES, *LABELS) if len(name) > 1},
 }  # fmt: skip
-# A date as the Danish archive writes it, 31/12/2015 23:59:59.
-DAY_FIRST = re.compile(r"\d\d/\d\d/\d{4} ")
 # Columns of AIS archives and their units by ITU-R M.1371, which the headers do not state: those of the Danish Maritime
 # Authority (Timestamp, MMSI, Latitude, ...) and of NOAA's MarineCadastre (MMSI, BaseDateTime, LAT, ...).
 ARCHIVE_UNITS = {"speed_over_ground": "kn", "course_over_ground": "deg", "heading": "deg"}

@@ -1,7 +1,9 @@
 """A ship's own log into records: tables, text, Parquet, NMEA 0183; whole, or record by record."""
 
 import os
-from collections.abc import Iterator, Mapping
+import re
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -10,13 +12,25 @@ import numpy as np
 import pandas as pd
 
 from narrows.errors import InputError, check_count
-from narrows.logbook.reading.log_rows import LogMapping, RawRecord, RecordSplit, RowReader, log_mapping
+from narrows.logbook.reading.log_rows import (
+    ABSENT,
+    ARCHIVE_UNITS,
+    QUANTITIES,
+    VOCABULARY,
+    LogMapping,
+    RawRecord,
+    is_ais_archive,
+    log_mapping,
+    one_ship,
+    renamed,
+)
 from narrows.logbook.reading.placing import Placing
-from narrows.logbook.settings import PIECE_ROWS, RECORD_GAP
+from narrows.logbook.settings import MOST_ROWS, PIECE_ROWS, RECORD_GAP
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord
-from narrows.readers.cells import as_sheet, name_of
+from narrows.readers.cells import as_sheet, check_once, labels, name_of, numbers, row_number
 from narrows.readers.frames import STREAMED, notes_of, read_chunks, read_frame
+from narrows.readers.headers import recognised_in
 from narrows.readers.nmea.nmea_recording import NmeaTable, is_nmea
 from narrows.waterway import Waterway, read_waterway
 
@@ -156,40 +170,50 @@ def stream_log(
     return StreamedLog(table, log_mapping(mapping, units, late, antenna, condition), water, gap, mmsi)
 
 
+# Degrees that a place on earth has at most.
+EARTH = {"latitude": 90.0, "longitude": 360.0}
+# A date as the Danish archive writes it, 31/12/2015 23:59:59.
+DAY_FIRST = re.compile(r"\d\d/\d\d/\d{4} ")
+
+
 class LogReading:
+    """One pass through a log: rows in SI, then records."""
+
     def __init__(self, log: StreamedLog) -> None:
-        self.log = log
+        self.log, self.table = log, log.name
         heard = isinstance(log.table, Path) and is_nmea(log.table)
-        self.rows = RowReader(log.name, log.mapping, None if heard else log.mmsi)
-        stem = log.table.stem if isinstance(log.table, Path) else "record"
-        self.split = RecordSplit(log.name, stem, log.gap)
+        self.mmsi = None if heard else log.mmsi
+        self.names: list[str] = []
         self.about: tuple[str, ...] = ()
-        self.rounded = self.given = 0
+        self.mapped: tuple[str, ...] = ()
+        self.begin: pd.Timestamp | None = None
+        self.absent: Counter[str] = Counter()
+        self.rounded = self.given = self.cuts = 0
 
     def records(self) -> Iterator[ShipRecord]:
-        placing = Placing(self.log.name, self.log.mapping, self.log.waterway)
-        for raw in self.split.records(map(self.rows.rows, self._frames())):
+        placing = Placing(self.table, self.log.mapping, self.log.waterway)
+        for raw in self._split(map(self._rows, self._frames())):
             self.rounded += _repeated(raw)
             record = placing.record(raw)
             self.given += bool(record.signals)
             if record.signals:
                 yield record
         if not self.given:
-            raise InputError(
-                f"{self.log.name}: has no signal of a ship; give a log with at least one row and one signal"
-            )
+            raise InputError(f"{self.table}: has no signal of a ship; give a log with at least one row and one signal")
 
     def notes(self) -> tuple[str, ...]:
+        begin = (f"t counts from {self.begin.isoformat()}",) if self.begin is not None else ()
+        absent = [f"{count} of {name} stand for none and were left out" for name, count in self.absent.items()]
         told = {
             f"cut into {self.given} records where nothing came for {self.log.gap:g} s; gap= sets another time": (
-                self.split.cuts > 0
+                self.cuts > 0
             ),
             "rows whose time repeats that of the row above, as it is rounded, are one by their means": self.rounded > 0,
             "positions are brought from the antenna to midship, where the heading is known": any(
                 self.log.mapping.antenna
             ),
         }
-        return (*self.about, *self.rows.told(), *(note for note, holds in told.items() if holds))
+        return (*self.about, *self.mapped, *begin, *absent, *(note for note, holds in told.items() if holds))
 
     def _frames(self) -> Iterator[pd.DataFrame]:
         table = self.log.table
@@ -206,6 +230,89 @@ class LogReading:
             sheet = read_frame(table)
             self.about = sheet.notes
             yield sheet.frame
+
+    def _rows(self, raw: pd.DataFrame) -> pd.DataFrame:
+        """A table in SI: t, record if it has one, and signals with NaN where nothing was measured."""
+        mapped = self.log.mapping.columns
+        if is_ais_archive(raw):
+            raw, self.mmsi = one_ship(raw, self.mmsi, self.table)
+            units = {name: unit for name, unit in ARCHIVE_UNITS.items() if name in mapped.columns}
+            mapped = replace(mapped, units={**units, **mapped.units})
+        elif self.mmsi is not None:
+            raise InputError(
+                f"{self.table}: mmsi = {self.mmsi} asks for AIS reports, and this table has none; leave it out"
+            )
+        frame, self.mapped = mapped.applied(renamed(raw, mapped.columns.values()), self.table, VOCABULARY)
+        recognised = recognised_in(frame, QUANTITIES, self.table)
+        check_once(recognised, [str(header) for header in frame.columns], QUANTITIES, self.table)
+        columns = {
+            column.quantity: numbers(frame, column.header, self.table, column.quantity != "t") * column.scale
+            for column in recognised
+        }
+        t = columns.pop("t") if "t" in columns else self._clock(frame)
+        if not columns:
+            raise InputError(f"{self.table}: has times and nothing else; head its columns as in docs/ship-log.md")
+        for name, column in columns.items():
+            none = np.isin(column, ABSENT.get(name, ()))
+            if (beyond := (np.abs(column) > EARTH.get(name, np.inf)) & ~none).any():
+                row, value = row_number(frame, beyond), column[int(np.argmax(beyond))]
+                raise InputError(
+                    f"{self.table}: row {row}, {name} {value:g} is not on earth; give it in degrees, WGS84"
+                )
+            if none.any():
+                self.absent[name] += int(none.sum())
+                columns[name] = np.where(none, np.nan, column)
+        named = {"record": labels(frame, "record", self.table)} if "record" in frame else {}
+        return pd.DataFrame({"t": t, **named, **columns})
+
+    def _clock(self, frame: pd.DataFrame) -> np.ndarray:
+        """Seconds since the first row, of a column of dates and times."""
+        if "time" not in frame:
+            raise InputError(f"{self.table}: no column has the time; head one 't [s]', or 'time' for dates and times")
+        if not len(frame):
+            return np.empty(0)
+        dated = frame["time"] if frame["time"].dtype.kind == "M" else frame["time"].astype(str)
+        by_day = dated.dtype.kind != "M" and bool(DAY_FIRST.match(dated.iloc[0]))
+        times = pd.to_datetime(dated, utc=True, errors="coerce", format="%d/%m/%Y %H:%M:%S" if by_day else "ISO8601")
+        if times.isna().any():
+            row = row_number(frame, times.isna().to_numpy())
+            raise InputError(f"{self.table}: row {row}, column 'time' is no date and time; write 2026-05-01T10:00:00Z")
+        begin = self.begin = self.begin or times.iloc[0]
+        return (times - begin).dt.total_seconds().to_numpy(float)
+
+    def _split(self, pieces: Iterable[pd.DataFrame]) -> Iterator[RawRecord]:
+        label, last, held = "", np.nan, list[pd.DataFrame]()
+        for piece in pieces:
+            for number, part in piece.groupby(np.cumsum(self._begins(piece, label, last))):
+                label, last = str(part["record"].iloc[0]) if "record" in part else "", float(part["t"].iloc[-1])
+                if number and label in self.names:
+                    raise InputError(
+                        f"{self.table}: the rows of record {label} do not stand together; sort it by record"
+                    )
+                if held and (number or sum(map(len, held)) + len(part) > MOST_ROWS):
+                    yield self._finished(held)
+                    held = []
+                held.append(part)
+        if held:
+            yield self._finished(held)
+
+    def _begins(self, piece: pd.DataFrame, label: str, last: float) -> np.ndarray:
+        """Rows with which another record begins, (rows,)."""
+        if "record" in piece:
+            names = piece["record"].to_numpy()
+            return np.asarray(np.append(np.array([label], object), names[:-1])[: len(names)] != names)
+        other = np.diff(piece["t"], prepend=last) > self.log.gap
+        self.cuts += int(other.sum())
+        return other
+
+    def _finished(self, held: list[pd.DataFrame]) -> RawRecord:
+        stem = str(held[0]["record"].iloc[0]) if "record" in held[0] else ""
+        stem = stem or (self.log.table.stem if isinstance(self.log.table, Path) else "record")
+        self.names.append(f"{stem} {len(self.names) + 1}" if stem in self.names else stem)
+        rows = pd.concat(held).drop(columns="record", errors="ignore")
+        return RawRecord(
+            self.names[-1], rows.pop("t").to_numpy(), {str(name): column.to_numpy() for name, column in rows.items()}
+        )
 
 
 def _repeated(raw: RawRecord) -> int:
