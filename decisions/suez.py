@@ -70,8 +70,13 @@ def adrift(models: dict[str, nw.Model]) -> str:
     rows, speeds = [], (SPEEDS[0], SPEEDS[-1])
     for name, model in models.items():
         ends = [nw.simulate(model, y=START, u=knots * KNOT, duration=LONGEST, dt=STEP).outcome for knots in speeds]
-        rows.append((name, *(f"{end.time:.0f} s, {end.distance / LENGTH:.1f} L" for end in ends)))
-    return markdown(("aground at", *(f"{knots:g} knots after" for knots in speeds)), rows)
+        rows.append((name, *(ended(end.kind, end.time, end.distance / LENGTH) for end in ends)))
+    return markdown(("aground after", *(f"at {knots:g} knots" for knots in speeds)), rows)
+
+
+def ended(kind: str, time: float, lengths: float) -> str:
+    """How a voyage ends: the time and the distance of a grounding."""
+    return f"{time:.0f} s, {lengths:.1f} lengths" if kind == "grounded" else kind
 
 
 def steered(models: dict[str, nw.Model]) -> str:

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from pages import Rows, markdown, publish, records
+from pages import Rows, markdown, part, publish, records
 from scipy.special import ndtr
 from watched.runs import BEFORE, EVERY, FROM, Run, averted, kept_runs
 from watched.truths import DEPTH, LAPSES, LENGTH, Physics, modelled
@@ -317,23 +317,22 @@ def text(folder: Path | None = None, others: bool = False) -> str:
     return "\n\n".join(parts)
 
 
+PARTS_OF_RULE = ("chance that the escape fails", "time to act alone")
+
+
 def shown(rows: Rows) -> str:
     """What an alert averts by predictor, by level and by truth."""
     counted, levels, *_ = (row[0] for row in rows if len(row) == 1)
+    rules = [row for row in records(rows, "predictor") if row["predictor"] not in PARTS_OF_RULE]
+    truths = records(rows, "truth")[1:]
+    others = [(row["truth"], row["warning"], row["false in 100 h"].partition(";")[0]) for row in truths]
     parts = (
-        markdown(("predictor", "averted at 10 [%]", "at 2 [%]", "left to act [s]"), [
-            (row["predictor"], row["averted at 10 [%]"], row["averted at 2 [%]"], row["left to act [s]"])
-            for row in records(rows, "predictor")
-        ]),
+        part(rules, "predictor", "averted at 10 [%]", "averted at 2 [%]", "left to act [s]"),
         levels,
-        markdown(("level", "averted [%]", "left to act [s]", "false in 100 h"), [
-            tuple(row.values())[:4] for row in records(rows, "level")
-        ]),
+        part(records(rows, "level"), "level", "averted [%]", "left to act [s]", "false in 100 h"),
         "The warning with truths of other kinds (-: not counted):",
-        markdown(("truth", "averted [%]", "false in 100 h"), [
-            (row["truth"], row["warning"], row["false in 100 h"].partition(";")[0]) for row in records(rows, "truth")
-        ]),
-    )  # fmt: skip
+        markdown(("truth", "averted [%]", "false in 100 h"), others),
+    )
     return "\n\n".join((counted, *parts))
 
 

@@ -30,7 +30,7 @@ PAGES = {
 Rows = list[list[str]]
 CHECKED = {
     "main_dimensions": {"sailed": False},
-    "separation": {"sets": ("harmonic yaw, one run", "and straight runs off the centreline")},
+    "separation": {"sets": ("harmonic yaw, one run", "two amplitudes, and straight runs off the centreline")},
     "helms": {"chosen": ("gust",)},
     "estimation": {"ways": ("considered",)},
     "sensor_errors": {"chosen": ("white, 1.5 m",)},
