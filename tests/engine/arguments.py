@@ -466,8 +466,7 @@ class Table:
         log, other = ({"log": logged(rudder)} for rudder in (0.1, 0.2))
         understood = {
             **other, "waterway": bent_waterway(), "mapping": {"positive": {"rudder": "port"}},
-            "units": {"rudder": "deg"}, "late": {"rudder": 1.0}, "antenna": (-9.0, 1.0), "condition": {"draft": 9.0},
-            "gap": 50.0, "mmsi": refused(244000000),
+            "units": {"rudder": "deg"}, "gap": 50.0, "mmsi": refused(244000000),
         }  # fmt: skip
         model = {"path": self.model(paper(), "paper.toml")}
         own = replace(nw.PAPER, name="own")

@@ -51,7 +51,8 @@ def recording(antenna: tuple[float, float] = (0.0, 0.0)) -> list[str]:
 
 def test_a_recording_is_told_along_the_waterway_in_si(tmp_path: Path) -> None:
     antenna = (-70.0, 6.0)
-    log = nw.read_log(write_recording(tmp_path / "bridge.log", recording(antenna)), WAY, antenna=antenna)
+    place = {"antenna": dict(zip(("forward", "starboard"), antenna, strict=True))}
+    log = nw.read_log(write_recording(tmp_path / "bridge.log", recording(antenna)), WAY, place)
     record, told = log["bridge"], motion(T)
     assert record["x"].t.tolist() == T[1:].tolist()  # past midnight, from the first heading on
     for name in ("x", "y"):

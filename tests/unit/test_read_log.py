@@ -161,7 +161,8 @@ def test_a_record_beyond_what_memory_likes_goes_on_in_another(monkeypatch: pytes
 def test_a_place_on_earth_is_told_along_a_bend_and_of_midship() -> None:
     waterway, told, antenna = bent_waterway(), motion(T), (-70.0, 6.0)
     frame = antenna_on_earth(waterway, told, antenna).assign(t=T)
-    record = nw.read_log(frame, waterway, antenna=antenna)[0]
+    place = {"antenna": dict(zip(("forward", "starboard"), antenna, strict=True))}
+    record = nw.read_log(frame, waterway, place)[0]
     for name in ("x", "y", "psi"):
         np.testing.assert_allclose(record[name].values, told[name], atol=2e-5)
     assert record.antenna == (0.0, 0.0)
@@ -170,7 +171,7 @@ def test_a_place_on_earth_is_told_along_a_bend_and_of_midship() -> None:
 
 
 def test_what_is_late_is_put_back() -> None:
-    assert nw.read_log(table(), late={"rudder": 1.5})[0]["rudder"].t.tolist() == (T - 1.5).tolist()
+    assert nw.read_log(table(), mapping={"late": {"rudder": 1.5}})[0]["rudder"].t.tolist() == (T - 1.5).tolist()
 
 
 def test_velocities_in_fixed_axes_are_turned_into_those_of_the_ship() -> None:
@@ -260,9 +261,8 @@ def test_free_running_tests_of_two_tanks_are_one_motion(tank: str, records: int,
         ({"t": [0.0], "x": [1.0]}, {"mapping": {"colums": {}}}, "did you mean 'columns'"),
         ({"t": [0.0], "x": [1.0]}, {"mapping": {"columns": 3}}, "is no section"),
         ({"t": [0.0], "x": [1.0]}, {"mapping": {"antenna": {"aft": 3.0}}}, "no 'aft'"),
-        ({"t": [0.0], "x": [1.0]}, {"late": {"ruder": 1.0}}, "did you mean 'rudder'"),
-        ({"t": [0.0], "x": [1.0]}, {"late": {"x": "1"}}, "is no number"),
-        ({"t": [0.0], "x": [1.0]}, {"antenna": (1.0,)}, "is no place"),
+        ({"t": [0.0], "x": [1.0]}, {"mapping": {"late": {"ruder": 1.0}}}, "did you mean 'rudder'"),
+        ({"t": [0.0], "x": [1.0]}, {"mapping": {"late": {"x": "1"}}}, "is no number"),
         ({"t": [0.0], "x": [1.0]}, {"gap": 0.0}, "no time without a row"),
         ({"t": [0.0], "x": [1.0]}, {"mmsi": -1}, "whole number"),
         ({"t": [0.0], "x": [1.0]}, {"mmsi": 244000000}, "asks for AIS reports, and this table has none"),

@@ -31,8 +31,6 @@ class LogMapping:
                 raise InputError(f"late: there is no column {name!r}{did_you_mean(str(name), QUANTITIES)}")
         _check_numbers("late", self.late)
         _check_numbers("condition", self.condition)
-        if len(self.antenna) != len(ANTENNA):
-            raise InputError(f"an antenna = {shown(self.antenna)} is no place; give metres forward and to starboard")
         _check_numbers("antenna", dict(zip(ANTENNA, self.antenna, strict=True)))
 
 
@@ -134,22 +132,13 @@ OF_COLUMNS = ("columns", "units", "positive")
 ANTENNA = ("forward", "starboard")
 
 
-def log_mapping(
-    mapping: str | Path | Mapping[str, Any] | None, units: Mapping[str, str] | None = None,
-    late: Mapping[str, float] | None = None, antenna: tuple[float, float] | None = None,
-    condition: Mapping[str, float] | None = None,
-) -> LogMapping:  # fmt: skip
-    """Read how a log is to be understood; what is given beside a file goes before what is in it."""
+def log_mapping(mapping: str | Path | Mapping[str, Any] | None, units: Mapping[str, str] | None = None) -> LogMapping:
+    """Read how a log is to be understood; units that are given beside a file go before those in it."""
     tables, name = _tables(mapping)
-    place = tables.get("antenna", {})
-    parts = {section: tables.get(section, {}) for section in OF_COLUMNS}
+    place, parts = tables.get("antenna", {}), {section: tables.get(section, {}) for section in OF_COLUMNS}
     columns = ColumnMapping(**{**parts, "units": {**parts["units"], **(units or {})}}, name=name)
-    return LogMapping(
-        columns,
-        {**tables.get("late", {}), **(late or {})},
-        (place.get("forward", 0.0), place.get("starboard", 0.0)) if antenna is None else antenna,
-        {**tables.get("condition", {}), **(condition or {})},
-    )
+    antenna = place.get("forward", 0.0), place.get("starboard", 0.0)
+    return LogMapping(columns, tables.get("late", {}), antenna, tables.get("condition", {}))
 
 
 def _tables(mapping: str | Path | Mapping[str, Any] | None) -> tuple[Mapping[str, Any], str]:

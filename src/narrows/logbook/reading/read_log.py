@@ -38,15 +38,14 @@ from narrows.waterway import Waterway, read_waterway
 def read_log(
     log: Any, waterway: Waterway | str | Path | None = None,
     mapping: str | Path | Mapping[str, Any] | None = None, units: Mapping[str, str] | None = None, *,
-    late: Mapping[str, float] | None = None, antenna: tuple[float, float] | None = None,
-    condition: Mapping[str, float] | None = None, gap: float = RECORD_GAP, mmsi: int | None = None,
+    gap: float = RECORD_GAP, mmsi: int | None = None,
 ) -> ShipLog:  # fmt: skip
     """Read a ship's own records into memory.
 
     Columns are those of ``SIGNALS``, SI and radians unless a header carries a unit, and those of docs/ship-log.md:
-    longitude and latitude, heading and course from north, velocities in fixed axes. Empty
-    cells are times at which that was not measured. Tables of the Danish and of NOAA's AIS archive are read as they
-    are, speeds in knots and directions in degrees by the standard of AIS.
+    longitude and latitude, heading and course from north, velocities in fixed axes. Empty cells are times at which that
+    was not measured. Tables of the Danish and of NOAA's AIS archive are read as they are, speeds in knots and
+    directions in degrees by the standard of AIS.
 
     Parameters
     ----------
@@ -55,16 +54,11 @@ def read_log(
     waterway : Waterway, str or Path, optional
         Along which to tell where the ship is; a plane where there is none.
     mapping : str, Path or mapping, optional
-        The ship's own names, units and signs, what is late and where the antenna stands: TOML with ``[columns]``,
-        ``[units]``, ``[positive]``, ``[late]``, ``[antenna]`` and ``[condition]``.
+        The ship's own names, units and signs, what is late [s], where the antenna stands [m] and the loading: a TOML
+        file with ``[columns]``, ``[units]``, ``[positive]``, ``[late]``, ``[antenna]`` and ``[condition]``, or these
+        as in ``{"antenna": {"forward": -70.0}, "condition": {"draft": 10.2}}``.
     units : mapping of str to str, optional
         Units of columns without one in the header.
-    late : mapping of str to float, optional [s]
-        By how much columns were reported later than they were measured.
-    antenna : pair of float, optional [m]
-        Place of the antenna: forward and to starboard of midship.
-    condition : mapping of str to float, optional
-        Loading of the ship, as in ``{"draft": 10.2}``.
     gap : float [s]
         A time without a row after which another record begins, where no column ``record`` names them.
     mmsi : int, optional
@@ -83,11 +77,10 @@ def read_log(
     parts = log if isinstance(log, list | tuple) else [log]
     if not parts:
         raise InputError("there is no log to read; give one or more")
-    options: dict[str, Any] = {"late": late, "antenna": antenna, "condition": condition, "gap": gap, "mmsi": mmsi}
     records: list[ShipRecord] = []
     notes: list[str] = []
     for part in parts:
-        streamed = stream_log(part, waterway, mapping, units, **options)
+        streamed = stream_log(part, waterway, mapping, units, gap=gap, mmsi=mmsi)
         reading = LogReading(streamed)
         taken = {record.name for record in records}
         records += [
@@ -123,8 +116,7 @@ class StreamedLog:
 def stream_log(
     log: Any, waterway: Waterway | str | Path | None = None,
     mapping: str | Path | Mapping[str, Any] | None = None, units: Mapping[str, str] | None = None, *,
-    late: Mapping[str, float] | None = None, antenna: tuple[float, float] | None = None,
-    condition: Mapping[str, float] | None = None, gap: float = RECORD_GAP, mmsi: int | None = None,
+    gap: float = RECORD_GAP, mmsi: int | None = None,
 ) -> StreamedLog:  # fmt: skip
     """Open a log whose records are read one by one each time they are asked for.
 
@@ -138,12 +130,6 @@ def stream_log(
         As in ``read_log``, like what follows.
     units : mapping of str to str, optional
         Units of columns without one in the header.
-    late : mapping of str to float, optional [s]
-        By how much columns were reported later than they were measured.
-    antenna : pair of float, optional [m]
-        Place of the antenna: forward and to starboard of midship.
-    condition : mapping of str to float, optional
-        Loading of the ship.
     gap : float [s]
         A time without a row after which another record begins.
     mmsi : int, optional
@@ -167,7 +153,7 @@ def stream_log(
     if isinstance(table, Path) and not table.is_file():
         raise InputError(f"{table}: there is no such file; check the path")
     water = read_waterway(waterway) if isinstance(waterway, str | Path) else waterway
-    return StreamedLog(table, log_mapping(mapping, units, late, antenna, condition), water, gap, mmsi)
+    return StreamedLog(table, log_mapping(mapping, units), water, gap, mmsi)
 
 
 # Degrees that a place on earth has at most.
