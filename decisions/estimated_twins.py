@@ -1,6 +1,6 @@
 """One transit of a ship whose model is estimated from four numbers: twins whose truth comes from other formulas.
 
-python decisions/estimated_twins.py [--write] [--twins 20] [--kept FOLDER]
+python decisions/estimated_twins.py [--write] [--twins 80] [--kept FOLDER]
 
 Each true derivative is one formula of the registry, drawn at random; the bank is one row of the evidence whose error is
 smaller than the spread within a ship; rudder, propeller and resistance are drawn from the estimate. Ships that a pilot
@@ -25,7 +25,7 @@ from narrows.logbook.transits.predict_information import safe_offset
 from narrows.logbook.transits.transit_twins import TransitTwin, drawn_truth, transits_of
 from narrows.quantities.names import KNOT
 
-SPEED, MINUTES, TWINS = 8 * KNOT, 20.0, 20
+SPEED, MINUTES, TWINS = 8 * KNOT, 20.0, 80
 BANKS, HULL = ("Y_bank", "N_bank"), ("X_my", "N_jz", "Y_v", "N_v", "Y_r", "N_r")
 NAMES = (*BANKS, *HULL)
 CONDITIONS = nw.TransitConditions(wander=10.0)
