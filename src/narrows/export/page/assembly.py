@@ -100,9 +100,10 @@ def packed(wasm: bytes) -> str:
 
 def _foot(exported: ExportedShip) -> str:
     parts = ", ".join(exported.ship.model.configuration.parts)
+    of_map = "" if is_open_water(exported.ship.model) else ", 100th on the map"
     return (
         f"{f'; with {parts}' if parts else ''}. Sailed here, by the equations of the package: Runge-Kutta "
-        f"steps of a 200th of a ship length, 100th on the map. The speed is "
+        f"steps of a 200th of a ship length{of_map}. The speed is "
         f"{'held' if exported.ship.surge == 'held' else 'free'}."
     )
 
