@@ -239,7 +239,7 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
     notes = (*doubts, *chosen.outside(configuration, u))
     sinkage = chosen.sinkage(configuration, u)
     if formula is None and (narrow := float(_of_voyages(configuration, u)[gives])) > sinkage:
-        less = f"{name} gives less than continuity and energy in this canal, which are used instead"
+        less = f"{name} gives less"
         return Squat(narrow, "continuity", gives, critical, (less,))
     return Squat(sinkage, name, gives, critical, notes)
 

@@ -1,6 +1,7 @@
 """The envelope chart for pilots: where the ship is safe, the rudder that holds it there, and a table of both."""
 
 import math
+import re
 import textwrap
 from typing import Any
 
@@ -49,16 +50,17 @@ def envelope_chart(envelope: SafeEnvelope) -> Figure:
         return figure
     with rc_context(FONT):
         figure = Picture(figsize=PAGE, layout="constrained")
-        grid = figure.add_gridspec(2, 2, width_ratios=(1.4, 1), height_ratios=(3, 2))
+        grid = figure.add_gridspec(3, 2, width_ratios=(1.4, 1), height_ratios=(3, 2, 0.7))
         speeds = figure.add_subplot(grid[0, 0])
         rudder = figure.add_subplot(grid[1, 0], sharex=speeds)
         keys = _draw_speeds(speeds, envelope)
         _draw_rudder(rudder, envelope)
         for panel in (speeds, rudder):
             _draw_banks(panel, envelope)
-        draw_column(figure.add_subplot(grid[:, 1]), envelope)
+        _draw_table(figure.add_subplot(grid[:2, 1]), envelope)
+        _draw_notes(figure.add_subplot(grid[2, :]), envelope)
         figure.legend(handles=[*_speed_legend(), *keys], loc="outside lower left", frameon=False, ncols=4)
-        headed(figure, envelope.description, [envelope.weather, envelope.summary()])
+        headed(figure, f"{envelope.description}; {envelope.weather}", [envelope.answer])
     return figure
 
 
@@ -238,20 +240,21 @@ def _draw_banks(axes: Axes, envelope: SafeEnvelope) -> None:
 HEADS = ("offset\n[m]", "safe speeds\n[knots]", "held: same pilot;\ntrue coefficients", "rudder, 95 %\n[deg]",
          "what limits it")  # fmt: skip
 
-WIDTHS = (0.1, 0.17, 0.25, 0.18, 0.3)
-# Heights relative to the column: the head of the table, a row of it, a line of small print.
-HEAD, ROW, LINE = 0.055, 0.03, 0.0225
+WIDTHS = (0.11, 0.17, 0.24, 0.17, 0.31)
+# Heights relative to the column: the head of the table, a row of it.
+HEAD, ROW = 0.055, 0.03
 # Font size of table and notes [pt], legible on paper.
 SMALL = 7.2
-# Letters in a line of small print.
-LETTERS = 72
+# Notes of one line, and their letters at that size; the terminal and the JSON have all notes.
+MOST_NOTES, LETTERS = 6, 205
 
 
-def draw_column(axes: Axes, envelope: SafeEnvelope) -> None:
+def _draw_notes(axes: Axes, envelope: SafeEnvelope) -> None:
     axes.axis("off")
-    notes = [line for note in envelope.notes for line in textwrap.wrap(note, LETTERS, subsequent_indent="  ")]
-    _draw_table(axes, _cells(envelope, max(1, int((0.97 - HEAD - LINE * len(notes)) / ROW))))
-    axes.text(0.0, 0.0, "\n".join(notes), fontsize=SMALL, va="bottom", transform=axes.transAxes)
+    limits = re.split(r"(?<=[.]) (?=[A-Z])", envelope.limits)
+    others = (note for note in envelope.notes if note.partition(". ")[0] not in envelope.answer)
+    notes = [textwrap.shorten(note, LETTERS, placeholder=" ...") for note in (*limits, *others)]
+    axes.text(0.0, 1.0, "\n".join(notes[:MOST_NOTES]), fontsize=SMALL, va="top", transform=axes.transAxes)
 
 
 def _cells(envelope: SafeEnvelope, most: int) -> list[list[str]]:
@@ -265,7 +268,9 @@ def _cells(envelope: SafeEnvelope, most: int) -> list[list[str]]:
     ]  # fmt: skip
 
 
-def _draw_table(axes: Axes, cells: list[list[str]]) -> None:
+def _draw_table(axes: Axes, envelope: SafeEnvelope) -> None:
+    axes.axis("off")
+    cells = _cells(envelope, int((1 - HEAD) / ROW))
     table = axes.table(cells, colLabels=HEADS, loc="upper center", cellLoc="center", colWidths=WIDTHS)
     table.auto_set_font_size(False)
     table.set_fontsize(SMALL)

@@ -19,9 +19,10 @@ MORE = "more samples (--samples, in Python samples=) make it certain"
 SAME_OFFSET = 0.05
 
 
-def headline(data: xr.Dataset, share: float) -> str:
+def headline(data: xr.Dataset, share: float) -> tuple[str, str]:
+    """Return the answer, and its limits."""
     # The offsets and speeds are those of the largest block of the grid in which every place is safe. First come the
-    # untested quantities of the section; with the safe area, where a pilot with the true coefficients would hold it.
+    # untested quantities of the section; with the limits, where a pilot with the true coefficients would hold it.
     data = data.transpose("y", "u", ...)
     y, u = data["y"].to_numpy(), data["u"].to_numpy()
     by_model = ((data["held"] >= share) & data["clear"]).to_numpy()
@@ -30,19 +31,15 @@ def headline(data: xr.Dataset, share: float) -> str:
     guess = estimated(data)
     guess += [f"Extrapolated, as the tests did not cover this: {section}."] if section else []
     if block is None:
-        return " ".join([*guess, _nowhere(data, by_model), *_known(data, share, None), _way(data, share)])
+        return " ".join([*guess, _nowhere(data, by_model)]), " ".join([*_known(data, share, None), _way(data, share)])
     offsets = safe_offsets(data, block, share)
-    sentences = [
-        *guess,
-        f"Safe {place_in_words(data, block[1], offsets)}, with 95 % probability.",
-        *_outside(by_model & data["tested"].to_numpy(), block, y, u),
-        _limits(data, share, block),
-    ]
+    answer = [*guess, f"Safe {place_in_words(data, block[1], offsets)}, with 95 % probability."]
+    limits = [*_outside(by_model & data["tested"].to_numpy(), block, y, u), _limits(data, share, block)]
     wider = largest_rectangle(by_model, y, u)
     if wider is not None and wider != block:
         span = place_in_words(data, wider[1], tuple(y[wider[0]][[0, -1]]))
-        sentences.append(f"By the model also {span}, but there the tests end.")
-    return " ".join([*sentences, *_known(data, share, block), *_doubt(data, share, block)])
+        limits.append(f"By the model also {span}, but there the tests end.")
+    return " ".join(answer), " ".join([*limits, *_known(data, share, block), *_doubt(data, share, block)])
 
 
 def estimated(data: xr.Dataset) -> list[str]:

@@ -267,14 +267,17 @@ def keel_at(model: Model, speeds: np.ndarray) -> Keel:
         unknown = np.full(len(speeds), np.nan)
         return Keel(np.zeros(len(speeds)), unknown, np.inf, ("the depth is not given: no squat, no choking",))
     choke, room = choke_speed(configuration), configuration.canal.depth - configuration.ship.draft
-    midship, clearance, notes = np.zeros(len(speeds)), np.full(len(speeds), np.nan), []
+    midship, clearance = np.zeros(len(speeds)), np.full(len(speeds), np.nan)
+    notes: dict[str, dict[str, None]] = {}
     for index, speed in enumerate(speeds.tolist()):
         if speed < choke:
             ends = [squat(configuration, speed, gives) for gives in ("bow", "largest")]
             middle = squat(configuration, speed)
             midship[index], clearance[index] = middle.sinkage, room - max(end.sinkage for end in ends)
-            notes += [f"squat by {estimate.formula}: {word}" for estimate in (middle, *ends) for word in estimate.notes]
-    return Keel(midship, clearance, choke, tuple(dict.fromkeys(_without_numbers(note) for note in notes)))
+            for estimate in (middle, *ends):
+                notes.setdefault(estimate.formula, {}).update(dict.fromkeys(map(_without_numbers, estimate.notes)))
+    told = (f"squat by {formula}: {', '.join(words)}" for formula, words in notes.items() if words)
+    return Keel(midship, clearance, choke, tuple(told))
 
 
 def _without_numbers(note: str) -> str:

@@ -218,7 +218,17 @@ class SafeEnvelope(BaseResult):
 
     def summary(self) -> str:
         """Describe the safe range, its limits, and uncertain bank coefficients."""
-        return f"{headline(self.data, SURE_SHARE)} {self.trust}".strip()
+        return f"{self.answer} {self.limits}"
+
+    @property
+    def answer(self) -> str:
+        """Where it is safe, in one or two sentences."""
+        return headline(self.data, SURE_SHARE)[0]
+
+    @property
+    def limits(self) -> str:
+        """Limits of the safe range, and uncertainties that it does not count."""
+        return f"{headline(self.data, SURE_SHARE)[1]} {self.trust}".strip()
 
     def offset_rows(self) -> list[dict[str, Any]]:
         """Return one row per offset: rudder [deg], range of safe speeds [knots], and their limits."""
