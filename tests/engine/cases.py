@@ -75,6 +75,12 @@ def waterway_for(ship: str, mirrored: bool = False) -> Waterway:
     return bent(configuration.ship.length, configuration.canal.width, mirrored)
 
 
+def deep(way: Waterway, ship: str) -> Waterway:
+    """The same, six drafts deep."""
+    ends = np.array([0.0, way.line.length])
+    return replace(way, depths=(ends, np.full(2, 6 * SHIPS[ship]().configuration.ship.draft)))
+
+
 def bent(length: float, width: float, mirrored: bool = False) -> Waterway:
     """A waterway of 15 ship lengths, in which a ship of this length turns on the fifth of a radius."""
     wave = 15.0 * length

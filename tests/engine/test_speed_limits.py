@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cases import deep, waterway_for
 from cases import steered as unranged
-from cases import waterway_for
 
 import narrows as nw
 from narrows.model.data_range import DataRange
@@ -21,7 +21,7 @@ def steered() -> nw.Model:
 
 @pytest.fixture(scope="module")
 def way() -> nw.Waterway:
-    return waterway_for("steered")
+    return deep(waterway_for("steered"), "steered")
 
 
 @pytest.fixture(scope="module")

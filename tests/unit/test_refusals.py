@@ -57,7 +57,7 @@ def test_table(case: str, suffix: str, stream: bool, table: pd.DataFrame, ship_f
 def test_honest_radians_are_not_taken_for_degrees(ship_file: Path, tmp_path: Path) -> None:
     """Headings up to 80 degrees, slow turns and a rate said in degrees all pass."""
     frame = frame_of(short_twin())
-    steep = frame.assign(psi=1.39, y=0.0, r=0.0)
+    steep = frame.assign(psi=1.39, y=0.0, r=0.0).drop(columns="x")
     said = frame.assign(**{"r [deg/s]": frame.r * TURN}).drop(columns="r")
     for i, good in enumerate((steep, said, frame.assign(r=0.0))):
         assert nw.read_captive(written(good, tmp_path / f"{i}.csv"), ship_file).rows == len(frame)

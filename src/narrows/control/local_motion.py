@@ -16,6 +16,7 @@ from narrows.model.model import Model
 from narrows.quantities.names import FORCES, Number
 from narrows.simulation.inputs import check_waterway, finite_numbers
 from narrows.simulation.ship import SimulatedShip
+from narrows.waterway.current_profile import check_along_only
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -112,7 +113,7 @@ def local_water(model: Model, waterway: "Waterway | None", at: float) -> LocalWa
     if not 0 <= at <= waterway.line.length:
         raise InputError(f"at = {at:g} m is beyond {waterway.name}, 0 to {waterway.line.length:.0f} m; choose a place")
     waterway.check_fits(model.configuration.ship, at)
-    waterway.check_along_only("a steady course")
+    check_along_only(waterway, "a steady course")
     canal, section = waterway.canal(at), waterway.section(at)
     depth = canal.depth if canal.depth is not None else model.configuration.canal.depth
     sections = {"width": canal.width} | ({} if depth is None else {"depth": depth})

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from narrows.errors import InputError
+from narrows.waterway.current_profile import check_along_only
 
 if TYPE_CHECKING:
     from narrows.export.exported_ship import ExportedShip
@@ -41,7 +42,7 @@ def ship_to_export(
             f"a {type(controller).__name__} runs in Python alone; export a law in arithmetic, such as a regulator"
         )
     if waterway is not None:
-        waterway.check_along_only("a file")
+        check_along_only(waterway, "a file")
     ship = SimulatedShip(model, *choices)
     return ExportedShip(ship, waterway, prefix_of(path), steering_of(controller, ship.actuators))
 

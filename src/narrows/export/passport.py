@@ -44,7 +44,8 @@ def passport(model: Model, covariance: bool = True) -> Iterator[str]:
     yield f"Model {model_hash(model)}, written by narrows {version('narrows')}. {LICENCE}"
     if model.source.text:
         yield f"Source: {model.source.text}."
-    yield from (note for note in model.notes if note != model.range_note)
+    ranges = model.data_range.unknown_note(model.feels_bank)
+    yield from (note for note in model.notes if note != ranges)
     covered = [
         f"{measure.words} {measure.shown(*pair)}"
         for name, measure in MEASURES.items()

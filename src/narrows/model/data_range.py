@@ -122,6 +122,18 @@ class DataRange:
         """
         return np.logical_and(getattr(self, name) is not None, np.logical_not(self.outside(name, values)))
 
+    def unknown_note(self, feels_bank: bool) -> str:
+        """Return a note on the tested ranges that are not known; empty if all are.
+
+        Parameters
+        ----------
+        feels_bank : bool
+            Whether offset and width matter.
+        """
+        asked = ("speed", "depth_to_draft", *(("abs_y", "width_to_beam") if feels_bank else ()))
+        missing = [MEASURES[name].short for name in asked if getattr(self, name) is None]
+        return f"The model gives no tested range of {', '.join(missing)}." if missing else ""
+
 
 def tolerated(covered: Range) -> Range:
     """Return the ends of a range with their tolerance."""

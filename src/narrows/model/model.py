@@ -14,7 +14,7 @@ import numpy as np
 
 import narrows
 from narrows.errors import InputError, check_choice, did_you_mean, shown
-from narrows.model.data_range import MEASURES, DataRange
+from narrows.model.data_range import DataRange
 from narrows.model.sections import Source, fields_of, sections_of
 from narrows.quantities.names import MOTION, Number
 from narrows.results import BaseResult
@@ -349,15 +349,8 @@ class Model(Configured, Operations):
     @property
     def bank_notes(self) -> tuple[str, ...]:
         """First notes on the banks: no force, uncertain or unknown coefficients, unknown ranges, assumed values."""
-        trust = (self.bank_note, self.trust_note, self.unknown_note, self.range_note)
+        trust = self.bank_note, self.trust_note, self.unknown_note, self.data_range.unknown_note(self.feels_bank)
         return tuple(filter(None, (*trust, *self.configuration.notes)))
-
-    @property
-    def range_note(self) -> str:
-        """Note on tested ranges that the model does not give; nothing otherwise."""
-        asked = ("speed", "depth_to_draft", *(("abs_y", "width_to_beam") if self.feels_bank else ()))
-        missing = [MEASURES[name].short for name in asked if getattr(self.data_range, name) is None]
-        return f"The model gives no tested range of {', '.join(missing)}." if missing else ""
 
     @property
     def unknown_note(self) -> str:
@@ -365,8 +358,8 @@ class Model(Configured, Operations):
         banks = [term.name for term in self.terms.terms if term.from_bank and self.coefficients[term.name]]
         unjudged = [name for name in banks if name not in self.verdicts]
         missing = ["verdict"] * bool(unjudged) + ["covariance"] * (self.covariance is None)
-        known = f"How well tests determine {', '.join(unjudged or banks)} is not known"
-        return f"{known}: the model has no {' and no '.join(missing)}." if banks and missing else ""
+        known = f"How well tests determine {', '.join(unjudged or banks)} is not known: the model has no"
+        return f"{known} {' and no '.join(missing)}." if banks and missing else ""
 
     def in_open_water(self) -> "Model":
         """Return the model without the terms of the banks; itself if it has none."""
@@ -399,8 +392,7 @@ class Model(Configured, Operations):
     def surge_inertia(self) -> float:
         """Inertia of the terms against a surge acceleration [kg]."""
         values = self._values(Motion.at(u=1.0, udot=1.0), {actuator.name: 0.0 for actuator in self.terms.actuators})
-        still = {**values, "udot": 0.0}
-        slopes = ((term.name, term.column(values) - term.column(still)) for term in self.terms.surge)
+        slopes = ((term.name, term.column(values) - term.column({**values, "udot": 0.0})) for term in self.terms.surge)
         return -float(sum(self.coefficients[name] * slope for name, slope in slopes))
 
     def _sum(self, terms: tuple[Term, ...] | list[Term], values: Mapping[str, Number]) -> Number:

@@ -27,7 +27,6 @@ from narrows.report.style import (
     Picture,
     given_axes,
     headed,
-    panels,
     titled,
 )
 from narrows.report.terminal import console_of, everything, print_notes, table_of, thinned
@@ -60,7 +59,7 @@ def envelope_chart(envelope: SafeEnvelope) -> Figure:
         _draw_table(figure.add_subplot(grid[:2, 1]), envelope)
         _draw_notes(figure.add_subplot(grid[2, :]), envelope)
         figure.legend(handles=[*_speed_legend(), *keys], loc="outside lower left", frameon=False, ncols=4)
-        headed(figure, f"{envelope.description}; {envelope.weather}", [envelope.answer])
+        headed(figure, f"{envelope.description}; {envelope.weather}", [envelope.answer, envelope.trust])
     return figure
 
 
@@ -252,7 +251,7 @@ MOST_NOTES, LETTERS = 6, 205
 def _draw_notes(axes: Axes, envelope: SafeEnvelope) -> None:
     axes.axis("off")
     limits = re.split(r"(?<=[.]) (?=[A-Z])", envelope.limits)
-    others = (note for note in envelope.notes if note.partition(". ")[0] not in envelope.answer)
+    others = (note for note in envelope.notes if note.partition(". ")[0] not in envelope.summary())
     notes = [textwrap.shorten(note, LETTERS, placeholder=" ...") for note in (*limits, *others)]
     axes.text(0.0, 1.0, "\n".join(notes[:MOST_NOTES]), fontsize=SMALL, va="top", transform=axes.transAxes)
 
@@ -331,8 +330,6 @@ def _cell(value: float, form: str) -> str:
 
 STYLES = ("-", "--", ":")
 RULE_STYLE: dict[str, Any] = {"color": GREEN, "lw": 1.6, "zorder": 2.8}
-# Largest speed of the figure [knots].
-TOP = 16.0
 RULE_HEADS = ("rule", "at [kn]", "offsets it leaves [m]", "speed limit [kn]", "of choking", "rudder [deg]")
 
 
@@ -375,21 +372,6 @@ def draw_speeds(axes: Axes, rules: OutsideRules) -> None:
                 1.01, row["speed_limit"], row["rule"], transform=axes.get_yaxis_transform(),
                 va="center", fontsize=7.2, color=BLACK,
             )  # fmt: skip
-
-
-def rules_figure(rules: OutsideRules) -> Figure:
-    figure, axes = panels(1, 1, 3.6)
-    panel = axes[0, 0]
-    panel.set_ylim(0.0, TOP if math.isinf(rules.choke) else rules.choke / KNOT)
-    panel.set_xlim(-1.02 * rules.port, 1.02 * rules.starboard)
-    keys = draw_widths(panel, rules)
-    draw_speeds(panel, rules)
-    for wall in (-rules.port, rules.starboard):
-        panel.axvline(wall, color=BLACK, lw=3)
-    panel.set(xlabel="offset from the middle [m]: port is negative", ylabel="speed through the water [knots]")
-    panel.legend(handles=keys, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
-    panel.grid(alpha=0.3)
-    return figure
 
 
 def cells(row: dict[str, Any]) -> tuple[str, ...]:

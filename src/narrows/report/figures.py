@@ -1,5 +1,6 @@
 """The figure of each kind of result, for its ``plot()``."""
 
+import math
 from functools import singledispatch
 from typing import Any
 
@@ -20,8 +21,9 @@ from narrows.model.froude import Scaled
 from narrows.model.model import Model
 from narrows.model.shallow_water import DepthCorrected
 from narrows.model.squat import Squat
+from narrows.quantities.names import KNOT
 from narrows.report.envelope_along_chart import envelope_along_chart
-from narrows.report.envelope_chart import envelope_chart, rules_figure
+from narrows.report.envelope_chart import draw_speeds, draw_widths, envelope_chart
 from narrows.report.fit_figures import comparison_figure, force_residuals_figure, intervals_figure, motions_figure
 from narrows.report.log_report import findings_figure, log_figure
 from narrows.report.manoeuvre_report import manoeuvres_figure, turning_figure, zigzag_figure
@@ -40,6 +42,8 @@ from narrows.warning.monitoring.watched_transit import WatchedTransit
 from narrows.waterway.waterway import Waterway
 
 MOST_CURVES = 5
+# Largest speed of the figure of rules [knots].
+TOP = 16.0
 
 
 def figure_of(result: Any, axes: Axes | None = None) -> Figure:
@@ -68,13 +72,29 @@ def _drawn(result: Any) -> Figure:
 
 _drawn.register(Fit, intervals_figure)
 
-_drawn.register(OutsideRules, rules_figure)
-
 _drawn.register(SafeEnvelope, envelope_chart)
 
 _drawn.register(EnvelopeAlong, envelope_along_chart)
 
 _drawn.register(Waterway, waterway_figure)
+
+
+def rules_figure(rules: OutsideRules) -> Figure:
+    figure, axes = panels(1, 1, 3.6)
+    panel = axes[0, 0]
+    panel.set_ylim(0.0, TOP if math.isinf(rules.choke) else rules.choke / KNOT)
+    panel.set_xlim(-1.02 * rules.port, 1.02 * rules.starboard)
+    keys = draw_widths(panel, rules)
+    draw_speeds(panel, rules)
+    for wall in (-rules.port, rules.starboard):
+        panel.axvline(wall, color=BLACK, lw=3)
+    panel.set(xlabel="offset from the middle [m]: port is negative", ylabel="speed through the water [knots]")
+    panel.legend(handles=keys, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+    panel.grid(alpha=0.3)
+    return figure
+
+
+_drawn.register(OutsideRules, rules_figure)
 
 
 def track_figure(track: EstimatedTrack, truth: np.ndarray | None = None) -> Figure:

@@ -218,7 +218,7 @@ class SafeEnvelope(BaseResult):
 
     def summary(self) -> str:
         """Describe the safe range, its limits, and uncertain bank coefficients."""
-        return f"{self.answer} {self.limits}"
+        return f"{self.answer} {self.limits} {self.trust}".strip()
 
     @property
     def answer(self) -> str:
@@ -227,8 +227,8 @@ class SafeEnvelope(BaseResult):
 
     @property
     def limits(self) -> str:
-        """Limits of the safe range, and uncertainties that it does not count."""
-        return f"{headline(self.data, SURE_SHARE)[1]} {self.trust}".strip()
+        """Limits of the safe range, in sentences."""
+        return headline(self.data, SURE_SHARE)[1]
 
     def offset_rows(self) -> list[dict[str, Any]]:
         """Return one row per offset: rudder [deg], range of safe speeds [knots], and their limits."""

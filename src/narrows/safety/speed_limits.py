@@ -12,6 +12,7 @@ from narrows.safety.envelope import safe_envelope
 from narrows.safety.result import SafeEnvelope
 from narrows.safety.settings import RESERVE
 from narrows.simulation.inputs import check_waterway
+from narrows.waterway.current_profile import check_along_only
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -28,7 +29,7 @@ def reach_at(model: Model, waterway: "Waterway", at: float) -> Reach:
     """Return a place of a waterway; its curvature is that of the middle of the section."""
     ship = model.configuration.ship
     waterway.check_fits(ship, at)
-    waterway.check_along_only("an envelope")
+    check_along_only(waterway, "an envelope")
     section, canal, room = waterway.section(at), waterway.canal(at), waterway.keel_section(at, ship.draft)
     canal = canal if canal.depth else replace(canal, depth=model.configuration.canal.depth)
     middle, bend = float(section.middle), float(section.curvature)

@@ -15,6 +15,7 @@ from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.kernel_run import PUSH_END, KernelRun
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import PARAMETER, steering_of
+from narrows.waterway.current_profile import check_along_only
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -48,7 +49,7 @@ class ShipLanes:
         coefficients: np.ndarray | None = None, *, pushed: bool = False, endless: bool = False,
     ) -> None:  # fmt: skip
         if waterway is not None:
-            waterway.check_along_only("an estimate or a plan")
+            check_along_only(waterway, "an estimate or a plan")
         # states: x, y, psi, u, v, r, then any of bank, current, current_across and rudder_bias. coefficients (lanes,
         # coefficients), the model's unless given. endless: beyond its ends the waterway has its last sections.
         self.ship, self.lanes, self.waterway, self.coefficients = ship, lanes, waterway, coefficients

@@ -34,6 +34,13 @@ def checked_profile(waterway: str, name: str, value: Any) -> float | tuple[tuple
     return tuple((float(place), float(speed)) for place, speed in values) if rows else float(values)
 
 
+def check_along_only(waterway: Any, user: str) -> None:
+    """Raise if the current of a waterway has a component across, or a shear, which its user does not take."""
+    if waterway.has_current_field:
+        remedy = "give one along the line: with_water(current_across=0, current_shear=0)"
+        raise InputError(f"{waterway.name} has a current across or a shear, which {user} does not take; {remedy}")
+
+
 def profile_at(profile: Profile, s: np.ndarray | float) -> np.ndarray:
     """Return a profile at places along the line."""
     if np.ndim(profile):

@@ -192,23 +192,6 @@ class Waterway(BaseSummary):
         """True if its current has a component across, or a shear."""
         return bool(np.any(self.current_across) or np.any(self.current_shear))
 
-    def check_along_only(self, user: str) -> None:
-        """Raise if its current has a component across, or a shear.
-
-        Parameters
-        ----------
-        user : str
-            What does not take one, for the sentence.
-
-        Raises
-        ------
-        InputError
-            If it has; the sentence says how to leave it out.
-        """
-        if self.has_current_field:
-            remedy = "give one along the line: with_water(current_across=0, current_shear=0)"
-            raise InputError(f"{self.name} has a current across or a shear, which {user} does not take; {remedy}")
-
     def current_at(self, s: np.ndarray | float, y: np.ndarray | float = 0.0) -> np.ndarray:
         """Return the speed of the water along the line at places [m/s].
 

@@ -9,6 +9,7 @@ from narrows.codegen.cache import compiled_loops
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control.predictive import plan_loops
 from narrows.model.model import Model
+from narrows.waterway.current_profile import check_along_only
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -68,7 +69,7 @@ def water_ahead(model: Model, waterway: "Waterway | None") -> WaterAhead:
     from narrows.waterway.table import tabulate
 
     waterway.check_fits(ship)
-    waterway.check_along_only("a plan")
+    check_along_only(waterway, "a plan")
     table = tabulate(waterway, ship.draft, waterway.step or ship.beam)
     depth = np.full_like(table.s, own_depth) if np.isnan(table.depth).all() else table.depth
     width, middle = table.starboard + table.port, (table.starboard - table.port) / 2

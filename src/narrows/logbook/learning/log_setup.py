@@ -28,6 +28,7 @@ from narrows.logbook.sensor_grades import GRADES, SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord, Signal
 from narrows.model.model import Model
+from narrows.waterway.current_profile import check_along_only
 
 if TYPE_CHECKING:
     from narrows.waterway import Waterway
@@ -165,7 +166,7 @@ def _motion(
     }
     told = {"contact": "midship" if model.terms.feels_bank else "none", "u": u, **choices}
     if waterway is not None:
-        waterway.check_along_only("learning")
+        check_along_only(waterway, "learning")
         told |= {"waterway": waterway, "x": waterway.line.length / 2}
     return RecordedMotion(model, positions, coefficients, told)
 
