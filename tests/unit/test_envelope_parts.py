@@ -78,7 +78,8 @@ def test_the_limit_in_speed_is_that_of_the_first_place_that_is_not_safe() -> Non
               "rudder_likely": np.zeros((3, 3))}  # fmt: skip
     told = {name: (("y", "u"), values) for name, values in (shares | likely).items()}
     attrs = {"untested": "", "samples": 100, "reserve": 0.3, "rudder_limit": 0.6}
-    said = " ".join(headline.headline(xr.Dataset(told, {"y": y, "u": u}, attrs), 0.95))
+    answer, limits = headline.headline(xr.Dataset(told, {"y": y, "u": u}, attrs), 0.95)
+    said = " ".join([*answer, *limits])
     assert "within 10.0 m of the middle" in said
     assert "to the sides is what was asked; in speed, the uncertainty of the coefficients" in said
 

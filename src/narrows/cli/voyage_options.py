@@ -1,5 +1,6 @@
 """Groups of options of ``simulate`` and ``map``: start, forces, helm, time, physics, water."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import radians
 from typing import TYPE_CHECKING, Annotated, Any
@@ -140,22 +141,22 @@ class WaterOptions:
         from narrows.waterway import read_waterway
 
         across = read_current(self.current_across, "--current-across")
-        shear = read_current(self.current_shear, "--current-shear", shear=True)
+        shear = read_current(self.current_shear, "--current-shear", _number)
         return read_waterway(self.waterway).with_water(read_current(self.current), self.level, across, shear)
 
 
 def read_current(
-    text: str | None, option: str = "--current", shear: bool = False
+    text: str | None, option: str = "--current", read: Callable[[str, str], float] = read_speed
 ) -> "float | list[tuple[float, float]] | None":
     """Read the speed of a current [m/s], or pairs of a place [m] and the speed there: ``0:0.4m/s,2000:1m/s``."""
-
-    def number(text: str) -> float:
-        return float(numbers(option, text)[0]) if shear else read_speed(option, text)
-
     if text is None or ":" not in text:
-        return None if text is None else number(text)
+        return None if text is None else read(option, text)
     pairs = [pair.partition(":") for pair in text.split(",")]
-    return [(float(numbers(option, place)[0]), number(speed)) for place, _, speed in pairs]
+    return [(_number(option, place), read(option, number)) for place, _, number in pairs]
+
+
+def _number(option: str, text: str) -> float:
+    return float(numbers(option, text)[0])
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from types import MappingProxyType
 
 from narrows.empirical.formulas import Hull
 from narrows.errors import InputError
+from narrows.model.masses import wetted_surface
 from narrows.quantities.names import GRAVITY
 from narrows.ship.actuators import Propeller, Rudder
 from narrows.ship.particulars import Ship, Water
@@ -58,8 +59,7 @@ def resistance_prime(ship: Ship, speed: float) -> float:
     ratio, draft = ship.length / ship.beam, ship.beam / ship.draft
     friction = 0.075 / (math.log10(speed * ship.length / VISCOSITY) - 2) ** 2
     form = -0.095 + 25.6 * ship.block_coefficient / (ratio**2 * math.sqrt(draft))
-    surface = 1.7 + ship.block_coefficient * draft
-    return ((1 + form) * friction + ALLOWANCE) * surface
+    return ((1 + form) * friction + ALLOWANCE) * wetted_surface(ship) / (ship.length * ship.draft)
 
 
 def thrust_deduction(hull: Hull) -> float:

@@ -80,7 +80,7 @@ def _coefficients(model: Model) -> Iterator[str]:
 
 def unknown_ranges(model: Model, asked: Mapping[str, str] = ASKED_OF_VOYAGE) -> list[str]:
     """Return the quantities whose tested range the model does not give; astern counts as not tested."""
-    return [MEASURES[name].short + part for name, part in asked.items() if getattr(model.data_range, name) is None]
+    return [MEASURES[name].short + asked[name] for name in model.data_range.unknown(asked)]
 
 
 def bits_in_words(model: Model, asked: Mapping[str, str] = ASKED_OF_VOYAGE) -> str:

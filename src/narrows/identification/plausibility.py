@@ -12,7 +12,7 @@ from narrows.identification.design_matrix import ONE
 from narrows.identification.least_squares import Problem
 from narrows.identification.normal_equations import NormalEquations, score
 from narrows.model.froude import ittc57
-from narrows.model.masses import added_sway, added_yaw, ship_inertia, ship_mass
+from narrows.model.masses import added_sway, added_yaw, ship_inertia, ship_mass, wetted_surface
 from narrows.terms.term import TermKind, TermTable
 
 # Least share of the added mass in deep water that a hull has; most times mass and added mass in deep water, which
@@ -95,9 +95,9 @@ def drag_sentence(evidence: Judged) -> str:
     u, density = tests.columns["u"], tests.configuration.water.density
     fast = np.abs(u) > np.abs(u).max() / 2
     speed = float(np.sqrt(np.mean(u[fast] ** 2)))
-    # Wetted surface by Denny and Mumford
-    surface = ship.length * (1.7 * ship.draft + ship.block_coefficient * ship.beam)
-    friction = 0.5 * density * surface * speed**2 * ittc57(max(speed * ship.length / VISCOSITY, LEAST_REYNOLDS))
+    friction = (
+        0.5 * density * wetted_surface(ship) * speed**2 * ittc57(max(speed * ship.length / VISCOSITY, LEAST_REYNOLDS))
+    )
     drag = -float(np.mean(np.sign(u[fast]) * tests.columns["X"][fast]))
     if not 0 < drag < LEAST_DRAG * friction:
         return ""

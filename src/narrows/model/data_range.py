@@ -1,7 +1,7 @@
 """Ranges covered by a model's data, and the one rule for values outside."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -122,6 +122,16 @@ class DataRange:
         """
         return np.logical_and(getattr(self, name) is not None, np.logical_not(self.outside(name, values)))
 
+    def unknown(self, names: Iterable[str]) -> list[str]:
+        """Return the measures, among some, whose range is unknown.
+
+        Parameters
+        ----------
+        names : iterable of str
+            As for ``outside``.
+        """
+        return [name for name in names if getattr(self, name) is None]
+
     def unknown_note(self, feels_bank: bool) -> str:
         """Return a note on the tested ranges that are not known; empty if all are.
 
@@ -131,7 +141,7 @@ class DataRange:
             Whether offset and width matter.
         """
         asked = ("speed", "depth_to_draft", *(("abs_y", "width_to_beam") if feels_bank else ()))
-        missing = [MEASURES[name].short for name in asked if getattr(self, name) is None]
+        missing = [MEASURES[name].short for name in self.unknown(asked)]
         return f"The model gives no tested range of {', '.join(missing)}." if missing else ""
 
 

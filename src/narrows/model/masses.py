@@ -1,7 +1,7 @@
 """Mass and inertia of a ship, given or estimated, and its added mass in deep water."""
 
 from narrows.physics.hull import clarke_sway, clarke_yaw
-from narrows.ship.particulars import Configuration
+from narrows.ship.particulars import Configuration, Ship
 
 # Least radius of gyration over length, for a ship without a given inertia.
 SLENDEREST = 0.2
@@ -11,6 +11,11 @@ def displacement(configuration: Configuration) -> float:
     """Return the mass of the water that a ship displaces at rest [kg]."""
     ship = configuration.ship
     return configuration.water.density * ship.length * ship.beam * ship.draft * ship.block_coefficient
+
+
+def wetted_surface(ship: Ship) -> float:
+    """Return the wetted surface of a hull by Denny and Mumford's formula [m2]."""
+    return ship.length * (1.7 * ship.draft + ship.block_coefficient * ship.beam)
 
 
 def ship_mass(configuration: Configuration) -> float:

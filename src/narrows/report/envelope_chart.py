@@ -1,7 +1,6 @@
 """The envelope chart for pilots: where the ship is safe, the rudder that holds it there, and a table of both."""
 
 import math
-import re
 import textwrap
 from typing import Any
 
@@ -250,9 +249,9 @@ MOST_NOTES, LETTERS = 6, 205
 
 def _draw_notes(axes: Axes, envelope: SafeEnvelope) -> None:
     axes.axis("off")
-    limits = re.split(r"(?<=[.]) (?=[A-Z])", envelope.limits)
-    others = (note for note in envelope.notes if note.partition(". ")[0] not in envelope.summary())
-    notes = [textwrap.shorten(note, LETTERS, placeholder=" ...") for note in (*limits, *others)]
+    said = envelope.summary()
+    others = (note for note in envelope.notes if note.partition(". ")[0] not in said)
+    notes = [textwrap.shorten(note, LETTERS, placeholder=" ...") for note in (*envelope.limits, *others)]
     axes.text(0.0, 1.0, "\n".join(notes[:MOST_NOTES]), fontsize=SMALL, va="top", transform=axes.transAxes)
 
 

@@ -170,7 +170,7 @@ def untested_reasons(model: Model) -> str:
     known, words = model.data_range, []
     if not model.feels_bank:
         words.append(NO_BANK)
-    unknown = [name for name in ("speed", "abs_y", *_section(model)) if getattr(known, name) is None]
+    unknown = known.unknown(("speed", "abs_y", *_section(model)))
     if unknown:
         words.append(f"{UNKNOWN} {', '.join(SPOKEN[name] for name in unknown)}")
     if model.configuration.canal.depth is None:

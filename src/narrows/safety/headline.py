@@ -19,8 +19,8 @@ MORE = "more samples (--samples, in Python samples=) make it certain"
 SAME_OFFSET = 0.05
 
 
-def headline(data: xr.Dataset, share: float) -> tuple[str, str]:
-    """Return the answer, and its limits."""
+def headline(data: xr.Dataset, share: float) -> tuple[list[str], list[str]]:
+    """Return the answer and its limits, in sentences."""
     # The offsets and speeds are those of the largest block of the grid in which every place is safe. First come the
     # untested quantities of the section; with the limits, where a pilot with the true coefficients would hold it.
     data = data.transpose("y", "u", ...)
@@ -31,7 +31,7 @@ def headline(data: xr.Dataset, share: float) -> tuple[str, str]:
     guess = estimated(data)
     guess += [f"Extrapolated, as the tests did not cover this: {section}."] if section else []
     if block is None:
-        return " ".join([*guess, _nowhere(data, by_model)]), " ".join([*_known(data, share, None), _way(data, share)])
+        return [*guess, _nowhere(data, by_model)], [*_known(data, share, None), _way(data, share)]
     offsets = safe_offsets(data, block, share)
     answer = [*guess, f"Safe {place_in_words(data, block[1], offsets)}, with 95 % probability."]
     limits = [*_outside(by_model & data["tested"].to_numpy(), block, y, u), _limits(data, share, block)]
@@ -39,7 +39,7 @@ def headline(data: xr.Dataset, share: float) -> tuple[str, str]:
     if wider is not None and wider != block:
         span = place_in_words(data, wider[1], tuple(y[wider[0]][[0, -1]]))
         limits.append(f"By the model also {span}, but there the tests end.")
-    return " ".join(answer), " ".join([*limits, *_known(data, share, block), *_doubt(data, share, block)])
+    return answer, [*limits, *_known(data, share, block), *_doubt(data, share, block)]
 
 
 def estimated(data: xr.Dataset) -> list[str]:

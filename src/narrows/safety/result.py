@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -218,17 +219,21 @@ class SafeEnvelope(BaseResult):
 
     def summary(self) -> str:
         """Describe the safe range, its limits, and uncertain bank coefficients."""
-        return f"{self.answer} {self.limits} {self.trust}".strip()
+        return " ".join(filter(None, (self.answer, *self.limits, self.trust)))
+
+    @cached_property
+    def _headline(self) -> tuple[list[str], list[str]]:
+        return headline(self.data, SURE_SHARE)
 
     @property
     def answer(self) -> str:
         """Where it is safe, in one or two sentences."""
-        return headline(self.data, SURE_SHARE)[0]
+        return " ".join(self._headline[0])
 
     @property
-    def limits(self) -> str:
+    def limits(self) -> tuple[str, ...]:
         """Limits of the safe range, in sentences."""
-        return headline(self.data, SURE_SHARE)[1]
+        return tuple(self._headline[1])
 
     def offset_rows(self) -> list[dict[str, Any]]:
         """Return one row per offset: rudder [deg], range of safe speeds [knots], and their limits."""

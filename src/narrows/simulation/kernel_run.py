@@ -17,7 +17,7 @@ from narrows.codegen.run import PreparedRun, cores, prepare, step_counts
 from narrows.codegen.system import System
 from narrows.errors import InputError, installing, libraries_of, needs
 from narrows.model.water import is_full
-from narrows.simulation.channel import Channel, across_of, along_waterway, straight_channel
+from narrows.simulation.channel import Channel, along_waterway, has_current_field, straight_channel
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, counted_heading
 from narrows.simulation.integrator import Row, VoyageIntegrator, near_the_bank
@@ -152,7 +152,6 @@ class KernelRun:
     steering: Steering | None = None  # Control law; its numbers that vary are among the values of a run
     waterway: "Waterway | None" = None  # Waterway instead of the model's own canal
     bend: Channel | None = None  # Bend of constant curvature instead of either
-    drifting: bool = False  # True if each vessel has its own uniform current across, ``current_across`` [m/s]
 
     def __post_init__(self) -> None:
         if self.precision == "float32" and self.waterway is not None:
@@ -216,9 +215,9 @@ class KernelRun:
             pushed = "until"
         elif any(np.any(values[name]) for name in PUSHED):
             pushed = "always"
-        across = "uniform" if self.drifting else across_of(self.waterway)
         law = self.steering.law if self.steering else None
-        return self.ship.system((self.waterway or self.bend) is not None, law, pushed, across)
+        in_waterway = (self.waterway or self.bend) is not None
+        return self.ship.system(in_waterway, law, pushed, has_current_field(self.waterway))
 
     def _inputs(self, system: System, values: Mapping[str, Any]) -> tuple[dict[str, Any], Channel]:
         rest = {name: value for name, value in values.items() if name not in START and name not in PUSHED}
