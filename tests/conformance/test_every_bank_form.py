@@ -46,7 +46,9 @@ def test_it_is_finite_until_the_hull_meets_the_bank(form: nw.BankForm, dtc: nw.M
 @every_form
 @given(y=st.floats(-2.5, 2.5), psi=st.floats(-1.5, 1.5), u=st.floats(-2.0, 2.0))
 @settings(max_examples=10)
-def test_floats_columns_and_symbols_agree(form: nw.BankForm, dtc: nw.Model, y: float, psi: float, u: float) -> None:
+def test_floats_columns_and_exact_numbers_agree(
+    form: nw.BankForm, dtc: nw.Model, y: float, psi: float, u: float
+) -> None:
     for term in (*form.sway, *form.yaw):
         check_arithmetic(term.regressor, values_at(dtc, {"y": y, "psi": psi, "u": u}))
 

@@ -1,4 +1,4 @@
-"""One function body serves floats, columns and symbols."""
+"""One function body serves floats, columns, exact numbers and symbols."""
 
 import math
 from collections.abc import Callable
@@ -30,7 +30,7 @@ FORCES = ("X", "Y", "N")
 @pytest.mark.parametrize("function", PHYSICS, ids=name_of)
 @given(state=STATES)
 @settings(max_examples=10)
-def test_floats_columns_and_symbols_agree(
+def test_floats_columns_and_exact_numbers_agree(
     function: Callable[..., float], dtc: nw.Model, state: dict[str, float]
 ) -> None:
     check_arithmetic(function, values_at(dtc, state))

@@ -56,3 +56,13 @@ def test_what_was_not_tested_is_never_filled(name: str) -> None:
     data = asked().data
     data = data.assign_attrs(untested="W/B 9") if name == "untested" else data.assign(tested=data["tested"] & False)
     assert not filled(nw.SafeEnvelope(data)).any()
+
+
+def test_where_nothing_is_safe_the_region_more_likely_held_than_not_is_told() -> None:
+    """A tent of shares, 90 % in the middle and falling by 10 points every 10 m: half of the cases at 40 m."""
+    data = asked().data
+    share = np.maximum(0.9 - np.abs(Y) / 100, 0.0)[:, None] * np.ones(len(U))
+    falling = data.assign(held=(("y", "u"), share), known=(("y", "u"), share), clear=data["clear"] | True)
+    answer = nw.SafeEnvelope(falling.assign(tested=data["tested"] | True)).summary()
+    assert "at best 90 % of the cases are held, at +0.0 m" in answer
+    assert f"more likely held than not up to {U[-1] / KNOT:.1f} knots (slowest tried 5.8) within 40.0 m" in answer

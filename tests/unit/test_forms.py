@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from narrows.physics import clearance
+from narrows.physics.squat_and_depth import return_flow
 from narrows.ship.particulars import equivalent_wall
 from narrows.terms.tables import BASES, table_named
 
@@ -53,6 +54,44 @@ def test_tucks_form_is_the_bank_distance_at_low_speed_and_grows_to_the_critical(
     assert growth[0] == pytest.approx(1)
     assert np.all(np.diff(growth) > 0)
     assert growth[1] == pytest.approx(1 / np.sqrt(1 - 1 / (9.81 * 0.4)), rel=1e-12)
+
+
+@given(y=OFFSETS, u=st.floats(0.1, 1.2))
+def test_return_flow_takes_the_waters_speed_past_the_ship_instead_of_the_ships(y: float, u: float) -> None:
+    """Schijf (1949): the ratio of both speeds, squared; in a canal 70 km wide, only the ship's own speed is left."""
+    past = 1 + return_flow(u, beam=0.572, draft=0.163, width=7.0, depth=0.4) / u
+    plain = parameter(clearance.bank_distance, y=y)
+    assert parameter(clearance.fast_bank_distance, y=y, u=u) == pytest.approx(plain * past**2, rel=1e-12)
+    wide = {"y": 1.0, "u": u, "width": 7e4}
+    assert parameter(clearance.fast_bank_distance, **wide) == pytest.approx(
+        parameter(clearance.bank_distance, **wide), rel=1e-4
+    )
+
+
+def test_return_flow_nearly_doubles_the_squared_speed_in_suez_at_13_knots_and_a_half() -> None:
+    """Continuity and energy solved by bisection: 2.78 m/s for a ship of 58.8 x 16 m in 205 x 24 m."""
+    section = {"beam": 58.8, "draft": 16.0, "width": 205.0, "depth": 24.0}
+    speed, low, high = 13.5 * 0.514444, 0.0, 2.8
+    for _ in range(60):
+        back = (low + high) / 2
+        sinkage = back * (2 * speed + back) / (2 * 9.81)
+        room = 205.0 * (24.0 - sinkage) - 0.98 * 58.8 * 16.0
+        low, high = (back, high) if (speed + back) * room < speed * 205.0 * 24.0 else (low, back)
+    grown = parameter(clearance.fast_bank_distance, y=1.0, u=speed, **section)
+    assert grown / parameter(clearance.bank_distance, y=1.0, **section) == pytest.approx(
+        (1 + back / speed) ** 2, rel=1e-6
+    )
+    assert back == pytest.approx(2.78, abs=0.01)
+
+
+@pytest.mark.parametrize("form", nw.FORMS)
+def test_the_bank_turns_the_leading_end_away_astern_as_ahead(form: str, dtc: nw.Model) -> None:
+    """Mirror symmetry of bow and stern: the same force, the opposite moment."""
+    table = nw.bank_only(form)
+    model = nw.Model(replace(dtc.configuration, canal=nw.Canal(7.0, 0.4)), table, dict.fromkeys(table.names, 0.1))
+    ahead, astern = (model.forces(nw.Motion.at(y=1.0, u=u)) for u in (0.8, -0.8))
+    assert ahead["N"] < 0 < ahead["Y"]
+    assert (astern["Y"], astern["N"]) == (ahead["Y"], -ahead["N"])
 
 
 NAMES = [

@@ -36,7 +36,7 @@ MEASURES = {
     "depth_to_draft": Measure("h/T", "", 1.0, "depth", 32),
     "width_to_beam": Measure("W/B", "", 1.0, "width", 16),
 }
-# Motion astern: the forms of banks, hull and rudder hold ahead only, so that an unknown range of speeds is any ahead.
+# Motion astern: the forms of hull and rudder hold ahead only, so that an unknown range of speeds is any ahead.
 ASTERN = Measure("way astern", "m/s", 1.0, "speed", 1)
 AHEAD = (0.0, 1000.0)
 

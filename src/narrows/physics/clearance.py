@@ -2,6 +2,7 @@
 
 import math
 
+from narrows.physics.squat_and_depth import water_past_the_ship
 from narrows.quantities.names import GRAVITY, Number
 
 
@@ -74,6 +75,19 @@ def critical_bank_distance(y: Number, cos_psi: Number, u: Number, width: Number,
     return bank_distance(y, cos_psi, width, beam) / abs(1 - u * u / (GRAVITY * depth)) ** 0.5
 
 
+def fast_bank_distance(
+    y: Number, cos_psi: Number, u: Number, width: Number, beam: Number, draft: Number, depth: Number
+) -> Number:
+    """Parameter y_B times (U/u)^2 [1], with the speed U of the water past the ship. Invalid where the canal chokes.
+
+    The force's own u^2 becomes U^2: a narrow section has more return flow than the tank, and a faster ship more still.
+
+    Source: ours, with the return flow of Schijf (1949).
+    """
+    share = water_past_the_ship(u, beam, draft, width, depth)
+    return bank_distance(y, cos_psi, width, beam) / (share * share)
+
+
 def keel_gap_delta(y: Number, cos_psi: Number, width: Number, beam: Number, draft: Number, depth: Number) -> Number:
     """Pressure difference delta [1] of a hull that blocks the same share of the depth, B -> B T/h.
 
@@ -99,8 +113,7 @@ def suction(
 
     Source: Mikkelsen et al. (2025), eq. (bank_sway_w_assum), for delta.
     """
-    side = length * (draft + heave)
-    return 0.5 * block_coefficient * density * side * pressure * (u * u)
+    return _side(length, heave, draft, block_coefficient, density) * pressure * (u * u)
 
 
 def cushion(
@@ -109,8 +122,14 @@ def cushion(
 ) -> Number:  # fmt: skip
     """Yaw moment of the bank [N m] per unit coefficient, -L times the sway force of the same parameter.
 
-    The paper prints both signs; this one, of its regression matrix, turns the bow away from the bank.
+    The paper prints both signs; this one, of its regression matrix, turns the bow away from the bank. Astern it is the
+    stern that leads and turns away, by the symmetry of bow and stern: u |u| instead of the paper's u^2.
 
     Source: Mikkelsen et al. (2025), Theta_N, for delta.
     """
-    return -length * suction(pressure, u, heave, length, draft, block_coefficient, density)
+    return -length * _side(length, heave, draft, block_coefficient, density) * pressure * (u * abs(u))
+
+
+def _side(length: Number, heave: Number, draft: Number, block_coefficient: Number, density: Number) -> Number:
+    """Force on the side per unit of pressure parameter and squared speed [kg/m]."""
+    return 0.5 * block_coefficient * density * length * (draft + heave)

@@ -1,7 +1,5 @@
 """Shallow water: squat, the speed at which a canal chokes, and how hull derivatives grow as the water gets shallow."""
 
-import numpy as np
-
 from narrows.quantities.arithmetic import angle, choice, clip, maximum, sine
 from narrows.quantities.names import GRAVITY, KNOT, Number
 
@@ -94,10 +92,12 @@ def critical_speed(beam: Number, draft: Number, width: Number, depth: Number) ->
 def water_past_the_ship(u: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:
     """Section of water beside a ship under way, over the section of the canal [1]. Source: Schijf (1949)."""
     # Continuity U w = u and energy U^2 - u^2 = 2 g z, with w = 1 - S - z/h, are w^3 - a w^2 + F^2/2 = 0 with
-    # a = 1 - S + F^2/2. Its largest root is the subcritical flow.
+    # a = 1 - S + F^2/2. Its largest root is the subcritical flow: a/3 (1 + 2 cos(2 t/3)) with sin(t)^2 = 27/8 F^2/a^3.
     half = u * u / (2 * GRAVITY * depth)
     a = 1 - blockage(beam, draft, width, depth) + half
-    return a / 3 * (1 + 2 * np.cos(np.arccos(1 - 13.5 * half / a**3) / 3))
+    rising = u * (3.375 / (GRAVITY * depth * (a * a * a))) ** 0.5
+    third = sine(angle(abs(1 - rising * rising) ** 0.5, rising) / 3)
+    return a - 4 / 3 * a * (third * third)
 
 
 def return_flow(u: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:

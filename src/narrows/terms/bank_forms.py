@@ -115,6 +115,13 @@ FORMS = {
             REFITTED,
         ),
         BankForm(
+            "return_flow",
+            {"bank": clearance.fast_bank_distance},
+            "y_B with the return flow of Schijf (1949)",
+            "far from the banks, below the speed that chokes the canal",
+            OURS,
+        ),
+        BankForm(
             "keel_gap",
             {"bank": clearance.keel_gap_delta},
             "delta with B T/h in place of B",
