@@ -74,10 +74,10 @@ def envelope_notes(request: EnvelopeRequest, under: Keel) -> tuple[str, ...]:
 def _propulsion(model: Model, most: float | None) -> str:
     if not model.terms.propelled:
         return "the speed is constant: the propeller's limit is ignored"
-    turning = "the propeller turns as needed straight ahead"
+    turning = "the propeller keeps the revolutions of straight ahead, and the speed follows"
     if most is None:
-        return f"the speed is constant: {turning}, without a limit; give the engine's most revolutions to set one"
-    return f"the speed is constant: {turning}, up to {most:g} revolutions a second"
+        return f"{turning}; without a limit of the engine: give its most revolutions"
+    return f"{turning}; the engine makes up to {most:g} revolutions a second"
 
 
 # Cases in which the model allows more than an outside rule, and the reason.

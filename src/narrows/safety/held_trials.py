@@ -51,8 +51,9 @@ def trials(
     """Hold a ship at offsets and speeds against disturbances, with coefficients drawn from their covariance."""
     # y (offsets,) [m]; u (speeds,) [m/s]; heave (speeds,) [m]; walls [m]. Every sample starts from the steady course of
     # its own coefficients, plus a disturbance. A ship is held if it touches no bank, stays within 85 degrees of the
-    # canal, and is back within half a beam of its line for the last three ship lengths of the trial. There are two
-    # pilots: one designed for the best estimate of the coefficients, and one with the drawn coefficients.
+    # canal, and is back within half a beam of its line for the last three ship lengths of the trial. A propeller keeps
+    # the revolutions of its speed straight ahead, and the speed follows. There are two pilots: one designed for the
+    # best estimate of the coefficients, and one with the drawn coefficients.
     if samples * len(y) * len(u) > MOST_TRIALS:
         points = samples * len(y) * len(u)
         raise InputError(f"{points} points are more than {MOST_TRIALS}; take fewer samples, offsets or speeds")
@@ -66,7 +67,8 @@ def trials(
     courses = BestEstimateCourses(ship, np.asarray(y), np.asarray(u), np.asarray(heave), bend)
     extra |= {BY(name): table for name, table in _numbers(chosen, courses, disturbance, blowing["Y"]).items()}
     extra |= _knowing(ship, grid, bend, workers) if knowing else {}
-    trial = _Trial(ship, chosen.pilot, disturbance.gust_time, walls, bend, workers)
+    sailing = replace(ship, surge="free") if model.terms.propelled else ship
+    trial = _Trial(sailing, chosen.pilot, disturbance.gust_time, walls, bend, workers)
     kept = _tried(trial, Grid({**grid.values, **extra}, grid.sizes), progress)
     data = {name: (list(grid.sizes), column) for name, column in kept.items()}
     tried = xr.Dataset(data, coords={"y": y, "u": u}).transpose("y", "u", "sample")
