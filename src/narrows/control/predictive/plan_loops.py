@@ -1,7 +1,5 @@
 """Loops over the intervals of a plan, which Numba compiles."""
 
-import math
-
 import numpy as np
 
 
@@ -28,12 +26,10 @@ def condensed(A: np.ndarray, B: np.ndarray, defects: np.ndarray) -> tuple[np.nda
     intervals, size = B.shape
     e, G = defects.copy(), np.zeros((intervals, size, intervals))
     for k in range(intervals):
-        for row in range(size):
-            G[k, row, k] = B[k, row]
-            for j in range(size if k else 0):
-                e[k, row] += A[k, row, j] * e[k - 1, j]
-                for column in range(k):
-                    G[k, row, column] += A[k, row, j] * G[k - 1, j, column]
+        if k:
+            e[k] += A[k] @ e[k - 1]
+            G[k] = A[k] @ G[k - 1]
+        G[k, :, k] = B[k]
     return e, G
 
 
@@ -41,17 +37,11 @@ def tracking_cost(
     off: np.ndarray, G: np.ndarray, rates: np.ndarray, weights: np.ndarray, by_rate: float, beyond: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return H and f of the cost of deviations from the reference and of turning the rudder."""
-    # A rate changes the states after it alone: G[k, :, i] = 0 for i > k.
-    intervals, size = off.shape
-    H, f = by_rate * np.eye(intervals), by_rate * rates
-    for k in range(intervals):
-        for row in range(size):
-            for other in range(size):
-                weight = beyond[row, other] if k == intervals - 1 else weights[row] if row == other else 0.0
-                for i in range(k + 1 if weight else 0):
-                    f[i] += weight * G[k, row, i] * off[k, other]
-                    for j in range(k + 1):
-                        H[i, j] += weight * G[k, row, i] * G[k, other, j]
+    H, f = by_rate * np.eye(len(off)), by_rate * rates
+    for k in range(len(off)):
+        weighted = (beyond if k == len(off) - 1 else np.diag(weights)) @ G[k]
+        H += G[k].T @ weighted
+        f += off[k] @ weighted
     return H, f
 
 
@@ -60,17 +50,11 @@ def corner_offsets(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the corners' offsets, their derivatives by the heading, and their distance ahead, (4, nodes) each."""
     # In a bend the line curves away ahead and astern by half its curvature times the distance squared.
-    off, lever, ahead = np.empty((4, len(states))), np.empty((4, len(states))), np.empty((4, len(states)))
-    for node in range(len(states)):
-        sine, cosine = math.sin(states[node, 1]), math.cos(states[node, 1])
-        for corner in range(4):
-            forward = -half_length if corner % 2 else half_length
-            aside = -half_beam if corner > 1 else half_beam
-            ahead[corner, node] = forward * cosine - aside * sine
-            across = forward * sine + aside * cosine
-            off[corner, node] = states[node, 0] + across - curvature[node] * ahead[corner, node] ** 2 / 2
-            lever[corner, node] = ahead[corner, node] * (1.0 + curvature[node] * across)
-    return off, lever, ahead
+    sine, cosine = np.sin(states[:, 1]), np.cos(states[:, 1])
+    forward = half_length * np.array([[1.0], [-1.0], [1.0], [-1.0]])
+    aside = half_beam * np.array([[1.0], [1.0], [-1.0], [-1.0]])
+    ahead, across = forward * cosine - aside * sine, forward * sine + aside * cosine
+    return states[:, 0] + across - curvature * ahead**2 / 2, ahead * (1.0 + curvature * across), ahead
 
 
 def clearance_rows(
@@ -79,15 +63,9 @@ def clearance_rows(
 ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
     """Return rows and bounds: rows @ change of the rates <= bounds keeps every corner off the banks."""
     # corners and clearance at the banks (4, nodes) [m]; e (nodes, 5); G (nodes, 5, rates)
-    rows, bounds, count = np.empty((4 * len(e), G.shape[2])), np.empty(4 * len(e)), 0
-    for corner in range(4):
-        side, clearance = (-1.0, port) if corner > 1 else (1.0, starboard)
-        for node in range(len(e)):
-            reach = side * (off[corner, node] + e[node, 0] + lever[corner, node] * e[node, 1])
-            bound = clearance[corner, node] - reach
-            if not bound > spare:  # Keeps NaN, so that the program refuses it
-                bounds[count] = bound
-                for column in range(G.shape[2]):
-                    rows[count, column] = side * (G[node, 0, column] + lever[corner, node] * G[node, 1, column])
-                count += 1
-    return rows[:count], bounds[:count]
+    node, side = np.arange(off.size) % len(e), np.repeat(np.array([1.0, 1.0, -1.0, -1.0]), len(e))
+    reach = side * (off.ravel() + e[node, 0] + lever.ravel() * e[node, 1])
+    bounds = np.where(side > 0, starboard.ravel(), port.ravel()) - reach
+    near = np.flatnonzero(~(bounds > spare))  # Keeps NaN, so that the program refuses it
+    across, turned = G[:, 0][node[near]], G[:, 1][node[near]]
+    return side[near].reshape(-1, 1) * (across + lever.ravel()[near].reshape(-1, 1) * turned), bounds[near]
