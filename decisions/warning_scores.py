@@ -81,16 +81,18 @@ def false_alerts(run: Run, number: np.ndarray, threshold: float, which: np.ndarr
         (int(start), ship) for ship, own in starts.items() for start in own
         if not struck[ship] - BEFORE <= start < struck[ship]
     ]  # fmt: skip
-    done = sum(bool(abs(run["seen"][t, 4, ship] - advice(*run["seen"][t, :4, ship])) < DOING) for t, ship in found)
+    seen = [run["seen"][t, :, ship] for t, ship in found]
+    done = sum(bool(abs(one[4] - advice(*one[:4], one[5])) < DOING) for one in seen)
     return np.array([len(found) - done, done])
 
 
-def advice(y: float, psi: float, turn: float, u: float) -> float:
+def advice(y: float, psi: float, turn: float, u: float, across: float) -> float:
     """The rudder that the escape orders [rad]."""
     limit = modelled().configuration.gear.limit
     law = escape_numbers(0.0, LENGTH, limit)
     course = np.clip(-y * law["reach"], -law["approach"], law["approach"])
-    return float(np.clip(-law["by_psi"] * (psi - course) - law["by_r"] * turn / max(u, 0.1), -limit, limit))
+    off = psi + across / max(u, 0.1) - course
+    return float(np.clip(-law["by_psi"] * off - law["by_r"] * turn / max(u, 0.1), -limit, limit))
 
 
 class Watch(NamedTuple):

@@ -30,6 +30,7 @@ class ForecastsAbreast:
 
     def __init__(self, estimator: Estimator, count: int, members: int) -> None:
         self.count, self.helmsmen = count, Helmsmen(count, LENGTH)
+        self.across = estimator.filter.states.places["current_across"]
         self.close = Forecaster(estimator, members=members, escaping=members, ships=AT_ONCE)
         half, few = members // 2, min(SCOUTS, members) // 2
         self._scouts = self.close.members._normals[np.r_[:few, half : half + few]]
@@ -41,7 +42,7 @@ class ForecastsAbreast:
         x, y, psi, u, _, r = mean[:, :6].T
         seen = y, psi, r - bend_at(x) * u, u, rudder
         self.helmsmen.update(*seen)
-        return np.stack(seen)
+        return np.stack([*seen, mean[:, self.across]])
 
     def columns(self, known: Gaussian, rudder: np.ndarray, looked: np.ndarray) -> dict[str, np.ndarray]:
         """What is forecast of the ships that are looked at, by ``COLUMNS``; the rudder as it is indicated."""
@@ -55,7 +56,11 @@ class ForecastsAbreast:
         law = self._law(known, np.arange(self.count))
         (wrong,) = self._wrong([self.close.samples(self.close.members.likely(known.mean), rudder, law, 1)])
         told["wrong_order"] = wrong_order_chance(np.isfinite(wrong.contact))
-        return {**told, **bridges_today(known.mean), "unattended": self.helmsmen.unattended.copy()}
+        return {
+            **told,
+            **bridges_today(known.mean, known.mean[:, self.across]),
+            "unattended": self.helmsmen.unattended.copy(),
+        }
 
     def _meets(self, known: Gaussian, rudder: np.ndarray, here: np.ndarray) -> np.ndarray:
         """Which of some ships meet a bank at all if nobody acts, by the scouts."""
@@ -69,7 +74,7 @@ class ForecastsAbreast:
 
     def _closely(self, known: Gaussian, rudder: np.ndarray, here: np.ndarray) -> dict[str, np.ndarray]:
         law, unattended = self._law(known, here), self.helmsmen.unattended[here]
-        seen = self.close.judge(known.mean[here], known.root[here], rudder[here], law, unattended, (0.0, None))
+        seen = self.close.judge(known.mean[here], known.root[here], rudder[here], law, unattended)
         failing = seen.failing[np.arange(AT_ONCE), seen.best, 0]
         return {name: getattr(seen, name) for name in COLUMNS[2:7]} | {
             "failing": failing, "helmsman": seen.helmsman, "escapes": seen.failing.min(axis=1),
@@ -80,9 +85,9 @@ def batches(ships: np.ndarray) -> list[np.ndarray]:
     return [ships[first : first + AT_ONCE] for first in range(0, len(ships), AT_ONCE)]
 
 
-def bridges_today(mean: np.ndarray) -> dict[str, np.ndarray]:
+def bridges_today(mean: np.ndarray, across: np.ndarray) -> dict[str, np.ndarray]:
     """Distance to the bank; time to contact on a track curved by the rate of turn."""
     x, y, psi, u, v, r = mean[:, :6].T
     half = np.interp(x, *np.array(NARROWS).T)
-    beside = BridgePredictor(modelled().configuration.ship, half[:, None], y, psi, u, v, r, bend_at(x))
+    beside = BridgePredictor(modelled().configuration.ship, half[:, None], y, psi, u, v + across, r, bend_at(x))
     return {"room": beside._replace(half_width=half).now, "curve": beside.curved_contact(AFTER)}

@@ -29,7 +29,7 @@ def watched(physics: Physics, seed: int) -> Run:
     filters, hands = FiltersAbreast(estimator, count), Hands(ships, physics.abrupt)
     sensors = SensorErrors(filters, seed + 1)
     forecasts, before, told = ForecastsAbreast(estimator, count, MEMBERS), ships.indicated, []
-    seen = np.zeros((DURATION, 5, count), np.float32)
+    seen = np.zeros((DURATION, 6, count), np.float32)
     states = np.zeros((DURATION, len(STATE), count), np.float32)
     for t in range(DURATION):
         readings, now = sensors.readings({**ships.state, "psi": ships.psi}), ships.indicated
@@ -89,8 +89,9 @@ def averted(physics: Physics, seed: int, run: Run, met: np.ndarray, acts: np.nda
 def _escape(ships: Ships, law: dict[str, float], limit: float) -> None:
     state = ships.state
     course = np.clip((law["line"] - state["y"]) * law["reach"], -law["approach"], law["approach"])
-    turn = (state["r"] - ships.bend * state["u"]) * law["by_r"] / np.maximum(state["u"], 0.1)
-    state["order"] = np.clip(-law["by_psi"] * (ships.psi - course) - turn, -limit, limit)
+    u = np.maximum(state["u"], 0.1)
+    turn = (state["r"] - ships.bend * state["u"]) * law["by_r"] / u
+    state["order"] = np.clip(-law["by_psi"] * (ships.psi + ships.across / u - course) - turn, -limit, limit)
 
 
 def kept_runs(physics: Physics, number: int, parts: range, folder: Path | None) -> Iterator[tuple[int, Run]]:

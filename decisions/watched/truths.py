@@ -173,6 +173,11 @@ class Ships:
         """Curvature of the line at each ship."""
         return bend_at(self.state["x"])
 
+    @property
+    def across(self) -> np.ndarray:
+        """Current to starboard of the line at each ship [m/s]."""
+        return self.own["shear"] * np.sin(self.state["x"] / SHEAR_LENGTH)
+
     def step(self) -> None:
         """Sail a second."""
         self._load()

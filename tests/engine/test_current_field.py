@@ -124,6 +124,27 @@ def test_a_law_reads_the_current_of_its_offset() -> None:
     assert voyage.rudder[-1] == pytest.approx(0.01 * (0.4 + 20.0 * SHEAR), rel=1e-12)
 
 
+def test_an_estimator_follows_a_current_across_that_it_is_not_told_of() -> None:
+    """Its fixes are believed, and the offset from the line is as certain as the estimate has it."""
+    model = nw.published("estimated_kcs")
+    turning = canal(current_across=[(0.0, 0.0), (900.0, 0.3), (1800.0, -0.3), (LENGTH, 0.0)])
+    helm, told = nw.control.regulator(model, 0.0, 4.0), {"x": 150.0, "y": 0.0, "u": 4.0, "duration": 700.0, "dt": 1.0}
+    voyage = nw.simulate(model, **told, waterway=turning, controller=helm)
+    kinds, random = nw.estimation, np.random.default_rng(3)
+    sensors = [kinds.Gnss(), kinds.Gyro(), kinds.RateOfTurn(), kinds.Log(), kinds.RudderIndicator()]
+    one, off = kinds.Estimator(model, sensors, waterway=canal()), []
+    for t, x, y, psi, r, u, rudder in zip(
+        *(voyage[name] for name in ("t", "x", "y", "psi", "r", "u", "rudder")), strict=True
+    ):
+        noise = random.standard_normal(5)
+        seen = {"gyro": psi + 0.0035 * noise[2], "rate_of_turn": r + 5e-4 * noise[3], "log": u + 0.05 * noise[4]}
+        now = one.update(t, gnss=(x + 1.5 * noise[0], y + 1.5 * noise[1]), rudder=rudder, **seen)
+        assert not now.faults
+        if t >= 120.0:
+            off.append((now["y"] - y) / now.std["y"])
+    assert np.mean(np.abs(off) < 1.96) > 0.9
+
+
 def test_files_and_words_have_the_field(tmp_path: Path, cli: Any) -> None:
     way = replace(canal(current=0.4, current_across=ACROSS, current_shear=SHEAR), origin=(5.0, 52.0))
     nw.write_waterway(way, tmp_path / "way.geojson")

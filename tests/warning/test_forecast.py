@@ -46,14 +46,14 @@ class Law(LineOfSight):
         return self.numbers
 
 
-def sailed(state: dict[str, float], model: nw.Model, case: Case, rudder: float, current: float, t: float) -> nw.Voyage:
-    """The same future as one voyage."""
+def sailed(state: dict[str, float], model: nw.Model, case: Case, rudder: float, t: float) -> nw.Voyage:
+    """The same future as one voyage, in the current of the state."""
     length, limit = model.configuration.ship.length, model.configuration.gear.limit
     ordered = rudder if case.ordered is None else case.ordered
     numbers = {**escape_numbers(0.0, length, limit), "since": case.since, "ordered": ordered}
-    numbers["by_r"] = numbers["by_r"] / state["u"]
+    numbers |= {"by_r": numbers["by_r"] / state["u"], "crab": state["current_across"] / state["u"]}
     told = {name: state[name] for name in STATE}
-    water = canal().with_water(current=current)
+    water = canal().with_water(current=state["current"], current_across=state["current_across"])
     options = {"waterway": water, "controller": Law(numbers), "rudder": rudder, "dt": 2.5, "contact": "corners"}
     return nw.simulate(model, **told, duration=t, **options)
 
@@ -69,7 +69,7 @@ def test_the_tracks_are_where_voyages_go() -> None:
     tracks, state = forecaster()(now, {"rudder": 0.02}, nobody_yet()).tracks, now.values
     model, rudder = by_bank(state["bank"], dict(ship().coefficients)), 0.02 + state["rudder_bias"]
     for track, since in ((tracks.as_is, 1e9), (tracks.escape, 0.0)):
-        voyage = sailed(state, model, Case(60.0, since), rudder, state["current"], 60.0)
+        voyage = sailed(state, model, Case(60.0, since), rudder, 60.0)
         plain = np.stack([np.interp(tracks.times[:12], voyage.t, voyage[name]) for name in ("x", "y", "psi")], axis=1)
         np.testing.assert_allclose(track[:12], plain, atol=2e-3)
     assert tracks.fan.shape == (FAN_MEMBERS, 12, 3)
@@ -85,14 +85,14 @@ def test_every_lane_is_a_voyage(coefficients: str) -> None:
     ships = one.samples(drawn, indicated, law, one.escaping.count)
     likely = one.samples(one.members.likely(now.joint.mean[None]), indicated, law, 1)
     members = one.samples(one.members.drawn(now.joint.mean[None], now.joint.root[None]), indicated, law, 40)
-    _, ends, _ = one._lanes([members, ships, likely], now.values["current"])
+    _, ends, _ = one._lanes([members, ships, likely])
     cases = one._lanes.blocks[1].cases
     for k in range(4):
         state = dict(zip(now.states.names, drawn.states[k], strict=True))
         model = by_bank(state["bank"], dict(zip(ship().terms.names, drawn.coefficients[k], strict=True)))
         for number, case in list(enumerate(cases))[::3]:
             rudder = indicated[0] + state["rudder_bias"]
-            outcome = sailed(state, model, case, rudder, now.values["current"], case.duration).outcome
+            outcome = sailed(state, model, case, rudder, case.duration).outcome
             hit = outcome.kind in ("grounded", "left validity")
             assert np.isfinite(ends.contact[number, k]) == hit, (k, case)
             if outcome.kind == "grounded":
@@ -113,6 +113,22 @@ def test_members_are_drawn_from_what_is_known(coefficients: str) -> None:
     spread, told = drawn.coefficients.std(axis=0), np.sqrt(np.diag(ship().covariance))
     assert (spread <= 1.1 * told).all()
     assert (spread > 0.2 * told).sum() >= (coefficients != "certain") * len(told) / 2
+
+
+def test_a_ship_that_heads_into_a_current_across_stays_on_its_line() -> None:
+    """Fixes along the middle, the heading four degrees off it: the estimate has the current, the forecast keeps it."""
+    one, across = estimator(), 0.3
+    one.forget()
+    readings = {"gyro": -across / SPEED, "rate_of_turn": 0.0, "log": SPEED, "rudder": 0.0}
+    for t in range(240):
+        now = one.update(float(t), {"gnss": (100.0 + SPEED * t, 0.0), **readings})
+    told = forecaster()(now, {"rudder": 0.0}, nobody_yet())
+    assert now["current_across"] == pytest.approx(across, abs=2 * now.std["current_across"])
+    assert not now.faults
+    assert abs(forecaster().order(now.values)) < 0.05
+    assert forecaster().curved(now.values) == math.inf
+    assert told.last_chance == math.inf
+    assert np.abs(told.tracks.escape[:, 1]).max() < 5.0
 
 
 def test_in_the_middle_nothing_is_met_and_towards_a_bank_everything() -> None:
@@ -158,7 +174,7 @@ def test_a_wrong_order_leaves_the_time_that_voyages_have() -> None:
 
     def grounded(since: float) -> bool:
         cases = [Case(since + 100.0, since, ordered=order) for order in (-limit, limit)]
-        voyages = [sailed(now.values, model, one, rudder, now.values["current"], one.duration) for one in cases]
+        voyages = [sailed(now.values, model, one, rudder, one.duration) for one in cases]
         return any(voyage.outcome.kind in ("grounded", "left validity") for voyage in voyages)
 
     assert not grounded(told.wrong_order - 2.5)

@@ -44,6 +44,9 @@ DIRECTIONS = 32
 AFTER = "{}_after".format
 
 Pushed = Literal["never", "always", "until"]
+CURRENT_ACROSS = "current_across"
+# A current across: none; the same everywhere, an input of each vessel; or by place in a waterway's table, with a shear.
+Across = Literal["none", "uniform", "field"]
 
 
 # First-order stages that approximate the dead time of a gear: more make the delay sharper and each step dearer.
@@ -84,12 +87,12 @@ class Choices:
     # External forces: none, constant, or changing ones that end at ``push_end`` [s]
     pushed: Pushed = "never"
     bottom: bool = False  # True if bottom contact or a choked section ends a voyage
-    current_field: bool = False  # True if the current has a component across the waterway, or a shear
+    across: Across = "none"
 
     @property
     def columns(self) -> tuple[str, ...]:
         """Columns of a waterway's table."""
-        return (*COLUMNS, *FIELD * self.current_field, *(AFLOAT_SPEED,) * self.bottom)
+        return (*COLUMNS, *FIELD * (self.across == "field"), *(AFLOAT_SPEED,) * self.bottom)
 
     @property
     def row(self) -> int:
@@ -120,7 +123,7 @@ class Choices:
         return (
             *controls,
             *(("width", "depth") if self.waterway else ()),
-            *(INPUTS.values() if self.pushed == "until" or self.current_field else ()),
+            *(INPUTS.values() if self.pushed == "until" or self.across == "field" else ()),
         )
 
 

@@ -10,7 +10,19 @@ from functools import partial
 
 import sympy
 
-from narrows.codegen.choices import AFLOAT_SPEED, AFTER, COUNTED, FIELD, LENGTH, SHARE, TIME, WATER, Actuated, Choices
+from narrows.codegen.choices import (
+    AFLOAT_SPEED,
+    AFTER,
+    COUNTED,
+    CURRENT_ACROSS,
+    FIELD,
+    LENGTH,
+    SHARE,
+    TIME,
+    WATER,
+    Actuated,
+    Choices,
+)
 from narrows.codegen.free_motion import (
     CORNERS,
     INPUTS,
@@ -108,7 +120,7 @@ def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict
     asked = {**z, "dt": real(LENGTH), "current": sympy.Integer(0)}
     if choices.waterway and "current" in choices.law.tape.inputs:
         along = real("current") * _water(lines, choices, "flow", z["x"])
-        if choices.current_field:
+        if choices.across == "field":
             along += _water(lines, choices, "shear", z["x"]) * z["y"]
         asked["current"] = lines.put("current_seen", along)
     inputs = {name: asked.get(name, real(name)) for name in choices.law.tape.inputs}
@@ -179,14 +191,14 @@ def section_here(
 ) -> tuple[dict[str, Expr], dict[str, Expr]]:
     """Write the local straight canal at a ship's place, and the waterway there by column."""
     columns = ("starboard", "port", *(("depth",) if rates.depend_on("depth") else ()), "curvature", "flow")
-    columns += FIELD * choices.current_field
+    columns += FIELD * (choices.across == "field")
     now = section_at(lines, choices, values["x"], columns, f"stage{tag}")
     here = {
         "width": lines.put(f"width_{tag}", now["starboard"] + now["port"]),
         "depth": now.get("depth", real("depth")),
         "y": lines.put(f"off_{tag}", values["y"] - sympy.Rational(1, 2) * (now["starboard"] - now["port"])),
     }
-    if choices.current_field:
+    if choices.across == "field":
         here |= _in_gradient(lines, values, now, tag)
     return {**values, **here}, now
 
@@ -207,7 +219,7 @@ def rate_here(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Ex
     """Write the rates in the waterway from those of the local straight canal."""
     if not choices.waterway:
         straight = rates.written(lines, tag, values)
-        return {**straight, COUNTED: values["r"]}
+        return {**straight, COUNTED: values["r"], **_set_across(lines, choices, straight, {}, tag)}
     here, now = section_here(lines, rates, choices, values, tag)
     straight, curvature = rates.written(lines, tag, here), now["curvature"]
     along = real("current") * now["flow"] + now.get("shear", 0) * values["y"]
@@ -218,9 +230,19 @@ def rate_here(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Ex
         **straight,
         "x": pace,
         COUNTED: turn,
-        **({"y": lines.put(f"d{tag}_y_", straight["y"] + now["across"])} if choices.current_field else {}),
+        **_set_across(lines, choices, straight, now, tag),
         **{name: lines.put(f"d{tag}_{name}_", slope) for name, slope in heading.items()},
     }
+
+
+def _set_across(
+    lines: Lines, choices: Choices, rates: Mapping[str, Expr], now: Mapping[str, Expr], tag: str
+) -> dict[str, Expr]:
+    """Write the rate of y over the ground in a current across."""
+    if choices.across == "none":
+        return {}
+    across = now["across"] if choices.across == "field" else real(CURRENT_ACROSS)
+    return {"y": lines.put(f"d{tag}_y_", rates["y"] + across)}
 
 
 Rate = Callable[[Mapping[str, Expr], int], dict[str, Expr]]

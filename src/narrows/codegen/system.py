@@ -52,7 +52,7 @@ class System:
 
         motion = trace(self.tape, self._forces, self.surge, self.coriolis)
         choices = self.choices
-        return Rates(motion, choices.moving, choices.pushed != "never" or choices.current_field)
+        return Rates(motion, choices.moving, choices.pushed != "never" or choices.across == "field")
 
     @cached_property
     def step(self) -> "Step":
@@ -88,7 +88,7 @@ class System:
         law = self.choices.law
         told = (law.tape.text, law.memory, law.ordered) if law else ()
         one = self.choices
-        choices = (one.contact, one.waterway, one.pushed, one.bottom, one.current_field, told)
+        choices = (one.contact, one.waterway, one.pushed, one.bottom, one.across, told)
         return (self.tape.text, self._forces, self.surge, self.coriolis, *choices)
 
     def constants(self, values: Mapping[str, Number]) -> dict[str, Number]:

@@ -164,8 +164,9 @@ def error_states(sensor: Sensor, faulty: bool = False) -> dict[str, tuple[int, f
 class MarkovProcess:
     """First-order Gauss-Markov processes; random walks if the time is infinite."""
 
-    def __init__(self, walks: np.ndarray, times: np.ndarray) -> None:
+    def __init__(self, walks: np.ndarray, times: np.ndarray, opposed: Sequence[tuple[int, int]] = ()) -> None:
         self.walks, self.times = walks, times  # (n,) Random walks per root second; correlation times [s]
+        self.opposed = opposed  # Pairs of places: the walk of the first enters the second with the other sign
         self.places = np.flatnonzero(np.isfinite(times))
         self._rows = np.flatnonzero(walks > 0.0)
         self._over: dict[float, tuple[np.ndarray, np.ndarray]] = {}
@@ -180,6 +181,8 @@ class MarkovProcess:
             grown[self.places] = -np.expm1(-2.0 * share[self.places]) * self.times[self.places] / 2.0
             noise = np.zeros((len(self._rows), len(self.walks)))
             noise[np.arange(len(self._rows)), self._rows] = (self.walks * np.sqrt(grown))[self._rows]
+            for one, other in self.opposed:
+                noise[self._rows == one, other] = -noise[self._rows == one, one]
             self._over[duration] = np.exp(-share[self.places]), noise
         return self._over[duration]
 

@@ -45,6 +45,8 @@ class MotionStep(NamedTuple):
 
 # States needed for a start, in words; the other states begin at their priors.
 NEEDED = {"x": "a place", "y": "a place", "psi": "a heading", "u": "a speed through the water"}
+# Velocity through the water that a change of each current makes.
+WATER_VELOCITIES = {"current": "u", "current_across": "v"}
 
 
 class StartValue(NamedTuple):
@@ -244,17 +246,25 @@ class ShipFilter:
         """Directions of the coefficients that are corrected: states after the others, standard normal a priori."""
         return self.root.shape[1] if self.coefficients == "estimated" else 0
 
+    def process(self, more: Sequence[tuple[float, float]] = ()) -> MarkovProcess:
+        """Return the walks of the states, then more by walk and correlation time [s]."""
+        walks, times = np.array([*(self.walks[name] for name in self.states.names), *more]).T
+        places = self.states.places
+        # A ship keeps its way over the ground when the current changes; that through the water takes the change.
+        pairs = [(places[one], places[other]) for one, other in WATER_VELOCITIES.items() if one in places]
+        return MarkovProcess(walks, times, pairs)
+
     @cached_property
     def recursion(self) -> Recursion:
         noise = self.indicator.noise if RUDDER in self.actuators else 0.0
         # Corrections of a coefficient fade: its stationary spread is that of the fit.
         fading = [(math.sqrt(2.0 / self.memory), self.memory)] * self.estimated
-        walks, times = np.array([*(self.walks[name] for name in self.states.names), *fading]).T
-        moving = sigma_point_weights(len(walks) + (noise > 0.0), self.considered)
-        measuring = sigma_point_weights(len(walks), self.considered)
+        process = self.process(fading)
+        moving = sigma_point_weights(len(process.walks) + (noise > 0.0), self.considered)
+        measuring = sigma_point_weights(len(process.walks), self.considered)
         lanes = self._lanes(moving.distance[: self.considered], len(moving.distance))
         return Recursion(
-            lanes, self.states, self.sensors, self.faults, MarkovProcess(walks, times), moving, measuring, noise,
+            lanes, self.states, self.sensors, self.faults, process, moving, measuring, noise,
             self.refusing, self._middle, self.root[:, : self.estimated],
         )  # fmt: skip
 

@@ -112,7 +112,7 @@ class ProcessNoise:
     yaw: float = 1.5e-5
     bank: float = 0.01
     current: float = 0.002
-    current_across: float = 0.0002
+    current_across: float = 0.003
     rudder_bias: float = 1e-5
 
     def __post_init__(self) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from narrows.codegen.choices import STAGES
 from narrows.control.sensed_helm import LawOrders
 from narrows.errors import InputError
-from narrows.estimation.sensor import MarkovProcess, Sensor, drawn_reading
+from narrows.estimation.sensor import Sensor, drawn_reading
 from narrows.estimation.settings import STEPS_A_PERIOD, TWIN_SIDE_TIME, TWIN_START_STD
 from narrows.estimation.ship_filter import ShipFilter, default_step
 from narrows.estimation.states import Columns
@@ -44,7 +44,7 @@ class _Fleet:
     def __post_init__(self) -> None:
         filter = self.filter
         self.lanes = ShipLanes(filter.ship, filter.states.names, self.count, filter.waterway, self.coefficients)
-        self.process = MarkovProcess(*np.array([filter.walks[name] for name in filter.states.names]).T)
+        self.process = filter.process()
         gear = filter.model.configuration.gear
         self.limit, self.stages = gear.limit, list[np.ndarray]()
         self.gear = {name.removeprefix("rudder_"): value for name, value in gear.values().items()}

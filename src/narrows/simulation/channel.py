@@ -8,7 +8,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS, FIELD
+from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS, FIELD, Across
 from narrows.codegen.free_motion import OPEN, Outline
 from narrows.codegen.kernels import event
 from narrows.codegen.run import NOWHERE, WaterTable
@@ -85,9 +85,9 @@ def _afloat(values: Mapping[str, Number]) -> tuple[Any, np.ndarray]:
     return known if known.ndim else float(known), np.atleast_1d(choking < touching)
 
 
-def has_current_field(waterway: "Waterway | None") -> bool:
-    """Return whether the current of a waterway has a component across, or a shear."""
-    return waterway is not None and waterway.has_current_field
+def across_of(waterway: "Waterway | None") -> Across:
+    """Return where a waterway has a current across, or a shear."""
+    return "field" if waterway is not None and waterway.has_current_field else "none"
 
 
 def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline, bottom: bool = False) -> Channel:

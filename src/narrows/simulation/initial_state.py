@@ -14,7 +14,7 @@ from narrows.model.model import Model
 from narrows.model.squat import choke_speed
 from narrows.quantities.names import GRAVITY
 from narrows.ship.actuators import places_of
-from narrows.simulation.channel import Channel, along_waterway, has_current_field, straight_channel
+from narrows.simulation.channel import Channel, across_of, along_waterway, straight_channel
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START
 from narrows.simulation.integrator import VoyageIntegrator, near_the_bank
@@ -53,7 +53,7 @@ def initial_state(
     values = ship.values(**{name: number for name, number in numbers.items() if name not in POSE})
     channel = _channel(ship, values, waterway, numbers["x"])
     law = steering.law if steering else None
-    system = ship.system(waterway is not None, law, "until" if pushed else "never", has_current_field(waterway))
+    system = ship.system(waterway is not None, law, "until" if pushed else "never", across_of(waterway))
     inputs = {**values, **system.constants(values), **channel.inputs, **(steering.parameters if steering else {})}
     inputs |= {**dict.fromkeys((*INPUTS.values(), *map(AFTER, INPUTS.values())), 0.0), "push_end": math.inf}
     order = steering.asked.begin() if steering and steering.asked else None

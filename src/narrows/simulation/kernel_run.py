@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.codegen.cache import lacks_compiler
-from narrows.codegen.choices import AFTER, COUNTED, LENGTH, SHARE, Pushed, stages_at
+from narrows.codegen.choices import AFTER, COUNTED, CURRENT_ACROSS, LENGTH, SHARE, Across, Pushed, stages_at
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.kernels import event
 from narrows.codegen.run import PreparedRun, cores, prepare, step_counts
 from narrows.codegen.system import System
 from narrows.errors import InputError, installing, libraries_of, needs
 from narrows.model.water import is_full
-from narrows.simulation.channel import Channel, along_waterway, has_current_field, straight_channel
+from narrows.simulation.channel import Channel, across_of, along_waterway, straight_channel
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, counted_heading
 from narrows.simulation.integrator import Row, VoyageIntegrator, near_the_bank
@@ -215,9 +215,9 @@ class KernelRun:
             pushed = "until"
         elif any(np.any(values[name]) for name in PUSHED):
             pushed = "always"
+        across: Across = "uniform" if CURRENT_ACROSS in values else across_of(self.waterway)
         law = self.steering.law if self.steering else None
-        in_waterway = (self.waterway or self.bend) is not None
-        return self.ship.system(in_waterway, law, pushed, has_current_field(self.waterway))
+        return self.ship.system((self.waterway or self.bend) is not None, law, pushed, across)
 
     def _inputs(self, system: System, values: Mapping[str, Any]) -> tuple[dict[str, Any], Channel]:
         rest = {name: value for name, value in values.items() if name not in START and name not in PUSHED}

@@ -266,7 +266,7 @@ class TangentIntegrator:
     @cached_property
     def _system(self) -> System:
         choices = self.integrator.choices
-        return self.ship.system(choices.waterway, choices.law, choices.pushed, choices.current_field)
+        return self.ship.system(choices.waterway, choices.law, choices.pushed, choices.across)
 
     def _position(self, name: str) -> float:
         kept = self.integrator.choices.kept

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import Any
 
-from narrows.codegen.choices import Actuated, Choices, Law, Pushed
+from narrows.codegen.choices import Across, Actuated, Choices, Law, Pushed
 from narrows.codegen.free_motion import OPEN, Outline, Surge
 from narrows.codegen.linearisation import Linearisation
 from narrows.codegen.system import System
@@ -69,11 +69,11 @@ class SimulatedShip:
         return tuple(replace(one, late=False) for one in self.actuators)
 
     def system(
-        self, waterway: bool = False, law: Law | None = None, pushed: Pushed = "never", current_field: bool = False
+        self, waterway: bool = False, law: Law | None = None, pushed: Pushed = "never", across: Across = "none"
     ) -> System:
         """Return the traced system, shared by all ships with the same terms."""
         contact = self.shape if isinstance(self.shape, str) else len(self.shape)
-        choices = Choices(contact, waterway, law, pushed, self.bottom, current_field)
+        choices = Choices(contact, waterway, law, pushed, self.bottom, across)
         return _system(self.model.terms, self.surge, self.coriolis, choices)
 
     def values(self, **positions: Number) -> dict[str, Number]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from narrows.codegen.choices import CURRENT_ACROSS
 from narrows.control.local_motion import local_water
 from narrows.control.steady_course import RUDDER, solved, with_propulsion
 from narrows.errors import InputError, check_count
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
 
 # [s] a whole number of steps, as all times of the cases are.
 EVEN = 5.0
-# Flow [1] of a waterway below which an estimated current says nothing about that elsewhere: the tide turns there.
-LEAST_FLOW = 0.1
 AFTER, ESCAPE_TIME = settings.HORIZON, settings.ESCAPE_TIME
 TAKEOVERS, CHANCES = np.array(settings.TAKEOVERS), np.array(settings.LIKELY_TAKEOVERS)
 # Times of the tracks that are drawn [s].
@@ -98,10 +97,10 @@ class Forecaster:
         if joint is None:
             raise InputError("nothing is known of this ship yet, so nothing can be forecast")
         mean, root = joint.mean[None], joint.root[None]
-        law, flow = helmsman.law(np.array([now["u"]])), self._flow(now, positions)
-        seen = self.judge(mean, root, rudder, law, helmsman.unattended, flow)
+        law, turns = helmsman.law(np.array([now["u"]])), positions.get(REVOLUTIONS)
+        seen = self.judge(mean, root, rudder, law, helmsman.unattended, turns)
         best, limit = int(seen.best[0]), self.filter.model.configuration.gear.limit
-        tracks = self._tracks(mean, root, rudder, law, flow, best)
+        tracks = self._tracks(mean, root, rudder, law, turns, best)
         needed = rudder_needed(self.filter.ship, self.filter.waterway, now, positions)
         escape = Escape(self.manoeuvres[best].words, self.order(now), limit, self._least_water(tracks.escape))
         likely = LikelyRun(float(seen.contact[0]), _side(seen.side[0]), float(seen.likely_chance[0]))
@@ -112,15 +111,16 @@ class Forecaster:
         )  # fmt: skip
 
     def judge(
-        self, mean: np.ndarray, root: np.ndarray, rudder: np.ndarray, law: Any, unattended: np.ndarray, flow: Any
-    ) -> "JudgedFutures":
-        """Simulate the futures of ships abreast: mean (ships, n), root (ships, n, k), current and revolutions."""
+        self, mean: np.ndarray, root: np.ndarray, rudder: np.ndarray, law: Any, unattended: np.ndarray,
+        revolutions: float | None = None,
+    ) -> "JudgedFutures":  # fmt: skip
+        """Simulate the futures of ships abreast: mean (ships, n), root (ships, n, k)."""
         blocks = [
             self.samples(members.drawn(mean, root), rudder, law, members.count)
             for members in (self.members, self.escaping)
         ]
         blocks.append(self.samples(self.members.likely(mean), rudder, law, 1))
-        return judged(self._lanes(blocks, *flow), self.ships, len(self.manoeuvres), unattended)
+        return judged(self._lanes(blocks, revolutions), self.ships, len(self.manoeuvres), unattended)
 
     def order(self, now: Mapping[str, float]) -> float:
         """Return the first rudder angle of an escape [rad]."""
@@ -129,7 +129,8 @@ class Forecaster:
         numbers = escape_numbers(self.line, hull.length, limit)
         course = float(np.clip((self.line - now["y"]) * numbers["reach"], -numbers["approach"], numbers["approach"]))
         turn = (now["r"] - water.curvature * now["u"]) * numbers["by_r"] / max(now["u"], 0.1)
-        return float(np.clip(-numbers["by_psi"] * (now["psi"] - course) - turn, -limit, limit))
+        crab = now.get(CURRENT_ACROSS, 0.0) / max(now["u"], 0.1)
+        return float(np.clip(-numbers["by_psi"] * (now["psi"] + crab - course) - turn, -limit, limit))
 
     def _water(self, now: Mapping[str, float]) -> Any:
         return local_water(
@@ -140,14 +141,17 @@ class Forecaster:
         """Return the time to contact of a track that is curved by the yaw rate [s]."""
         water = self._water(now)
         psi, u, v, r = (np.array([now[name]]) for name in ("psi", "u", "v", "r"))
+        v = v + now.get(CURRENT_ACROSS, 0.0)
         y, hull = np.array([now["y"] - water.middle]), self.filter.model.configuration.ship
         predictor = BridgePredictor(hull, water.width / 2, y, psi, u, v, r, water.curvature)
         return float(predictor.curved_contact(AFTER)[0])
 
-    def _tracks(self, mean: np.ndarray, root: np.ndarray, rudder: np.ndarray, law: Any, flow: Any, best: int) -> Tracks:
+    def _tracks(
+        self, mean: np.ndarray, root: np.ndarray, rudder: np.ndarray, law: Any, turns: float | None, best: int
+    ) -> Tracks:
         drawn, likely = self._drawn.drawn(mean, root), self._drawn.likely(mean)
         lanes, count = self._track_lanes, len(TIMES)
-        lanes([self.samples(drawn, rudder, law, FAN_MEMBERS), self.samples(likely, rudder, law, 1)], *flow)
+        lanes([self.samples(drawn, rudder, law, FAN_MEMBERS), self.samples(likely, rudder, law, 1)], turns)
         fan, single = lanes.poses()
         first = count * (1 + best)
         return Tracks(TIMES, fan.swapaxes(0, 1), single[:count, 0], single[first : first + count, 0])
@@ -164,14 +168,6 @@ class Forecaster:
             here = waterway.keel_section(np.clip(x, 0.0, waterway.line.length), ship.draft)
             middle, width = here.middle, here.width
         return max(float((width / 2 - np.abs(y - middle) - half_swept(ship, psi)).min()), 0.0)
-
-    def _flow(self, now: Mapping[str, float], positions: Mapping[str, float]) -> tuple[float, float | None]:
-        waterway = self.filter.waterway
-        if waterway is None:
-            return now.get("current", 0.0), positions.get(REVOLUTIONS)
-        flow = float(waterway.flow(now["x"]))
-        known = abs(flow) < LEAST_FLOW or "current" not in now
-        return waterway.reference_current if known else now["current"] / flow, positions.get(REVOLUTIONS)
 
     def samples(self, drawn: Samples, rudder: np.ndarray, law: Mapping[str, np.ndarray], members: int) -> Ships:
         terms = self.filter.model.terms
@@ -310,7 +306,7 @@ class BridgePredictor(NamedTuple):
     y: np.ndarray  # (n,) Offset to starboard of the middle [m]
     psi: np.ndarray  # (n,) Heading, to the line [rad]
     u: np.ndarray  # (n,) Surge and sway velocity [m/s]
-    v: np.ndarray  # (n,) Surge and sway velocity [m/s]
+    v: np.ndarray  # (n,) Surge and sway velocity, over ground [m/s]
     r: np.ndarray  # (n,) Yaw rate [rad/s]
     bend: float = 0.0  # Curvature of the line [1/m]
 

@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from narrows.codegen.choices import stages_at
+from narrows.codegen.choices import CURRENT_ACROSS, stages_at
 from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
 from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import PARAMETER, steering_of
+from narrows.simulation.steering import CURRENT, PARAMETER, steering_of
 from narrows.warning.forecasting.helmsman import REVOLUTIONS, LineOfSight, Manoeuvre, escape_numbers
 from narrows.warning.settings import CONTACT_TOLERANCE
 
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 RUDDER = "rudder"
+# Flow [1] of a waterway below which an estimated current says nothing about that elsewhere: the tide turns there.
+LEAST_FLOW = 0.1
 # Outcomes of a lane in a bank, or across the canal, which is on the way there.
 MEETS = (Code.GROUNDED, Code.DIVERGED, Code.OUTSIDE)
 NEVER = 1e9
@@ -59,7 +61,7 @@ class FutureLanes:
     def __init__(
         self, ship: SimulatedShip, waterway: "Waterway | None", line: float, blocks: Sequence[FutureBlock], step: float
     ) -> None:
-        self.ship, self.blocks, self.line = ship, blocks, line
+        self.ship, self.waterway, self.blocks, self.line = ship, waterway, blocks, line
         self._driven = any(actuator.name == REVOLUTIONS for actuator in ship.actuators)
         steering = steering_of(LineOfSight(self._driven), ship.actuators)
         assert steering is not None
@@ -68,7 +70,7 @@ class FutureLanes:
         run = KernelRun(ship, duration, step, steering=steering, waterway=waterway)
         many = {name: np.full(lanes, value) for name, value in ship.model.coefficients.items()}
         many |= {name: np.full(lanes, value) for name, value in steering.parameters.items()}
-        still = dict.fromkeys((*START, *INPUTS), 0.0)
+        still = dict.fromkeys((*START, *INPUTS, CURRENT_ACROSS), 0.0)
         self._prepared = run.prepared({**still, "u": 1.0, **many}, lanes, workers=1)
         self._prepared.limits[0] = CONTACT_TOLERANCE * ship.model.configuration.ship.beam
         self._constants = ship.system(waterway is not None, steering.law).constants
@@ -77,11 +79,7 @@ class FutureLanes:
         self._kept = {name: place for place, name in enumerate(kernel.KEPT_NAMES)}
         self._inputs = {name: place for place, name in enumerate(kernel.VESSEL_INPUTS)}
 
-    def __call__(
-        self, ships: Sequence[Ships], current: float = 0.0, revolutions: float | None = None
-    ) -> list[Outcomes]:
-        if "current" in self._inputs:
-            self._prepared.vessel_inputs[:, self._inputs["current"]] = current
+    def __call__(self, ships: Sequence[Ships], revolutions: float | None = None) -> list[Outcomes]:
         for lanes, block, own in zip(self._parts(), self.blocks, ships, strict=True):
             self._load(lanes, block, own, revolutions)
         self._prepared()
@@ -105,12 +103,23 @@ class FutureLanes:
             if name in self._kept:
                 rows[..., self._kept[name]] = column
         constants = self._constants({**self._ship_values, **ships.coefficients})
-        for name, column in constants.items():
+        for name, column in {**constants, **self._currents(columns)}.items():
             if name in self._inputs:
                 inputs[..., self._inputs[name]] = column
         for part, case in zip(inputs, block.cases, strict=True):
             for name, value in self._law(case, ships, turns).items():
                 part[:, self._inputs[PARAMETER(name)]] = value
+
+    def _currents(self, columns: Mapping[str, np.ndarray]) -> dict[str, Any]:
+        """Return the current along the line where its flow is 1, and that across."""
+        currents = {CURRENT_ACROSS: columns.get(CURRENT_ACROSS, 0.0)}
+        if self.waterway is None:
+            return currents
+        usual, flow = self.waterway.reference_current, self.waterway.flow(columns["x"])
+        if CURRENT not in columns:
+            return {**currents, CURRENT: usual}
+        known = np.abs(flow) >= LEAST_FLOW
+        return {**currents, CURRENT: np.where(known, columns[CURRENT] / np.where(known, flow, 1.0), usual)}
 
     def _law(self, case: Case, ships: Ships, turns: float) -> dict[str, Any]:
         """Numbers of the law in a case."""
@@ -118,11 +127,12 @@ class FutureLanes:
         ordered = ships.rudder if case.ordered is None else case.ordered
         numbers: dict[str, Any] = {"since": case.since, "ordered": ordered}
         if case.manoeuvre is None:
-            numbers |= {"approach": 10.0, **ships.helmsman}
+            numbers |= {"approach": 10.0, "crab": 0.0, **ships.helmsman}
             numbers["since"] = np.maximum(numbers["since"], case.since)
         else:
+            u = np.maximum(ships.columns["u"], 0.1)
             numbers |= escape_numbers(self.line, hull.length, gear.limit)
-            numbers["by_r"] = numbers["by_r"] / np.maximum(ships.columns["u"], 0.1)
+            numbers |= {"by_r": numbers["by_r"] / u, "crab": ships.columns.get(CURRENT_ACROSS, 0.0) / u}
         if self._driven:
             kick = case.manoeuvre.kick if case.manoeuvre else 1.0
             numbers |= {"turns": turns, "kicked": kick * turns}

@@ -143,6 +143,8 @@ KICK = Manoeuvre("kick ahead, then steady parallel to the bank", ENGINE_KICK)
 class LineOfSight(BaseSummary):
     """Line-of-sight guidance with a proportional-derivative autopilot, after a time for which the rudder is held.
 
+    Its heading to the line is less by ``crab``, the angle that a current across needs.
+
     References
     ----------
     Fossen (2011), Handbook of Marine Craft Hydrodynamics and Motion Control, for guidance by line of sight.
@@ -152,7 +154,7 @@ class LineOfSight(BaseSummary):
 
     def parameters(self) -> Mapping[str, Any]:
         """Return its numbers as they are before they are loaded: all of them differ from lane to lane."""
-        names = ("since", "ordered", "line", "reach", "approach", "by_psi", "by_r", "trim", "most")
+        names = ("since", "ordered", "line", "reach", "approach", "crab", "by_psi", "by_r", "trim", "most")
         return dict.fromkeys(names, 1.0) | (dict.fromkeys(("turns", "kicked"), 0.0) if self.driven else {})
 
     def memory(self, start: Named) -> Named:
@@ -162,7 +164,7 @@ class LineOfSight(BaseSummary):
     def orders(self, at: Any) -> tuple[Named, Named]:
         """Return the rudder that is held before a time, and that of the law from then on."""
         pace = at.u + at.current
-        off = at.psi - clip((at.line - at.y) * at.reach, at.approach)
+        off = at.psi + at.crab - clip((at.line - at.y) * at.reach, at.approach)
         turn = at.r - at.water("curvature", at.x) * pace
         law = clip(at.trim - at.by_psi * off - at.by_r * turn, at.most)
         on = at.t - at.since + ORDER_TOLERANCE * at.dt
