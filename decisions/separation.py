@@ -10,6 +10,7 @@ from statistics import NormalDist
 from pages import markdown, publish
 
 import narrows as nw
+from narrows.results.base_results import interval
 
 PUBLISHED = nw.published("mikkelsen2025_dtc")
 FAINT = PUBLISHED.with_coefficients(b_bank=0.107, c_bank=0.013)
@@ -55,8 +56,10 @@ def text(sets: tuple[str, ...] = tuple(SETS)) -> str:
         fit = fitted(name, PUBLISHED)
         (low, high), verdict = fit.intervals["b_bank"], fit.verdicts["b_bank"]
         word = verdict.status + (f" with {' and '.join(verdict.partners)}" if verdict.partners else "")
-        inflation = f"{fit.diagnostics.overall['Y'].vif['b_bank']:.3g}"
-        rows.append((name, inflation, f"{low:.3g} to {high:.3g}", word, f"{100 * power(name):.0f} %"))
+        inflation = (
+            f"{float(f'{vif:.2g}'):g}" if (vif := fit.diagnostics.overall["Y"].vif["b_bank"]) > 10 else f"{vif:.1f}"
+        )
+        rows.append((name, inflation, interval((low, high), (high - low) / 2), word, f"{100 * power(name):.0f} %"))
     return markdown(("tests", "VIF", "b_bank, 95 %", "verdict", "power"), rows)
 
 

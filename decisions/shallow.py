@@ -6,6 +6,7 @@ python decisions/shallow.py [--write]
 from pages import markdown, publish
 
 import narrows as nw
+from narrows.results.base_results import interval, readable
 
 LABELS = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
 NAMES = ("b_uv", "c_uv", "c_ur")
@@ -19,21 +20,15 @@ def text() -> str:
     rows = []
     for label in others:
         depth = fits[label].model.configuration.canal.depth
-        moved = nw.at_depth(fits[first].model, depth or 0.0)
+        corrected = nw.at_depth(fits[first].model, depth or 0.0)
         for name in NAMES:
-            (low, high), told = fits[label].intervals[name], moved.model.coefficients[name]
-            measured = fits[label].coefficients[name]
-            figures = (f"{fits[first].coefficients[name]:.4g}", f"{moved.factors[name]:.2f}", f"{told:.4g}")
-            error = f"{100 * (told / measured - 1):+.0f} %"
-            rows.append(
-                (
-                    f"{LABELS[first]} to {LABELS[label]}",
-                    name,
-                    *figures,
-                    f"{measured:.4g} ({low:.4g} to {high:.4g})",
-                    error,
-                )
-            )
+            (low, high), there = fits[label].intervals[name], fits[first].coefficients[name]
+            measured, predicted = fits[label].coefficients[name], corrected.model.coefficients[name]
+            half = (high - low) / 2
+            before, after, known = (readable(value, half) for value in (there, predicted, measured))
+            error, factor = f"{100 * (predicted / measured - 1):+.0f} %", f"{corrected.factors[name]:.2f}"
+            ends = f"{known} ({interval((low, high), half)})"
+            rows.append((f"{LABELS[first]} to {LABELS[label]}", name, before, factor, after, ends, error))
     header = ("clearance", "coefficient", "there", "factor", "corrected", "measured (95 %)", "error")
     return markdown(header, rows)
 

@@ -34,8 +34,8 @@ def text() -> str:
 
 
 def shown(rows: Rows) -> str:
-    """The errors, without the intervals of the bank."""
-    return part(records(rows, HEADER[0]), *HEADER[:-2])
+    """The errors of tables without a mixed hull, and no intervals of the bank."""
+    return part([row for row in records(rows, HEADER[0]) if "mixed" not in row[HEADER[1]]], *HEADER[:-2])
 
 
 if __name__ == "__main__":

@@ -291,10 +291,14 @@ def text(kinds: tuple[Kind, ...] = KINDS, folder: Path | None = None) -> str:
 
 
 def shown(rows: Rows) -> str:
-    """Some kinds, without forecasts and mean errors."""
+    """Some kinds, without forecasts and mean errors; two digits of a standard error."""
     found = {row[HEADS[0]]: row for row in records(rows, HEADS[0])}
     known = (f"{name} {word}" for name in BANKS for word in ("covered", "standard error"))
-    return part([found[KINDS[k].words] for k in SHOWN], HEADS[0], *known, "reports a contradiction")
+    rows = [found[KINDS[k].words] for k in SHOWN]
+    rounded = [
+        row | {head: f"{float(row[head]):#.2g}" for head in row if head.endswith("standard error")} for row in rows
+    ]
+    return part(rounded, HEADS[0], *known, "reports a contradiction")
 
 
 def _asked(option: str) -> str | None:

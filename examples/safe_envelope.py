@@ -1,11 +1,13 @@
 """From tests to a chart
 =====================
 
-From the measured tests of a container ship to the chart that its pilot would pin up.
+From the measured tests of a container ship to the chart for its pilot.
 """
 
 import tempfile
 from pathlib import Path
+
+from matplotlib.figure import Figure
 
 import narrows as nw
 from narrows.captive.measured import measured_files
@@ -17,24 +19,21 @@ turned = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and a
 tests = nw.read_captive(*measured_files("kcs"), turned).by_condition()["C0101A02"]
 fit = nw.identify(tests, terms)
 
-# Its own size, in a canal; what does not scale is said.
+# Its own size, in a canal; notes list what does not scale.
 scaled = nw.scale_model(fit.model, length=230.0, density=1025.0, width=300.0, depth=16.2)
 for note in scaled.notes:
     print("-", note)
 
-# Where is it safe, with a gust and what the tests leave uncertain?
+# Where is it safe, with a gust and the uncertainty of the tests?
 gust = nw.Disturbance(heading_deg=2.0, gust=nw.wind_force(speed=15.0, area=6000.0))
 found = nw.safe_envelope(scaled.model, disturbance=gust, samples=100)
 print(found.summary())
-for note in found.notes:
-    print("-", note)
 
 chart = Path(tempfile.mkdtemp()) / "chart.png"
 found.save(chart)
-picture = found.plot()
+picture = Figure((4.8, 3.4), layout="constrained")
+axes = picture.subplots()
+slowest, fastest = found.lowest_speed(), found.highest_speed()
+axes.fill_between(fastest.y, slowest, fastest, color="tab:green", alpha=0.5)
+axes.set(xlabel="offset to starboard [m]", ylabel="speed [m/s]", title="Safe by the model, 95 %")
 print(f"wrote {chart.name}")
-
-# The same track pilot, for one voyage from 40 m off to 30.
-pilot = nw.track_pilot(scaled.model, y=30.0, u=4.0)
-voyage = nw.simulate(scaled.model, y=40.0, u=4.0, duration=900.0, dt=1.0, controller=pilot)
-print(f"{voyage.outcome.sentence} It is {voyage.y[-1]:.1f} m off the middle.")

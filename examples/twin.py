@@ -4,6 +4,9 @@
 Would tests like these have found the truth? Run them on a ship whose coefficients are known.
 """
 
+import numpy as np
+from matplotlib.figure import Figure
+
 import narrows as nw
 
 truth = nw.published("mikkelsen2025_dtc")
@@ -12,4 +15,11 @@ for name, verdict in fit.verdicts.items():
     low, high = fit.intervals[name]
     print(f"{name:7s} true {truth.coefficients[name]:8.2f}   95 % {low:9.2f} to {high:9.2f}   {verdict.status}")
 
-picture = fit.plot()
+picture = Figure((4.8, 3.4), layout="constrained")
+axes = picture.subplots()
+axes.axhline(0.0, color="black", label="truth")
+for place, (name, (low, high)) in enumerate(fit.intervals.items()):
+    ends = (np.array([low, high]) - truth.coefficients[name]) / fit.std[name]
+    axes.plot([place, place], ends, color="tab:blue", linewidth=4)
+axes.set(xlabel="coefficient", ylabel="standard errors", title="95 % intervals of a simulated ship", ylim=(-6, 6))
+axes.legend()

@@ -9,6 +9,7 @@ import numpy as np
 from narrows.estimation.states import StateNames, described
 from narrows.estimation.unscented import Gaussian
 from narrows.results import BaseSummary, Tabulated
+from narrows.results.base_results import with_error
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -85,7 +86,7 @@ class Estimate(BaseSummary):
             return f"t = {self.t:g} s: nothing to start from yet."
         values, std = self.values, self.std
         parts = [
-            f"{name} = {values[name]:.4g} +- {1.96 * std[name]:.2g} {described(name)[0]}"
+            f"{name} = {with_error(values[name], 1.96 * std[name])} {described(name)[0]}"
             for name in ("x", "y", "psi", "u")
         ]
         told = [f"t = {self.t:g} s: {', '.join(parts)} (95 %)."]

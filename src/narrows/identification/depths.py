@@ -10,6 +10,7 @@ from narrows.identification.least_squares import Problem
 from narrows.identification.motions import DistinctMotions, distinct_motions
 from narrows.identification.normal_equations import NormalEquations
 from narrows.identification.run_errors import RunErrors
+from narrows.results.base_results import with_error
 from narrows.ship.particulars import Configuration
 
 # Significance level of the chi-square test of equal coefficients [1].
@@ -32,9 +33,9 @@ class DepthTest:
 
     def sentence(self, name: str) -> str:
         """One sentence of the result."""
-        told = ", ".join(f"{value:.3g} +- {self.std[h]:.2g} at {h:.4g} m" for h, value in self.values.items())
+        values = ", ".join(f"{with_error(value, self.std[h])} at {h:.4g} m" for h, value in self.values.items())
         word = "it changes with the depth" if self.changes else "no change with the depth is seen"
-        return f"{name} by each depth alone is {told}: {word} (p = {self.p:.2g})."
+        return f"{name} by each depth alone is {values}: {word} (p = {self.p:.2g})."
 
 
 def depth_tests(

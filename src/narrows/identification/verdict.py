@@ -9,6 +9,7 @@ from narrows.identification.collinearity import INVOLVED, Diagnosis, Diagnostics
 from narrows.identification.estimates import HALF, CoefficientEstimates
 from narrows.identification.normal_equations import Score
 from narrows.identification.systematic_effects import Effect
+from narrows.results.base_results import interval, with_error
 from narrows.terms.term import Term, TermTable
 
 IDENTIFIED, IMPRECISE, NOT_SEPARABLE, ZERO = "identified", "imprecise", "not separable", "zero"
@@ -113,7 +114,7 @@ def _judged(term: Term, index: int, terms: TermTable, found: CoefficientEstimate
     half = (high - low) / 2
     if found.held[index]:
         return Verdict(AT_BOUND, (f"the data alone would put it beyond, at {found.free_values[index]:.3g}",))
-    known = f"{value:.3g} +- {half:.2g}"
+    known = with_error(value, half)
     if (low > 0 or high < 0) and half < PRECISE * abs(value):
         tipping, limits = (_named(errors[term.name]) for errors in (found.tipping, found.limits))
         return Verdict(IDENTIFIED, (f"{known}, {half / abs(value):.0%}",), (), tipping, limits)
@@ -122,7 +123,7 @@ def _judged(term: Term, index: int, terms: TermTable, found: CoefficientEstimate
     partner = _partner(index, terms, found)
     if partner is not None:
         return Verdict(NOT_SEPARABLE, (_direction(index, partner, terms, found),), (terms.names[partner],))
-    return Verdict(IMPRECISE, (f"{known}, its 95 % interval is {low:.3g} to {high:.3g}",))
+    return Verdict(IMPRECISE, (f"{known}, its 95 % interval is {interval((low, high), half)}",))
 
 
 def _usual(name: str, found: CoefficientEstimates) -> float:
@@ -159,4 +160,4 @@ def _direction(index: int, partner: int, terms: TermTable, found: CoefficientEst
     slope = -c[index, partner] / c[partner, partner]
     value = found.values[index] + slope * found.values[partner]
     half = HALF * float(np.sqrt(max(c[index, index] + slope * c[index, partner], 0.0)))
-    return f"the tests determine {names[index]} {slope:+.3g} {names[partner]} = {value:.3g} +- {half:.2g}"
+    return f"the tests determine {names[index]} {slope:+.3g} {names[partner]} = {with_error(value, half)}"

@@ -30,7 +30,7 @@ from narrows.report.fit_figures import (
 )
 from narrows.report.fit_table import best_known_first, heading, kkt_sentence
 from narrows.report.style import svg
-from narrows.results.base_results import interval, readable
+from narrows.results.base_results import interval, readable, with_error
 from narrows.ship.particulars import Canal, Configuration, Ship
 
 ENVELOPE = {
@@ -210,8 +210,8 @@ def _comparison(fits: Mapping[str, Fit]) -> dict[str, Any] | None:
         return None
     names = next(iter(fits.values())).terms.names
     rows = [
-        (name, [f"{readable(f.coefficients[name], f.std[name])} ± {readable(f.std[name], f.std[name])}"
-                if f.verdicts[name].determined else "-" for f in fits.values()],
+        (name, [with_error(f.coefficients[name], f.std[name]) if f.verdicts[name].determined else "-"
+                for f in fits.values()],
          [f.verdicts[name].status.replace(" ", "-") for f in fits.values()])
         for name in names
     ]  # fmt: skip

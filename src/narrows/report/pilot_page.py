@@ -30,7 +30,7 @@ from narrows.report.style import (
     panels,
 )
 from narrows.report.terminal import print_result, table_of
-from narrows.results.base_results import readable
+from narrows.results.base_results import interval, with_error
 
 # A4, portrait [in].
 PAGE = (8.27, 11.69)
@@ -236,24 +236,16 @@ def information_figure(information: InformationForecast) -> Figure:
 
 # Heads of a table of coefficients before and after a record.
 LEARNED_HEADS = ("", "before", "after", "95 % interval", "unit")
-# Numbers from here on are written with a power of ten.
-LONG = 1e5
 
 
 def learned_rows(coefficients: Mapping[str, LearnedCoefficient]) -> list[tuple[str, ...]]:
     learned = sorted((c for c in coefficients.values() if c.word != PRIOR), key=lambda c: c.left)
     return [
-        (c.name, f"{_short(c.prior, c.prior_std)} ± {_short(c.prior_std, c.prior_std)}",
-         f"{_short(c.value, c.std)} ± {_short(c.std, c.std)}",
-         " to ".join(_short(end, c.std) for end in c.interval), c.unit, c.verdict)
+        (c.name, with_error(c.prior, c.prior_std), with_error(c.value, c.std),
+         interval(c.interval, c.std), c.unit, c.verdict)
         for c in learned
     ]  # fmt: skip
 
 
 def with_truth(rows: list[tuple[str, ...]], truth: Mapping[str, float] | None) -> list[tuple[str, ...]]:
     return rows if truth is None else [(*row, f"{truth[row[0]]:.3g}") for row in rows]
-
-
-def _short(value: float, std: float) -> str:
-    """Write metric tons and more with powers of ten."""
-    return f"{value:.3g}" if abs(value) >= LONG else readable(value, std)

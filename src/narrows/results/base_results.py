@@ -284,14 +284,24 @@ class Tabulated(BaseResult):
                 return getattr(table.select_dtypes("number") if name in OF_NUMBERS else table, name)
 
 
+LONG = 1e5
+
+
 def readable(value: float, std: float = math.nan) -> str:
-    """Write a number to the second digit of its standard error, or to four digits."""
+    """Write a number to the second digit of its standard error, or to four digits; from LONG on with a power of ten."""
     if not math.isfinite(value):
         return "-" if math.isnan(value) else ("inf" if value > 0 else "-inf")
     if not (math.isfinite(std) and std > 0):
         return f"{value:.4g}"
-    digits = max(0, 1 - math.floor(math.log10(std)))
-    return f"{round(value, digits):.{min(digits, 8)}f}"
+    digits = 1 - math.floor(math.log10(std))
+    if abs(value) >= LONG:
+        return f"{value:.{max(1, digits + 1 + math.floor(math.log10(abs(value))))}g}"
+    return f"{round(value, digits):.{min(max(digits, 0), 8)}f}"
+
+
+def with_error(value: float, error: float) -> str:
+    """Write a number and its standard error or half width."""
+    return f"{readable(value, error)} ± {readable(error, error)}"
 
 
 def interval(ends: tuple[float, float], std: float) -> str:

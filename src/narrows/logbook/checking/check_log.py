@@ -20,6 +20,7 @@ from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import SIGNALS, ShipRecord
 from narrows.model.model import Model
 from narrows.progress import stage
+from narrows.results.base_results import with_error
 from narrows.waterway import Waterway
 
 ALL = "all records"
@@ -147,7 +148,7 @@ def _finding(test: FaultTest, learned: FaultTests) -> Finding:
         unit, factor = unit.replace("rad", "deg"), 180 / np.pi
     value = factor * test.size + (fault.kind == "gain")
     name = "position" if fault.signal == "x" and fault.kind == "delay" else fault.signal
-    words = {"name": name, "unit": unit, "size": f"{value:.4g} +- {1.96 * factor * test.error:.2g}", "at": fault.at,
+    words = {"name": name, "unit": unit, "size": with_error(value, 1.96 * factor * test.error), "at": fault.at,
              "value": value, "column": fault.signal}  # fmt: skip
     effect, likely = learned.mended(test)
     names, model = learned.found.problem.prior.names, learned.found.problem.motion.model
