@@ -19,7 +19,7 @@ import numpy as np
 
 from narrows.identification.fitting import bundled_ship
 from narrows.readers.nmea.nmea_decoder import Entry
-from narrows.readers.nmea.nmea_sentences import Telling
+from narrows.readers.nmea.nmea_sentences import DecodedMessage
 from narrows.terms.tables import table_named
 from narrows.warning.inputs.replay import by_second
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
@@ -48,7 +48,7 @@ def positions(folder: Path, ship: str) -> Iterator[Entry]:
             if row["ID"] == ship:
                 at = datetime.strptime(row["ais_pos_timestamp"], "%d/%m/%Y %H:%M").replace(tzinfo=UTC)
                 place = {name: float(row[name]) for name in ("longitude", "latitude")}
-                yield Entry(at.timestamp(), Telling({"position": place}, "AIVDM"))
+                yield Entry(at.timestamp(), DecodedMessage({"position": place}, "AIVDM"))
 
 
 def main(folder: Path, ship: str) -> None:

@@ -81,7 +81,7 @@ def many_ships(count: int) -> tuple[str, str]:
             before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         line = pyais.encode_dict({**usual, "mmsi": chance.randrange(200_000_000, 776_000_000)}, sentence_type="VDM")[0]
         for one in sentences([line.encode()], decoder.faults):
-            decoder.told(one, 0.01 * number)
+            decoder.decode(one, 0.01 * number)
     grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
     took = 1e6 * (time.process_time() - start) / count
     kept = f"{len(decoder.ships)} of at most {MOST_SHIPS} kept, memory grew by {grown:.1f} MB over the last nine tenths"
@@ -100,7 +100,7 @@ def burst(count: int) -> tuple[str, str]:
         inbox.put(Arrival(0.0, one))
     (first,) = inbox.own()
     took = time.process_time() - start
-    heard = decoder.told(first.message, 0.0)
+    heard = decoder.decode(first.message, 0.0)
     lost = f"{inbox.lost} of others left out, {OTHERS_QUEUE} kept"
     return f"{count} messages in a burst, the own last", f"own heard after {took:.2f} s ({heard.source}); {lost}"
 
@@ -134,7 +134,7 @@ def _parse(name: str, line: bytes, decoder: NmeaDecoder, faults: Counter[str], t
         command_of(line.strip())
     else:
         for one in sentences([line.strip()], decoder.faults):
-            decoder.told(one, t)
+            decoder.decode(one, t)
 
 
 def _sentence(body: str, begin: str = "$") -> bytes:

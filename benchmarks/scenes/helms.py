@@ -23,7 +23,7 @@ class Laws:
     def __init__(self, law: Any, fleet: Fleet) -> None:
         ship = SimulatedShip(fleet.model)
         steering = steering_of(law, ship.actuators)
-        self.tape, self.memory = steering.law.tape, steering.memory(fleet.state)
+        self.trace, self.memory = steering.law.trace, steering.memory(fleet.state)
         self.inputs = {**ship.values(), **steering.parameters, "step_length": DT, "current": 0.0}
         way = fleet.waterway
         bends = (
@@ -33,7 +33,7 @@ class Laws:
 
     def __call__(self, told: Mapping[str, np.ndarray], alive: np.ndarray) -> np.ndarray:
         """The orders."""
-        results = self.tape.replay({**self.inputs, **told, **self.memory}, functions=self.functions)
+        results = self.trace.replay({**self.inputs, **told, **self.memory}, functions=self.functions)
         self.memory = {name: results[name] for name in self.memory}
         return np.broadcast_to(results["rudder"], alive.shape)
 

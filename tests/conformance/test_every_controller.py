@@ -61,8 +61,8 @@ def test_orders_are_the_same_for_columns_and_for_lines(law: ControlLaw) -> None:
         lines |= {PARAMETER(name): value for name, value in law.parameters().items()}
         lines |= {MEMORY(name): value for name, value in memory.items()}
         water = {f"water_{name}": lambda x, at=value: at for name, value in WATER.items()}
-        asked = {name: lines[name] for name in steering.law.tape.inputs}
-        written = steering.law.tape.replay(asked, functions={**COLUMNS, **water})
+        asked = {name: lines[name] for name in steering.law.trace.inputs}
+        written = steering.law.trace.replay(asked, functions={**COLUMNS, **water})
         for name, order in orders.items():
             assert part(together[name], number) == pytest.approx(float(order), rel=1e-12, abs=1e-15)
             assert float(written[name]) == pytest.approx(float(order), rel=1e-12, abs=1e-15)

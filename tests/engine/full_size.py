@@ -45,7 +45,7 @@ class Exactly:
                 memory.update(steering.memory(at))
                 on_its_way.extend([seen.rudder] * self.steps)
             numbers = {**ship.values(), **steering.parameters, **at, **memory, "step_length": STEP, "current": 0.0}
-            found = steering.law.tape.replay(numbers, functions={**COLUMNS, "water_curvature": lambda x: 0.0})
+            found = steering.law.trace.replay(numbers, functions={**COLUMNS, "water_curvature": lambda x: 0.0})
             memory.update({name: float(found[name]) for name in memory})
             on_its_way.append(float(found["rudder"]))
             return on_its_way.popleft()

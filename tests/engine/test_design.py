@@ -1,4 +1,4 @@
-"""Regulators designed by flights: flights beside voyages, the search beside known minima, fewer lost ships."""
+"""Regulators designed by trials: trials beside voyages, the search beside known minima, fewer lost ships."""
 
 from dataclasses import replace
 from functools import cache
@@ -11,23 +11,23 @@ from full_size import full_size
 import narrows as nw
 from narrows.control import RegulatorDesign, RegulatorWeights, closed_loop, design, regulator
 from narrows.control.design import SCENES, searched
-from narrows.control.flights import Flights, Scene, ScenePush
+from narrows.control.design_trials import DesignTrials, Scene, ScenePush
 from narrows.simulation.grid import sampled
 
 SPEED, HOLD = 4.5, 50.0
 QUIET = {"y": 0.0, "psi": 0.0, "v": 0.0, "r": 0.0}
 
 
-def test_a_flight_is_a_voyage_of_its_ship() -> None:
+def test_a_trial_is_a_voyage_of_its_ship() -> None:
     """By ``simulate``, with the pushes as forces in newtons."""
     weights = RegulatorWeights(heading_deg=3.0, bank=0.2)
     push = ScenePush(2.0, 3.5, 0.05, 0.08)
-    flights = Flights(full_size(), HOLD, SPEED, (Scene(1.0, 0.2, (push,)),), 6, 4, QUIET)
-    flown = flights.fly(weights)
-    linear, hull = flights.systems[0], full_size().configuration.ship
+    trials = DesignTrials(full_size(), HOLD, SPEED, (Scene(1.0, 0.2, (push,)),), 6, 4, QUIET)
+    result = trials.run(weights)
+    linear, hull = trials.systems[0], full_size().configuration.ship
     moment = float(linear.B[3, 0] / linear.G[3, linear.disturbances.index("N")])
     time, ships = hull.length / SPEED, {name: c.to_numpy() for name, c in sampled(full_size(), 6, 4).items()}
-    starts = flights._begun
+    starts = trials._begun
     for ship in (0, 3, 5):
         model = full_size().with_coefficients(**{name: float(column[ship]) for name, column in ships.items()})
         law = regulator(full_size(), HOLD, SPEED, weights=weights)
@@ -39,11 +39,11 @@ def test_a_flight_is_a_voyage_of_its_ship() -> None:
             controller=law, **forces,
         )  # fmt: skip
         if voyage.grounded:
-            assert np.isinf(flown.off[0, ship])
+            assert np.isinf(result.off[0, ship])
             continue
         off = np.abs(voyage.y[:-1] - HOLD)[voyage.t[:-1] > 10.5 * time - 0.01].max() / (hull.beam / 2)
-        assert flown.off[0, ship] == pytest.approx(off, rel=1e-6)
-        assert flown.travel[0, ship] == pytest.approx(np.abs(np.diff(voyage.rudder[:-1])).sum(), rel=1e-6)
+        assert result.off[0, ship] == pytest.approx(off, rel=1e-6)
+        assert result.travel[0, ship] == pytest.approx(np.abs(np.diff(voyage.rudder[:-1])).sum(), rel=1e-6)
 
 
 def test_noise_is_as_large_as_it_is_said_to_be() -> None:
@@ -51,8 +51,8 @@ def test_noise_is_as_large_as_it_is_said_to_be() -> None:
     certain = replace(full_size(), covariance=0.0 * full_size().covariance)
     travel = []
     for size in (0.0, 0.3, 0.6):
-        flights = Flights(certain, HOLD, SPEED, (Scene(1.0, 0.0),), 50, 4, {**QUIET, "y": size})
-        travel.append(float(np.median(flights.fly(RegulatorWeights()).travel)))
+        trials = DesignTrials(certain, HOLD, SPEED, (Scene(1.0, 0.0),), 50, 4, {**QUIET, "y": size})
+        travel.append(float(np.median(trials.run(RegulatorWeights()).travel)))
     assert travel[2] > 1.5 * travel[1] > 1.5 * travel[0]
 
 

@@ -194,7 +194,7 @@ def test_no_state_gets_no_order(y, psi, u, v, r, rudder, integral) -> None:
     numbers = {**ship.values(), **steering.parameters, **state, "rudder": rudder, "step_length": 0.05, "current": 0.0}
     seen = {"water_curvature": lambda x: np.zeros(np.shape(x))}
     memory = {"memory_integral": integral, "memory_last_order": rudder}
-    found = steering.law.tape.replay({**numbers, **memory}, functions={**COLUMNS, **seen})
+    found = steering.law.trace.replay({**numbers, **memory}, functions={**COLUMNS, **seen})
     assert all(np.isfinite(value) for value in found.values())
     assert abs(found["rudder"]) <= model.configuration.gear.limit
     assert abs(found["rudder"] - rudder) <= model.configuration.gear.rate * 0.05 + 1e-12

@@ -11,9 +11,9 @@ import narrows as nw
 from direct_equation import accelerations
 from engine_models import ACTUATED, TABLES, cross_flow, model_of, rates_by_hand, states, steered, values_of
 from narrows.codegen.choices import Choices
-from narrows.codegen.free_motion import STATE, trace
+from narrows.codegen.free_motion import STATE, solve_motion
 from narrows.codegen.system import System
-from narrows.codegen.tape import tape_of_terms
+from narrows.codegen.trace import trace_of_terms
 from narrows.quantities import dimensions as dim
 from narrows.simulation.channel import along_waterway, straight_channel
 from narrows.simulation.ship import SimulatedShip
@@ -82,7 +82,7 @@ def test_accelerations_enter_linearly() -> None:
     table = nw.PAPER.with_terms("bad", yaw=[nw.Term("c_bad", "c", lambda vdot, rdot: vdot * rdot, dim.NUMBER)])
     forces = tuple((term.name, force) for force, terms in table.forces.items() for term in terms)
     with pytest.raises(nw.InputError, match="term c_bad: an acceleration must enter linearly"):
-        trace(tape_of_terms(table), forces, "held", coriolis=False)
+        solve_motion(trace_of_terms(table), forces, "held", coriolis=False)
 
 
 def system_of(table: nw.TermTable, surge: str = "held") -> System:

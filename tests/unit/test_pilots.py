@@ -14,7 +14,13 @@ from hypothesis import strategies as st
 import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.control.linearization import linearize
-from narrows.control.regulator_gains import USUAL, RegulatorWeights, best_gains, regulator_gains, stacked_gains
+from narrows.control.regulator_gains import (
+    DEFAULT_WEIGHTS,
+    RegulatorWeights,
+    best_gains,
+    regulator_gains,
+    stacked_gains,
+)
 from narrows.control.steady_course import solved
 from narrows.model.data_range import DataRange
 from narrows.safety.best_estimate_courses import BestEstimateCourses
@@ -83,7 +89,7 @@ class TestGains:
         ship, offsets, u = SimulatedShip(certain()), np.array([-30.0, 0.0, 45.0]), 5.0
         v, rudder = solved(ship, {"y": offsets, "u": u}, 3, 1)
         course = {"y": offsets, "u": np.full(3, u), "v": v, "rudder": rudder}
-        found = stacked_gains(ship, {}, course)
+        found = stacked_gains(ship, {}, course, DEFAULT_WEIGHTS)
         for y, gains in zip(offsets, found, strict=True):
             linear = linearize(certain(), y=float(y), u=u)
             np.testing.assert_allclose(gains, regulator_gains(certain(), linear), rtol=1e-7, atol=1e-14)
@@ -225,7 +231,7 @@ class TestChoice:
             )  # fmt: skip
             shares[tuning] = float(((np.abs(tried["rudder"]) <= question.rudder_limit) & tried["held"]).mean())
         assert shares[chosen.tuning] > max(shares.values()) - 0.03
-        assert shares[chosen.tuning] > shares[USUAL] + 0.02
+        assert shares[chosen.tuning] > shares[DEFAULT_WEIGHTS] + 0.02
 
     def test_a_pilot_that_there_is_not_is_refused(self) -> None:
         with pytest.raises(nw.InputError, match=" or ".join(PILOTS)):

@@ -74,7 +74,7 @@ class Watched:
         self.t += 1.0
         changed, known = self.desk.update(self.t, conditions or {}), estimate(self.t, now)
         room = clearances(SHIP, self.waterway, known)
-        why = "" if told else "Too little has been told for too long."
+        why = "" if told else "Sensors have been silent for too long."
         return BridgeStatus(self.t, known, told, self.desk.alerts, tuple(changed), room, {}, why)
 
 
@@ -89,7 +89,7 @@ class Pulse:
     def run(self) -> None:
         while not self._stop.wait(0.1):
             if self.beats:
-                self.page.tell(self.monitored, self.status, time.time())
+                self.page.publish(self.monitored, self.status, time.time())
 
     @contextmanager
     def running(self) -> Iterator["Pulse"]:

@@ -238,7 +238,7 @@ def test_an_acknowledgement_on_the_page_is_that_of_the_bridge(page: BridgePage, 
     from websockets.sync.client import connect
 
     monitored = Watched()
-    page.tell(monitored, monitored.status(forecast(60.0, 14.0), conditions=ALARM), 1.7e9)
+    page.publish(monitored, monitored.status(forecast(60.0, 14.0), conditions=ALARM), 1.7e9)
     with connect(f"ws://{host}{UPDATES}?token=secret", origin=f"http://{host}") as line:
         assert json.loads(line.recv(5.0))["alerts"][0]["state"] == "unacknowledged"
         copy = request(monitored)
@@ -264,7 +264,7 @@ def test_notifications_are_told_when_they_change(page: BridgePage, host: str) ->
 
     monitored, before = Watched(), page.notices.number
     for conditions in ({BANK: Condition(Priority.WARNING, "Bank")}, {}, ALARM):
-        page.tell(monitored, monitored.status(forecast(), conditions=conditions), 1.7e9)
+        page.publish(monitored, monitored.status(forecast(), conditions=conditions), 1.7e9)
     assert page.notices.number == before + 2
     with connect(f"ws://{host}{SIGNAL_K}?token=secret") as line:
         line.send("whatever")

@@ -34,7 +34,7 @@ def test_who_reads_slowly_gets_the_newest_and_holds_up_nobody(monkeypatch: pytes
             got.append(message)
             await sent.wait()
 
-        telling = asyncio.create_task(all_of_them.tell(client, send))
+        telling = asyncio.create_task(all_of_them.serve(client, send))
         all_of_them.publish("first")
         await asyncio.sleep(0.05)
         called.clear()
@@ -64,7 +64,7 @@ def test_who_comes_to_a_second_loop_is_told_after_the_first_was_closed() -> None
             got.append(message)
 
         client = crowd.enter()
-        telling = asyncio.create_task(crowd.tell(client, send))
+        telling = asyncio.create_task(crowd.serve(client, send))
         await asyncio.sleep(0.05)
         crowd.publish(message)
         while message not in got:
@@ -88,7 +88,7 @@ def test_what_is_old_is_told_to_nobody() -> None:
 
         crowd.publish("old")
         await asyncio.sleep(0.1)
-        telling = asyncio.create_task(crowd.tell(crowd.enter(), send))
+        telling = asyncio.create_task(crowd.serve(crowd.enter(), send))
         await asyncio.sleep(0.15)
         crowd.publish("new")
         await asyncio.sleep(0.05)
@@ -109,7 +109,7 @@ def test_who_does_not_read_is_let_go(monkeypatch: pytest.MonkeyPatch) -> None:
 
         crowd.publish("x")
         with pytest.raises(TimeoutError):
-            await crowd.tell(crowd.enter(), never)
+            await crowd.serve(crowd.enter(), never)
 
     asyncio.run(scene())
 
@@ -172,10 +172,10 @@ def test_a_server_of_signal_k_is_told_again_after_it_was_gone_and_when_the_watch
     with serve(hear, "127.0.0.1", 0) as server:
         Thread(target=server.serve_forever, daemon=True).start()
         with SignalKSender(f"ws://127.0.0.1:{server.socket.getsockname()[1]}") as sender:
-            sender.tell(desk, 0.0)
+            sender.send(desk, 0.0)
             assert soon(lambda: len(heard) == 2)
             desk.update(0.0, ALARM)
-            sender.tell(desk, 1.0)
+            sender.send(desk, 1.0)
             assert soon(lambda: len(heard) == 3)
         assert soon(lambda: len(heard) == 4)
         server.shutdown()

@@ -22,7 +22,7 @@ from hypothesis import strategies as st
 import narrows as nw
 from logs import motion, sentence
 from narrows.readers.nmea.nmea_decoder import AisFragments, Entry, NmeaDecoder
-from narrows.readers.nmea.nmea_sentences import Sentence, Telling, sentences
+from narrows.readers.nmea.nmea_sentences import DecodedMessage, Sentence, sentences
 from narrows.warning.inputs.bridge_readings import NOT_HERE, BridgeReadings, Messages, Tick
 from narrows.warning.inputs.listening import (
     NO_PEER,
@@ -46,15 +46,15 @@ MOST_SHIPS, LONGEST_LINE, OTHERS_QUEUE, OWN_QUEUE = 2000, 4096, 5000, 20_000
 def understood(*lines: str, mmsi: int | None = None, decoder: NmeaDecoder | None = None, t: float = 0.0) -> list[dict]:
     decoder = decoder or NmeaDecoder(mmsi)
     texts = [line.encode("latin-1") for line in lines]
-    told = [decoder.told(one, t) for one in sentences(texts, decoder.faults)]
+    told = [decoder.decode(one, t) for one in sentences(texts, decoder.faults)]
     return [one.values for one in told if one is not None]
 
 
 def heard(*lines: str, t: float = 10.0, bridge: BridgeReadings | None = None) -> Messages:
     decoder = NmeaDecoder()
-    told = [decoder.told(one, t) for one in sentences([line.encode() for line in lines], decoder.faults)]
+    told = [decoder.decode(one, t) for one in sentences([line.encode() for line in lines], decoder.faults)]
     entries = [Entry(t, one) for one in told if one is not None]
-    return (bridge or BridgeReadings(WAY)).heard(Tick(t, entries, dict(decoder.faults)))
+    return (bridge or BridgeReadings(WAY)).convert(Tick(t, entries, dict(decoder.faults)))
 
 
 def test_a_second_becomes_readings_along_the_waterway() -> None:
@@ -145,9 +145,9 @@ def test_memory_stays_bounded_whatever_ships_there_are() -> None:
     chance, decoder = random.Random(0), NmeaDecoder()
     for number in range(3 * MOST_SHIPS):
         line = ais("VDM", 200_000_000 + chance.randrange(99_999_999))[0].encode()
-        decoder.told(Sentence(line, "AIVDM", None), 0.01 * number)
+        decoder.decode(Sentence(line, "AIVDM", None), 0.01 * number)
         part = b"!AIVDM,3,1,%d,%s,53`dU0@0000,0*00" % (number % 10, b"AB"[number % 2 : number % 2 + 1])
-        decoder.told(Sentence(part, "AIVDM", None), 0.01 * number)
+        decoder.decode(Sentence(part, "AIVDM", None), 0.01 * number)
     assert len(decoder.ships) <= MOST_SHIPS
     assert len(decoder._fragments) <= 20
 
@@ -159,7 +159,7 @@ def test_fuzzed_bytes_are_counted_and_never_raise(noise: bytes, at: int) -> None
     cut = len(line) * (at + 1) // 6
     for piece in (line[:cut] + noise, line[cut:] + b"\r\n", noise, b"\n"):
         for one in sentences(splitter.lines(piece), decoder.faults):
-            decoder.told(one)
+            decoder.decode(one)
     list(SignalK(decoder.faults).deltas(noise, 0.0))
 
 
@@ -285,7 +285,7 @@ def test_udp_and_tcp_are_heard_and_a_broken_connection_is_opened_anew() -> None:
         with Listening(ways) as listening, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
             for tick in listening.ticks():
                 sender.sendto(told_at(30.0)[1].encode(), ("127.0.0.1", ports[1]))
-                counts.update(entry.told.source for entry in tick.entries)
+                counts.update(entry.message.source for entry in tick.entries)
                 if counts["GPGGA"] == 2 and counts["HEHDT"] >= 3:
                     break
                 assert sum(counts.values()) < 100
@@ -303,7 +303,7 @@ def test_a_burst_of_other_ships_does_not_delay_the_own() -> None:
 
     with Listening([Connection("burst", False, False, opened)]) as listening:
         told, start = listening.ticks(), time.monotonic()
-        heard = Counter(entry.told.source for tick in (next(told), next(told)) for entry in tick.entries)
+        heard = Counter(entry.message.source for tick in (next(told), next(told)) for entry in tick.entries)
         assert time.monotonic() - start < 4.0
         lost = next(told).faults["for which there was no time"]
     assert {"GPGGA", "HEHDT", "TIROT", "VDVBW", "GPVTG", "IIRSA"} <= set(heard)
@@ -365,7 +365,7 @@ def test_signal_k_is_heard_over_a_websocket() -> None:
         time.sleep(0.01)
     with Listening([connection_of(f"ws://127.0.0.1:{port[0]}")]) as listening:
         tick = next(listening.ticks())
-    assert {entry.told.source for entry in tick.entries} == {"signalk n2k.1"}
+    assert {entry.message.source for entry in tick.entries} == {"signalk n2k.1"}
 
 
 @pytest.mark.parametrize("address", ["udp://", "tcp://host", "http://a:1", "serial://", "tcp://a:99999", "ws://", "x"])
@@ -395,7 +395,7 @@ def test_late_shuffled_and_repeated_lines_are_as_the_clean_recording(tmp_path: P
     )
     assert [tick.t for tick in clean] == [tick.t for tick in shuffled]
     assert [sorted(map(repr, tick.entries)) for tick in clean] == [sorted(map(repr, t.entries)) for t in shuffled]
-    told = Telling({}, "GPGGA")
+    told = DecodedMessage({}, "GPGGA")
     assert [entry.t for entry in in_order([Entry(100.0, told), Entry(41.0, told), Entry(38.0, told)])] == [
         38.0,
         41.0,

@@ -125,7 +125,7 @@ def test_a_recording_of_the_demonstration_can_be_replayed(tmp_path: Path) -> Non
     told = list(shown.ticks())
     # A voyage may end within a second; the recording has whole seconds.
     assert [one.t for one in again] == sorted({float(round(one.t)) for one in told})
-    assert sorted(repr(one.told) for one in again[5].entries) == sorted(repr(one.told) for one in told[5].entries)
+    assert sorted(repr(one.message) for one in again[5].entries) == sorted(repr(one.message) for one in told[5].entries)
     assert again[-1].faults == {}
 
 

@@ -105,7 +105,7 @@ def monitor(
         if inputs.demo:
             monitored, ticks = _demonstrated(pace, alerts, publisher)
         else:
-            monitored, ticks = _monitor_of(model or "", waterway, inputs, y, publisher), _heard(inputs, pace, stack)
+            monitored, ticks = _monitor_of(model or "", waterway, inputs, y, publisher), _ticks_of(inputs, pace, stack)
         transit = _watched(monitored, ticks, outlets, delivery.json)
     if inputs.replay and not len(transit.columns["t"]):
         raise InputError(f"{inputs.replay}: it has no valid sentence; give a recording of NMEA 0183")
@@ -142,7 +142,7 @@ def _monitor_of(
     return BridgeMonitor(model_named(model), water, y, place, publisher=publisher, live=live)
 
 
-def _heard(inputs: InputOptions, pace: float, stack: ExitStack) -> Iterator["Tick"]:
+def _ticks_of(inputs: InputOptions, pace: float, stack: ExitStack) -> Iterator["Tick"]:
     if inputs.replay:
         return _replayed(inputs.replay, pace, inputs.mmsi)
     from narrows.warning.inputs.listening import Listening, connection_of
@@ -194,22 +194,22 @@ def _demonstrated(
     return monitored, paced(shown.ticks(), pace)
 
 
-Tell = Callable[["BridgeMonitor", "BridgeStatus", float], None]
-Ask = Callable[[Iterable["Tick"], "BridgeMonitor"], Iterable["Tick"]]
+Receive = Callable[["BridgeMonitor", "BridgeStatus", float], None]
+AddCommands = Callable[[Iterable["Tick"], "BridgeMonitor"], Iterable["Tick"]]
 
 
 @dataclass
 class Outlets:
-    told: list[Tell] = field(default_factory=list)
-    asked: list[Ask] = field(default_factory=list)
+    receivers: list[Receive] = field(default_factory=list)
+    commanders: list[AddCommands] = field(default_factory=list)
 
-    def tell(self, monitored: "BridgeMonitor", status: "BridgeStatus", since_1970: float) -> None:
-        for tell in self.told:
-            tell(monitored, status, since_1970)
+    def publish(self, monitored: "BridgeMonitor", status: "BridgeStatus", since_1970: float) -> None:
+        for receive in self.receivers:
+            receive(monitored, status, since_1970)
 
-    def ask(self, ticks: Iterable["Tick"], monitored: "BridgeMonitor") -> Iterable["Tick"]:
-        for ask in self.asked:
-            ticks = ask(ticks, monitored)
+    def add_commands(self, ticks: Iterable["Tick"], monitored: "BridgeMonitor") -> Iterable["Tick"]:
+        for add in self.commanders:
+            ticks = add(ticks, monitored)
         return ticks
 
 
@@ -224,13 +224,13 @@ def _watched(monitored: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outle
     if not json and sys.stdin.isatty():
         click.echo(HINT)
         ticks = with_keys(ticks, monitored)
-    ticks = outlets.ask(ticks, monitored)
+    ticks = outlets.add_commands(ticks, monitored)
     log = TransitLog(monitored.model.configuration, monitored.waterway)
     with suppress(KeyboardInterrupt), _ended_by_sigterm():
         for number, tick in enumerate(ticks):
             now = time.time()
             status = monitored.update(tick, now)
-            outlets.tell(monitored, status, now)
+            outlets.publish(monitored, status, now)
             log.add(status)
             if not json:
                 _say(number, status)
@@ -302,17 +302,17 @@ def outlets_of(alerts: AlertOptions, page: PageOptions, stack: ExitStack) -> Out
     outlets = Outlets()
     for address in alerts.send or ():
         if address.startswith(SIGNAL_K):
-            outlets.told.append(_to_signal_k(address, stack))
+            outlets.receivers.append(_to_signal_k(address, stack))
     if page.page:
         _open_page(page, outlets, stack)
     return outlets
 
 
-def _to_signal_k(address: str, stack: ExitStack) -> Tell:
+def _to_signal_k(address: str, stack: ExitStack) -> Receive:
     from narrows.warning.monitoring.alert_publisher import SignalKSender
 
     sender = stack.enter_context(SignalKSender(address))
-    return lambda monitored, status, since_1970: sender.tell(monitored.desk, since_1970)
+    return lambda monitored, status, since_1970: sender.send(monitored.desk, since_1970)
 
 
 def _open_page(page: PageOptions, outlets: Outlets, stack: ExitStack) -> None:
@@ -321,8 +321,8 @@ def _open_page(page: PageOptions, outlets: Outlets, stack: ExitStack) -> None:
     shown = BridgePage()
     address = stack.enter_context(shown.open(page.host, page.port))
     click.secho(f"The page: {address}", err=True, bold=True)
-    outlets.told.append(shown.tell)
-    outlets.asked.append(shown.watch)
+    outlets.receivers.append(shown.publish)
+    outlets.commanders.append(shown.watch)
 
 
 HINT = "a and Enter acknowledges what is alerted, s and Enter silences it for 30 s, Ctrl-C ends the watch."

@@ -1,6 +1,6 @@
 """The engine: it compiles terms, pose, actuators, water section, control law and contact as ONE traced system.
 
-``tape`` records the operations of regressors and control laws; ``free_motion`` solves for the accelerations
+``trace`` records the operations of regressors and control laws; ``free_motion`` solves for the accelerations
 symbolically; ``step`` writes rates, contact and a whole step as straight ``lines``; ``derivatives`` differentiates them
 line by line; ``printers`` print them as Python and as loops over lanes; ``kernel`` joins these loops and the
 bookkeeping of ``kernels`` in a module; ``cache`` stores all of it on disk; ``run`` arranges the vessels in arrays;

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, STATE
-from narrows.codegen.tape import Tape
+from narrows.codegen.trace import Trace
 
 # Columns of a waterway's table at each place: distances of the walls, depth and curvature of the line; the current over
 # the number ``current``; the least distance at which a hull can meet a bank; the distances at which the keel does.
@@ -20,7 +20,7 @@ FIELD = ("across", "shear")
 # Speed through the water at which a ship touches the bottom or chokes the section [m/s]: an input in a straight canal,
 # the last column of the table of a waterway with known depths.
 AFLOAT_SPEED = "afloat_speed"
-# Water quantities available to a control law at a place, by their name in its tape: the curvature of the line and the
+# Water quantities available to a control law at a place, by their name in its trace: the curvature of the line and the
 # distances at which the keel meets the banks.
 WATER = {"water_curvature": "curvature", "water_starboard": "keel_starboard", "water_port": "keel_port"}
 # Time at the start of a step [s], length of a whole step [s], and the share of it that is taken: 1 unless a contact is
@@ -62,7 +62,7 @@ class Actuated:
     @property
     def stages(self) -> tuple[str, ...]:
         """Names of the stored orders on their way to the actuator, the earliest last."""
-        return tuple(f"{self.name}_heard_{stage}" for stage in range(STAGES)) if self.late else ()
+        return tuple(f"{self.name}_delayed_{stage}" for stage in range(STAGES)) if self.late else ()
 
 
 def stages_at(actuators: Iterable[Actuated], position: Callable[[str], Any]) -> dict[str, Any]:
@@ -72,7 +72,7 @@ def stages_at(actuators: Iterable[Actuated], position: Callable[[str], Any]) -> 
 
 @dataclass(frozen=True)
 class Law:
-    tape: Tape  # Results: orders by actuator name, new memory by its names
+    trace: Trace  # Results: orders by actuator name, new memory by its names
     memory: tuple[str, ...]  # Numbers stored from step to step
     ordered: tuple[Actuated, ...]  # Actuators that it orders
 
@@ -103,7 +103,7 @@ class Choices:
     def kept(self) -> tuple[str, ...]:
         """Quantities carried from step to step: state, optional turns and time, actuators, memory."""
         law = self.law
-        timed = self.pushed == "until" or (law is not None and TIME in law.tape.inputs)
+        timed = self.pushed == "until" or (law is not None and TIME in law.trace.inputs)
         state = (*STATE, *(COUNTED,) * (self.contact == OPEN), *(TIME,) * timed)
         if law is None:
             return state

@@ -1,4 +1,4 @@
-"""The symbolic equation of motion of a free ship, from the tape of a table of terms.
+"""The symbolic equation of motion of a free ship, from the trace of a table of terms.
 
 On the rig a force is F(motion, accelerations); for a free ship F plus the inputs vanishes: 0 = F + F_in. With M =
 -dF/d(udot, vdot, rdot) and f = F at zero accelerations, M (udot, vdot, rdot) = f + F_in.
@@ -11,7 +11,7 @@ from functools import lru_cache
 from keyword import iskeyword
 from typing import Any, Literal
 
-from narrows.codegen.tape import Tape
+from narrows.codegen.trace import Trace
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS
@@ -68,12 +68,12 @@ def symbol(name: str) -> Expr:
 
 # Control, waterway and contact do not change these equations: systems of one table share them.
 @lru_cache(maxsize=32)
-def trace(tape: Tape, force_of: tuple[tuple[str, str], ...], surge: Surge, coriolis: bool) -> FreeMotion:
+def solve_motion(trace: Trace, force_of: tuple[tuple[str, str], ...], surge: Surge, coriolis: bool) -> FreeMotion:
     """Solve the equation of motion for the accelerations; ``force_of`` pairs each term with its force."""
     forces = dict(force_of)
     components = tuple(FORCES) if surge == "free" else ("Y", "N")
-    names = _coefficient_symbols(tape)
-    regressors = _regressors(tape, forces, components)
+    names = _coefficient_symbols(trace)
+    regressors = _regressors(trace, forces, components)
     mass = _mass(regressors, names, components)
     columns = _columns(regressors, names, components, coriolis)
     if mass.det() == 0:
@@ -82,7 +82,7 @@ def trace(tape: Tape, force_of: tuple[tuple[str, str], ...], surge: Surge, corio
         )
     inverse = mass.adjugate() / mass.det()
     gains = [[(inverse[i, :] * column)[0] for column in columns.values()] for i in range(len(components))]
-    others = {*tape.inputs, "mass", SURGE_INERTIA, *INPUTS.values()} - {*STATE, *ACCELERATIONS.values()}
+    others = {*trace.inputs, "mass", SURGE_INERTIA, *INPUTS.values()} - {*STATE, *ACCELERATIONS.values()}
     return FreeMotion(
         names=names | {name: symbol(name) for name in sorted(others)},
         components=components,
@@ -93,9 +93,9 @@ def trace(tape: Tape, force_of: tuple[tuple[str, str], ...], surge: Surge, corio
     )
 
 
-def _coefficient_symbols(tape: Tape) -> dict[str, Expr]:
+def _coefficient_symbols(trace: Trace) -> dict[str, Expr]:
     names = {}
-    for number, name in enumerate(tape.results):
+    for number, name in enumerate(trace.results):
         if name in RESERVED:
             raise InputError(f"term {name}: the name already means something else here; rename the coefficient")
         plain = name.isascii() and name.isidentifier() and not iskeyword(name) and not TEMPORARY.fullmatch(name)
@@ -103,11 +103,11 @@ def _coefficient_symbols(tape: Tape) -> dict[str, Expr]:
     return names
 
 
-def _regressors(tape: Tape, forces: Mapping[str, str], components: Sequence[str]) -> dict[str, tuple[str, Expr]]:
+def _regressors(trace: Trace, forces: Mapping[str, str], components: Sequence[str]) -> dict[str, tuple[str, Expr]]:
     """Return the regressors of the solved forces; the other accelerations are zero."""
     held = {name: 0 for force, name in ACCELERATIONS.items() if force not in components}
-    symbols = {name: held.get(name, symbol(name)) for name in tape.inputs}
-    expressions = tape.replay(symbols, exact_number, symbolic_functions())
+    symbols = {name: held.get(name, symbol(name)) for name in trace.inputs}
+    expressions = trace.replay(symbols, exact_number, symbolic_functions())
     return {name: (forces[name], value) for name, value in expressions.items() if forces[name] in components}
 
 

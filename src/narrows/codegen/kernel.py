@@ -37,12 +37,12 @@ def _end_texts(lanes: Lanes, choices: Choices, printer: Arithmetic) -> Iterator[
 
 
 # Margin [m] to an end that a voyage cannot meet.
-FAR = sympy.Integer(10) ** 9
+UNREACHED = sympy.Integer(10) ** 9
 
 
 def ends_of(lines: Lines, choices: Choices, state: Mapping[str, Expr]) -> tuple[Expr, ...]:
     left = ends_left(lines, choices, state)
-    return tuple(left.get(name, FAR) for name in ("heading", "ahead", "astern", "afloat"))
+    return tuple(left.get(name, UNREACHED) for name in ("heading", "ahead", "astern", "afloat"))
 
 
 def _of_one(

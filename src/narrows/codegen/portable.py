@@ -13,7 +13,7 @@ from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program, real
 from narrows.codegen.rates import Rates
 from narrows.codegen.step import Step, least_clearance, rate_here, section_at, section_here, step_of
-from narrows.codegen.tape import tape_of
+from narrows.codegen.trace import trace_of
 
 # Name in the lines of a caller's order to an actuator with a gear.
 ORDERED = "ordered_{}".format
@@ -185,9 +185,9 @@ def _followed(actuators: Sequence[Actuated]) -> Law | None:
     if not actuators:
         return None
     names = {ORDERED(actuator.name): ORDERED(actuator.name) for actuator in actuators}
-    tape = tape_of(
+    trace = trace_of(
         lambda at: {actuator.name: getattr(at, ORDERED(actuator.name)) for actuator in actuators},
         {**names, "dt": LENGTH},
         "the gear",
     )
-    return Law(tape, (), tuple(actuators))
+    return Law(trace, (), tuple(actuators))

@@ -118,14 +118,14 @@ def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict
     if choices.law is None:
         return {}, {}
     asked = {**z, "dt": real(LENGTH), "current": sympy.Integer(0)}
-    if choices.waterway and "current" in choices.law.tape.inputs:
+    if choices.waterway and "current" in choices.law.trace.inputs:
         along = real("current") * _water(lines, choices, "flow", z["x"])
         if choices.across == "field":
             along += _water(lines, choices, "shear", z["x"]) * z["y"]
         asked["current"] = lines.put("current_seen", along)
-    inputs = {name: asked.get(name, real(name)) for name in choices.law.tape.inputs}
+    inputs = {name: asked.get(name, real(name)) for name in choices.law.trace.inputs}
     water = {name: partial(_water, lines, choices, column) for name, column in WATER.items()}
-    results = choices.law.tape.replay(inputs, exact_number, {**FUNCTIONS, **water})
+    results = choices.law.trace.replay(inputs, exact_number, {**FUNCTIONS, **water})
     moves: dict[str, Expr] = {}
     out: dict[str, Expr] = {}
     for actuator in choices.law.ordered:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.codegen.cache import generated, source
-from narrows.codegen.tape import Tape, tape_of_terms
+from narrows.codegen.trace import Trace, trace_of_terms
 from narrows.errors import InputError
 from narrows.quantities.names import Number
 from narrows.terms.term import TermTable
@@ -38,8 +38,8 @@ class System:
     choices: "Choices"  # Choices of a step
 
     @cached_property
-    def tape(self) -> Tape:
-        return tape_of_terms(self.table)
+    def trace(self) -> Trace:
+        return trace_of_terms(self.table)
 
     @cached_property
     def _forces(self) -> tuple[tuple[str, str], ...]:
@@ -47,10 +47,10 @@ class System:
 
     @cached_property
     def rates(self) -> "Rates":
-        from narrows.codegen.free_motion import trace
+        from narrows.codegen.free_motion import solve_motion
         from narrows.codegen.rates import Rates
 
-        motion = trace(self.tape, self._forces, self.surge, self.coriolis)
+        motion = solve_motion(self.trace, self._forces, self.surge, self.coriolis)
         choices = self.choices
         return Rates(motion, choices.moving, choices.pushed != "never" or choices.across == "field")
 
@@ -86,10 +86,10 @@ class System:
     @cached_property
     def key(self) -> tuple[object, ...]:
         law = self.choices.law
-        told = (law.tape.text, law.memory, law.ordered) if law else ()
+        told = (law.trace.text, law.memory, law.ordered) if law else ()
         one = self.choices
         choices = (one.contact, one.waterway, one.pushed, one.bottom, one.across, told)
-        return (self.tape.text, self._forces, self.surge, self.coriolis, *choices)
+        return (self.trace.text, self._forces, self.surge, self.coriolis, *choices)
 
     def constants(self, values: Mapping[str, Number]) -> dict[str, Number]:
         scalar = all(np.size(values.get(name, 0.0)) == 1 for name in self.parameters)

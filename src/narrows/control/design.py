@@ -8,18 +8,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.control.flights import Flights, Flown, Scene, ScenePush
+from narrows.control.design_trials import DesignTrials, Scene, ScenePush, TrialResult
 from narrows.control.regulator import regulator
-from narrows.control.regulator_gains import USUAL, RegulatorWeights
+from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.control.regulator_law import Regulator
 from narrows.control.settings import (
     DESIGN_JUDGES,
     DESIGN_STEP,
     DESIGNS_A_ROUND,
-    FLIGHT_LENGTHS,
     FULL_TRAVEL,
     OFF_SHARE,
     TRAVEL_SHARE,
+    TRIAL_LENGTHS,
 )
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, check_count
@@ -141,17 +141,17 @@ def design(
     check_count("seed", seed)
     geared = model if gear is None else with_gear(model, gear)
     scenes = tuple(SCENES.values())
-    flights = Flights(geared, y, u, scenes, ships, seed, noise)
+    trials = DesignTrials(geared, y, u, scenes, ships, seed, noise)
 
     def cost(point: np.ndarray) -> float:
         weights = weights_at(point)
-        flown = flights.fly(weights) if weights else None
-        return math.inf if flown is None else cost_of(flown)
+        result = trials.run(weights) if weights else None
+        return math.inf if result is None else cost_of(result)
 
     with bar(rounds, progress) as advance:
-        best = searched(cost, np.append(np.zeros(len(TUNED)), USUAL.bank), rounds, advance)
-    weights = weights_at(best) or USUAL
-    judge = Flights(geared, y, u, scenes, DESIGN_JUDGES * ships, seed + 1, noise)
+        best = searched(cost, np.append(np.zeros(len(TUNED)), DEFAULT_WEIGHTS.bank), rounds, advance)
+    weights = weights_at(best) or DEFAULT_WEIGHTS
+    judge = DesignTrials(geared, y, u, scenes, DESIGN_JUDGES * ships, seed + 1, noise)
     return RegulatorDesign(geared, float(y), float(u), weights, _judged(judge, weights))
 
 
@@ -162,27 +162,27 @@ def with_gear(model: Model, gear: SteeringGear) -> Model:
 
 def weights_at(point: np.ndarray) -> RegulatorWeights | None:
     """Return the weights of a point of the search; None if they are invalid."""
-    tuned: dict[str, Any] = {n: getattr(USUAL, n) * math.exp(p) for n, p in zip(TUNED, point, strict=False)}
+    tuned: dict[str, Any] = {n: getattr(DEFAULT_WEIGHTS, n) * math.exp(p) for n, p in zip(TUNED, point, strict=False)}
     bank = float(point[-1])
     return RegulatorWeights(**tuned, bank=bank) if 0.0 <= bank <= 1.0 else None
 
 
-def cost_of(flown: Flown) -> float:
-    late = np.minimum(flown.off, 3.0)
-    travel = np.minimum(flown.travel, 2 * FULL_TRAVEL * FLIGHT_LENGTHS)
+def cost_of(result: TrialResult) -> float:
+    late = np.minimum(result.off, 3.0)
+    travel = np.minimum(result.travel, 2 * FULL_TRAVEL * TRIAL_LENGTHS)
     return float(
-        flown.lost.mean() + OFF_SHARE * late.mean() + TRAVEL_SHARE * travel.mean() / (FULL_TRAVEL * FLIGHT_LENGTHS)
+        result.lost.mean() + OFF_SHARE * late.mean() + TRAVEL_SHARE * travel.mean() / (FULL_TRAVEL * TRIAL_LENGTHS)
     )
 
 
-def _judged(flights: Flights, weights: RegulatorWeights) -> dict[str, dict[str, float]]:
-    tuned, usual = flights.fly(weights), flights.fly(USUAL)
+def _judged(trials: DesignTrials, weights: RegulatorWeights) -> dict[str, dict[str, float]]:
+    tuned, default = trials.run(weights), trials.run(DEFAULT_WEIGHTS)
     assert tuned is not None
-    assert usual is not None
+    assert default is not None
     return {
         name: {
-            "lost": float(tuned.lost[row].mean()), "usual": float(usual.lost[row].mean()),
-            "travel": float(np.median(tuned.travel[row])), "usual_travel": float(np.median(usual.travel[row])),
+            "lost": float(tuned.lost[row].mean()), "usual": float(default.lost[row].mean()),
+            "travel": float(np.median(tuned.travel[row])), "usual_travel": float(np.median(default.travel[row])),
         }
         for row, name in enumerate(SCENES)
     }  # fmt: skip
@@ -194,10 +194,10 @@ def searched(
     """Return the best point of a simplex search that stays away from infinite costs."""
     from scipy.optimize import minimize
 
-    flown = count(1)
+    evaluations = count(1)
 
     def counted(point: np.ndarray) -> float:
-        advance(int(next(flown) % DESIGNS_A_ROUND == 0))
+        advance(int(next(evaluations) % DESIGNS_A_ROUND == 0))
         return cost(point)
 
     # The last number, the bank's share, moves down: it may be 1 already.

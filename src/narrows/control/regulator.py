@@ -10,7 +10,7 @@ import numpy as np
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control.linear_system import LinearSystem
 from narrows.control.linearization import linearize
-from narrows.control.regulator_gains import USUAL, RegulatorWeights, best_gains, regulator_gains
+from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights, best_gains, regulator_gains
 from narrows.control.regulator_law import HeldLine, Regulator
 from narrows.control.settings import LEAD_TIME, OFF_HEADING, OFF_RUDDER
 from narrows.control.steady_course import check_holds, check_inside, check_rudder, self_propulsion, solved
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 def regulator(
     model: Model, y: Any, u: float, *, waterway: "Waterway | None" = None,
-    at: float | Sequence[float] = 0.0, weights: RegulatorWeights = USUAL, **values: float,
+    at: float | Sequence[float] = 0.0, weights: RegulatorWeights = DEFAULT_WEIGHTS, **values: float,
 ) -> Regulator:  # fmt: skip
     """Return the regulator that holds a ship on a line: linear-quadratic on the rudder's rate.
 
@@ -81,7 +81,7 @@ def _pairs(y: Any) -> list[tuple[float, float]]:
 
 
 def held_line(
-    model: Model, linear: LinearSystem, start: float = 0.0, weights: RegulatorWeights = USUAL
+    model: Model, linear: LinearSystem, start: float = 0.0, weights: RegulatorWeights = DEFAULT_WEIGHTS
 ) -> HeldLine:  # fmt: skip
     course = {name: float(value) for name, value in linear.course.items()}
     check_holds(model, course["rudder"], course["y"], course["u"])

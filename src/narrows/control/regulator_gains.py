@@ -66,7 +66,7 @@ class RegulatorWeights:
                 raise InputError(f"weights of a regulator: {entry.name} = {value} is out of range; see its docstring")
 
 
-USUAL = RegulatorWeights()
+DEFAULT_WEIGHTS = RegulatorWeights()
 
 
 def gains_of(
@@ -92,7 +92,7 @@ def gains_of(
 
 
 def stacked_gains(
-    ship: SimulatedShip, values: Mapping[str, Any], course: Mapping[str, Any], weights: RegulatorWeights = USUAL
+    ship: SimulatedShip, values: Mapping[str, Any], course: Mapping[str, Any], weights: RegulatorWeights
 ) -> np.ndarray:
     """Return the gains of a regulator for each of many courses, (n, 6)."""
     linear = ship.linearisation({**ship.values(), **values})
@@ -103,7 +103,7 @@ def stacked_gains(
     return gains_of(ship, *rate_driven(rows[:, :, states], rows[:, :, rudder]), speed, weights)
 
 
-def regulator_gains(model: Model, linear: LinearSystem, weights: RegulatorWeights = USUAL) -> tuple[Any, ...]:
+def regulator_gains(model: Model, linear: LinearSystem, weights: RegulatorWeights = DEFAULT_WEIGHTS) -> tuple[Any, ...]:
     """Return the gains of a regulator on one course, [rad/(s m), 1/s, rad/m, 1, 1/s, rad/(s2 m)]."""
     motion, push = rate_driven(linear.A[None], linear.B[None, :, linear.controls.index("rudder")])
     gains = gains_of(SimulatedShip(model), motion, push, np.array([float(linear.course["u"])]), weights)[0]

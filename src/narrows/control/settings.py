@@ -66,14 +66,14 @@ LOOP_DURATION = 40.0
 # Voyages that determine a loop's tolerated delay: duration [ship lengths], starting offset [beams], late offset
 # relative to it that counts as lost [1], longest delay [ship lengths], and tolerance [1].
 LOOP_TIME, LOOP_OFFSET, LOST_LOOP, MOST_DELAY, DELAY_DIGITS = 120.0, 0.03, 0.1, 2.0, 0.02
-# Flights that design a regulator: length [ship lengths], its last part in which the offset counts, and steps per ship
+# Trials of a regulator design: length [ship lengths], its last part in which the offset counts, and steps per ship
 # length.
-FLIGHT_LENGTHS, LATE_LENGTHS, FLIGHT_STEPS = 11.7, 1.2, 50
+TRIAL_LENGTHS, LATE_LENGTHS, TRIAL_STEPS = 11.7, 1.2, 50
 # Standard deviations of the regulator's readings: offset [beams]; heading [rad], also as a share of the speed for sway
 # velocity and of a turn a ship length for yaw rate.
-FLIGHT_NOISE = 0.01, np.radians(0.1)
+TRIAL_NOISE = 0.01, np.radians(0.1)
 # Standard deviation of the heading at the start [rad].
-FLIGHT_HEADING = np.radians(1.0)
+TRIAL_HEADING = np.radians(1.0)
 # Cost of a design besides the share of lost ships, as shares of a lost ship [1]: late offset of half a beam, and rudder
 # travel of so much per ship length [rad].
 OFF_SHARE, TRAVEL_SHARE, FULL_TRAVEL = 0.3, 0.1, np.radians(10.0)

@@ -13,7 +13,7 @@ from narrows.codegen.cache import compiled_loops, generated
 from narrows.codegen.choices import Actuated, Law
 from narrows.codegen.free_motion import INPUTS as FORCES
 from narrows.codegen.run import cores, in_threads
-from narrows.codegen.tape import tape_of
+from narrows.codegen.trace import trace_of
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.grid import grid_of
@@ -145,7 +145,7 @@ def solved(
 def moving(actuators: tuple[Actuated, ...]) -> Law:
     """Return a law that makes actuators variable; its orders are not used."""
     names = {actuator.name: actuator.name for actuator in actuators}
-    return Law(tape_of(vars, names, "what moves"), (), actuators)
+    return Law(trace_of(vars, names, "what moves"), (), actuators)
 
 
 def balance_module(system: "System") -> ModuleType:

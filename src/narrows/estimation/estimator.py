@@ -93,7 +93,7 @@ class Estimator(BaseSummary):
     def _begin_anew(self) -> None:
         self._start = Start(self.filter)
         self._run: FilterRun | None = None
-        self._heard: dict[str, float] = {}
+        self._last_reading: dict[str, float] = {}
         self._verdict = ""
 
     def forget(self) -> None:
@@ -231,11 +231,11 @@ class Estimator(BaseSummary):
         self, t: float, measured: dict[str, tuple[float, ...]], positions: dict[str, float], notes: list[str]
     ) -> Estimate:
         start = self._start
-        for name in [name for name, heard in self._heard.items() if self._quiet(name, t - heard)]:
+        for name in [name for name, last in self._last_reading.items() if self._quiet(name, t - last)]:
             start.readings.pop(name, None)  # Too old for a start
         late = max((self.filter.sensors[name].late for name in measured), default=0.0)
         start.add(t - late, measured)
-        self._heard.update(dict.fromkeys(measured, t))
+        self._last_reading.update(dict.fromkeys(measured, t))
         if start.missing:
             notes.append(f"An estimate starts from {START_READINGS} readings each; it still lacks {start.missing}.")
             return self._estimate(t, self._last, False, notes)
@@ -258,7 +258,7 @@ class Estimator(BaseSummary):
         at = last.positions.copy()
         for number, name in enumerate(self.filter.actuators):
             at[number] = positions.get(name, at[number]) if t >= last.t - SAME_TIME else at[number]
-        self._heard.update(dict.fromkeys(measured, now))
+        self._last_reading.update(dict.fromkeys(measured, now))
         if not self._run.update(t, measured, at, notes):
             notes.append(f"At t = {t:g} s the estimate lay in a bank or beyond the waterway: it begins anew.")
             self._begin_anew()
@@ -272,7 +272,7 @@ class Estimator(BaseSummary):
     def _silences(self, now: float) -> list[str]:
         silent = []
         for name in self.filter.sensors:
-            quiet = now - self._heard.setdefault(name, now)
+            quiet = now - self._last_reading.setdefault(name, now)
             if self._quiet(name, quiet):
                 silent.append(f"No reading of {name} came for {quiet:.0f} s.")
         return silent

@@ -18,9 +18,9 @@ from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, SURGE_INERTIA, Ex
 from narrows.codegen.lines import FUNCTIONS, Program, real, straight_lines
 from narrows.codegen.portable import ORDERED, Portable
 from narrows.codegen.system import DEFAULTS
-from narrows.codegen.tape import tape_of
+from narrows.codegen.trace import trace_of
 from narrows.errors import InputError
-from narrows.export.passport import BEYOND, passport
+from narrows.export.passport import RANGE_BITS, passport
 from narrows.files import is_stream
 from narrows.model.water import speeds_afloat
 from narrows.physics.squat_and_depth import BOUNDLESS
@@ -49,7 +49,7 @@ GEAR = {
     "limit": ("{}", "largest size"), "rate": ("{}/s", "fastest change"), "dead_time": ("s", "dead time"),
     "lag": ("s", "time constant"), "dead_band": ("{}", "dead band"),
 }  # fmt: skip
-HEARD = "order on its way to the {}: begin where the actuator is"
+DELAYED = "order on its way to the {}: begin where the actuator is"
 # Names that a file of each suffix would hide or cannot declare: keywords; functions, headers and modules in common use.
 OF_MATLAB = frozenset({
     "abs", "acos", "all", "angle", "any", "asin", "atan", "atan2", "axis", "break", "case", "catch", "ceil",
@@ -231,7 +231,7 @@ class ExportedShip:
         known = {one.name: Quantity(one.unit, one.meaning) for one in self.ship.model.terms.actuators}
         known |= {**REGRESSOR_INPUTS, "counted_psi": Quantity("rad", "heading that counts whole turns")}
         for actuator in self.ship.actuators:
-            known |= dict.fromkeys(actuator.stages, Quantity(known[actuator.name].unit, HEARD.format(actuator.name)))
+            known |= dict.fromkeys(actuator.stages, Quantity(known[actuator.name].unit, DELAYED.format(actuator.name)))
         start = {**dict.fromkeys(self.portable.kept, 0.0), "cos_psi": 1.0}
         if self.steering:
             start |= {name: float(value) for name, value in self.steering.memory(start).items()}
@@ -266,7 +266,7 @@ class ExportedShip:
 
     def about(self) -> Iterator[str]:
         yield from passport(self.ship.model)
-        on = f" Voyages go on, and beyond has {BEYOND['bottom'][0]}."
+        on = f" Voyages go on, and beyond has {RANGE_BITS['bottom'][0]}."
         yield self.bottom_note + on * (self.afloat_speed < BOUNDLESS)
 
     @property
@@ -279,9 +279,9 @@ class ExportedShip:
 def _over_ship(width: Expr, depth: Expr) -> dict[str, Expr]:
     """Return the section over the ship, and the speed at which the ship touches the bottom or chokes the section."""
     names = {name: name for name in (*PARTICULARS, "width", "depth")}
-    tape = tape_of(lambda at: {AFLOAT_SPEED: minimum(*speeds_afloat(vars(at)))}, names, "the speed afloat")
+    trace = trace_of(lambda at: {AFLOAT_SPEED: minimum(*speeds_afloat(vars(at)))}, names, "the speed afloat")
     symbols = {**{name: real(name) for name in PARTICULARS}, "width": width, "depth": depth}
-    afloat = tape.replay(symbols, exact_number, FUNCTIONS)
+    afloat = trace.replay(symbols, exact_number, FUNCTIONS)
     return {"width_to_beam": width / real("beam"), "depth_to_draft": depth / real("draft"), **afloat}
 
 

@@ -9,7 +9,7 @@ from types import MappingProxyType
 from narrows.codegen.free_motion import OPEN
 from narrows.codegen.linearisation import LINEARISED
 from narrows.export.exported_ship import ExportedNumber, ExportedShip
-from narrows.export.passport import BEYOND, bits_in_words
+from narrows.export.passport import RANGE_BITS, bits_in_words
 from narrows.quantities.dimensions import dimension_of
 from narrows.quantities.names import MOTION
 from narrows.ship.checks import POSITIVE, SMALLEST
@@ -107,7 +107,7 @@ def _variables(exported: ExportedShip, speed: float, dt: float) -> Iterator[FmuV
     yield FmuVariable("outcome", Kind.WHOLE, "1", f"outcome of the voyage: {outcomes}")
     yield FmuVariable("side", Kind.WHOLE, "1", "side of the bank that was touched: 1 starboard, -1 port, 0 none")
     yield FmuVariable("outcome_time", Kind.MOMENT, "s", "time of the end of the voyage; 0 until then")
-    beyond = f"{bits_in_words(exported.ship.model)}, {BEYOND['bottom'][0]} bottom"
+    beyond = f"{bits_in_words(exported.ship.model)}, {RANGE_BITS['bottom'][0]} bottom"
     yield FmuVariable("beyond", Kind.WHOLE, "1", f"quantities outside the tested range, a sum of: {beyond}")
     yield FmuVariable("step", Kind.FIXED, "s", "longest step of co-simulation", dt, 0, (SMALLEST, LONGEST_STEP * dt))
     for one in exported.inputs:

@@ -11,7 +11,7 @@ from narrows.codegen.free_motion import Expr, exact_number, symbolic_functions
 from narrows.codegen.lines import Program, real, straight_lines
 from narrows.codegen.printers.c import C
 from narrows.codegen.printers.language import CSharp, JavaScript, Language, Matlab
-from narrows.codegen.tape import tape_of_terms
+from narrows.codegen.trace import trace_of_terms
 from narrows.errors import InputError
 from narrows.export import native_build
 from narrows.export.fmu import description_text, fmu_of, source_of, token_of
@@ -33,11 +33,11 @@ def force_program(model: Model) -> Program:
     """Return the lines of sway force, yaw moment and their variances, by ``ASKED``."""
     if not model.feels_bank:
         raise InputError(model.bank_note)
-    tape, values = tape_of_terms(model.terms), {**model.configuration.values(), **dict.fromkeys(MOTION, 0.0)}
+    trace, values = trace_of_terms(model.terms), {**model.configuration.values(), **dict.fromkeys(MOTION, 0.0)}
     # The bank's force does not depend on rudder, propeller and accelerations.
-    inputs = {name: exact_number(float(values.get(name) or 0.0)) for name in tape.inputs}
+    inputs = {name: exact_number(float(values.get(name) or 0.0)) for name in trace.inputs}
     inputs |= {name: real(name) for name in ASKED}
-    regressors = tape.replay(inputs, exact_number, symbolic_functions())
+    regressors = trace.replay(inputs, exact_number, symbolic_functions())
     own = [[term.name for term in group if term.from_bank] for group in list(model.terms.forces.values())[1:]]
     forces = [sum((exact_number(model[name]) * regressors[name] for name in names), sympy.Integer(0)) for names in own]
     lines, results = straight_lines([*forces, *(_variance(model, names, regressors) for names in own)])

@@ -14,9 +14,9 @@ from narrows.model.data_range import MEASURES, DataRange, tolerated
 from narrows.model.model import Model
 
 # Quantities of a voyage, by their bit in the sum ``beyond``.
-BEYOND = {name: (one.bit, one.short) for name, one in sorted(MEASURES.items(), key=lambda item: item[1].bit)}
+RANGE_BITS = {name: (one.bit, one.short) for name, one in sorted(MEASURES.items(), key=lambda item: item[1].bit)}
 # A speed at which the ship touches the bottom or chokes the section, which ends a voyage of ``simulate``.
-BEYOND |= {"bottom": (128, "bottom")}
+RANGE_BITS |= {"bottom": (128, "bottom")}
 # Quantities of a voyage and of the bank's force, each with the part that sets no bit where its range is unknown.
 ASKED_OF_VOYAGE = {**dict.fromkeys(MEASURES, ""), "speed": " ahead"}
 ASKED_OF_BANK = {
@@ -85,7 +85,7 @@ def unknown_ranges(model: Model, asked: Mapping[str, str] = ASKED_OF_VOYAGE) -> 
 
 def bits_in_words(model: Model, asked: Mapping[str, str] = ASKED_OF_VOYAGE) -> str:
     """Return the bits of ``beyond`` for some quantities, and which of them set none."""
-    bits = ", ".join(f"{bit} {words}" for name, (bit, words) in BEYOND.items() if name in asked)
+    bits = ", ".join(f"{bit} {words}" for name, (bit, words) in RANGE_BITS.items() if name in asked)
     unknown = unknown_ranges(model, asked)
     return bits + (f" (not known, sets no bit: {', '.join(unknown)})" if unknown else "")
 

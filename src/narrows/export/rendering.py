@@ -14,7 +14,7 @@ from narrows.codegen.printers.language import Language
 from narrows.codegen.printers.python import PlainSource
 from narrows.codegen.printers.translation import Translation
 from narrows.export.exported_ship import ExportedShip
-from narrows.export.passport import BEYOND, bits_in_words, ends_of_data
+from narrows.export.passport import RANGE_BITS, bits_in_words, ends_of_data
 
 WIDTH = 108
 # Outcomes of a voyage, in the order of their codes.
@@ -143,7 +143,8 @@ def _tested(
         size = language.called("abs", sizes[name]) if name.startswith("abs") else sizes[name]
         yield size, bit, language.literal(low), language.literal(high)
     if AFLOAT_SPEED in sizes:
-        yield language.called("abs", sizes["speed"]), BEYOND["bottom"][0], language.literal(0.0), sizes[AFLOAT_SPEED]
+        bit = RANGE_BITS["bottom"][0]
+        yield language.called("abs", sizes["speed"]), bit, language.literal(0.0), sizes[AFLOAT_SPEED]
 
 
 def _section_sizes(exported: ExportedShip, language: Language) -> dict[str, str]:
@@ -160,7 +161,7 @@ def rendered(template: str, exported: ExportedShip, language: Language, **told: 
     rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # Results of ``rates``
     alike = {"ship": exported, "prefix": exported.prefix, "row": exported.portable.choices.row, "rates": rates,
              "number": language.literal,
-             "cannot_integrate": CANNOT_INTEGRATE, "name": language.named, "beyond_bits": tuple(BEYOND.values()),
-             "bits": f"{bits_in_words(exported.ship.model)}, {BEYOND['bottom'][0]} bottom",
+             "cannot_integrate": CANNOT_INTEGRATE, "name": language.named, "beyond_bits": tuple(RANGE_BITS.values()),
+             "bits": f"{bits_in_words(exported.ship.model)}, {RANGE_BITS['bottom'][0]} bottom",
              "tested": tuple(_tested(exported, language, measured))}  # fmt: skip
     return filled(template, **{**alike, **told})

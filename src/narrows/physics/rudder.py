@@ -163,11 +163,11 @@ def gear_motion(
     passing = put("passing", len(stages) * dt)
     share = put("share", passing / greatest(greatest(gear["dead_time"], passing), NO_TIME))
     late = put("late", least(gear["dead_time"] / greatest(passing, NO_TIME), 1.0))
-    heard, after = order, []
+    delayed, after = order, []
     for number, stage in enumerate(stages):
-        after.append(put(f"heard_{number}_new", stage + share * (heard - stage)))
-        heard = put(f"heard_{number}_out", after[-1] + late * (stage - after[-1]))
-    left = put("left", heard - position)
+        after.append(put(f"delayed_{number}_new", stage + share * (delayed - stage)))
+        delayed = put(f"delayed_{number}_out", after[-1] + late * (stage - after[-1]))
+    left = put("left", delayed - position)
     moved = put("moved", functions["choice"](abs(left) - gear["dead_band"], left, 0.0))
     followed = put("followed", 1.0 - functions["exp"](-dt / greatest(gear["lag"], NO_TIME)))
     furthest = put("reach", gear["rate"] * dt)

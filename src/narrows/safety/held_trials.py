@@ -40,12 +40,12 @@ class ChosenPilot:
     tuning: Any  # One of its tunings
 
 
-USUAL = ChosenPilot(PILOTS["regulator"], PILOTS["regulator"].tunings[0])
+DEFAULT = ChosenPilot(PILOTS["regulator"], PILOTS["regulator"].tunings[0])
 
 
 def trials(
     model: Model, y: np.ndarray, u: np.ndarray, heave: np.ndarray, disturbance: Disturbance, samples: int, seed: int,
-    walls: Walls = (math.inf, math.inf), chosen: ChosenPilot = USUAL, knowing: bool = True, bend: Bend = STRAIGHT,
+    walls: Walls = (math.inf, math.inf), chosen: ChosenPilot = DEFAULT, knowing: bool = True, bend: Bend = STRAIGHT,
     workers: int | None = None, progress: bool = False,
 ) -> xr.Dataset:  # fmt: skip
     """Hold a ship at offsets and speeds against disturbances, with coefficients drawn from their covariance."""

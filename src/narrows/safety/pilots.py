@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from narrows.control.regulator import TRACKED, track_gains
-from narrows.control.regulator_gains import USUAL, RegulatorWeights, stacked_gains
+from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights, stacked_gains
 from narrows.control.regulator_law import FEEDBACK, HeldLine, Regulator
 from narrows.control.settings import LEAD_TIME
 from narrows.errors import InputError
@@ -100,7 +100,7 @@ CAP_DEG = 20.0
 PILOTS = {
     "regulator": Pilot(
         "a regulator designed for the best estimate of the coefficients, with the tuning that holds most cases",
-        (USUAL, *TIGHTER), _regulator_numbers, _regulator,
+        (DEFAULT_WEIGHTS, *TIGHTER), _regulator_numbers, _regulator,
     ),
     "track": Pilot(
         "a track pilot without an integral, designed on the centreline for the best estimate of the coefficients, with "
@@ -121,7 +121,7 @@ def regulator_of(ship: SimulatedShip, gains: list[Any], held: Mapping[str, Any],
     time = ship.model.configuration.ship.length / np.asarray(made_for)
     one, two, three, four, five, six = gains
     line = HeldLine(held["y"], (one, two, three, four, five, six), held["rudder"], held["psi"], held["v"])
-    return Regulator((line,), made_for, LEAD_TIME * time, USUAL.unwinding_time * time)
+    return Regulator((line,), made_for, LEAD_TIME * time, DEFAULT_WEIGHTS.unwinding_time * time)
 
 
 # Powers of two that make up whole degrees.
@@ -167,21 +167,21 @@ class Helmsman(BaseSummary):
 
     def memory(self, start: Named) -> Named:
         """Return the trim, the time of the next observation, the last order, and the executed one."""
-        return {"trimmed": 0.0, "next_look": 0.0, "given": start["rudder"], "heard": start["rudder"]}
+        return {"trimmed": 0.0, "next_look": 0.0, "given": start["rudder"], "executed": start["rudder"]}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
         """Return the executed order, and the new memory."""
         off = at.y - at.held_y
         wanted = at.held_rudder + at.trimmed - (at.by_y * off + at.by_psi * (at.psi - at.held_psi) + at.by_r * at.r)
         looks = at.t + ORDER_TOLERANCE * at.dt - at.next_look
-        heard = choice(looks, at.given, at.heard)
+        executed = choice(looks, at.given, at.executed)
         memory = {
             "trimmed": at.trimmed - choice(at.cap - abs(wanted), at.dt * at.by_trim * off, 0.0),
             "next_look": choice(looks, at.t + at.delay, at.next_look),
             "given": choice(looks, whole_degrees(clip(wanted, at.cap)), at.given),
-            "heard": heard,
+            "executed": executed,
         }
-        return {"rudder": heard}, memory
+        return {"rudder": executed}, memory
 
 
 def whole_degrees(angle: Any) -> Any:

@@ -253,7 +253,7 @@ class KernelRun:
     @property
     def text(self) -> str:
         """Identifier of this run, apart from the values that vary."""
-        law = self.steering.law.tape.text if self.steering else ""
+        law = self.steering.law.trace.text if self.steering else ""
         options = (self.duration, self.dt, self.precision, self.ship.surge, self.ship.coriolis, self.ship.contact,
             self.ship.bottom)  # fmt: skip
         where = ""
@@ -261,4 +261,4 @@ class KernelRun:
             water = self.channel({}).water
             where = hashlib.sha256(water.table.tobytes() + water.track.tobytes()).hexdigest()
         values = sorted(self.ship.values().items(), key=str)
-        return f"{self.ship.system().tape.text} {options!r} {law} {where} {values!r}"
+        return f"{self.ship.system().trace.text} {options!r} {law} {where} {values!r}"

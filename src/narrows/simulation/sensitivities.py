@@ -14,7 +14,7 @@ from narrows.codegen.choices import COUNTED, LENGTH, stages_at
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.codegen.lines import FUNCTIONS
 from narrows.codegen.system import System
-from narrows.codegen.tape import tape_of
+from narrows.codegen.trace import trace_of
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.results import BaseResult
@@ -293,13 +293,13 @@ class TangentIntegrator:
         import sympy
 
         controller, names = self.steering.controller, (*STATE, *(actuator.name for actuator in self.ship.actuators))
-        tape = tape_of(
+        trace = trace_of(
             lambda at: controller.memory({name: getattr(at, name) for name in names}),
             dict(zip(names, names, strict=True)),
             "what a control law keeps",
         )
         begun = dict(zip(self.integrator.choices.kept, self.start, strict=True))
-        symbols = {name: sympy.Symbol(name, real=True) for name in tape.inputs}
+        symbols = {name: sympy.Symbol(name, real=True) for name in trace.inputs}
         here = {symbol: begun.get(name, 0.0) for name, symbol in symbols.items()}
         none = np.zeros(len(self.by))
 
@@ -307,7 +307,7 @@ class TangentIntegrator:
             along = (float(value.diff(symbol).subs(here)) * slopes.get(name, none) for name, symbol in symbols.items())
             return sum(along, none)
 
-        kept = tape.replay(symbols, sympy.Float, FUNCTIONS)
+        kept = trace.replay(symbols, sympy.Float, FUNCTIONS)
         return {MEMORY(name): moved(sympy.sympify(value)) for name, value in kept.items()}
 
     @cached_property

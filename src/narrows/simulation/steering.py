@@ -6,7 +6,7 @@ from typing import Any
 
 from narrows.codegen.choices import LENGTH, TIME, WATER, Actuated, Law
 from narrows.codegen.free_motion import STATE
-from narrows.codegen.tape import tape_of
+from narrows.codegen.trace import trace_of
 from narrows.errors import InputError, check_choice
 from narrows.quantities.arithmetic import angle
 from narrows.quantities.names import Number
@@ -68,9 +68,9 @@ def _law(
         _check_orders(what, orders, memory, kept, actuators)
         return {**orders, **{MEMORY(name): value for name, value in memory.items()}}
 
-    tape = tape_of(results, {**quantities, **ours}, what)
-    ordered = tuple(one for one in actuators if one.name in tape.results)
-    return Law(tape, tuple(MEMORY(name) for name in kept), ordered)
+    trace = trace_of(results, {**quantities, **ours}, what)
+    ordered = tuple(one for one in actuators if one.name in trace.results)
+    return Law(trace, tuple(MEMORY(name) for name in kept), ordered)
 
 
 def water(name: str, x: Any) -> Any:

@@ -29,7 +29,7 @@ from narrows.terms.term import (
 __all__ = ["BARE", "BASES", "CROSSFLOW", "MIXED", "MMG", "PAPER", "SPEED", "STEERED", "TAPERED", "table_named"]
 
 # The paper's table of terms, and further hull terms that data required.
-USUAL = "the usual 3-DOF models, as in Fossen (2011), section 6.5"
+THREE_DOF = "the usual 3-DOF models, as in Fossen (2011), section 6.5"
 
 INERTIA, RESISTANCE, DAMPING, LIFT, CROSS = (
     TermKind.INERTIA, TermKind.RESISTANCE, TermKind.DAMPING, TermKind.LIFT, TermKind.CROSSFLOW,
@@ -73,12 +73,12 @@ PAPER = TermTable("paper", SURGE, SWAY, YAW, ties=(("b_rdot", "c_vdot"),))
 MIXED = PAPER.with_terms(
     "mixed",
     sway=[
-        Term("b_uv", r"b_{uv}", hull.sway_lift, dim.KG_PER_M, FREE, LIFT, USUAL, DRIFT_FORCE),
-        Term("b_ur", r"b_{ur}", hull.yaw_lift, dim.KG, FREE, LIFT, USUAL),
+        Term("b_uv", r"b_{uv}", hull.sway_lift, dim.KG_PER_M, FREE, LIFT, THREE_DOF, DRIFT_FORCE),
+        Term("b_ur", r"b_{ur}", hull.yaw_lift, dim.KG, FREE, LIFT, THREE_DOF),
     ],
     yaw=[
-        Term("c_uv", r"c_{uv}", hull.sway_lift, dim.KG, FREE, LIFT, USUAL, DRIFT_MOMENT),
-        Term("c_ur", r"c_{ur}", hull.yaw_lift, dim.KG_M, FREE, LIFT, USUAL, YAW_MOMENT),
+        Term("c_uv", r"c_{uv}", hull.sway_lift, dim.KG, FREE, LIFT, THREE_DOF, DRIFT_MOMENT),
+        Term("c_ur", r"c_{ur}", hull.yaw_lift, dim.KG_M, FREE, LIFT, THREE_DOF, YAW_MOMENT),
     ],
 )
 
@@ -89,17 +89,17 @@ SPEED = MIXED.without("speed", lambda term: term.scale_effect is TEST_SPEED)
 CROSSFLOW = SPEED.with_terms(
     "crossflow",
     surge=[
-        Term("a_vv", r"a_{vv}", hull.sway_squared, dim.KG_PER_M, FREE, LIFT, USUAL),
-        Term("a_vr", r"a_{vr}", hull.sway_yaw, dim.KG, FREE, LIFT, USUAL),
-        Term("a_rr", r"a_{rr}", hull.yaw_squared, dim.KG_M, FREE, LIFT, USUAL),
+        Term("a_vv", r"a_{vv}", hull.sway_squared, dim.KG_PER_M, FREE, LIFT, THREE_DOF),
+        Term("a_vr", r"a_{vr}", hull.sway_yaw, dim.KG, FREE, LIFT, THREE_DOF),
+        Term("a_rr", r"a_{rr}", hull.yaw_squared, dim.KG_M, FREE, LIFT, THREE_DOF),
     ],
     sway=[
-        Term("b_vr", r"b_{|v|r}", hull.yaw_in_crossflow, dim.KG, FREE, CROSS, USUAL),
-        Term("b_rv", r"b_{|r|v}", hull.sway_in_crossflow, dim.KG, FREE, CROSS, USUAL),
+        Term("b_vr", r"b_{|v|r}", hull.yaw_in_crossflow, dim.KG, FREE, CROSS, THREE_DOF),
+        Term("b_rv", r"b_{|r|v}", hull.sway_in_crossflow, dim.KG, FREE, CROSS, THREE_DOF),
     ],
     yaw=[
-        Term("c_vr", r"c_{|v|r}", hull.yaw_in_crossflow, dim.KG_M, FREE, CROSS, USUAL),
-        Term("c_rv", r"c_{|r|v}", hull.sway_in_crossflow, dim.KG_M, FREE, CROSS, USUAL),
+        Term("c_vr", r"c_{|v|r}", hull.yaw_in_crossflow, dim.KG_M, FREE, CROSS, THREE_DOF),
+        Term("c_rv", r"c_{|r|v}", hull.sway_in_crossflow, dim.KG_M, FREE, CROSS, THREE_DOF),
     ],
 )
 

@@ -209,8 +209,8 @@ AT_ONCE = 4_000_000
 
 
 Wall = Callable[[Sequence[Point], float], float]
-# Distance beyond any bank's profile [m].
-FAR = 1e4
+# Reach of a profile from its line [m]: every point is nearer than this.
+PROFILE_REACH = 1e4
 
 
 @dataclass(frozen=True)
@@ -287,10 +287,10 @@ class Bank:
         if not self.profile:
             return line
         # Measured from far away, since a profile may begin before its line.
-        away = [(FAR + out, up) for out, up in self.profile]
+        away = [(PROFILE_REACH + out, up) for out, up in self.profile]
         heights, index = np.unique(np.broadcast_to(height, line.shape), return_inverse=True)
         back = np.array(
-            [where(away, one_height) - FAR if one_height > 0 else np.nan for one_height in heights.tolist()]
+            [where(away, one_height) - PROFILE_REACH if one_height > 0 else np.nan for one_height in heights.tolist()]
         )
         return np.asarray(line + back[index].reshape(line.shape))
 
@@ -316,7 +316,7 @@ def _check_profile(profile: tuple[Point, ...], side: str) -> None:
         raise InputError(f"the profile of the {side} bank is not pairs of distance and height; mend it")
     if len(points) < 2:
         raise InputError(f"the profile of the {side} bank has one point; give it two points or more")
-    wrong = ~((np.abs(points[:, 0]) < FAR) & (points[:, 1] >= 0) & (points[:, 1] < FAR))
+    wrong = ~((np.abs(points[:, 0]) < PROFILE_REACH) & (points[:, 1] >= 0) & (points[:, 1] < PROFILE_REACH))
     if wrong.any():
         out, up = points[int(wrong.argmax())]
         raise InputError(

@@ -50,7 +50,7 @@ LEAVES = 0.0
 KEPT, COS, U, V, R = 7, 2, 4, 5, 6
 """Numbers of the state, and places in it: cosine of the heading, velocities, yaw rate."""
 AFLOAT, DIVERGED, REFUSED = 0, 2, 6
-FAR = 1e9
+UNREACHED = 1e9
 """Margin to an end that a voyage cannot meet [m]."""
 MOST_STEPS = 1e9
 """Most steps of a voyage."""
@@ -89,10 +89,10 @@ def is_sane(state: Array, closeness: float, constants: Constants) -> bool:
 
 def cause_of(state: Array, constants: Constants, waterway: Place, tolerance: float) -> int:
     """Return which end is met when the clearance is zero: the limit of heading, an end of the waterway, or a bank."""
-    ahead, astern = FAR, FAR
+    ahead, astern = UNREACHED, UNREACHED
     if WATERWAY:
         ahead, astern = waterway.x_last - state[0], state[0] - waterway.x_first
-    return cause(state[COS] - constants.least_cos, ahead, astern, FAR, tolerance)
+    return cause(state[COS] - constants.least_cos, ahead, astern, UNREACHED, tolerance)
 
 
 def begun(state: Array, closeness: Array, constants: Constants, waterway: Place) -> int:

@@ -1,4 +1,4 @@
-"""The forces of a table of terms in LaTeX, from the shared tape, in lines that fit a page."""
+"""The forces of a table of terms in LaTeX, from the shared trace, in lines that fit a page."""
 
 import re
 from collections.abc import Callable, Mapping, Sequence
@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from narrows.codegen.free_motion import Expr, exact_number, symbol, symbolic_functions
-from narrows.codegen.tape import OPERATORS, Recorded, notes_of_terms
+from narrows.codegen.trace import OPERATORS, Recorded, notes_of_terms
 from narrows.errors import check_choice
 from narrows.physics import clearance, hull, propeller, rudder
 from narrows.quantities.names import FORCES, MOTION, REGRESSOR_INPUTS, Number
@@ -217,7 +217,7 @@ class Equations:
 
 
 def _named(inputs: Mapping[str, Recorded], known: int) -> dict[int, str]:
-    """Return the symbols of named quantities, by their line on the tape."""
+    """Return the symbols of named quantities, by their line on the trace."""
     found: dict[int, str] = {}
     for written, function in NAMED.items():
         together = next((own for module, own in TOGETHER.items() if function.__module__ == module.__name__), None)

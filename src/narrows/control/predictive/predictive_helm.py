@@ -99,11 +99,11 @@ class VoyageOrders:
             self._stages = [self._order] * STAGES
         elif self.gear.delay:
             self._stages = self._turned(float(seen.state[RUDDER]), self._stages, elapsed)[1]
-        self._seen, heard = seen, self._at_actuation(seen)
-        rate = self._rate(heard, elapsed)
+        self._seen, actuated = seen, self._at_actuation(seen)
+        rate = self._rate(actuated, elapsed)
         limit, fastest = self.planner.limits
         reach = max(elapsed, self.planner.horizon.period)
-        order = heard.state[RUDDER] + min(max(rate, -fastest), fastest) * reach
+        order = actuated.state[RUDDER] + min(max(rate, -fastest), fastest) * reach
         self._order = float(min(max(order, -limit), limit))
         return self._order
 

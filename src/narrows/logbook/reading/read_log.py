@@ -167,8 +167,8 @@ class LogReading:
 
     def __init__(self, log: StreamedLog) -> None:
         self.log, self.table = log, log.name
-        heard = isinstance(log.table, Path) and is_nmea(log.table)
-        self.mmsi = None if heard else log.mmsi
+        is_recording = isinstance(log.table, Path) and is_nmea(log.table)
+        self.mmsi = None if is_recording else log.mmsi
         self.names: list[str] = []
         self.about: tuple[str, ...] = ()
         self.mapped: tuple[str, ...] = ()

@@ -6,7 +6,7 @@ from datetime import UTC, date, datetime
 from typing import NamedTuple
 
 from narrows.errors import needs
-from narrows.readers.nmea.nmea_sentences import Sentence, Telling, told_by
+from narrows.readers.nmea.nmea_sentences import DecodedMessage, Sentence, decode_parts
 from narrows.readers.settings import MOST_OPEN, MOST_SHIPS, PART_WAIT
 
 
@@ -23,20 +23,20 @@ class NmeaDecoder:
         self.ships: Counter[str] = Counter()
         self._fragments = AisFragments(self.faults)
 
-    def told(self, sentence: Sentence, t: float = 0.0) -> Telling | None:
+    def decode(self, sentence: Sentence, t: float = 0.0) -> DecodedMessage | None:
         """Return the values of a sentence; None if it has none for this package, or is invalid."""
         ais = sentence.kind.endswith(("VDO", "VDM"))
         parts = self._fragments.whole(sentence.text, t) if ais else (sentence.text,)
         if parts is None:
             return None
         try:
-            told = told_by(parts, sentence.kind, self.mmsi)
+            message = decode_parts(parts, sentence.kind, self.mmsi)
         except Exception:  # The parsers raise many kinds of errors on bad fields
             self.faults["that cannot be understood"] += 1
             return None
-        if told is not None and sentence.kind.endswith("VDM") and not told.values:
-            self._count(told.source.split()[-1])
-        return told
+        if message is not None and sentence.kind.endswith("VDM") and not message.values:
+            self._count(message.source.split()[-1])
+        return message
 
     def _count(self, ship: str) -> None:
         self.ships[ship] += 1
@@ -113,7 +113,7 @@ EPOCH = date(1970, 1, 1)
 
 class Entry(NamedTuple):
     t: float  # Time since the start of the recording [s]
-    told: Telling  # Decoded values
+    message: DecodedMessage
 
 
 class Clock:
@@ -124,10 +124,10 @@ class Clock:
         self._midnight = DAY * (day - EPOCH).days if day else 0.0
         self._last = -DAY
 
-    def entries(self, told: Iterable[tuple[Sentence, Telling]]) -> Iterator[Entry]:
-        waiting: list[Telling] = []
+    def entries(self, messages: Iterable[tuple[Sentence, DecodedMessage]]) -> Iterator[Entry]:
+        waiting: list[DecodedMessage] = []
         before: float | None = None
-        for sentence, one in told:
+        for sentence, one in messages:
             now = self._since_begin(sentence, one)
             if now is None:
                 waiting.append(one)
@@ -147,28 +147,28 @@ class Clock:
         dated = self.begin is not None and (self.logged or self.day is not None)
         return datetime.fromtimestamp(self.begin or 0.0, UTC) if dated else None
 
-    def _since_begin(self, sentence: Sentence, told: Telling) -> float | None:
-        now = sentence.logged if self.logged else self._by_clock(told)
+    def _since_begin(self, sentence: Sentence, message: DecodedMessage) -> float | None:
+        now = sentence.logged if self.logged else self._by_clock(message)
         if now is None:
             return None
         self.begin = now if self.begin is None else self.begin
         return now - self.begin
 
-    def _by_clock(self, told: Telling) -> float | None:
+    def _by_clock(self, message: DecodedMessage) -> float | None:
         """Seconds since 1970, or since midnight of an unknown day, from the clock inside a sentence."""
-        if told.clock is None:
+        if message.clock is None:
             return None
-        at = told.clock
+        at = message.clock
         seconds = 3600.0 * at.hour + 60.0 * at.minute + at.second + 1e-6 * at.microsecond
-        if told.day is not None:
-            self._midnight = DAY * (told.day - EPOCH).days
+        if message.day is not None:
+            self._midnight = DAY * (message.day - EPOCH).days
         elif seconds < self._last - DAY / 2:
             self._midnight += DAY
         self._last = seconds
         return self._midnight + seconds
 
 
-def _between(before: float, now: float, waiting: list[Telling]) -> Iterator[Entry]:
+def _between(before: float, now: float, waiting: list[DecodedMessage]) -> Iterator[Entry]:
     """Times of sentences without a clock, evenly between those with one."""
     step = max(now - before, 0.0) / (len(waiting) + 1)
     yield from (Entry(before + step * place, one) for place, one in enumerate(waiting, 1))

@@ -11,7 +11,7 @@ import pandas as pd
 from narrows.errors import InputError
 from narrows.progress import opened
 from narrows.readers.nmea.nmea_decoder import Clock, Entry, NmeaDecoder
-from narrows.readers.nmea.nmea_sentences import SENTENCE, SOURCES, Sentence, Telling, sentences
+from narrows.readers.nmea.nmea_sentences import SENTENCE, SOURCES, DecodedMessage, Sentence, sentences
 from narrows.readers.settings import NMEA_SHARE, SNIFFED, SOURCE_SENTENCES, TALKER_SILENCE
 
 
@@ -34,44 +34,44 @@ class Recording:
     def entries(self) -> Iterator[Entry]:
         self._begin()
         with opened(self.path) as file:
-            yield from self.clock.entries(self._told(file))
+            yield from self.clock.entries(self._decoded(file))
 
     def _begin(self) -> None:
         with self.path.open("rb") as file:
-            sample = list(islice(self._told(file), SOURCE_SENTENCES))
+            sample = list(islice(self._decoded(file), SOURCE_SENTENCES))
         self.decoder.forget()
         logged = sum(sentence.logged is not None for sentence, _ in sample)
-        day = next((told.day for _, told in sample if told.day), None)
-        self.sources, self.clock = Sources(told for _, told in sample), Clock(logged > NMEA_SHARE * len(sample), day)
+        day = next((message.day for _, message in sample if message.day), None)
+        self.sources, self.clock = Sources(one for _, one in sample), Clock(logged > NMEA_SHARE * len(sample), day)
 
-    def _told(self, lines: Iterable[bytes]) -> Iterator[tuple[Sentence, Telling]]:
+    def _decoded(self, lines: Iterable[bytes]) -> Iterator[tuple[Sentence, DecodedMessage]]:
         for sentence in sentences(lines, self.decoder.faults):
-            told = self.decoder.told(sentence, sentence.logged or 0.0)
-            if told is not None:
-                yield sentence, told
+            message = self.decoder.decode(sentence, sentence.logged or 0.0)
+            if message is not None:
+                yield sentence, message
 
 
 class Sources:
-    def __init__(self, sample: Iterable[Telling] = ()) -> None:
+    def __init__(self, sample: Iterable[DecodedMessage] = ()) -> None:
         counts: dict[str, Counter[str]] = {about: Counter() for about in SOURCES}
-        for told in sample:
-            for about, values in told.values.items():
+        for message in sample:
+            for about, values in message.values.items():
                 if values and about in counts:
-                    counts[about][told.source] += 1
+                    counts[about][message.source] += 1
         self.chosen = {about: _best(found, SOURCES[about]) for about, found in counts.items() if found}
         self.used = {about: [source] for about, source in self.chosen.items()}
-        self._heard: dict[str, float] = {}
+        self._last: dict[str, float] = {}
 
-    def tells(self, about: str, source: str, t: float) -> bool:
+    def accepts(self, about: str, source: str, t: float) -> bool:
         chosen = self.chosen.setdefault(about, source)
         if source != chosen:
-            if _type(source) != _type(chosen) or t - self._heard.get(about, 0.0) < TALKER_SILENCE:
+            if _type(source) != _type(chosen) or t - self._last.get(about, 0.0) < TALKER_SILENCE:
                 return False
             self.chosen[about] = source
         used = self.used.setdefault(about, [])
         if source not in used:
             used.append(source)
-        self._heard[about] = t
+        self._last[about] = t
         return True
 
     def words(self) -> str:
@@ -97,8 +97,8 @@ class NmeaTable(Recording):
                 yield frame
         if not self.sources.chosen:
             ships = ", ".join(name for name, _ in self.decoder.ships.most_common(3))
-            heard = f"; it heard the ships {ships} by AIS: say whose reports to read, mmsi=" if ships else ""
-            raise InputError(f"{self.path}: no sentence gives the position or motion of this ship{heard}")
+            others = f"; AIS reports are of the ships {ships}: choose one by mmsi=" if ships else ""
+            raise InputError(f"{self.path}: no sentence gives the position or motion of this ship{others}")
 
     def notes(self) -> tuple[str, ...]:
         clock = self.clock
@@ -112,9 +112,9 @@ class NmeaTable(Recording):
 def _frame(entries: list[Entry], sources: Sources, first: int) -> pd.DataFrame:
     """One row per sentence; values of sources that were not chosen are skipped."""
     cells: dict[str, list[tuple[int, float]]] = {}
-    for row, (t, told) in enumerate(entries):
-        for about, values in told.values.items():
-            if values and about in SOURCES and sources.tells(about, told.source, t):
+    for row, (t, message) in enumerate(entries):
+        for about, values in message.values.items():
+            if values and about in SOURCES and sources.accepts(about, message.source, t):
                 for name, value in values.items():
                     cells.setdefault(name, []).append((row, value))
     columns = {"t": np.array([entry.t for entry in entries])}

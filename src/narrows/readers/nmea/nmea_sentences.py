@@ -26,11 +26,11 @@ LARGEST = {
 
 Values = dict[str, float]
 # Values by group (``SOURCES``): columns in SI.
-Tellings = Mapping[str, Values]
+GroupedValues = Mapping[str, Values]
 
 
-class Telling(NamedTuple):
-    values: Tellings  # Columns by group; empty if it has no value
+class DecodedMessage(NamedTuple):
+    values: GroupedValues  # Columns by group; empty if it has no value
     source: str  # Talker and type, as in ``GPGGA``
     clock: time | None = None  # Time of day, UTC
     day: date | None = None  # Date of that time
@@ -52,7 +52,7 @@ SOURCES = {
 PARTICULARS, WATER_DEPTH = "particulars", "depth of water"
 
 
-def told_by(parts: Sequence[bytes], kind: str, mmsi: int | None = None) -> Telling | None:
+def decode_parts(parts: Sequence[bytes], kind: str, mmsi: int | None = None) -> DecodedMessage | None:
     if kind.endswith(("VDO", "VDM")):
         return _ais(parts, kind, mmsi)
     read = READ.get(kind[2:])
@@ -63,7 +63,7 @@ def told_by(parts: Sequence[bytes], kind: str, mmsi: int | None = None) -> Telli
     message = NMEAReader.parse(parts[0] + b"\r\n")
     source = f"{kind} {message.source}{message.engineshaftnum}" if kind.endswith("RPM") else kind
     clock = getattr(message, "time", None)
-    return Telling(read(message), source, clock if isinstance(clock, time) else None, _day(message, kind))
+    return DecodedMessage(read(message), source, clock if isinstance(clock, time) else None, _day(message, kind))
 
 
 def _day(message: Any, kind: str) -> date | None:
@@ -73,7 +73,7 @@ def _day(message: Any, kind: str) -> date | None:
     return day if isinstance(day, date) else None
 
 
-Reader = Callable[[Any], Tellings]
+Reader = Callable[[Any], GroupedValues]
 
 # Valid fix qualities of GGA: not 6 (dead reckoning), 7 (manual), 8 (simulator).
 FIXES = (1, 2, 3, 4, 5, 9)
@@ -100,11 +100,11 @@ def _fix(message: Any) -> Values:
 
 
 def _place(longitude: Any, latitude: Any) -> Values:
-    told = _only(longitude=longitude, latitude=latitude)
-    return told if len(told) == 2 else {}
+    values = _only(longitude=longitude, latitude=latitude)
+    return values if len(values) == 2 else {}
 
 
-def _gga(message: Any) -> Tellings:
+def _gga(message: Any) -> GroupedValues:
     return {"position": _fix(message)} if message.quality in FIXES and _is_sharp(message) else {}
 
 
@@ -118,15 +118,15 @@ def _is_fix(message: Any) -> bool:
     return bool(str(getattr(message, "posMode", None) or "A").strip(NO_FIXES))
 
 
-def _gns(message: Any) -> Tellings:
+def _gns(message: Any) -> GroupedValues:
     return {"position": _fix(message)} if _is_fix(message) and _is_sharp(message) else {}
 
 
-def _gll(message: Any) -> Tellings:
+def _gll(message: Any) -> GroupedValues:
     return {"position": _fix(message)} if message.status == "A" and _is_fix(message) else {}
 
 
-def _rmc(message: Any) -> Tellings:
+def _rmc(message: Any) -> GroupedValues:
     if message.status != "A" or not _is_fix(message):
         return {}
     ground = _scaled(_only(speed_over_ground=message.spd), KNOT)
@@ -137,22 +137,22 @@ def _course(degrees: Any) -> Values:
     return _scaled(_only(course_over_ground=degrees), DEGREE)
 
 
-def _vtg(message: Any) -> Tellings:
+def _vtg(message: Any) -> GroupedValues:
     if not _is_fix(message):
         return {}
     ground = _scaled(_only(speed_over_ground=message.sogn), KNOT)
     return {"speed over ground": ground | _course(message.cogt)}
 
 
-def _hdt(message: Any) -> Tellings:
+def _hdt(message: Any) -> GroupedValues:
     return {"heading": _scaled(_only(heading=message.headingT), DEGREE)}
 
 
-def _ths(message: Any) -> Tellings:
+def _ths(message: Any) -> GroupedValues:
     return {"heading": _scaled(_only(heading=message.headt), DEGREE)} if message.mi == "A" else {}
 
 
-def _hdg(message: Any) -> Tellings:
+def _hdg(message: Any) -> GroupedValues:
     """Return true heading if the variation is given too."""
     if not isinstance(message.variation, int | float):
         return {}
@@ -161,25 +161,25 @@ def _hdg(message: Any) -> Tellings:
     return {"heading": _scaled(_only(heading=(message.headingM + shift) % 360), DEGREE)}
 
 
-def _rot(message: Any) -> Tellings:
+def _rot(message: Any) -> GroupedValues:
     return {"yaw rate": _scaled(_only(r=message.rot), DEGREE / 60)} if message.valid == "A" else {}
 
 
-def _rsa(message: Any) -> Tellings:
+def _rsa(message: Any) -> GroupedValues:
     """Angle of the starboard rudder, or the only one; negative if it turns the bow to port, as here."""
-    told = message.stbdstatus == "A"
-    return {"rudder": _scaled(_only(rudder=message.stbdangle), DEGREE)} if told else {}
+    valid = message.stbdstatus == "A"
+    return {"rudder": _scaled(_only(rudder=message.stbdangle), DEGREE)} if valid else {}
 
 
-def _rpm(message: Any) -> Tellings:
+def _rpm(message: Any) -> GroupedValues:
     return {"revolutions": _scaled(_only(revolutions=message.rpm), 1 / 60)} if message.status == "A" else {}
 
 
-def _vhw(message: Any) -> Tellings:
+def _vhw(message: Any) -> GroupedValues:
     return {"speed through the water": _scaled(_only(u=message.spdN), KNOT)}
 
 
-def _vbw(message: Any) -> Tellings:
+def _vbw(message: Any) -> GroupedValues:
     water = _scaled(_only(u=message.longwaterspd, v=message.transwaterspd), KNOT)
     ground = _scaled(_only(u_ground=message.longgroundspd, v_ground=message.transgroundspd), KNOT)
     return {
@@ -188,16 +188,16 @@ def _vbw(message: Any) -> Tellings:
     }
 
 
-def _dpt(message: Any) -> Tellings:
+def _dpt(message: Any) -> GroupedValues:
     """Depth of water if the transducer's offset refers to the surface, clearance if it refers to the keel."""
-    told = _only(depth=message.depth, offset=message.offset)
-    if len(told) < 2 or told["depth"] < 0 or not told["offset"]:
+    values = _only(depth=message.depth, offset=message.offset)
+    if len(values) < 2 or values["depth"] < 0 or not values["offset"]:
         return {}
-    of_all = told["offset"] > 0
-    return {WATER_DEPTH: {"depth" if of_all else "under_keel_clearance": told["depth"] + told["offset"]}}
+    of_all = values["offset"] > 0
+    return {WATER_DEPTH: {"depth" if of_all else "under_keel_clearance": values["depth"] + values["offset"]}}
 
 
-def _mwd(message: Any) -> Tellings:
+def _mwd(message: Any) -> GroupedValues:
     speed = _only(wind_speed=message.speedM) or _scaled(_only(wind_speed=message.speedN), KNOT)
     return {"wind": speed | _scaled(_only(wind_from=message.dirT), DEGREE)}
 
@@ -210,23 +210,23 @@ READ: Mapping[str, Reader] = {
 }  # fmt: skip
 
 
-def _ais(parts: Sequence[bytes], kind: str, mmsi: int | None) -> Telling | None:
+def _ais(parts: Sequence[bytes], kind: str, mmsi: int | None) -> DecodedMessage | None:
     """The ship's own reports, or those of one ship received from others."""
     import pyais
 
     message = pyais.decode(*parts)
     wanted = kind.endswith("VDO") if mmsi is None else message.mmsi == mmsi
-    told = _of_ais(message.msg_type, message.asdict()) if wanted else {}
-    return Telling(told, f"{kind} {message.mmsi}")
+    values = _of_ais(message.msg_type, message.asdict()) if wanted else {}
+    return DecodedMessage(values, f"{kind} {message.mmsi}")
 
 
-def _of_ais(kind: int, report: Mapping[str, Any]) -> Tellings:
+def _of_ais(kind: int, report: Mapping[str, Any]) -> GroupedValues:
     if kind == AIS_VOYAGE:
         return {PARTICULARS: _only(draft=report["draught"] or None)}  # 0 means not available
     return _position_report(report) if kind in AIS_POSITIONS else {}
 
 
-def _position_report(report: Mapping[str, Any]) -> Tellings:
+def _position_report(report: Mapping[str, Any]) -> GroupedValues:
     turn = report.get("turn")
     speed, course = report["speed"], report["course"]
     return {

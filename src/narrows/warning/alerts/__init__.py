@@ -1,1 +1,1 @@
-"""Alerts as IEC 62923 has them: how sure, how urgent, who has heard; logged before they are published."""
+"""Alerts as IEC 62923 has them: certainty, priority and acknowledgement; logged before publication."""

@@ -63,9 +63,9 @@ class Command(Enum):
 SOUNDING = (AlertState.UNACKNOWLEDGED,)
 # States in which the condition holds.
 HOLDS = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.ACKNOWLEDGED, AlertState.TRANSFERRED)
-# States in which nobody is waited for: a condition that ends in them is over.
-HEARD = (AlertState.ACKNOWLEDGED, AlertState.TRANSFERRED)
-# States in which an acknowledgement is waited for.
+# States that wait for nobody: an alert whose condition ends in them is over.
+ANSWERED = (AlertState.ACKNOWLEDGED, AlertState.TRANSFERRED)
+# States that wait for an acknowledgement.
 WAITING = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.RECTIFIED)
 
 
@@ -73,7 +73,7 @@ WAITING = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.RECTIFIED)
 class Alert:
     identifier: int  # Number of the situation
     priority: Priority = Priority.NONE  # Urgency; for a rectified alert the former urgency
-    state: AlertState = AlertState.NORMAL  # Who has heard it
+    state: AlertState = AlertState.NORMAL  # Acknowledged, silenced, transferred ...
     text: str = ""  # A sentence
     changed: float = 0.0  # When priority, state or the number of repeats last changed [s]
     instance: int = 0  # Count of occurrences of the situation
@@ -96,17 +96,17 @@ class Alert:
         if self.state in HOLDS and priority == self.priority:
             return replace(self, text=text)
         instance = self.instance + (self.state is AlertState.NORMAL)
-        # A caution by itself asks for no acknowledgement, and what is less urgent than what was heard for none again;
-        # what nobody has acknowledged waits for it at any priority.
+        # A caution asks for no acknowledgement by itself, an acknowledged alert of lower priority for no second one;
+        # an unacknowledged alert waits at any priority.
         waits = self.state in WAITING or priority > Priority.CAUTION
-        heard = self.state in HEARD and priority < self.priority
-        state = AlertState.UNACKNOWLEDGED if waits and not heard else AlertState.ACKNOWLEDGED
+        answered = self.state in ANSWERED and priority < self.priority
+        state = AlertState.UNACKNOWLEDGED if waits and not answered else AlertState.ACKNOWLEDGED
         return replace(self, instance=instance)._changed(t, state, priority=priority, text=text, repeats=0)
 
     def _rectified(self, t: float) -> "Alert":
         if self.state not in HOLDS:
             return self
-        return self._changed(t, AlertState.NORMAL if self.state in HEARD else AlertState.RECTIFIED)
+        return self._changed(t, AlertState.NORMAL if self.state in ANSWERED else AlertState.RECTIFIED)
 
     def commanded(self, command: Command, t: float) -> "Alert | None":
         if command is Command.REPEAT and self.state is not AlertState.NORMAL:

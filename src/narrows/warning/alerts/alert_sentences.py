@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from narrows.readers.nmea.nmea_sentences import with_checksum
 from narrows.warning.alerts.alert import (
-    HEARD,
+    ANSWERED,
     HOLDS,
     SITUATIONS,
     Alert,
@@ -135,7 +135,7 @@ def _path(situation: Situation) -> str:
 def _value(alert: Alert) -> dict[str, Any]:
     if alert.state not in HOLDS:
         return _normal("")
-    shown = ["visual"] if alert.state not in HEARD else []
+    shown = ["visual"] if alert.state not in ANSWERED else []
     return {"state": STATES[alert.priority], "method": shown + ["sound"] * alert.sounds, "message": alert.text}
 
 

@@ -13,7 +13,7 @@ from narrows.warning.settings import SOURCE_SILENCE, WATERWAY_REACH
 from narrows.waterway.map_lines import projected
 from narrows.waterway.waterway import Waterway
 
-NOT_HERE = "that tell of a place off the waterway"
+NOT_HERE = "that give a place off the waterway"
 WATER_LOG, GROUND_LOG = "log", "ground_log"
 Reading = float | tuple[float, float]
 
@@ -21,14 +21,14 @@ Reading = float | tuple[float, float]
 class Messages(NamedTuple):
     t: float  # Until when [s]
     readings: dict[str, Reading]  # Readings of the last second, by the names of sensors and actuators
-    ages: dict[str, float]  # By what was ever told: how long ago [s]
+    ages: dict[str, float]  # Age of the last message of each group [s]
     faults: dict[str, int]  # Messages that were left out so far
     draft: float | None  # As the ship reports it [m]
     depth: float | None = None  # [m] of the water by the echo sounder: clearance under the keel plus draft
 
 
 class Tick(NamedTuple):
-    """All that was told until a time, since the one before."""
+    """Messages received since the previous tick."""
 
     t: float  # Until when [s]
     entries: Sequence[Entry]  # Messages, in order
@@ -37,12 +37,12 @@ class Tick(NamedTuple):
 
 
 class BridgeReadings:
-    """Brings what is told to a waterway."""
+    """Converts messages to readings along a waterway."""
 
     def __init__(self, waterway: Waterway, draft: float | None = None) -> None:
         if waterway.origin is None:
             raise InputError(
-                f"{waterway.name} does not know where on earth it is, and a bridge tells longitude and latitude; give "
+                f"{waterway.name} has no place on earth, and a bridge reports longitude and latitude; give "
                 "its origin, or read it from GeoJSON"
             )
         self.waterway, self.choice = waterway, SourceSelection()
@@ -52,38 +52,38 @@ class BridgeReadings:
         self._usual_draft = draft
         self._off = 0
 
-    def heard(self, tick: Tick) -> Messages:
-        told = self._latest(tick.entries)
-        depth = self._depth(told.pop(WATER_DEPTH, {}))
-        readings = self._place(told.pop("position", {}))
-        readings |= self._directions(told) | self._others(told)
+    def convert(self, tick: Tick) -> Messages:
+        values = self._latest(tick.entries)
+        depth = self._depth(values.pop(WATER_DEPTH, {}))
+        readings = self._place(values.pop("position", {}))
+        readings |= self._directions(values) | self._others(values)
         faults = {**tick.faults, **({NOT_HERE: self._off} if self._off else {})}
         return Messages(
             tick.t, readings, {name: tick.t - t for name, t in self._last.items()}, faults, self._draft, depth
         )
 
     def _latest(self, entries: Sequence[Entry]) -> dict[str, Values]:
-        """The last that was told of each thing by the one who is believed."""
-        told: dict[str, Values] = {}
+        """Last values of each group, from its selected source."""
+        values: dict[str, Values] = {}
         for entry in entries:
-            for about, values in entry.told.values.items():
-                if not values or not self.choice.tells(about, entry.told.source, entry.t):
+            for about, columns in entry.message.values.items():
+                if not columns or not self.choice.accepts(about, entry.message.source, entry.t):
                     continue
-                told[about] = {**told.get(about, {}), **values}
+                values[about] = {**values.get(about, {}), **columns}
                 self._last[about] = max(entry.t, self._last.get(about, -math.inf))
-        self._draft = told.pop(PARTICULARS, {}).get("draft", self._draft)
-        return told
+        self._draft = values.pop(PARTICULARS, {}).get("draft", self._draft)
+        return values
 
-    def _depth(self, told: Values) -> float | None:
+    def _depth(self, values: Values) -> float | None:
         draft = self._draft or self._usual_draft
-        if "under_keel_clearance" in told and draft is not None:
-            return told["under_keel_clearance"] + draft
-        return told.get("depth")
+        if "under_keel_clearance" in values and draft is not None:
+            return values["under_keel_clearance"] + draft
+        return values.get("depth")
 
-    def _place(self, told: Values) -> dict[str, Reading]:
-        if not told:
+    def _place(self, values: Values) -> dict[str, Reading]:
+        if not values:
             return {}
-        where = projected(np.array([[told["longitude"], told["latitude"]]]), self._origin)
+        where = projected(np.array([[values["longitude"], values["latitude"]]]), self._origin)
         s, n, along = (float(number[0]) for number in self.waterway.line.placed(where))
         length, reach = self.waterway.line.length, float(self.waterway.section(s).width) + WATERWAY_REACH
         if not (-WATERWAY_REACH < s < length + WATERWAY_REACH and abs(n) < reach):
@@ -92,25 +92,25 @@ class BridgeReadings:
         self._along, self._s = along, s
         return {"gnss": (s, n)}
 
-    def _directions(self, told: dict[str, Values]) -> dict[str, Reading]:
+    def _directions(self, values: dict[str, Values]) -> dict[str, Reading]:
         """Heading and course from the line, where it is known how the line lies."""
         if not math.isfinite(self._along):
             return {}
         readings: dict[str, Reading] = {}
-        if heading := told.get("heading"):
+        if heading := values.get("heading"):
             readings["gyro"] = math.remainder(heading["heading"] - self._along, 2 * math.pi)
-        ground = told.get("speed over ground", {})
+        ground = values.get("speed over ground", {})
         if len(ground) == 2:
             course = math.remainder(ground["course_over_ground"] - self._along, 2 * math.pi)
             readings["course"] = (course, ground["speed_over_ground"])
         return readings
 
-    def _others(self, told: dict[str, Values]) -> dict[str, Reading]:
+    def _others(self, values: dict[str, Values]) -> dict[str, Reading]:
         columns = {"yaw rate": ("r", "rate_of_turn"), "rudder": ("rudder",) * 2, "revolutions": ("revolutions",) * 2}
         readings: dict[str, Reading] = {
-            name: told[about][column] for about, (column, name) in columns.items() if column in told.get(about, {})
+            name: values[about][column] for about, (column, name) in columns.items() if column in values.get(about, {})
         }
-        water, ground = told.get("speed through the water", {}), told.get("speed over ground", {})
+        water, ground = values.get("speed through the water", {}), values.get("speed over ground", {})
         if "u" in water:
             readings[WATER_LOG] = water["u"]
         elif "speed through the water" not in self._last and "speed_over_ground" in ground:
@@ -121,14 +121,14 @@ class BridgeReadings:
 class SelectedSource(NamedTuple):
     rank: int  # Rank of the source, the best 0
     source: str  # Who
-    t: float  # When it was heard last [s]
+    t: float  # Time of its last message [s]
 
 
 class SourceSelection:
     def __init__(self) -> None:
         self.chosen: dict[str, SelectedSource] = {}
 
-    def tells(self, about: str, source: str, t: float) -> bool:
+    def accepts(self, about: str, source: str, t: float) -> bool:
         # The type of its sentence ranks a source; last comes what arrives by other ways.
         types, kind = SOURCES.get(about, ()), source.split()[0][-3:]
         now, rank = self.chosen.get(about), types.index(kind) if kind in types else len(types)

@@ -1,4 +1,4 @@
-"""Listening to a ship's network: a thread a connection, and every second what was told in it."""
+"""Listening to a ship's network: one thread per connection, and the messages of every second."""
 
 import ipaddress
 import json
@@ -17,7 +17,7 @@ from urllib.parse import parse_qs, urlsplit
 
 from narrows.errors import InputError, needs, reason
 from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
-from narrows.readers.nmea.nmea_sentences import PARTICULARS, Sentence, Telling, Tellings, Values, sentences
+from narrows.readers.nmea.nmea_sentences import PARTICULARS, DecodedMessage, GroupedValues, Sentence, Values, sentences
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.settings import (
     AIS_TIME_SHARE,
@@ -36,7 +36,7 @@ from narrows.warning.settings import (
 
 class Arrival(NamedTuple):
     t: float  # When [s]
-    message: Sentence | Telling  # A sentence that is still to be understood, or what was told
+    message: Sentence | DecodedMessage  # Decoded already if from Signal K
 
 
 class Piece(NamedTuple):
@@ -78,7 +78,7 @@ class Listening:
         self.broken: dict[str, str] = {}
         self._faults = [Counter[str]() for _ in connections]
         self._threads = [
-            Thread(target=self._listen, args=told, daemon=True) for told in zip(connections, self._faults, strict=True)
+            Thread(target=self._listen, args=own, daemon=True) for own in zip(connections, self._faults, strict=True)
         ]
 
     def __enter__(self) -> "Listening":
@@ -92,7 +92,7 @@ class Listening:
             thread.join()
 
     def ticks(self) -> Iterator[Tick]:
-        """Yield what came, every second, be it nothing; times count from an origin of the machine's own."""
+        """Yield the messages of every second, if any; times count from an arbitrary origin."""
         due = time.monotonic() + PERIOD
         while not self._stop.wait(max(0.0, due - time.monotonic())):
             now = time.monotonic()
@@ -113,10 +113,8 @@ class Listening:
         return arrivals
 
     def _entries(self, arrivals: list[Arrival]) -> list[Entry]:
-        told = (
-            (t, self.decoder.told(message, t) if isinstance(message, Sentence) else message) for t, message in arrivals
-        )
-        return [Entry(t, one) for t, one in told if one is not None]
+        decoded = ((t, self.decoder.decode(one, t) if isinstance(one, Sentence) else one) for t, one in arrivals)
+        return [Entry(t, one) for t, one in decoded if one is not None]
 
     def _listen(self, connection: Connection, faults: Counter[str]) -> None:
         splitters: OrderedDict[str, LineSplitter] = OrderedDict()
@@ -129,8 +127,8 @@ class Listening:
             self.broken.pop(connection.address, None)
             now = time.monotonic()
             if connection.signal_k:
-                for told in signal_k.deltas(content, time.time()):
-                    self.inbox.put(Arrival(now, told))
+                for message in signal_k.deltas(content, time.time()):
+                    self.inbox.put(Arrival(now, message))
                 continue
             splitter = splitters.setdefault(sender, LineSplitter(faults))
             splitters.move_to_end(sender)
@@ -224,7 +222,7 @@ class SignalK:
     def __init__(self, faults: Counter[str]) -> None:
         self.faults, self._own = faults, {SELF}
 
-    def deltas(self, text: bytes, since_1970: float) -> Iterator[Telling]:
+    def deltas(self, text: bytes, since_1970: float) -> Iterator[DecodedMessage]:
         try:
             message = json.loads(text)
             if isinstance(own := message.get("self"), str):  # The server's first words.
@@ -236,9 +234,9 @@ class SignalK:
                 if self._is_old(update.get("timestamp"), since_1970):
                     self.faults[OUT_OF_DATE] += 1
                     continue
-                told = _told(update.get("values", ()))
-                if any(told.values()):
-                    yield Telling(told, f"{SOURCE} {update.get('$source', '')}".strip())
+                values = _grouped(update.get("values", ()))
+                if any(values.values()):
+                    yield DecodedMessage(values, f"{SOURCE} {update.get('$source', '')}".strip())
         except (ValueError, TypeError, AttributeError, KeyError, RecursionError, OverflowError):
             self.faults["of Signal K that cannot be understood"] += 1
 
@@ -251,17 +249,17 @@ class SignalK:
         return abs(since_1970 - at.timestamp()) > SIGNAL_K_AGE
 
 
-def _told(values: Any) -> Tellings:
-    told: dict[str, Values] = {}
-    for each in values:
+def _grouped(pairs: Any) -> GroupedValues:
+    values: dict[str, Values] = {}
+    for each in pairs:
         path, value = ENGINE.sub("propulsion.", each["path"]), each["value"]
         if path == POSITION:
-            told["position"] = _position(value)
+            values["position"] = _position(value)
         elif path in PATHS:
             about, column, largest = PATHS[path]
             if _can_be(value, largest):
-                told.setdefault(about, {})[column] = float(value)
-    return told
+                values.setdefault(about, {})[column] = float(value)
+    return values
 
 
 def _position(value: Any) -> Values:

@@ -1,4 +1,4 @@
-"""A recording heard again: in the order in which it was told, at the speed that is asked for."""
+"""A recording replayed in the order of its times, at the requested speed."""
 
 import heapq
 import math
@@ -18,7 +18,7 @@ class Replay:
         self.recording, self.speed = Recording(path, mmsi), speed
 
     def ticks(self) -> Iterator[Tick]:
-        """Yield what was told, second by second; times count from 1970 where the recording says so."""
+        """Yield the messages second by second; times count from 1970 if the recording has dates."""
         for tick in paced(by_second(in_order(self._entries())), self.speed):
             yield tick._replace(faults=dict(self.recording.faults))
 
@@ -38,33 +38,33 @@ def in_order(entries: Iterable[Entry], late: float = LATE) -> Iterator[Entry]:
             entry = heapq.heappop(waiting)[-1]
             if entry.t > last:
                 recent, last = set(), entry.t
-            told = (entry.t, entry.told.source, repr(entry.told))
-            if told not in recent:
-                recent.add(told)
+            key = (entry.t, entry.message.source, repr(entry.message))
+            if key not in recent:
+                recent.add(key)
                 yield entry
 
     for entry in entries:
         if entry.t >= last:
-            heapq.heappush(waiting, (entry.t, entry.told.source, next(numbers), entry))
+            heapq.heappush(waiting, (entry.t, entry.message.source, next(numbers), entry))
         newest = max(newest, entry.t)
         yield from ready(newest - late)
     yield from ready(math.inf)
 
 
 def by_second(entries: Iterable[Entry]) -> Iterator[Tick]:
-    until, heard = -math.inf, list[Entry]()
+    until, messages = -math.inf, list[Entry]()
     for entry in entries:
         second = math.ceil(entry.t / PERIOD) * PERIOD
         if second > until and math.isfinite(until):
-            yield Tick(until, heard, {})
-            heard = []
+            yield Tick(until, messages, {})
+            messages = []
             while second - until > PERIOD and second - until <= LONGEST_SILENCE:
                 until += PERIOD
                 yield Tick(until, (), {})
         until = max(until, second)
-        heard.append(entry)
-    if heard:
-        yield Tick(until, heard, {})
+        messages.append(entry)
+    if messages:
+        yield Tick(until, messages, {})
 
 
 def paced(ticks: Iterable[Tick], speed: float) -> Iterator[Tick]:

@@ -71,7 +71,7 @@ STREAM = "/signalk/v1/stream?subscribe=none"
 class SignalKSender:
     """Sends the newest of all alerts, each time that they change; all of them after every new connection."""
 
-    # When it ends it sends that nothing is alerted any more: a server keeps what it was told last.
+    # When it ends it sends that nothing is alerted any more: a server keeps the last message.
 
     def __init__(self, address: str) -> None:
         with needs("monitor", "Signal K"):
@@ -96,7 +96,7 @@ class SignalKSender:
             self._changed.notify_all()
         self._thread.join(settings.LAST_MESSAGE_TIMEOUT)
 
-    def tell(self, desk: AlertDesk, since_1970: float) -> None:
+    def send(self, desk: AlertDesk, since_1970: float) -> None:
         """Leave the alerts as they are, without waiting for anything."""
         with self._changed:
             self._newest = notifications(desk, since_1970)

@@ -1,4 +1,4 @@
-"""The monitor: from what was told in a second to alerts, whatever came in."""
+"""The monitor: from the messages of a second to alerts, whatever they contain."""
 
 import math
 import time
@@ -90,20 +90,20 @@ class BridgeMonitor:
         self.estimator.forget()
 
     def update(self, tick: Tick, since_1970: float) -> BridgeStatus:
-        heard = self.bridge.heard(tick)
+        messages = self.bridge.convert(tick)
         self._began = tick.t if self._began is None else self._began
-        estimate = self._estimated(heard)
+        estimate = self._estimated(messages)
         if estimate.ready:
             self._observe_helm(estimate)
-        forecast, why = self._forecast(heard, estimate)
-        conditions = self._conditions(heard, estimate, forecast, why)
+        forecast, why = self._forecast(messages, estimate)
+        conditions = self._conditions(messages, estimate, forecast, why)
         changed = [*self._commanded(tick, since_1970), *self.desk.update(tick.t, conditions)]
         self.publisher.publish(changed, since_1970)
         self.publisher.beat(tick.t, self.desk.alerts, forecast is not None)
         room = clearances(self.model.configuration.ship, self.waterway, estimate)
         limits = extrapolations(self.model, self.waterway, estimate) if estimate.ready else ()
         return BridgeStatus(
-            tick.t, estimate, forecast, self.desk.alerts, tuple(changed), room, heard.faults, why, limits
+            tick.t, estimate, forecast, self.desk.alerts, tuple(changed), room, messages.faults, why, limits
         )
 
     def _commanded(self, tick: Tick, since_1970: float) -> list[Alert]:
@@ -116,15 +116,15 @@ class BridgeMonitor:
                 changed.append(alert)
         return changed
 
-    def _estimated(self, heard: Messages) -> Estimate:
+    def _estimated(self, messages: Messages) -> Estimate:
         actuators = self.estimator.filter.actuators
         known = {
             name: reading
-            for name, reading in heard.readings.items()
+            for name, reading in messages.readings.items()
             if name in self.estimator.filter.sensors or name in actuators
         }
         self._positions |= {name: value for name, value in known.items() if name in actuators}  # type: ignore[misc]
-        return self.estimator.update(heard.t, known)
+        return self.estimator.update(messages.t, known)
 
     def _observe_helm(self, estimate: Estimate) -> None:
         now = {name: np.array([value]) for name, value in estimate.values.items()}
@@ -132,12 +132,12 @@ class BridgeMonitor:
         rudder = np.array([self._positions.get("rudder", 0.0)])
         self.helmsman.update(now["y"], now["psi"], now["r"] - float(bend) * now["u"], now["u"], rudder)
 
-    def _forecast(self, heard: Messages, estimate: Estimate) -> tuple[BankForecast | None, str]:
+    def _forecast(self, messages: Messages, estimate: Estimate) -> tuple[BankForecast | None, str]:
         """Return the forecast, or the reason why there is none."""
         if not estimate.ready:
             return None, estimate.notes[-1] if estimate.notes else "No estimate of the ship yet."
-        if self._health.blind(heard):
-            return None, "Too little has been told for too long."
+        if self._health.blind(messages):
+            return None, "Sensors have been silent for too long."
         if not 0.0 <= estimate["x"] <= self.waterway.line.length:
             return None, f"The ship is not on {self.waterway.name}."
         start = time.monotonic()
@@ -151,21 +151,21 @@ class BridgeMonitor:
         return forecast, ""
 
     def _conditions(
-        self, heard: Messages, estimate: Estimate, forecast: BankForecast | None, why: str
+        self, messages: Messages, estimate: Estimate, forecast: BankForecast | None, why: str
     ) -> dict[Situation, Condition]:
         late = self.publisher.late
-        conditions = self._health.conditions(heard, estimate)
+        conditions = self._health.conditions(messages, estimate)
         conditions[LOG_LATE] = Condition(Priority.CAUTION, late) if late else CALM
-        early = heard.t - (self._began or 0.0) < settings.GRACE
+        early = messages.t - (self._began or 0.0) < settings.GRACE
         conditions[NO_FORECAST] = CALM if forecast or early else Condition(Priority.WARNING, why)
         if estimate.ready:
             conditions[SHIP_OR_WATER] = self._beyond.held(
-                heard.t, other_draft_or_depth(self.model, self.waterway, estimate, heard)
+                messages.t, other_draft_or_depth(self.model, self.waterway, estimate, messages)
             )
         if forecast:  # No forecast is not a clear forecast: the alert stays as it was.
             side = forecast.side
             for name, bank in BANKS.items():
-                level = self._levels[name].update(heard.t, forecast if name == side else None)
+                level = self._levels[name].update(messages.t, forecast if name == side else None)
                 text = forecast.words() if name == side else self.desk[bank].text
                 conditions[bank] = Condition(level, text) if level else CALM
         return conditions
@@ -189,14 +189,14 @@ def extrapolations(model: Model, waterway: Waterway, estimate: Estimate) -> tupl
     return (*extrapolation(model.data_range, known, unknown=True), *bottom)
 
 
-def other_draft_or_depth(model: Model, waterway: Waterway, estimate: Estimate, heard: Messages) -> Condition:
+def other_draft_or_depth(model: Model, waterway: Waterway, estimate: Estimate, messages: Messages) -> Condition:
     """Return a caution where draft or depth are not those of the model and the chart."""
     ship, said = model.configuration.ship, []
     depth = float(waterway.section(min(max(estimate["x"], 0.0), waterway.line.length)).depth)
-    if heard.draft is not None and abs(heard.draft - ship.draft) > settings.DRAFT_TOLERANCE * ship.draft:
-        said.append(f"The ship reports a draft of {heard.draft:g} m; its model is of {ship.draft:g} m.")
-    if heard.depth is not None and abs(heard.depth - depth) > settings.DEPTH_TOLERANCE * depth:
-        said.append(f"The echo sounder tells {heard.depth:.1f} m of water; {waterway.name} has {depth:.1f} m here.")
+    if messages.draft is not None and abs(messages.draft - ship.draft) > settings.DRAFT_TOLERANCE * ship.draft:
+        said.append(f"The ship reports a draft of {messages.draft:g} m; its model is of {ship.draft:g} m.")
+    if messages.depth is not None and abs(messages.depth - depth) > settings.DEPTH_TOLERANCE * depth:
+        said.append(f"The echo sounder reads {messages.depth:.1f} m of water; {waterway.name} has {depth:.1f} m here.")
     return Condition(Priority.CAUTION, " ".join(said)) if said else CALM
 
 
@@ -217,12 +217,12 @@ class SensorHealth:
         self._began: float | None = None
         self._doubted: dict[tuple[str, str], float] = {}
 
-    def conditions(self, heard: Messages, estimate: Estimate) -> dict[Situation, Condition]:
+    def conditions(self, messages: Messages, estimate: Estimate) -> dict[Situation, Condition]:
         """Return a caution for each sensor that is silent or doubted, a warning where it ends the forecasts."""
         for names, words in ((estimate.refused, "jumps"), (estimate.suspects, "drifts, or is led astray")):
-            self._doubted |= {(name, words): heard.t for name in names}
-        self._doubted = {what: t for what, t in self._doubted.items() if heard.t - t < settings.DOUBT_HOLD_TIME}
-        silent = self._silences(heard)
+            self._doubted |= {(name, words): messages.t for name in names}
+        self._doubted = {what: t for what, t in self._doubted.items() if messages.t - t < settings.DOUBT_HOLD_TIME}
+        silent = self._silences(messages)
         said: dict[Situation, list[str]] = {one: [] for one in ANY_SENSOR}
         for what, age in silent.items():
             said[SENSORS.get(what, OTHER_SENSORS)].append(f"no {what} for {age:.0f} s")
@@ -231,20 +231,19 @@ class SensorHealth:
         blind = {SENSORS[what] for what in NEEDED if silent.get(what, 0.0) > settings.BLIND_AFTER}
         return {one: _of_sensor(one in blind, words) for one, words in said.items()}
 
-    def blind(self, heard: Messages) -> bool:
+    def blind(self, messages: Messages) -> bool:
         """Return whether too much is unknown for too long to forecast anything."""
-        return max(self._needed(heard).values()) > settings.BLIND_AFTER
+        return max(self._needed(messages).values()) > settings.BLIND_AFTER
 
-    def _needed(self, heard: Messages) -> dict[str, float]:
+    def _needed(self, messages: Messages) -> dict[str, float]:
         """Return the age of each necessary reading [s]; since the watch began, where there was none."""
-        self._began = heard.t if self._began is None else self._began
-        return {what: heard.ages.get(what, heard.t - self._began) for what in NEEDED}
+        self._began = messages.t if self._began is None else self._began
+        return {what: messages.ages.get(what, messages.t - self._began) for what in NEEDED}
 
-    def _silences(self, heard: Messages) -> dict[str, float]:
-        others = {
-            what: age for what, age in heard.ages.items() if what not in NEEDED and age > settings.OTHER_SENSOR_SILENCE
-        }
-        return {what: age for what, age in self._needed(heard).items() if age > settings.SENSOR_SILENCE} | others
+    def _silences(self, messages: Messages) -> dict[str, float]:
+        longest = settings.OTHER_SENSOR_SILENCE
+        others = {what: age for what, age in messages.ages.items() if what not in NEEDED and age > longest}
+        return {what: age for what, age in self._needed(messages).items() if age > settings.SENSOR_SILENCE} | others
 
 
 def _of_sensor(blind: bool, words: list[str]) -> Condition:

@@ -83,8 +83,8 @@ class BridgeStatus:
             now = self.estimate.values
             parts.append(f"x {now['x']:6.0f} m  y {now['y']:+6.1f} m  heading {math.degrees(now['psi']):+5.1f} deg")
             parts.append(f"clearance {self.clearance:5.1f} m")
-        if told := self.forecast:
-            parts.append(f"last chance {told.chance()}  helm {100 * told.unattended:3.0f} % unattended")
+        if forecast := self.forecast:
+            parts.append(f"last chance {forecast.chance()}  helm {100 * forecast.unattended:3.0f} % unattended")
         return "  ".join(parts)
 
     def to_dict(self) -> dict[str, Any]:
@@ -96,11 +96,11 @@ class BridgeStatus:
             "state": self.estimate.values,
             "forecast": forecast,
         }
-        alerts = [told(one) for one in self.alerts]
+        alerts = [alert_to_dict(one) for one in self.alerts]
         return {"t": self.t, **said, **known, "alerts": alerts, "faults": dict(self.faults)}
 
 
-def told(alert: Alert) -> dict[str, Any]:
+def alert_to_dict(alert: Alert) -> dict[str, Any]:
     words = {"name": SITUATIONS[alert.identifier].name, "priority": alert.priority.words, "state": alert.state.value}
     return {**vars(alert), **words}
 

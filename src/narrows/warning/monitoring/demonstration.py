@@ -64,12 +64,12 @@ class SimulatedBridge:
             now = {name: float(voyage[name][row]) for name in ("x", "y", "psi", "r", "u", "rudder")}
             v = float(voyage.v[row])
             now |= {"course": now["psi"] + math.atan2(v, now["u"]), "speed": math.hypot(now["u"], v)}
-            told = {name: value + NOISE[name] * random.standard_normal() for name, value in now.items()}
-            yield self.began + float(t), bridge_sentences(self.waterway, told, self.began + float(t))
+            measured = {name: value + NOISE[name] * random.standard_normal() for name, value in now.items()}
+            yield self.began + float(t), bridge_sentences(self.waterway, measured, self.began + float(t))
 
     def recording(self) -> bytes:
         """Return what a logger would have written, its times before the sentences."""
-        lines = [f"{_stamp(t)}{line}" for t, told in self.seconds() for line in told]
+        lines = [f"{_stamp(t)}{line}" for t, texts in self.seconds() for line in texts]
         return "".join(lines).encode("ascii")
 
 
@@ -77,14 +77,14 @@ class SimulatedBridge:
 class Demonstration:
     model: Model  # The ship
     waterway: Waterway  # The canal
-    bridge: SimulatedBridge  # That tells
+    bridge: SimulatedBridge
 
     def ticks(self) -> Iterator[Tick]:
         decoder = NmeaDecoder()
-        for t, told in self.bridge.seconds():
-            lines = [line.encode("ascii") for line in told]
-            heard = [decoder.told(one, t) for one in sentences(lines, decoder.faults)]
-            yield Tick(t, [Entry(t, one) for one in heard if one is not None], dict(decoder.faults))
+        for t, texts in self.bridge.seconds():
+            lines = [line.encode("ascii") for line in texts]
+            decoded = [decoder.decode(one, t) for one in sentences(lines, decoder.faults)]
+            yield Tick(t, [Entry(t, one) for one in decoded if one is not None], dict(decoder.faults))
 
 
 def demonstration(seed: int = 0) -> Demonstration:

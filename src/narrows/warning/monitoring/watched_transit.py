@@ -11,7 +11,7 @@ from narrows.results import BaseResult
 from narrows.ship.particulars import Configuration, Ship
 from narrows.simulation.outcome import water_notes
 from narrows.warning.alerts.alert import Alert, Priority
-from narrows.warning.monitoring.bridge_status import BridgeStatus, told
+from narrows.warning.monitoring.bridge_status import BridgeStatus, alert_to_dict
 from narrows.warning.settings import CONTACT_CLEARANCE, MOST_ALERTS, MOST_SECONDS, NEAR_MISS
 from narrows.waterway.waterway import Waterway
 
@@ -80,7 +80,7 @@ class WatchedTransit(BaseResult):
         return {
             "summary": self.summary(), "ship": ship, "waterway": waterway,
             "seconds": len(self.columns["t"]), "forecast": int(self.known.sum()), "level": self.level.words,
-            "alerts": [{"t": said.t, **told(said.alert)} for said in self.alerts],
+            "alerts": [{"t": said.t, **alert_to_dict(said.alert)} for said in self.alerts],
             "least_clearance": None if near is None else float(self.columns["clearance"][near]),
             "least_rudder_margin": float(np.nanmin(margin)) if np.isfinite(margin).any() else None,
             "faults": self.faults, "notes": list(self.notes),

@@ -1,4 +1,4 @@
-"""The page of a monitor: told what is known, asked what was asked for."""
+"""The page of a monitor: shows the status, takes commands."""
 
 import asyncio
 import hmac
@@ -72,7 +72,7 @@ class BridgePage:
     def watch(self, ticks: Iterable[Tick], monitored: BridgeMonitor) -> Iterator[Tick]:
         return self.requests.joined(ticks, monitored.desk)
 
-    def tell(self, monitored: BridgeMonitor, status: BridgeStatus, since_1970: float) -> None:
+    def publish(self, monitored: BridgeMonitor, status: BridgeStatus, since_1970: float) -> None:
         self.updates.publish(packed(update_of(monitored, status, since_1970)))
         notice = notifications(monitored.desk, since_1970)
         if (values := notice["updates"][0]["values"]) != self._noticed:
@@ -93,7 +93,7 @@ def address_of(host: str) -> str:
 SHARED = ("canal.js", "palette.css")
 KINDS = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
 
-# Nothing from elsewhere, nothing kept, and the token told to nobody.
+# Nothing from elsewhere, nothing kept, and the token sent to nobody.
 HEADERS = {
     "Cache-Control": "no-store",
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
@@ -110,7 +110,7 @@ Take = Callable[[str, Client], None]
 
 class Stream(NamedTuple):
     path: str  # Path of the page
-    clients: Clients  # Who are told
+    clients: Clients  # Who receive updates
     take: Take  # Takes what they say
 
 
@@ -123,12 +123,13 @@ def page_app(access: PageAccess, *streams: Stream) -> "FastAPI":
 
     async def page(request: Request) -> Any:
         why = access.refusal(request.query_params.get("token", ""), request.headers.get("host", ""))
-        return _told(why, ".txt", FORBIDDEN) if why else _told(texts["index.html"], ".html")
+        return _response(why, ".txt", FORBIDDEN) if why else _response(texts["index.html"], ".html")
 
     async def part(name: str, request: Request) -> Any:
         # The package's own files are no secret: they need no token.
         known = name in texts and name != "index.html"
-        return _told(texts[name], name[name.rindex(".") :]) if known else _told("There is no such file.", "", MISSING)
+        absent = _response("There is no such file.", "", MISSING)
+        return _response(texts[name], name[name.rindex(".") :]) if known else absent
 
     app.add_api_route("/", page, methods=["GET"])
     app.add_api_route("/assets/{name}", part, methods=["GET"])
@@ -137,7 +138,7 @@ def page_app(access: PageAccess, *streams: Stream) -> "FastAPI":
     return app
 
 
-def _told(text: str, suffix: str, status: int = 200) -> "Response":
+def _response(text: str, suffix: str, status: int = 200) -> "Response":
     from fastapi import Response
 
     kind = f"{KINDS.get(suffix, 'text/plain')}; charset=utf-8"
@@ -148,10 +149,10 @@ def _route(access: PageAccess, stream: Stream) -> Any:
     from fastapi import WebSocket
 
     async def route(websocket: WebSocket) -> None:
-        told, heads = websocket.query_params.get("token", ""), websocket.headers
-        why = access.refusal(told, heads.get("host", ""), heads.get("origin"))
+        token, heads = websocket.query_params.get("token", ""), websocket.headers
+        why = access.refusal(token, heads.get("host", ""), heads.get("origin"))
         if why or stream.clients.full:
-            refused = _told(why, "", FORBIDDEN) if why else _told(CROWDED, "", TOO_MANY)
+            refused = _response(why, "", FORBIDDEN) if why else _response(CROWDED, "", TOO_MANY)
             await websocket.send_denial_response(refused)
             return
         await websocket.accept()
@@ -162,14 +163,14 @@ def _route(access: PageAccess, stream: Stream) -> Any:
 
 async def _look_on(websocket: "WebSocket", stream: Stream) -> None:
     client = stream.clients.enter()
-    telling = asyncio.create_task(stream.clients.tell(client, websocket.send_text))
+    sending = asyncio.create_task(stream.clients.serve(client, websocket.send_text))
     receiving = asyncio.create_task(_hear(websocket, client, stream.take))
     try:
-        await asyncio.wait({telling, receiving}, return_when=asyncio.FIRST_COMPLETED)
+        await asyncio.wait({sending, receiving}, return_when=asyncio.FIRST_COMPLETED)
     finally:
         stream.clients.leave(client)
-        telling.cancel(), receiving.cancel()
-        await asyncio.gather(telling, receiving, return_exceptions=True)
+        sending.cancel(), receiving.cancel()
+        await asyncio.gather(sending, receiving, return_exceptions=True)
         with suppress(Exception):  # However it ended: it is over.
             await asyncio.wait_for(websocket.close(), 1.0)
 

@@ -15,7 +15,7 @@ from narrows.results import plain
 from narrows.warning.alerts.alert import Command
 from narrows.warning.forecasting.forecast import Tracks
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
-from narrows.warning.monitoring.bridge_status import BridgeStatus, told
+from narrows.warning.monitoring.bridge_status import BridgeStatus, alert_to_dict
 from narrows.warning.settings import ANSWER_QUEUE, MOST_CLIENTS, SEND_INTERVAL, SEND_TIMEOUT
 from narrows.waterway.waterway import Waterway
 
@@ -27,7 +27,7 @@ def update_of(monitored: BridgeMonitor, status: BridgeStatus, since_1970: float)
     names = {"ship": monitored.model.configuration.ship.name or "A ship", "waterway": monitored.waterway.name}
     alerts = [
         {
-            **told(alert), "sounds": alert.sounds,
+            **alert_to_dict(alert), "sounds": alert.sounds,
             "may": [name for name, command in COMMANDS.items() if alert.commanded(command, status.t) is not None],
         }
         for alert in status.alerts
@@ -181,15 +181,15 @@ class Clients:
         if self._call is not None:
             self._call()
 
-    async def tell(self, client: Client, send: Send) -> None:
-        told = 0
+    async def serve(self, client: Client, send: Send) -> None:
+        sent = 0
         while True:
             await client.awake.wait()
             client.awake.clear()
             while client.answers:
                 await asyncio.wait_for(send(client.answers.popleft()), SEND_TIMEOUT)
-            if told != self.number and time.monotonic() - self._at <= self.lasts:
-                told = self.number
+            if sent != self.number and time.monotonic() - self._at <= self.lasts:
+                sent = self.number
                 await asyncio.wait_for(send(self.newest), SEND_TIMEOUT)
             await asyncio.sleep(SEND_INTERVAL)
 

@@ -113,18 +113,18 @@ class Notes:
 
 
 @dataclass(frozen=True, eq=False)
-class Tape:
+class Trace:
     lines: tuple[Line, ...]  # Operations, in order
     results: Mapping[str, int]  # Line number of each result
 
     @cached_property
     def text(self) -> str:
-        """The whole tape as text, equal for equal functions."""
+        """The whole trace as text, equal for equal functions."""
         body = [f"{number} = {' '.join(line)}" for number, line in enumerate(self.lines)]
         return "\n".join([*body, *(f"{name} = {line}" for name, line in self.results.items())])
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Tape) and self.text == other.text
+        return isinstance(other, Trace) and self.text == other.text
 
     def __hash__(self) -> int:
         return hash(self.text)
@@ -154,10 +154,10 @@ class Tape:
         return {name: values[line] for name, line in self.results.items()}
 
 
-def tape_of_terms(table: TermTable) -> Tape:
+def trace_of_terms(table: TermTable) -> Trace:
     """Record the regressors of a table, one result per term."""
     notes, _, results = notes_of_terms(table)
-    return Tape(tuple(notes.lines), results)
+    return Trace(tuple(notes.lines), results)
 
 
 def notes_of_terms(table: TermTable) -> tuple[Notes, dict[str, Recorded], dict[str, int]]:
@@ -172,7 +172,7 @@ def notes_of_terms(table: TermTable) -> tuple[Notes, dict[str, Recorded], dict[s
     return notes, inputs, results
 
 
-def tape_of(function: Callable[[Any], Mapping[str, Number]], names: Mapping[str, str], what: str) -> Tape:
+def trace_of(function: Callable[[Any], Mapping[str, Number]], names: Mapping[str, str], what: str) -> Trace:
     """Record a function of named quantities."""
     notes = Notes()
     quantities = SimpleNamespace(**{name: notes.note(("input", input_name)) for name, input_name in names.items()})
@@ -187,4 +187,4 @@ def tape_of(function: Callable[[Any], Mapping[str, Number]], names: Mapping[str,
             f"{what} cannot be compiled ({error}); write it with arithmetic, abs() and minimum, maximum, clip, choice "
             "and angle of narrows.quantities.arithmetic"
         ) from error
-    return Tape(tuple(notes.lines), results)
+    return Trace(tuple(notes.lines), results)

@@ -1,4 +1,4 @@
-"""Monte Carlo flights of regulators: drawn ships, disturbances and sensor noise, in the kernel."""
+"""Monte Carlo trials of regulators: drawn ships, disturbances and sensor noise, in the kernel."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,12 +16,12 @@ from narrows.control.regulator import held_line
 from narrows.control.regulator_gains import RegulatorWeights, regulator_gains
 from narrows.control.regulator_law import FEEDBACK, HeldLine, Regulator
 from narrows.control.settings import (
-    FLIGHT_HEADING,
-    FLIGHT_LENGTHS,
-    FLIGHT_NOISE,
-    FLIGHT_STEPS,
     LATE_LENGTHS,
     LEAD_TIME,
+    TRIAL_HEADING,
+    TRIAL_LENGTHS,
+    TRIAL_NOISE,
+    TRIAL_STEPS,
 )
 from narrows.errors import InputError
 from narrows.model.model import Model
@@ -75,13 +75,13 @@ class SeenWithNoise:
         return orders, {**memory, **kept, **record, "was": at.rudder}
 
 
-class Flown(NamedTuple):
+class TrialResult(NamedTuple):
     lost: np.ndarray  # (scenes, ships) Aground, or more than half a beam off the line at the end
     off: np.ndarray  # (scenes, ships) Late offset [half beams]; infinite if aground
     travel: np.ndarray  # (scenes, ships) Rudder travel [rad]
 
 
-class Flights:
+class DesignTrials:
     """Scenes of sampled ships, with arrays allocated once."""
 
     def __init__(
@@ -91,9 +91,9 @@ class Flights:
         self.model, self.scenes, self.ships, self.speed = model, scenes, ships, u
         hull = model.configuration.ship
         self.time = hull.length / u
-        sway, turn = FLIGHT_NOISE
-        usual = {"y": sway * hull.beam, "psi": turn, "v": turn * u, "r": turn / self.time}
-        self.noise = {**usual, **(noise or {})}
+        sway, turn = TRIAL_NOISE
+        defaults = {"y": sway * hull.beam, "psi": turn, "v": turn * u, "r": turn / self.time}
+        self.noise = {**defaults, **(noise or {})}
         self.systems = [linearize(model, scene.offset * y, u) for scene in scenes]
         self._random = np.random.default_rng(seed)
         self._seed = seed
@@ -103,7 +103,7 @@ class Flights:
         return self.model.configuration.ship.beam / 2
 
     def _each(self, values: Sequence[float] | np.ndarray) -> np.ndarray:
-        """A column over all flights of one number per scene."""
+        """A column over all trials of one number per scene."""
         return np.repeat(np.asarray(values, float), self.ships)
 
     @cached_property
@@ -115,7 +115,7 @@ class Flights:
         line = HeldLine(held["y"], tuple(gains), held["rudder"], held["psi"], held["v"])
         lead = np.full(count, LEAD_TIME * self.time)
         law = Regulator((line,), np.full(count, self.speed), lead, np.full(count, self.time))
-        return SeenWithNoise(law, self.noise, (FLIGHT_LENGTHS - LATE_LENGTHS) * self.time)
+        return SeenWithNoise(law, self.noise, (TRIAL_LENGTHS - LATE_LENGTHS) * self.time)
 
     @cached_property
     def _prepared(self) -> PreparedRun:
@@ -127,12 +127,12 @@ class Flights:
         if self.model.covariance is not None:
             columns = sampled(self.model, self.ships, self._seed)
             drawn = {name: np.tile(column.to_numpy(), len(self.scenes)) for name, column in columns.items()}
-        psi = line.psi + FLIGHT_HEADING * self._random.standard_normal(count)
+        psi = line.psi + TRIAL_HEADING * self._random.standard_normal(count)
         y = line.y + self._each([scene.begins for scene in self.scenes]) * 2 * self._half_beam
         start = {"x": 0.0, "y": y, "psi": psi, "u": self.speed, "v": line.v, "r": 0.0, "rudder": line.rudder}
         forces = {"X": 0.0, "Y": np.zeros(count), "N": np.zeros(count), PUSH_END: np.inf}
         turns = {name: float(self.systems[0].course[name]) for name in ("revolutions",) if self.model.terms.propelled}
-        run = KernelRun(ship, FLIGHT_LENGTHS * self.time, self.step, steering=steering)
+        run = KernelRun(ship, TRIAL_LENGTHS * self.time, self.step, steering=steering)
         prepared = run.prepared({**start, **turns, **forces, **drawn, **steering.parameters}, count, 1)
         kept = prepared.kernel.KEPT_NAMES
         for name in STATES:
@@ -145,34 +145,34 @@ class Flights:
 
     @property
     def step(self) -> float:
-        return self.time / FLIGHT_STEPS
+        return self.time / TRIAL_STEPS
 
     @cached_property
     def _segments(self) -> list[tuple[int, dict[str, np.ndarray]]]:
         """Steps between changes of the external forces, and the forces in them."""
-        times = {0.0, FLIGHT_LENGTHS, *(t for scene in self.scenes for push in scene.pushes for t in push[:2])}
-        steps = sorted(round(time * FLIGHT_STEPS) for time in times)
+        times = {0.0, TRIAL_LENGTHS, *(t for scene in self.scenes for push in scene.pushes for t in push[:2])}
+        steps = sorted(round(time * TRIAL_STEPS) for time in times)
         system = self.systems[0]
         turn, rudder = system.states.index("r"), system.controls.index("rudder")
         moment = float(system.B[turn, rudder] / system.G[turn, system.disturbances.index("N")])
         force = moment / self.model.configuration.ship.length
         segments = []
         for first, last in pairwise(steps):
-            now = [[p for p in scene.pushes if p.start * FLIGHT_STEPS - 0.5 <= first < p.stop * FLIGHT_STEPS - 0.5]
+            now = [[p for p in scene.pushes if p.start * TRIAL_STEPS - 0.5 <= first < p.stop * TRIAL_STEPS - 0.5]
                    for scene in self.scenes]  # fmt: skip
             Y = self._each([force * sum(push.force for push in pushes) for pushes in now])
             N = self._each([moment * sum(push.moment for push in pushes) for pushes in now])
             segments.append((last - first, {INPUTS["Y"]: Y, INPUTS["N"]: N}))
         return segments
 
-    def fly(self, weights: RegulatorWeights) -> Flown | None:
+    def run(self, weights: RegulatorWeights) -> TrialResult | None:
         """Simulate every scene under the regulator of these weights; None if there is no such regulator."""
         try:
             gains = np.array([regulator_gains(self.model, system, weights) for system in self.systems])
         except InputError:
             return None
         run = self._prepared
-        self._begun  # noqa: B018  # as it is before the first flight
+        self._begun  # noqa: B018  # as it is before the first trial
         inputs = list(run.kernel.VESSEL_INPUTS)
         for place, name in enumerate(FEEDBACK):
             run.vessel_inputs[:, inputs.index(PARAMETER(f"by_{name}_0"))] = self._each(gains[:, place])
@@ -187,4 +187,4 @@ class Flights:
             run.start[:] = np.where(alive[:, None], run.end, run.start)
         kept, shape = run.kernel.KEPT_NAMES, (len(self.scenes), self.ships)
         off = np.where(alive, run.start[:, kept.index(MEMORY("farthest"))] / self._half_beam, np.inf).reshape(shape)
-        return Flown(off > 1.0, off, run.start[:, kept.index(MEMORY("travel"))].reshape(shape))
+        return TrialResult(off > 1.0, off, run.start[:, kept.index(MEMORY("travel"))].reshape(shape))

@@ -8,7 +8,7 @@ import pytest
 
 import narrows as nw
 from engine_models import TABLES, model_of
-from narrows.codegen.tape import Notes, Tape, tape_of, tape_of_terms
+from narrows.codegen.trace import Notes, Trace, trace_of, trace_of_terms
 from narrows.quantities import dimensions as dim
 from narrows.quantities.arithmetic import angle, choice, clip, maximum, minimum
 
@@ -22,28 +22,28 @@ def test_a_replayed_tape_is_the_terms_to_the_bit() -> None:
     for table in TABLES.values():
         model = model_of(table)
         inputs = {**model.configuration.values(), **nw.Motion.at(0.3, y=1.1, u=0.9, v=0.1, r=-0.2, rdot=0.4).values()}
-        found = tape_of_terms(table).replay(inputs)
+        found = trace_of_terms(table).replay(inputs)
         assert found == {term.name: term.column(inputs) for term in table.terms}
 
 
 def test_tapes_name_what_is_done_and_nothing_else() -> None:
     renamed = replace(nw.PAPER, name="another name")
-    assert tape_of_terms(renamed) == tape_of_terms(nw.PAPER)
-    assert hash(tape_of_terms(renamed)) == hash(tape_of_terms(nw.PAPER))
-    texts = {tape_of_terms(table).text for table in TABLES.values()}
+    assert trace_of_terms(renamed) == trace_of_terms(nw.PAPER)
+    assert hash(trace_of_terms(renamed)) == hash(trace_of_terms(nw.PAPER))
+    texts = {trace_of_terms(table).text for table in TABLES.values()}
     assert len(texts) == len(TABLES)
 
 
 def test_what_is_done_twice_is_written_once() -> None:
-    tape = tape_of(lambda at: {"a": at.v * at.u + 1, "b": (at.v * at.u + 1) * 2}, {"u": "u", "v": "v"}, "it")
-    assert len(tape.lines) == len(set(tape.lines))
-    assert sum(line[0] == "*" for line in tape.lines) == 2
+    trace = trace_of(lambda at: {"a": at.v * at.u + 1, "b": (at.v * at.u + 1) * 2}, {"u": "u", "v": "v"}, "it")
+    assert len(trace.lines) == len(set(trace.lines))
+    assert sum(line[0] == "*" for line in trace.lines) == 2
 
 
 def test_inputs_are_those_that_are_used() -> None:
-    tape = tape_of(lambda at: {"out": at.v * 2, "same": at.r}, {"u": "u", "v": "speed", "r": "r"}, "it")
-    assert set(tape.inputs) == {"speed", "r"}
-    assert tape.replay({"speed": 3.0, "r": 1.5, "more": 9.0}) == {"out": 6.0, "same": 1.5}
+    trace = trace_of(lambda at: {"out": at.v * 2, "same": at.r}, {"u": "u", "v": "speed", "r": "r"}, "it")
+    assert set(trace.inputs) == {"speed", "r"}
+    assert trace.replay({"speed": 3.0, "r": 1.5, "more": 9.0}) == {"out": 6.0, "same": 1.5}
 
 
 def law(at) -> dict:
@@ -53,11 +53,11 @@ def law(at) -> dict:
 
 @pytest.mark.parametrize(("a", "b"), [(0.3, -4.0), (-2.0, 1.0), (5.0, 3.0), (-1.0, -1.0)])
 def test_functions_of_arithmetic_are_noted_too(a: float, b: float) -> None:
-    tape = tape_of(law, {"a": "a", "b": "b"}, "it")
+    trace = trace_of(law, {"a": "a", "b": "b"}, "it")
     order = min(max(a, -1), min(max(b, -2.0), 2.0))
     expected = (order if a > b else math.atan2(b, a)) ** 2 - abs(b) / 3 + 0.25
-    assert tape.replay({"a": a, "b": b}, functions=FLOATS)["out"] == pytest.approx(expected, rel=1e-15)
-    columns = tape.replay({"a": np.full(3, a), "b": np.full(3, b)})["out"]
+    assert trace.replay({"a": a, "b": b}, functions=FLOATS)["out"] == pytest.approx(expected, rel=1e-15)
+    columns = trace.replay({"a": np.full(3, a), "b": np.full(3, b)})["out"]
     np.testing.assert_allclose(columns, expected, rtol=1e-14)
 
 
@@ -80,22 +80,22 @@ NOT_ARITHMETIC = [
 def test_terms_that_are_not_arithmetic_are_refused(regressor, deed: str) -> None:
     table = nw.PAPER.with_terms("bad", sway=[nw.Term("b_bad", "b", regressor, dim.NUMBER)])
     with pytest.raises(nw.InputError, match=rf"term b_bad: .*{deed}.* write it with arithmetic, abs"):
-        tape_of_terms(table)
+        trace_of_terms(table)
 
 
 @pytest.mark.parametrize(("function", "deed"), NOT_ARITHMETIC)
 def test_functions_that_are_not_arithmetic_are_refused(function, deed: str) -> None:
     with pytest.raises(nw.InputError, match=rf"the law cannot be compiled \(.*{deed}.*\); write it with arithmetic"):
-        tape_of(lambda at: {"rudder": function(at.v)}, {"v": "v"}, "the law")
+        trace_of(lambda at: {"rudder": function(at.v)}, {"v": "v"}, "the law")
 
 
 def test_what_is_not_there_is_named_with_what_is() -> None:
     with pytest.raises(nw.InputError, match=r"the law asks for what is not there .*'w'.*known: u, v"):
-        tape_of(lambda at: {"rudder": at.w}, {"u": "u", "v": "v"}, "the law")
+        trace_of(lambda at: {"rudder": at.w}, {"u": "u", "v": "v"}, "the law")
 
 
 def test_a_number_keeps_every_bit() -> None:
     notes = Notes()
     numbers = {"third": 1 / 3, "tiny": 5e-324, "whole": 7, "negative": -2}
     lines = {name: notes.of(value).line for name, value in numbers.items()}
-    assert Tape(tuple(notes.lines), lines).replay({}) == numbers
+    assert Trace(tuple(notes.lines), lines).replay({}) == numbers
