@@ -57,7 +57,7 @@ class LawOrders:
         return self._ahead.at(np.ravel(x))[column].reshape(np.shape(x))
 
 
-@dataclass(frozen=True)
+@dataclass
 class SensedHelm:
     """A controller of single voyages: readings of the true state, an estimate from them, an order from that."""
 
@@ -70,50 +70,38 @@ class SensedHelm:
     seed: int = 0
 
     def begin(self) -> Order:
-        """Return what gives the orders of one voyage."""
-        estimator = self.estimator
-        if estimator is None:
-            estimator = narrows.estimation.Estimator(self.model, self.sensors, waterway=self.waterway)
-        estimator.forget()
-        helm = self.controller
+        """Return what gives the orders of one voyage; they replace those of the voyage before."""
+        estimation, random, helm = narrows.estimation, np.random.default_rng(self.seed), self.controller
+        self.estimator = self.estimator or estimation.Estimator(self.model, self.sensors, waterway=self.waterway)
+        self.estimator.forget()
         if isinstance(helm, ControlLaw):
-            inner: Any = LawOrders(self.model, helm, self.dt, self.waterway)
+            self._inner: Any = LawOrders(self.model, helm, self.dt, self.waterway)
         else:
-            inner = helm.begin() if hasattr(helm, "begin") else helm
-        return _SensedOrders(self, estimator, inner, np.random.default_rng(self.seed))
-
-
-@dataclass
-class _SensedOrders:
-    helm: SensedHelm
-    estimator: Any
-    inner: Order
-    random: np.random.Generator
-    _past: list[tuple[float, VoyageState]] = field(default_factory=list)
-    _due: dict[str, float] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        self._ahead = water_ahead(self.helm.model, self.helm.waterway)
-        self._measuring, self._indicator = narrows.estimation.ship_filter.split_sensors(self.helm.sensors)
+            self._inner = helm.begin() if hasattr(helm, "begin") else helm
+        self._past: list[tuple[float, VoyageState]] = []
+        self._due: dict[str, float] = {}
+        self._ahead = water_ahead(self.model, self.waterway)
+        self._measuring, self._indicator = estimation.ship_filter.split_sensors(self.sensors)
         self._longest = max(sensor.late for sensor in self._measuring.values())
-        process = narrows.estimation.sensor.ErrorProcess
-        self._errors = {name: process(sensor, self.random) for name, sensor in self._measuring.items()}
-        self._bias = self._indicator.bias * self.random.standard_normal()
+        self._errors = {n: estimation.sensor.ErrorProcess(one, random) for n, one in self._measuring.items()}
+        self._bias = self._indicator.bias * random.standard_normal()
+        self._random = random
+        return self._order
 
-    def __call__(self, t: float, state: VoyageState) -> float:
-        self._past = [(then, seen) for then, seen in self._past if then > t - self._longest - 2 * self.helm.dt]
+    def _order(self, t: float, state: VoyageState) -> float:
+        self._past = [(then, seen) for then, seen in self._past if then > t - self._longest - 2 * self.dt]
         self._past.append((t, state))
-        rudder = state.rudder + float(self._indicator.noise * self.random.standard_normal() - self._bias)
+        rudder = state.rudder + float(self._indicator.noise * self._random.standard_normal() - self._bias)
         estimate = self.estimator.update(t, {**dict(self._readings(t)), "rudder": rudder})
         if not estimate.ready:
             # No estimate yet: the rudder stays.
             return state.rudder
         seen = {name: estimate[name] for name in ("x", "y", "psi", "u", "v", "r")}
-        return self.inner(t, VoyageState(**seen, rudder=rudder))
+        return float(self._inner(t, VoyageState(**seen, rudder=rudder)))
 
     def _readings(self, t: float) -> Iterator[tuple[str, Any]]:
         for name, sensor in self._measuring.items():
-            if t < self._due.get(name, -math.inf) - ORDER_TOLERANCE * self.helm.dt or t < sensor.late:
+            if t < self._due.get(name, -math.inf) - ORDER_TOLERANCE * self.dt or t < sensor.late:
                 continue
             self._due[name] = t + sensor.period
             yield name, self._errors[name].reading(self._at(t - sensor.late))

@@ -227,10 +227,9 @@ def with_propulsion(model: Model, vary: dict[str, object]) -> dict[str, object]:
     """Return the given values, with revolutions that fit the speed if the terms need them."""
     if not model.terms.propelled or "revolutions" in vary:
         return vary
-    speed = vary["u"]
-    u = speed if isinstance(speed, xr.DataArray) else np.asarray(speed, float)
-    revolutions = np.vectorize(lambda one_speed: self_propulsion(model, float(one_speed)), otypes=[float])(u)
-    if isinstance(speed, xr.DataArray):
-        return {**vary, "revolutions": speed.copy(data=revolutions)}
-    column = xr.DataArray(revolutions, dims=["u"], coords={"u": u}) if revolutions.ndim else float(revolutions)
-    return {**vary, "revolutions": column}
+    speed: Any = vary["u"]
+    if not isinstance(speed, xr.DataArray):
+        column = np.asarray(speed, float)
+        speed = xr.DataArray(column, dims=["u"], coords={"u": column}) if column.ndim else float(column)
+    found = xr.apply_ufunc(lambda u: self_propulsion(model, float(u)), speed, vectorize=True, keep_attrs=True)
+    return {**vary, "revolutions": found}

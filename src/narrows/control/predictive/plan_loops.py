@@ -37,12 +37,10 @@ def tracking_cost(
     off: np.ndarray, G: np.ndarray, rates: np.ndarray, weights: np.ndarray, by_rate: float, beyond: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return H and f of the cost of deviations from the reference and of turning the rudder."""
-    H, f = by_rate * np.eye(len(off)), by_rate * rates
-    for k in range(len(off)):
-        weighted = (beyond if k == len(off) - 1 else np.diag(weights)) @ G[k]
-        H += G[k].T @ weighted
-        f += off[k] @ weighted
-    return H, f
+    weighted, rows = weights.reshape(-1, 1) * G, (-1, len(rates))
+    weighted[-1] = beyond @ G[-1]
+    H = by_rate * np.eye(len(rates)) + G.reshape(rows).T @ weighted.reshape(rows)
+    return H, by_rate * rates + off.ravel() @ weighted.reshape(rows)
 
 
 def corner_offsets(
