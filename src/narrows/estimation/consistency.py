@@ -16,15 +16,15 @@ from narrows.errors import InputError, check_count
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.settings import CONFIDENCE, REFERENCE_LENGTH, SETTLING_TIME
 from narrows.estimation.states import described
-from narrows.estimation.twins import Twins, check_law, sail_twins
+from narrows.estimation.twins import Twins, sail_twins
 from narrows.model.model import Model
 from narrows.results import BaseResult
+from narrows.simulation.controllers import ControlLaw
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray
 
-    from narrows.simulation.controllers import ControlLaw
     from narrows.waterway.waterway import Waterway
 
 Readings = dict[str, Any]
@@ -185,7 +185,7 @@ class Consistency(BaseResult):
 
 def consistency(
     model: Model, sensors: Sequence[Any], y: float = 0.0, u: float = 1.0, *, twins: int = 40, duration: float = 600.0,
-    drawn: bool = False, seed: int = 0, x: float = 0.0, controller: "ControlLaw | None" = None,
+    drawn: bool = False, seed: int = 0, x: float = 0.0, controller: ControlLaw | None = None,
     excitation: float = math.radians(3.0), fault: Fault | None = None, waterway: "Waterway | None" = None,
     **filtering: Any,
 ) -> Consistency:  # fmt: skip
@@ -235,7 +235,10 @@ def consistency(
     """
     check_count("twins", twins, 1)
     check_count("seed", seed)
-    check_law(controller)
+    if controller is not None and not isinstance(controller, ControlLaw):
+        raise InputError(
+            f"a {type(controller).__name__} cannot steer twins; give a law in arithmetic, such as Autopilot"
+        )
     if not (math.isfinite(duration) and duration > 0.0):
         raise InputError(f"duration = {duration} is no time to sail; give seconds over 0")
 

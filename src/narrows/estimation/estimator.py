@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -23,6 +24,8 @@ from narrows.results import BaseSummary
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
+
+AGROUND = "At t = {:g} s the estimate lay in a bank or beyond the waterway: it begins anew."
 
 
 class Estimator(BaseSummary):
@@ -143,16 +146,16 @@ class Estimator(BaseSummary):
         """
         if not math.isfinite(t):
             raise InputError(f"t = {t} is no time; give seconds")
-        told = checked_readings({**(readings or {}), **named}, self.filter.sensors, self.filter.actuators)
-        notes = list(told.notes)
+        told = {**(readings or {}), **named}
+        measured, positions, lost = checked_readings(told, self.filter.sensors, self.filter.actuators)
+        notes = list(lost)
         gap = t - self._run.last.t if self._run else 0.0
         if abs(gap) > LONGEST_GAP:
             what = f"No reading for {gap:.0f} s" if gap > 0.0 else f"The time went back by {-gap:.0f} s"
             notes.append(f"{what}: the estimate begins anew.")
             self._begin_anew()
-        if self._run is None:
-            return self._waited(float(t), told.measured, told.positions, notes)
-        return self._went_on(float(t), told.measured, told.positions, notes)
+        go_on = self._waited if self._run is None else self._went_on
+        return go_on(float(t), measured, positions, notes)
 
     def run(self, records: Any) -> EstimatedTrack:
         """Estimate a whole record as in real time, after a restart.
@@ -214,18 +217,8 @@ class Estimator(BaseSummary):
             As for ``run``.
         """
         told = records_of(records, self.filter.sensors, self.filter.actuators)
-        found = smooth(self.filter, told)
-        known = np.isfinite(found.mean[:, 0])
-        mean = found.mean[known]
-        mean[:, 2] = (mean[:, 2] + np.pi) % (2 * np.pi) - np.pi
-        flags = [{name: flag[known] for name, flag in by.items()} for by in (found.refused, found.suspected)]
-        resets = [
-            f"At t = {t:g} s the estimate lay in a bank or beyond the waterway: it begins anew." for t in found.resets
-        ]
-        return EstimatedTrack(
-            told.t[known], mean, found.covariance[known], self.filter.states.names, np.ones(int(known.sum()), bool),
-            flags[0], flags[1], True, (*self.notes, *resets),
-        )  # fmt: skip
+        track, resets = smooth(self.filter, told)
+        return replace(track, notes=(*self.notes, *map(AGROUND.format, resets)))
 
     def _waited(
         self, t: float, measured: dict[str, tuple[float, ...]], positions: dict[str, float], notes: list[str]
@@ -260,7 +253,7 @@ class Estimator(BaseSummary):
             at[number] = positions.get(name, at[number]) if t >= last.t - SAME_TIME else at[number]
         self._last_reading.update(dict.fromkeys(measured, now))
         if not self._run.update(t, measured, at, notes):
-            notes.append(f"At t = {t:g} s the estimate lay in a bank or beyond the waterway: it begins anew.")
+            notes.append(AGROUND.format(t))
             self._begin_anew()
             return self._waited(t, measured, positions, notes)
         results = self._run.results

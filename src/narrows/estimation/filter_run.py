@@ -181,18 +181,10 @@ def _columns(table: Any) -> dict[str, np.ndarray]:
 Reading = float | Sequence[float]
 
 
-class Measurements(NamedTuple):
-    """Checked readings."""
-
-    measured: dict[str, tuple[float, ...]]  # Readings by sensor
-    positions: dict[str, float]  # Positions of actuators
-    notes: tuple[str, ...]  # Names of invalid readings
-
-
 def checked_readings(
     readings: Mapping[str, Any], sensors: Mapping[str, Sensor], actuators: Sequence[str]
-) -> Measurements:
-    """Split readings into those of sensors and of actuators, without NaN."""
+) -> tuple[dict[str, tuple[float, ...]], dict[str, float], tuple[str, ...]]:
+    """Split readings into those of sensors and of actuators, without NaN, and a note on invalid ones."""
     measured: dict[str, tuple[float, ...]] = {}
     positions: dict[str, float] = {}
     lost = []
@@ -209,7 +201,7 @@ def checked_readings(
         else:
             positions[name] = numbers[0]
     notes = (f"The reading of {' and '.join(lost)} is not a number and was not used.",) if lost else ()
-    return Measurements(measured, positions, notes)
+    return measured, positions, notes
 
 
 def _numbers(name: str, reading: Any, count: int) -> tuple[float, ...]:

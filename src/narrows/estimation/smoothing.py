@@ -3,27 +3,19 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 
 from narrows.errors import InputError
+from narrows.estimation.estimate import EstimatedTrack
 from narrows.estimation.filter_run import FilterRun, Moment, Readings, Records
 from narrows.estimation.settings import START_READINGS
 from narrows.estimation.ship_filter import MotionStep, ShipFilter, Start
 from narrows.estimation.unscented import Gaussian
 
 
-class Smoothed(NamedTuple):
-    mean: np.ndarray  # (times, states) Estimates; NaN before the start
-    covariance: np.ndarray  # (times, states, states) Covariances of their errors
-    refused: dict[str, np.ndarray]  # (times,) True if a sensor's reading was refused
-    suspected: dict[str, np.ndarray]  # (times,) True if a sensor's innovations had a bias
-    resets: tuple[float, ...]  # Times at which the estimate lay in a bank and restarted [s]
-
-
-def smooth(filter: ShipFilter, records: Records) -> Smoothed:
-    """Estimate states from all readings, before and after."""
+def smooth(filter: ShipFilter, records: Records) -> tuple[EstimatedTrack, list[float]]:
+    """Return states by all readings, before and after, and the times at which the estimate lay in a bank [s]."""
     # The coefficients are states too, with the fit's covariance as prior: a whole record may correct them.
     joint, count, size = replace(filter, coefficients="estimated", memory=math.inf), len(records.t), len(filter.states)
     refused, suspected = ({name: np.zeros(count, bool) for name in filter.sensors} for _ in range(2))
@@ -59,7 +51,13 @@ def smooth(filter: ShipFilter, records: Records) -> Smoothed:
         until = np.cumsum([len(moment.steps) for moment in run.history])
         for row, moment in zip(told, moments, strict=True):
             mean[row], covariance[row] = back[until[moment]][0][:size], back[until[moment]][1][:size, :size]
-    return Smoothed(mean, covariance, refused, suspected, tuple(resets))
+    known = np.isfinite(mean[:, 0])
+    mean[:, 2] = (mean[:, 2] + np.pi) % (2 * np.pi) - np.pi
+    refused, suspected = ({name: flag[known] for name, flag in by.items()} for by in (refused, suspected))
+    ready = np.ones(int(known.sum()), bool)
+    names = filter.states.names
+    track = EstimatedTrack(records.t[known], mean[known], covariance[known], names, ready, refused, suspected, True, ())
+    return track, resets
 
 
 def _events(filter: ShipFilter, records: Records) -> list[tuple[float, Readings, dict[str, int], int]]:

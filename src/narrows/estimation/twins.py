@@ -2,13 +2,11 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from narrows.codegen.choices import STAGES
 from narrows.control.sensed_helm import LawOrders
-from narrows.errors import InputError
 from narrows.estimation.sensor import Sensor, drawn_reading
 from narrows.estimation.settings import STEPS_A_PERIOD, TWIN_SIDE_TIME, TWIN_START_STD
 from narrows.estimation.ship_filter import ShipFilter, default_step
@@ -135,8 +133,3 @@ def _told(fleet: _Fleet, sensor: Sensor, times: np.ndarray, states: np.ndarray) 
         at = Columns(then, fleet.filter.states, fleet.lanes.bend(float(then[0, 0])))
         told[number] = np.stack(drawn_reading(sensor, at, vars(at), fleet.random), axis=1)
     return told
-
-
-def check_law(law: Any) -> None:
-    if law is not None and not isinstance(law, ControlLaw):
-        raise InputError(f"a {type(law).__name__} cannot steer twins; give a law in arithmetic, such as Autopilot")

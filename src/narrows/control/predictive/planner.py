@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from narrows.codegen.cache import compiled_loops
-from narrows.codegen.linearisation import LINEARISED, JacobianBatch
+from narrows.codegen.linearisation import LINEARISED
 from narrows.control.local_motion import along_line
 from narrows.control.predictive import plan_loops
 from narrows.control.predictive.course_ahead import Weights
@@ -121,17 +121,21 @@ class Horizon:
         return self.intervals * self.interval
 
 
-@dataclass(frozen=True)
 class Planner:
-    horizon: Horizon  # Prediction horizon
-    lanes: ShipLanes  # One lane per interval
-    jacobians: JacobianBatch  # One point per interval
-    water: WaterAhead  # The waterway
-    margins: np.ndarray  # (intervals,) Distance between hull and bank after each interval [m]
-    hull: tuple[float, float]  # Half length and half beam [m]
-    limits: tuple[float, float]  # Limits of the rudder's angle and rate [rad, rad/s]
-    weights: Weights  # Weights of the cost
-    positions: Mapping[str, float]  # Positions of other actuators
+    def __init__(
+        self, ship: SimulatedShip, waterway: "Waterway | None", water: WaterAhead, horizon: Horizon,
+        margins: np.ndarray, weights: Weights, positions: Mapping[str, float],
+    ) -> None:  # fmt: skip
+        # margins (intervals,): distance between hull and bank after each interval [m]; positions of other actuators
+        self.water, self.horizon, self.margins = water, horizon, margins
+        self.weights, self.positions = weights, positions
+        self.lanes = prediction_lanes(ship, waterway, horizon.intervals)  # One lane per interval
+        section = () if water.straight else SECTION
+        linear = ship.system().linearisation(ship.values(**positions), ship.actuators, section)
+        self.jacobians = linear.batch(horizon.intervals)  # One point per interval
+        hull, gear = ship.model.configuration.ship, ship.model.configuration.gear
+        self.hull = hull.length / 2, hull.beam / 2  # [m]
+        self.limits = gear.limit, gear.rate  # [rad, rad/s]
 
     def first(self, x: float, state: np.ndarray, speed: float, reference: Reference) -> RudderPlan:
         """Return a starting plan: on the steady course, the rudder still."""
@@ -220,20 +224,6 @@ class Planner:
 
 def _clipped(values: np.ndarray, most: float | np.ndarray) -> np.ndarray:
     return np.asarray(np.minimum(np.maximum(values, -most), most))
-
-
-def planner_of(
-    ship: SimulatedShip, waterway: "Waterway | None", water: WaterAhead, horizon: Horizon, margins: np.ndarray,
-    weights: Weights, positions: Mapping[str, float],
-) -> Planner:  # fmt: skip
-    configuration = ship.model.configuration
-    section = () if water.straight else SECTION
-    linear = ship.system().linearisation(ship.values(**positions), ship.actuators, section)
-    hull, gear = configuration.ship, configuration.gear
-    return Planner(
-        horizon, prediction_lanes(ship, waterway, horizon.intervals), linear.batch(horizon.intervals),
-        water, margins, (hull.length / 2, hull.beam / 2), (gear.limit, gear.rate), weights, positions,
-    )  # fmt: skip
 
 
 def program_of(

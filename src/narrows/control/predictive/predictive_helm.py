@@ -17,7 +17,6 @@ from narrows.control.predictive.planner import (
     Planner,
     RudderPlan,
     horizon_of,
-    planner_of,
     predict,
     prediction_lanes,
 )
@@ -296,7 +295,7 @@ class PredictiveHelm(BaseSummary):
             held = float(track.states[0, 0, RUDDER]) if track.known[0, 0] else math.nan
             check_holds(self.model, held, self.y, self.u)
         margins = course.margins(horizon.intervals, self.confidence)
-        planner = planner_of(ship, self.waterway, water, horizon, margins, weights, positions)
+        planner = Planner(ship, self.waterway, water, horizon, margins, weights, positions)
         observer = prediction_lanes(ship, self.waterway, 2)
         return VoyageOrders(planner, course, observer, PUSH_LENGTHS * passing, self.seconds, gear)
 
