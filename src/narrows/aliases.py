@@ -34,23 +34,27 @@ ATTRIBUTES: Rows = {
     "to_dataframe()": ("df", "to_frame()", "to_pandas()", "summary_frame()", "trajectory", "dataframe()"),
     "dataset()": ("ds", "to_dataset()"),
     "save()": ("write()", "dump()", "to_toml()", "to_file()"),
-    "plot()": ("show()", "draw()", "plot_trajectory()", "plot_track()", "plot_coefficients()", "plot_forces()"),
+    "plot()": ("show()", "draw()", "plot_trajectory()", "plot_track()", "plot_coefficients()", "plot_forces()",
+               "heatmap()", "contour()"),
     "t": ("time", "times"), "y": ("offset", "lateral_position", "lateral_offset"), "x": ("along", "distance_along"),
     "u": ("speed", "surge", "surge_velocity"), "v": ("sway", "sway_velocity"), "r": ("yaw_rate",),
     "psi": ("heading", "yaw"), "rudder": ("rudder_angle", "delta"),
     "outcome.time": ("time_to_grounding", "grounding_time", "end_time", "t_end"),
     "outcome.distance": ("distance", "distance_travelled"),
     "outcome.sentence": ("message",), "outcome.kind": ("status", "reason"), "outcome.side": ("side",),
-    "length": ("L", "Lpp"), "beam": ("B",), "draft": ("T",), "block_coefficient": ("Cb",),
-    "ship.length": ("length", "L", "Lpp"), "ship.beam": ("beam", "B"), "ship.draft": ("draft", "T"),
+    "length": ("L", "Lpp", "LPP", "LBP"), "beam": ("B",), "draft": ("T",), "block_coefficient": ("Cb",),
+    "ship.length": ("length", "L", "Lpp", "LPP", "LBP"), "configuration.gear": ("steering", "gear"),
+    "configuration.rudder": ("rudder",), "configuration.propeller": ("propeller",),
+    "ship.beam": ("beam", "B"), "ship.draft": ("draft", "T"),
     "configuration.ship": ("ship", "particulars", "hull"), "ship": ("particulars", "hull", "vessel"),
     "model.linearize()": ("linearize()",), "model.export()": ("export()",),
     "model.configuration.ship": ("ship", "particulars", "hull"), "final": ("final_state", "last", "end_state"),
     "configuration.canal": ("canal",), "canal.depth": ("depth",),
-    "canal.width": ("width",), "line.length": ("length",),
+    "canal.width": ("width",), "line.length": ("length",), "line": ("centerline", "centreline", "axis"),
+    "data": ("grid",),
     "highest_speed()": ("max_speed()", "safe_speed()", "maximum_speed()", "max_safe_speed()"), "safe()": ("is_safe()",),
     "summary()": ("summary2()", "report()"),
-    "conf_int()": ("confint()", "ci()", "confidence_intervals()", "confidence_interval()"),
+    "conf_int()": ("confint()", "ci()", "confidence_intervals()", "confidence_interval()", "confidence()"),
     "query()": ("filter()",), "nobs": ("n_observations", "n_obs", "n"),
     "terms.names": ("names", "param_names", "feature_names_in_", "model_names"), "names": ("test_names",),
     "ship.name": ("name",), "derivative()": ("rhs()", "dynamics()", "ode()"),
@@ -111,8 +115,13 @@ INSTEAD: Rows = {
     "derivatives": ("nw.nondimensional(model)",), "width": ("section(s).width",), "tests": ("test(name)",),
     **dict.fromkeys(("ss", "to_ss"), ("linearize().state_space()",)), "steady_state": ("nw.steady_course(model)",),
     **dict.fromkeys(("C", "D"), ("state_space() for python-control: the outputs are the states",)),
-    **dict.fromkeys(("points", "coordinates", "xy", "centerline", "centreline"), ("line",)),
+    **dict.fromkeys(("points", "coordinates", "xy"), ("line",)),
     **dict.fromkeys(("left_bank", "right_bank", "banks", "bank"), ("port and starboard",)),
+    "displacement": ("length * beam * draft * block_coefficient [m3]",), "uncertainty": ("covariance",),
+    **dict.fromkeys(("sensitivity", "sensitivities"), ("nw.sensitivities(model, ...)",)),
+    **dict.fromkeys(("with_water", "with_density"), ("scale(length, density=...)",)),
+    **dict.fromkeys(("bow", "stern"), ("nw.squat(model, u, 'bow')",)), "to_csv": ("to_dataframe().to_csv(path)",),
+    **dict.fromkeys(("ax", "axes"), ("plot(), a Matplotlib figure",)),
     "popt": ("coefficients",),  # SciPy's is an array; these go by name
 }  # fmt: skip
 
@@ -147,9 +156,10 @@ CONSTRUCTORS: Rows = {
 ARGUMENTS: Rows = {
     "duration": ("t_end", "tmax", "t_max", "tend", "t_final", "tfinal", "tf"),
     "dt": ("h", "delta_t", "time_step", "timestep"),
-    "y": ("y0", "offset", "lateral_offset", "initial_offset"),
-    "u": ("u0", "speed", "U", "U0", "velocity", "initial_speed"), "x": ("x0",), "v": ("v0", "sway_velocity"),
-    "psi": ("psi0",), "r": ("r0", "yaw_rate"), "controller": ("pilot", "autopilot", "control"), "rudder": ("delta",),
+    "y": ("y0", "offset", "offsets", "lateral_offset", "initial_offset"),
+    "u": ("u0", "speed", "speeds", "U", "U0", "velocity", "initial_speed"), "x": ("x0",), "v": ("v0", "sway_velocity"),
+    "psi": ("psi0",), "r": ("r0", "yaw_rate"), "controller": ("pilot", "autopilot", "control", "helm"),
+    "configuration": ("ship", "config"), "rudder": ("delta",),
     "samples": ("n_samples", "nsamples", "draws"), "seed": ("random_state", "rng"),
     "workers": ("n_jobs", "n_workers", "num_workers"),
     "length": ("L", "Lpp", "lpp"), "beam": ("B", "breadth"), "draft": ("T", "draught"),
@@ -167,15 +177,16 @@ OTHER_ARGUMENTS: Rows = {
     "psi=..., in radians": ("heading", "heading0", "yaw"),
     "rudder=..., in radians, and in degrees for turning_circle and zigzag": ("rudder_angle", "angle"),
     "Y=... and N=... of nw.wind_force": ("wind", "wind_speed"), "waterway=... with a current": ("current",),
+    "controller=nw.track_pilot(model, y, u)": ("hold", "setpoint"),
     "dt=...": ("step",), "samples=..., or revolutions=... of a propeller": ("n",),
     "dt=...: the method is Runge-Kutta of order 4": ("method", "solver", "rtol", "atol"),
 }  # fmt: skip
 
 # Functions that are accepted under another name.
 FUNCTIONS: Rows = {
-    "identify": ("fit", "regress"), "load_model": ("load", "read_model"), "read_ship": ("load_ship",),
+    "identify": ("fit", "regress"), "load_model": ("load", "read_model", "get_model"), "read_ship": ("load_ship",),
     "read_captive": ("read_csv", "read_table", "read_excel", "read_tests", "load_tests"), "read_log": ("load_log",),
-    "simulate": ("sail", "run", "integrate"), "scale_model": ("scale",), "plan_tests": ("plan",),
+    "simulate": ("sail", "run", "integrate"), "scale_model": ("scale",), "plan_tests": ("plan", "design"),
     "safe_envelope": ("envelope",), "sail_trials": ("trials",), "published": ("list_published", "published_models"),
     "read_waterway": ("read_geojson", "read_canal", "load_waterway"), "ready_ships": ("ships", "list_ships"),
     "steady_course": ("steady_state", "trim", "equilibrium"), "straight_waterway": ("straight_canal",),
@@ -184,7 +195,9 @@ FUNCTIONS: Rows = {
     "control.PredictiveHelm": ("mpc", "MPC"), "estimation.Estimator": ("kalman_filter", "ukf", "UKF"),
     "estimation.consistency": ("nees", "NEES", "nis"),
     "ensemble": ("monte_carlo", "sweep", "fleet"), "bank_force": ("bank_effect", "bank_forces"),
-    "estimate_model": ("from_dimensions", "from_particulars"), "Configuration": ("Config",),
+    "estimate_model": ("from_dimensions", "from_particulars", "from_main_dimensions"),
+    "zigzag": ("zigzag_test", "zig_zag"), "turning_circle": ("turning_test", "turn"),
+    "export.write_c": ("export_c", "to_c"), "export.write_fmu": ("export_fmu", "to_fmu"), "Configuration": ("Config",),
 }  # fmt: skip
 
 # Functions with another meaning here, and what to write instead.
@@ -200,11 +213,13 @@ OTHER_FUNCTIONS: Rows = {
     "squat(model, u, formula=...)": ("barrass", "squat_barrass", "huuska", "icorels", "tuck", "sinkage"),
     "turning_circle or zigzag": ("manoeuvre", "maneuver", "spiral", "pullout"),
     "safe_envelope, or speed_limits along a waterway": ("safe_speed", "speed_limit", "max_speed"),
-    "8 * 0.514444 for 8 knots: speeds are in m/s": ("knots", "kn", "knot", "kts"),
+    "8 * 0.514444 for 8 knots: speeds are in m/s": ("knots", "kn", "knot", "kts", "KNOT", "units", "constants"),
     "estimation.Estimator": ("kalman", "Kalman", "ekf", "EKF", "filter"),
     "`narrows monitor` in a terminal": ("monitor", "Monitor", "warning"),
     "Autopilot, or control.regulator": ("PID", "pid", "Pilot", "HeadingController"),
-    "export.write_fmu": ("to_fmu", "fmu", "export_fmu"), "export.write_c": ("to_c", "c_code"),
+    "export.write_fmu": ("fmu",), "export.write_c": ("c_code",),
+    "identify, whose left_out has the errors": ("cross_validate", "cross_val_score"),
+    "help(nw), or narrows --help in a terminal": ("help", "docs", "examples", "tutorial"),
     "model.plot(), voyage.plot() or map_figure, by what is drawn": ("plot", "figure", "draw"),
     "published for models of papers, ready_ships for estimated ones": ("list_models", "models"),
     "safe_envelope(model).plot()": ("plot_envelope", "plot_safe_envelope"),
@@ -284,12 +299,13 @@ def accept_aliases(function: Function) -> Function:
         return function
     parameters = inspect.signature(function).parameters
     has_model = next(iter(parameters)) == "model"
-    any_name = any(own.kind is own.VAR_KEYWORD for own in parameters.values())
+    more = next((own.name for own in parameters.values() if own.kind is own.VAR_KEYWORD), "")
+    any_name, positions = bool(more), more == "positions"  # Positions are those of actuators alone
     # A name can be that of two arguments (h: a step or a depth): the function has one of them.
     aliases = {
         name: ours
         for ours, theirs in reversed(tuple(ARGUMENTS.items()))
-        if ours in parameters or any_name
+        if ours in parameters or (any_name and (not positions or ours == "rudder"))
         for name in theirs
     }
 

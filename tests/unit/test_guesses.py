@@ -173,6 +173,10 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.plot_envelope": (lambda: nw.plot_envelope, "write safe_envelope"),  # type: ignore[attr-defined]
     "nw.froude": (lambda: nw.froude, "write scale_model"),  # type: ignore[attr-defined]
     "nw.kalman": (lambda: nw.kalman, "write estimation.Estimator"),  # type: ignore[attr-defined]
+    "nw.simulate(..., T=20)": (lambda: nw.simulate(DTC, y=0.5, T=20), "write duration"),
+    "nw.simulate(..., hold=0)": (lambda: nw.simulate(DTC, y=0.5, hold=0), "write controller=nw.track_pilot"),
+    "model.sensitivity()": (lambda: DTC.sensitivity(), "write nw.sensitivities"),  # type: ignore[attr-defined]
+    "nw.cross_validate(tests)": (lambda: nw.cross_validate(TESTS()), "write identify"),  # type: ignore[attr-defined]
     'nw.simulate(u="8 kn")': (lambda: nw.simulate(DTC, u="8 kn"), "8 kn is 4.12 m/s"),  # type: ignore[arg-type]
     'nw.ensemble(u="8 kn")': (lambda: nw.ensemble(DTC, u="8 kn"), "8 kn is 4.12 m/s"),
     'nw.safe_envelope(u="8 kn")': (lambda: nw.safe_envelope(STEERED, u="8 kn"), "8 kn is 4.12 m/s"),  # type: ignore[arg-type]
@@ -296,6 +300,13 @@ assert pub.copy() == pub and pub.draft == pub.ship.draft and pub.width == pub.co
 assert nw.load_model("mikkelsen2025_dtc") == pub
 assert model.predict(u=1.0, y=0.5)["Y"] == model.forces(u=1.0, y=0.5)["Y"]
 assert len(model.linearize(u=1.0).damp()) == 4
+assert pub.forces(u=1.0, y=[0.1, 0.2])["N"].shape == (2,)
+assert kcs.rudder.area == kcs.configuration.rudder.area and kcs.ship.LBP == kcs.ship.Lpp == 230
+assert nw.turning_circle(kcs, 35, u=6.0).tactical_diameter > 0 and nw.zigzag_test is nw.zigzag
+assert nw.get_model("mikkelsen2025_dtc") == pub and nw.export_c is nw.export.write_c
+assert nw.safe_envelope(kcs, speeds=[4.0], offsets=[0.0], n_samples=10).grid["held"].size == 1
+assert nw.straight_canal(nw.Canal(W=300.0, h=16.0), 5000.0).centerline.length == 5000
+assert fit.confidence().equals(fit.conf_int())
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""
 LATER_MISSED = {
@@ -349,7 +360,11 @@ def test_a_name_that_nothing_is_near_is_said_to_be_absent() -> None:
 def test_later_guesses_hold(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     names = {"np": np, "pd": pd, "plt": plt, "nw": nw, "tests": TESTS(), "fit": fit(), "model": fit().model, "pub": DTC}
-    names |= {"voyage": voyage(), "fleet": nw.ensemble(DTC, y=[0.5, 1.0, 2.4], u=[0.8, 1.0])}
+    names |= {
+        "kcs": nw.published("estimated_kcs"),
+        "voyage": voyage(),
+        "fleet": nw.ensemble(DTC, y=[0.5, 1.0, 2.4], u=[0.8, 1.0]),
+    }
     for guess in LATER.strip().splitlines():
         exec(guess, names)
         plt.close("all")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.captive.read import as_tests
 from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, motion_of
@@ -162,6 +163,7 @@ def _row(run: Run) -> dict[str, Any]:
     return {"kind": "straight", **values, **drift, "duration": run.duration}
 
 
+@accept_aliases
 def plan_tests(
     configuration: ShipSource, runs: int = 12, *, tank: Tank | None = None, terms: TermTable = PAPER,
     targets: Sequence[str] = (), criterion: str = "c", noise: Mapping[str, float] = FORCE_NOISE,

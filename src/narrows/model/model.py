@@ -287,6 +287,9 @@ class Model(Configured, Operations):
         """
         if motion is None:
             named = {name: others.pop(name) for name in ("psi", *MOTION) if name in others}
+            named = {
+                name: np.array(value) if isinstance(value, list | tuple) else value for name, value in named.items()
+            }
             check_angles({**named, **({} if rudder is None else {"rudder": rudder})})
             motion = Motion.at(**named) if "psi" in named else Motion(**named)
         check_ahead(revolutions)
