@@ -121,7 +121,7 @@ def _rest(t: np.ndarray, column: np.ndarray, frequency: float, harmonics: int) -
     return parts, column - basis @ parts
 
 
-def _harmonics(t: np.ndarray, column: np.ndarray, frequency: float, usual: float) -> tuple[np.ndarray, float] | None:
+def _harmonics(t: np.ndarray, column: np.ndarray, frequency: float, typical: float) -> tuple[np.ndarray, float] | None:
     """Cosines and sines of a velocity above their noise, and the missing acceleration."""
     # None if they do not explain it.
     parts, rest = (
@@ -129,12 +129,12 @@ def _harmonics(t: np.ndarray, column: np.ndarray, frequency: float, usual: float
     )
     error = float(rest.std())
     memory = float(rest[1:] @ rest[:-1]) / max(float(rest @ rest), 1e-300)
-    if error > settings.SMALL_REST * max(float(column.std()), usual) and memory > settings.WHITE:
+    if error > settings.SMALL_REST * max(float(column.std()), typical) and memory > settings.WHITE:
         return None
     if not frequency:
         return np.zeros(2 * settings.HARMONICS), 0.0
     pairs = parts[1:].reshape(2, settings.HARMONICS)
-    least = max(settings.SIGNIFICANT * 4 * error**2 / len(t), (ROUNDING * usual) ** 2)
+    least = max(settings.SIGNIFICANT * 4 * error**2 / len(t), (ROUNDING * typical) ** 2)
     silent = (pairs**2).sum(axis=0) < least
     missing = (settings.HARMONICS + 2) * frequency * error if memory > settings.WHITE else 0.0
     return np.where(silent, 0.0, pairs).ravel(), missing

@@ -135,16 +135,16 @@ def check_mass(configuration: Configuration, table: str) -> tuple[str, ...]:
     """Raise if mass or inertia contradict the displacement; return notes on smaller differences."""
     ship, displaced = configuration.ship, displacement(configuration)
     ratio = 1.0 if ship.mass is None else ship.mass / displaced
-    told = f"[ship] mass = {ship.mass} kg is {ratio:.3g} of what its hull displaces, {displaced:.4g} kg"
+    finding = f"[ship] mass = {ship.mass} kg is {ratio:.3g} of what its hull displaces, {displaced:.4g} kg"
     if not 1 / settings.MASS_APART <= ratio <= settings.MASS_APART:
-        raise InputError(f"{table}: {told}; give it in kg at the scale of the hull, or mend the hull")
+        raise InputError(f"{table}: {finding}; give it in kg at the scale of the hull, or mend the hull")
     gyration = 0.25 if ship.inertia is None else (ship.inertia / (ship.mass or displaced)) ** 0.5 / ship.length
     if not settings.GYRATION[0] <= gyration <= settings.GYRATION[1]:
         raise InputError(
             f"{table}: [ship] inertia = {ship.inertia} kg m2 is a radius of gyration of {gyration:.3g} lengths, where "
             "0.25 is usual; give it in kg m2 about midship, at the scale of the hull"
         )
-    return () if 1 / settings.MASS_OFF <= ratio <= settings.MASS_OFF else (f"{told}: was all of it on the balance?",)
+    return () if 1 / settings.MASS_OFF <= ratio <= settings.MASS_OFF else (f"{finding}: was all of it on the balance?",)
 
 
 def check_heave(

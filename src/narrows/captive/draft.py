@@ -117,8 +117,8 @@ def _with_unit(name: str, entry: DraftEntry, values: np.ndarray, draft: Draft) -
     if np.isfinite(values).all() and (alike := _moving_alike(name, entry.header, values, draft)):
         return alike._replace(reason=f"{entry.reason}; {alike.reason}", sure=entry.sure)
     large, si = most > math.pi / 2, COLUMNS[name].unit
-    unit, told = (UNITS[si][0], "too large for radians") if large else (si, "degrees or radians?")
-    return entry._replace(unit=unit, sure=entry.sure and large, reason=f"{entry.reason}; up to {most:.3g}, {told}")
+    unit, remark = (UNITS[si][0], "too large for radians") if large else (si, "degrees or radians?")
+    return entry._replace(unit=unit, sure=entry.sure and large, reason=f"{entry.reason}; up to {most:.3g}, {remark}")
 
 
 def _by_numbers(draft: Draft, frame: pd.DataFrame, header: str) -> bool:
@@ -148,10 +148,10 @@ def _names_tests(draft: Draft, labels: pd.Series) -> bool:
 
 def _evenly_rising(name: str, header: str, values: np.ndarray) -> DraftEntry | None:
     steps = np.diff(values)
-    usual = float(np.median(steps))
-    if name != "t" or _unit_of(header) not in ("", "s", "ms") or usual <= 0:
+    typical = float(np.median(steps))
+    if name != "t" or _unit_of(header) not in ("", "s", "ms") or typical <= 0:
         return None
-    even = np.mean(np.abs(steps - usual) < 1e-3 * usual) > settings.LEAST_CORRELATION
+    even = np.mean(np.abs(steps - typical) < 1e-3 * typical) > settings.LEAST_CORRELATION
     return DraftEntry(header, _unit_of(header) or "s", "", "it rises evenly", False) if even else None
 
 

@@ -170,8 +170,8 @@ def _lapses(motions: MotionColumns, rates: Columns) -> np.ndarray:
 def _without_gaps(lapses: np.ndarray, inside: np.ndarray, starts: np.ndarray) -> np.ndarray:
     """Leave out steps between tests, and those over excluded rows."""
     known = np.where(inside, lapses, 0.0)
-    usual = np.repeat([np.median(known[a : b - 1]) if b - a > 1 else 0.0 for a, b in pairwise(starts)], np.diff(starts))
-    return np.where(known > settings.ROW_GAP * usual[:-1], 0.0, known)
+    medians = [np.median(known[a : b - 1]) if b - a > 1 else 0.0 for a, b in pairwise(starts)]
+    return np.where(known > settings.ROW_GAP * np.repeat(medians, np.diff(starts))[:-1], 0.0, known)
 
 
 def _even(columns: Columns, starts: np.ndarray, rates: Columns, inside: np.ndarray) -> np.ndarray:
@@ -179,10 +179,10 @@ def _even(columns: Columns, starts: np.ndarray, rates: Columns, inside: np.ndarr
     seen = [_agreement(columns[name], rate, inside * 1.0, starts) for name, rate in rates.items()]
     if not seen:
         return inside * 1.0
-    told = np.array([np.where(one.alike, one.factor, np.nan) for one in seen])
-    enough = np.isfinite(told).sum(axis=0) >= settings.FEWEST_RATES
+    factors_seen = np.array([np.where(one.alike, one.factor, np.nan) for one in seen])
+    enough = np.isfinite(factors_seen).sum(axis=0) >= settings.FEWEST_RATES
     step = np.array(
-        [np.nanmedian(factors) if several else 0.0 for factors, several in zip(told.T, enough, strict=True)]
+        [np.nanmedian(factors) if several else 0.0 for factors, several in zip(factors_seen.T, enough, strict=True)]
     )
     return np.asarray(inside * np.repeat(step, np.diff(starts))[:-1])
 
@@ -197,11 +197,11 @@ def _agreement(column: np.ndarray, rate: np.ndarray, lapses: np.ndarray, starts:
     whose, change, expected = test[1:][whole], np.diff(column[edges])[whole], np.diff(way)[whole]
     cc, ee, ce = (np.bincount(whose, product, count) for product in (change**2, expected**2, change * expected))
     rows = np.bincount(whose, minlength=count)
-    told = (rows >= settings.FEWEST_STRETCHES) & (
+    enough = (rows >= settings.FEWEST_STRETCHES) & (
         np.minimum(_strong(cc, rows), _strong(ee, rows)) > settings.FAINT_SHARE**2
     )
     with np.errstate(all="ignore"):
-        return Agreement(np.where(told, ce / np.sqrt(cc * ee), 0.0), np.where(told, np.sqrt(cc / ee), 0.0))
+        return Agreement(np.where(enough, ce / np.sqrt(cc * ee), 0.0), np.where(enough, np.sqrt(cc / ee), 0.0))
 
 
 def _strong(squares: np.ndarray, rows: np.ndarray) -> np.ndarray:
@@ -236,16 +236,16 @@ def _turned_round(motions: MotionColumns, agreements: Mapping[str, Agreement], b
 def _in_another_unit(motions: MotionColumns, agreements: Mapping[str, Agreement], by_name: Mapping[str, Column]) -> str:
     """Describe the fewest columns that agree with all others in another unit."""
     mended = [
-        (names, usual, unit)
-        for names, scale, usual, unit in UNITS
-        # A header with a unit may be wrong only if that is not the usual one.
+        (names, common, unit)
+        for names, scale, common, unit in UNITS
+        # A header with a unit may be wrong only if that is not the common one.
         if all(name in by_name and by_name[name].stated == (unit == "rad") for name in names)
         and _mends(motions, agreements, dict.fromkeys(names, scale))
     ]
     fewest = min((len(names) for names, _, _ in mended), default=0)
     parts = []
-    for names, usual, unit in (mend for mend in mended if len(mend[0]) == fewest):
-        units = [COLUMNS[name].unit.replace(usual, unit, 1) if unit != "rad" else COLUMNS[name].unit for name in names]
+    for names, common, unit in (mend for mend in mended if len(mend[0]) == fewest):
+        units = [COLUMNS[name].unit.replace(common, unit, 1) if unit != "rad" else COLUMNS[name].unit for name in names]
         heads = " and ".join(f"'{name} [{spelled}]'" for name, spelled in zip(names, units, strict=True))
         parts.append(f"{_listed(names, by_name)} {'look' if len(names) > 1 else 'looks'} like {units[0]}; head {heads}")
     return ", or ".join(parts)

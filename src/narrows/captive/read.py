@@ -89,12 +89,12 @@ def read_captive(
     return collect_rows(with_accelerations(rows), configuration, source, sheet.notes + notes)
 
 
-def as_tests(tests: Any, ship: ShipSource | None, usual: ShipSource | None = None) -> Any:
+def as_tests(tests: Any, ship: ShipSource | None, default: ShipSource | None = None) -> Any:
     if hasattr(tests, "blocks"):
         if ship is not None:
             raise InputError("these tests have a ship already; give ship where they are a file or a table")
         return tests
-    known = usual if ship is None else ship
+    known = default if ship is None else ship
     if known is None:
         raise InputError(NO_SHIP)
     return read_captive(tests, known)

@@ -320,9 +320,9 @@ def _outliers(values: np.ndarray, runs: list[tuple[np.ndarray, bool]]) -> np.nda
     wrong = np.zeros(len(values), bool)
     marks = np.isin(np.abs(values), settings.MISSING_MARKS)
     sizes = np.abs(values[~marks & np.isfinite(values)])
-    usual = float(np.quantile(sizes, settings.USUAL_SHARE)) if sizes.size else 0.0
+    typical = float(np.quantile(sizes, settings.USUAL_SHARE)) if sizes.size else 0.0
     for rows, is_run in runs:
-        wrong[rows] = _spikes(values[rows], marks[rows], usual, is_run)
+        wrong[rows] = _spikes(values[rows], marks[rows], typical, is_run)
     # Readings of a gauge hardly repeat, so a marker that several rows hold is none, whatever its size.
     counts = np.unique(values[~marks & np.isfinite(values)], return_counts=True)[1]
     if 2 * len(counts) > counts.sum():
@@ -332,7 +332,7 @@ def _outliers(values: np.ndarray, runs: list[tuple[np.ndarray, bool]]) -> np.nda
     return wrong
 
 
-def _spikes(values: np.ndarray, marks: np.ndarray, usual: float, is_run: bool) -> np.ndarray:
+def _spikes(values: np.ndarray, marks: np.ndarray, typical: float, is_run: bool) -> np.ndarray:
     """Rows whose distance from the run's median is many times that of nearly all others."""
     plain = values[~marks & np.isfinite(values)]
     if not plain.size:
@@ -342,7 +342,7 @@ def _spikes(values: np.ndarray, marks: np.ndarray, usual: float, is_run: bool) -
     lone = max(1, int(settings.LONE_SHARE * len(others)))
     spread = others[-1 - lone] if len(others) > lone else 0.0
     # A column that is constant in a run may still step by its size in the table.
-    scale = max(float(spread), usual)
+    scale = max(float(spread), typical)
     marked = marks & (away > settings.MARK_APART * scale)
     # Tests of one condition each may differ by any amount, so a value alone is no spike.
     return np.asarray(marked | (away > settings.SPIKE * scale) if is_run else marked)

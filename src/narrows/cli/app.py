@@ -116,11 +116,11 @@ def main() -> NoReturn:
 
 
 def _run(arguments: list[str]) -> int:
-    told = sys.stderr.isatty() and "--json" not in arguments
+    shows_notes = sys.stderr.isatty() and "--json" not in arguments
     if "_NARROWS_COMPLETE" in os.environ:
         app(arguments, prog_name="narrows", complete_var="_NARROWS_COMPLETE")
     try:
-        with listening(lambda sentence: click.echo(sentence, err=True), told):
+        with listening(lambda sentence: click.echo(sentence, err=True), shows_notes):
             code = app(arguments, standalone_mode=False)
     except SystemExit as left:
         code = left.code

@@ -106,14 +106,14 @@ def learn(
         raise SystemExit(int(not _demonstrate(logged, delivery)))
     ship = model_named(model or "")
     if logs:
-        told = _learn(ship, logs, logged, ahead, delivery)
+        found = _learn(ship, logs, logged, ahead, delivery)
     elif legs.steady is not None:
-        told = _learn_steady(ship, legs, legs.steady, delivery)
+        found = _learn_steady(ship, legs, legs.steady, delivery)
     elif legs.plan_steady is not None:
-        told = _plan(ship, legs, legs.plan_steady, speed, delivery.json)
+        found = _plan(ship, legs, legs.plan_steady, speed, delivery.json)
     else:
-        told = _predict_information(ship, ahead, speed, delivery.json)
-    raise SystemExit(int(not told))
+        found = _predict_information(ship, ahead, speed, delivery.json)
+    raise SystemExit(int(not found))
 
 
 def _check(
@@ -187,8 +187,8 @@ def _deliver(fit: "LogFit", delivery: ModelDelivery, truth: "Mapping[str, float]
     delivery.write(fit.model.save)
     if delivery.report:
         write_log_report(fit, delivery.report, truth)
-    told = _told(fit, log=fit.to_dict(), truth=None if truth is None else dict(truth))
-    delivery.tell(lambda: told, lambda: print_log_fit(fit, truth))
+    result = _told(fit, log=fit.to_dict(), truth=None if truth is None else dict(truth))
+    delivery.tell(lambda: result, lambda: print_log_fit(fit, truth))
     return fit.tells
 
 
@@ -201,8 +201,8 @@ def _learn_steady(model: "Model", legs: LegOptions, table: Path, delivery: Model
     delivery.write(fit.model.save)
     if delivery.report:
         write_steady_report(fit, change, delivery.report)
-    told = _told(fit, steady=fit.to_dict(), envelope=change.to_dict())
-    delivery.tell(lambda: told, lambda: print_steady_fit(fit, change))
+    result = _told(fit, steady=fit.to_dict(), envelope=change.to_dict())
+    delivery.tell(lambda: result, lambda: print_steady_fit(fit, change))
     return fit.tells
 
 

@@ -178,13 +178,13 @@ class VariedOptions:
         """Surge velocities [m/s], if given."""
         return None if self.speed is None else speeds("--speed", self.speed)
 
-    def values(self, usual: "VoyageDefaults", offsets: int) -> dict[str, Any]:
+    def values(self, defaults: "VoyageDefaults", offsets: int) -> dict[str, Any]:
         import numpy as np
 
-        aside = np.linspace(-usual.offset, usual.offset, offsets)
+        aside = np.linspace(-defaults.offset, defaults.offset, offsets)
         vary = {
             "y": aside if self.y is None else numbers("--y", self.y),
-            "u": np.array([usual.speed]) if self.u is None else self.u,
+            "u": np.array([defaults.speed]) if self.u is None else self.u,
             "psi": radians(1) * numbers("--psi-deg", self.psi_deg), "x": numbers("--x", self.x),
         }  # fmt: skip
         if self.width is not None:

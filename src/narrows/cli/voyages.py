@@ -96,8 +96,8 @@ def map_(
     from narrows.simulation.maps import map_summary
 
     chosen, waterway = model_named(model), water.read()
-    usual = voyage_defaults(chosen, varied.u)
-    vary, choices = varied.values(usual, OFFSETS), dict[str, Any](contact=contact)
+    defaults = voyage_defaults(chosen, varied.u)
+    vary, choices = varied.values(defaults, OFFSETS), dict[str, Any](contact=contact)
     voyages = ensemble(
         chosen, samples=samples.samples, seed=samples.seed, waterway=waterway,
         progress=sys.stderr.isatty() and not delivery.json, **vars(time), **choices, **vary,

@@ -86,9 +86,9 @@ class System:
     @cached_property
     def key(self) -> tuple[object, ...]:
         law = self.choices.law
-        told = (law.trace.text, law.memory, law.ordered) if law else ()
+        of_law = (law.trace.text, law.memory, law.ordered) if law else ()
         one = self.choices
-        choices = (one.contact, one.waterway, one.pushed, one.bottom, one.across, told)
+        choices = (one.contact, one.waterway, one.pushed, one.bottom, one.across, of_law)
         return (self.trace.text, self._forces, self.surge, self.coriolis, *choices)
 
     def constants(self, values: Mapping[str, Number]) -> dict[str, Number]:

@@ -117,8 +117,8 @@ class ClosedLoop(BaseSummary):
         if self.sensors:
             raise InputError("a loop with sensors sails single voyages; call simulate with several seeds instead")
         time = LOOP_DURATION * self._passing if duration is None else duration
-        told = {name: value for name, value in self._begun.items() if name != "r"}
-        return ensemble(self.model, duration=time, **{**told, "controller": self.controller, **vary})
+        start = {name: value for name, value in self._begun.items() if name != "r"}
+        return ensemble(self.model, duration=time, **{**start, "controller": self.controller, **vary})
 
     @property
     def _passing(self) -> float:
@@ -126,8 +126,8 @@ class ClosedLoop(BaseSummary):
 
     @property
     def _begun(self) -> dict[str, Any]:
-        told = {"y": self.y, "u": self.u, "x": self.x, "dt": self.dt, "waterway": self.waterway}
-        return {**told, **self.course}
+        operating_point = {"y": self.y, "u": self.u, "x": self.x, "dt": self.dt, "waterway": self.waterway}
+        return {**operating_point, **self.course}
 
     def _helm(self, seed: int) -> Any:
         if not self.sensors:

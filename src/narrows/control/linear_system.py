@@ -283,8 +283,8 @@ class LinearSystem(BaseResult):
         values = self.eigenvalues()
         names = {name: getattr(self, name) for name in ("states", "controls", "disturbances", "units", "A", "B", "G")}
         poles = np.stack([values.real, values.imag], axis=-1)
-        told = {"course": dict(self.course), "eigenvalues": poles, "summary": self.summary(), "notes": list(self.notes)}
-        return {**names, **told}
+        names |= {"course": dict(self.course), "eigenvalues": poles}
+        return {**names, "summary": self.summary(), "notes": list(self.notes)}
 
     def dataset(self) -> "xarray.Dataset":
         """Return the matrices over the dimensions of the courses, with named states and inputs."""

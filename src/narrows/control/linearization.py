@@ -76,7 +76,7 @@ def linearize(
     check_inside(asked["y"] - water.middle, width, beam)
     offsets, speeds = (part.ravel() for part in np.meshgrid(asked["y"], asked["u"], indexing="ij"))
     motion, course = steady_courses(ship, water, offsets, speeds, given)
-    varied = {name: column for (name, column), told in zip(asked.items(), (y, u), strict=True) if np.ndim(told)}
+    varied = {name: column for (name, column), number in zip(asked.items(), (y, u), strict=True) if np.ndim(number)}
     known = np.isfinite(course["rudder"]) if "rudder" in course else np.ones(1, bool)
     if not varied and not known.any():
         raise InputError(

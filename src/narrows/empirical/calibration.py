@@ -94,9 +94,9 @@ class Calibration:
                     square = _depth_error(ship, name, ratio, deepest) ** 2 - noise
                     squares[name].append(max(square, 0.0) * (ratio - 1))
         known = [square for group in squares.values() for square in group]
-        usual = float(np.median(known)) if known else 0.0  # Few large ones must not affect all coefficients
+        typical = float(np.median(known)) if known else 0.0  # Few large ones must not affect all coefficients
         return {
-            name: (sum(group) + PRIOR_SHIPS * usual) / (len(group) + PRIOR_SHIPS) for name, group in squares.items()
+            name: (sum(group) + PRIOR_SHIPS * typical) / (len(group) + PRIOR_SHIPS) for name, group in squares.items()
         }
 
     @cached_property

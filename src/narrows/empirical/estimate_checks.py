@@ -57,15 +57,15 @@ def check_shape(ship: Ship) -> None:
             )
 
 
-def check_speed(speed: Any, ship: Ship, usual: ShipType) -> None:
+def check_speed(speed: Any, ship: Ship, kind: ShipType) -> None:
     """Raise if the service speed is none, or in knots."""
     if not is_finite(speed):
         remedy = speed_hint(speed) or "; give it in m/s"
         raise InputError(f"a service speed of {shown(speed)} is not a finite number{remedy}")
-    ordinary = service_speed(ship, usual)
+    ordinary = service_speed(ship, kind)
     if speed > FASTEST_OVER_USUAL * ordinary:
         raise InputError(
-            f"a service speed of {speed:.4g} m/s is {speed / ordinary:.2g} times that of a usual {usual.words} of this "
+            f"a service speed of {speed:.4g} m/s is {speed / ordinary:.2g} times that of a usual {kind.words} of this "
             f"length, {ordinary:.3g} m/s; numbers are m/s, and {speed:.4g} knots are {speed * KNOT:.3g} m/s"
         )
 

@@ -46,9 +46,9 @@ SHIP_TYPES = MappingProxyType({
 })  # fmt: skip
 
 
-def service_speed(ship: Ship, usual: ShipType) -> float:
+def service_speed(ship: Ship, kind: ShipType) -> float:
     """Return the design speed of the propeller [m/s]."""
-    return usual.froude * math.sqrt(GRAVITY * ship.length)
+    return kind.froude * math.sqrt(GRAVITY * ship.length)
 
 
 def resistance_prime(ship: Ship, speed: float) -> float:
@@ -82,9 +82,9 @@ RUDDER_PLACE, INCREASE_PLACE = 0.5, 0.45  # -x_R', -x_H' [1]; x_H' of Aoki et al
 RUDDER_LEVER = -0.9  # l_R', Yoshimura and Masumoto (2012)
 
 
-def estimated_rudder(ship: Ship, hull: Hull, usual: ShipType, propeller: Propeller) -> Rudder:
+def estimated_rudder(ship: Ship, hull: Hull, kind: ShipType, propeller: Propeller) -> Rudder:
     """Return a rudder of usual size, in the slipstream by Yoshimura and Masumoto (2012)."""
-    area = usual.rudder_area * ship.length * ship.draft
+    area = kind.rudder_area * ship.length * ship.draft
     ratio = 2.26 - 1.82 * (1 - propeller.wake)
     straightening = 2.06 * float(hull.fullness) + 0.14
     return Rudder(
@@ -99,11 +99,11 @@ def estimated_rudder(ship: Ship, hull: Hull, usual: ShipType, propeller: Propell
     )
 
 
-def estimated_propeller(ship: Ship, hull: Hull, usual: ShipType, water: Water, speed: float) -> Propeller:
+def estimated_propeller(ship: Ship, hull: Hull, kind: ShipType, water: Water, speed: float) -> Propeller:
     """Return a propeller of usual size, with revolutions whose thrust balances the resistance at a speed."""
     thinned = 1 / (1 - wake(hull))
     shaped = Propeller(
-        usual.propeller * ship.draft, 0.0, wake(hull), *usual.thrust,
+        kind.propeller * ship.draft, 0.0, wake(hull), *kind.thrust,
         wake_rate=WAKE_RATE, wake_starboard=thinned, wake_port=thinned,
     )  # fmt: skip
     return replace(shaped, revolutions=balanced_revolutions(ship, hull, shaped, speed))

@@ -138,7 +138,7 @@ class Consistency(BaseResult):
         count, n = len(self.nees), len(self.states)
         nis = ", ".join(f"{name} {value:.2f}" for name, value in self.mean_nis.items())
         rmse = ", ".join(f"{name} {value:.2g} {described(name)[0]}" for name, value in self.rmse.items())
-        told = [
+        lines = [
             f"NEES of {n} states over {n} on {count} twins: mean {self.mean_nees:.2f}, median over that of chi-squared "
             f"{self.median_nees:.2f}.",
             f"At {self.within:.0%} of the times its mean lies within {low:.2f} to {high:.2f}; by chance it is 95 %.",
@@ -146,8 +146,8 @@ class Consistency(BaseResult):
             f"Root mean square errors: {rmse}.",
         ]
         if self.aground:
-            told.append(f"{self.aground} twins met a bank and are left out.")
-        return "\n".join(told)
+            lines.append(f"{self.aground} twins met a bank and are left out.")
+        return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the measures by name."""
@@ -267,8 +267,8 @@ def _told(first: Estimator, truth: Twins, afloat: np.ndarray, fault: Fault | Non
     for row, twin in enumerate(afloat):
         first.forget()
         for number, t in enumerate(truth.t):
-            readings: Readings = {name: told[number, twin] for name, told in truth.readings.items()}
-            readings = {name: told for name, told in readings.items() if np.isfinite(told).all()}
+            readings: Readings = {name: columns[number, twin] for name, columns in truth.readings.items()}
+            readings = {name: columns for name, columns in readings.items() if np.isfinite(columns).all()}
             readings |= dict(zip(filter.actuators, truth.indicated[number, twin], strict=True))
             estimate = first.update(float(t), fault(float(t), readings) if fault else readings)
             if estimate.normal is None or not estimate.ready:

@@ -89,8 +89,8 @@ class Estimate(BaseSummary):
             f"{name} = {with_error(values[name], 1.96 * std[name])} {described(name)[0]}"
             for name in ("x", "y", "psi", "u")
         ]
-        told = [f"t = {self.t:g} s: {', '.join(parts)} (95 %)."]
-        return "\n".join([*told, *self.notes])
+        lines = [f"t = {self.t:g} s: {', '.join(parts)} (95 %)."]
+        return "\n".join([*lines, *self.notes])
 
 
 # A voyage as estimated: states with their standard deviations over time.
@@ -143,22 +143,22 @@ class EstimatedTrack(Tabulated):
         """Describe its duration, the uncertainty of the place, and which sensors were refused or suspected."""
         std = dict(zip(self.states, np.median(self.std, axis=0).tolist(), strict=True))
         by = "all readings" if self.smoothed else "the readings until then"
-        told = [
+        lines = [
             f"{len(self.t)} times from {self.t[0]:g} to {self.t[-1]:g} s, each by {by}; the offset is known to "
             f"{1.96 * std['y']:.2g} m (95 %), the heading to {np.degrees(1.96 * std['psi']):.2g} deg."
         ]
         for what, flags in (("refused", self.refused), ("suspected of drifting", self.suspected)):
             counts = {name: int(flag.sum()) for name, flag in flags.items() if flag.any()}
-            told += [f"{name} was {what} at {count} of them." for name, count in counts.items()]
-        return "\n".join(told)
+            lines += [f"{name} was {what} at {count} of them." for name, count in counts.items()]
+        return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
         """Return counts and the median standard deviations by name."""
         std = dict(zip(self.states, np.median(self.std, axis=0).tolist(), strict=True))
         counts = {"times": len(self.t), "ready": int(self.ready.sum()), "smoothed": self.smoothed}
         flags = {"refused": self.refused, "suspected": self.suspected}
-        told = {what: {name: int(flag.sum()) for name, flag in by.items()} for what, by in flags.items()}
-        return {"median_std": std, **counts, **told, "summary": self.summary(), "notes": list(self.notes)}
+        flagged = {what: {name: int(flag.sum()) for name, flag in by.items()} for what, by in flags.items()}
+        return {"median_std": std, **counts, **flagged, "summary": self.summary(), "notes": list(self.notes)}
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return one row per time: states and their standard deviations."""

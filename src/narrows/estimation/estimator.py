@@ -146,8 +146,8 @@ class Estimator(BaseSummary):
         """
         if not math.isfinite(t):
             raise InputError(f"t = {t} is no time; give seconds")
-        told = {**(readings or {}), **named}
-        measured, positions, lost = checked_readings(told, self.filter.sensors, self.filter.actuators)
+        given = {**(readings or {}), **named}
+        measured, positions, lost = checked_readings(given, self.filter.sensors, self.filter.actuators)
         notes = list(lost)
         gap = t - self._run.last.t if self._run else 0.0
         if abs(gap) > LONGEST_GAP:
@@ -176,9 +176,9 @@ class Estimator(BaseSummary):
         InputError
             If a column is unknown, times do not rise, or there are never enough readings to start.
         """
-        told = records_of(records, self.filter.sensors, self.filter.actuators)
+        recorded = records_of(records, self.filter.sensors, self.filter.actuators)
         self.forget()
-        found = [self.update(t, {**readings, **positions}) for t, readings, positions in told.rows()]
+        found = [self.update(t, {**readings, **positions}) for t, readings, positions in recorded.rows()]
         known = [estimate for estimate in found if estimate.normal is not None]
         if not known:
             raise InputError(
@@ -216,8 +216,8 @@ class Estimator(BaseSummary):
         InputError
             As for ``run``.
         """
-        told = records_of(records, self.filter.sensors, self.filter.actuators)
-        track, resets = smooth(self.filter, told)
+        recorded = records_of(records, self.filter.sensors, self.filter.actuators)
+        track, resets = smooth(self.filter, recorded)
         return replace(track, notes=(*self.notes, *map(AGROUND.format, resets)))
 
     def _waited(
@@ -257,8 +257,8 @@ class Estimator(BaseSummary):
             self._begin_anew()
             return self._waited(t, measured, positions, notes)
         results = self._run.results
-        self._run, told = self._bank.test_hypotheses(self._run)
-        self._verdict = told or self._verdict
+        self._run, verdict = self._bank.test_hypotheses(self._run)
+        self._verdict = verdict or self._verdict
         self._last = self.filter.adopt(self._run.last.state, self._run.filter)
         return self._estimate(now, self._last, True, [*notes, *self._silences(now)], results)
 

@@ -133,9 +133,9 @@ class Records:
     def rows(self) -> Iterator[tuple[float, dict[str, np.ndarray], dict[str, float]]]:
         """Yield each time with the valid readings and actuator positions."""
         for number, t in enumerate(self.t.tolist()):
-            told = {name: column[number] for name, column in self.readings.items() if np.isfinite(column[number]).all()}
+            now = {name: column[number] for name, column in self.readings.items() if np.isfinite(column[number]).all()}
             known = {n: float(column[number]) for n, column in self.positions.items() if np.isfinite(column[number])}
-            yield t, told, known
+            yield t, now, known
 
 
 def records_of(table: Any, sensors: Mapping[str, Sensor], actuators: Sequence[str]) -> Records:

@@ -213,5 +213,5 @@ class ErrorProcess:
 
     def reading(self, at: Any) -> Any:
         self.values = self.process.after(self.values, self.sensor.period, self.random)
-        told = drawn_reading(self.sensor, at, dict(zip(self.known, self.values, strict=True)), self.random)
-        return tuple(map(float, told)) if len(told) > 1 else float(told[0])
+        drawn = drawn_reading(self.sensor, at, dict(zip(self.known, self.values, strict=True)), self.random)
+        return tuple(map(float, drawn)) if len(drawn) > 1 else float(drawn[0])

@@ -46,10 +46,10 @@ def smooth(filter: ShipFilter, records: Records) -> tuple[EstimatedTrack, list[f
         missing = f"these records lack {start.missing}"
         raise InputError(f"{missing}; an estimate starts from {START_READINGS} readings of each")
     mean, covariance = np.full((count, size), np.nan), np.full((count, size, size), np.nan)
-    for run, told, moments in runs:
+    for run, numbers, moments in runs:
         back = smoothed([step for moment in run.history for step in moment.steps], run.last.state)
         until = np.cumsum([len(moment.steps) for moment in run.history])
-        for row, moment in zip(told, moments, strict=True):
+        for row, moment in zip(numbers, moments, strict=True):
             mean[row], covariance[row] = back[until[moment]][0][:size], back[until[moment]][1][:size, :size]
     known = np.isfinite(mean[:, 0])
     mean[:, 2] = (mean[:, 2] + np.pi) % (2 * np.pi) - np.pi
@@ -63,9 +63,9 @@ def smooth(filter: ShipFilter, records: Records) -> tuple[EstimatedTrack, list[f
 def _events(filter: ShipFilter, records: Records) -> list[tuple[float, Readings, dict[str, int], int]]:
     """Times of measurement in order: the readings, their rows, and the row that needs the state there, or -1."""
     found: dict[float, tuple[Readings, dict[str, int], int]] = {}
-    for row, (t, told, _) in enumerate(records.rows()):
+    for row, (t, measured, _) in enumerate(records.rows()):
         found[t] = (*found.get(t, ({}, {}))[:2], row)
-        for name, reading in told.items():
+        for name, reading in measured.items():
             readings, rows, _ = found.setdefault(t - filter.sensors[name].late, ({}, {}, -1))
             readings[name], rows[name] = tuple(reading.tolist()), row
     return [(t, *found[t]) for t in sorted(found)]

@@ -123,7 +123,7 @@ def _sailed(fleet: _Fleet, start: tuple[float, ...], times: np.ndarray) -> tuple
 def _told(fleet: _Fleet, sensor: Sensor, times: np.ndarray, states: np.ndarray) -> np.ndarray:
     """Readings of a sensor at their arrival: of the state when measured, linear between the times."""
     every = max(1, round(sensor.period / fleet.dt))
-    told = np.full((len(times), fleet.count, len(sensor.fields)), np.nan)
+    readings = np.full((len(times), fleet.count, len(sensor.fields)), np.nan)
     for number in range(0, len(times), every):
         if times[number] < sensor.late:
             continue
@@ -131,5 +131,5 @@ def _told(fleet: _Fleet, sensor: Sensor, times: np.ndarray, states: np.ndarray) 
         before = min(int(measured), len(times) - 2)
         then = states[before] + (measured - before) * (states[before + 1] - states[before])
         at = Columns(then, fleet.filter.states, fleet.lanes.bend(float(then[0, 0])))
-        told[number] = np.stack(drawn_reading(sensor, at, vars(at), fleet.random), axis=1)
-    return told
+        readings[number] = np.stack(drawn_reading(sensor, at, vars(at), fleet.random), axis=1)
+    return readings

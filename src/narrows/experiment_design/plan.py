@@ -225,11 +225,11 @@ def plan_tests(
     offered = candidates(configuration, tank)
     forces = expected_forces(configuration)
     level = usual_forces(offered, forces)
-    told = [
+    evaluated = [
         [planned_run(run, configuration, table, forces, level, noise, correlation_time, errors) for table in tables]
         for run in offered
     ]
-    adds = np.array([[run.information for run in forms] for forms in told])
+    adds = np.array([[run.information for run in forms] for forms in evaluated])
     known = known_information(made, adds.shape[1:])
     index = [free_parameters(terms)[name] for name in names]
     parameters = sorted(set(index))  # tied coefficients are equal
@@ -239,11 +239,11 @@ def plan_tests(
     best = [*best, *rest[more].tolist()]
     centred = [i for i, run in enumerate(offered) if isinstance(run, HarmonicRun) and run.offset == 0]
     # A tank too small for harmonic runs offers no other plan for comparison.
-    usual = [centred[i] for i in choose(adds[centred], known, len(best), parameters, criterion)] or best
+    best_harmonic = [centred[i] for i in choose(adds[centred], known, len(best), parameters, criterion)] or best
     assumed = (_truth(configuration), terms, noise, correlation_time, errors, made[0] if made else None)
-    std = _std_after_each(best, offered, told, known[0], index, names, assumed)
-    usual_std = _std(usual, offered, told, known[0], index, names, assumed)
-    after, before = (inflation([told[i][0] for i in chosen])[index] for chosen in (best, usual))
+    std = _std_after_each(best, offered, evaluated, known[0], index, names, assumed)
+    usual_std = _std(best_harmonic, offered, evaluated, known[0], index, names, assumed)
+    after, before = (inflation([evaluated[i][0] for i in chosen])[index] for chosen in (best, best_harmonic))
     return Plan(
         tuple(offered[i] for i in best),
         names,
@@ -265,12 +265,12 @@ def _std_after_each(best: list[int], *known: Any) -> list[dict[str, float]]:
 
 
 def _std(
-    chosen: list[int], offered: list[Run], told: list[list[PlannedRun]], known: np.ndarray, index: list[int],
+    chosen: list[int], offered: list[Run], evaluated: list[list[PlannedRun]], known: np.ndarray, index: list[int],
     names: tuple[str, ...], assumed: tuple[Any, ...],
 ) -> dict[str, float]:  # fmt: skip
     """Standard error of each target after some runs; infinite if they do not determine it."""
     found = expected_std([offered[i] for i in chosen], *assumed)
-    lost = ~np.isfinite(inflation([told[i][0] for i in chosen], known)[index])
+    lost = ~np.isfinite(inflation([evaluated[i][0] for i in chosen], known)[index])
     return {name: float("inf") if gone else found[name] for name, gone in zip(names, lost, strict=True)}
 
 

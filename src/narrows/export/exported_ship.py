@@ -103,9 +103,9 @@ class ExportedShip:
     def portable(self) -> Portable:
         shape = self.ship.shape if isinstance(self.ship.shape, str) else len(self.ship.shape)
         motion = self.ship.system().rates.motion
-        law, told = (self.steering.law, tuple(self.steering.parameters)) if self.steering else (None, ())
+        law, parameters = (self.steering.law, tuple(self.steering.parameters)) if self.steering else (None, ())
         names = self.ship.model.terms.names
-        return Portable(motion, names, self.ship.actuators, shape, self.waterway is not None, law, told)
+        return Portable(motion, names, self.ship.actuators, shape, self.waterway is not None, law, parameters)
 
     @cached_property
     def programs(self) -> Mapping[str, Program]:

@@ -53,9 +53,9 @@ def fmu_bytes(
 ) -> bytes:
     header, variables, model = c_text(exported), variables_of(exported, speed, dt), exported.ship.model
     token = token_of(header, identifier, speed, dt, fmi)
-    usual = voyage_defaults(model, speed)
-    output = OUTPUT_STEPS * usual.dt
-    stop = round(round(usual.duration / output) * output, 6)  # No step of a default experiment passes its end
+    defaults = voyage_defaults(model, speed)
+    output = OUTPUT_STEPS * defaults.dt
+    stop = round(round(defaults.duration / output) * output, 6)  # No step of a default experiment passes its end
     description = description_text(
         model, variables, fmi, identifier=identifier, token=token, stop=stop, output=output,
         derivatives="true",
@@ -149,7 +149,7 @@ def _constants_along(exported: ExportedShip, language: C) -> str:
     return "\n    ".join(language.body(along, targets, where))
 
 
-def description_text(model: Model, variables: tuple[FmuVariable, ...], fmi: int, **told: Any) -> str:
+def description_text(model: Model, variables: tuple[FmuVariable, ...], fmi: int, **context: Any) -> str:
     # FMI 2.0 has its event indicators and its time without a variable.
     shown = tuple(one for one in variables if fmi > 2 or one.kind not in (Kind.INDICATOR, Kind.TIME_ITSELF))
     indices: dict[str, list[int]] = {"Outputs": [], "Derivatives": [], "InitialUnknowns": []}
@@ -164,5 +164,5 @@ def description_text(model: Model, variables: tuple[FmuVariable, ...], fmi: int,
         f"fmi{fmi}.xml.j2", variables=shown, version=version("narrows"), number=repr, kinds=Kind,
         name=commented(model.configuration.ship.name), about=commented(" ".join(passport(model, covariance=False))),
         units={unit: unit_powers(unit) for unit in dict.fromkeys(one.unit for one in shown)},
-        structure=indices, indicators=[one.reference for one in variables if one.kind is Kind.INDICATOR], **told,
+        structure=indices, indicators=[one.reference for one in variables if one.kind is Kind.INDICATOR], **context,
     )  # fmt: skip

@@ -117,7 +117,7 @@ def _variables(model: Model) -> Iterator[FmuVariable]:
         yield FmuVariable(side, Kind.INPUT, "m", foot.format(side), canal.width / 2)
     for side in SIDES:
         yield FmuVariable(f"slope_{side}", Kind.INPUT, "1", sloped.format(side), 0.0, 0, (0.0, math.inf))
-    # A model whose canal has no depth needs none; the file wants one over the draft.
+    # A model whose canal has no depth needs none; the file needs one over the draft.
     yield FmuVariable("depth", Kind.INPUT, "m", "water depth", canal.depth or 2.0 * ship.draft, 0, (SMALLEST, math.inf))
     known = ("", "standard deviation of the ") if model.covariance is not None else ("",)
     for of in known:

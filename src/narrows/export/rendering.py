@@ -130,8 +130,8 @@ def environment() -> Any:
     return found
 
 
-def filled(template: str, **told: Any) -> str:
-    text: str = environment().get_template(template).render(told)
+def filled(template: str, **context: Any) -> str:
+    text: str = environment().get_template(template).render(context)
     return text.rstrip() + "\n"
 
 
@@ -154,14 +154,14 @@ def _section_sizes(exported: ExportedShip, language: Language) -> dict[str, str]
     return {name: language.field("constants", name) for name in exported.water}
 
 
-def rendered(template: str, exported: ExportedShip, language: Language, **told: Any) -> str:
+def rendered(template: str, exported: ExportedShip, language: Language, **context: Any) -> str:
     turned = language.called("angle", "state[2]", "state[3]")
     sizes = {"speed": "state[4]", "abs_y": "state[1]", "abs_psi": turned, "abs_r": "state[6]"}
-    measured = {**sizes, **_section_sizes(exported, language), **told.get("sizes", {})}
+    measured = {**sizes, **_section_sizes(exported, language), **context.get("sizes", {})}
     rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # Results of ``rates``
     alike = {"ship": exported, "prefix": exported.prefix, "row": exported.portable.choices.row, "rates": rates,
              "number": language.literal,
              "cannot_integrate": CANNOT_INTEGRATE, "name": language.named, "beyond_bits": tuple(RANGE_BITS.values()),
              "bits": f"{bits_in_words(exported.ship.model)}, {RANGE_BITS['bottom'][0]} bottom",
              "tested": tuple(_tested(exported, language, measured))}  # fmt: skip
-    return filled(template, **{**alike, **told})
+    return filled(template, **{**alike, **context})

@@ -40,7 +40,7 @@ def noise_sentence(tests: Tests, bias: dict[str, float], values: dict[str, float
     }
     if not shifts:
         return ""
-    told = ", ".join(
+    changes = ", ".join(
         f"{name} by {shift:+.1%}" for name, shift in sorted(shifts.items(), key=lambda pair: -abs(pair[1]))[:4]
     )
-    return f"Without times in memory the noise in the accelerations is unknown. Noise of a tenth would change {told}."
+    return f"Without times in memory the noise in the accelerations is unknown; a tenth would change {changes}."

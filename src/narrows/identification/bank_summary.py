@@ -94,8 +94,8 @@ class BankSummary:
         """Errors of a campaign as large as the standard error of each bank coefficient."""
         limits = {name: self.fit.verdicts[name].limits[:2] for name in bank_names(self.fit)}
         parts = [f"{name} is off by a standard error with {' or '.join(most)}" for name, most in limits.items() if most]
-        told = "; ".join(parts) or "No usual error of a campaign moves the bank's coefficients by a standard error"
-        return f"{told}. No test shows a gain that all runs share."
+        sentence = "; ".join(parts) or "No usual error of a campaign moves the bank's coefficients by a standard error"
+        return f"{sentence}. No test shows a gain that all runs share."
 
     def _apart(self) -> list[str]:
         """Coefficients whose intervals under the two tables of terms have nothing in common."""

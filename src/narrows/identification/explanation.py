@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 # Joint standard errors between the model's coefficient and the table's beyond which they disagree.
 APART_ERRORS = 3.0
-# What two hulls are told apart by, and how near they are to be [1].
+# Sizes that distinguish two hulls, and their tolerance [1].
 SIZES, SAME_HULL = ("length", "beam", "draft"), 0.01
 
 

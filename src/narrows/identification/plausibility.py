@@ -165,13 +165,13 @@ def _matters(evidence: Judged, name: str, force: str, mass: float) -> bool:
     return mass * size > LEAST_FORCE * left
 
 
-def _cause(value: float, usual: float, force: str, side: str) -> str:
+def _cause(value: float, expected: float, force: str, side: str) -> str:
     if value <= 0:
         return f"is the sign of {force}, or of the accelerations, reversed?"
     if side == "over":
         return f"is the unit of {force} smaller than that of its header, or the ship file of a smaller model?"
     for unit, size in UNITS.items():
-        if abs(math.log(usual / value / size)) < math.log(2):
+        if abs(math.log(expected / value / size)) < math.log(2):
             return f"is {force} in {unit}?"
     return f"has the ship's own inertia been taken off {force} already, or is the ship file of a larger model?"
 

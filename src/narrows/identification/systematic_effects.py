@@ -35,7 +35,7 @@ FREEDOM = {TYPES: 1.5, HULL: 2.0, BANK: 2.0, SHAPE: 2.0, WITH_OFFSET: 5.0, SETTL
 USUAL_FREEDOM = 3.0
 # Groups that may explain by themselves what a coefficient does, or another of these.
 RIVALS = (f"{INERTIA} by speed", f"{INERTIA} by period", SHAPE, BANK, TYPES, WITH_OFFSET, SETTLING, CROSSTALK)
-# Trends of less than this, in logarithms or octaves, are not told from one level.
+# Trends of less than this, in logarithms or octaves, count as one level.
 ONE_LEVEL = 0.05
 # Side force of a usual rudder [N] per degree at 1 m/s, over density x L x T: area LT/48, slope of the normal force
 # 2.45, of which the hull makes 1.3 times as much.

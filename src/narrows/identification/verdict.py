@@ -21,7 +21,7 @@ NEGLIGIBLE = 0.02
 # Posterior correlation of two coefficients beyond which the tests do not separate them.
 INSEPARABLE = 0.9
 # Errors of a campaign that are named with a verdict.
-MOST_TOLD = 3
+MOST_NAMED = 3
 
 
 @dataclass(frozen=True)
@@ -139,7 +139,7 @@ def _named(errors: list[tuple[Effect, float]]) -> tuple[str, ...]:
     by_kind: dict[str, str] = {}
     for effect, size in errors:
         by_kind.setdefault(effect.name.split(" ")[0], f"{size:.2g} {effect.unit} of {effect.name}")
-    return tuple(by_kind.values())[:MOST_TOLD]
+    return tuple(by_kind.values())[:MOST_NAMED]
 
 
 def _partner(index: int, terms: TermTable, found: CoefficientEstimates) -> int | None:

@@ -73,8 +73,8 @@ class EnvelopeChange(BaseResult):
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name: part of what ``learn --json`` prints."""
-        told = {"summary": self.summary(), "samples": self.before.samples, "offsets": self.rows()}
-        return {**told, "notes": list(self.notes)}
+        values = {"summary": self.summary(), "samples": self.before.samples, "offsets": self.rows()}
+        return {**values, "notes": list(self.notes)}
 
 
 def envelope_change(

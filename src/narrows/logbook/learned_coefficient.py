@@ -50,9 +50,9 @@ class LearnedCoefficient:
         known, all_known = (1 / size**2 if size > 0 else math.inf for size in (self.prior_std, self.std))
         if not known < all_known < math.inf:
             return -math.inf, math.inf
-        told = all_known - known
-        value = (self.value * all_known - self.prior * known) / told
-        return value - QUANTILE_95 / math.sqrt(told), value + QUANTILE_95 / math.sqrt(told)
+        gained = all_known - known
+        value = (self.value * all_known - self.prior * known) / gained
+        return value - QUANTILE_95 / math.sqrt(gained), value + QUANTILE_95 / math.sqrt(gained)
 
     @property
     def unresolved(self) -> bool:
@@ -76,12 +76,12 @@ class LearnedCoefficient:
 
     def sentence(self) -> str:
         low, high = self.interval
-        told = f"{self.name} is {low:.3g} to {high:.3g} (standard error {self.std:.2g}, {self.prior_std:.2g} before)"
+        words = f"{self.name} is {low:.3g} to {high:.3g} (standard error {self.std:.2g}, {self.prior_std:.2g} before)"
         if not (self.from_bank and self.unresolved):
-            return told
+            return words
         own_low, own_high = self.by_record
         among = "0 is among it" if low <= 0 <= high else f"by the record alone it is {own_low:.3g} to {own_high:.3g}"
-        return f"{told}: unresolved, for {among}"
+        return f"{words}: unresolved, for {among}"
 
 
 def learned_coefficients(prior: Model, values: np.ndarray, covariance: np.ndarray) -> dict[str, LearnedCoefficient]:
@@ -128,20 +128,20 @@ class LearnedAnswer(BaseResult):
         """Give the coefficients as a table: a row each, before and after."""
         import pandas as pd
 
-        told = self.coefficients
-        rows = [(c.prior, c.prior_std, c.value, c.std, *c.interval, c.left, c.unit, c.verdict) for c in told.values()]
+        known = self.coefficients
+        rows = [(c.prior, c.prior_std, c.value, c.std, *c.interval, c.left, c.unit, c.verdict) for c in known.values()]
         columns = ["prior", "prior_std", "value", "std", "low", "high", "std_left", "unit", "verdict"]
-        return pd.DataFrame(rows, columns=columns, index=pd.Index(list(told), name="coefficient"))
+        return pd.DataFrame(rows, columns=columns, index=pd.Index(list(known), name="coefficient"))
 
     def _taught(self, source: str) -> str:
         """Return what was learned from a source, and what keeps its prior."""
         known = [c for c in self.coefficients.values() if c.prior_std > 0]
-        told = [c.sentence() for c in known if c.from_bank and c.word != PRIOR]
+        sentences = [c.sentence() for c in known if c.from_bank and c.word != PRIOR]
         learned = [c.name for c in known if c.word == LEARNED and not c.from_bank]
-        told += [f"learned: {', '.join(learned)}"] * bool(learned)
+        sentences += [f"learned: {', '.join(learned)}"] * bool(learned)
         unchanged = ", ".join(c.name for c in known if c.word == PRIOR)
         rest = f" Unchanged from the prior: {unchanged}." if unchanged else ""
-        return f"Learned from {source}: {'; '.join(told) or 'nothing'}.{rest}"
+        return f"Learned from {source}: {'; '.join(sentences) or 'nothing'}.{rest}"
 
     def correlated(self) -> list[str]:
         """Return a sentence for each pair of coefficients of which a record determines a combination."""

@@ -144,14 +144,14 @@ class ShipLog(BaseResult):
         import xarray
 
         rows = self.to_dataframe()
-        told: Mapping[str, Any] = {
+        variables: Mapping[str, Any] = {
             name: ("row", rows[name].to_numpy(), {"units": SIGNALS[name].unit, "long_name": SIGNALS[name].meaning})
             for name in self.counts
         }
         time = ("row", rows["t"].to_numpy(float), {"units": "s", "long_name": "time"})
         coordinates = {"record": ("row", rows["record"].to_numpy()), "t": time}
         attributes = {"summary": self.summary(), "notes": "\n".join(self.notes)}
-        return xarray.Dataset(told, coords=coordinates, attrs=attributes)
+        return xarray.Dataset(variables, coords=coordinates, attrs=attributes)
 
 
 def _held(record: ShipRecord) -> dict[str, Any]:

@@ -59,11 +59,11 @@ class Operations(BaseResult):
         model: Any = self
         return narrows.step(model, state, dt, **given)
 
-    def linearize(self, *at: float, **told: Any) -> "narrows.control.LinearSystem":
+    def linearize(self, *at: float, **options: Any) -> "narrows.control.LinearSystem":
         """Linearise the motion about a steady course, to a ``LinearSystem``."""
         # *at [m, m/s]
         model: Any = self
-        return narrows.control.linearize(model, *at, **told)
+        return narrows.control.linearize(model, *at, **options)
 
     def simulate(self, *start: float, **given: Any) -> "narrows.Voyage":
         """Simulate one voyage, to a ``Voyage``."""

@@ -53,8 +53,8 @@ def numbers(frame: pd.DataFrame, header: str, table: str, blanks: bool = False) 
         cell = cell if isinstance(cell, str) and len(cell) < LONGEST_CELL else shown(cell)
         fault = "which nothing measures" if np.isfinite(values[wrong][0]) else "not a finite number"
         place = f"row {row_number(frame, wrong)}, column {header!r}"
-        told = "is empty or NaN" if empty else f"holds {cell}, {fault}"
-        raise InputError(f"{table}: {place} {told}; mend the cell or leave the row out")
+        fault_words = "is empty or NaN" if empty else f"holds {cell}, {fault}"
+        raise InputError(f"{table}: {place} {fault_words}; mend the cell or leave the row out")
     return values
 
 

@@ -116,7 +116,7 @@ def _read_excel(path: Path) -> Sheet:
 
 
 def _alike(cells: pd.DataFrame, frame: pd.DataFrame) -> pd.DataFrame | None:
-    """A sheet with the same columns as another, all numbers; a column of names would tell its rows apart."""
+    """A sheet with the same columns as another, all numbers; a column of names would distinguish its rows."""
     if cells.shape[1] != frame.shape[1] or any(frame[header].dtype.kind not in "fiu" for header in frame):
         return None
     with suppress(InputError):

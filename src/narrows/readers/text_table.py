@@ -113,11 +113,11 @@ def _is_broken(path: Path, dialect: Dialect) -> bool:
 
 def _from_lines(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.DataFrame]:
     with path.open(encoding=dialect.encoding, errors="backslashreplace") as file:
-        told = (
+        parsed = (
             (number, line) for number, line in enumerate(file, 1)
             if number >= dialect.head.first and line.strip() and not line.lstrip().startswith(REMARKS)
         )  # fmt: skip
-        while lines := list(islice(told, rows)):
+        while lines := list(islice(parsed, rows)):
             options = _options(dialect) | {"encoding": None}
             frame = _counted(
                 _with_commas(pd.read_csv(StringIO("".join(line for _, line in lines)), **options), dialect), 0

@@ -129,8 +129,8 @@ def _first_picture(fit: Fit) -> list[dict[str, str]]:
 
 def _influence(fit: Fit, name: str) -> tuple[str, str, str, str, str, str]:
     (informing, share), (moving, by) = fit.influence.most_informing(name), fit.influence.most_moving(name)
-    told = ("not determined without it", "") if np.isnan(by) else (f"{by:+.3g}", fit.terms[name].dimension.unit)
-    return name, informing, f"{share:.2f}", moving, *told
+    change = ("not determined without it", "") if np.isnan(by) else (f"{by:+.3g}", fit.terms[name].dimension.unit)
+    return name, informing, f"{share:.2f}", moving, *change
 
 
 def equations(fit: Fit) -> list[str]:

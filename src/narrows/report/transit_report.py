@@ -54,22 +54,23 @@ BANK_POINTS = 400
 
 def transit_figure(transit: WatchedTransit) -> Figure:
     figure, axes = panels(4, 1, 6.6, Margins(bottom=0.85, top=0.2, down=0.18), sharex=True)
-    told, t = transit.columns, transit.columns["t"]
+    columns, t = transit.columns, transit.columns["t"]
     curves: tuple[tuple[str, tuple[tuple[np.ndarray, str, str], ...]], ...] = (
-        ("water beside\nthe hull [m]", ((told["clearance"], BLUE, "clearance"),)),
+        ("water beside\nthe hull [m]", ((columns["clearance"], BLUE, "clearance"),)),
         ("chance [%]", (
-            (100 * told["nobody"], BLUE, "contact: nobody acts in time"),
-            (100 * told["unattended"], GREY, "nobody at the helm"),
+            (100 * columns["nobody"], BLUE, "contact: nobody acts in time"),
+            (100 * columns["unattended"], GREY, "nobody at the helm"),
         )),
         ("time [s]", (
-            (told["contact"], ORANGE, "to contact, as it is"), (told["last_chance"], BLACK, "to the last chance"),
+            (columns["contact"], ORANGE, "to contact, as it is"), (columns["last_chance"], BLACK, "to the last chance"),
         )),
         ("rudder [deg]", (
-            (np.degrees(told["rudder"]), GREY, "rudder"), (np.degrees(told["rudder_needed"]), BLUE, "needed to stay"),
+            (np.degrees(columns["rudder"]), GREY, "rudder"),
+            (np.degrees(columns["rudder_needed"]), BLUE, "needed to stay"),
         )),
     )  # fmt: skip
     for panel, (label, lines) in zip(axes[:, 0], curves, strict=True):
-        _shade(panel, t, told["level"])
+        _shade(panel, t, columns["level"])
         for values, colour, words in lines:
             panel.plot(t, np.where(np.isfinite(values), values, np.nan), color=colour, lw=1.2, label=words)
         panel.set_ylabel(label)
@@ -84,9 +85,9 @@ def transit_figure(transit: WatchedTransit) -> Figure:
 def transit_track_figure(transit: WatchedTransit) -> Figure:
     figure, axes = panels(1, 1, 2.6, Margins(bottom=0.9, top=0.3))
     panel: Axes = axes[0, 0]
-    told, ship = transit.columns, transit.ship
-    x, y, reach = told["x"], told["y"], half_swept(ship, told["psi"])
-    for part, level in _levels(told["level"]):
+    columns, ship = transit.columns, transit.ship
+    x, y, reach = columns["x"], columns["y"], half_swept(ship, columns["psi"])
+    for part, level in _levels(columns["level"]):
         colour = SHADES.get(level, GREY)
         panel.fill_between(x[part], (y - reach)[part], (y + reach)[part], color=colour, alpha=0.5, lw=0)
     panel.plot(x, y, color=BLACK, lw=1.0, label="midship")

@@ -252,9 +252,9 @@ def map_figure(
         quantity = quantity.median("sample", keep_attrs=True)
         voyages = voyages.isel(sample=0)
     notes = str(voyages.attrs.get("notes", "")).splitlines()
-    if quantity.ndim == 2 and within is None and (told := _little_change(quantity)):
+    if quantity.ndim == 2 and within is None and (note := _little_change(quantity)):
         middle = {str(quantity.dims[1]): quantity.sizes[quantity.dims[1]] // 2}
-        quantity, voyages, notes = quantity.isel(middle), voyages.isel(middle), [told, *notes]
+        quantity, voyages, notes = quantity.isel(middle), voyages.isel(middle), [note, *notes]
     dims = [str(name) for name in quantity.dims]
     if len(dims) not in (1, 2):
         raise InputError(f"a picture has one or two dimensions, and this map has {len(dims)}: {', '.join(dims)}")

@@ -150,7 +150,7 @@ def envelope_along(
     """Find the highest safe speed and the widest safe offsets at places along a waterway.
 
     Each place stands for the reach midway to its neighbours. The safe envelope is computed in the tightest section of
-    that reach: least free width (less what the hull sweeps in a bend) times water under the keel. Unless told otherwise
+    that reach: least free width (less what the hull sweeps in a bend) times water under the keel. By default
     it has nine offsets, nine speeds and those where the tests end, with 400 samples.
 
     Parameters
@@ -180,12 +180,12 @@ def envelope_along(
     water, known = water_notes(waterway, model.configuration.canal.depth), dict[Any, SafeEnvelope]()
     for reach in reaches:  # A canal of one section has one envelope.
         if (key := _section(reach)) not in known:
-            usual = {"samples": settings.FIRST_SAMPLES, **reach.asked, **envelope}
-            if usual.get("y") is None:
-                usual["y"] = default_offsets(reach.model, usual["walls"], settings.ALONG_OFFSETS)
-            if usual.get("u") is None:
-                usual["u"] = default_speeds(reach.model, settings.ALONG_SPEEDS)
-            known[key] = safe_envelope(reach.model, **usual).noting(*water)
+            options = {"samples": settings.FIRST_SAMPLES, **reach.asked, **envelope}
+            if options.get("y") is None:
+                options["y"] = default_offsets(reach.model, options["walls"], settings.ALONG_OFFSETS)
+            if options.get("u") is None:
+                options["u"] = default_speeds(reach.model, settings.ALONG_SPEEDS)
+            known[key] = safe_envelope(reach.model, **options).noting(*water)
     found = tuple(known[_section(reach)] for reach in reaches)
     middles, draft = np.array([reach.middle for reach in reaches]), model.configuration.ship.draft
     return EnvelopeAlong(waterway, draft, along, tightest, middles, found)

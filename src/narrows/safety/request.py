@@ -276,8 +276,8 @@ def keel_at(model: Model, speeds: np.ndarray) -> Keel:
             midship[index], clearance[index] = middle.sinkage, room - max(end.sinkage for end in ends)
             for estimate in (middle, *ends):
                 notes.setdefault(estimate.formula, {}).update(dict.fromkeys(map(_without_numbers, estimate.notes)))
-    told = (f"squat by {formula}: {', '.join(words)}" for formula, words in notes.items() if words)
-    return Keel(midship, clearance, choke, tuple(told))
+    sentences = (f"squat by {formula}: {', '.join(words)}" for formula, words in notes.items() if words)
+    return Keel(midship, clearance, choke, tuple(sentences))
 
 
 def _without_numbers(note: str) -> str:

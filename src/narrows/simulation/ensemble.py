@@ -113,11 +113,11 @@ def ensemble(
     check_choice("precision", precision, get_args(Precision))
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact, bottom)
     steering = steering_of(controller, ship.actuators)
-    usual = voyage_defaults(model)
-    plain = grid_of(model, {"u": usual.speed, **vary}, samples, seed)
-    usual = voyage_defaults(model, plain.values["u"])
+    defaults = voyage_defaults(model)
+    plain = grid_of(model, {"u": defaults.speed, **vary}, samples, seed)
+    defaults = voyage_defaults(model, plain.values["u"])
     duration, dt = check_steps(
-        usual.duration if duration is None else duration, usual.dt if dt is None else dt, MOST_STEPS
+        defaults.duration if duration is None else duration, defaults.dt if dt is None else dt, MOST_STEPS
     )
     check_irrelevant(ship, vary)
     grid = with_values(plain, steering.parameters if steering else {})

@@ -144,8 +144,8 @@ def _floats(name: str, values: np.ndarray) -> np.ndarray:
             return values.astype(float)
     except (TypeError, ValueError, OverflowError):
         pass
-    told = values.tolist()
-    raise InputError(f"{name} = {shown(told)} is not a finite number{speed_hint(told) or '; give it in SI units'}")
+    given = values.tolist()
+    raise InputError(f"{name} = {shown(given)} is not a finite number{speed_hint(given) or '; give it in SI units'}")
 
 
 def sizes_of(values: Columns) -> dict[str, int]:

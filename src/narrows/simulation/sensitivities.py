@@ -119,8 +119,8 @@ class Sensitivities(BaseResult):
     def summary(self) -> str:
         """Describe the end of the voyage and its largest sensitivities."""
         most = [f"{name} {moved:+.3g} m" for name, moved in self.for_one_percent().items() if moved][:3]
-        told = f"One percent more of each moves it by then to starboard by: {', '.join(most)}." if most else ""
-        return "\n".join(filter(None, (self.voyage.summary(), told)))
+        sentence = f"One percent more of each moves it by then to starboard by: {', '.join(most)}." if most else ""
+        return "\n".join(filter(None, (self.voyage.summary(), sentence)))
 
     def to_dict(self) -> dict[str, Any]:
         """Return the derivatives at the end by name, and the outcome of the voyage."""

@@ -296,10 +296,10 @@ def simulate(
     """
     check_waterway(waterway)
     times = None if at is None else check_times(at, duration)
-    usual = voyage_defaults(model, None if u is None else [finite_numbers(u=u)["u"]])
-    u = usual.speed if u is None else u
-    longest = times[-1] if times else usual.duration
-    duration, dt = check_steps(longest if duration is None else duration, usual.dt if dt is None else dt, MOST_ROWS)
+    defaults = voyage_defaults(model, None if u is None else [finite_numbers(u=u)["u"]])
+    u = defaults.speed if u is None else u
+    longest = times[-1] if times else defaults.duration
+    duration, dt = check_steps(longest if duration is None else duration, defaults.dt if dt is None else dt, MOST_ROWS)
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact, bottom)
     pushes = segments_of(X, Y, N, duration)
     check_positions(positions, ship)

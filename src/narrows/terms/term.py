@@ -326,8 +326,8 @@ class TermTable(BaseSummary):
     @property
     def bank_note(self) -> str:
         """Note for questions about a canal if no term is of the bank; nothing otherwise."""
-        told = f"The terms {self.name!r} have no bank force: a bank only ends a voyage"
-        return "" if self.feels_bank else f"{told}; a name like mmg+delta adds one."
+        sentence = f"The terms {self.name!r} have no bank force: a bank only ends a voyage"
+        return "" if self.feels_bank else f"{sentence}; a name like mmg+delta adds one."
 
     @property
     def feels_depth(self) -> bool:
@@ -385,8 +385,8 @@ def uncompiled(term: Term, error: Exception) -> InputError:
         instead.append(BRANCH)
     remedy = f": {'; '.join(instead)}" * bool(instead)
     why = str(error).partition("\n")[0].rstrip(".")
-    told = f"term {term.name}: its regressor cannot be compiled ({why}); write it with {ARITHMETIC}"
-    return InputError(told + remedy)
+    sentence = f"term {term.name}: its regressor cannot be compiled ({why}); write it with {ARITHMETIC}"
+    return InputError(sentence + remedy)
 
 
 def _merged(old: Iterable[Term], new: Iterable[Term]) -> tuple[Term, ...]:

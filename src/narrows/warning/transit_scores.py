@@ -98,7 +98,7 @@ class ScoredTransit:
 def score_transits(transits: Sequence[ScoredTransit], limit: float = SCORED_CONTACT) -> TransitScores:
     if not 0.0 <= limit < QUIET_CLEARANCE:
         raise InputError(
-            f"a clearance of {limit:g} m does not tell contacts from quiet transits; give 0 to {QUIET_CLEARANCE:g} m"
+            f"a clearance of {limit:g} m does not separate contacts from quiet sailing; give 0 to {QUIET_CLEARANCE:g} m"
         )
     known = [one for one in transits if np.isfinite(one.urgencies).any()]
     unknown = tuple(one.name for one in transits if not np.isfinite(one.urgencies).any())

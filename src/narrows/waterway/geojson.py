@@ -68,9 +68,9 @@ def read_waterway(path: str | Path) -> Waterway:
         line = Centreline(metres["centreline"])
         check_sides(metres, origin)
         banks = {s: bank_from_points(s, metres[s], line, profile_of(features[s], s)) for s in ROLES[1:]}
-        told = {role: own for role in ROLES if (own := _depths(features[role], line)) is not None}
+        by_role = {role: own for role in ROLES if (own := _depths(features[role], line)) is not None}
         # Without a depth of the centreline that of the shallower bank counts.
-        depths = told.get("centreline", min(told.values(), key=lambda own: own[1].min(), default=None))
+        depths = by_role.get("centreline", min(by_role.values(), key=lambda own: own[1].min(), default=None))
         at = (float(origin[0]), float(origin[1]))
         water = {name: features["centreline"].properties.get(name) for name in CURRENT}
         way = Waterway(line, banks["starboard"], banks["port"], depths, name=Path(path).stem, origin=at)

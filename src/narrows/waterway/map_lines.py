@@ -138,7 +138,7 @@ IN_DEGREES = ("CRS84", "4326", "4258")
 UTM = {326: False, 327: True, 258: False}
 # Iterations of a line between banks towards the middle, and its points per width of the waterway [1].
 ROUNDS, POINTS_A_WIDTH = 20, 1.0
-# Variation of the offsets of a bank over their mean below which its shape tells nothing [1].
+# Variation of the offsets of a bank over their mean below which its shape gives no information [1].
 EVEN = 0.02
 # Distance between the ends of two pieces of a line [deg]: a metre.
 TOUCHING = 1e-5

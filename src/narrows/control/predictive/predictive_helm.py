@@ -308,8 +308,8 @@ class PredictiveHelm(BaseSummary):
 
 def _without_gaps(t: float, state: VoyageState, expected: Seen) -> Seen:
     """Return the measured state, with expected values in place of NaN."""
-    told = np.array([state.y, state.psi, state.v, state.r, state.rudder], float)
-    whole = np.where(np.isfinite(told), told, expected.state)
+    sensed = np.array([state.y, state.psi, state.v, state.r, state.rudder], float)
+    whole = np.where(np.isfinite(sensed), sensed, expected.state)
     x = state.x if math.isfinite(state.x) else expected.x
     speed = state.u if math.isfinite(state.u) else expected.speed
     return Seen(t, x, speed, whole)

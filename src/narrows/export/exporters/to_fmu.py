@@ -59,8 +59,8 @@ def write_fmu(
 
     form_of(path, EXPORTER.suffixes)
     check_standard(fmi)
-    usual = voyage_defaults(model, u)
-    speed, step = usual.speed if u is None else u, usual.dt if dt is None else dt
+    defaults = voyage_defaults(model, u)
+    speed, step = defaults.speed if u is None else u, defaults.dt if dt is None else dt
     finite_numbers(u=speed, dt=step)
     if not step > 0:
         raise InputError(f"dt = {step:g} s is no step; give a time over 0")

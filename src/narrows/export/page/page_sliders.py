@@ -40,8 +40,8 @@ class Slider:
 
     def to_dict(self) -> dict[str, Any]:
         digits = max(0, -math.floor(math.log10(self.step) + 1e-9))
-        told = {name: value for name, value in asdict(self).items() if value is not None and value is not False}
-        return told | {"digits": digits}
+        values = {name: value for name, value in asdict(self).items() if value is not None and value is not False}
+        return values | {"digits": digits}
 
 
 def is_open_water(model: Model) -> bool:

@@ -44,7 +44,7 @@ def check_log(
     model : Model
         Model of the ship, at its size.
     waterway : Waterway, optional
-        That x and y are told along; the log's own unless given, and the model's canal where its banks are felt.
+        Line of x and y; the log's own unless given, and the model's canal where its banks are felt.
     sensors : {"rtk", "vdr", "ais", "basin"} or SensorGrade
         How well it was measured.
     spread : float or mapping of str to float, optional

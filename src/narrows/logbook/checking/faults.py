@@ -139,11 +139,11 @@ def _turned(by: complex, remedy: str) -> Misreading:
 
     def reread(record: ShipRecord) -> ShipRecord:
         t = record["u_ground"].t
-        told = record["u_ground"].values + 1j * record["v_ground"].at(t)
-        told = told * np.exp(by * record["psi"].at(t))
-        known = np.isfinite(told)
+        velocity = record["u_ground"].values + 1j * record["v_ground"].at(t)
+        velocity = velocity * np.exp(by * record["psi"].at(t))
+        known = np.isfinite(velocity)
         return record.with_signals(
-            u_ground=Signal(t[known], told[known].real), v_ground=Signal(t[known], told[known].imag)
+            u_ground=Signal(t[known], velocity[known].real), v_ground=Signal(t[known], velocity[known].imag)
         )
 
     return Misreading((*names, "psi"), "u_ground and v_ground are along other axes", remedy, reread, 0.0)

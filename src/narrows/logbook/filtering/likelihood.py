@@ -127,8 +127,8 @@ class LinearRecord:
         kept = model.kept(step)
         gusty = np.array([one.name in model.gusts for one in model.processes], bool)
         met = np.where(gusty, 0.0, kept)
-        usual = (self.problem.walk * WALKS * scale) ** 2
-        usual[3] += (SPEED_WALK * scale[3]) ** 2 * step * self.problem.speed_is_held
+        regular = (self.problem.walk * WALKS * scale) ** 2
+        regular[3] += (SPEED_WALK * scale[3]) ** 2 * step * self.problem.speed_is_held
         return (
             np.stack([kept, met, kept]),
             np.stack([
@@ -136,7 +136,7 @@ class LinearRecord:
                 model.covariance(IN_MEETINGS) * (1 - np.outer(met, met)),
                 model.covariance() * (1 - np.outer(kept, kept)),
             ]),
-            np.stack([usual, usual, (START * scale) ** 2]),
+            np.stack([regular, regular, (START * scale) ** 2]),
         )  # fmt: skip
 
 

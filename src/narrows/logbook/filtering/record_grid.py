@@ -151,9 +151,9 @@ def _readings(name: str, signal: Signal, times: np.ndarray, whole: np.ndarray) -
     if signal.step <= step / 2:
         place = np.minimum(((t - times[0]) / step).astype(int), steps - 1)
         number = np.bincount(place, minlength=steps)
-        told = number > 0
-        counted = number[told].astype(float)
-        t, values = (np.bincount(place, column, minlength=steps)[told] / counted for column in (t, values))
+        filled = number > 0
+        counted = number[filled].astype(float)
+        t, values = (np.bincount(place, column, minlength=steps)[filled] / counted for column in (t, values))
     position = (t - times[0]) / step
     before = np.minimum(position.astype(int), steps - 1)
     kept = whole[before]

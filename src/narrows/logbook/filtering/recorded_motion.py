@@ -95,15 +95,15 @@ class RecordedMotion:
         begun = first[:-1]
         at_start = {name: positions[name][begun] + (offset if name == RUDDER else 0.0) for name in self.positions}
         begin, slopes = self._started(kept, starts, at_start)
-        told = {PUSHED[name]: np.repeat(pushes[:, i], count) for i, name in enumerate(PUSHES)}
+        inputs = {PUSHED[name]: np.repeat(pushes[:, i], count) for i, name in enumerate(PUSHES)}
         after = slice(first[0] + 1, first[-1] + 1)
-        told |= {PARAMETER(RECORDED(name)): positions[name][after] for name in self.positions}
-        told[PARAMETER(RUDDER_OFFSET)] = np.repeat(offset, count)
+        inputs |= {PARAMETER(RECORDED(name)): positions[name][after] for name in self.positions}
+        inputs[PARAMETER(RUDDER_OFFSET)] = np.repeat(offset, count)
         lengths = np.diff(times[first[0] : first[-1] + 1])
         others = {f"{name}_{end}": UNLIMITED for name in self.positions for end in ("limit", "rate")}
         if CURRENT in self.directions:
             others[CURRENT] = integrator.integrator.inputs[CURRENT] + current
-        columns = integrator.segments(begin, slopes, first - first[0], told, lengths, **others)
+        columns = integrator.segments(begin, slopes, first - first[0], inputs, lengths, **others)
         found = {name: tuple(part[:, i] for part in columns) for i, name in enumerate(kept)}
         found["psi"] = found[COUNTED] if COUNTED in found else _heading(found, np.repeat(starts[:, 2], count + 1))
         states, moved = (np.stack(part, axis=1) for part in zip(*(found[name] for name in STATES), strict=True))

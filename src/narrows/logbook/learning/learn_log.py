@@ -78,7 +78,7 @@ def learn(
         Whether a constant sway force and yaw moment of the ship are learned, as its propeller or a rudder zero make
         them; where no gusts act and ``free`` names nothing, unless given. They stay in the model.
     waterway : Waterway, optional
-        Along which x and y are told; the one of the log, or else the model's own canal.
+        Line of x and y; the one of the log, or else the model's own canal.
     **choices : Any
         As for ``simulate``: surge, surge_inertia, coriolis.
 

@@ -7,7 +7,7 @@ import numpy as np
 from narrows.logbook.filtering.log_problem import CoefficientPrior, Unknowns
 from narrows.model.model import Model
 
-TOLD = 1e-3  # of a variance before, by which a log is to move a combination that counts
+LEAST_REDUCTION = 1e-3  # [1] of the prior variance: below it a log does not count as informative on a combination
 EXPECTED_SCATTER = 10  # records that the expected scatter of scores counts for, against that of the records
 
 
@@ -108,5 +108,5 @@ def _disagreement(problem: Unknowns, whole: np.ndarray, moved: np.ndarray) -> tu
     information = whole[:count, :count] - whole[:count, count:] @ nuisance
     precision = problem.prior.precision
     sizes, axes = np.linalg.eigh(np.linalg.inv(precision) - np.linalg.inv(information + precision))
-    counted = sizes > TOLD
+    counted = sizes > LEAST_REDUCTION
     return float(np.sum((axes.T @ moved)[counted] ** 2 / sizes[counted])), int(counted.sum())

@@ -164,11 +164,11 @@ def _motion(
         for actuator in model.terms.actuators
         if actuator.name == RUDDER or actuator.name in signals
     }
-    told = {"contact": "midship" if model.terms.feels_bank else "none", "u": u, **choices}
+    options = {"contact": "midship" if model.terms.feels_bank else "none", "u": u, **choices}
     if waterway is not None:
         check_along_only(waterway, "learning")
-        told |= {"waterway": waterway, "x": waterway.line.length / 2}
-    return RecordedMotion(model, positions, coefficients, told)
+        options |= {"waterway": waterway, "x": waterway.line.length / 2}
+    return RecordedMotion(model, positions, coefficients, options)
 
 
 # Records as the search asks for them: laid out one by one, long ones in parts, the useless left out and said.

@@ -34,8 +34,8 @@ class RawSignals(NamedTuple):
         if not known.any():
             return None
         t = self.raw.t[known] - self.late.get(names[0], 0.0)
-        told = {name: column[known] for name, column in zip(names, columns, strict=True)}
-        return _once(t, [np.unwrap(column) if name in JUMPING else column for name, column in told.items()])
+        columns_known = {name: column[known] for name, column in zip(names, columns, strict=True)}
+        return _once(t, [np.unwrap(column) if name in JUMPING else column for name, column in columns_known.items()])
 
     def signal(self, name: str) -> Signal | None:
         return _smoothly(name, Signal(*measured)) if (measured := self.together(name)) else None
@@ -45,33 +45,33 @@ class RawSignals(NamedTuple):
 class Placing:
     table: str  # The file, for sentences
     mapping: LogMapping = field(default_factory=LogMapping)  # Lateness, antenna, loading
-    waterway: Waterway | None = None  # Along which to tell where the ship is; a plane where there is none
+    waterway: Waterway | None = None  # Line of the positions; a plane where there is none
 
     def record(self, raw: RawRecord) -> ShipRecord:
-        told, antenna = RawSignals(raw, dict(self.mapping.late)), self.mapping.antenna
-        signals = {name: signal for name in SIGNALS if (signal := told.signal(name)) is not None}
-        fixes = self._fixes(told, any(antenna))
+        columns, antenna = RawSignals(raw, dict(self.mapping.late)), self.mapping.antenna
+        signals = {name: signal for name in SIGNALS if (signal := columns.signal(name)) is not None}
+        fixes = self._fixes(columns, any(antenna))
         if fixes is not None:
             signals |= self._along(fixes)
-        signals |= self._directions(told, signals)
+        signals |= self._directions(columns, signals)
         if any(antenna) and fixes is not None and "psi" in signals:
             signals |= self._along(self._at_midship(fixes, signals, antenna))
-            signals |= self._directions(told, signals)
-        signals |= self._over_ground(told, signals)
+            signals |= self._directions(columns, signals)
+        signals |= self._over_ground(columns, signals)
         brought = fixes is not None and "psi" in signals
         return ShipRecord(
             raw.name, {name: signals[name] for name in SIGNALS if name in signals}, (0.0, 0.0) if brought else antenna,
             self.mapping.condition,
         )  # fmt: skip
 
-    def _fixes(self, told: RawSignals, moved: bool) -> Fixes | None:
+    def _fixes(self, columns: RawSignals, moved: bool) -> Fixes | None:
         """Positions by the map; those along the waterway too where they must be moved."""
-        if measured := told.together("longitude", "latitude"):
+        if measured := columns.together("longitude", "latitude"):
             t, *degrees = measured
             return t, projected(np.stack(degrees, axis=1), self._origin(degrees))
-        if measured := told.together("east", "north"):
+        if measured := columns.together("east", "north"):
             return measured[0], np.stack(measured[1:], axis=1)
-        if moved and (measured := told.together("x", "y")):
+        if moved and (measured := columns.together("x", "y")):
             t, x, y = measured
             return t, self.waterway.to_map(x, y)[0] if self.waterway else np.stack([y, x], axis=1)
         return None
@@ -104,10 +104,10 @@ class Placing:
             )
         return self.waterway.line.heading(np.interp(t, signals["x"].t, signals["x"].values))
 
-    def _directions(self, told: RawSignals, signals: Signals) -> Signals:
+    def _directions(self, columns: RawSignals, signals: Signals) -> Signals:
         found = {}
         for name, by_map in BY_MAP.items():
-            if name not in told.raw.columns and (signal := told.signal(by_map)):
+            if name not in columns.raw.columns and (signal := columns.signal(by_map)):
                 from_axis = signal.values - self._axis(signal.t, signals)
                 found[name] = _smoothly(name, Signal(signal.t, from_axis))
         return found
@@ -121,9 +121,9 @@ class Placing:
         moved = positions - antenna[0] * ahead - antenna[1] * starboard
         return t[known], moved[known]
 
-    def _over_ground(self, told: RawSignals, signals: Signals) -> Signals:
+    def _over_ground(self, columns: RawSignals, signals: Signals) -> Signals:
         """Velocities in fixed axes, along and across the ship; of midship where the yaw rate is known."""
-        by_axes, by_map = told.together("x_rate", "y_rate"), told.together("north_rate", "east_rate")
+        by_axes, by_map = columns.together("x_rate", "y_rate"), columns.together("north_rate", "east_rate")
         measured = by_axes or by_map
         if measured is None or "u_ground" in signals:
             return {}

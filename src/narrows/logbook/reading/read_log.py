@@ -52,7 +52,7 @@ def read_log(
     log : str, Path, DataFrame, Dataset, or a sequence of them
         CSV and text in any dialect, Parquet, Excel, a recording of NMEA 0183, or a table.
     waterway : Waterway, str or Path, optional
-        Along which to tell where the ship is; a plane where there is none.
+        Line of the positions; a plane where there is none.
     mapping : str, Path or mapping, optional
         The ship's own names, units and signs, what is late [s], where the antenna stands [m] and the loading: a TOML
         file with ``[columns]``, ``[units]``, ``[positive]``, ``[late]``, ``[antenna]`` and ``[condition]``, or these
@@ -97,7 +97,7 @@ class StreamedLog:
 
     table: Any  # CSV, text, Parquet, or a recording of NMEA 0183; a DataFrame too
     mapping: LogMapping  # Names of columns, delays, place of the antenna
-    waterway: Waterway | None  # Along which to tell where the ship is; a plane where there is none
+    waterway: Waterway | None  # Line of the positions; a plane where there is none
     gap: float  # A time without a row after which another record begins, where the log does not name its records [s]
     mmsi: int | None = None  # Whose AIS reports to read; what the ship reports of itself unless given
 
@@ -125,7 +125,7 @@ def stream_log(
     log : str, Path or DataFrame
         CSV, text or Parquet, or a recording of NMEA 0183.
     waterway : Waterway, str or Path, optional
-        Along which to tell where the ship is; a plane where there is none.
+        Line of the positions; a plane where there is none.
     mapping : str, Path or mapping, optional
         As in ``read_log``, like what follows.
     units : mapping of str to str, optional
@@ -190,7 +190,7 @@ class LogReading:
     def notes(self) -> tuple[str, ...]:
         begin = (f"t counts from {self.begin.isoformat()}",) if self.begin is not None else ()
         absent = [f"{count} of {name} stand for none and were left out" for name, count in self.absent.items()]
-        told = {
+        remarks = {
             f"cut into {self.given} records where nothing came for {self.log.gap:g} s; gap= sets another time": (
                 self.cuts > 0
             ),
@@ -199,7 +199,7 @@ class LogReading:
                 self.log.mapping.antenna
             ),
         }
-        return (*self.about, *self.mapped, *begin, *absent, *(note for note, holds in told.items() if holds))
+        return (*self.about, *self.mapped, *begin, *absent, *(note for note, holds in remarks.items() if holds))
 
     def _frames(self) -> Iterator[pd.DataFrame]:
         table = self.log.table
@@ -302,7 +302,7 @@ class LogReading:
 
 
 def _repeated(raw: RawRecord) -> int:
-    """Rows that tell at the time of the row above what that told."""
+    """Rows that repeat the values and the time of the row above."""
     same = np.diff(raw.t) == 0
     again = [np.isfinite(column[1:]) & np.isfinite(column[:-1]) for column in raw.columns.values()]
     return int((same & np.any(again, axis=0)).sum())

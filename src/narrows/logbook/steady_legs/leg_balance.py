@@ -246,13 +246,13 @@ class SteadyBalance:
         return values
 
 
-def sinkage_and_revolutions(model: Model, speeds: np.ndarray, told: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
+def sinkage_and_revolutions(model: Model, speeds: np.ndarray, read: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Return what goes with the speed of legs: heave [m], and revolutions [1/s] where the terms ask for them."""
     # speeds (legs,) [m/s]
     each, place = np.unique(speeds, return_inverse=True)
-    given = {"heave": told["heave"] if "heave" in told else keel_at(model, each).midship[place]}
+    given = {"heave": read["heave"] if "heave" in read else keel_at(model, each).midship[place]}
     if model.terms.propelled:
-        turns = told.get("revolutions")
+        turns = read.get("revolutions")
         if turns is None:
             turns = np.array([self_propulsion(model, speed) for speed in each.tolist()])[place]
         given["revolutions"] = turns

@@ -1,4 +1,4 @@
-"""``plan_steady``: which offsets and speeds to hold, so that a few legs tell most of the bank, within what is safe."""
+"""``plan_steady``: which offsets and speeds to hold, to learn most of the bank from a few safe legs."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -210,7 +210,7 @@ def plan_steady(
     Returns
     -------
     SteadyPlan
-        The legs, what to expect on each, and what they will tell; without legs where none is allowed.
+        Legs with the expected rudder, drift and standard errors; without legs where none is allowed.
 
     Raises
     ------
@@ -233,10 +233,10 @@ def plan_steady(
     order = sorted(best, key=lambda i: (found.offsets[allowed[i]], found.speeds[allowed[i]]))
     # The sides come first in turn, so that what grows with time cancels too.
     held = [(i, sign) for turn, i in enumerate(order) for sign in ((-1, 1) if turn % 2 else (1, -1))]
-    told = np.cumsum([np.zeros(problem.precision.shape), *(pairs[i, int(sign < 0)] for i, sign in held)], axis=0)
-    known = [expected_std(model, before, problem, one) for one in told]
+    information = np.cumsum([np.zeros(problem.precision.shape), *(pairs[i, int(sign < 0)] for i, sign in held)], axis=0)
+    known = [expected_std(model, before, problem, one) for one in information]
     std = {name: np.array([one[name] for one in known]) for name in names}
-    after = log_posterior(model, before, problem, np.zeros(len(told[-1])), told[-1]).covariance
+    after = log_posterior(model, before, problem, np.zeros(len(information[-1])), information[-1]).covariance
     then = candidates(replace(model, covariance=after), beside, ahead, reserve, side, samples, seed) if order else found
     planned = tuple(found.leg(allowed[i], sign) for i, sign in held)
     return SteadyPlan(
@@ -275,8 +275,8 @@ class Candidates:
     speeds: np.ndarray  # (places,) Through the water [m/s]
     rudder: np.ndarray  # (places,) Rudder with the most likely coefficients [rad]
     psi: np.ndarray  # (places,) Drift with the most likely coefficients [rad]
-    rudder_told: np.ndarray  # (places, 3) 5 %, 50 %, 95 % of the samples; infinite without a course [rad]
-    psi_told: np.ndarray  # (places, 3) The same [rad]
+    rudder_range: np.ndarray  # (places, 3) 5 %, 50 %, 95 % of the samples; infinite without a course [rad]
+    psi_range: np.ndarray  # (places, 3) The same [rad]
     within: np.ndarray  # (places,) Share of the samples that leave the rudder its reserve [1]
     clear: np.ndarray  # (places,) True where side and keel have their clearance
 
@@ -292,7 +292,7 @@ class Candidates:
 
     def leg(self, place: int, sign: int) -> PlannedLeg:
         """Return a leg to starboard (1) or to port (-1)."""
-        rudder, drift = (tuple(np.sort(sign * told[place]).tolist()) for told in (self.rudder_told, self.psi_told))
+        rudder, drift = (tuple(np.sort(sign * own[place]).tolist()) for own in (self.rudder_range, self.psi_range))
         return PlannedLeg(float(sign * self.offsets[place]), float(self.speeds[place]), rudder, drift)
 
 
@@ -345,8 +345,8 @@ def best_pairs(problem: LegProblem, pairs: np.ndarray, names: Sequence[str], cou
 
 # Number of offsets to either side, about, and their steps times a power of ten.
 NICE = (1.0, 2.0, 2.5, 5.0, 10.0)
-# Shares of the samples, below which angles are told.
-TOLD = (0.05, 0.5, 0.95)
+# Quantiles of the samples that are given for rudder and drift [1].
+QUANTILES = (0.05, 0.5, 0.95)
 
 
 def usual_offsets(model: Model, clearance: float) -> np.ndarray:
@@ -388,7 +388,7 @@ def candidates(
     beside = canal.width / 2 - np.abs(y) - ship.beam / 2 - turned >= clearance
     unknown = np.isnan(keel.clearance) & (canal.depth is None)
     under = (unknown | (keel.clearance >= KEEL_SHARE * ship.draft)) & (u < keel.choke)
-    rudder_told, psi_told = (np.quantile(part, TOLD, axis=1, method="higher").T for part in (rudder, psi))
+    rudder_range, psi_range = (np.quantile(part, QUANTILES, axis=1, method="higher").T for part in (rudder, psi))
     within = (np.abs(rudder) <= (1 - reserve) * gear.limit).mean(axis=1)
     likely, clear = (mean["rudder"].to_numpy(), mean["psi"].to_numpy()), beside & under
-    return Candidates(y, u, *likely, rudder_told, psi_told, within, clear)
+    return Candidates(y, u, *likely, rudder_range, psi_range, within, clear)

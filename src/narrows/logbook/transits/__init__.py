@@ -1,1 +1,1 @@
-"""Transits before they are sailed: what they will tell, and twins of them whose truth is known."""
+"""Transits before they are sailed: their expected information, and twins with known truth."""

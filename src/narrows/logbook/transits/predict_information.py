@@ -219,11 +219,11 @@ def predict_information(
     names, grade, conditions = learnable(model, targets), sensor_grade(sensors), conditions or TransitConditions()
     plan = _plan(model, waterway, u, duration, conditions)
     std = dict(zip(model.terms.names, np.sqrt(np.diag(np.asarray(model.covariance))).tolist(), strict=True))
-    told: dict[str, Any] = {"model": model, "grade": grade, "conditions": conditions, "u": plan.u}
-    told |= {"duration": plan.duration, "transits": counts, "targets": names}
-    told |= {"prior_std": {name: std[name] for name in names}}
+    common: dict[str, Any] = {"model": model, "grade": grade, "conditions": conditions, "u": plan.u}
+    common |= {"duration": plan.duration, "transits": counts, "targets": names}
+    common |= {"prior_std": {name: std[name] for name in names}}
     if "rudder" not in grade.signals:
-        return InformationForecast((), safe_offset=0.0, reasons=(NO_RUDDER,), **told)
+        return InformationForecast((), safe_offset=0.0, reasons=(NO_RUDDER,), **common)
     if within is None:
         safe = safe_offset(_narrowest(model, waterway), plan.u, seed)
     elif (safe := finite_numbers(within=within)["within"]) < 0:
@@ -236,7 +236,7 @@ def predict_information(
             reasons.append(f"Left out: {error}.")
     if within is None and not safe:
         reasons.append(NOWHERE.format(plan.u))
-    return InformationForecast(tuple(kinds), safe_offset=safe, reasons=tuple(reasons), **told)
+    return InformationForecast(tuple(kinds), safe_offset=safe, reasons=tuple(reasons), **common)
 
 
 def _plan(

@@ -212,10 +212,10 @@ class TransitTwin:
 
     def sailed(self, seed: int, excursion: Excursion = ROUTINE) -> Voyage:
         """Simulate the transit."""
-        draw, told = np.random.default_rng((seed, 11)), self.conditions
+        draw, conditions = np.random.default_rng((seed, 11)), self.conditions
         step = min(AIM_STEP, AIM_LENGTHS * self._length_time)
         times = step * np.arange(math.ceil(self.duration / step) + 1)
-        aims = excursion.aims(times, wandering(told.wander, told.wander_time, step, len(times), draw)[:, 0])
+        aims = excursion.aims(times, wandering(conditions.wander, conditions.wander_time, step, len(times), draw)[:, 0])
         helm = TransitPilot.of(self.truth, self.u, times, aims, self.waterway)
         started: dict[str, Any] = {"y": float(aims[0]), "u": self.u, **self._pushes(draw)}
         if self.truth.terms.propelled:
@@ -233,10 +233,10 @@ class TransitTwin:
 
     def _pushes(self, draw: np.random.Generator) -> dict[str, list[tuple[float, float]]]:
         """Sway force and yaw moment through the transit: wind and gusts."""
-        told, step = self.conditions, min(PUSH_STEP, self.conditions.gust_time / GUST_PIECES)
+        conditions, step = self.conditions, min(PUSH_STEP, self.conditions.gust_time / GUST_PIECES)
         times = np.arange(0.0, self.duration, step)
-        gusts = wandering(1.0, told.gust_time, step, len(times), draw, 2) @ told.gust_push(self.truth).T
-        pushes = gusts + draw.standard_normal(2) * told.steady_push(self.truth)
+        gusts = wandering(1.0, conditions.gust_time, step, len(times), draw, 2) @ conditions.gust_push(self.truth).T
+        pushes = gusts + draw.standard_normal(2) * conditions.steady_push(self.truth)
         return {
             name: list(zip(times.tolist(), column, strict=True))
             for name, column in zip("YN", pushes.T.tolist(), strict=True)
@@ -246,12 +246,12 @@ class TransitTwin:
 def recorded(name: str, voyage: Voyage, grade: SensorGrade, seed: int, current: float = CURRENT) -> ShipRecord:
     draw = np.random.default_rng((seed, 13))
     drift = current * float(draw.standard_normal())
-    told = {own: voyage[own] for own in ("x", "y", "psi", "r", "u", "v", "rudder")}
-    told["x"] = told["x"] + drift * voyage.t
-    told["u_ground"] = told["u"] + drift * np.cos(told["psi"])
-    told["v_ground"] = told["v"] - drift * np.sin(told["psi"])
-    told["speed_over_ground"] = np.hypot(told["u_ground"], told["v_ground"])
-    signals = {own: _read(voyage.t, told[own], grade.signals[own], draw) for own in grade.signals if own in told}
+    columns = {own: voyage[own] for own in ("x", "y", "psi", "r", "u", "v", "rudder")}
+    columns["x"] = columns["x"] + drift * voyage.t
+    columns["u_ground"] = columns["u"] + drift * np.cos(columns["psi"])
+    columns["v_ground"] = columns["v"] - drift * np.sin(columns["psi"])
+    columns["speed_over_ground"] = np.hypot(columns["u_ground"], columns["v_ground"])
+    signals = {own: _read(voyage.t, columns[own], grade.signals[own], draw) for own in grade.signals if own in columns}
     return ShipRecord(name, signals)
 
 
@@ -298,12 +298,12 @@ def demonstrated_log(sensors: SensorGrade, transits: int = 10, seed: int = 1) ->
 def transits_of(
     truth: Model, sensors: SensorGrade, transits: int, seed: int, twin: TransitTwin | None = None
 ) -> ShipLog:
-    usual = replace(twin, truth=truth) if twin else TransitTwin(truth, SPEED, 60 * MINUTES)
+    template = replace(twin, truth=truth) if twin else TransitTwin(truth, SPEED, 60 * MINUTES)
     records = []
     with bar(transits, is_shown(), "transits") as done:
         for number in range(transits):
-            voyage = usual.sailed(1000 * seed + number)
-            drawn = {"current": 0.0} if usual.waterway else {}  # A waterway has its own.
+            voyage = template.sailed(1000 * seed + number)
+            drawn = {"current": 0.0} if template.waterway else {}  # A waterway has its own.
             records.append(recorded(f"transit {number + 1}", voyage, sensors, 1000 * seed + number, **drawn))
             done(1)
-    return ShipLog(tuple(records), usual.waterway)
+    return ShipLog(tuple(records), template.waterway)

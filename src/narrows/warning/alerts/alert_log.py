@@ -156,12 +156,12 @@ def _hash(before: LogRow, row: LogRow) -> str:
 
 
 def _last_alerts(rows: list[LogRow]) -> tuple[Alert, ...]:
-    told = {}
+    latest = {}
     for row in rows:
         if row.kind == "alert":
             content = json.loads(row.content)
-            told[content["identifier"]] = content
+            latest[content["identifier"]] = content
     return tuple(
         Alert(**{**one, "priority": Priority[one["priority"]], "state": AlertState[one["state"]]})
-        for one in told.values()
+        for one in latest.values()
     )

@@ -122,9 +122,9 @@ def ended(since_1970: float) -> dict[str, Any]:
 
 
 def _delta(values: Mapping[Situation, dict[str, Any]], since_1970: float) -> dict[str, Any]:
-    told = [{"path": _path(situation), "value": value} for situation, value in values.items()]
+    pairs = [{"path": _path(situation), "value": value} for situation, value in values.items()]
     stamp = datetime.fromtimestamp(since_1970, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
-    return {"context": "vessels.self", "updates": [{"$source": SOURCE, "timestamp": stamp, "values": told}]}
+    return {"context": "vessels.self", "updates": [{"$source": SOURCE, "timestamp": stamp, "values": pairs}]}
 
 
 def _path(situation: Situation) -> str:

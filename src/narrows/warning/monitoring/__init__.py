@@ -1,1 +1,1 @@
-"""The monitor: second by second from what the bridge tells to alerts; a simulated bridge to see it at work."""
+"""The monitor: second by second from messages to alerts; a simulated bridge for demonstration."""

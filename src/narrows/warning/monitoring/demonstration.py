@@ -131,9 +131,9 @@ def _stamp(since_1970: float) -> str:
     return f"\\{body}*{checksum(body.encode()):02X}\\"
 
 
-# The sentences by which a bridge tells of its ship: what a simulated one says, and a recording of it holds.
+# Sentences of a simulated bridge, as a recording of it has them.
 def bridge_sentences(waterway: Waterway, at: Mapping[str, float], since_1970: float) -> list[str]:
-    """Return what is told in a second: position, course, heading, rate of turn, log, rudder."""
+    """Return the sentences of one second: position, course, heading, rate of turn, log, rudder."""
     east_north, heading = waterway.to_map(at["x"], at["y"], at["psi"])
     longitude, latitude = unprojected(np.reshape(east_north, (1, 2)), np.array(waterway.origin))[0]
     line = float(heading) - at["psi"]
