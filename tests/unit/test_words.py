@@ -52,17 +52,16 @@ def test_descriptions_have_a_subject(turn: str) -> None:
 
 # Words that a reader of the field searches for; each stands in the source and in the docs.
 TERMS = (
-    "added mass", "anti-windup", "automatic differentiation", "bank cushion", "bank suction", "blockage",
-    "bow-out", "bootstrap", "condition number",
-    "cross-validation",
-    "crossflow drag", "delay margin", "Fisher scoring", "Froude", "Gauss-Markov", "generalised least squares",
-    "hidden Markov",
-    "hydrodynamic derivative", "importance sampling", "jackknife", "Karush-Kuhn-Tucker", "Laplace approximation",
-    "linear-quadratic", "model predictive control", "Monte Carlo", "multiple shooting", "NEES", "Nomoto",
-    "optimal experiment design", "restricted maximum likelihood", "Riccati", "Runge-Kutta", "Schijf",
-    "sequential quadratic programming", "Shapley", "sigma point", "state-space", "straight-line program",
-    "system identification",
-    "unscented Kalman filter", "variance inflation", "zigzag",
+    "added mass", "anti-windup", "automatic differentiation", "bank cushion", "bank suction", "blockage", "bootstrap",
+    "bow-out", "captive test", "condition number", "covariance", "credible interval", "cross-validation",
+    "crossflow drag", "delay margin", "drift angle", "Fisher scoring", "Froude", "Gauss-Markov",
+    "generalised least squares", "hidden Markov", "hydrodynamic derivative", "importance sampling", "innovation",
+    "jackknife", "Karush-Kuhn-Tucker", "Laplace approximation", "line-of-sight guidance",
+    "linear-quadratic regulator", "model predictive control", "Monte Carlo", "multiple shooting", "NEES", "Nomoto",
+    "optimal experiment design", "planar motion mechanism", "restricted maximum likelihood", "return flow", "Riccati",
+    "Runge-Kutta", "Schijf", "sequential quadratic programming", "Shapley value", "sigma point", "smoother", "squat",
+    "state-space", "straight-line program", "system identification", "thrust deduction", "under-keel clearance",
+    "unscented Kalman filter", "variance inflation", "wake fraction", "zigzag",
 )  # fmt: skip
 
 

@@ -2,7 +2,7 @@
 
 ``y = X theta + Z b + e``: the effects b of a group have the variance of that group's scale squared, and the rows of a
 block (one motion and one force) share ``c I + a f f' + z 1 1'``: noise and form error, gain, zero. Scales have half-t
-priors and are integrated over, in coordinates of which each is standard normal before the data.
+priors and are integrated over for credible intervals, in coordinates of which each is standard normal before the data.
 
 References
 ----------

@@ -8,7 +8,7 @@ import pandas as pd
 
 
 class Layout(Protocol):
-    """Interface of a layout module; the first line of its docstring says whose tables they are."""
+    """Interface of a layout module; the first line of its docstring names the laboratory."""
 
     __name__: str
     __doc__: str | None

@@ -1,4 +1,4 @@
-"""Tables of Flanders Hydraulics Research's tests for SIMMAN: planar motion averaged by phase, several depths.
+"""Flanders Hydraulics Research's tests for SIMMAN: planar motion mechanism, averaged by phase, several depths.
 
 Their layout: ``env, test, type, x_m, y_m, psi_deg, ...``, one row per phase of a harmonic run or per steady run,
 ``env`` the environment (a water depth), ``rud_given_deg`` the rudder angle. Sinkage stands for heave.
