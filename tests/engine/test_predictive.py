@@ -16,7 +16,7 @@ from plans import HOLD, SPEED, converged, helm, orders, ship
 from scipy.linalg import expm, solve_discrete_are
 
 import narrows as nw
-from narrows.control import PredictiveHelm
+from narrows.control import PredictiveHelm, RegulatorWeights
 from narrows.control.predictive import planner as planner_module
 from narrows.control.predictive import predictive_helm as helm_module
 from narrows.control.predictive.line_frame import HELD
@@ -293,7 +293,7 @@ def test_a_rudder_that_turns_nothing_is_refused() -> None:
     "other",
     [
         {"y": 0.3}, {"u": 1.2}, {"margin": 2.0}, {"confidence": 0.999}, {"horizon": 4.0}, {"intervals": 20},
-        {"period": 0.3},
+        {"period": 0.3}, {"weights": RegulatorWeights(heading_deg=5.0)},
     ],
     ids=str,
 )  # fmt: skip

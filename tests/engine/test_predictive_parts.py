@@ -29,6 +29,7 @@ from narrows.control.predictive.planner import (
     solution,
 )
 from narrows.control.predictive.push_estimate import BankSpread, Push, no_push, updated_push
+from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.simulation.ship import SimulatedShip
 from narrows.waterway import Bank, Centreline, Waterway
 
@@ -142,7 +143,7 @@ def test_clearance_rows_hold_as_the_corners_are_clear() -> None:
 
 
 def test_the_cost_of_a_plan_is_the_sum_over_its_states() -> None:
-    weights, beyond = weights_of(2.0, 5.0), np.eye(5) + 0.3
+    weights, beyond = weights_of(DEFAULT_WEIGHTS, 2.0, 5.0), np.eye(5) + 0.3
     off, G, rates, change = random((4, 5)), random((4, 5, 4)), random(4), random(4)
     G *= np.tri(4)[:, None, :]  # a rate changes later states alone
 
@@ -202,14 +203,15 @@ def test_a_program_without_numbers_or_without_an_answer_has_none() -> None:
 
 
 def test_weights_are_those_of_brysons_rule() -> None:
-    """Half a beam of 2 m, 5 degrees, 10 degrees of rudder; a tenth of those degrees in 0.16 lengths of 5 s each."""
-    weights = weights_of(2.0, 5.0)
-    np.testing.assert_allclose(weights.states, [1 / 4, (180 / (5 * np.pi)) ** 2, 0.0, 0.0, (180 / (10 * np.pi)) ** 2])
-    assert weights.rate == pytest.approx(0.1 * (0.16 * 5.0 * 180 / (10 * np.pi)) ** 2)
+    """Two half beams of 2 m, 5 degrees, 10 degrees of rudder; those degrees in a tenth of the 5 s of a length."""
+    chosen = RegulatorWeights(offset=2.0, heading_deg=5.0, rudder_deg=10.0, stroke_time=0.1)
+    weights = weights_of(chosen, 2.0, 5.0)
+    np.testing.assert_allclose(weights.states, [1 / 16, (180 / (5 * np.pi)) ** 2, 0.0, 0.0, (180 / (10 * np.pi)) ** 2])
+    assert weights.rate == pytest.approx((0.1 * 5.0 * 180 / (10 * np.pi)) ** 2)
 
 
 def test_gains_are_those_of_value_iteration() -> None:
-    A, weights = np.eye(5) + 0.05 * random((5, 5)), weights_of(1.0, 10.0)
+    A, weights = np.eye(5) + 0.05 * random((5, 5)), weights_of(DEFAULT_WEIGHTS, 1.0, 10.0)
     A[4] = np.eye(5)[4]
     B = np.append(0.05 * random(4), 0.5)
     gains, cost = regulator_of(A, B, weights)
@@ -224,7 +226,7 @@ def test_gains_are_those_of_value_iteration() -> None:
 def test_a_rudder_that_drives_nothing_has_no_gains() -> None:
     A = np.diag([1.1, 1.0, 1.0, 1.0, 1.0])
     with pytest.raises(nw.InputError, match="turns nothing"):
-        regulator_of(A, np.array([0.0, 0, 0, 0, 1.0]), weights_of(1.0, 10.0))
+        regulator_of(A, np.array([0.0, 0, 0, 0, 1.0]), weights_of(DEFAULT_WEIGHTS, 1.0, 10.0))
 
 
 def estimated(truth: Push, places: np.ndarray, noise: float = 0.0) -> Push:

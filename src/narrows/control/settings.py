@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-# Bryson's rule for the track pilot and the plans: deviations of heading and rudder [rad] that cost as much as half a
+# Bryson's rule for the track pilot: deviations of heading and rudder [rad] that cost as much as half a
 # beam off the line.
 OFF_HEADING, OFF_RUDDER = math.radians(5.0), math.radians(10.0)
 # Time of looking ahead for bends.
@@ -38,10 +38,6 @@ MARGIN = 0.15
 SHORT, SHORT_SQUARED = 50.0, 10.0
 # Clearance beyond the margin above which a corner needs no constraint [half beams]: less is used up between plans.
 FREE_CLEARANCE = 4.0
-# Rudder turned through the usual weight within this many ship lengths ...
-RUDDER_LENGTHS = 0.16
-# ... weighs this share of it [1].
-RUDDER_RATE_WEIGHT = 0.1
 # Limits of linearising a plan: heading [rad], clearance [half beams], sway over speed, yaw over speed by half length
 # [1].
 MOST_HEADING = np.radians(25.0)

@@ -1,5 +1,6 @@
 """The steady course ahead and the linear-quadratic regulator about it, by place (terminal cost)."""
 
+import math
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -21,16 +22,12 @@ from narrows.control.predictive.line_frame import (
     share_of,
 )
 from narrows.control.predictive.push_estimate import BankSpread, Push
-from narrows.control.regulator_gains import discrete_riccati
+from narrows.control.regulator_gains import RegulatorWeights, discrete_riccati
 from narrows.control.settings import (
     FURTHEST,
     MOST_PLACES,
-    OFF_HEADING,
-    OFF_RUDDER,
     OTHER_SPEED,
     PLACES_A_LENGTH,
-    RUDDER_LENGTHS,
-    RUDDER_RATE_WEIGHT,
     SHARES,
     WAYS,
 )
@@ -255,10 +252,11 @@ def margins_of(
 IN_VAIN = "no helm holds this ship: its rudder turns nothing"
 
 
-def weights_of(half_beam: float, passing: float) -> Weights:
+def weights_of(weights: RegulatorWeights, half_beam: float, passing: float) -> Weights:
     # Bryson and Ho (1975), Applied optimal control, section 5.2.
-    states = np.array([half_beam**-2, OFF_HEADING**-2, 0.0, 0.0, OFF_RUDDER**-2])
-    return Weights(states, RUDDER_RATE_WEIGHT * (OFF_RUDDER / (RUDDER_LENGTHS * passing)) ** -2)
+    rudder = math.radians(weights.rudder_deg)
+    sizes = np.array([weights.offset * half_beam, math.radians(weights.heading_deg), math.inf, math.inf, rudder])
+    return Weights(sizes**-2, (weights.stroke_time * passing / rudder) ** 2)
 
 
 def regulator_of(A: np.ndarray, B: np.ndarray, weights: Weights) -> tuple[np.ndarray, np.ndarray]:

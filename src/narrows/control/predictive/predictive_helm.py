@@ -21,6 +21,7 @@ from narrows.control.predictive.planner import (
     prediction_lanes,
 )
 from narrows.control.predictive.push_estimate import Push, no_push, updated_push
+from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.control.settings import FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING, TIME_TOLERANCE
 from narrows.control.steady_course import check_holds, check_inside, check_rudder, self_propulsion
 from narrows.errors import InputError, needs
@@ -211,6 +212,8 @@ class PredictiveHelm(BaseSummary):
         Propeller revolutions; those that keep the speed unless given.
     seconds : float [s]
         Time limit of a plan's program; 0 for none.
+    weights : RegulatorWeights
+        Weights of offset, heading, rudder and stroke time in a plan; those of the regulator unless given.
 
     Raises
     ------
@@ -235,6 +238,7 @@ class PredictiveHelm(BaseSummary):
     period: float | None = None
     revolutions: float | None = None
     seconds: float = 0.0
+    weights: RegulatorWeights = DEFAULT_WEIGHTS
 
     def __post_init__(self) -> None:
         check_rudder(self.model)
@@ -286,7 +290,7 @@ class PredictiveHelm(BaseSummary):
         ship, hull, horizon = SimulatedShip(self.model), self.model.configuration.ship, self._horizon()
         positions = self._positions()
         passing = hull.length / self.u
-        weights = weights_of(hull.beam / 2, passing)
+        weights = weights_of(self.weights, hull.beam / 2, passing)
         margin = MARGIN * hull.beam if self.margin is None else self.margin
         water = water_ahead(self.model, self.waterway)
         course = CourseAhead(ship, water, self.y, self.u, margin, positions, weights, horizon.interval)
