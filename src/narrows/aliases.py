@@ -120,7 +120,7 @@ INSTEAD: Rows = {
     "displacement": ("length * beam * draft * block_coefficient [m3]",), "uncertainty": ("covariance",),
     **dict.fromkeys(("sensitivity", "sensitivities"), ("nw.sensitivities(model, ...)",)),
     **dict.fromkeys(("with_water", "with_density"), ("scale(length, density=...)",)),
-    **dict.fromkeys(("bow", "stern"), ("nw.squat(model, u, 'bow')",)), "to_csv": ("to_dataframe().to_csv(path)",),
+    **dict.fromkeys(("bow", "stern"), ("nw.squat(model, u, 'bow')",)), "to_csv": ("to_dataframe().to_csv(file)",),
     **dict.fromkeys(("ax", "axes"), ("plot(), a Matplotlib figure",)),
     "popt": ("coefficients",),  # SciPy's is an array; these go by name
 }  # fmt: skip
