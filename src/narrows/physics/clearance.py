@@ -123,7 +123,7 @@ def cushion(
     """Yaw moment of the bank [N m] per unit coefficient, -L times the sway force of the same parameter.
 
     The paper prints both signs; this one, of its regression matrix, turns the bow away from the bank. Astern it is the
-    stern that leads and turns away, by the symmetry of bow and stern: u |u| instead of the paper's u^2.
+    stern that leads and turns away, by the symmetry of bow and stern: ``u |u|`` instead of the paper's ``u^2``.
 
     Source: Mikkelsen et al. (2025), Theta_N, for delta.
     """
