@@ -14,6 +14,8 @@ from narrows.quantities.names import asked_by, name_of
 DEPTH = 0.4
 """Of the water in which regressors are evaluated [m]."""
 DIGITS, SECONDS = 30, 20
+SMALLEST = 1e-150
+"""Of results that are compared: squares of smaller numbers vanish in floats."""
 EXACT = {"angle": lambda cosine, sine: mpmath.atan2(sine, cosine), "sine": mpmath.sin, "cosine": mpmath.cos}
 
 
@@ -32,4 +34,4 @@ def check_arithmetic(function: Callable[..., float], known: dict[str, float]) ->
         for name, exact in EXACT.items():
             patch.setitem(COLUMNS, name, exact)
         precise = function(*(mpmath.mpf(value) for value in values.values()))
-    assert expected == pytest.approx(float(precise), rel=1e-12, abs=1e-300), "floats lose digits to cancellation"
+    assert expected == pytest.approx(float(precise), rel=1e-12, abs=SMALLEST), "floats lose digits to cancellation"

@@ -272,7 +272,7 @@ def test_both_kinds_turn_the_rudder_as_a_voyage_does(tmp_path: Path, gear: nw.St
             str(tmp_path / "ship.fmu"), fmi_type=kind, start_values={"y": 0.1, "u": 1.0, "rudder_order": 0.3},
             stop_time=6.0, output_interval=DT, relative_tolerance=1e-10, output=["rudder", "y", "psi"],
         )  # fmt: skip
-        assert 0.2 < rows["rudder"][-1] <= 0.3
+        assert 0.2 < rows["rudder"][-1] <= 0.3 + 1e-9  # the importer's integrator rounds
         np.testing.assert_allclose(rows["rudder"], voyage.rudder, atol=most)
         np.testing.assert_allclose(rows["psi"], voyage.psi, atol=most)
 

@@ -120,10 +120,8 @@ class Plan(Tabulated):
             for name in self.targets
             if name not in unknown
         )
-        lost = (f"These runs do not determine {', '.join(unknown)}: allow more depths, speeds or runs.",) * bool(
-            unknown
-        )
-        return "\n".join((*gains, *lost))
+        lost = [f"These runs do not determine {', '.join(unknown)}: allow more depths, speeds or runs."]
+        return "\n".join((*gains, *(lost if unknown else [])))
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything by name, as ``plan --json`` prints it."""

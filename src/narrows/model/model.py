@@ -94,8 +94,7 @@ class Operations(BaseResult):
     def latex(self, numbers: bool = False, forces: Sequence[str] = ("X", "Y", "N")) -> str:
         """Write the equations of the forces in LaTeX, one line per force."""
         model: Any = self
-        coefficients = model.coefficients if numbers else None
-        return narrows.latex(model.terms, coefficients, forces)
+        return narrows.latex(model.terms, model.coefficients if numbers else None, forces)
 
     if not TYPE_CHECKING:
 
@@ -286,10 +285,8 @@ class Model(Configured, Operations):
             If a term needs a particular that the configuration lacks, or there is no such actuator.
         """
         if motion is None:
-            named = {name: others.pop(name) for name in ("psi", *MOTION) if name in others}
-            named = {
-                name: np.array(value) if isinstance(value, list | tuple) else value for name, value in named.items()
-            }
+            given = {name: others.pop(name) for name in ("psi", *MOTION) if name in others}
+            named = {name: np.array(of) if isinstance(of, list | tuple) else of for name, of in given.items()}
             check_angles({**named, **({} if rudder is None else {"rudder": rudder})})
             motion = Motion.at(**named) if "psi" in named else Motion(**named)
         check_ahead(revolutions)
