@@ -1,4 +1,4 @@
-"""Regulator and autopilot for a ship: gains of the rudder by the Riccati equation of the exact linear system."""
+"""Linear quadratic regulator (LQR) and autopilot: gains of the rudder by the Riccati equation of the linear ship."""
 
 import math
 from collections.abc import Sequence

@@ -16,7 +16,7 @@ from narrows.results.base_results import interval, readable
 from narrows.terms.tables import BARE, table_named
 from narrows.terms.term import TermTable
 
-# Error on what was left out, over that of the given terms, below which tests prefer other terms.
+# Error on left-out tests, over that of the given terms, below which other terms predict better.
 BETTER = 0.98
 # Share of the half width of the canal: offset that makes a straight run informative of a bank.
 OFF_CENTRE = 0.1
@@ -170,7 +170,7 @@ def _forces(fit: Fit) -> list[str]:
 
 
 def _relative_error(other: Fit, fit: Fit) -> float:
-    """Geometric mean, over the forces that the bank makes, of errors on what was left out over those of the fit."""
+    """Geometric mean, over the forces that the bank makes, of errors on left-out tests over those of the fit."""
     ratios = [other.left_out[force].rmse / max(fit.left_out[force].rmse, 1e-300) for force in _forces(fit)]
     mean = float(np.exp(np.mean(np.log(np.maximum(ratios, 1e-300)))))
     return mean if math.isfinite(mean) else math.inf

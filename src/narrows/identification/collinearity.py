@@ -30,7 +30,7 @@ class Diagnosis:
     # where the column is a combination of others, NaN where it is zero [1]
     vif: Mapping[str, float]
     correlation: np.ndarray  # (n, n) Correlation of the columns; NaN where one does not vary
-    # (n, n) Cosine between the columns, which is what a model without intercept feels; NaN where one is zero
+    # (n, n) Cosine between the columns, the correlation of a model without intercept; NaN where one is zero
     alignment: np.ndarray
     empty: tuple[str, ...]  # Coefficients whose column is zero
     # (k, n) Directions without data, of unit length, among the columns that are not zero, each scaled to one

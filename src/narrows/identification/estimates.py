@@ -1,4 +1,4 @@
-"""Estimate, standard error and interval of every coefficient: the posterior of the mixed model, within the bounds."""
+"""Estimate, standard error and credible interval of every coefficient: the mixed model's posterior, within bounds."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

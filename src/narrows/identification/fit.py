@@ -292,7 +292,7 @@ class Fit(Prediction):
     def summary(self) -> str:
         """Errors of the forces, and the coefficients that cannot be trusted: a line each."""
         scores = [
-            f"{force}: R2 {fitted.r2:.3f}, RMSE {fitted.rmse:.3g}; on what was left out R2 {checked.r2:.3f}, "
+            f"{force}: R2 {fitted.r2:.3f}, RMSE {fitted.rmse:.3g}; on left-out tests R2 {checked.r2:.3f}, "
             f"RMSE {checked.rmse:.3g}."
             for force, fitted in self.scores.items()
             if (checked := self.left_out[force])

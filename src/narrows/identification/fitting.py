@@ -150,7 +150,7 @@ def check_one_condition(tests: Tests, terms: TermTable) -> None:
     if isinstance(tests, CaptiveTests) and len(set(tests.conditions)) > 1 and not terms.feels_depth:
         labels = ", ".join(dict.fromkeys(tests.conditions))
         raise InputError(
-            f"the tests are of several conditions ({labels}), which no one model fits unless its terms ask for the "
+            f"the tests are of several conditions ({labels}), which no one model fits unless its terms need the "
             "depth; identify each of tests.by_condition()"
         )
 

@@ -1,7 +1,7 @@
 """Sums of products of every column with every other, test by test: the normal equations before a force is chosen.
 
-Everything that identification says (fit, standard errors, left-out errors, rank, VIF, Shapley shares) follows
-from these sums, so its cost after the pass over the rows, and its memory, do not grow with the rows.
+All results of identification (fit, standard errors, left-out errors, rank, VIF, Shapley shares) follow
+from these sums, so cost and memory do not grow with the rows after one pass over them.
 """
 
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ import numpy as np
 from narrows.identification.design_matrix import ONE
 from narrows.terms.term import TermTable
 
-# What counts alike in a fit.
+# Units of equal weight in a fit.
 Balance = Literal["tests", "rows"]
 
 
@@ -27,10 +27,10 @@ class NormalEquations:
     columns: Mapping[str, int]
     sums: np.ndarray  # (pieces, m, m) Products of columns, summed over rows
     tests: tuple[str, ...]  # The test of each piece
-    # (pieces, 3) Rows, sum and sum of squares of each quantity that says what was done in a test
+    # (pieces, 3) Rows, sum and sum of squares of each quantity that describes the motion of a test
     moved: Mapping[str, np.ndarray]
     length: float  # Length of the ship [m]
-    # (pieces,) What a row of each piece counts, one on average over all rows; one unless given [1]
+    # (pieces,) Weight of a row of each piece, one on average over all rows; one unless given [1]
     weights: np.ndarray | None = None
 
     def balanced(self) -> "NormalEquations":

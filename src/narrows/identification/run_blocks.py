@@ -12,8 +12,10 @@ from narrows.identification.normal_equations import NormalEquations
 
 # Squared size of a direction over that of the columns: a smaller one is noise of the motion [1].
 LEAST_DIRECTION_RATIO = 1e-1
-RANK = 1e-9  # of the largest eigenvalue of scaled products: below it a direction holds rounding
-LEAST_NOISE = 1e-6  # of a force's root mean square: noise where the rows show none
+# Share of the largest eigenvalue of scaled products, below which a direction holds only rounding [1].
+RANK = 1e-9
+# Assumed noise where the rows have none, as a share of a force's root mean square [1].
+LEAST_NOISE = 1e-6
 
 
 @dataclass(frozen=True)
@@ -124,9 +126,9 @@ def _contrasts(rows: np.ndarray) -> list[np.ndarray]:
 
 
 def _noise(equations: NormalEquations, sums: np.ndarray, forces: Sequence[str]) -> np.ndarray:
-    """Variance of a row's noise as it adds up over a run, from how fits to a run err on its stretches.
+    """Variance of a row's noise, summed over a run, from the errors of fits to a run on its stretches.
 
-    Correlation within a stretch is included, since what a stretch leaves is a sum over it.
+    Correlation within a stretch is included, since the error of a stretch is a sum over it.
     """
     names = [name for name in equations.columns if not _is_measured(name) and " " not in name]
     index = np.array(sorted({equations.columns[name] for name in names}))

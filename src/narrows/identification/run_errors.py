@@ -10,10 +10,10 @@ LARGEST_RUN_ERROR = 1.0
 
 @dataclass(frozen=True)
 class RunErrors:
-    """Usual sizes of the errors that rows share; the tests themselves then say how large each is.
+    """Prior scales of the errors that rows share; the tests then determine the size of each.
 
-    Each size is the scale of a half-t prior, so that larger errors are learned where the tests show them. The defaults
-    of gain, zero and form are what repeats of the bundled KCS tests scatter by (1.1 to 3.4 % of a force).
+    Each is the scale of a half-t prior, which admits larger errors. The defaults of gain, zero and form are the scatter
+    of repeats in the bundled KCS tests (1.1 to 3.4 % of a force).
 
     Parameters
     ----------
@@ -60,7 +60,7 @@ class RunErrors:
 
     @property
     def none(self) -> bool:
-        """Whether runs are said to differ by the noise within them alone."""
+        """Whether runs are assumed to differ only by the noise within them."""
         return self.gain == self.zero == self.form == 0
 
 

@@ -104,7 +104,7 @@ def _without_data(term: Term, overall: Diagnosis, known: bool) -> Verdict | None
 
 
 def _combination(overall: Diagnosis, direction: np.ndarray) -> str:
-    """Name the coefficients of a direction without data; what is known is orthogonal to it."""
+    """Name the coefficients of a direction without data; the data determine the orthogonal ones."""
     involved = [name for name, part in zip(overall.names, direction, strict=True) if abs(part) > INVOLVED]
     return f"the tests determine {' and '.join(involved)} only in combination, their columns being dependent"
 

@@ -51,7 +51,7 @@ def envelope_along_chart(along: EnvelopeAlong) -> Figure:
 def _filled(
     axes: Axes, edges: np.ndarray, rows: Any, low: str, high: str, banks: tuple[np.ndarray, ...] = ()
 ) -> None:  # fmt: skip
-    """Fill what is safe, between the banks if given, and hatch what is so by the model alone."""
+    """Fill what is safe, between the banks if given, and hatch what is safe by the model alone."""
     looks: dict[str, dict[str, Any]] = {
         "_by_model": {"facecolor": "none", "edgecolor": PURPLE, "hatch": UNTESTED, "lw": 0.8},
         "": {"facecolor": PALE, "edgecolor": BLACK, "lw": 1.2},

@@ -281,7 +281,7 @@ def comparison_figure(rows: list[dict], forces: tuple[str, ...] = ("Y", "N")) ->
         panel.set(xlabel=f"RMSE of {force} [{'N m' if force == 'N' else 'N'}]")
         panel.set_yticks(range(len(names)), names)
         panel.grid(alpha=0.3)
-    axes[0, 0].invert_yaxis()
+    axes[0, 0].set_ylim(len(names) - 0.5, -0.5)
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, frameon=False, fontsize=7, loc="outside upper center", ncols=3)
     return figure

@@ -129,7 +129,7 @@ class SafeEnvelope(BaseResult):
         return SafeEnvelope(self.data.assign_attrs(notes="\n".join((*notes, *self.notes))))
 
     def by_model(self, share: float = SURE_SHARE) -> xr.DataArray:
-        """Return where the model has it safe, tested or not: keel clear, and held in at least a share of the samples.
+        """Return where it is safe by the model, tested or not: keel clear, and held in at least a share of the samples.
 
         Parameters
         ----------
@@ -139,7 +139,7 @@ class SafeEnvelope(BaseResult):
         return (self.data["held"] >= share) & self.data["clear"]
 
     def by_some_helm(self, share: float = SURE_SHARE) -> xr.DataArray:
-        """Return where some helm has it safe, tested or not: keel clear, and held with the true coefficients.
+        """Return where the pilot with the true coefficients makes it safe, tested or not: keel clear, and held.
 
         Parameters
         ----------

@@ -2,7 +2,7 @@
 
 Rao (1948), Proc. Camb. Phil. Soc. 44: the score of a fault where it is taken to be absent, less what the fitted numbers
 explain of it, over the root of its information. One step of Fisher scoring gives the size of the fault. Where records
-scatter more than the model says, White (1982), Econometrica 50, gives the variance of their common score.
+scatter more than the model predicts, White (1982), Econometrica 50, gives the variance of their common score.
 """
 
 from collections.abc import Iterable, Iterator, Sequence
@@ -20,9 +20,12 @@ from narrows.logbook.filtering.record_grid import RecordGrid, grid_of
 from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
 from narrows.logbook.settings import FALSE_ALARM, MOVED, OUTLYING, STUCK_LENGTHS, STUCK_READINGS
 
-STATES = {"x": 0, "y": 1, "psi": 2, "r": 5}  # signals that may be stuck, and their places among the states
-DETERMINED = 1e-6  # of the information on a fault that the fitted numbers leave, at least
-FEWEST = 4  # records whose scores have a variance
+# Signals that may be stuck, and their places among the states.
+STATES = {"x": 0, "y": 1, "psi": 2, "r": 5}
+# Least share of the information on a fault that is independent of the fitted numbers [1].
+DETERMINED = 1e-6
+# Least number of records from which a variance of scores is estimated.
+FEWEST = 4
 
 
 class FaultTest(NamedTuple):
@@ -188,7 +191,7 @@ def _scatter(values: np.ndarray) -> float:
 
 
 def stuck(problem: LogProblem, grid: RecordGrid) -> Iterator[tuple[str, float, float]]:
-    """Yield signals that say the same for long, while the ship moves by all others: from when to when [s]."""
+    """Yield signals that repeat one value for long while the ship moves by all others: from when to when [s]."""
     lasting = STUCK_LENGTHS * problem.scales[0] / problem.scales[3]
     for name, column in STATES.items():
         if name not in grid.readings:

@@ -1,4 +1,4 @@
-"""Columns of a log: their names, units and signs, and the numbers by which AIS says that it has none."""
+"""Columns of a log: their names, units and signs, and the codes of AIS for missing values."""
 
 import math
 import re
@@ -75,10 +75,10 @@ ALIASES = {
 # Authority (Timestamp, MMSI, Latitude, ...) and of NOAA's MarineCadastre (MMSI, BaseDateTime, LAT, ...).
 ARCHIVE_UNITS = {"speed_over_ground": "kn", "course_over_ground": "deg", "heading": "deg"}
 SHIP = "mmsi"
-# The archives do not document in which form their rate of turn stands.
+# The archives do not document the form of their rate of turn.
 UNDOCUMENTED = "r"
 
-# Numbers by which AIS says that it has none (ITU-R M.1371), as they stand and in SI.
+# Codes of AIS for missing values (ITU-R M.1371), as sent and in SI.
 ABSENT = {
     "longitude": (181.0,), "latitude": (91.0,), "heading": (511.0, 511.0 * DEGREE),
     "course_over_ground": (360.0, 360.0 * DEGREE), "speed_over_ground": (102.3, 102.3 * KNOT),
@@ -133,7 +133,7 @@ ANTENNA = ("forward", "starboard")
 
 
 def log_mapping(mapping: str | Path | Mapping[str, Any] | None, units: Mapping[str, str] | None = None) -> LogMapping:
-    """Read how a log is to be understood; units that are given beside a file go before those in it."""
+    """Read the mapping of a log; units given as an argument take precedence over those of the file."""
     tables, name = _tables(mapping)
     place, parts = tables.get("antenna", {}), {section: tables.get(section, {}) for section in OF_COLUMNS}
     columns = ColumnMapping(**{**parts, "units": {**parts["units"], **(units or {})}}, name=name)
