@@ -27,6 +27,7 @@ myst_heading_anchors = 3
 nb_execution_mode = "force"  # A page that is kept would not follow the package.
 nb_execution_raise_on_error = True
 nb_execution_timeout = 300
+nb_execution_in_temp = True  # A page that saves a file leaves none in the folder of the docs.
 nb_ipywidgets_js: dict[str, dict[str, str]] = {}  # No page has widgets; their script would come from elsewhere.
 
 autodoc_typehints = "none"  # The docstrings say types, shapes and units.
