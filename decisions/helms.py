@@ -11,6 +11,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.figure import Figure
 from pages import Rows, markdown, publish, records
 
@@ -29,6 +30,7 @@ HEADER = (
     "lost under the best rudder", "lost of 1000 with half the standard deviations",
 )  # fmt: skip
 COLOURS = {"track": "#d55e00", "regulator": "#0072b2"}
+LABELS = {"track": "track pilot", "regulator": "regulator"}
 
 
 def text(chosen: tuple[str, ...] = ()) -> str:
@@ -103,11 +105,12 @@ def _in_turn(pilots: list[tuple[float, nw.Autopilot]]) -> object:
     return order
 
 
+@rc_context({"font.size": 8.0, "axes.titlesize": 9.0})
 def figure() -> Figure:
-    """Offset, heading, rudder and the room to the nearer bank, a column a scene."""
+    """Offset, heading, rudder and the clearance to the nearer bank, a column for each scene."""
     model = helm_scenes.full_scale()
     shown, ship = scenes(model), model.configuration.ship
-    drawn = Figure(figsize=(13, 8), layout="constrained")
+    drawn = Figure(figsize=(9.0, 6.8), layout="constrained")
     axes = drawn.subplots(4, len(shown), sharex=True)
     for column, (name, scene) in enumerate(shown.items()):
         axes[0, column].set_title(name)
@@ -116,11 +119,11 @@ def figure() -> Figure:
         for helm, colour in COLOURS.items():
             flown = voyage(model, scene, helm)
             reach = ship.length / 2 * np.abs(np.sin(flown.psi)) + ship.beam / 2 * np.cos(flown.psi)
-            room = model.configuration.canal.width / 2 - np.abs(flown.y) - reach
-            for row, values in enumerate((flown.y, np.degrees(flown.psi), np.degrees(flown.rudder), room)):
-                axes[row, column].plot(flown.t, values, color=colour, linewidth=1.0, label=helm)
+            clearance = model.configuration.canal.width / 2 - np.abs(flown.y) - reach
+            for row, values in enumerate((flown.y, np.degrees(flown.psi), np.degrees(flown.rudder), clearance)):
+                axes[row, column].plot(flown.t, values, color=colour, linewidth=1.0, label=LABELS[helm])
         axes[3, column].set_xlabel("time [s]")
-    for row, label in enumerate(("offset [m]", "heading [deg]", "rudder [deg]", "room to the bank [m]")):
+    for row, label in enumerate(("offset [m]", "heading [deg]", "rudder [deg]", "clearance [m]")):
         axes[row, 0].set_ylabel(label)
     for panel in axes.ravel():
         panel.grid(alpha=0.3)

@@ -46,6 +46,8 @@ sphinx_gallery_conf = {
     "reset_modules": (),
     "capture_repr": (),
     "download_all_examples": False,
+    "thumbnail_size": (600, 430),
+    "within_subsection_order": "ExampleTitleSortKey",
     "show_memory": False,
     "show_signature": False,
     "min_reported_time": 1e9,

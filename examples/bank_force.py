@@ -13,7 +13,7 @@ model = nw.published("estimated_kcs")
 y = np.linspace(-100.0, 100.0, 81)
 force = [nw.bank_force(model, y=float(one), psi=0.0, u=4.0) for one in y]
 
-picture = Figure((4.8, 3.4), layout="constrained")
+picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
 axes.plot(y, [one.Y / 1e3 for one in force], linewidth=3, label="force [kN]")
 axes.plot(y, [one.N / 1e6 for one in force], linewidth=3, label="moment [MN m]")

@@ -24,7 +24,7 @@ ships = [
     model.with_coefficients(**{name: model[name] + by for name, by in zip(names, draw, strict=True)}) for draw in draws
 ]
 low, high = np.quantile([moment(one) for one in ships], (0.025, 0.975), axis=0)
-picture = Figure((4.8, 3.4), layout="constrained")
+picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
 axes.fill_between(y, low, high, alpha=0.3, label="95 %")
 axes.plot(y, moment(model), linewidth=3, label="estimate")

@@ -23,7 +23,7 @@ sensors = [Gnss(noise=3.0, coloured=None), Gyro(), Log(), RudderIndicator()]
 track = Estimator(model, sensors).smooth(record)
 print(track.summary())
 
-picture = Figure((4.8, 3.4), layout="constrained")
+picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
 found = track.dataset()["y"]
 axes.plot(voyage.t, record["gnss_y"], ".", color="silver", label="fixes")

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 import narrows as nw
 
 model = nw.published("mikkelsen2025_dtc")
-picture = Figure((4.8, 3.4), layout="constrained")
+picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
 for y in (2.30, 2.40):
     voyage = nw.simulate(model, y=y)

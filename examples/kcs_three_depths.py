@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 import narrows as nw
 
-picture = Figure((4.8, 3.4), layout="constrained")
+picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
 axes.axhline(0.0, color="black")
 for label, tests in nw.measured_tests("kcs").by_condition().items():
@@ -19,4 +19,4 @@ for label, tests in nw.measured_tests("kcs").by_condition().items():
         low, high = fit.intervals[name]
         print(f"  {name} = {fit.coefficients[name]:+.3f} ({low:+.3f} to {high:+.3f}), {fit.verdicts[name].status}")
     axes.plot([canal.depth / ship.draft] * 2, [low, high], linewidth=8, solid_capstyle="butt")
-axes.set(xlabel="depth / draft", ylabel="c_bank", title="Moment of the bank, 95 % intervals")
+axes.set(xlabel="depth / draft [1]", ylabel="c_bank [1]", title="Moment of the bank, 95 % intervals")

@@ -14,12 +14,13 @@ learned = nw.learn_steady(model, held, errors=nw.ReadingErrors(rudder_deg=1.0, d
 print(learned.summary())
 
 table = learned.to_dataframe().loc[["Y_bank", "N_bank"]]
-picture = Figure((4.8, 3.4), layout="constrained")
+picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
 for shift, ship, std, label in ((-0.1, model, "prior_std", "before"), (0.1, learned.model, "std", "after two legs")):
     places = [shift, 1.0 + shift]
     values = [ship[name] for name in table.index]
     axes.errorbar(places, values, yerr=1.96 * table[std], fmt="o", linewidth=3, capsize=6, label=label)
 axes.axhline(0.0, color="grey", linewidth=0.8)
-axes.set(xticks=[0, 1], xticklabels=table.index, title="Bank coefficients, 95 %", xlim=(-0.5, 1.5))
+axes.set(xticks=[0, 1], xticklabels=table.index, ylabel="coefficient [1]", title="Bank coefficients, 95 %")
+axes.set_xlim(-0.5, 1.5)
 axes.legend()

@@ -11,9 +11,9 @@ import narrows as nw
 
 model = nw.published("estimated_kcs")
 u = np.linspace(3.0, 6.0, 7)
-picture = Figure((4.8, 3.4), layout="constrained")
+picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
-for y in (0.0, 20.0):
+for y in (0.0, 45.0):
     delays = []
     for speed in u:
         helm = nw.control.regulator(model, y=y, u=float(speed))

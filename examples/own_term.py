@@ -32,7 +32,7 @@ for terms in (nw.PAPER, table):
 # %%
 # The errors on left-out tests decide whether the term stays.
 compared = nw.compare(tests, [nw.PAPER, table, nw.CROSSFLOW])
-picture = Figure((4.8, 3.4), layout="constrained")
+picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
 axes.bar(list(compared.fits), [fit.left_out["Y"].rmse for fit in compared.fits.values()], color="tab:blue")
-axes.set(ylabel="error of Y on left-out tests [N]", title="Three tables of terms")
+axes.set(ylabel="error of left-out Y [N]", title="Three tables of terms")

@@ -10,7 +10,7 @@ import narrows as nw
 
 model = nw.published("estimated_kcs")
 helm = nw.control.regulator(model, y=20.0, u=4.0)
-picture = Figure((4.8, 3.4), layout="constrained")
+picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
 for name, controller in (("regulator", helm), ("rudder amidships", nw.ConstantRudder(0.0))):
     voyage = nw.simulate(model, y=35.0, u=4.0, duration=600.0, dt=1.0, controller=controller)
@@ -18,4 +18,4 @@ for name, controller in (("regulator", helm), ("rudder amidships", nw.ConstantRu
     print(f"{name}: {voyage.outcome.sentence}")
 axes.axhline(20.0, color="grey", linestyle="--", linewidth=1)
 axes.set(xlabel="time [s]", ylabel="offset to starboard [m]", title="Holding a line at 4 m/s")
-axes.legend(loc="center right")
+axes.legend(loc="upper left")

@@ -18,7 +18,7 @@ def rudder(ship):
     return [np.degrees(nw.steady_course(ship, y=float(one), u=4.0)["rudder"]) for one in y]
 
 
-picture = Figure((4.8, 3.4), layout="constrained")
+picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
 for draw in draws:
     ship = model.with_coefficients(**{

@@ -31,7 +31,7 @@ print(found.summary())
 
 chart = Path(tempfile.mkdtemp()) / "chart.png"
 found.save(chart)
-picture = Figure((4.8, 3.4), layout="constrained")
+picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
 slowest, fastest = found.lowest_speed(), found.highest_speed()
 axes.fill_between(fastest.y, slowest, fastest, color="tab:green", alpha=0.5)

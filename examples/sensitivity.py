@@ -10,7 +10,7 @@ import narrows as nw
 
 model = nw.published("mikkelsen2025_dtc")
 found = nw.sensitivities(model, by=("b_bank", "c_bank", "b_v"), y=0.5, u=1.0, duration=8.0)
-picture = Figure((4.8, 3.4), layout="constrained")
+picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
 for name in ("b_bank", "c_bank", "b_v"):
     change = found.dataset()["dy"].sel(by=name) * 0.1 * model[name]

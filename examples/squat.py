@@ -11,7 +11,7 @@ import narrows as nw
 
 configuration = nw.published("estimated_dtc").configuration
 u = np.linspace(1.0, 5.0, 33)
-picture = Figure((4.8, 3.4), layout="constrained")
+picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
 for name in ("icorels", "huuska", "tuck_bow"):
     sinkage = [nw.squat(configuration, u=float(one), gives="bow", formula=name).sinkage for one in u]

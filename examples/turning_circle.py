@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 import narrows as nw
 
 model = nw.published("yasukawa2015_kvlcc2_full")
-picture = Figure((4.8, 3.4), layout="constrained")
+picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
 for degrees in (35.0, -35.0):
     held = nw.ConstantRudder(np.radians(degrees))
@@ -18,5 +18,5 @@ for degrees in (35.0, -35.0):
     length = model.configuration.ship.length
     axes.plot(voyage.y / length, voyage.x / length, linewidth=3, label=f"rudder {degrees:+.0f}°")
     print(f"rudder {degrees:+.0f}: advance {voyage.x.max() / length:.2f} ship lengths")
-axes.set(xlabel="transfer / length", ylabel="advance / length", title="Turning circles", aspect="equal")
+axes.set(xlabel="transfer / length [1]", ylabel="advance / length [1]", title="Turning circles", aspect="equal")
 axes.legend(loc="lower center")

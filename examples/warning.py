@@ -14,7 +14,7 @@ draws = np.random.default_rng(1).multivariate_normal(np.zeros(len(model.terms.na
 course = nw.steady_course(model, y=20.0, u=4.5)
 now = {"y": 20.0, "psi": course["psi"], "u": 4.5, "duration": 240.0, "dt": 1.0, "rudder": course["rudder"]}
 
-picture = Figure((4.8, 3.4), layout="constrained")
+picture = Figure((4.2, 3.0), layout="constrained")
 axes = picture.subplots()
 met = 0
 for draw in draws:

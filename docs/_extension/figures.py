@@ -17,5 +17,5 @@ def figures_of_block(block: tuple[Any, ...], variables: dict[str, Any], settings
         if not any(figure is other for other in shown):
             shown.append(figure)
             paths.append(next(variables["image_path_iterator"]))
-            figure.savefig(paths[-1], dpi=110)
+            figure.savefig(paths[-1], dpi=130)
     return figure_rst(paths, settings["src_dir"])

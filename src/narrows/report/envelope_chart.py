@@ -34,8 +34,8 @@ from narrows.safety.channel_rules import READ, REMEMBERED
 
 PALE, PALER = "#7FB8DA", "#D6E8F3"
 UNTESTED = "\\\\\\"
-# A4, landscape [in].
-PAGE = (11.7, 8.3)
+# A4, upright [in]: its letters remain legible on a screen of the same width.
+PAGE = (8.27, 11.69)
 
 
 def envelope_chart(envelope: SafeEnvelope) -> Figure:
@@ -48,16 +48,16 @@ def envelope_chart(envelope: SafeEnvelope) -> Figure:
         return figure
     with rc_context(FONT):
         figure = Picture(figsize=PAGE, layout="constrained")
-        grid = figure.add_gridspec(3, 2, width_ratios=(1.4, 1), height_ratios=(3, 2, 0.7))
-        speeds = figure.add_subplot(grid[0, 0])
-        rudder = figure.add_subplot(grid[1, 0], sharex=speeds)
+        grid = figure.add_gridspec(4, 1, height_ratios=(3.2, 2.3, 2.7, 0.7))
+        speeds = figure.add_subplot(grid[0])
+        rudder = figure.add_subplot(grid[1], sharex=speeds)
         keys = _draw_speeds(speeds, envelope)
         _draw_rudder(rudder, envelope)
         for panel in (speeds, rudder):
             _draw_banks(panel, envelope)
-        _draw_table(figure.add_subplot(grid[:2, 1]), envelope)
-        _draw_notes(figure.add_subplot(grid[2, :]), envelope)
-        figure.legend(handles=[*_speed_legend(), *keys], loc="outside lower left", frameon=False, ncols=4)
+        _draw_table(figure.add_subplot(grid[2]), envelope)
+        _draw_notes(figure.add_subplot(grid[3]), envelope)
+        figure.legend(handles=[*_speed_legend(), *keys], loc="outside lower left", frameon=False, ncols=3, fontsize=7.5)
         headed(figure, f"{envelope.description}; {envelope.weather}", [envelope.answer, envelope.trust])
     return figure
 
@@ -240,11 +240,11 @@ HEADS = ("offset\n[m]", "safe speeds\n[knots]", "held: same pilot;\ntrue coeffic
 
 WIDTHS = (0.11, 0.17, 0.24, 0.17, 0.31)
 # Heights relative to the column: the head of the table, a row of it.
-HEAD, ROW = 0.055, 0.03
+HEAD, ROW = 0.1, 0.047
 # Font size of table and notes [pt], legible on paper.
 SMALL = 7.2
 # Notes of one line, and their letters at that size; the terminal and the JSON have all notes.
-MOST_NOTES, LETTERS = 6, 205
+MOST_NOTES, LETTERS = 6, 145
 
 
 def _draw_notes(axes: Axes, envelope: SafeEnvelope) -> None:
@@ -353,7 +353,7 @@ def draw_rudders(axes: Axes, rules: OutsideRules) -> None:
     for row in rules.rows():
         for angle in () if row["rudder"] is None else (row["rudder"], -row["rudder"]):
             axes.axhline(angle, ls="--", **RULE_STYLE)
-            words = f" {row['rule'].partition(',')[0]}: at most, for long" if angle > 0 else ""
+            words = f" {row['rule'].partition(',')[0]}, steady" if angle > 0 else ""
             axes.text(0.01, angle, words, transform=axes.get_yaxis_transform(), va="bottom", fontsize=7.5)
 
 

@@ -266,7 +266,7 @@ def _(result: Plan) -> Figure:
     for panel, name in zip(axes[0], result.targets, strict=True):
         panel.plot(range(1, len(result.runs) + 1), result.std[name], color=BLUE, marker="o", label="these runs")
         panel.axhline(result.usual[name], color=ORANGE, linestyle="--", label="as many about the centreline")
-        panel.set(yscale="log", xlabel="run [-]", ylabel=f"standard error of {name}")
+        panel.set(ylim=(0.0, None), xlabel="run [1]", ylabel=f"standard error of {name} [1]")
         panel.grid(alpha=0.3)
     axes[0, 0].legend(frameon=False)
     return figure

@@ -201,7 +201,7 @@ def _matrix(panel, diagnosis: Diagnosis):  # type: ignore[no-untyped-def]
     for i, row in enumerate(values):
         for j, value in enumerate(row):
             text = f"{value:.2f}".replace("0.", ".") if np.isfinite(value) else "const."
-            panel.text(j, i, text, ha="center", va="center", fontsize=5.5, color=_ink(value))
+            panel.text(j, i, text, ha="center", va="center", fontsize=6.5, color=_ink(value))
     panel.set_xticks(range(len(values)), diagnosis.names, rotation=90, fontsize=7)
     panel.set_yticks(range(len(values)), diagnosis.names, fontsize=7)
     return image
@@ -252,7 +252,7 @@ def influence_figure(fit: Fit) -> Figure:
     panel = axes[0, 0]
     image = panel.imshow(influence.information[shown], cmap="Blues", vmin=0, vmax=1, aspect="auto")
     panel.set_xticks(range(len(influence.names)), influence.names, rotation=90)
-    panel.set_yticks(range(len(shown)), [influence.tests[i] for i in shown], fontsize=5.5)
+    panel.set_yticks(range(len(shown)), [influence.tests[i] for i in shown], fontsize=6.5)
     panel.set(xlabel="coefficient [-]", ylabel="test [-]")
     figure.colorbar(image, ax=panel, label="share of the information from the test [1]", shrink=0.8)
     return figure
@@ -266,8 +266,8 @@ def comparison_figure(rows: list[dict], forces: tuple[str, ...] = ("Y", "N")) ->
         by_table = {row["table"]: row for row in rows if row["force"] == force}
         for kind, marker, colour, label in (
             ("rmse", "|", GREY, "of the fit"),
-            ("rmse_left_out", "o", BLUE, "on tests left out"),
-            ("rmse_other_speeds", "x", ORANGE, "on speeds left out"),
+            ("rmse_left_out", "o", BLUE, "on left-out tests"),
+            ("rmse_other_speeds", "x", ORANGE, "on left-out speeds"),
         ):
             known = [
                 (by_table[n][kind], i) for i, n in enumerate(names) if n in by_table and np.isfinite(by_table[n][kind])
