@@ -66,3 +66,16 @@ def test_where_nothing_is_safe_the_region_more_likely_held_than_not_is_told() ->
     answer = nw.SafeEnvelope(falling.assign(tested=data["tested"] | True)).summary()
     assert "at best 90 % of the cases are held, at +0.0 m" in answer
     assert f"more likely held than not up to {U[-1] / KNOT:.1f} knots (slowest tried 5.8) within 40.0 m" in answer
+    nearly = np.full_like(share, 0.9496)
+    close = data.assign(held=(("y", "u"), nearly), known=(("y", "u"), nearly), clear=data["clear"] | True)
+    answer = nw.SafeEnvelope(close.assign(tested=data["tested"] | True)).summary()
+    assert "No offset and speed is safe with 95 % probability: at best 94.9 % of the cases are held" in answer
+
+
+def test_the_key_of_a_chart_names_only_what_it_draws() -> None:
+    def key(envelope: nw.SafeEnvelope) -> set[str]:
+        return {text.get_text() for text in envelope.plot().legends[0].get_texts()}
+
+    data = asked().data
+    everywhere = data.assign_attrs(tested_speed=(0.1, 99.0), tested_offset=(0.0, 1e3))
+    assert key(asked()) - key(nw.SafeEnvelope(everywhere)) == {"end of the tested range"}

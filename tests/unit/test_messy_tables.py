@@ -254,6 +254,9 @@ DRAFTED: dict[str, tuple[pd.DataFrame, str]] = {
     "upper case": (
         headed({"psi": "PSI", "u": "U", "v": "V", "r": "R", "t": "T", "test": "TEST"}), 'psi = "rad"  # sure',
     ),
+    "a propeller": (
+        headed({"Y": "Kanal 7"}, CLEAN.assign(**{"Prop. [rpm]": 60.0})), 'revolutions = "Prop. [rpm]"  # GUESSED',
+    ),
     "a sign that only the path shows": (headed({"v": "Kanal 3"}, v=-1.0), 'v = "port"  # GUESSED'),
 }  # fmt: skip
 
@@ -283,6 +286,39 @@ def test_a_column_that_may_be_a_quantity_is_told() -> None:
     """A rudder that moves unread would be taken for the hull's force."""
     notes = nw.read_captive(CLEAN.assign(**{"Rudd. ang": 30.0}), TESTS.configuration).notes
     assert "column 'Rudd. ang' is not read: is it rudder?" in notes
+
+
+def test_rows_across_the_canal_go_by_the_selection_that_is_named(tmp_path: Path, ship_file: Path, cli) -> None:
+    frame = CLEAN.assign(psi=np.degrees(CLEAN.psi)).rename(columns={"psi": "psi [deg]"})
+    table = put(tmp_path, pd.concat([frame.head(1).assign(**{"psi [deg]": 90.0, "test": "across"}), frame]))
+    code, _, told = cli("identify", table, "--ship", ship_file, "--pass-over", "rudder")
+    where = re.search(r"--where '(.*)'", told)
+    assert code == 2
+    assert where is not None
+    for words in (where[1], "abs(`psi [deg]`) < 90"):
+        assert nw.read_captive(table, ship_file, where=words).rows == len(CLEAN)
+
+
+def test_an_absent_ship_file_is_described_so_that_it_can_be_written(tmp_path: Path, cli) -> None:
+    table = put(tmp_path, CLEAN)
+    code, _, told = cli("identify", table, "--ship", tmp_path / "ship.toml")
+    assert code == 2
+    values = {"length": 4.4, "beam": 0.6, "draft": 0.2, "block_coefficient": 0.65, "width": 7.0, "depth": 0.4}
+    parts = re.findall(rf"\[(?:ship|canal)\]|\b(?:{'|'.join(values)})\b", told.partition("write one")[2])
+    lines = [part if part.startswith("[") else f"{part} = {values[part]}" for part in parts]
+    (tmp_path / "ship.toml").write_text("\n".join(lines))
+    found = nw.read_ship(tmp_path / "ship.toml")
+    assert (found.ship.block_coefficient, found.canal.depth) == (0.65, 0.4)
+
+
+def test_a_propeller_that_the_table_names_explains_a_small_resistance() -> None:
+    """Self-propelled tests of a laboratory: no question whether a propeller pushes."""
+    measured = nw.measured_tests("kcs").by_condition()["C0101A02"]
+    frame = measured.to_dataframe().assign(X=lambda rows: 0.1 * rows["X"])
+    bare = frame.drop(columns="revolutions")
+    for table, asked in ((bare, True), (bare.assign(**{"Propeller rate [1/s]": frame["revolutions"]}), False)):
+        fit = nw.identify(nw.read_captive(table, measured.configuration))
+        assert any("does a propeller push" in sentence for sentence in fit.implausible) is asked
 
 
 def test_a_draft_is_not_written_over(tmp_path: Path, ship_file: Path, cli) -> None:

@@ -1,6 +1,7 @@
 """A waterway of one width and depth along a line: the four numbers that a canal authority has at hand."""
 
 import json
+import shlex
 from pathlib import Path
 
 import numpy as np
@@ -122,3 +123,13 @@ def test_what_is_missing_is_named_with_the_command(words: tuple, remedy: str, tm
     code, out, err = cli("waterway", *words)
     assert (code, out) == (2, "")
     assert remedy in err
+
+
+@pytest.mark.parametrize("name", ["canal.geojson", "my lines/axis.geojson"])
+def test_the_named_command_keeps_the_line_that_it_reads(name: str, tmp_path: Path, monkeypatch, cli) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path(name).parent.mkdir(exist_ok=True)
+    Path(name).write_text(json.dumps(LINE))
+    _, _, err = cli("waterway", name)
+    code, _, _ = cli(*shlex.split(err[err.index("narrows waterway") :])[1:])
+    assert (code, json.loads(Path(name).read_text())) == (0, LINE)

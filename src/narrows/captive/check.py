@@ -42,7 +42,7 @@ def check_heading(frame: pd.DataFrame, psi: np.ndarray, column: Column, table: s
         )
     raise InputError(
         f"{table}: row {row}, column {column.header!r} is a heading of {math.degrees(value):.1f} deg; "
-        "the model holds for |psi| < 90 deg, leave the row out"
+        "the model holds for |psi| < 90 deg; leave such rows out: --where 'abs(psi_deg) < 90'"
     )
 
 

@@ -277,7 +277,8 @@ def _evaluated(frame: pd.DataFrame, where: str, table: str, resolvers: tuple[Any
 
 def _not_understood(where: str, why: str, table: str) -> InputError:
     return InputError(
-        f"{table}: cannot select rows where {shown(where)} ({why}); use the table's headers, or names as u, psi_deg"
+        f"{table}: cannot select rows where {shown(where)} ({why}); use names as u, psi_deg, or the "
+        "table's headers, those with blanks as `Heading [deg]`"
     )
 
 

@@ -49,6 +49,8 @@ SYNONYMS = {
     "N": ("yaw moment", "yawing moment", "n moment", "mz", "giermoment", "艏摇力矩", "转艏力矩", "moment de lacet",
           "momento de guinada", "回頭モーメント"),
     "rudder": ("rudder angle", "ruderwinkel", "ruder", "roerhoek", "roer", "舵角"),
+    "revolutions": ("propeller revolutions", "propeller rate", "propeller speed", "shaft speed", "rpm", "drehzahl",
+                    "propellerdrehzahl", "toerental", "螺旋桨转速", "转速"),
     "depth": ("water depth", "wassertiefe", "waterdiepte", "水深"),
     "draft": ("draught", "tiefgang", "diepgang", "吃水"),
 }  # fmt: skip

@@ -285,7 +285,9 @@ class AimOptions:
 
 @verb("narrows plan ship.toml --runs 12 --speed 0.6m/s,0.9m/s -o runs.csv")
 def plan(
-    ship: Annotated[Path, Argument(help="Ship file: TOML with [ship], [canal], [water].")],
+    ship: Annotated[
+        Path, Argument(help="Ship file (TOML): [ship] length, beam, draft, block_coefficient; [canal] width.")
+    ],
     runs: RunOptions,
     aim: AimOptions,
     selection: SelectionOptions,

@@ -11,7 +11,7 @@ from narrows.cli.declarations import Argument, Option
 from narrows.cli.options import AsJson, ModelFile, ModelOutput, print_json, say_written, verb
 from narrows.cli.options import speed as read_speed
 from narrows.cli.voyage_options import HelmOptions, PhysicsOptions, WaterOptions
-from narrows.errors import InputError, check_choice
+from narrows.errors import InputError
 from narrows.export.exporters import EXPORTERS
 
 if TYPE_CHECKING:
@@ -97,7 +97,9 @@ def export(
     """
     from narrows.empirical.fleet import model_named
 
-    check_choice("what to export", kind, EXPORTERS)
+    if kind not in EXPORTERS:
+        kinds = ", ".join(f"{name} ({' '.join(own.suffixes)})" for name, own in EXPORTERS.items())
+        raise InputError(f"there is no kind {kind!r}; choose {kinds}: the suffix of -o chooses the language")
     exporter = EXPORTERS[kind]
     ship, way = model_named(model), water.read()
     options: dict[str, Any] = {"waterway": way, "fmi": fmi, **vars(physics)}

@@ -71,7 +71,10 @@ def print_json(value: object) -> None:
 
 Table = Annotated[Path, Argument(help="Captive tests: CSV in any dialect, Parquet, Excel, .mat.")]
 
-ShipFile = Annotated[Path, Option("--ship", help="Ship file: TOML with [ship], [canal], [water].")]
+ShipFile = Annotated[
+    Path,
+    Option("--ship", help="Ship file (TOML): [ship] length, beam, draft, block_coefficient; [canal] width."),
+]
 ModelFile = Annotated[str, Argument(help="Model file, or the name of a published model.")]
 
 WaterwayFile = Annotated[

@@ -90,8 +90,8 @@ def steady_course(
 def check_rudder(model: Model) -> None:
     if "sin_rudder" not in model.terms.inputs:
         raise InputError(
-            "this model has no terms of a rudder; identify it with the terms steered, borrow a rudder from such "
-            "a model (--rudder-of), or take a ship that is ready, such as estimated_kcs (narrows ships)"
+            "this model has no terms of a rudder; take a ship that has them, such as estimated_kcs (see narrows "
+            "ships), make one from main dimensions (narrows estimate), or fit tests with the rudder (--terms steered)"
         )
 
 

@@ -209,10 +209,9 @@ def _usual_dimension(name: str, given: Mapping[str, Any], usual: ShipType) -> fl
 
 
 def _type_of(ship: Ship, kind: str | None) -> tuple[ShipType, str]:
-    if kind is not None:
-        return SHIP_TYPES[kind], f"a {SHIP_TYPES[kind].words}"
-    guessed = "container" if ship.block_coefficient < 0.72 else "tanker"
-    return SHIP_TYPES[guessed], f"a {SHIP_TYPES[guessed].words}, by the block coefficient"
+    usual = SHIP_TYPES[kind or ("container" if ship.block_coefficient < 0.72 else "tanker")]
+    words = f"{'an' if usual.words[0] in 'aeiou' else 'a'} {usual.words}"
+    return usual, words if kind else f"{words}, by the block coefficient"
 
 
 def _with_mass(ship: Ship, water: Water) -> Ship:

@@ -30,6 +30,11 @@ class BankSummary:
     preferred: Fit | None  # Fit with the hull terms that predict left-out motions best, where these are others
 
     @property
+    def warnings(self) -> tuple[str, ...]:
+        """Implausible results that the verdict on the bank does not name."""
+        return tuple(sentence for sentence in self.fit.implausible if sentence not in self._bank())
+
+    @property
     def sentences(self) -> tuple[str, ...]:
         """Verdict on the hull, verdict on the bank, and the tests to run next."""
         return self._hull(), self._bank(), self._next_runs()

@@ -34,8 +34,8 @@ def borrow_rudder(model: Model, lender: Model) -> Model:
     names = dict(zip(_helm(model.terms), _helm(lender.terms), strict=True))
     if not set(names.values()) <= set(lender.terms.names):
         raise InputError(
-            f"the lender has no {', '.join(names.values())}; give a model identified with the terms steered, or "
-            "take a ship with a rudder and banks that is ready, such as estimated_kcs (narrows ships)"
+            f"the lender has no {', '.join(names.values())}; give a model fitted with --terms steered, or take a ship "
+            "that has a rudder and banks, such as estimated_kcs (narrows ships lists all)"
         )
     terms = with_helm(model.terms)
     ship = replace(model.configuration.ship, flow_straightening=lender.configuration.ship.flow_straightening)

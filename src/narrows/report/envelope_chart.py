@@ -139,7 +139,8 @@ def _shade(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> 
         engine = ", engine" if "rudder_kick" in data else ""
         handles.append(Patch(facecolor="white", edgecolor=ORANGE, hatch="///", label=f"keel or choked canal{engine}"))
     handles += _shade_outside(axes, envelope, y, u)
-    _draw_ends_of_tests(axes, envelope, (y[0] - _half(y), y[-1] + _half(y)), (u[0] - _half(u), u[-1] + _half(u)))
+    span = (y[0] - _half(y), y[-1] + _half(y)), (u[0] - _half(u), u[-1] + _half(u))
+    handles += _draw_ends_of_tests(axes, envelope, *span)
     if envelope.untested or not data["tested"].all():
         handles.append(Patch(fc="none", edgecolor=PURPLE, hatch=UNTESTED, label="safe by the model, not tested"))
     return handles
@@ -160,14 +161,13 @@ def _shade_outside(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndar
 
 def _draw_ends_of_tests(
     axes: Axes, envelope: SafeEnvelope, offsets: tuple[float, float], speeds: tuple[float, float]
-) -> None:
+) -> list[Line2D]:
+    """Draw the ends of the tested offsets and speeds that are in the chart; return their key, if there is one."""
     far = envelope.data.attrs.get("tested_offset", (0.0, np.inf))[1]
-    for edge in envelope.data.attrs.get("tested_speed", ()):
-        if speeds[0] < edge / KNOT < speeds[1]:
-            axes.axhline(edge / KNOT, color=PURPLE, lw=1.2)
-    for edge in (-far, far):
-        if offsets[0] < edge < offsets[1]:
-            axes.axvline(edge, color=PURPLE, lw=1.2)
+    tested = [edge / KNOT for edge in envelope.data.attrs.get("tested_speed", ())]
+    lines = [axes.axhline(edge, color=PURPLE, lw=1.2) for edge in tested if speeds[0] < edge < speeds[1]]
+    lines += [axes.axvline(edge, color=PURPLE, lw=1.2) for edge in (-far, far) if offsets[0] < edge < offsets[1]]
+    return [Line2D([], [], color=PURPLE, lw=1.2, label="end of the tested range")] * bool(lines)
 
 
 def _bands(marked: np.ndarray, values: np.ndarray) -> list[tuple[float, float]]:
@@ -185,7 +185,6 @@ def _speed_legend() -> list[Any]:
         Patch(facecolor="white", edgecolor=GREY, lw=0.6, label="not safe"),
         Patch(facecolor=GREY, alpha=0.35, label="the ship's side would be in the bank"),
         Line2D([], [], color=BLACK, ls=":", lw=1.0, label="95 % interval of the edge"),
-        Line2D([], [], color=PURPLE, lw=1.2, label="end of the tested range"),
     ]
 
 
@@ -223,8 +222,14 @@ def _draw_band(axes: Axes, here: xr.Dataset, edge: float, label: str, style: str
 def _draw_limit(axes: Axes, angle: float, words: str, colour: str, style: str) -> None:
     for sign in (1, -1):
         axes.axhline(sign * angle, color=colour, ls=style, lw=1.2)
-    left = axes.get_yaxis_transform()
-    axes.text(0.01, angle, f" {words}", transform=left, va="bottom", fontsize=7.5, color=colour)
+    _label(axes, angle, words, colour)
+
+
+def _label(axes: Axes, angle: float, words: str, colour: str = BLACK) -> None:
+    """Write on the left above a line at an angle, clear of what else is drawn there."""
+    place: dict[str, Any] = {"xycoords": axes.get_yaxis_transform(), "textcoords": "offset points"}
+    box = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5}
+    axes.annotate(words, (0.03, angle), (0, 2.5), fontsize=7.5, color=colour, bbox=box, zorder=4, **place)
 
 
 def _draw_banks(axes: Axes, envelope: SafeEnvelope) -> None:
@@ -351,10 +356,11 @@ def draw_widths(axes: Axes, rules: OutsideRules) -> list[Line2D]:
 
 def draw_rudders(axes: Axes, rules: OutsideRules) -> None:
     for row in rules.rows():
-        for angle in () if row["rudder"] is None else (row["rudder"], -row["rudder"]):
+        if row["rudder"] is None:
+            continue
+        for angle in (row["rudder"], -row["rudder"]):
             axes.axhline(angle, ls="--", **RULE_STYLE)
-            words = f" {row['rule'].partition(',')[0]}, steady" if angle > 0 else ""
-            axes.text(0.01, angle, words, transform=axes.get_yaxis_transform(), va="bottom", fontsize=7.5)
+        _label(axes, row["rudder"], f"{row['rule'].partition(',')[0]}, steady")
 
 
 def doubt(row: dict[str, Any]) -> str:

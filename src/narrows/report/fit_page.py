@@ -91,7 +91,7 @@ def section(label: str, fit: Fit, number: int, answer: BankSummary | None = None
     return {
         "id": f"fit-{number}",
         "heading": heading(fit, label),
-        "answer": (*fit.implausible, *answer.sentences) if answer else (),
+        "answer": (*answer.warnings, *answer.sentences) if answer else (),
         "details": answer.details if answer else (),
         "source": source,
         "ship": {k: v for k, v in asdict(fit.tests.configuration.ship).items() if v is not None},

@@ -23,9 +23,9 @@ def print_fit(
     """Print a fit, its main result first; with --verbose all results."""
     console = console or Console(highlight=False, markup=False, soft_wrap=False)
     console.print(f"\n{heading(fit, label)}", style="bold")
-    for sentence in fit.implausible:
-        console.print(sentence, style="bold red")
     answer = answer or summarise_bank(fit)
+    for sentence in answer.warnings:
+        console.print(sentence, style="bold red")
     for sentence in answer.sentences:
         console.print(sentence)
     if table or everything():

@@ -347,6 +347,8 @@ def _line(figure: Figure, axes: Axes, quantity: xr.DataArray, side: xr.DataArray
     if by_side:
         for code, (word, colour, marker, _) in SIDES.items():
             chosen = quantity.where(side == code)
+            if not chosen.notnull().any():
+                continue
             axes.plot(at, chosen, color=colour, marker=marker, markersize=3, linewidth=1, label=f"grounds to {word}")
     else:
         axes.plot(at, quantity, color=BLUE)

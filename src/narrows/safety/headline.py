@@ -57,11 +57,16 @@ def _nowhere(data: xr.Dataset, by_model: np.ndarray) -> str:
     if best is None:
         return f"{NOWHERE}."
     place = f"{float(best['y']):+.1f} m and {float(best['u']) / KNOT:.1f} knots"
-    answer = f"{NOWHERE}: at best {100 * float(best['held']):.0f} % of the cases are held, at {place}"
+    answer = f"{NOWHERE}: at best {_percent_below(float(best['held']))} % of the cases are held, at {place}"
     likely = largest_rectangle(((data["held"] >= LIKELY) & data["clear"]).to_numpy(), y, u)
     if likely is None:
         return f"{answer}."
     return f"{answer}; more likely held than not {place_in_words(data, likely[1], safe_offsets(data, likely, LIKELY))}."
+
+
+def _percent_below(share: float) -> str:
+    """A share in per cent, rounded down, so that one below a limit does not read as the limit."""
+    return f"{math.floor(round(1000 * share, 6)) / 10:g}"
 
 
 def _best(data: xr.Dataset) -> xr.Dataset | None:

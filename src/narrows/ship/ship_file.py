@@ -15,6 +15,8 @@ from narrows.ship.particulars import Canal, Configuration, Ship, Water
 NEEDED = {"ship": Ship, "canal": Canal, "water": Water}
 # Spellings of keys in earlier files.
 RENAMED = {"rudder": {"race": "slipstream", "in_race": "in_slipstream"}}
+# Least ship file, for messages.
+LEAST = "[ship] with length, beam, draft [m], block_coefficient and [canal] with width, depth [m], a key a line"
 # A ship file, its sections as mappings, or its configuration.
 ShipSource = str | Path | Configuration | Mapping[str, Any]
 
@@ -55,6 +57,8 @@ def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configura
     InputError
         If the file is absent, is not TOML, or a key is missing, unknown or out of range.
     """
+    if not Path(path).exists():
+        raise InputError(f"{path}: there is no such ship file; write one: {LEAST}")
     return configuration_from(load_toml(path), str(path), actuators)
 
 

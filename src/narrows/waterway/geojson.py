@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
+from shlex import quote
 from typing import Any
 
 import numpy as np
@@ -163,25 +164,26 @@ def _lines(features: list[Feature], file: str) -> list[Feature]:
     for role in ROLES:
         if roles.count(role) > 1:
             raise InputError(f"{file}: there are two lines with the role {role}; leave one")
-    lines, name = [one for one in features if one.geometry.get("type") == "LineString"], Path(file).name
+    lines, name = [one for one in features if one.geometry.get("type") == "LineString"], quote(file)
     sizes = [
         [size for one in lines if (size := metres(one.properties.get(key))) and size > 0] for key in ("width", "depth")
     ]
     width, depth = (f"{given[0] if given else usual:g}" for given, usual in zip(sizes, (300, 16), strict=True))
+    written = "waterway.geojson" if Path(file).name == "canal.geojson" else "canal.geojson"
     examples = ["" if given else f" (here {usual} m, an example: put your own)"
                 for given, usual in zip(sizes, (300, 16), strict=True)]  # fmt: skip
     if any("Polygon" in str(one.geometry.get("type")) for one in features) and not set(roles) >= {"starboard", "port"}:
         line, action = (name, "measure it along its line") if len(lines) == 1 else ("axis.geojson", "draw a line in it")
         raise InputError(
             f"{file}: has an area; {action} and give a depth{examples[1]}: narrows waterway {name} --line {line} "
-            f"--depth {depth} -o canal.geojson"
+            f"--depth {depth} -o {written}"
         )
     if len(lines) == 1 and set(roles) <= {"centreline"}:
         if isinstance(widths := lines[0].properties.get("width", lines[0].properties.get("widths")), list):
             return _with_banks(lines[0], [metres(one) for one in widths], file)
         raise InputError(
             f"{file}: has one line; with a width{examples[0]} and a depth{examples[1]} it is a waterway: "
-            f"narrows waterway --line {name} --width {width} --depth {depth} -o canal.geojson"
+            f"narrows waterway --line {name} --width {width} --depth {depth} -o {written}"
         )
     if not features:
         raise InputError(f"{file}: has no line; draw a centreline (then --line, --width and --depth), or two banks")

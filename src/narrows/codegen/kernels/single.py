@@ -140,6 +140,7 @@ def integrate(
     state: Array, inputs: Inputs, constants: Constants, waterway: Place, length: float, duration: float, end: Array
 ) -> int:
     """Integrate with the caller's inputs until the time is up or the voyage ends, and return the outcome."""
+    # The time [s] and the side, positive if the starboard bank is nearer [m], are put into ``end``.
     if not can_integrate(state, constants, waterway, length, duration):
         end[0], end[1] = 0.0, 0.0
         return REFUSED
