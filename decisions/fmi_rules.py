@@ -65,9 +65,9 @@ def by_rules(path: Path, fmi: int) -> str:
 
 
 def by_libcosim(path: Path, fmi: int) -> str:
-    """What libcosim says where it loads and steps it; it knows FMI 2.0 alone."""
+    """What libcosim says where it loads and steps it; it supports FMI 2.0 only."""
     if fmi != 2:
-        return "knows FMI 2.0 alone"
+        return "FMI 2.0 only"
     steps = (
         "import sys; from libcosimpy.CosimExecution import CosimExecution as E; from libcosimpy.CosimSlave import "
         "CosimLocalSlave as S; e = E.from_step_size(step_size=100_000_000); "

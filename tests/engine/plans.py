@@ -46,7 +46,7 @@ def converged(state: np.ndarray, rounds: int = 12) -> RudderPlan:
 
     plan = planner.first(0.0, state, SPEED, reference)
     for _ in range(rounds):
-        plan = planner.better(plan, SPEED, push, reference, beyond)
+        plan = planner.improve(plan, SPEED, push, reference, beyond)
         assert plan is not None
     return plan
 

@@ -81,7 +81,7 @@ def test_the_limit_in_speed_is_that_of_the_first_place_that_is_not_safe() -> Non
     answer, limits = headline.headline(xr.Dataset(told, {"y": y, "u": u}, attrs), 0.95)
     said = " ".join([*answer, *limits])
     assert "within 10.0 m of the middle" in said
-    assert "to the sides is what was asked; in speed, the uncertainty of the coefficients" in said
+    assert "to the sides is the range that was tried; in speed, the uncertainty of the coefficients" in said
 
 
 @pytest.mark.parametrize(

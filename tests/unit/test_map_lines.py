@@ -91,7 +91,7 @@ def test_lines_are_told_by_word_and_by_place(name: str, tmp_path: Path, cli) -> 
     code, text, err = cli("waterway", path, "--depth", "16", "-o", out)
     assert (code, err) == (0, "")
     check(nw.read_waterway(out))
-    assert ("beyond, it is taken to stay as far off" in " ".join(text.split())) == ("short" in name)
+    assert ("beyond, its distance is assumed constant" in " ".join(text.split())) == ("short" in name)
 
 
 def test_utm_is_read(tmp_path: Path, cli) -> None:

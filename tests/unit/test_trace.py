@@ -90,7 +90,7 @@ def test_functions_that_are_not_arithmetic_are_refused(function, deed: str) -> N
 
 
 def test_what_is_not_there_is_named_with_what_is() -> None:
-    with pytest.raises(nw.InputError, match=r"the law asks for what is not there .*'w'.*known: u, v"):
+    with pytest.raises(nw.InputError, match=r"the law needs an unknown quantity .*'w'.*known: u, v"):
         trace_of(lambda at: {"rudder": at.w}, {"u": "u", "v": "v"}, "the law")
 
 

@@ -1,4 +1,4 @@
-"""One whole step of one ship in one waterway under one law, in lines.
+"""One whole step of one ship in one waterway under one law, as a straight-line program.
 
 It holds control law, actuators, the section of the water at the ship's place, Runge-Kutta and contact. A straight canal
 is a waterway with a constant section. Every engine prints these lines.
@@ -176,7 +176,7 @@ def _controls(
 
 
 def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, Expr]:
-    """External forces: others from where the middle of the step lies beyond their end."""
+    """External forces of the step: the next piece once the middle of the step is past the end of this one."""
     if choices.pushed != "until":
         return {name: real(name) for name in INPUTS.values() if choices.pushed == "always" and name in choices.moving}
     left = lines.put("push_left", real("push_end") - (z[TIME] + real(LENGTH) / 2))

@@ -181,7 +181,7 @@ def trace_of(function: Callable[[Any], Mapping[str, Number]], names: Mapping[str
     except InputError:
         raise
     except AttributeError as error:
-        raise InputError(f"{what} asks for what is not there ({error}); known: {', '.join(names)}") from error
+        raise InputError(f"{what} needs an unknown quantity ({error}); known: {', '.join(names)}") from error
     except Exception as error:
         raise InputError(
             f"{what} cannot be compiled ({error}); write it with arithmetic, abs() and minimum, maximum, clip, choice "

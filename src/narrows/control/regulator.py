@@ -1,4 +1,4 @@
-"""Linear quadratic regulator (LQR) and autopilot: gains of the rudder by the Riccati equation of the linear ship."""
+"""Linear-quadratic regulator (LQR) and autopilot: gains of the rudder by the Riccati equation of the linear ship."""
 
 import math
 from collections.abc import Sequence
@@ -63,7 +63,7 @@ def regulator(
     about = partial(linearize, model, u=u, waterway=waterway, surge="held", **values)
     if isinstance(at, Sequence | np.ndarray):
         if np.ndim(y):
-            raise InputError("a line that changes in time and gains that change along the way are two; give one")
+            raise InputError("y changes in time and the gains change along the way; give several of one only")
         lines = [held_line(model, about(y=y, at=place), place, weights) for place in at]
     else:
         lines = [held_line(model, about(y=offset, at=at), start, weights) for start, offset in _pairs(y)]
@@ -103,7 +103,7 @@ def _straight(
 
 
 TRACKED = ("y", "psi", "v", "r")
-IN_VAIN = "no autopilot holds this ship on the centreline: its rudder turns nothing"
+IN_VAIN = "no autopilot holds this ship on the centreline: its rudder has no effect"
 
 
 def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:

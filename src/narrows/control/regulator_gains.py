@@ -110,7 +110,7 @@ def regulator_gains(model: Model, linear: LinearSystem, weights: RegulatorWeight
     if not np.isfinite(gains).all():
         y, u = float(linear.course["y"]), float(linear.course["u"])
         raise InputError(
-            f"no regulator holds this ship {y:g} m off the middle at {u:g} m/s: its rudder turns nothing there"
+            f"no regulator holds this ship {y:g} m off the middle at {u:g} m/s: its rudder has no effect there"
         )
     return tuple(gains.tolist())
 

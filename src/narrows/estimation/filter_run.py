@@ -48,7 +48,7 @@ class FilterRun:
         return self.history[-1]
 
     def update(self, t: float, measured: Readings, at: np.ndarray, notes: list[str]) -> bool:
-        """Use readings of a time; return False if the mean of the state met a bank."""
+        """Process the readings of one time; return False if the mean of the state met a bank."""
         self.results, self.times = [], None
         now = max(t, self.last.t)
         if t > self.last.t + SAME_TIME and not self.horizon:
@@ -113,7 +113,7 @@ def replay(
     filter: ShipFilter, first: Moment, later: Sequence[Moment], horizon: float, kept: float,
     left_out: frozenset[str] = frozenset(),
 ) -> FilterRun | None:  # fmt: skip
-    """Return the run of a filter from a moment over later ones, with likelihoods; none if it meets a bank."""
+    """Repeat a filter from a stored moment over later readings, with likelihoods; None if it meets a bank."""
     run = FilterRun(filter, [first], horizon, kept, left_out, times=[])
     for moment in later:
         if not run.advance(moment.t, moment.positions, moment.readings):
@@ -173,7 +173,7 @@ def _columns(table: Any) -> dict[str, np.ndarray]:
         raise InputError("records contain a value that is not a number; leave missing values empty (NaN)") from None
     sizes = {column.shape for column in columns.values()}
     if len(sizes) > 1 or any(len(size) != 1 for size in sizes):
-        raise InputError("columns of records are of one length; give a value a row, NaN where nothing came in")
+        raise InputError("columns of records have different lengths; give one value per row, NaN for no reading")
     return columns
 
 

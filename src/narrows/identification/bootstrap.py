@@ -12,7 +12,7 @@ from narrows.identification.least_squares import Problem, solve_many
 from narrows.identification.motions import DistinctMotions
 from narrows.terms.term import TermTable
 
-# Between these a Gaussian holds two standard deviations; the few resamples that miss a kind of test do not count.
+# Quantiles a standard deviation from a Gaussian's mean: the few resamples that miss a kind of test do not count.
 MIDDLE = (0.158655, 0.841345)
 CHUNK = 2048
 
@@ -24,8 +24,8 @@ class Bootstrap:
     terms: TermTable  # The terms
     # (resamples, n) Coefficients of each resample fitted under the constraints, each in its own unit
     samples: np.ndarray
-    std: np.ndarray  # (n,) Half of what holds the middle 68 % of the coefficients of resamples fitted without bounds
-    estimates: CoefficientEstimates  # Estimates of the tests themselves: the middle of the intervals
+    std: np.ndarray  # (n,) Half width of the central 68 % of the coefficients fitted without bounds
+    estimates: CoefficientEstimates  # Estimates from the original tests: centres of the intervals
 
     @property
     def covariance(self) -> np.ndarray:
@@ -34,7 +34,7 @@ class Bootstrap:
 
     def intervals(self, level: float = LEVEL) -> Mapping[str, tuple[float, float]]:
         """Return a confidence interval for each coefficient, in its unit and within its bounds."""
-        # They rest on the spread of fits that do not know the bounds: percentiles of constrained ones miss the truth
+        # They use the spread of fits without bounds: percentiles of constrained ones miss the truth
         # where a coefficient, or one that it trades against, is near a bound.
         # Andrews (2000), Inconsistency of the bootstrap when a parameter is on the boundary of the parameter space.
         seen = zip(self.terms.terms, self.estimates.free_values, self.std, strict=True)

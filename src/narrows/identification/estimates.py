@@ -18,11 +18,11 @@ from narrows.identification.scale_integration import ScaleMixture, integrate
 from narrows.identification.systematic_effects import Effect, assemble
 from narrows.ship.particulars import Configuration
 
-# Standard errors beyond a bound at which the data reject it: the coefficient is held there.
+# An estimate so many standard errors beyond a bound is held at the bound.
 CERTAIN = 2.0
-# Half widths from a bound within which a truth may lie on it.
+# Within so many half widths of a bound the true value may lie on it.
 BOUND_HALF_WIDTHS = 1.5
-# Draws from the posterior; fewer than LEAST within the bounds are too few to rest on.
+# Draws from the posterior; if fewer than LEAST are within the bounds, all are used, clipped.
 DRAWS, LEAST, SEED = 8000, 200, 26
 # Half width of a 95 % interval over the standard error.
 HALF = 1.959963985
@@ -39,7 +39,7 @@ class ForcePosterior:
 
     @property
     def free_parameters(self) -> list[int]:
-        """Indices of these parameters."""
+        """Indices of the coefficients of these forces among all free ones."""
         return self.rows.free_parameters
 
 
@@ -52,7 +52,7 @@ class CoefficientEstimates:
     values: np.ndarray  # (n,)
     std: np.ndarray  # (n,)
     covariance: np.ndarray  # (n, n), zero where a coefficient is held at a bound
-    free_values: np.ndarray  # (n,) where the bound is let go, the others that the data reject being held
+    free_values: np.ndarray  # (n,) without its own bound, given the other coefficients at their bounds
     free_half: np.ndarray  # (n,) half width of the 95 % interval without bounds
     ends: np.ndarray  # (n, 2) 95 % interval within the bounds
     held: np.ndarray  # (n,) held at a bound that the data reject
@@ -101,7 +101,7 @@ def estimates(
     errors: RunErrors,
     configuration: Configuration,
 ) -> CoefficientEstimates:
-    """Fit the mixed model of every force and put its posterior together."""
+    """Fit the mixed model of every force and combine the posteriors."""
     parts = tuple(
         _posterior(equations, motions, problem, errors, configuration, forces) for forces in _together(problem)
     )
@@ -157,7 +157,7 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
     held, beyond_bound, beyond_std = np.zeros(len(unit), bool), np.zeros(len(unit)), np.zeros(len(unit))
     for _ in range(len(unit)):
         mean = weights @ means
-        variances = np.maximum(np.diagonal(spreads, axis1=1, axis2=2), 0.0)  # Conditioned to the last bit.
+        variances = np.maximum(np.diagonal(spreads, axis1=1, axis2=2), 0.0)  # Rounding may make it negative.
         std = np.sqrt(weights @ (variances + (means - mean) ** 2))
         beyond = np.maximum(bounds[:, 0] - mean, mean - bounds[:, 1]) / np.maximum(std, 1e-12 * np.abs(mean) + 1e-150)
         beyond[held] = -np.inf
@@ -178,13 +178,13 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
     away = np.minimum(np.abs(free - bounds[:, 0]), np.abs(bounds[:, 1] - free))
     near = (away < BOUND_HALF_WIDTHS * free_half) & ~held
     for i in np.flatnonzero(near):
-        # The truth of this one may lie on its bound: the others are then what they are given that.
+        # If the true value lies on this bound, the others follow their conditional distribution.
         edge = bounds[i, 0] if abs(free[i] - bounds[i, 0]) < abs(bounds[i, 1] - free[i]) else bounds[i, 1]
         given = np.quantile(_draws(*_conditioned(means, spreads, int(i), edge), weights), [0.025, 0.975], axis=0)
         given = np.clip(given, bounds[:, 0], bounds[:, 1])
         ends = np.stack([np.minimum(ends[:, 0], given[0]), np.maximum(ends[:, 1], given[1])], axis=1)
     for i in np.flatnonzero(near | held):
-        # Near a bound the unified interval holds a truth that lies on it; a truncated quantile never does.
+        # Near a bound the unified interval contains a true value on it; a truncated quantile never does.
         ends[i] = bounded_interval(float(free[i]), float(free_half[i]) / HALF, tuple(bounds[i]))
     covariance_free = np.atleast_2d(np.cov(draws.T))
     covariance = np.atleast_2d(np.cov(inside.T)) * np.outer(~held, ~held)
@@ -195,7 +195,7 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
 
 
 def _truncated_std(beyond: np.ndarray, std: np.ndarray) -> np.ndarray:
-    """Standard deviation of a normal distribution beyond so much of itself, over that of all of it."""
+    """Standard deviation of a normal tail, ``beyond`` the mean, relative to that of the distribution."""
     from scipy import special
 
     t = beyond / np.maximum(std, 1e-12 * beyond + 1e-150)
@@ -226,7 +226,7 @@ def _conditioned(means: np.ndarray, spreads: np.ndarray, i: int, value: float) -
 
 
 def _draws(means: np.ndarray, spreads: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Draws from a mixture of Gaussians: as many of each as its weight says, each with its mirror image."""
+    """Antithetic draws from a mixture of Gaussians, as many from each as its weight requires."""
     rng = np.random.default_rng(SEED)
     # The order is from narrow to wide: where rounding moves a draw to the next Gaussian, that one is almost the same.
     variances = np.diagonal(spreads, axis1=1, axis2=2)
@@ -244,7 +244,7 @@ def _draws(means: np.ndarray, spreads: np.ndarray, weights: np.ndarray) -> np.nd
 
 
 def scales_of(part: ForcePosterior) -> Mapping[str, float]:
-    """Size of each error as the tests show it: shares of the force, and multiples of the usual sizes."""
+    """Estimated size of each error: shares of the force, and multiples of the usual sizes."""
     forces = part.rows.blocks.forces
     of_forces = [f"{kind} of {force}" for kind in ("form", "zero") for force in forces]
     names = ["gain", "form of the bank", "scatter", *of_forces]

@@ -9,7 +9,7 @@ from narrows.errors import InputError
 
 LEVEL = 0.95
 GRID = 201
-# Tolerance of the critical ratio.
+# Halvings of the bracket around the critical likelihood ratio.
 HALVINGS = 30
 
 
@@ -35,7 +35,7 @@ def bounded_interval(value: float, std: float, bound: tuple[float, float], level
 
 
 def _above_zero(x: float, level: float) -> tuple[float, float]:
-    """Interval of a mean that is not negative, seen as x, in standard errors."""
+    """Interval of a non-negative mean from its estimate ``x`` [standard errors]."""
     plain = NormalDist().inv_cdf(0.5 + level / 2)
     if x > 2 * plain:
         return x - plain, x + plain
@@ -53,7 +53,7 @@ def _accepted(level: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
     plain = NormalDist().inv_cdf(0.5 + level / 2)
     truths = np.linspace(1e-3, 1, GRID) * plain
-    low, high = np.zeros(GRID), np.full(GRID, plain)  # of the square root of the critical ratio
+    low, high = np.zeros(GRID), np.full(GRID, plain)  # Bracket of the root of the critical ratio
     for _ in range(HALVINGS):
         root = (low + high) / 2
         inside = ndtr(root) - ndtr(_least(truths, root) - truths)

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 # Bit of ``beyond`` where the hull touches a bank.
 CONTACT = 64
-# Largest heading along the banks [rad]: an unknown range of headings ends here. One degree given as a radian is more.
+# Largest heading along the banks [rad]: an unknown range of headings ends here. A degree passed as a radian exceeds it.
 ALONG = math.pi / 4
 NO_MEANING = "The hull touches a bank: the force has no meaning there."
 

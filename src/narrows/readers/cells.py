@@ -43,7 +43,7 @@ def check_once(columns: list[Column], headers: list[str], known: Iterable[str], 
 
 def numbers(frame: pd.DataFrame, header: str, table: str, blanks: bool = False) -> np.ndarray:
     values = floats(frame[header])
-    # NaN is not below it either.
+    # True for NaN too.
     wrong = ~(np.abs(values) < LARGEST)
     if blanks:
         wrong &= ~_blank(frame[header])
@@ -103,7 +103,7 @@ def as_sheet(table: object) -> Sheet:
     except InputError:
         raise
     except Exception as error:  # Libraries of tables raise many kinds of errors on bad columns
-        raise InputError(f"{name_of(table)}: makes no table ({reason(error)}); give a DataFrame") from None
+        raise InputError(f"{name_of(table)}: cannot be read as a table ({reason(error)}); give a DataFrame") from None
     frame = frame.set_axis([str(header) for header in frame.columns], axis="columns")
     frame.index = pd.RangeIndex(-FIRST_ROW, len(frame) - FIRST_ROW)
     return Sheet(frame)

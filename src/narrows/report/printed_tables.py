@@ -132,7 +132,7 @@ def _not_drawn(waterway: Waterway) -> Iterator[str]:
         if first > NEGLIGIBLE * waterway.line.length or last < (1 - NEGLIGIBLE) * waterway.line.length:
             yield (
                 f"The {bank.side} bank is drawn from {first:.0f} to {last:.0f} m along the centreline of "
-                f"{waterway.line.length:.0f} m; beyond, it is taken to stay as far off."
+                f"{waterway.line.length:.0f} m; beyond, its distance is assumed constant."
             )
 
 

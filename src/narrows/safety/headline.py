@@ -182,7 +182,7 @@ def sure_blocks(data: xr.Dataset, share: float) -> list[tuple[slice, slice] | No
 # Limits of the safe range, in words.
 CHOKED, AGROUND, ENGINE = "the canal chokes", "the keel", "the engine"
 NONE, RUDDER, UPSET = "no rudder holds it", "the rudder", "the disturbance"
-KNOWLEDGE, PILOT, TESTS, RANGE = "uncertain coefficients", "the pilot", "the tests end", "faster was not asked"
+KNOWLEDGE, PILOT, TESTS, RANGE = "uncertain coefficients", "the pilot", "the tests end", "no faster speed tried"
 
 AT_LENGTH = {
     CHOKED: "the choking of the canal",
@@ -194,7 +194,7 @@ AT_LENGTH = {
     KNOWLEDGE: "the uncertainty of the coefficients (the best-estimate ship would be held)",
     PILOT: "the pilot (one with the true coefficients would hold it)",
     TESTS: "the tested range",
-    RANGE: "what was asked",
+    RANGE: "the range that was tried",
 }
 
 

@@ -1,4 +1,4 @@
-"""Places of a waterway as an envelope takes them, and how fast a ship may be along it."""
+"""Sections of a waterway for the safe envelope, and the highest safe speeds along it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Reach:
-    model: Model  # In the section there
+    model: Model  # The model in the canal of that section
     middle: float  # Middle of that section, to starboard of the line [m]
     asked: dict[str, Any]  # Options of ``safe_envelope`` other than offsets and speeds
 

@@ -192,8 +192,8 @@ def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
     if not changed.any():
         return ()
     return (
-        f"A time step of {float(np.max(run.dt)):g} s is too long for {changed.mean():.0%} of these voyages: at half of "
-        f"it they end otherwise, or more than {STEP_ERROR_LIMIT:.0%} of the beam off; shorten it.",
+        f"A time step of {float(np.max(run.dt)):g} s is too long for {changed.mean():.0%} of these voyages: at half "
+        f"of it they end differently, or more than {STEP_ERROR_LIMIT:.0%} of the beam off; shorten it.",
     )
 
 

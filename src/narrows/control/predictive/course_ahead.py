@@ -249,7 +249,7 @@ def margins_of(
 
 
 # The linear-quadratic regulator of the rudder's rate: the cost beyond a plan's end, and the helm when there is no plan.
-IN_VAIN = "no helm holds this ship: its rudder turns nothing"
+IN_VAIN = "no helm holds this ship: its rudder has no effect"
 
 
 def weights_of(weights: RegulatorWeights, half_beam: float, passing: float) -> Weights:

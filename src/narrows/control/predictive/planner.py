@@ -1,4 +1,4 @@
-"""Plans of the rudder: predicted by lanes of the kernel, bettered by a step of sequential quadratic programming."""
+"""Plans of the rudder: predicted by lanes of the kernel, improved by a step of sequential quadratic programming."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -146,7 +146,7 @@ class Planner:
         states[:, RUDDER], states[0] = state[RUDDER], state
         return RudderPlan(places, states, np.zeros(horizon.intervals))
 
-    def better(
+    def improve(
         self, plan: RudderPlan, speed: float, push: Push, reference: Reference, beyond: np.ndarray, seconds: float = 0.0
     ) -> RudderPlan | None:  # fmt: skip
         """Return the plan after a step of sequential quadratic programming; None if the program has no solution."""
@@ -209,14 +209,14 @@ class Planner:
         nodes, x, loops = plan.states[1:], plan.x[1:], compiled_loops(plan_loops)
         cost = loops.tracking_cost(nodes + e - reference, G, plan.rates, self.weights.states, self.weights.rate, beyond)
         off, by_heading, ahead = loops.corner_offsets(nodes, *self.hull, self.water.at(x)["curvature"])
-        room, spare = self._room(x + ahead), FREE_CLEARANCE * self.hull[1]
-        clearance = loops.clearance_rows(off, by_heading, e, G, *room, spare)
+        distances, spare = self._bank_distances(x + ahead), FREE_CLEARANCE * self.hull[1]
+        clearance = loops.clearance_rows(off, by_heading, e, G, *distances, spare)
         # The rudder after each interval, and how changes of the rates move it.
         rudders = nodes[:, RUDDER] + e[:, RUDDER], G[:, RUDDER]
         return program_of(cost, plan.rates, rudders, clearance, self.limits, self.hull[1])
 
-    def _room(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Distance of the banks from each corner, less the margin."""
+    def _bank_distances(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Distance of the starboard and the port bank from the line at each corner, less the margin."""
         there = self.water.at(x.ravel())
         starboard, port = (there[name].reshape(x.shape) - self.margins for name in ("keel_starboard", "keel_port"))
         return starboard, port

@@ -169,7 +169,7 @@ class VoyageOrders:
         else:
             plan, rounds = self.plan.from_here(seen.x, seen.state, elapsed / self.planner.horizon.interval), 1
         for _ in range(rounds):
-            better = self.planner.better(plan, seen.speed, self.push, reference, beyond, self.seconds)
+            better = self.planner.improve(plan, seen.speed, self.push, reference, beyond, self.seconds)
             if better is None:
                 self.plan, self.without_plan = None, self.without_plan + 1
                 return float(np.nan_to_num(-gains @ (seen.state - reference(np.array([seen.x]))[0])))

@@ -55,16 +55,16 @@ def no_push(spread: BankSpread) -> Push:
     return Push(np.zeros(2), np.zeros(2), spread, (unseen, unseen), (0.0, 0.0))
 
 
-def updated_push(push: Push, missing: np.ndarray, share: float, elapsed: float, time: float) -> Push:
+def updated_push(push: Push, residual: np.ndarray, share: float, elapsed: float, time: float) -> Push:
     """Return the estimate after another residual."""
     # Muske and Badgwell (2002), Disturbance modeling for offset-free linear model predictive control, Journal of
     # Process Control 12(5), 617-632.
-    if not np.isfinite(missing).all():
+    if not np.isfinite(residual).all():
         return push
     gain = -math.expm1(-min(elapsed / time, LONGEST_GAP))
-    felt = push.spread.at(np.array([share]))[0][0]
+    slope = push.spread.at(np.array([share]))[0][0]
     (force, of_force, noise), (moment, of_moment, moment_noise) = (
-        _filtered(*push.uncertainty[axis], push.noise[axis], float(missing[axis]), float(felt[axis]), gain)
+        _filtered(*push.uncertainty[axis], push.noise[axis], float(residual[axis]), float(slope[axis]), gain)
         for axis in (0, 1)
     )
     steady, strength = np.array([force, moment]).T
@@ -74,17 +74,17 @@ def updated_push(push: Push, missing: np.ndarray, share: float, elapsed: float, 
 
 
 def _filtered(
-    walk: float, constant: float, both: float, noise: float, missing: float, felt: float, gain: float
+    walk: float, constant: float, both: float, noise: float, residual: float, slope: float, gain: float
 ) -> tuple[tuple[float, float], Variances, float]:
     """Return changes of the constant part and of the strength, their variances, and the noise."""
     # A Kalman filter of a random walk and a constant. The noise is estimated from the residual; the random walk alone
     # would give the filter the requested gain, q = R gain^2 / (1 - gain).
-    noise = noise + gain * (missing**2 - noise) if noise else missing**2
+    noise = noise + gain * (residual**2 - noise) if noise else residual**2
     if not noise:
         return (0.0, 0.0), (walk, constant, both), noise
     walk += noise * gain**2 / (1.0 - gain)
-    seen = walk + felt * both, both + felt * constant
-    total = seen[0] + felt * seen[1] + noise
+    seen = walk + slope * both, both + slope * constant
+    total = seen[0] + slope * seen[1] + noise
     weights = seen[0] / total, seen[1] / total
     left = (walk - weights[0] * seen[0], constant - weights[1] * seen[1], both - weights[0] * seen[1])
-    return (weights[0] * missing, weights[1] * missing), left, noise
+    return (weights[0] * residual, weights[1] * residual), left, noise

@@ -35,18 +35,18 @@ def check_log(
     Clocks, gaps and sizes are checked in each record. Then the model is fitted to the first 20 records as ``learn``
     does, and each fault is one parameter of the same filter, tested by its score (Lagrange multiplier test). Signs,
     units and axes are compared by their likelihood. The strongest fault is named with its size and its effect on
-    the coefficients; mend it and check again. A quiet record has little information: no finding is no proof.
+    the coefficients; mend it and check again. A quiet record has little information: a clean log is no proof.
 
     Parameters
     ----------
     log : ShipLog, StreamedLog or sequence of ShipRecord
-        What was recorded.
+        Records of the ship.
     model : Model
         Model of the ship, at its size.
     waterway : Waterway, optional
-        Line of x and y; the log's own unless given, and the model's canal where its banks are felt.
+        Line of x and y, and banks; default: the log's own.
     sensors : {"rtk", "vdr", "ais", "basin"} or SensorGrade
-        How well it was measured.
+        Grade of the sensors.
     spread : float or mapping of str to float, optional
         As for ``learn``; a tenth of each coefficient where the model has no covariance.
 
@@ -80,7 +80,7 @@ def check_log(
         spread = settings.CHECKED_SPREAD if spread is None and model.covariance is None else spread
         with stage("checking the records"):
             findings += _by_filter(checked, model, sensors, spread)
-        if not any(one.wrong for one in findings):  # A hull in a bank follows from other faults.
+        if not any(one.wrong for one in findings):  # A hull in a bank is a consequence of other faults.
             findings += [one for record in good for one in check_place(checked_record(record, model, water))]
     return LogFindings(tuple(findings), count)
 
@@ -94,7 +94,7 @@ def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: S
         return
     where = grids[0].record.name if len(grids) == 1 else ALL
     held = [
-        Finding("stuck", grid.record.name, f"{name} says the same from t = {begin:.6g} to {end:.6g} s, while the ship "
+        Finding("stuck", grid.record.name, f"{name} keeps one value from t = {begin:.6g} to {end:.6g} s while the ship "
                 "moves by all other signals", "leave that time out, or that signal", {"from": begin, "to": end})
         for grid in grids for name, begin, end in stuck(setup.problem, grid)
     ]  # fmt: skip
@@ -102,7 +102,7 @@ def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: S
         yield from held
     elif best := misreading(setup.problem, grids[: settings.MOST_REREAD]):
         gain, other = best
-        better = f": read otherwise, the log-likelihood rises by {gain / 2:.3g}" if np.isfinite(gain) else ""
+        better = f": with it changed, the log-likelihood rises by {gain / 2:.3g}" if np.isfinite(gain) else ""
         check, evidence = " and ".join(other.signals[:2]), {"log_likelihood_ratio": gain / 2} if better else {}
         yield Finding(check, where, other.sentence + better, other.remedy, evidence)
     else:
@@ -114,7 +114,7 @@ def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: S
 def _tested(setup: LogSetup, pushed: LogSetup, grids: list[RecordGrid], where: str) -> Iterator[Finding]:
     """Yield the fault with the strongest score after a fit that harms, and the strongest that does not."""
     learned = _scores(setup, grids)
-    # Where nothing disturbs the ship, what the model leaves must not pass for a sensor's fault: it is a force then.
+    # Without disturbances, the residual of the model is a force: it must not pass for a fault of a sensor.
     scores = learned if pushed is setup else _scores(pushed, list(pushed))
     if not (learned and scores):
         said = "the model cannot follow this log at all: its motion goes to infinity"

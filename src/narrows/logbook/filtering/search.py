@@ -15,16 +15,16 @@ from narrows.logbook.filtering.record_grid import RecordGrid
 from narrows.progress import bar, is_shown
 
 MOST_STEPS = 15
-CONVERGED_GAIN = 0.1  # gain of minus twice the log-posterior by a step, below which the search is done
-PASSES, FIRST_PASSES = 1, 4  # smoothings of a reference path, and of the first one
-LONGEST_MOVE = 2.0  # standard deviations before records, in one step
-LEAST_GAIN = 0.1  # of the expected gain, that a step must bring
-# Damping over the information: at first, after a step that helped, after one that did not, and at most.
+CONVERGED_GAIN = 0.1  # Smallest gain of a step in minus twice the log-posterior; below it the search ends
+PASSES, FIRST_PASSES = 1, 4  # Smoothing passes of a reference path, and of the first one
+LONGEST_MOVE = 2.0  # Longest step [prior standard deviations]
+LEAST_GAIN = 0.1  # Smallest accepted gain, over the expected one [1]
+# Damping over the information: initial, factors after an accepted and a rejected step, and the largest.
 FIRST, GENTLER, HARDER, MOST = 1e-3, 0.1, 10.0, 1e4
-KEPT_STEPS = 200_000  # steps of records whose paths are kept; a longer log smooths each path again and again
-RESTARTS = 3  # of the search with another number of correlated readings
-SETTLED = 1.2  # ratio of this number to the one before, below which it stays
-LOOSE_WALK = 1e-3  # of a step over lengths and speeds of the ship, where the model cannot follow a whole record
+KEPT_STEPS = 200_000  # Time steps of records whose paths are stored; longer logs smooth each path anew
+RESTARTS = 3  # Restarts of the search with another number of correlated readings
+SETTLED = 1.2  # Ratio of two such numbers below which the last one is kept
+LOOSE_WALK = 1e-3  # Process noise over lengths and speeds of the ship, where no whole record can be followed
 
 Grids = Iterable[RecordGrid]
 
@@ -64,8 +64,8 @@ def search(
 
     It begins at scaled coefficients (p,), at those of the prior unless given.
 
-    Where nothing disturbs the ship, what a model leaves of a record is correlated: the likelihood counts one reading of
-    so many that are correlated, as a composite likelihood does.
+    Without disturbances the residuals of a record are correlated: the likelihood then counts one of so many readings,
+    as a composite likelihood does.
     """
     begin = np.zeros(len(problem.precision))
     begin[: problem.count] = 0.0 if scaled is None else scaled
@@ -113,7 +113,7 @@ def scored(
 ) -> SearchResult | None:
     """Smooth the path of every record and score it there; None where the motion diverges.
 
-    Interrupted by hand, it has the records that were done.
+    After a keyboard interrupt it contains the finished records.
     """
     scores, steps, total = list[RecordScore](), 0, len(paths)
     try:
@@ -136,7 +136,7 @@ def scored(
 
 
 def _helpful(problem: LogProblem, found: SearchResult, grids: Grids, damping: float) -> tuple[np.ndarray, float] | None:
-    """A step that gains enough of what it should about the same paths, and its damping; None where there is none."""
+    """An accepted step about the same paths, and its damping; None if no step gains enough."""
 
     def cost(unknowns: np.ndarray) -> float:
         parts = 0.0
@@ -158,7 +158,7 @@ def _helpful(problem: LogProblem, found: SearchResult, grids: Grids, damping: fl
 def bounded_step(
     problem: Unknowns, unknowns: np.ndarray, score: np.ndarray, information: np.ndarray, damping: float = 0.0
 ) -> tuple[np.ndarray, float]:
-    """Return the step of Fisher scoring within the bounds, and its expected gain of minus twice the log-posterior."""
+    """Return the step of Fisher scoring within the bounds, and its expected gain in minus twice the log-posterior."""
     right, matrix = score - problem.precision @ unknowns, information + problem.precision
     damped, count = matrix + damping * np.diag(np.diag(matrix)), problem.count
     root = np.sqrt(np.diag(damped))
