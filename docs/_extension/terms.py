@@ -7,7 +7,7 @@ from narrows import FORMS, SQUAT, BankForm, Term, TermTable
 from narrows.quantities.names import name_of
 from narrows.terms.tables import BASES
 
-HEADER = ("coefficient", "symbol", "regressor", "asks for", "unit", "bound", "kind")
+HEADER = ("coefficient", "symbol", "regressor", "inputs", "unit", "bound", "kind")
 
 
 def tables() -> str:
@@ -39,7 +39,7 @@ def _bound(bound: tuple[float, float]) -> str:
 def bank_forms() -> str:
     """The forms of the bank term."""
     return table(
-        ("form", "coefficients end in", "asks for", "source", "holds", "standing"),
+        ("form", "coefficients end in", "inputs", "source", "valid range", "status"),
         (
             (f"`{form.name}`", code(form.parameters), code(_asked(form)), form.source, form.validity, form.status)
             for form in FORMS.values()

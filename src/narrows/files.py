@@ -105,7 +105,7 @@ def write_zarr(dataset: "xarray.Dataset", path: str | Path) -> None:
     temporary = target.parent / f".narrows-{uuid4().hex}"
     try:
         with needs("cluster", f"{path}: Zarr"):
-            import zarr  # noqa: F401  # xarray asks for it
+            import zarr  # noqa: F401  # xarray needs it
         dataset.to_zarr(temporary, mode="w", consolidated=False, zarr_format=3)
         shutil.rmtree(target, ignore_errors=True)
         os.replace(temporary, target)

@@ -80,7 +80,7 @@ def test_tables_that_cannot_be_fitted_say_why() -> None:
 
 def test_depths_together_need_terms_that_know_them() -> None:
     tests = nw.measured_tests("kcs")
-    with pytest.raises(nw.InputError, match="ask for the depth"):
+    with pytest.raises(nw.InputError, match="need the depth"):
         nw.identify(tests)
     assert nw.identify(tests, nw.with_bank(nw.CROSSFLOW, "delta_depth")).scores["Y"].r2 > 0.5
 

@@ -103,7 +103,7 @@ def test_what_asks_where_the_banks_are_is_of_the_bank() -> None:
     def blockage(u, width):
         return -u * abs(u) / width
 
-    with pytest.raises(nw.InputError, match=r"term a_b: it asks for the canal's width; give it kind=TermKind\.BANK"):
+    with pytest.raises(nw.InputError, match=r"term a_b: it needs the canal's width; give it kind=TermKind\.BANK"):
         nw.Term("a_b", "a_b", blockage, nw.Dimension(1, 0))
     assert nw.Term("a_b", "a_b", blockage, nw.Dimension(1, 0), kind=nw.TermKind.BANK).from_bank
 

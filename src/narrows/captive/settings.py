@@ -1,7 +1,7 @@
 """Settings of the checks of captive tests, with unit and reason."""
 
 # Accelerations of oscillating tests
-HARMONICS = 5  # of a run's period
+HARMONICS = 5  # Number of harmonics of a run's period
 ACCELERATION_TOLERANCE = 0.01  # [1] largest difference from the motion, over the size in the table
 LEAST_ACCELERATION = 0.01  # [U2/L] size of accelerations in a table in which nothing oscillates
 SMALL_REST = 0.02  # [1] residual of a velocity after its harmonics in a periodic run
@@ -18,7 +18,7 @@ STRONGEST = 30.0  # force relative to mass times speed squared over length: more
 STEADY_RATE = 1e-6  # [1] of the usual rates: below it a row is steady
 LEAST_LEEWAY = 0.01  # [1] least sideways speed over speed that counts as drift
 # Kinematic consistency
-STRETCHES = 60  # of a test over which changes are compared, to average noise
+STRETCHES = 60  # Number of stretches of a test over which changes are compared, to average noise
 FEWEST_STRETCHES = 8  # fewer give no report
 FEWEST_RATES = 2  # columns needed to determine the time between rows if no column gives it
 LEAST_CORRELATION = 0.9  # least correlation of two columns of the same motion

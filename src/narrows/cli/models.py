@@ -125,7 +125,7 @@ def _helm(model: "Model", hold: float | None, speed: str | None, way: "Waterway 
     """Regulator for the exported file."""
     if hold is None:
         if speed is not None:
-            raise InputError("--helm-speed serves the helm that --hold asks for; add --hold, or leave it out")
+            raise InputError("--helm-speed is for the helm of --hold; add --hold, or leave it out")
         return None
     from narrows.simulation.initial_state import voyage_defaults
 

@@ -164,7 +164,7 @@ def numbers(option: str, text: str, such_as: str = "0.5, or 0.5,1,2, or -2.5:2.5
     except (ValueError, OverflowError):
         raise InputError(f"{option} {shown(text)} is not understood; give {such_as}") from None
     if values.size > LARGEST_RANGE:
-        raise InputError(f"{option} {shown(text)} asks for more than {LARGEST_RANGE} values; take fewer")
+        raise InputError(f"{option} {shown(text)} has more than {LARGEST_RANGE} values; take fewer")
     if not values.size or not np.isfinite(values).all():
         raise InputError(f"{option} {shown(text)} must be finite numbers, at least one")
     return values

@@ -204,9 +204,7 @@ def _system(motion: LocalMotion, course: Columns, varied: Columns) -> LinearSyst
     beyond = int((np.abs(course.get("rudder", np.zeros(1))) > gear.limit).sum())
     notes = [*ship.model.bank_notes]
     if beyond:
-        notes.append(
-            f"{beyond} of these courses ask for more than the {gear.limit_deg:g} degrees that the rudder turns"
-        )
+        notes.append(f"{beyond} of these courses need more than the {gear.limit_deg:g} degrees that the rudder turns")
     if ship.surge == "held" and "revolutions" in controls:
         notes.append("the speed is held, so that revolutions change the flow over the rudder alone")
     courses = {name: column.reshape(shape) for name, column in course.items()}

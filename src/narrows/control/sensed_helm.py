@@ -47,7 +47,7 @@ class LawOrders:
         try:
             orders, self._memory = self.law.orders(SimpleNamespace(**{**at, **memory}))
         except AttributeError as lacking:
-            raise InputError(f"the {type(self.law).__name__} asks for an unknown ({lacking}); take another") from None
+            raise InputError(f"the {type(self.law).__name__} needs an unknown ({lacking}); take another") from None
         return orders
 
     def _water(self, name: str, x: Any) -> Any:

@@ -35,7 +35,7 @@ def accumulate(
 ) -> tuple[NormalEquations, DataRange]:
     """Sum over every row, once."""
     matrix = DesignMatrix(terms)
-    # The motion, and what else the terms ask for that is set.
+    # The motion, and further set quantities that the terms need.
     quantities = tuple(dict.fromkeys((*MOVED, *(name for name in terms.inputs if name not in NOT_SET))))
     sums: dict[tuple[str, int], np.ndarray] = {}
     moments: dict[tuple[str, int], np.ndarray] = {}

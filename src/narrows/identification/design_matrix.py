@@ -20,7 +20,7 @@ Values = dict[str, np.ndarray]
 Column = Callable[[Values, np.ndarray], np.ndarray]
 # Name of the column of ones.
 ONE = "1"
-STEP = 1e-4  # of the central differences: [rad] of heading, [m] of offset, [s] of time
+STEP = 1e-4  # Step of the central differences [rad, m, s]
 MOTION_COLUMNS: dict[str, Callable[[Values], np.ndarray]] = {
     "y": lambda q: q["y"],
     "y u": lambda q: q["y"] * q["u"],

@@ -259,7 +259,7 @@ class Fit(Prediction):
         alone = ("These tests are one motion: none can be left out, and no left-out error is known.",)
         several = isinstance(self.tests, CaptiveTests) and len(set(self.tests.conditions)) > 1
         one: tuple[str, ...] = (
-            "Terms that do not ask for the depth have one coefficient for all conditions of these tests.",
+            "Terms that do not depend on the depth have one coefficient for all conditions of these tests.",
         )
         one = one * (several and AT not in self.terms.name)
         depths = (*one, *(test.sentence(name) for name, test in self.depth_tests.items()))

@@ -92,7 +92,7 @@ class ForceRows:
         for f, term in self.terms:
             own = self.blocks.level[f] / max(self.rms(self.raw(term.name)), 1e-300)
             unit[self.place(term)] = min(unit[self.place(term)], own)
-        return np.where(unit < MOST_UNIT, unit, 1.0)  # of an empty column any will do
+        return np.where(unit < MOST_UNIT, unit, 1.0)  # Any unit serves for an empty column
 
     def shift(self, prefix: str) -> np.ndarray:
         """Force of the first fit along a derivative of its regressors, in the rows of every force."""
@@ -116,7 +116,7 @@ class ForceRows:
         for f, term in self.terms:
             velocity = VELOCITIES.get(" ".join(term.inputs))
             if velocity:
-                inertia = -term.regressor(1.0) * self.theta[self.place(term)]  # in the unit of the acceleration itself
+                inertia = -term.regressor(1.0) * self.theta[self.place(term)]  # In the unit of the acceleration
                 total += self.of(f, inertia * self.frequency**2 * self.raw(velocity))
         return total
 

@@ -22,10 +22,10 @@ P = ParamSpec("P")
 R = TypeVar("R")
 # Share of a coefficient's own information, added where rounding leaves dependent columns.
 JITTERS = (0.0, 1e-10, 1e-8, 1e-6, 1e-4)
-SHAPES = 3  # of errors that all rows of a block share
-# Coordinate of a scale of 1e-6 of its prior, which is none; SciPy's quantile of t is exactly 0 a little below.
+SHAPES = 3  # Number of shapes of errors that all rows of a block share
+# Coordinate of a scale of 1e-6 of its prior, which counts as 0; SciPy's quantile of t is exactly 0 a little below.
 NO_SCALE = -5.0
-RIDGE = 1e-6  # prior precision of a coefficient, over the force's level: so weak that it only keeps all finite
+RIDGE = 1e-6  # Prior precision of a coefficient over the force's level: it only keeps the solution finite
 
 
 def one_thread(function: Callable[P, R]) -> Callable[P, R]:
@@ -169,7 +169,7 @@ class MixedModel:
         """Gradient of the log posterior by each coordinate: the identities of restricted maximum likelihood."""
         p, e = self.fixed, self.errors
         moment = (beta[p:] ** 2 + np.diag(inverse)[p:]) / scale[self.group] ** 2 - 1
-        slope = np.bincount(self.group, moment, len(z) + 1)[:-1]  # to the logarithm of each scale
+        slope = np.bincount(self.group, moment, len(z) + 1)[:-1]  # By the logarithm of each scale
         w = e.shapes
         crossed, own = self._shape_products
         # B^-1 applied to all columns, and to the residual.
@@ -226,7 +226,7 @@ def _inverse(lower: np.ndarray) -> np.ndarray:
 class Conditional:
     """Coefficients and effects at given scales."""
 
-    log_density: float  # of the scales' posterior, up to a constant
+    log_density: float  # Log density of the scales' posterior, up to a constant
     mean: np.ndarray  # (p + q,)
     covariance: np.ndarray  # (p + q, p + q)
     gradient: np.ndarray  # (scales,) of the log density; empty unless asked for

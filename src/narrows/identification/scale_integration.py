@@ -19,16 +19,16 @@ import numpy as np
 
 from narrows.identification.mixed_model import Conditional, MixedModel
 
-LOWEST, HIGHEST = -4.0, 6.0  # of the coordinates of scales, which are standard normal before the data
+LOWEST, HIGHEST = -4.0, 6.0  # Range of the coordinates of scales, which are standard normal a priori
 POINTS, SEED = 128, 26
-SMALL, LARGE = -0.5, 3.0  # coordinates at which the search for a mode, and for a rival explanation, begins
-LEAST_CURVATURE = 0.5  # of the log density at a mode; 1 where the data do not determine a scale
-STEP = 0.1  # of the differences that give the curvature
-REACH = 2.0  # standard deviations at which widths are measured
-NARROW, WIDE = 0.5, 2.0  # widths over those of the curvature
-APART, LESS_LIKELY = 1.0, 8.0  # coordinates and log densities by which two modes are two and both count
-LEAST_SHARE = 0.2  # of the points, for each mode
-HEAVY = 0.15  # weight of one point at which another mode is searched for from there
+SMALL, LARGE = -0.5, 3.0  # Starting coordinates of the search for a mode, and for a rival mode
+LEAST_CURVATURE = 0.5  # Least curvature of the log density at a mode; 1 if the data do not determine a scale
+STEP = 0.1  # Step of the finite differences for the curvature
+REACH = 2.0  # Distance at which widths are measured [standard deviations]
+NARROW, WIDE = 0.5, 2.0  # Limits of the widths over those from the curvature
+APART, LESS_LIKELY = 1.0, 8.0  # Least distance of two modes, and largest difference of their log densities
+LEAST_SHARE = 0.2  # Least share of the points for each mode
+HEAVY = 0.15  # Weight of a point from which another mode is searched for
 MOST_MODES = 5
 
 

@@ -1,82 +1,82 @@
-"""Numbers of logs, their checks and what is learned from them: unit and reason of each."""
+"""Settings of logs, of their checks and of learning, each with unit and reason."""
 
 import numpy as np
 
 # Reading
-MOST_ROWS = 500_000  # rows of a record; a longer one goes on in another, so that memory does not grow with the log
-RECORD_GAP = 300.0  # [s] without a row, after which another record begins
-PIECE_ROWS = 32_000  # rows that are held at once
-HEADING_GAP = 10.0  # [s] between two headings that are still joined
+MOST_ROWS = 500_000  # Rows of a record; a longer one continues in another, so that memory does not grow with the log
+RECORD_GAP = 300.0  # Time without a row after which another record begins [s]
+PIECE_ROWS = 32_000  # Rows read at once
+HEADING_GAP = 10.0  # Longest time between two headings that are joined [s]
 # Checks
-MOST_CHECKED = 20  # records that are fitted to be checked: faults of sensors are in all of them
-MOST_REREAD = 3  # records by which signs, units and axes are compared
-CHECKED_SPREAD = 0.1  # [1] of each coefficient, where the model has no covariance
-FALSE_ALARM = 0.05  # probability of a finding in a log without a fault, by the bound of Bonferroni
-HARMFUL_SHIFT = 0.5  # [standard errors of a coefficient] a fault that must be mended: coverage falls from 95 to 92 %
-MOST_HARMLESS = 10  # faults that move no coefficient, estimated before the search for one that does ends
-OUTLYING = 0.05  # [1] of the readings of a signal: with more outliers it is read wrongly still
-FEWEST_RUNS = 10  # of equal values that may be repeats
-REGULAR = 0.8  # [1] of the runs of equal values that are of one length where values are repeated
-REPEATED_LENGTHS = 0.04  # [ship lengths] over which a value is repeated, a step of the filter: shorter ones do no harm
-GAP_STEPS = 10.0  # usual steps of a signal; a longer step is a gap
-GAP_LENGTHS = 0.25  # ship lengths of way; a shorter gap does not matter
-ASHORE = 0.002  # [1] of the times a hull may reach into a bank by the noise of its position
-MOST_FROUDE = 0.5  # [1] of displacement ships
-CHECK_STEPS = 12  # of the search before faults are tested
-STUCK_LENGTHS = 0.3  # [ship lengths] for which a stuck sensor shows the same value
-MOVED = 10.0  # standard deviations of the noise that the ship moves in that time by all other signals
-STUCK_READINGS = 8  # equal values of a sensor that may be stuck
-SELDOM = 0.2  # [ship lengths] between values of a rudder: a helmsman moves it more often
-STILL = np.radians(0.2)  # [rad] a rudder that moves less never moves
-LEAST_TURN = np.radians(2.0)  # [rad] a change of heading that is a swing
-SWINGS = 2  # turns to either side that a rudder at rest does not explain
-RUDDER_REST = 3.0  # [ship lengths] a helmsman may leave the rudder alone
-RUDDER_REST_BETWEEN_BANKS = 10.0  # [ship lengths] the same between banks
-# What a record taught
-LEARNED_TO = 0.5  # [1] of the standard error left: the record has three quarters of the information
-SHARPENED_TO = 0.9  # [1] of the standard error left: the record has a fifth of the information
-TIED_CORRELATION = 1 - 1e-9  # [1] two coefficients beyond it are tied
-PAIR_CORRELATION = 0.7  # [1] two coefficients beyond it are reported as a pair
-CHANGE_SAMPLES = 200  # coefficients and disturbances: a look, not a chart to sail by
-CHANGE_OFFSETS = (0.0, 0.5, 1.0, 1.5)  # [1] offsets over the farthest of a record
-CHANGE_SPEEDS = (0.8, 1.0, 1.2)  # [1] speeds over the mean of a record
-RUDDER_BAND = (0.05, 0.95)  # [1] shares of the samples between which a rudder angle is given
-WINDAGE = 0.1  # [1] lateral area over length squared, of a loaded container ship about
-WIND_LEVER = 0.1  # [1] where the wind's force acts, over the length
+MOST_CHECKED = 20  # Records fitted by the checks: all have the faults of the sensors
+MOST_REREAD = 3  # Records by which signs, units and axes are compared
+CHECKED_SPREAD = 0.1  # Standard deviation of each coefficient over its value, for a model without a covariance [1]
+FALSE_ALARM = 0.05  # Probability of a finding in a log without a fault (Bonferroni) [1]
+HARMFUL_SHIFT = 0.5  # Shift [standard errors of a coefficient] that must be mended: coverage falls from 95 to 92 %
+MOST_HARMLESS = 10  # Harmless faults estimated before the search for a harmful one ends
+OUTLYING = 0.05  # Largest share of outliers in a signal; with more, its interpretation is wrong [1]
+FEWEST_RUNS = 10  # Fewest sequences of equal values that count as repeats
+REGULAR = 0.8  # Least share of such sequences with one common length [1]
+REPEATED_LENGTHS = 0.04  # Shortest harmful repeat: a step of the filter [ship lengths]
+GAP_STEPS = 10.0  # Usual steps of a signal; a longer step is a gap
+GAP_LENGTHS = 0.25  # Shortest gap that matters [ship lengths]
+ASHORE = 0.002  # Share of the times at which noise of the position may put a hull in a bank [1]
+MOST_FROUDE = 0.5  # Largest Froude number of displacement ships [1]
+CHECK_STEPS = 12  # Steps of the search before faults are tested
+STUCK_LENGTHS = 0.3  # Distance with one equal value of a stuck sensor [ship lengths]
+MOVED = 10.0  # Motion by all other signals in that distance [standard deviations of the noise]
+STUCK_READINGS = 8  # Fewest equal values of a stuck sensor
+SELDOM = 0.2  # Longest distance between two values of a rudder: a helmsman moves it more often [ship lengths]
+STILL = np.radians(0.2)  # Range of a rudder that never moves [rad]
+LEAST_TURN = np.radians(2.0)  # Least change of heading that counts as a swing [rad]
+SWINGS = 2  # Swings to either side that a fixed rudder does not explain
+RUDDER_REST = 3.0  # Longest distance with a fixed rudder under a helmsman [ship lengths]
+RUDDER_REST_BETWEEN_BANKS = 10.0  # The same between banks [ship lengths]
+# Information of a record
+LEARNED_TO = 0.5  # Largest remaining share of the standard error: the record has three quarters of the information [1]
+SHARPENED_TO = 0.9  # Largest remaining share of the standard error: the record has a fifth of the information [1]
+TIED_CORRELATION = 1 - 1e-9  # Correlation beyond which two coefficients are tied [1]
+PAIR_CORRELATION = 0.7  # Correlation beyond which two coefficients are reported as a pair [1]
+CHANGE_SAMPLES = 200  # Samples of coefficients and disturbances: enough for a preview, not for a chart
+CHANGE_OFFSETS = (0.0, 0.5, 1.0, 1.5)  # Offsets over the largest of a record [1]
+CHANGE_SPEEDS = (0.8, 1.0, 1.2)  # Speeds over the mean of a record [1]
+RUDDER_BAND = (0.05, 0.95)  # Quantiles of the rudder angle that are given [1]
+WINDAGE = 0.1  # Lateral area over length squared of a loaded container ship [1]
+WIND_LEVER = 0.1  # Lever of the wind's force over the length [1]
 # Steady legs
-PLAN_SAMPLES = 400  # coefficients that must leave the rudder its reserve
-MOST_LEGS = 1000  # of a plan
-MOST_PLAN_SAMPLES = 100_000  # of a plan
-SLOWEST_LEG = 0.35  # [1] of the speed that chokes the canal, where no speeds are given
-FASTEST_LEG = 0.7  # [1] of the speed that chokes the canal, where no speeds are given
-LEG_SPEEDS = 3  # how many speeds between these
-OFFSET_STEPS = 20  # offsets to either side, about
-CONTRADICTION = 0.01  # probability of as large a chi-square below which legs contradict the model or each other
-WRONG_SIGN_GAIN = 2 * np.log(100)  # [1] of chi-square: with the right sign the wrong one gains so much in 1 % of cases
-# [ship lengths] to come to a steady course before a leg is read: on twins under a regulator in gusts the ship still
-# turns back to its line after 4, and the interval of b_bank holds the truth in 76 %; after 8 in 92 %, after 12 in 92 %
+PLAN_SAMPLES = 400  # Samples of coefficients for which the reserve of rudder is checked
+MOST_LEGS = 1000  # Most legs of a plan
+MOST_PLAN_SAMPLES = 100_000  # Most samples of a plan
+SLOWEST_LEG = 0.35  # Slowest default speed over the speed that chokes the canal [1]
+FASTEST_LEG = 0.7  # Fastest default speed over the speed that chokes the canal [1]
+LEG_SPEEDS = 3  # Number of default speeds
+OFFSET_STEPS = 20  # Approximate number of offsets to either side
+CONTRADICTION = 0.01  # Probability of the chi-square below which legs contradict the model or each other [1]
+WRONG_SIGN_GAIN = 2 * np.log(100)  # Drop of chi-square by the other sign; the right sign exceeds it in 1 % of cases [1]
+# Distance to reach a steady course before a leg is read [ship lengths]. On twins under a regulator in gusts the
+# interval of b_bank contains the truth in 76 % after 4 lengths (the ship still returns to its line), in 92 % after 8.
 SETTLING = 8.0
-MOST_ANGLE = 1.2  # [rad] of a rudder, a drift or a heading that can be meant
-MISPLACED = 1 / 30  # [beams] banks are from where they are thought to be, where nothing is given
-UPDATE_ROUNDS = 50  # linearisations at most
-UPDATE_SETTLED = 1e-6  # [standard deviations] that the last round may still move anything
-# Transits that are planned or simulated
-ROUTINE = 2400.0  # [s] of a transit where no waterway gives its time
-LONGEST_TRANSIT = 3600.0  # [s] of a transit that a waterway gives
-MOST_TIME = 86_400.0  # [s] that may be asked for
-SIMULATED_TRANSITS = 7  # of each kind: standard errors are the median over their gusts and wander
-EXCURSION_SHARES = (0.5, 1.0)  # [1] of the safe offset
-EXCURSION_STAY = 5.0  # [ship lengths] that an excursion stays aside
-EXCURSION_TURN = 0.6  # [ship lengths] to get there
-ENVELOPE_SAMPLES = 200  # of the quick safe envelope
-AIM_LENGTHS = 0.2  # [ship lengths] of one piece of an aim, at most
-GUST_PIECES = 5  # pieces of a schedule of gusts, in the time that a gust stays
-TRANSIT_STEPS = 80  # of the voyage on the way of a ship length, at least
-PILOT_COURSES = 21  # offsets at which a pilot knows the steady course, straight between them
-ORDER_INTERVAL = 4.0  # [s] from one helm order to the next, at most
-ORDERS_A_LENGTH = 20  # helm orders on the way of a ship length, at least: those of a small model follow faster
-PUSH_STEP = 1.0  # [s] of forces that change, and of the voyage, at most
-AIM_STEP = 10.0  # [s] of one piece of an aim, at most
-CURRENT = 0.3  # [m/s] standard deviation of the current along the canal
-MOST_DRAWS = 200  # of coefficients, until one is within the bounds
-MOST_SHIPS = 100  # that may be drawn until one comes through
+MOST_ANGLE = 1.2  # Largest plausible rudder, drift or heading [rad]
+MISPLACED = 1 / 30  # Default standard deviation of the place of a bank [beams]
+UPDATE_ROUNDS = 50  # Most linearisations
+UPDATE_SETTLED = 1e-6  # Largest change of the last round [standard deviations]
+# Planned and simulated transits
+ROUTINE = 2400.0  # Duration of a transit without a waterway [s]
+LONGEST_TRANSIT = 3600.0  # Longest duration of a transit of a waterway [s]
+MOST_TIME = 86_400.0  # Longest duration that a user may request [s]
+SIMULATED_TRANSITS = 7  # Transits of each kind: standard errors are the median over their gusts and wander
+EXCURSION_SHARES = (0.5, 1.0)  # Offsets of excursions over the safe offset [1]
+EXCURSION_STAY = 5.0  # Length of an excursion at its offset [ship lengths]
+EXCURSION_TURN = 0.6  # Distance to reach that offset [ship lengths]
+ENVELOPE_SAMPLES = 200  # Samples of the quick safe envelope
+AIM_LENGTHS = 0.2  # Longest piece of an aim [ship lengths]
+GUST_PIECES = 5  # Pieces of a schedule of gusts in the correlation time of a gust
+TRANSIT_STEPS = 80  # Fewest time steps in a ship length
+PILOT_COURSES = 21  # Offsets of the pilot's table of steady courses, which is linear in between
+ORDER_INTERVAL = 4.0  # Longest time between two helm orders [s]
+ORDERS_A_LENGTH = 20  # Fewest helm orders in a ship length: a small model needs more in a second
+PUSH_STEP = 1.0  # Longest step of varying forces and of the voyage [s]
+AIM_STEP = 10.0  # Longest piece of an aim [s]
+CURRENT = 0.3  # Standard deviation of the current along the canal [m/s]
+MOST_DRAWS = 200  # Most draws of coefficients until one is within the bounds
+MOST_SHIPS = 100  # Most ships drawn until one completes the transit

@@ -100,7 +100,7 @@ def _read_parquet(path: Path) -> Sheet:
 
 def _read_excel(path: Path) -> Sheet:
     with needs("excel", "Excel"):
-        import openpyxl  # noqa: F401  # pandas asks for it
+        import openpyxl  # noqa: F401  # pandas needs it
     with pd.ExcelFile(path, engine="openpyxl") as book:
         sheets = pd.read_excel(book, sheet_name=None, header=None)
     names = list(sheets)

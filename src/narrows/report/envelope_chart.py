@@ -385,7 +385,7 @@ def cells(row: dict[str, Any]) -> tuple[str, ...]:
     if row["width"] is not None:
         speeds = f"{row['slowest']:g} " + (f"to {row['fastest']:g}" if row["fastest"] else "on")
         fits = row["starboard"] is not None
-        left = f"{row['port']:+.0f} to {row['starboard']:+.0f}" if fits else f"none (asks for {row['width']:.0f} m)"
+        left = f"{row['port']:+.0f} to {row['starboard']:+.0f}" if fits else f"none (needs {row['width']:.0f} m)"
     limit = "" if row["speed_limit"] is None else f"{row['speed_limit']:.2f}"
     share = f"{100 * row['of_choking']:.0f} %" if row["of_choking"] else ""
     rudder = "" if row["rudder"] is None else f"{row['rudder']:g}"

@@ -296,9 +296,10 @@ def forms_figure(comparisons: Mapping[str, Comparison]) -> Figure:
             errors = np.array([fit.left_out[force].rmse for fit in comparison.fits.values()])
             style = {"marker": MARKERS[i % 6], "color": COLOURS[i % 6], "linestyle": "none", "markersize": 5}
             panel.plot(np.arange(len(names)) + 0.09 * (i - 2.5), errors / errors.min(), label=label, **style)
-        panel.set(yscale="log", ylabel=f"RMSE of {force} left out,\nover the best form's [1]")
+        panel.set(yscale="log", ylabel=f"RMSE of left-out {force},\nover the best form's [1]")
+        panel.yaxis.set_major_formatter("{x:g}")
         panel.grid(alpha=0.3, axis="y")
-    axes[1, 0].set_xticks(range(len(names)), names)
+    axes[1, 0].set_xticks(range(len(names)), names, rotation=20, ha="right")
     axes[1, 0].set_xlabel("form of the bank term [-]")
     axes[0, 0].legend(frameon=False, fontsize=6.5, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=1)
     return figure

@@ -299,7 +299,7 @@ def _line(row: dict[str, Any]) -> str:
     if row["rudder"] is not None:
         return f"{row['rule']}: {row['rudder']:g} degrees of rudder at most, for long."
     if row["starboard"] is None:
-        return f"{row['rule']}{_speeds(row)}: none, it asks for {row['width']:.0f} m of water."
+        return f"{row['rule']}{_speeds(row)}: none, it needs {row['width']:.0f} m of water."
     return f"{row['rule']}{_speeds(row)}: from {row['port']:+.0f} to {row['starboard']:+.0f} m off the middle."
 
 

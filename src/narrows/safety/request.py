@@ -137,7 +137,7 @@ class Bend:
         return self.curvature / (1 - self.curvature * y)
 
     def values(self, y: Number) -> dict[str, Number]:
-        """Return what ``solved`` asks of a steady turn at an offset [m]."""
+        """Return the conditions of a steady turn at an offset [m], for ``solved``."""
         return {"path_curvature": self.path_curvature(y), "current": self.current}
 
     @property

@@ -40,7 +40,7 @@ class SafeEnvelope(BaseResult):
         attributes are ship and canal, the weather, the notes, the pilot, where a keel meets the banks [m], the beam
         [m], the limit of the rudder [rad] and the reserve of it, the number of samples, the speeds [m/s] and offsets
         [m] of the tests, in what the section was not tested, what the tests do not settle of the banks, and what the
-        rules from outside ask for.
+        published rules require.
     """
 
     data: xr.Dataset

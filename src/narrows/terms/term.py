@@ -149,9 +149,9 @@ class Term(BaseSummary):
         for word in self.inputs:
             if word not in self._vocabulary:
                 hint = did_you_mean(word, self._vocabulary)
-                raise InputError(f"term {self.name}: its regressor asks for an unknown {word!r}{hint}")
+                raise InputError(f"term {self.name}: its regressor needs an unknown {word!r}{hint}")
         if BANKS in self.inputs and not self.from_bank:
-            raise InputError(f"term {self.name}: it asks for the canal's {BANKS}; give it kind=TermKind.BANK")
+            raise InputError(f"term {self.name}: it needs the canal's {BANKS}; give it kind=TermKind.BANK")
 
     def summary(self) -> str:
         """Describe the name, kind, unit and inputs."""
@@ -261,7 +261,7 @@ class TermTable(BaseSummary):
     def summary(self) -> str:
         """Describe the number of terms of each force, and their inputs."""
         counts = ", ".join(f"{len(terms)} of {force}" for force, terms in self.forces.items())
-        return f"The terms {self.name}: {counts}; they ask for {', '.join(self.inputs)}."
+        return f"The terms {self.name}: {counts}; they need {', '.join(self.inputs)}."
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the terms as a table: one row each, with force, kind, unit, bounds, inputs and source."""

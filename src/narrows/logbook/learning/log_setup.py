@@ -171,7 +171,7 @@ def _motion(
     return RecordedMotion(model, positions, coefficients, options)
 
 
-# Records as the search asks for them: laid out one by one, long ones in parts, the useless left out and said.
+# Records for the search: laid out one by one, long ones in parts; useless ones are left out with a note.
 # Longest record taken as one [s]: constant errors do not stay constant for ever.
 LONGEST = 6 * 3600.0
 

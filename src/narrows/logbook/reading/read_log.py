@@ -226,7 +226,7 @@ class LogReading:
             mapped = replace(mapped, units={**units, **mapped.units})
         elif self.mmsi is not None:
             raise InputError(
-                f"{self.table}: mmsi = {self.mmsi} asks for AIS reports, and this table has none; leave it out"
+                f"{self.table}: mmsi = {self.mmsi} needs AIS reports, and this table has none; leave it out"
             )
         frame, self.mapped = mapped.applied(renamed(raw, mapped.columns.values()), self.table, VOCABULARY)
         recognised = recognised_in(frame, QUANTITIES, self.table)

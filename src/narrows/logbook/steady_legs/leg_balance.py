@@ -201,7 +201,7 @@ class LegReadings:
 @dataclass(frozen=True)
 class SteadyBalance:
     model: Model  # With terms of a rudder
-    given: Mapping[str, np.ndarray]  # (legs,) Heave [m], and revolutions [1/s] where the terms ask for them
+    given: Mapping[str, np.ndarray]  # (legs,) Heave [m], and revolutions [1/s] if the terms need them
 
     @cached_property
     def _ship(self) -> SimulatedShip:
@@ -247,7 +247,7 @@ class SteadyBalance:
 
 
 def sinkage_and_revolutions(model: Model, speeds: np.ndarray, read: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return what goes with the speed of legs: heave [m], and revolutions [1/s] where the terms ask for them."""
+    """Return heave [m], and revolutions [1/s] if the terms need them, by the speed of legs."""
     # speeds (legs,) [m/s]
     each, place = np.unique(speeds, return_inverse=True)
     given = {"heave": read["heave"] if "heave" in read else keel_at(model, each).midship[place]}

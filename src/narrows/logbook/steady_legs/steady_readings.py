@@ -31,7 +31,7 @@ READ = {
 # Values of a leg that may be given too.
 GIVEN = {
     "heave": Quantity("m", "midship sinkage; that of the squat formula unless given"),
-    "revolutions": Quantity("1/s", "of the propeller, for terms that ask for it"),
+    "revolutions": Quantity("1/s", "of the propeller, for terms that need it"),
 }
 
 LABEL = "leg"

@@ -42,7 +42,7 @@ NOWHERE = (
     "(plan_steady), or sail routine transits."
 )
 TOO_COARSE = "these sensors are too coarse to locate a ship of this size in its canal; give a grade of finer sensors"
-LEAST_GUST_SHARE = 0.01  # of usual gusts, how strong gusts are taken to be at least
+LEAST_GUST_SHARE = 0.01  # Least assumed strength of gusts over the usual one [1]
 
 
 @dataclass(frozen=True)

@@ -96,7 +96,7 @@ class Alert:
         if self.state in HOLDS and priority == self.priority:
             return replace(self, text=text)
         instance = self.instance + (self.state is AlertState.NORMAL)
-        # A caution asks for no acknowledgement by itself, an acknowledged alert of lower priority for no second one;
+        # A caution needs no acknowledgement, an acknowledged alert of lower priority no second one;
         # an unacknowledged alert waits at any priority.
         waits = self.state in WAITING or priority > Priority.CAUTION
         answered = self.state in ANSWERED and priority < self.priority
