@@ -196,6 +196,17 @@ def test_what_does_not_scale_is_said(dtc: nw.Model, changed: dict[str, float], s
     assert any(said in warning for warning in nw.scale_model(model, 355.0, **changed).notes)
 
 
+def test_an_estimate_at_another_depth_names_the_command_that_estimates_it_anew(tmp_path, cli) -> None:
+    kcs = nw.published("estimated_kcs")
+    assert not any("estimate it anew" in note for note in nw.scale_model(kcs, 300.0).notes)
+    (note,) = (note for note in nw.scale_model(kcs, 300.0, depth=30.0).notes if "estimate it anew" in note)
+    words = note.partition("narrows ")[2].removesuffix("ship.toml.").split()
+    assert cli(*words, tmp_path / "ship.toml")[0] == 0
+    anew = nw.load_model(tmp_path / "ship.toml")
+    assert anew.configuration.canal.depth == 30.0
+    assert anew.coefficients["Y_v"] != pytest.approx(kcs.coefficients["Y_v"], rel=0.05)
+
+
 @pytest.mark.parametrize(
     ("act", "said"),
     [

@@ -279,12 +279,25 @@ def _place_notes(model: Model, configuration: Configuration) -> tuple[str, ...]:
     if not covered:
         notes.append(f"h/T = {ratio:.2f}, and the tests' is not known.")
     elif DataRange(depth_to_draft=covered).outside("depth_to_draft", ratio):
-        notes.append(f"h/T = {ratio:.2f} is outside the tests' {covered[0]:.2f} to {covered[1]:.2f}.")
+        span = f"{covered[0]:.2f} to {covered[1]:.2f}"
+        outside = f"tests' {span}"
+        if model.source.estimate:
+            outside = f"{span} that the hull was estimated for; {_estimated_anew(configuration)}"
+        notes.append(f"h/T = {ratio:.2f} is outside the {outside}.")
     if (pair := model.data_range.speed) and old.canal.depth:
         froude = pair[1] / (GRAVITY * old.canal.depth) ** 0.5
         most = froude * (GRAVITY * configuration.canal.depth) ** 0.5
         notes.append(f"Beyond {most:.3g} m/s its depth Froude number leaves the tests', up to {froude:.3g}.")
     return tuple(notes)
+
+
+def _estimated_anew(new: Configuration) -> str:
+    """The command that estimates a ship for its own depth."""
+    ship, canal = new.ship, new.canal
+    return (
+        f"estimate it anew: narrows estimate --length {ship.length:g} --beam {ship.beam:g} --draft {ship.draft:g} "
+        f"--block {ship.block_coefficient:g} --width {canal.width:g} --depth {canal.depth:g} -o ship.toml"
+    )
 
 
 # Nondimensional models: every factor comes from the dimension of its term.

@@ -93,8 +93,10 @@ def _outside(safe: np.ndarray, block: tuple[slice, slice], y: np.ndarray, u: np.
     rest[block] = False
     if not rest.any():
         return []
-    fastest, farthest = u[safe.any(axis=0)].max() / KNOT, np.abs(y[safe.any(axis=1)]).max()
-    return [f"Single places outside this are safe too, up to {fastest:.1f} knots and out to {farthest:.1f} m."]
+    fastest, farthest = u[safe.any(axis=0)].max(), np.abs(y[safe.any(axis=1)]).max()
+    more = [f"up to {fastest / KNOT:.1f} knots"] * bool(fastest > u[block[1]].max())
+    more += [f"out to {farthest:.1f} m"] * bool(farthest > np.abs(y[block[0]]).max())
+    return [f"{', '.join(['Single places outside this are safe too', *more])}."]
 
 
 def _limits(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> str:
