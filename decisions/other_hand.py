@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import narrows as nw
-from narrows.control.steady_course import self_propulsion
 from narrows.logbook.transits.transit_twins import ROUTINE, Excursion, TransitPilot, TransitTwin, wandering
+from narrows.simulation.initial_state import self_propulsion
 
 DEGREE = math.pi / 180
 STEP = 0.5

@@ -3,12 +3,15 @@
 import copy
 import json
 import re
+import zipfile
 from functools import cache
 from pathlib import Path
 
 import pytest
 
 import narrows as nw
+from narrows.control import closed_loop, regulator
+from narrows.export.exporters import EXPORTERS
 from narrows.export.passport import passport
 from narrows.report.printed_tables import print_waterway
 from narrows.waterway.geojson import read_line, waterway_from_line, write_waterway
@@ -47,6 +50,7 @@ UNKNOWN = {
     "data_range.speed": f"{NO_RANGE}speed", "data_range.abs_y": f"{NO_RANGE}offset",
     "data_range.depth_to_draft": f"{NO_RANGE}depth", "data_range.width_to_beam": f"{NO_RANGE}width",
     "water.density": "density is not given: 1000 kg/m3", "canal.depth": "depth of the canal is not known",
+    "propeller.wake_rate": "wake_rate is not given",
 }  # fmt: skip
 DOORS = {
     "voyage": lambda model: nw.simulate(model, y=5.0, u=4.0, duration=1.0).notes,
@@ -57,6 +61,7 @@ DOORS = {
     "stability": lambda model: nw.stability(model, y=[5.0], u=[4.0]).attrs["notes"].split("\n"),
     "steady course": lambda model: [nw.steady_course(model, u=4.0, y=5.0).notes],
     "C file": lambda model: tuple(passport(model)),
+    "closed loop": lambda model: closed_loop(model, regulator(model, 5.0, 4.0)).simulate(1.0).notes,
     "envelope": lambda model: (*(found := nw.safe_envelope(model, [0.0], [4.0], samples=20)).notes, found.summary()),
 }  # fmt: skip
 WITH_BOTTOM = ("voyage", "fleet", "envelope")  # Doors that count squat and the bottom
@@ -69,15 +74,44 @@ def told_of_known(door: str) -> str:
 
 @pytest.mark.parametrize("key", UNKNOWN)
 def test_every_door_tells_what_the_file_does_not_give(key: str) -> None:
-    tables, (section, _, name) = copy.deepcopy(KNOWN), key.partition(".")
-    del (tables[section] if name else tables)[name or section]
-    unknown = nw.Model.from_dict(tables)
+    unknown = without(key)
     for door, notes in DOORS.items():
         assert not re.search(UNKNOWN[key], told_of_known(door)), door
         told = re.search(UNKNOWN[key], " ".join(notes(unknown)))
         assert told or (key == "canal.depth" and door not in WITH_BOTTOM), door
-    if not key.startswith(("verdicts", "covariance", "water")):
+    if not key.startswith(("verdicts", "covariance", "water", "propeller")):
         assert not nw.safe_envelope(unknown, [0.0], [4.0], samples=20).safe().any()
+
+
+def without(key: str) -> nw.Model:
+    tables, (section, _, name) = copy.deepcopy(KNOWN), key.partition(".")
+    del (tables[section] if name else tables)[name or section]
+    return nw.Model.from_dict(tables)
+
+
+@pytest.mark.parametrize("suffix", [".m", ".h", ".cs", ".mjs", ".fmu"])
+def test_every_language_of_the_bank_force_tells_it_too(suffix: str, tmp_path: Path) -> None:
+    def written(model: nw.Model) -> str:
+        EXPORTERS["bank-force"].write(model, file := tmp_path / f"bank{suffix}")
+        return zipfile.ZipFile(file).read("modelDescription.xml").decode() if suffix == ".fmu" else file.read_text()
+
+    known = written(nw.Model.from_dict(KNOWN))
+    for key in set(UNKNOWN) - {"canal.depth"}:
+        assert not re.search(UNKNOWN[key], known), key
+        assert re.search(UNKNOWN[key], written(without(key))), key
+
+
+def test_trials_name_an_estimate_and_what_they_do_not_know() -> None:
+    assert any("estimated from main dimensions" in note for note in nw.turning_circle(without("verdicts")).notes)
+    for key in ("data_range.speed", "data_range.depth_to_draft", "water.density", "propeller.wake_rate"):
+        assert re.search(UNKNOWN[key], " ".join(nw.turning_circle(without(key)).notes)), key
+    slow = nw.Model.from_dict({**KNOWN, "data_range": {**KNOWN["data_range"], "speed": [0.0, 3.0]}})
+    assert any("Beyond the data: surge velocity" in note for note in nw.turning_circle(slow, speed=4.0).notes)
+
+
+def test_an_assumed_wake_is_still_assumed_in_the_file_that_is_saved(tmp_path: Path) -> None:
+    nw.save_model(without("propeller.wake_rate"), tmp_path / "model.toml")
+    assert any("wake_rate is not given" in note for note in nw.load_model(tmp_path / "model.toml").notes)
 
 
 def test_a_map_with_latitude_first_is_seen_by_the_place_that_is_told(

@@ -2,6 +2,7 @@
 
 import io
 from contextlib import redirect_stdout
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -75,6 +76,18 @@ def test_circles_and_zigzags_are_those_of_the_trials() -> None:
         nw.zigzag(model, 20, np.radians(20))
     with pytest.raises(nw.InputError, match="must be a finite number"):
         nw.turning_circle(model, "35deg")
+
+
+def test_a_trial_approaches_at_a_steady_speed() -> None:
+    """Froude's law: with revolutions that keep the approach, a ship turns alike at two speeds far from its own."""
+    kcs = nw.published("estimated_kcs")
+    slow, usual = (nw.turning_circle(kcs, speed=speed) for speed in (4.0, 6.0))
+    assert any("keep the approach speed" in note for note in slow.notes)
+    assert slow.advance == pytest.approx(usual.advance, rel=0.02)
+    assert slow.voyage.u.max() == pytest.approx(4.0, rel=0.001)
+    ahead = replace(kcs.in_open_water(), configuration=slow.voyage.configuration)
+    straight = nw.simulate(ahead, u=4.0, duration=600.0, contact="none", surge="free")
+    assert straight.u[-1] == pytest.approx(4.0, rel=0.001)
 
 
 def test_a_fleet_draws_its_map() -> None:

@@ -1,7 +1,7 @@
 """Columns of captive-test tables: quantities, each with its unit, and labels."""
 
 from collections.abc import Container, Iterable
-from dataclasses import fields
+from dataclasses import MISSING, fields
 
 from narrows.captive.tests import Headers
 from narrows.errors import InputError, near_miss
@@ -41,8 +41,27 @@ def check_given(asked: Iterable[str], values: Container[str], headers: Headers, 
         "cos_psi": "psi", "sin_psi": "psi",
     }  # fmt: skip
     first, *more = dict.fromkeys(column.get(name, name) for name in missing)
-    too = f"; {', '.join(map(repr, more))} {'are' if more[1:] else 'is'} missing too" if more else ""
-    raise InputError(f"{_lacking(first, missing[0], headers, movers)}{too}")
+    raise InputError(f"{_lacking(first, missing[0], headers, movers)}{_others(more, movers)}")
+
+
+def _others(names: Iterable[str], movers: Iterable[Actuator]) -> str:
+    """Name what else is missing, as the ship file has it; what has a default need not be given."""
+    parts = [part for mover in movers for part in mover.parts]
+    usual = {part.known_as(one.name) for part in parts for one in fields(part) if one.default is not MISSING}
+    places = _places(movers)
+    found: dict[str, list[str]] = {}
+    for name in names:
+        section, _, key = places.get(name, f"column {name}").partition(" ")
+        if name not in usual:
+            found.setdefault(section, []).append(key)
+    more = "; ".join(f"{section} {', '.join(keys)}" for section, keys in found.items())
+    return f"; missing too: {more}" if more else ""
+
+
+def _places(movers: Iterable[Actuator]) -> dict[str, str]:
+    sections = {"ship": Ship, "canal": Canal, "water": Water}
+    own = {field.name: f"[{section}] {field.name}" for section, part in sections.items() for field in fields(part)}
+    return own | places_of(movers)
 
 
 def _lacking(wanted: str, name: str, headers: Headers, movers: tuple[Actuator, ...]) -> str:
@@ -58,9 +77,7 @@ def _lacking(wanted: str, name: str, headers: Headers, movers: tuple[Actuator, .
 
 
 def _where(name: str, headers: Headers, actuators: tuple[Actuator, ...]) -> str:
-    sections = {"ship": Ship, "canal": Canal, "water": Water}
-    places = {field.name: f"[{section}] {field.name}" for section, part in sections.items() for field in fields(part)}
-    place, quantity = (places | places_of(actuators)).get(name), particulars_with(actuators).get(name)
+    place, quantity = _places(actuators).get(name), particulars_with(actuators).get(name)
     if place is None or quantity is None:
         return "add it"
     section, _, key = place.partition(" ")

@@ -130,10 +130,10 @@ def trials(
     """
     from narrows.cli.options import speed as read_speed
     from narrows.empirical.fleet import model_named
-    from narrows.manoeuvres.manoeuvring_trials import parse_zigzags, sail_trials
+    from narrows.manoeuvres.manoeuvring_trials import sail_trials
     from narrows.report.manoeuvre_report import manoeuvres_figure, print_manoeuvres
 
-    result = sail_trials(model_named(model), read_speed("--speed", speed), turn_deg, parse_zigzags(zigzags), dt)
+    result = sail_trials(model_named(model), read_speed("--speed", speed), turn_deg, _zigzags(zigzags), dt)
     if output:
         result.save(output)
     if plot:
@@ -208,3 +208,13 @@ def _check_together(file: Path | None, line: Path | None, width: float | None, r
         raise InputError("a chart (.000) goes with --line, its centreline on a map with one line")
     if (line is None or file is None) and reach != REACH:
         raise InputError("--reach measures a chart or an area; leave it out for banks that are drawn")
+
+
+def _zigzags(text: str) -> tuple[tuple[float, float], ...]:
+    """Read ``10/10,20/20``."""
+    # text [deg]
+    try:
+        pairs = [word.split("/") for word in text.split(",") if word]
+        return tuple((float(rudder), float(heading)) for rudder, heading in pairs)
+    except ValueError:
+        raise InputError(f"--zigzags {text!r} is not understood; write 10/10,20/20, in degrees") from None

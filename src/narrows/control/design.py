@@ -83,7 +83,8 @@ class RegulatorDesign(BaseSummary):
     def summary(self) -> str:
         """Return the shares of lost ships, also with the default weights."""
         parts = [f"{name} {1000 * row['lost']:.0f} ({1000 * row['usual']:.0f})" for name, row in self.judged.items()]
-        return f"Ships lost per 1000 test ships (default weights in brackets): {', '.join(parts)}."
+        lost = f"Ships lost per 1000 test ships (default weights in brackets): {', '.join(parts)}."
+        return " ".join([lost, *self.model.notes])
 
 
 def design(

@@ -9,9 +9,10 @@ from narrows.aliases import accept_aliases
 from narrows.codegen.free_motion import Surge
 from narrows.control.linear_system import LinearSystem
 from narrows.control.local_motion import MOVED, WATER, LocalMotion, LocalWater, local_water
-from narrows.control.steady_course import check_inside, self_propulsion, solved
+from narrows.control.steady_course import check_inside, solved
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
+from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.ship import SimulatedShip
 

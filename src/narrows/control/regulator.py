@@ -13,10 +13,11 @@ from narrows.control.linearization import linearize
 from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights, best_gains, regulator_gains
 from narrows.control.regulator_law import HeldLine, Regulator
 from narrows.control.settings import LEAD_TIME, OFF_HEADING, OFF_RUDDER
-from narrows.control.steady_course import check_holds, check_inside, check_rudder, self_propulsion, solved
+from narrows.control.steady_course import check_holds, check_inside, check_rudder, solved
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.controllers import Autopilot
+from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.ship import SimulatedShip
 
 if TYPE_CHECKING:

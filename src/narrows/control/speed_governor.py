@@ -10,13 +10,13 @@ import numpy as np
 
 from narrows.control.linearization import linearize
 from narrows.control.settings import EASE, ENGINE_RESERVE, GOVERNOR_TIME, PIECES
-from narrows.control.steady_course import self_propulsion
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import choice, maximum, minimum
 from narrows.results import BaseSummary
 from narrows.simulation.controllers import ControlLaw, Named
 from narrows.simulation.derivative import derivative
+from narrows.simulation.initial_state import self_propulsion
 
 # Memory of the law: the integral of the missing speed [m].
 SHORTFALL = "surge_shortfall"

@@ -17,6 +17,7 @@ from narrows.codegen.trace import trace_of
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.grid import grid_of
+from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.inputs import INPUTS, check_workers
 from narrows.simulation.outcome import section_notes
 from narrows.simulation.ship import SimulatedShip
@@ -186,41 +187,6 @@ def _text(system: "System") -> str:
     body.append(f"return {', '.join(printer.doprint(value) for value in out)}")
     text = "\n    ".join(["@quiet\ndef balance(drift, angle, inputs):", *body]) + "\n"
     return module_text("float64", 16, f"COLUMNS = {inputs!r}", text)
-
-
-def self_propulsion(model: Model, u: float) -> float:
-    """Return the revolutions at which thrust balances resistance straight ahead, rudder amidships [1/s].
-
-    Parameters
-    ----------
-    model : Model
-        A model with terms of a propeller.
-    u : float [m/s]
-        Surge velocity.
-
-    Raises
-    ------
-    InputError
-        If the model has no propeller, or no revolutions reach the speed.
-
-    Examples
-    --------
-    >>> kvlcc2 = nw.published("yasukawa2015_kvlcc2")
-    >>> round(float(nw.self_propulsion(kvlcc2, u=1.0)), 1)
-    10.1
-    """
-    from scipy.optimize import brentq
-
-    if not model.terms.propelled:
-        raise InputError("this model has no terms of a propeller; there are no revolutions to look for")
-
-    def surplus(revolutions: float) -> float:
-        return -model.resistance(u, revolutions=revolutions)
-
-    fast = next((n for n in 2.0 ** np.arange(-10, 20) if surplus(float(n)) > 0), None)
-    if fast is None:
-        raise InputError(f"no revolutions drive this ship at {u:g} m/s; check the propeller and the resistance")
-    return float(brentq(surplus, 0.0, float(fast))) if surplus(0.0) < 0 else 0.0
 
 
 def with_propulsion(model: Model, vary: dict[str, object]) -> dict[str, object]:

@@ -8,10 +8,11 @@ import numpy as np
 
 from narrows.aliases import accept_aliases
 from narrows.errors import InputError
+from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 from narrows.results import BaseResult
 from narrows.simulation.controllers import ConstantRudder, Zigzag
-from narrows.simulation.initial_state import voyage_defaults
+from narrows.simulation.initial_state import steady_ahead, voyage_defaults
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.voyage import Voyage, simulate
 
@@ -75,9 +76,8 @@ class Turning(BaseResult):
         """
         turned = np.abs(voyage.psi - voyage.psi[0])
         if turned.max() < HALF:
-            raise InputError(
-                f"the ship turned by {np.degrees(turned.max()):.0f} degrees of the 180 asked for; sail on for longer"
-            )
+            by, why = np.degrees(turned.max()), voyage.outcome.sentence.partition(". ")[0].removesuffix(".")
+            raise InputError(f"the ship turned by {by:.0f} degrees of the 180 asked for: {why}; sail slower or longer")
         x, y = (column - column[0] for column in (voyage.x, voyage.y))
         first = slice(0, int(np.argmax(turned >= HALF)) + 1)
         along, across = (np.interp((QUARTER, HALF), turned[first], np.abs(column[first])) for column in (x, y))
@@ -266,7 +266,8 @@ def sail_trials(
 ) -> Trials:  # fmt: skip
     """Simulate turning circles and zigzags in open water, each to either side.
 
-    The speed is free if the model has a surge inertia, and constant otherwise.
+    The speed is free if the model has a surge inertia, and constant otherwise. If the model's own revolutions are for
+    another speed than the approach, those that keep it are used.
 
     Parameters
     ----------
@@ -315,12 +316,15 @@ class _TrialShip:
         if not u > 0:
             raise InputError(f"an approach at {u} m/s is none; give its speed over 0")
         ship, hull = model.in_open_water(), model.configuration.ship
-        notes = list(model.configuration.notes)
+        notes = [note for note in ship.notes if note != ship.bank_note]
+        notes += extrapolation(ship.data_range, {"speed": u})
+        ship, steady = steady_ahead(ship, u)
+        notes += [steady] * bool(steady)
         if not ship.surge_inertia > 0:
             notes.append("the speed is held: the model has no term for surge resistance")
         if model.configuration.steering is None and hull.length < MODEL_LENGTH:
             notes.append("the gear is as slow as a ship's, and this is a model's size: give [steering] its rate")
-        if ship is not model:
+        if model.terms.feels_bank:
             notes.append("the terms of the banks are left out: open water, and the depth that the others hold for")
         return cls(ship, u, hull.length / u / STEPS_A_LENGTH if dt is None else dt, tuple(notes))
 
@@ -350,16 +354,6 @@ class _TrialShip:
         return simulate(
             self.model, u=self.speed, duration=longest, dt=self.dt, contact="none", surge=surge, controller=law
         )
-
-
-def parse_zigzags(text: str) -> tuple[tuple[float, float], ...]:
-    """Read ``10/10,20/20``."""
-    # text [deg]
-    try:
-        pairs = [word.split("/") for word in text.split(",") if word]
-        return tuple((float(rudder), float(heading)) for rudder, heading in pairs)
-    except ValueError:
-        raise InputError(f"--zigzags {text!r} is not understood; write 10/10,20/20, in degrees") from None
 
 
 def overshoots(voyage: Voyage, zigzag: Zigzag) -> tuple[float, ...]:

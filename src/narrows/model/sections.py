@@ -10,7 +10,7 @@ import numpy as np
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.data_range import DataRange, Range
 from narrows.ship.particulars import Configuration
-from narrows.ship.ship_file import actuator_sections, assumed_density, check_table, configuration_from
+from narrows.ship.ship_file import actuator_sections, assumptions, check_table, configuration_from
 from narrows.terms.tables import table_named
 from narrows.terms.term import TermTable
 
@@ -51,8 +51,9 @@ def sections_of(
     """Return the sections of a model file from the model's fields."""
     parts = {**{name: getattr(configuration, name) for name in PARTS}, **configuration.parts}
     tables: dict[str, Any] = {name: _without_none(asdict(part)) for name, part in parts.items()}
-    if assumed_density(configuration.water.density) in configuration.notes:  # Who reads the file assumes it too
-        tables["water"].pop("density")
+    for (section, key), note in assumptions(configuration.water).items():
+        if note in configuration.notes:  # Who reads the file assumes it too
+            tables[section].pop(key)
     lists = {force: [term.name for term in group] for force, group in terms.forces.items()}
     tables["terms"] = {"table": terms.name, **lists}
     tables["coefficients"] = {name: float(coefficients[name]) for name in terms.names}

@@ -85,14 +85,21 @@ def configuration_from(tables: Mapping[str, Any], file: str, actuators: Iterable
     try:
         main = {name: _section(cls, name, tables.get(name, {})) for name, cls in NEEDED.items()}
         parts = [_section(cls, name, tables[name]) for name, cls in sections.items() if name in tables]
-        notes = () if "density" in tables.get("water", {}) else (assumed_density(main["water"].density),)
-        return Configuration(**main, depths=dict(tables.get("depths", {})), notes=notes).with_parts(parts)
+        told = assumptions(main["water"])
+        notes = [
+            note for (name, key), note in told.items() if key not in tables.get(name, {} if name in NEEDED else key)
+        ]
+        return Configuration(**main, depths=dict(tables.get("depths", {})), notes=tuple(notes)).with_parts(parts)
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
 
 
-def assumed_density(density: float) -> str:
-    return f"[water] density is not given: {density:g} kg/m3, that of fresh water, is assumed"
+def assumptions(water: Water) -> dict[tuple[str, str], str]:
+    """Return what is assumed where a file leaves a key out, by section and key."""
+    return {
+        ("water", "density"): f"[water] density is not given: {water.density:g} kg/m3, that of fresh water, is assumed",
+        ("propeller", "wake_rate"): "[propeller] wake_rate is not given: the wake of straight running is used in turns",
+    }
 
 
 def check_table(name: str, table: object, file: str) -> None:

@@ -26,6 +26,10 @@ DEFAULT_FROUDE, DEFAULT_SHARE_OF_CHOKING = 0.16, 0.7
 DEFAULT_LENGTHS, DEFAULT_STEPS_A_LENGTH = 15.0, 200.0
 DEFAULT_OFFSET = 0.78
 
+# Share by which a model's own revolutions may differ from those that keep the approach speed of a trial: tests at the
+# model's self-propulsion point run at fewer than balance its resistance (KVLCC2: 13 %).
+OWN_REVOLUTIONS = 0.2
+
 # Voyages per block: a fraction of a second's work, so that bars move and Ctrl-C takes effect.
 BLOCK_VESSELS = 65_536
 # Least number of voyages of a stored task: makes the cost of writing and scheduling small.

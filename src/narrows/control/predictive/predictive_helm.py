@@ -23,13 +23,14 @@ from narrows.control.predictive.planner import (
 from narrows.control.predictive.push_estimate import Push, no_push, updated_push
 from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.control.settings import FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING, TIME_TOLERANCE
-from narrows.control.steady_course import check_holds, check_inside, check_rudder, self_propulsion
+from narrows.control.steady_course import check_holds, check_inside, check_rudder
 from narrows.errors import InputError, needs
 from narrows.model.model import Model
 from narrows.physics.rudder import gear_motion
 from narrows.results import BaseSummary
 from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import VoyageState
+from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.inputs import check_waterway, finite_numbers
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.ship_lanes import ShipLanes

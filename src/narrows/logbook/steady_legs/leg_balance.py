@@ -13,7 +13,6 @@ from functools import cached_property
 import numpy as np
 
 from narrows.codegen.linearisation import LINEARISED
-from narrows.control.steady_course import self_propulsion
 from narrows.errors import InputError
 from narrows.logbook.filtering.log_problem import CoefficientPrior, Unknowns
 from narrows.logbook.filtering.search import bounded_step
@@ -25,6 +24,7 @@ from narrows.model.model import Model
 from narrows.quantities.names import Number
 from narrows.safety.request import keel_at
 from narrows.ship.motion import Motion
+from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.ship import SimulatedShip
 
 # True state of a leg, of which its readings are readings.

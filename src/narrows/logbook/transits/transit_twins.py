@@ -9,7 +9,7 @@ import xarray as xr
 
 from narrows.control.regulator import regulator
 from narrows.control.regulator_law import HeldLine
-from narrows.control.steady_course import self_propulsion, steady_course
+from narrows.control.steady_course import steady_course
 from narrows.errors import InputError, shown
 from narrows.identification.fitting import bundled_ship
 from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
@@ -34,6 +34,7 @@ from narrows.progress import bar, is_shown
 from narrows.quantities.names import KNOT
 from narrows.simulation.controllers import Order, VoyageState
 from narrows.simulation.grid import correlated
+from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:
