@@ -1,4 +1,4 @@
-"""narrows: from captive model tests to a closed-form bank-effect model that says how far it can be trusted.
+"""narrows: from captive model tests to a closed-form bank-effect model with its uncertainty.
 
 The public names are listed in ``__init__.pyi``; each loads at its first use, so that importing the package is fast.
 """

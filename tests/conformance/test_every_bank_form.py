@@ -13,7 +13,7 @@ import narrows as nw
 from arithmetic import check_arithmetic, values_at
 from limits import within
 from narrows.simulation.ship import SimulatedShip
-from narrows.terms.bank_forms import OURS, PUBLISHED, REFITTED
+from narrows.terms.bank_forms import NEW, PUBLISHED, REFITTED
 
 every_form = pytest.mark.parametrize("form", nw.FORMS.values(), ids=lambda form: form.name)
 WIDTH, BEAM = 7.0, 0.572
@@ -70,5 +70,5 @@ def test_a_ship_sails_under_it(form: nw.BankForm, dtc: nw.Model) -> None:
 def test_it_says_where_it_is_from_and_where_it_holds(form: nw.BankForm) -> None:
     assert form.source
     assert form.validity
-    assert form.status in (PUBLISHED, REFITTED, OURS)
+    assert form.status in (PUBLISHED, REFITTED, NEW)
     assert nw.with_bank(nw.PAPER, form.name).name == f"paper+{form.name}"

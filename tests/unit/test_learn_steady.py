@@ -126,8 +126,8 @@ def test_what_was_learned_and_what_was_not_is_said() -> None:
     assert found.verdicts["b_vdot"] == "from the prior"
     assert found.tells
     assert "c_bank is 0.0" in found.summary().splitlines()[0]
-    assert "on twins only" in found.summary()
-    assert "on twins only" in found.notes[-1]
+    assert "on simulated twins only" in found.summary()
+    assert "on simulated twins only" in found.notes[-1]
     assert found.model.verdicts["c_bank"] == "identified"
     assert "learned from 3 legs from -0.5 to +0.5 m" in found.model.source.text
     assert nw.learn_steady(found.model, legs(), errors=ERRORS).std["c_bank"] < found.std["c_bank"]

@@ -111,4 +111,4 @@ def test_a_surer_model_changes_the_envelope() -> None:
     assert narrow < wide
     assert rows[-1]["held_after"] >= rows[-1]["held_before"]
     assert found.summary().startswith("Before: ")
-    assert "on twins only" in found.notes[-1]
+    assert "on simulated twins only" in found.notes[-1]

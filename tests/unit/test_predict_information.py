@@ -95,7 +95,7 @@ def test_more_transits_tell_more_and_excursions_more_than_routine() -> None:
             assert later > last
     assert found.best.excursion.offset == pytest.approx(0.3)
     assert "The best excursion is 0.3 m aside" in found.summary()
-    assert "on twins only" in found.summary()
+    assert "on simulated twins only" in found.summary()
     assert_readable(found.plot())
 
 

@@ -38,7 +38,7 @@ def test_the_pilots_page_says_when_to_break_off_and_what_it_rests_on() -> None:
     said += " ".join(text.get_text() for text in page.texts)
     assert "BREAK OFF" in said
     assert f"{np.degrees(planned(4).most_rudder):.0f} degrees" in said
-    assert "on twins only" in said
+    assert "on simulated twins only" in said
     cells = [cell.get_text().get_text() for table in page.axes[2].tables for cell in table.get_celld().values()]
     assert f"{planned(4).legs[0].offset:g} m starboard" in cells
 
@@ -53,7 +53,7 @@ def test_the_report_says_what_was_learned_what_it_changes_and_what_it_rests_on(t
     fit, change = learned()
     write_steady_report(fit, change, tmp_path / "learned.html")
     page = (tmp_path / "learned.html").read_text(encoding="utf-8")
-    for said in ("on twins only", "c_bank", "Wind and zeros", "held before", "zero of the rudder", "<svg"):
+    for said in ("on simulated twins only", "c_bank", "Wind and zeros", "held before", "zero of the rudder", "<svg"):
         assert said in page
     assert len(fit.plot().axes) == 3
     for result in (fit, change):

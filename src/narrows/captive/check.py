@@ -62,7 +62,7 @@ def check_rates(columns: dict[str, np.ndarray], test: np.ndarray, by_name: dict[
             unit = "deg" if name == "psi" else "deg/s"
             raise InputError(
                 f"{table}: column {name!r} is {ratio:.0f} times what "
-                f"{'r' if name == 'psi' else 'psi'} says, so it looks like degrees; head it '{name} [{unit}]'"
+                f"{'r' if name == 'psi' else 'psi'} gives, so it looks like degrees; head it '{name} [{unit}]'"
             )
 
 

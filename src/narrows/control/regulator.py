@@ -64,7 +64,7 @@ def regulator(
     about = partial(linearize, model, u=u, waterway=waterway, surge="held", **values)
     if isinstance(at, Sequence | np.ndarray):
         if np.ndim(y):
-            raise InputError("y changes in time and the gains change along the way; give several of one only")
+            raise InputError("y changes in time and the gains change along the way; give one of the two")
         lines = [held_line(model, about(y=y, at=place), place, weights) for place in at]
     else:
         lines = [held_line(model, about(y=offset, at=at), start, weights) for start, offset in _pairs(y)]

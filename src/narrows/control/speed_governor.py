@@ -65,7 +65,7 @@ class SpeedGovernor(BaseSummary):
 
     def __post_init__(self) -> None:
         if not isinstance(self.helm, ControlLaw):
-            raise InputError(f"a {type(self.helm).__name__} is no law in arithmetic that a governor could stand beside")
+            raise InputError(f"a {type(self.helm).__name__} is no control law in arithmetic, which a governor needs")
         if not self.most_revolutions > 0:
             raise InputError(f"most_revolutions = {self.most_revolutions} drives no ship; give it in 1/s, over 0")
         if len(self.x) < 2 or not len(self.x) == len(self.u) == len(self.revolutions):
@@ -146,7 +146,7 @@ def speed_governor(
 
     References
     ----------
-    Åström and Hägglund (2006), Advanced PID Control, for the gains by placed poles and the integral that rests.
+    Åström and Hägglund (2006), Advanced PID Control, for pole placement and conditional integration.
     """
     places, speeds = _checked(limits)
     revolutions = [self_propulsion(model, speed) for speed in speeds]

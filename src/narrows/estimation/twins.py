@@ -90,7 +90,7 @@ def sail_twins(
     if RUDDER in filter.actuators and filter.indicator.noise:
         place = filter.actuators.index(RUDDER)
         noisy[..., place] += filter.indicator.noise * random.standard_normal(noisy.shape[:2])
-    readings = {name: _told(fleet, sensor, times, states)[:, :count] for name, sensor in filter.sensors.items()}
+    readings = {name: _readings(fleet, sensor, times, states)[:, :count] for name, sensor in filter.sensors.items()}
     return Twins(times, states[:, :count], noisy[:, :count], readings, aground[:count])
 
 
@@ -120,8 +120,8 @@ def _sailed(fleet: _Fleet, start: tuple[float, ...], times: np.ndarray) -> tuple
     return np.array(states), np.array(indicated), aground
 
 
-def _told(fleet: _Fleet, sensor: Sensor, times: np.ndarray, states: np.ndarray) -> np.ndarray:
-    """Readings of a sensor at their arrival: of the state when measured, linear between the times."""
+def _readings(fleet: _Fleet, sensor: Sensor, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Readings of a sensor by time of arrival, from the state when measured, linear between the times."""
     every = max(1, round(sensor.period / fleet.dt))
     readings = np.full((len(times), fleet.count, len(sensor.fields)), np.nan)
     for number in range(0, len(times), every):

@@ -16,8 +16,8 @@ from narrows.model.data_range import DataRange, Range
 from narrows.quantities.names import Number
 from narrows.terms.term import TermTable
 
-# Products at once: a strip in the cache, and too few for BLAS to share among threads of its own, which for products as
-# small as these costs many times what it gains and fights with ours.
+# Products computed at once: a strip fits the cache, and is too small for BLAS to start threads of its own, which would
+# slow such small products and compete with those of the package.
 STRIP = 2**19
 # Blocks that are in memory at once.
 AHEAD = 16

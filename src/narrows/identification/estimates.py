@@ -85,7 +85,7 @@ class CoefficientEstimates:
                     sizes = [
                         (e, min(float(n * e.usual), e.linear))
                         for e, n in zip(part.effects, needed, strict=True)
-                        if e.told
+                        if e.has_usual_size
                     ]
                     result[name] = sorted(
                         ((e, size) for e, size in sizes if size < e.most), key=lambda one: one[1] / one[0].usual

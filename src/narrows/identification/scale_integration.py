@@ -38,9 +38,9 @@ class SplitNormal:
 
     mode: np.ndarray  # (d,)
     root: np.ndarray  # (d, d) symmetric, of the inverse curvature
-    inverse: np.ndarray  # of the root
+    inverse: np.ndarray  # Inverse of the root
     widths: np.ndarray  # (2, d) below and above the mode
-    log_size: float  # logarithm of the posterior's integral, about
+    log_size: float  # Approximate logarithm of the posterior's integral
 
     def points(self, count: int) -> np.ndarray:
         """Fixed points of low discrepancy, (count, d)."""
@@ -69,7 +69,7 @@ def integrate(model: MixedModel, points: int = POINTS) -> "ScaleMixture":
         return ScaleMixture(model, nothing, nothing[None], np.ones(1), [model.at(nothing)])
     modes = search(model)
     densities = [_fitted(model, mode) for mode in modes]
-    known: dict[bytes, Conditional] = {}  # points of a sequence that is drawn on are those drawn before, and more
+    known: dict[bytes, Conditional] = {}  # A longer Sobol sequence begins with the points of the shorter one
     while True:
         mixture, weight = _weighed(model, densities, points, known)
         heaviest = int(weight.argmax())
@@ -208,8 +208,8 @@ class ScaleMixture:
     @cached_property
     def shifts(self) -> np.ndarray:
         """Change of each coefficient for a change of an effect by one, the effect being given: (p, q)."""
-        # Regression of coefficients on effects, so that data which contradict an effect of that size do not weaken it:
-        # it may be there and have been taken for others.
+        # Regression of coefficients on effects: data that contradict an effect of that size do not reduce the change,
+        # since other effects may have absorbed it.
         p = self.model.fixed
         shift = np.zeros((p, len(self.model.group)))
         for weight, part in zip(self.weights, self.parts, strict=True):

@@ -33,12 +33,12 @@ SIZES = {
 # Degrees of freedom of the half-t priors where they are not the usual ones: few where an error may be large.
 FREEDOM = {TYPES: 1.5, HULL: 2.0, BANK: 2.0, SHAPE: 2.0, WITH_OFFSET: 5.0, SETTLING: 2.0, CROSSTALK: 4.0}
 USUAL_FREEDOM = 3.0
-# Groups that may explain by themselves what a coefficient does, or another of these.
+# Groups that may mimic a coefficient, or another of these groups.
 RIVALS = (f"{INERTIA} by speed", f"{INERTIA} by period", SHAPE, BANK, TYPES, WITH_OFFSET, SETTLING, CROSSTALK)
 # Trends of less than this, in logarithms or octaves, count as one level.
 ONE_LEVEL = 0.05
 # Side force of a usual rudder [N] per degree at 1 m/s, over density x L x T: area LT/48, slope of the normal force
-# 2.45, of which the hull makes 1.3 times as much.
+# 2.45, times 1.3 with the pressure on the hull.
 RUDDER = 0.5 / 48 * 2.45 * 1.3 * DEGREE
 # Root mean square of a sine over its amplitude's half: offsets at which other forms of the bank are as large as it.
 TYPICAL = 1.5
@@ -46,8 +46,8 @@ TYPICAL = 1.5
 COLLINEAR = 1e-3
 # Sizes that no laboratory overlooks, by unit; a force or a zero may be all of the measured force.
 LARGEST_SIZES = {"%": 50.0, "m": 0.3, "s": 3.0, "deg": 5.0, "cm/s": 10.0}
-# Change of a force, over its level, beyond which late or turned forces no longer follow in proportion: on twins,
-# coefficients that the linear response leaves alone are then off (decisions/trust_campaign.py).
+# Change of a force, over its level, up to which it is proportional to a delay or rotation. Beyond it, on twins, also
+# coefficients without a linear response change (decisions/trust_campaign.py).
 LINEAR = 0.04
 CLOCKS, MOUNT = "delay between clocks", "compliance of the mount"
 BENT = (CLOCKS, MOUNT)
@@ -70,8 +70,8 @@ class Effect:
         return self.group != FIXED
 
     @property
-    def told(self) -> bool:
-        """True where laboratories know its usual size, so that it has a tipping point."""
+    def has_usual_size(self) -> bool:
+        """True if laboratories know its usual size, so that it has a tipping point."""
         return self.group in OF_A_CAMPAIGN and bool(self.unit)
 
 
@@ -198,7 +198,7 @@ class Effects:
         self._rudder(rows.raw("column y u2") / rows.reach, f"deg {place}")
 
     def _unexcited_sway(self, column: np.ndarray) -> np.ndarray:
-        """Force of a heading of one radian on a usual hull, where no test has sway that would show this one's."""
+        """Force of a heading of one radian on a usual hull, for tests without sway."""
         # Clarke, Gedling, Hine (1983): Y'v about pi T/L + 1.4 CB B/L. N'v is 0.14 to 0.41 in tests of KCS and DTC.
         rows, ship = self.rows, self.configuration.ship
         if np.abs(rows.shift("heading")).max(initial=0.0) > 0 and rows.rms(rows.raw("column v")) > 1e-6:
@@ -278,9 +278,9 @@ def assemble(
 
 
 def _taken(rows: ForceRows, x: np.ndarray, effects: list[Effect]) -> np.ndarray:
-    """Least squares of what hull terms are not on the hull terms, each motion alike: (coefficients, effects).
+    """Regression of the effects on the hull terms, with equal weight of each motion: (coefficients, effects).
 
-    A hull coefficient is that of the terms which fit the hull's forces best; a bank's is the slope at the centreline.
+    A hull coefficient is the one that fits the forces on the hull best; a bank's is the slope at the centreline.
     """
     p = len(rows.free_parameters)
     hull = np.array(sorted({rows.place(term) for _, term in rows.terms if not term.from_bank}), int)

@@ -46,7 +46,7 @@ class LearnedCoefficient:
 
     @property
     def by_record(self) -> tuple[float, float]:
-        """95 % interval by the record, what was known of this coefficient before taken out again; open where it is."""
+        """95 % interval by the record alone, the prior of this coefficient removed; infinite without information."""
         known, all_known = (1 / size**2 if size > 0 else math.inf for size in (self.prior_std, self.std))
         if not known < all_known < math.inf:
             return -math.inf, math.inf
@@ -56,7 +56,7 @@ class LearnedCoefficient:
 
     @property
     def unresolved(self) -> bool:
-        """True where the interval has 0, or, where the record has most of the information, its own interval does."""
+        """True if the interval contains 0; for a learned coefficient also if that of the record alone does."""
         intervals = (self.interval, self.by_record) if self.word == LEARNED else (self.interval,)
         return any(low <= 0 <= high for low, high in intervals)
 
@@ -67,7 +67,7 @@ class LearnedCoefficient:
 
     @property
     def verdict(self) -> str:
-        """The word, and of a bank's coefficient that may be 0 that it is unresolved."""
+        """The word; for a bank coefficient that may be 0 also ``unresolved``."""
         return f"{self.word}, {UNRESOLVED}" if self.from_bank and self.unresolved else self.word
 
     def to_dict(self) -> dict[str, Any]:
@@ -96,7 +96,7 @@ def learned_coefficients(prior: Model, values: np.ndarray, covariance: np.ndarra
 
 
 def verdicts_after(prior: Model, coefficients: Mapping[str, LearnedCoefficient], contradicted: bool) -> dict[str, str]:
-    """Return the verdicts of the model that comes out: those of the tests, but for what was learned."""
+    """Return the verdicts of the learned model: those of the tests, except for learned coefficients."""
     learned = [name for name, coefficient in coefficients.items() if coefficient.word == LEARNED]
     if contradicted:
         return {**prior.verdicts, **dict.fromkeys(learned, "contradicted by the ship's own record")}
@@ -134,7 +134,7 @@ class LearnedAnswer(BaseResult):
         return pd.DataFrame(rows, columns=columns, index=pd.Index(list(known), name="coefficient"))
 
     def _taught(self, source: str) -> str:
-        """Return what was learned from a source, and what keeps its prior."""
+        """Return a sentence on the coefficients learned from a source, and on those unchanged."""
         known = [c for c in self.coefficients.values() if c.prior_std > 0]
         sentences = [c.sentence() for c in known if c.from_bank and c.word != PRIOR]
         learned = [c.name for c in known if c.word == LEARNED and not c.from_bank]
@@ -175,7 +175,7 @@ def learnable(model: Model, targets: object) -> tuple[str, ...]:
 
 
 # The label of every page, result and report.
-ON_TWINS = "Bank coefficients from legs and transits are shown on twins only, until a log is at hand."
+ON_TWINS = "Bank coefficients from legs and transits are tested on simulated twins only."
 
 
 def learned_model(
@@ -196,8 +196,8 @@ def learned_model(
 
 def covered_range(prior: Model, offsets: Range, speeds: Range) -> DataRange:
     # offsets [m]; speeds [m/s]
-    # In a section that no test had, the record alone says how far off the middle and how fast the bank was met; slower
-    # than that, its force is less. Where no bank is felt, speeds count alone.
+    # In a section without tests only the record gives the covered offsets and speeds; at lower speeds the bank's force
+    # is smaller. Without a bank only speeds count.
     known, configuration = prior.data_range, prior.configuration
     section = {"width_to_beam": configuration.canal.width / configuration.ship.beam}
     if configuration.canal.depth is not None:

@@ -12,18 +12,18 @@ from narrows.results import BaseSummary
 from narrows.ship.checks import is_finite
 
 DEGREE = math.pi / 180
-OURS = "ours"
+ASSUMED = "assumed"
 GYRO = (
     "IMO A.424(XI), gyro-compasses: to 0.75 deg at rest, 1.0 deg under way, times the secant of the latitude; standard "
-    "deviations of about half of it, ours (nippon.zaidan.info/seikabutsu/2000/00402/contents/006.htm, read by us)"
+    "deviations assumed, about half of it (nippon.zaidan.info/seikabutsu/2000/00402/contents/006.htm, checked)"
 )
 TURNING = (
     "IMO A.526(13), rate-of-turn indicators: to 0.5 deg/min and 5 % of what is shown "
-    "(ajishnavigator.blogspot.com/2011/10/imo-performance-standards-for-rot.html, read by us)"
+    "(ajishnavigator.blogspot.com/2011/10/imo-performance-standards-for-rot.html, checked)"
 )
 BROADCAST = (
-    "heading in whole degrees and no rudder, by the form of the message (ais_msg_2.html at vislab-ccom.unh.edu, read "
-    "by us); the rest ours"
+    "heading in whole degrees and no rudder, by the form of the message (ais_msg_2.html at vislab-ccom.unh.edu, "
+    "checked); the rest assumed"
 )
 
 
@@ -46,15 +46,15 @@ class SignalGrade:
     noise : float [unit of the signal]
         Standard deviation from reading to reading.
     period : float [s]
-        Between readings.
+        Time between two readings.
     wander : float [unit of the signal]
-        Standard deviation of an error that stays for a while.
+        Standard deviation of an error correlated in time.
     memory : float [s]
-        How long it stays: a first-order process.
+        Correlation time of that error, a first-order process.
     zero : float [unit of the signal]
-        Standard deviation of an error that is the same all through a record.
+        Standard deviation of an error that is constant over a record.
     source : str
-        Where the numbers come from.
+        Source of the numbers.
 
     Raises
     ------
@@ -72,7 +72,7 @@ class SignalGrade:
     wander: float = 0.0
     memory: float = 60.0
     zero: float = 0.0
-    source: str = OURS
+    source: str = ASSUMED
 
     def __post_init__(self) -> None:
         check_sizes(self, over=("noise", "period", "memory"))
@@ -118,7 +118,7 @@ RTK = SensorGrade(
     "rtk",
     "a pilot's own unit, two antennas with corrections, and the rudder's indicator by wire",
     {
-        "y": SignalGrade(0.05, zero=0.3, source="ours; the zero is of the banks as charted"),
+        "y": SignalGrade(0.05, zero=0.3, source="assumed; the zero is of the banks as charted"),
         "x": SignalGrade(0.05, zero=0.3),
         "psi": SignalGrade(0.05 * DEGREE, zero=0.1 * DEGREE),
         "r": SignalGrade(0.008 * DEGREE, wander=0.002 * DEGREE),
@@ -132,7 +132,7 @@ VDR = SensorGrade(
     "what a voyage data recorder keeps: GNSS, gyro, rate of turn, rudder indicator",
     {
         "y": SignalGrade(
-            0.7, wander=1.0, memory=300.0, zero=2.0, source="ours; the zero is of antenna and charted banks"
+            0.7, wander=1.0, memory=300.0, zero=2.0, source="assumed; the zero is of antenna and charted banks"
         ),
         "x": SignalGrade(0.7, wander=1.0, memory=300.0, zero=2.0),
         "psi": SignalGrade(0.15 * DEGREE, wander=0.2 * DEGREE, memory=600.0, zero=0.5 * DEGREE, source=GYRO),

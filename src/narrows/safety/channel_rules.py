@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 # Kinds of bank in rules; a wall is steep.
 BANKS = ("gentle", "sloping", "steep")
 # Reliability of the numbers of a rule.
-READ, REMEMBERED = "read by us", "from memory, not read by us"
+READ, REMEMBERED = "checked in the source", "from memory, not checked"
 # Kilometres per hour in one metre per second, and metres in one foot.
 HOUR, FOOT = 3.6, 0.3048
 
@@ -90,8 +90,7 @@ PIANC = ChannelRule(
     "fast), 0.1 B for a fast ship and 0.2 or 0.4 B for shallow water, and a clearance to either bank",
     "PIANC (2014), Report 121, Harbour approach channels: design guidelines, as Kubla Ports' technical manual has it, "
     "kublasoftware.com/support/documentation/kubla-ports/2018/5.1/technical-manual/channel-widths/overview.html",
-    "lane, wind and speed read by us; clearance to the banks and the addition for shallow water from memory, not read "
-    "by us",
+    "lane, wind and speed checked; clearance to the banks and the addition for shallow water from memory, not checked",
     tuple(
         Lane(low, high, 1.5 + wind + fast, {bank: by_speed[place] for bank, by_speed in PIANC_CLEARANCE.items()})
         for place, (low, high, wind, fast) in enumerate(

@@ -151,7 +151,7 @@ def _cells(table: "WaterwayTable", near: "LeastWalls", names: tuple[str, ...] = 
 def bend_channel(
     model: Model, contact: str | Outline, walls: tuple[float, float], curvature: float, current: float, length: float
 ) -> Channel:
-    """Return the model's canal in a bend whose curvature does not change, as long as asked [m]."""
+    """Return the model's canal in a bend of constant curvature and a given length [m]."""
     # walls: where a keel meets the banks, to port and to starboard of the middle [m]; curvature to starboard [1/m]
     from narrows.waterway.table import STEPS_A_BEAM, WaterwayTable, least_walls
 

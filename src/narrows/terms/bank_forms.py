@@ -15,7 +15,7 @@ from narrows.terms.term import LETTERS, ScaleEffect, Term, TermKind, TermTable
 
 # Suffix of the name of a table without terms of the bank.
 OPEN_WATER = "open_water"
-PUBLISHED, REFITTED, OURS = "published", "form of another, coefficients refitted", "ours"
+PUBLISHED, REFITTED, NEW = "published", "form of another, coefficients refitted", "new in narrows"
 
 
 @dataclass(frozen=True, repr=False)
@@ -33,7 +33,7 @@ class BankForm(BaseSummary):
     validity : str
         Range of validity.
     status : str
-        ``published``, ``form of another, coefficients refitted`` or ``ours``.
+        ``published``, ``form of another, coefficients refitted`` or ``new in narrows``.
 
     Examples
     --------
@@ -119,21 +119,21 @@ FORMS = {
             {"bank": clearance.fast_bank_distance},
             "y_B with the return flow of Schijf (1949)",
             "far from the banks, below the speed that chokes the canal",
-            OURS,
+            NEW,
         ),
         BankForm(
             "keel_gap",
             {"bank": clearance.keel_gap_delta},
             "delta with B T/h in place of B",
             "h >= T; the paper's delta at T = h; no change of sign",
-            OURS,
+            NEW,
         ),
         BankForm(
             "delta_depth",
             {"bank": clearance.delta, "bank_depth": clearance.shallow_delta},
             "delta and delta T/(h - T)",
             "h > T; two coefficients a force, so that the sign can change with depth",
-            OURS,
+            NEW,
         ),
     )
 }

@@ -1,7 +1,7 @@
 """Score tests of faults, one parameter a fault, by the innovations of the filter that learns.
 
-Rao (1948), Proc. Camb. Phil. Soc. 44: the score of a fault where it is taken to be absent, less what the fitted numbers
-explain of it, over the root of its information. One step of Fisher scoring gives the size of the fault. Where records
+Rao (1948), Proc. Camb. Phil. Soc. 44: the score of an absent fault, projected orthogonally to the fitted numbers, over
+the root of its information. One step of Fisher scoring gives the size of the fault. Where records
 scatter more than the model predicts, White (1982), Econometrica 50, gives the variance of their common score.
 """
 

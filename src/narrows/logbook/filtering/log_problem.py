@@ -65,7 +65,7 @@ class StochasticModel:
         return matrix
 
     def kept(self, step: float) -> np.ndarray:
-        """Return what of each process is kept over a step, (m,) [1]."""
+        """Return the share of each process that remains after a step, (m,) [1]."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.exp(-step / np.array([one.memory for one in self.processes])))
 

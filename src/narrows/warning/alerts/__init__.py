@@ -1,1 +1,1 @@
-"""Alerts as IEC 62923 has them: certainty, priority and acknowledgement; logged before publication."""
+"""Alerts by IEC 62923: certainty, priority and acknowledgement; logged before publication."""
