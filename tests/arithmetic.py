@@ -9,7 +9,7 @@ import pytest
 import narrows as nw
 from limits import within
 from narrows.quantities.arithmetic import COLUMNS
-from narrows.quantities.names import asked_by, name_of
+from narrows.quantities.names import argument_names, name_of
 
 DEPTH = 0.4
 """Of the water in which regressors are evaluated [m]."""
@@ -26,7 +26,7 @@ def values_at(model: nw.Model, state: dict[str, float]) -> dict[str, float]:
 
 def check_arithmetic(function: Callable[..., float], known: dict[str, float]) -> None:
     """Hold a function on columns and on numbers of 30 digits to what it gives for floats."""
-    values = {name: known[name] for name in asked_by(function)}
+    values = {name: known[name] for name in argument_names(function)}
     expected = function(*values.values())
     columns = {name: np.full(3, value) for name, value in values.items()}
     np.testing.assert_allclose(np.broadcast_to(function(*columns.values()), 3), expected, rtol=1e-15, atol=0)

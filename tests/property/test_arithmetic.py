@@ -13,7 +13,7 @@ from strategies import STATES
 import narrows as nw
 from arithmetic import check_arithmetic, values_at
 from narrows.physics import clearance, hull
-from narrows.quantities.names import asked_by, name_of
+from narrows.quantities.names import argument_names, name_of
 
 PHYSICS = [
     function
@@ -21,7 +21,9 @@ PHYSICS = [
     for function in vars(room).values()
     if isfunction(function)
     and getattr(function, "__module__", "") == room.__name__
-    and {"pressure", "mass"}.isdisjoint(asked_by(function))  # Of another function or a given mass: tables hold these.
+    and {"pressure", "mass"}.isdisjoint(
+        argument_names(function)
+    )  # Of another function or a given mass: tables hold these.
     and function is not hull.drift  # Not defined at rest
 ]
 FORCES = ("X", "Y", "N")

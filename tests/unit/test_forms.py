@@ -115,15 +115,15 @@ def test_named_tables_go_into_model_files_and_back(name: str, dtc: nw.Model, tmp
     assert again.terms == table
     motion = nw.Motion.at(y=1.0, psi=0.1, u=1.0, v=0.1, r=0.02)
     assert again.forces(motion) == model.forces(motion)
-    assert table.feels_bank == ("open_water" not in name and name not in ("mmg", "mmg+asymmetry"))
+    assert table.has_bank == ("open_water" not in name and name not in ("mmg", "mmg+asymmetry"))
 
 
 def test_a_model_that_feels_no_bank_says_so(dtc: nw.Model, short: nw.CaptiveTests) -> None:
-    assert dtc.feels_bank
+    assert dtc.has_bank
     assert dtc.bank_note == ""
     silent = dtc.with_coefficients(b_bank=0.0, c_bank=0.0)
     assert "bank coefficients are 0" in silent.bank_note
-    assert not silent.feels_bank
+    assert not silent.has_bank
     assert "'paper+open_water' have no bank force" in dtc.in_open_water().bank_note
     assert "'mmg' have no bank force" in nw.published("yasukawa2015_kvlcc2").bank_note
     assert table_named("paper+open_water").bank_note in nw.identify(short, table_named("paper+open_water")).notes

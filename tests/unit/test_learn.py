@@ -65,7 +65,7 @@ def test_a_ship_that_is_known_is_found_again() -> None:
     for name, factor in WRONG.items():
         assert abs(found.model[name] / kvlcc2()[name] - 1) < 0.5 * abs(factor - 1)
     assert found.settled
-    assert found.tells
+    assert found.informative
     assert found.verdicts["N_v"] == "learned"
     assert found.verdicts["Y_rrr"] == "from the prior"
     assert not found.disagrees

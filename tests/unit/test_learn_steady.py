@@ -124,7 +124,7 @@ def test_what_was_learned_and_what_was_not_is_said() -> None:
     found = learned()
     assert found.verdicts["c_bank"] == "learned"
     assert found.verdicts["b_vdot"] == "from the prior"
-    assert found.tells
+    assert found.informative
     assert "c_bank is 0.0" in found.summary().splitlines()[0]
     assert "on simulated twins only" in found.summary()
     assert "on simulated twins only" in found.notes[-1]
@@ -164,7 +164,7 @@ def test_a_leg_that_does_not_fit_the_others_is_named() -> None:
     frame.loc[4, "rudder [deg]"] += 8.0
     found = nw.learn_steady(ship(), frame, errors=ERRORS, conditions=CALM)
     assert found.checks.contradicted
-    assert not found.tells
+    assert not found.informative
     assert found.model.verdicts["c_bank"].startswith("contradicted")
     assert "leg 5 fits worst" in " ".join(found.notes)
     assert min(found.checks.leg_probabilities, key=found.checks.leg_probabilities.__getitem__) == "5"

@@ -57,7 +57,7 @@ def test_the_bank_of_a_twin_is_found_within_its_interval() -> None:
         own = found.coefficients[name]
         assert own.std < 0.3 * own.prior_std
         assert abs(own.value - truth[name]) < 3.5 * own.std
-    assert found.tells
+    assert found.informative
     assert found.gusts is not None
     assert 10 < found.gusts.memory < 160
     assert not found.disagrees

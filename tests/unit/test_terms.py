@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.quantities.names import REGRESSOR_INPUTS, asked_by
+from narrows.quantities.names import REGRESSOR_INPUTS, argument_names
 from tables import frame_of, many_runs, written
 
 
@@ -151,7 +151,7 @@ def test_own_table_comes_back_from_a_model_file_only_with_itself(dtc: nw.Model, 
 
 @pytest.mark.parametrize("term", nw.PAPER.terms, ids=lambda term: term.name)
 def test_inputs_are_the_arguments_and_of_the_vocabulary(term: nw.Term) -> None:
-    assert term.inputs == asked_by(term.regressor)
+    assert term.inputs == argument_names(term.regressor)
     assert set(term.inputs) <= set(REGRESSOR_INPUTS)
     assert term.from_bank == term.name.endswith("bank")
 

@@ -188,11 +188,11 @@ def envelope(
         from narrows.report.envelope_along_chart import envelope_along_chart, print_envelope_along
 
         delivery.write(along.save, lambda: envelope_along_chart(along))
-        delivery.tell(along.to_dict, lambda: print_envelope_along(along))
+        delivery.show(along.to_dict, lambda: print_envelope_along(along))
         raise SystemExit(int(bool(along.to_dataframe()["highest_speed"].isna().all())))
     ship, reach, notes = section.placed(ship)
     result = safe_envelope(ship, **asked, **reach)
     result = result.noting(*notes)
     delivery.write(result.save, lambda: envelope_chart(result))
-    delivery.tell(result.to_dict, lambda: print_envelope(result))
+    delivery.show(result.to_dict, lambda: print_envelope(result))
     raise SystemExit(int(bool(result.highest_speed().isnull().all())))

@@ -24,7 +24,7 @@ from narrows.cli.options import (
     folder,
     output_of,
     print_json,
-    say_written,
+    print_written,
     verb,
 )
 from narrows.errors import InputError
@@ -177,7 +177,7 @@ def explain(
     delivery.write(result.save)
     if delivery.report:
         write_explanation(result, delivery.report, f"{model} on {table.name}")
-    delivery.tell(result.to_dict, lambda: print_explanation(result, selection.condition or ""))
+    delivery.show(result.to_dict, lambda: print_explanation(result, selection.condition or ""))
 
 
 def publish(
@@ -196,7 +196,7 @@ def publish(
         with stage("drawing the report"):
             write_report(every, delivery.report, title, answers)
     _show(every, answers, delivery.json)
-    say_written([*written, delivery.report], delivery.json)
+    print_written([*written, delivery.report], delivery.json)
     if any(fit.implausible or not fit.solution.kkt.satisfied for fit in fits.values()):
         raise SystemExit(1)
 
@@ -304,7 +304,7 @@ def plan(
     tested = made.configuration if made else ship
     result = plan_tests(tested, runs.runs, tank=runs.tank(), after=made, **aim.options(terms))
     delivery.write(result.save)
-    delivery.tell(result.to_dict, lambda: print_plan(result))
+    delivery.show(result.to_dict, lambda: print_plan(result))
     raise SystemExit(int(not result.determined))
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import ModelDelivery, WaterwayFile, named, print_json, say_written, verb
+from narrows.cli.options import ModelDelivery, WaterwayFile, named, print_json, print_written, verb
 from narrows.errors import InputError
 
 if TYPE_CHECKING:
@@ -188,8 +188,8 @@ def _deliver(fit: "LogFit", delivery: ModelDelivery, truth: "Mapping[str, float]
     if delivery.report:
         write_log_report(fit, delivery.report, truth)
     result = _told(fit, log=fit.to_dict(), truth=None if truth is None else dict(truth))
-    delivery.tell(lambda: result, lambda: print_log_fit(fit, truth))
-    return fit.tells
+    delivery.show(lambda: result, lambda: print_log_fit(fit, truth))
+    return fit.informative
 
 
 def _learn_steady(model: "Model", legs: LegOptions, table: Path, delivery: ModelDelivery) -> bool:
@@ -202,8 +202,8 @@ def _learn_steady(model: "Model", legs: LegOptions, table: Path, delivery: Model
     if delivery.report:
         write_steady_report(fit, change, delivery.report)
     result = _told(fit, steady=fit.to_dict(), envelope=change.to_dict())
-    delivery.tell(lambda: result, lambda: print_steady_fit(fit, change))
-    return fit.tells
+    delivery.show(lambda: result, lambda: print_steady_fit(fit, change))
+    return fit.informative
 
 
 def _change(fit: "SteadyFit") -> "EnvelopeChange":
@@ -228,7 +228,7 @@ def _plan(model: "Model", legs: LegOptions, page: Path, speed: str | None, json:
     if plan.legs:
         write_pilot_page(plan, page)
     print_json(_told(plan, plan=plan.to_dict())) if json else print_steady_plan(plan)
-    say_written([page] if plan.legs else [], json)
+    print_written([page] if plan.legs else [], json)
     return bool(plan.legs)
 
 

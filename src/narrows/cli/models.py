@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import click
 
 from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import AsJson, ModelFile, ModelOutput, print_json, say_written, verb
+from narrows.cli.options import AsJson, ModelFile, ModelOutput, print_json, print_written, verb
 from narrows.cli.options import speed as read_speed
 from narrows.cli.voyage_options import HelmOptions, PhysicsOptions, WaterOptions
 from narrows.errors import InputError
@@ -72,7 +72,7 @@ def scale(
         print_json(scaled.to_dict())
         return
     print_scaled(scaled)
-    say_written([output])
+    print_written([output])
 
 
 @verb("narrows export c mikkelsen2025_dtc -o dtc.h")
@@ -118,7 +118,7 @@ def export(
         return
     for note in notes:
         click.echo(note)
-    say_written([output])
+    print_written([output])
 
 
 def _helm(model: "Model", hold: float | None, speed: str | None, way: "Waterway | None") -> Any:
@@ -174,7 +174,7 @@ def estimate(
         print_json(estimate_summary(model))
         return
     print_estimate(model)
-    say_written([output])
+    print_written([output])
 
 
 @verb("narrows ships")

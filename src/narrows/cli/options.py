@@ -39,7 +39,7 @@ def named(forms: tuple[str, ...]) -> Callable[[Path | None], Path | None]:
     return checked
 
 
-def say_written(paths: Iterable[Path | None], json: bool = False) -> None:
+def print_written(paths: Iterable[Path | None], json: bool = False) -> None:
     """Print which files were written; nothing with JSON output or for streams."""
     files = [path for path in paths if path is not None]
     if not json and not any(map(is_stream, files)):
@@ -208,12 +208,12 @@ class Delivery:
 
             save_figure(draw(), self.plot)
 
-    def tell(self, values: Callable[[], Any], words: Callable[[], None]) -> None:
+    def show(self, values: Callable[[], Any], words: Callable[[], None]) -> None:
         if self.json:
             print_json(values())
             return
         words()
-        say_written((self.output, self.plot, self.report))
+        print_written((self.output, self.plot, self.report))
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from narrows.cli.options import (
     TrackDelivery,
     WaterwayOutput,
     print_json,
-    say_written,
+    print_written,
     verb,
 )
 from narrows.cli.voyage_options import (
@@ -71,7 +71,7 @@ def simulate(
     fixed = (
         f"\nNobody steered: the rudder stayed at {helm.rudder_deg:g} degrees; --hold 0 steers along y = 0." * unsteered
     )
-    delivery.tell(voyage.to_dict, lambda: click.echo(voyage.summary() + fixed))
+    delivery.show(voyage.to_dict, lambda: click.echo(voyage.summary() + fixed))
     raise SystemExit(int(voyage.outcome.kind == "diverged"))
 
 
@@ -107,7 +107,7 @@ def map_(
         lambda: narrows.report.map_figure(voyages, chosen, samples.within, waterway, vary),
     )
     summary = map_summary(voyages)
-    delivery.tell(lambda: summary, lambda: click.echo(summary["summary"]))
+    delivery.show(lambda: summary, lambda: click.echo(summary["summary"]))
     raise SystemExit(int(summary["outcomes"]["diverged"] == summary["voyages"]))
 
 
@@ -141,7 +141,7 @@ def trials(
 
         save_figure(manoeuvres_figure(result), plot)
     print_json(result.to_dict()) if json else print_manoeuvres(result)
-    say_written((output, plot), json)
+    print_written((output, plot), json)
 
 
 # Search distance for a bank in a chart [m].
@@ -197,7 +197,7 @@ def waterway(
         print_json(waterway_summary(result, draft))
         return
     print_waterway(result, draft)
-    say_written([output])
+    print_written([output])
 
 
 def _check_together(file: Path | None, line: Path | None, width: float | None, reach: float) -> None:

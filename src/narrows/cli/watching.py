@@ -166,7 +166,7 @@ def _score(inputs: InputOptions, model: str, waterway: Path | None, y: float, de
                 scorer.add(monitored.update(tick, tick.t))
         transits.append(scorer.transit())
     scores = score_transits(transits, inputs.limit)
-    delivery.tell(scores.to_dict, lambda: click.echo("\n".join([scores.summary(), *scores.notes])))
+    delivery.show(scores.to_dict, lambda: click.echo("\n".join([scores.summary(), *scores.notes])))
 
 
 def _replayed(path: Path, pace: float, mmsi: int | None) -> Iterator["Tick"]:
@@ -273,7 +273,7 @@ def _deliver(transit: "WatchedTransit", delivery: ReportDelivery) -> None:
     def words() -> None:
         click.echo("\n".join([transit.summary(), *transit.notes]))
 
-    delivery.tell(transit.to_dict, words)
+    delivery.show(transit.to_dict, words)
 
 
 SIGNAL_K = ("ws://", "wss://")

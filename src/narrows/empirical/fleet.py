@@ -162,7 +162,7 @@ def _row(name: str, model: Model) -> dict[str, object]:
         "draft": ship.draft,
         "block_coefficient": ship.block_coefficient,
         "rudder": any(term.kind is TermKind.RUDDER for term in terms.terms),
-        "banks": model.feels_bank,
+        "banks": model.has_bank,
         "measured": "nothing of this ship" if model.source.estimate else "captive tests",
         "source": source,
     }

@@ -167,7 +167,7 @@ class ShipFilter:
 
     @cached_property
     def ship(self) -> SimulatedShip:
-        open_water = self.waterway is None and not self.model.terms.feels_bank
+        open_water = self.waterway is None and not self.model.terms.has_bank
         contact: Contact = "none" if open_water else "corners"
         return SimulatedShip(self.model, self.surge, self.surge_inertia, self.coriolis, contact)
 
@@ -218,7 +218,7 @@ class ShipFilter:
         can = {name: self.spreads.get(name, 0.0) > 0.0 for name in STATES}
         can |= {name: can[name] or self.walks[name][0] > 0.0 for name in ("bank", "current", "current_across")}
         can |= dict.fromkeys(MOTION_STATES, True)
-        can["bank"] &= self.model.terms.feels_bank
+        can["bank"] &= self.model.terms.has_bank
         return StateNames((*(name for name in STATES if can[name]), *self.errors))
 
     @cached_property

@@ -295,7 +295,7 @@ def _path(run: StraightRun) -> tuple[float, ...]:
 
 def _forms(terms: TermTable) -> list[TermTable]:
     """The terms, and the same with other forms of the bank: a plan must work under each."""
-    if sum(term.from_bank for term in terms.terms) != 2 or terms.feels_depth:
+    if sum(term.from_bank for term in terms.terms) != 2 or terms.needs_depth:
         return [terms]
     return [terms, *(with_bank(terms, form) for form in OTHER_FORMS)]
 
@@ -316,7 +316,7 @@ def _check(runs: int, criterion: str, terms: TermTable, noise: Mapping[str, floa
     for force, part in terms.forces.items():
         if part and not noise.get(force, 0.0) > 0:
             raise InputError(f"noise: {force} needs a positive standard deviation; give one for each force")
-    if tank.depths and not terms.feels_depth:
+    if tank.depths and not terms.needs_depth:
         raise InputError("no term depends on the water's depth; leave the depths out, or take terms that do")
 
 

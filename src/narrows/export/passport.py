@@ -39,12 +39,12 @@ def model_hash(model: Model) -> str:
 def passport(model: Model, covariance: bool = True) -> Iterator[str]:
     """Describe a model in a few lines: its kind, origin, and trust."""
     ship = model.configuration.ship
-    where = "between two banks" if model.feels_bank else "without a bank force"
+    where = "between two banks" if model.has_bank else "without a bank force"
     yield f"{ship.name}: motion {where}, by the terms {model.terms.name}."
     yield f"Model {model_hash(model)}, written by narrows {version('narrows')}. {LICENCE}"
     if model.source.text:
         yield f"Source: {model.source.text}."
-    ranges = model.data_range.unknown_note(model.feels_bank)
+    ranges = model.data_range.unknown_note(model.has_bank)
     yield from (note for note in model.notes if note != ranges)
     covered = [
         f"{measure.words} {measure.shown(*pair)}"

@@ -24,10 +24,10 @@ OFF_CENTRE = 0.1
 
 @dataclass(frozen=True)
 class BankSummary:
-    """The hull, the bank and the next runs of a fit, a sentence each; then what lies behind them."""
+    """The hull, the bank and the next runs of a fit in one sentence each, with details."""
 
     fit: Fit  # Fit with the requested terms
-    preferred: Fit | None  # Fit with the hull terms that predict left-out motions best, where these are others
+    preferred: Fit | None  # Fit with the hull terms that predict left-out motions best, if these differ
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -103,7 +103,7 @@ class BankSummary:
         return f"{sentence}. No test shows a gain that all runs share."
 
     def _apart(self) -> list[str]:
-        """Coefficients whose intervals under the two tables of terms have nothing in common."""
+        """Coefficients whose intervals with the two tables of terms do not overlap."""
         if self.preferred is None:
             return []
         pairs = ((n, self.fit.intervals[n], self.preferred.intervals[n]) for n in bank_names(self.fit))
@@ -118,7 +118,7 @@ class BankSummary:
 
 
 def summarise_bank(fit: Fit) -> BankSummary:
-    """Put the answer of a fit first: its bank's coefficients, under its terms and under those that its tests prefer."""
+    """Summarise the bank coefficients of a fit, with its terms and with those that predict left-out tests best."""
     return BankSummary(fit, preferred_fit(fit) if _comparable(fit) else None)
 
 
@@ -129,7 +129,7 @@ def bank_names(fit: Fit) -> list[str]:
 
 def preferred_fit(fit: Fit) -> Fit | None:
     """Return the fit of the hull's terms, with the same form of the bank, of least left-out error."""
-    # None where the terms of the fit do, within two per cent.
+    # None if no other terms are better by more than 2 %.
     others = []
     for table in _others(fit.terms):
         try:
@@ -143,7 +143,7 @@ def preferred_fit(fit: Fit) -> Fit | None:
 
 
 def missing_runs(fit: Fit) -> list[str]:
-    """Name the kinds of runs that part a bank from the hull and are not among the tests."""
+    """Name the kinds of runs that separate bank and hull and are missing in the tests."""
     motions = fit.motions
     off = motions.steady & (motions.reach > OFF_CENTRE * fit.tests.configuration.canal.width / 2)
     speeds = sorted({round(float(motions.features["speed"][group].mean()), 2) for group in motions.by_speed})
@@ -175,7 +175,7 @@ def _forces(fit: Fit) -> list[str]:
 
 
 def _relative_error(other: Fit, fit: Fit) -> float:
-    """Geometric mean, over the forces that the bank makes, of errors on left-out tests over those of the fit."""
+    """Errors on left-out tests over those of the fit, as a geometric mean over the forces of the bank."""
     ratios = [other.left_out[force].rmse / max(fit.left_out[force].rmse, 1e-300) for force in _forces(fit)]
     mean = float(np.exp(np.mean(np.log(np.maximum(ratios, 1e-300)))))
     return mean if math.isfinite(mean) else math.inf

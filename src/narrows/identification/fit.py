@@ -37,28 +37,28 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Fit(Prediction):
-    """A fitted table of terms and everything that is known of it.
+    """A fitted table of terms: estimates, intervals, verdicts and diagnostics.
 
     Parameters
     ----------
     tests : CaptiveTests, StreamedTests or a part of them
-        What it was fitted on.
+        The fitted tests.
     normal_equations : NormalEquations
         Sums over the rows.
     problem : Problem
-        What was solved: the terms, their bounds and ties.
+        The terms, their bounds and ties.
     solution : Solution
-        The optimum and the check of it.
+        The optimum, with its Karush-Kuhn-Tucker check.
     motions : DistinctMotions
-        The distinct motions: what the standard errors take as independent.
+        The distinct motions, which the standard errors treat as independent.
     left_out : mapping of str to Score
         R2 and RMSE of each force on rows left out.
     split : str
         Rows left out: ``test``, those of each distinct motion in turn, or ``random``.
     data_range : DataRange
-        What the rows cover.
+        Ranges that the rows cover.
     errors : RunErrors
-        By how much runs differ beyond the noise within them, before repeats are looked at.
+        Prior sizes of the differences between runs beyond their noise.
 
     Examples
     --------
@@ -126,12 +126,12 @@ class Fit(Prediction):
 
     @cached_property
     def scores(self) -> dict[str, Score]:
-        """R2 and RMSE of each force on the rows of the fit, each counting as it did there."""
+        """R2 and RMSE of each force on the rows of the fit, with the weights of the fit."""
         return score(self.normal_equations, self.normal_equations.total, self.terms, self.coefficients)
 
     @cached_property
     def left_out_speeds(self) -> dict[str, Score]:
-        """Scores at each speed of a fit to the other speeds; empty where there is one speed."""
+        """Scores at each speed of a fit to the other speeds; empty for one speed."""
         groups = np.stack([self.motions.sums[members].sum(axis=0) for members in self.motions.by_speed])
         if len(groups) < 2:
             return {}
@@ -159,7 +159,7 @@ class Fit(Prediction):
     def covariance(self) -> np.ndarray:
         """Covariance (n, n) of the coefficients within their bounds, as in ``terms.names``.
 
-        Ensembles and the envelope draw from it; it is zero of coefficients held at a bound that the data reject.
+        Ensembles and the envelope draw from it; it is zero for coefficients held at a bound.
         """
         return self.estimates.covariance
 
@@ -208,7 +208,7 @@ class Fit(Prediction):
 
     @cached_property
     def correlations(self) -> tuple[CorrelatedPair, ...]:
-        """Pairs of coefficients that stand in for one another, the closest first."""
+        """Pairs of correlated coefficients, the closest first."""
         return correlated_pairs(self.problem, self.normal_equations.total)
 
     @cached_property
@@ -243,7 +243,7 @@ class Fit(Prediction):
         kind : str
             ``mse``, ``mean_abs`` or ``lmg``.
         coefficients : mapping of str to float, optional
-            Values to share out instead of the fit's own, in their SI units.
+            Values of the coefficients instead of the fit's own, in their SI units.
 
         Raises
         ------
@@ -263,7 +263,7 @@ class Fit(Prediction):
         )
         one = one * (several and AT not in self.terms.name)
         depths = (*one, *(test.sentence(name) for name, test in self.depth_tests.items()))
-        bank = (self.terms.bank_note,) * (not self.terms.feels_bank)
+        bank = (self.terms.bank_note,) * (not self.terms.has_bank)
         rudder = unmodelled_rudder(self.tests, self.normal_equations, self.terms)
         helm = (f"{rudder[:1].upper()}{rudder[1:]}.",) * bool(rudder)
         bias = noise_bias(self.problem, self.solution, self.normal_equations)
@@ -272,7 +272,7 @@ class Fit(Prediction):
         return (*known, *bank, *helm, *noise)
 
     def save(self, path: str | Path) -> None:
-        """Write it in the form that the suffix says; ``.toml`` is its model, which ``load_model`` reads.
+        """Write it in the format of the suffix; ``.toml`` is its model, which ``load_model`` reads.
 
         Parameters
         ----------
@@ -282,7 +282,7 @@ class Fit(Prediction):
         Raises
         ------
         InputError
-            Where there is no such form, or the file cannot be written.
+            If there is no such format, or the file cannot be written.
         """
         if Path(path).suffix == ".toml":
             self.model.save(path)
@@ -290,7 +290,7 @@ class Fit(Prediction):
             super().save(path)
 
     def summary(self) -> str:
-        """Errors of the forces, and the coefficients that cannot be trusted: a line each."""
+        """Return the errors of the forces and the coefficients that are not identified, one line each."""
         scores = [
             f"{force}: R2 {fitted.r2:.3f}, RMSE {fitted.rmse:.3g}; on left-out tests R2 {checked.r2:.3f}, "
             f"RMSE {checked.rmse:.3g}."
@@ -302,7 +302,7 @@ class Fit(Prediction):
         return "\n".join([title, *self.implausible, *scores, *doubts])
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name: what ``identify --json`` prints."""
+        """Return everything by name, as ``identify --json`` prints it."""
         return {
             "coefficients": {name: self._coefficient(name) for name in self.terms.names},
             "fit": {force: _scores(fitted, self.left_out[force]) for force, fitted in self.scores.items()},
@@ -327,7 +327,7 @@ class Fit(Prediction):
         }
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the coefficients as a table: a row each, with value, std, low, high, unit and verdict."""
+        """Return a table of the coefficients with value, std, low, high, unit and verdict."""
         import pandas as pd
 
         rows = [

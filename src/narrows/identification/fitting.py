@@ -147,7 +147,7 @@ def depths_of(tests: Tests) -> list[float]:
 
 def check_one_condition(tests: Tests, terms: TermTable) -> None:
     """Raise where tests at several depths are to share coefficients that do not know the depth."""
-    if isinstance(tests, CaptiveTests) and len(set(tests.conditions)) > 1 and not terms.feels_depth:
+    if isinstance(tests, CaptiveTests) and len(set(tests.conditions)) > 1 and not terms.needs_depth:
         labels = ", ".join(dict.fromkeys(tests.conditions))
         raise InputError(
             f"the tests are of several conditions ({labels}), which no one model fits unless its terms need the "

@@ -202,7 +202,7 @@ def covered_range(prior: Model, offsets: Range, speeds: Range) -> DataRange:
     section = {"width_to_beam": configuration.canal.width / configuration.ship.beam}
     if configuration.canal.depth is not None:
         section["depth_to_draft"] = configuration.canal.depth / configuration.ship.draft
-    if not prior.feels_bank:
+    if not prior.has_bank:
         low, high = known.speed or speeds
         return replace(known, speed=(min(speeds[0], low), max(speeds[1], high)))
     new = any(getattr(known, name) is None or known.outside(name, ratio) for name, ratio in section.items())

@@ -324,7 +324,7 @@ class _TrialShip:
             notes.append("the speed is held: the model has no term for surge resistance")
         if model.configuration.steering is None and hull.length < MODEL_LENGTH:
             notes.append("the gear is as slow as a ship's, and this is a model's size: give [steering] its rate")
-        if model.terms.feels_bank:
+        if model.terms.has_bank:
             notes.append("the terms of the banks are left out: open water, and the depth that the others hold for")
         return cls(ship, u, hull.length / u / STEPS_A_LENGTH if dt is None else dt, tuple(notes))
 

@@ -128,7 +128,7 @@ def bank_force(
     >>> force.Y > 0 > force.N  # towards the near bank, the bow away from it
     True
     """
-    if not model.feels_bank:
+    if not model.has_bank:
         raise InputError(model.bank_note)
     check_angles({"psi": psi})
     canal = model.configuration.canal

@@ -132,15 +132,15 @@ class DataRange:
         """
         return [name for name in names if getattr(self, name) is None]
 
-    def unknown_note(self, feels_bank: bool) -> str:
+    def unknown_note(self, has_bank: bool) -> str:
         """Return a note on the tested ranges that are not known; empty if all are.
 
         Parameters
         ----------
-        feels_bank : bool
+        has_bank : bool
             Whether offset and width matter.
         """
-        asked = ("speed", "depth_to_draft", *(("abs_y", "width_to_beam") if feels_bank else ()))
+        asked = ("speed", "depth_to_draft", *(("abs_y", "width_to_beam") if has_bank else ()))
         missing = [MEASURES[name].short for name in self.unknown(asked)]
         return f"The model gives no tested range of {', '.join(missing)}." if missing else ""
 

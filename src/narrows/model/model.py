@@ -326,14 +326,14 @@ class Model(Configured, Operations):
         }
 
     @property
-    def feels_bank(self) -> bool:
+    def has_bank(self) -> bool:
         """Return whether it has a bank force: terms of the bank, not all zero."""
         return any(term.from_bank and self.coefficients[term.name] for term in self.terms.terms)
 
     @property
     def bank_note(self) -> str:
         """First note for questions about a canal; nothing if the model has a bank force."""
-        return "" if self.feels_bank else self.terms.bank_note or NO_SUCTION
+        return "" if self.has_bank else self.terms.bank_note or NO_SUCTION
 
     @property
     def trust_note(self) -> str:
@@ -349,7 +349,7 @@ class Model(Configured, Operations):
     @property
     def bank_notes(self) -> tuple[str, ...]:
         """First notes on the banks: no force, uncertain or unknown coefficients, unknown ranges, assumed values."""
-        trust = self.bank_note, self.trust_note, self.unknown_note, self.data_range.unknown_note(self.feels_bank)
+        trust = self.bank_note, self.trust_note, self.unknown_note, self.data_range.unknown_note(self.has_bank)
         return tuple(filter(None, (*trust, *self.configuration.notes)))
 
     @property
@@ -363,7 +363,7 @@ class Model(Configured, Operations):
 
     def in_open_water(self) -> "Model":
         """Return the model without the terms of the banks; itself if it has none."""
-        if not self.terms.feels_bank:
+        if not self.terms.has_bank:
             return self
         terms = without_bank(self.terms)
         indices = [self.terms.names.index(name) for name in terms.names]

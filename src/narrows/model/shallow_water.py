@@ -8,7 +8,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.quantities.names import asked_by
+from narrows.quantities.names import argument_names
 from narrows.results import BaseResult
 from narrows.ship.particulars import Configuration
 from narrows.terms.term import DepthLaw
@@ -76,7 +76,7 @@ class DepthCorrected(BaseResult):
 def factor_at(law: DepthLaw, configuration: Configuration, depth: float) -> float:
     """Return the factor of a coefficient relative to deep water at a depth [1]."""
     values = {**configuration.values(), "depth": depth}
-    return float(law.factor(*[values[word] for word in asked_by(law.factor)]))
+    return float(law.factor(*[values[word] for word in argument_names(law.factor)]))
 
 
 def at_depth(model: Model, depth: float) -> DepthCorrected:
@@ -132,7 +132,7 @@ def _notes(model: Model, factors: Mapping[str, float], depth: float) -> tuple[st
         notes.append(f"The exponent for {', '.join(unverified)} is from memory, not verified.")
     if model.configuration.canal.depth is None:
         notes.append("The depth of the tests is unknown; they count as deep water.")
-    deeper = [term.name for term in model.terms.terms if term.feels_depth]
+    deeper = [term.name for term in model.terms.terms if term.needs_depth]
     if deeper:
         notes.append(f"The terms of {', '.join(deeper)} depend on depth: tests at one depth do not determine them.")
     ratio = depth / model.configuration.ship.draft

@@ -11,7 +11,7 @@ from narrows.aliases import accept_aliases
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.water import water_under_way
 from narrows.physics import squat_and_depth as formulas
-from narrows.quantities.names import Number, asked_by
+from narrows.quantities.names import Number, argument_names
 from narrows.results import BaseResult
 from narrows.ship.particulars import Configuration, Configured
 
@@ -67,7 +67,7 @@ class SquatFormula:
             Speed through the water.
         """
         values = {**configuration.values(), "u": speed}
-        return float(self.function(*[values[name] for name in asked_by(self.function)]))
+        return float(self.function(*[values[name] for name in argument_names(self.function)]))
 
     def outside(self, configuration: Configuration, speed: float) -> tuple[str, ...]:
         """Describe where a ship is outside the formula's range.

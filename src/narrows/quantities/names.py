@@ -57,7 +57,7 @@ FORCES = {
 REGRESSOR_INPUTS = MOTION | PARTICULARS
 
 
-def asked_by(function: Callable[..., Number]) -> tuple[str, ...]:
+def argument_names(function: Callable[..., Number]) -> tuple[str, ...]:
     """Return the names of a function's arguments, in order."""
     stated: tuple[str, ...] | None = getattr(function, "inputs", None)
     if stated is not None:

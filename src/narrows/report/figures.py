@@ -158,7 +158,7 @@ _drawn.register(CaptiveTests, motions_figure)
 def model_figure(model: Model) -> Figure:
     speed = _speed(model)
     figure, axes = panels(2, 1, 4.2, sharex=True)
-    if model.feels_bank:
+    if model.has_bank:
         place = REACH * (model.configuration.canal.width - model.ship.beam) / 2 * np.linspace(-1, 1, POINTS)
         motion, label = Motion(y=place, u=speed), "offset y to starboard of the centreline [m]"
     else:
@@ -168,7 +168,7 @@ def model_figure(model: Model) -> Figure:
     forces, banks = model.forces(motion), model.bank_forces(motion)
     for panel, force in zip(axes[:, 0], ("Y", "N"), strict=True):
         panel.plot(place, np.broadcast_to(forces[force], place.shape), color=BLUE, label="all terms")
-        if model.feels_bank:
+        if model.has_bank:
             panel.plot(place, np.broadcast_to(banks[force], place.shape), "--", color=ORANGE, label="bank's part")
         panel.set_ylabel(FORCE_LABELS[force])
         panel.grid(alpha=0.3)

@@ -310,7 +310,7 @@ def _say_nothing_grounds(axes: Axes, quantity: xr.DataArray, sentence: str) -> N
 
 
 def _mark_tested(axes: Axes, quantity: xr.DataArray, model: Model | None) -> list[Any]:
-    known, nothing = model.data_range if model and model.feels_bank else DataRange(), (np.inf, np.inf)
+    known, nothing = model.data_range if model and model.has_bank else DataRange(), (np.inf, np.inf)
     tested = {"y": (-known.abs_y[1], known.abs_y[1]) if known.abs_y else nothing, "u": known.speed or nothing}
     marked = False
     for axis, name in enumerate(str(name) for name in quantity.dims):

@@ -151,7 +151,7 @@ def data_coverage(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> np.n
     known = _to_the_middle(model)
     near, fast = known.covers("abs_y", np.abs(offsets)), known.covers("speed", speeds)
     section = model.configuration.canal.depth and known.width_to_beam and known.depth_to_draft
-    return np.asarray(bool(model.feels_bank and section) & np.asarray(near)[:, None] & np.asarray(fast)[None])
+    return np.asarray(bool(model.has_bank and section) & np.asarray(near)[:, None] & np.asarray(fast)[None])
 
 
 def _to_the_middle(model: Model) -> DataRange:
@@ -168,7 +168,7 @@ def beyond_tests(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> tuple
 def untested_reasons(model: Model) -> str:
     """Return the reasons why the result is extrapolated: no bank, unknown ranges, an untested section."""
     known, words = model.data_range, []
-    if not model.feels_bank:
+    if not model.has_bank:
         words.append(NO_BANK)
     unknown = known.unknown(("speed", "abs_y", *_section(model)))
     if unknown:

@@ -61,7 +61,7 @@ class ChannelRule:
     rudder_deg: float | None = field(default=None)  # Largest steady rudder, for a rule of rudders [deg]
 
 
-def asked_width(rule: ChannelRule, lane: Lane, passage: Passage) -> float:
+def required_width(rule: ChannelRule, lane: Lane, passage: Passage) -> float:
     """Return the water width required by a rule [m]: lane and both clearances."""
     return passage.beam * (lane.lane + rule.deepens(passage) + 2 * lane.clearance[passage.bank])
 
@@ -240,7 +240,7 @@ class OutsideRules(BaseResult):
             yield row
 
     def _left(self, rule: ChannelRule, lane: Lane) -> dict[str, float | None]:
-        width = asked_width(rule, lane, self.passage)
+        width = required_width(rule, lane, self.passage)
         port, starboard = width / 2 - self.port, self.starboard - width / 2
         fits = port <= starboard
         fastest = None if math.isinf(lane.fastest) else lane.fastest

@@ -90,7 +90,7 @@ class Propeller(Part):
         "thrust_1": Quantity("1", "slope of K_T by the advance k_1"),
         "thrust_2": Quantity("1", "curvature of K_T by the advance k_2"),
         "position": Quantity("1", "propeller forward of midship over L, x_P'"),
-        "wake_rate": Quantity("1", "how soon the wake thins as the ship turns C_1"),
+        "wake_rate": Quantity("1", "rate of the wake's decrease in a turn C_1"),
         "wake_starboard": Quantity("1", "inflow turning to starboard over inflow straight C_2"),
         "wake_port": Quantity("1", "inflow turning to port over inflow straight C_2"),
     }
@@ -145,7 +145,7 @@ class Rudder(Part):
         "area": Quantity("m2", "rudder area A_R"),
         "lift": Quantity("1", "slope of the rudder's lift f_alpha"),
         "wake_ratio": Quantity("1", "inflow at the rudder over that at the propeller epsilon"),
-        "slipstream": Quantity("1", "how far the slipstream is sped up at the rudder kappa"),
+        "slipstream": Quantity("1", "acceleration of the slipstream at the rudder kappa"),
         "in_slipstream": Quantity("1", "propeller diameter over rudder height eta"),
         "position": Quantity("1", "effective place of the rudder over L, l_R'"),
         "straightening_starboard": Quantity("1", "flow straightening in a turn to starboard gamma_R"),

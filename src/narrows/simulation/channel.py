@@ -190,7 +190,7 @@ def points_of(ship: Ship, contact: str | Outline) -> list[tuple[float, float]]:
     return [(float(forward), float(starboard)) for forward, starboard in points[ConvexHull(points).vertices]]
 
 
-def check_outline(ship: Ship, contact: str | Outline, feels_bank: bool) -> None:
+def check_outline(ship: Ship, contact: str | Outline, has_bank: bool) -> None:
     """Raise if an outline lies inside the beam, where the suction becomes infinite before the hull touches."""
     if isinstance(contact, str):
         return
@@ -201,7 +201,7 @@ def check_outline(ship: Ship, contact: str | Outline, feels_bank: bool) -> None:
     except QhullError:
         raise InputError("contact: an outline's points lie on one line; give the outline of a hull") from None
     reach = points[:, 1].max(), -points[:, 1].min()
-    if feels_bank and min(reach) < ship.beam / 2 * (1 - 1e-9):
+    if has_bank and min(reach) < ship.beam / 2 * (1 - 1e-9):
         raise InputError(
             f"contact: the outline reaches {min(reach):.4g} m from the centreline and the beam is {ship.beam:.4g} m: "
             "the bank's suction is infinite before it touches; make it as wide as the beam"

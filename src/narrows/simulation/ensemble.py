@@ -169,7 +169,7 @@ def _run_here(run: KernelRun, grid: Grid, workers: int | None, progress: bool) -
 def notes_of(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:
     model = run.ship.model
     varied = any(grid.values[term.name].dims for term in model.terms.terms if term.kind == TermKind.BANK)
-    without = run.ship.shape == OPEN or (varied and not model.feels_bank)
+    without = run.ship.shape == OPEN or (varied and not model.has_bank)
     bank = model.configuration.notes if without else model.bank_notes
     coarse = _coarse(run, grid, voyages) if voyages.attrs["complete"] else ()  # After an interruption simulate no more
     share = float((voyages["outcome"] == Code.DIVERGED).mean())

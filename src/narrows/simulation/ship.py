@@ -37,7 +37,7 @@ class SimulatedShip:
     def __post_init__(self) -> None:
         check_options(self.surge, self.surge_inertia, self.coriolis, self.contact)
         check_flag("bottom", self.bottom)
-        if self.shape == OPEN and self.model.terms.feels_bank:
+        if self.shape == OPEN and self.model.terms.has_bank:
             raise InputError("contact 'none' is open water, and these terms have a bank; choose 'corners'")
         if self.model.terms.propelled and self.model.configuration.propeller is None:
             raise InputError("this model's terms need a propeller; give [propeller] in its file")
@@ -53,10 +53,10 @@ class SimulatedShip:
         if isinstance(self.contact, str):
             return self.contact
         outline = tuple((float(forward), float(starboard)) for forward, starboard in self.contact)
-        ship, feels_bank = self.model.configuration.ship, self.model.terms.feels_bank
-        check_outline(ship, outline, feels_bank)
+        ship, has_bank = self.model.configuration.ship, self.model.terms.has_bank
+        check_outline(ship, outline, has_bank)
         # The suction of a bank becomes infinite when a side meets it at midship: contact must not come later.
-        return (*outline, (0.0, ship.beam / 2), (0.0, -ship.beam / 2)) if feels_bank else outline
+        return (*outline, (0.0, ship.beam / 2), (0.0, -ship.beam / 2)) if has_bank else outline
 
     @cached_property
     def actuators(self) -> tuple[Actuated, ...]:

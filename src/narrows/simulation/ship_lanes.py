@@ -197,5 +197,5 @@ class ShipLanes:
             if place is not None:
                 columns[:, place] = constant
         if not np.isfinite(columns).all():
-            self._system.constants(known)  # Raises and tells why
+            self._system.constants(known)  # Raises an error with the reason
         return columns

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 
-from narrows.quantities.names import Number, asked_by, name_of
+from narrows.quantities.names import Number, argument_names, name_of
 
 
 @dataclass(frozen=True)
@@ -17,7 +17,7 @@ class Composed:
 
     @cached_property
     def inputs(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys((*asked_by(self.parameter), *asked_by(self.law)[1:])))
+        return tuple(dict.fromkeys((*argument_names(self.parameter), *argument_names(self.law)[1:])))
 
     @property
     def name(self) -> str:
@@ -25,8 +25,8 @@ class Composed:
 
     def __call__(self, *values: Number) -> Number:
         at = dict(zip(self.inputs, values, strict=True))
-        result = self.parameter(*[at[name] for name in asked_by(self.parameter)])
-        return self.law(result, *[at[name] for name in asked_by(self.law)[1:]])
+        result = self.parameter(*[at[name] for name in argument_names(self.parameter)])
+        return self.law(result, *[at[name] for name in argument_names(self.law)[1:]])
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.physics import squat_and_depth
 from narrows.quantities.dimensions import Dimension
-from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number, Quantity, asked_by
+from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Number, Quantity, argument_names
 from narrows.results import BaseSummary
 from narrows.ship.actuators import PROPELLER, STANDARD, Actuator
 
@@ -160,7 +160,7 @@ class Term(BaseSummary):
     @cached_property
     def inputs(self) -> tuple[str, ...]:
         """Inputs of the regressor."""
-        return asked_by(self.regressor)
+        return argument_names(self.regressor)
 
     @property
     def _known(self) -> tuple[Actuator, ...]:
@@ -189,7 +189,7 @@ class Term(BaseSummary):
         return self.kind == TermKind.BANK
 
     @property
-    def feels_depth(self) -> bool:
+    def needs_depth(self) -> bool:
         """True if it uses the water depth."""
         return DEPTH in self.inputs
 
@@ -319,7 +319,7 @@ class TermTable(BaseSummary):
         return PROPELLER in self.actuators
 
     @property
-    def feels_bank(self) -> bool:
+    def has_bank(self) -> bool:
         """True if a term is of the banks."""
         return any(term.from_bank for term in self.terms)
 
@@ -327,12 +327,12 @@ class TermTable(BaseSummary):
     def bank_note(self) -> str:
         """Note for questions about a canal if no term is of the bank; nothing otherwise."""
         sentence = f"The terms {self.name!r} have no bank force: a bank only ends a voyage"
-        return "" if self.feels_bank else f"{sentence}; a name like mmg+delta adds one."
+        return "" if self.has_bank else f"{sentence}; a name like mmg+delta adds one."
 
     @property
-    def feels_depth(self) -> bool:
+    def needs_depth(self) -> bool:
         """True if a term uses the water depth."""
-        return any(term.feels_depth for term in self.terms)
+        return any(term.needs_depth for term in self.terms)
 
     def __getitem__(self, name: str) -> Term:
         """The term of a coefficient."""

@@ -57,7 +57,7 @@ def assembled(ship: SimulatedShip, title: str, speed: Number | None) -> tuple[st
 def _where(model: Model) -> str:
     if is_open_water(model):
         return "in open water"
-    return "between the banks of a canal" if model.feels_bank else "in a canal, without a bank force"
+    return "between the banks of a canal" if model.has_bank else "in a canal, without a bank force"
 
 
 SLOWER = "the page sails by plain JavaScript, a few times slower"
@@ -77,7 +77,7 @@ def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm:
     known: set[str] = set()
     given = {"model.js": model_script(exported)}
     return template.get_template("page.html.j2").render(
-        title=title, banks=exported.ship.model.feels_bank, open=is_open_water(exported.ship.model),
+        title=title, banks=exported.ship.model.has_bank, open=is_open_water(exported.ship.model),
         foot=_foot(exported), helm=helm,
         ship=exported.ship.model.configuration.ship.in_words, dotted=_dotted(exported.ship.model),
         passport=list(passport(exported.ship.model)), data=data.replace("<", "\\u003c"),
@@ -191,7 +191,7 @@ def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any
             "turned": _turned(exported),
         },
         "canal": {name: value for name, value in asdict(model.configuration.canal).items() if value is not None},
-        "open": is_open_water(model), "banks": model.feels_bank,
+        "open": is_open_water(model), "banks": model.has_bank,
         "settled": not (model.trust_note or model.covariance is None),
         "basis": "estimate" if model.source.estimate else "assumed" if model.covariance is None else "tests",
         "names": {

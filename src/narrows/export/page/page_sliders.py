@@ -47,7 +47,7 @@ class Slider:
 def is_open_water(model: Model) -> bool:
     """Return whether a model has no bank force, and the banks of its canal are out of reach."""
     ship = model.configuration.ship
-    return not model.feels_bank and model.configuration.canal.width > 2 * CLEARANCE * ship.length
+    return not model.has_bank and model.configuration.canal.width > 2 * CLEARANCE * ship.length
 
 
 def sliders_of(exported: ExportedShip, speed: float, steered: bool) -> list[Slider]:

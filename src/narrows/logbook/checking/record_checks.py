@@ -207,7 +207,7 @@ def check_rudder(at: Checked) -> Iterator[Finding]:
         )  # fmt: skip
     start, stop = longest_run(rudder.values)
     begin, end = float(rudder.t[start]), float(rudder.t[stop])
-    confined = at.waterway is not None or at.model.feels_bank
+    confined = at.waterway is not None or at.model.has_bank
     still, swings = (end - begin) / at.pace, _swings(at.record, begin, end)
     if still > settings.RUDDER_REST and (
         swings >= settings.SWINGS or (confined and still > settings.RUDDER_REST_BETWEEN_BANKS)
@@ -243,7 +243,7 @@ def longest_run(values: np.ndarray) -> tuple[int, int]:
 def check_place(at: Checked) -> Iterator[Finding]:
     """Find a hull that would lie in a bank."""
     record, ship = at.record, at.model.configuration.ship
-    if not {"x", "y", "psi"} <= record.signals.keys() or not (at.waterway or at.model.feels_bank):
+    if not {"x", "y", "psi"} <= record.signals.keys() or not (at.waterway or at.model.has_bank):
         return
     t = record["x"].t
     y, psi = record["y"].at(t), record["psi"].at(t)

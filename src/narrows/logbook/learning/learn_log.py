@@ -236,7 +236,7 @@ def _assumptions(problem: LogProblem, free: Sequence[str], met: int) -> Iterator
     if free:
         yield f"Only {', '.join(free)} may change. Their intervals include the errors of the fixed coefficients."
     model = problem.motion.model
-    if model.feels_bank:
+    if model.has_bank:
         known = "waterway" in problem.motion.choices
         depth = "the waterway's depths" if known else f"a depth of {model.configuration.canal.depth:.3g} m"
         yield (

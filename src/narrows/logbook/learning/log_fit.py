@@ -97,9 +97,9 @@ class LogFit(LearnedAnswer):
         return f"{len(self.records)} {'record' if len(self.records) == 1 else 'records'}, {lasting}"
 
     @property
-    def tells(self) -> bool:
+    def informative(self) -> bool:
         """True where the log determined a coefficient: one of the bank, where the model has one."""
-        asked = [c for c in self.coefficients.values() if c.from_bank or not self.prior.feels_bank]
+        asked = [c for c in self.coefficients.values() if c.from_bank or not self.prior.has_bank]
         return any(c.word == LEARNED for c in asked)
 
     @property
@@ -116,7 +116,7 @@ class LogFit(LearnedAnswer):
     def notes(self) -> tuple[str, ...]:
         """Contradictions, inseparable pairs, assumptions, left-out records, and coefficients that fix the rest."""
         inertia = f"Motion determines only forces over inertia. Inertia keeps its prior: {', '.join(self.held)}."
-        open_water = (IN_OPEN_WATER,) * (not self.prior.feels_bank)
+        open_water = (IN_OPEN_WATER,) * (not self.prior.has_bank)
         return (*self._doubts, *self.correlated(), inertia, *self.about, *open_water, ON_TWINS)
 
     @property
@@ -189,7 +189,7 @@ class LogFit(LearnedAnswer):
         """Give everything by name: part of what ``learn --json`` prints."""
         return {
             "summary": self.summary(),
-            "tells": self.tells,
+            "informative": self.informative,
             "coefficients": [coefficient.to_dict() for coefficient in self.coefficients.values()],
             "disagreement": {"sum": self.disagreement, "freedom": self.freedom, "probability": self.probability},
             "gusts": None if self.gusts is None else vars(self.gusts),

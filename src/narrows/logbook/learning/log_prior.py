@@ -280,7 +280,7 @@ class LogAssumptions:
                 found.append(Process(ERROR(name), ERROR(name), grade.zero, np.inf))
         if signals & {"u_ground", "v_ground", "speed_over_ground", "course", "x"} and self.grade.name != BASIN.name:
             found.append(Process(CURRENT_X, CURRENT_X, SPREAD_OF_CURRENT, np.inf))
-            if not motion.model.feels_bank:
+            if not motion.model.has_bank:
                 found.append(Process(CURRENT_Y, CURRENT_Y, SPREAD_OF_CURRENT, np.inf))
         return [one for one in found if one.std > 0]
 

@@ -164,7 +164,7 @@ def _motion(
         for actuator in model.terms.actuators
         if actuator.name == RUDDER or actuator.name in signals
     }
-    options = {"contact": "midship" if model.terms.feels_bank else "none", "u": u, **choices}
+    options = {"contact": "midship" if model.terms.has_bank else "none", "u": u, **choices}
     if waterway is not None:
         check_along_only(waterway, "learning")
         options |= {"waterway": waterway, "x": waterway.line.length / 2}

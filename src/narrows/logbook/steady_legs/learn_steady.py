@@ -81,7 +81,7 @@ class SteadyFit(LearnedAnswer):
         return f"<SteadyFit of {self.readings.summary()}>"
 
     @property
-    def tells(self) -> bool:
+    def informative(self) -> bool:
         """True where a coefficient of the bank was learned, and nothing contradicts it."""
         learned = any(c.word == LEARNED for c in self.coefficients.values() if c.from_bank)
         return learned and not self.checks.contradicted
@@ -105,7 +105,7 @@ class SteadyFit(LearnedAnswer):
         """Give everything by name: part of what ``learn --steady --json`` prints."""
         return {
             "summary": self.summary(),
-            "tells": self.tells,
+            "informative": self.informative,
             "coefficients": [coefficient.to_dict() for coefficient in self.coefficients.values()],
             "shared": [
                 {"name": name, "unit": SHARED[name][1], "value": value * SHARED[name][2], "std": std * SHARED[name][2],
