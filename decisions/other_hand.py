@@ -15,7 +15,7 @@ import numpy as np
 
 import narrows as nw
 from narrows.logbook.transits.transit_twins import ROUTINE, Excursion, TransitPilot, TransitTwin, wandering
-from narrows.simulation.initial_state import self_propulsion
+from narrows.simulation.self_propulsion import self_propulsion
 
 DEGREE = math.pi / 180
 STEP = 0.5

@@ -90,6 +90,21 @@ def test_a_trial_approaches_at_a_steady_speed() -> None:
     assert straight.u[-1] == pytest.approx(4.0, rel=0.001)
 
 
+def test_revolutions_of_another_speed_are_told_with_those_that_keep_it(cli) -> None:
+    """A propeller at the revolutions of service speed makes the rudder of a slow ship too strong."""
+    kcs = nw.published("estimated_kcs")
+    fitting = nw.self_propulsion(kcs, 6.0)
+    words = f"{fitting:.3g} keep 6 m/s straight ahead"
+    for revolutions, told in (({}, True), ({"revolutions": fitting}, False)):
+        voyage = nw.simulate(kcs, u=6.0, duration=1.0, **revolutions)
+        fleet = nw.ensemble(kcs, u=[6.0], y=[0.0, 5.0], duration=1.0, **revolutions)
+        for notes in (voyage.notes, fleet.attrs["notes"].splitlines()):
+            assert any(words in note for note in notes) is told
+    code, out, _ = cli("simulate", "estimated_kcs", "--speed", "6m/s", "--duration", 1, "--revolutions", fitting)
+    assert (code, words in out) == (0, False)
+    assert not any("keep" in note for note in nw.simulate(nw.published("yasukawa2015_kvlcc2"), u=1.179).notes)
+
+
 def test_a_fleet_draws_its_map() -> None:
     fleet = nw.ensemble(DTC, y=[0.2, 0.5], u=[0.8, 1.0])
     drawn, part = fleet.plot(), fleet.isel(u=0).plot()

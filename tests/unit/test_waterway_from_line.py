@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.waterway.map_lines import unprojected
+from narrows.waterway.map_lines import projected, unprojected
 
 # A meridian in the Suez Canal: 0.05 degrees of latitude are 5540 m on WGS84 there.
 LINE = {"type": "LineString", "coordinates": [[32.58, 30.00], [32.58, 30.05]]}
@@ -133,3 +133,32 @@ def test_the_named_command_keeps_the_line_that_it_reads(name: str, tmp_path: Pat
     _, _, err = cli("waterway", name)
     code, _, _ = cli(*shlex.split(err[err.index("narrows waterway") :])[1:])
     assert (code, json.loads(Path(name).read_text())) == (0, LINE)
+
+
+def test_a_track_of_a_ship_is_smoothed_until_its_bends_have_room(tmp_path: Path, cli) -> None:
+    """Positions scattered by 2 m about an arc of 3000 m radius, a third of them repeated."""
+    turn, scatter = np.linspace(0.0, 1.0, 300), np.random.default_rng(5).normal(0.0, 2.0, (300, 2))
+    arc = 3000.0 * np.stack([np.sin(turn), 1 - np.cos(turn)], axis=1)
+    origin = np.array([32.58, 30.0])
+    sailed = unprojected(np.repeat(arc + scatter, np.where(np.arange(300) % 3, 1, 2), axis=0), origin)
+    shapes = {
+        "line": [("LineString", sailed.tolist(), {})],
+        "points": [("Point", point, {"time": second}) for second, point in enumerate(sailed.tolist())],
+    }
+    for name, features in shapes.items():
+        track, out = saved(tmp_path / f"{name}.geojson", *features), tmp_path / f"{name}_canal.geojson"
+        code, told, err = cli("waterway", "--line", track, "--width", 160, "--depth", 13, "-o", out)
+        assert (code, err) == (0, "")
+        assert "the line is smoothed, by up to" in told
+        line = (read := nw.read_waterway(out)).line
+        found = unprojected(line.at(np.linspace(0, line.length, 500)), np.array(read.origin))
+        away = np.hypot(*(projected(found, origin) - np.array([0.0, 3000.0])).T) - 3000.0
+        assert np.abs(away).max() < 3 * 2.0
+        assert line.length == pytest.approx(3000.0, rel=0.01)
+        assert np.abs(line.curvature(line.fine)).max() < 1 / 160
+
+
+def test_a_line_that_leaves_room_is_not_moved(tmp_path: Path, cli) -> None:
+    axis = saved(tmp_path / "axis.geojson", ("LineString", degrees(AXIS), {}))
+    _, told, _ = cli("waterway", "--line", axis, "--width", 160, "--depth", 13)
+    assert "smoothed" not in told

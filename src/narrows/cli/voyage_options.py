@@ -34,6 +34,9 @@ class StartOptions:
     v: Annotated[str, Option(help="Sway velocity at the start, likewise.")] = "0m/s"
     r_deg: Annotated[float, Option(help="Yaw rate at the start [deg/s].")] = 0.0
     x: Annotated[float, Option(help="Start along the canal [m].")] = 0.0
+    revolutions: Annotated[float | None, Option(help="Propeller revolutions [1/s]; default: those of the model.")] = (
+        None
+    )
 
     @property
     def u(self) -> float | None:
@@ -42,7 +45,8 @@ class StartOptions:
 
     def values(self) -> dict[str, float]:
         turning = {"psi": radians(self.psi_deg), "r": radians(self.r_deg)}
-        return {"x": self.x, "y": self.y, "v": read_speed("--v", self.v), **turning}
+        turns = {} if self.revolutions is None else {"revolutions": self.revolutions}
+        return {"x": self.x, "y": self.y, "v": read_speed("--v", self.v), **turning, **turns}
 
 
 @dataclass(frozen=True)

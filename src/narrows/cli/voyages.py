@@ -33,6 +33,8 @@ from narrows.cli.voyage_options import (
 )
 from narrows.errors import InputError
 
+# Distance below which two places are one in words [m].
+SAME_PLACE = 0.05
 # Default number of offsets in a map.
 OFFSETS = 101
 
@@ -171,15 +173,19 @@ def waterway(
     """
     from narrows.report.printed_tables import print_waterway, waterway_summary
     from narrows.waterway import read_waterway, write_waterway
-    from narrows.waterway.geojson import read_line, waterway_from_line, with_depth
+    from narrows.waterway.geojson import farthest, read_line, waterway_from_line, with_depth
 
+    notes: tuple[str, ...] = ()
     _check_together(file, line, width, reach)
     if not 0 <= draft < 1000:
         raise InputError(f"--draft {draft} is invalid; give metres from 0 to 1000")
     if file is None:
         if line is None or width is None or depth is None:
             raise InputError("give a file, or --line axis.geojson --width 300 --depth 16 to make a canal of one width")
-        result = waterway_from_line(read_line(line), width, depth, line.stem)
+        result = waterway_from_line(points := read_line(line), width, depth, line.stem)
+        moved = farthest(result, points)
+        smoothed = (f"the line is smoothed, by up to {moved:.1f} m: as drawn it bends inside its banks",)
+        notes = smoothed * bool(moved > SAME_PLACE)
     elif line is None:
         result = read_waterway(file) if depth is None else with_depth(read_waterway(file), depth)
     else:
@@ -194,9 +200,10 @@ def waterway(
     if output:
         write_waterway(result, output)
     if json:
-        print_json(waterway_summary(result, draft))
+        summary = waterway_summary(result, draft)
+        print_json({**summary, "notes": [*summary["notes"], *notes]})
         return
-    print_waterway(result, draft)
+    print_waterway(result, draft, notes)
     print_written([output])
 
 

@@ -12,8 +12,8 @@ from narrows.control.local_motion import MOVED, WATER, LocalMotion, LocalWater, 
 from narrows.control.steady_course import check_inside, solved
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
-from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.inputs import finite_numbers
+from narrows.simulation.self_propulsion import self_propulsion
 from narrows.simulation.ship import SimulatedShip
 
 if TYPE_CHECKING:

@@ -17,7 +17,7 @@ from narrows.control.steady_course import check_holds, check_inside, check_rudde
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.controllers import Autopilot
-from narrows.simulation.initial_state import self_propulsion
+from narrows.simulation.self_propulsion import self_propulsion
 from narrows.simulation.ship import SimulatedShip
 
 if TYPE_CHECKING:

@@ -147,7 +147,7 @@ def _stations(waterway: Waterway, draft: float) -> list[dict[str, float]]:
     return [dict(zip(columns, row, strict=True)) for row in rows]
 
 
-def print_waterway(waterway: Waterway, draft: float = 0.0) -> None:
+def print_waterway(waterway: Waterway, draft: float = 0.0, notes: tuple[str, ...] = ()) -> None:
     console, summary = console_of(), waterway_summary(waterway, draft)
     rows = (
         (f"{at:.0f}", f"{heading:.1f}", *(f"{value:.1f}" if math.isfinite(value) else "-" for value in rest))
@@ -158,7 +158,7 @@ def print_waterway(waterway: Waterway, draft: float = 0.0) -> None:
         console.print(f"{waterway.name}: {waterway.place_check}")
     console.print(table_of(heads, rows))
     console.print(summary["summary"])
-    print_notes(console, summary["notes"])
+    print_notes(console, [*summary["notes"], *notes])
 
 
 def _sentence(summary: dict[str, Any], waterway: Waterway) -> str:

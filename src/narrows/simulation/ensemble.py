@@ -15,6 +15,7 @@ from narrows.errors import InputError, check_choice, path_of
 from narrows.model.data_range import Measure
 from narrows.model.model import Model
 from narrows.progress import bar
+from narrows.ship.actuators import PROPELLER
 from narrows.simulation.grid import Grid, grid_of, with_values
 from narrows.simulation.initial_state import check_irrelevant, voyage_defaults
 from narrows.simulation.inputs import (
@@ -28,6 +29,7 @@ from narrows.simulation.inputs import (
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
 from narrows.simulation.maps import Fleet
 from narrows.simulation.outcome import Code, measured, outside_notes, water_notes
+from narrows.simulation.self_propulsion import propeller_notes
 from narrows.simulation.settings import BLOCK_VESSELS, MOST_STEPS, STEP_CHECK_VOYAGES, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip
 from narrows.simulation.steering import steering_of
@@ -176,7 +178,8 @@ def notes_of(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]
     lost = f"The motion diverged in {share:.1%} of these voyages: shorten the time step or look at the coefficients."
     known = run.waterway is None and (run.ship.shape == OPEN or "depth" in grid.values)
     water = () if known else water_notes(run.waterway, model.configuration.canal.depth)
-    return (*bank, *water, *coarse, *((lost,) if share else ()), *_beyond(run, grid, voyages))
+    propeller = propeller_notes(model, grid.values["u"], grid.values.get(PROPELLER.name), run.steering)
+    return (*bank, *water, *propeller, *coarse, *((lost,) if share else ()), *_beyond(run, grid, voyages))
 
 
 def _coarse(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> tuple[str, ...]:

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -25,7 +24,6 @@ from narrows.simulation.settings import (
     DEFAULT_OFFSET,
     DEFAULT_SHARE_OF_CHOKING,
     DEFAULT_STEPS_A_LENGTH,
-    OWN_REVOLUTIONS,
 )
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import Steering
@@ -142,51 +140,3 @@ def _default_speed(model: Model) -> float:
     low, high = model.data_range.speed or (0.0, math.inf)
     most = DEFAULT_SHARE_OF_CHOKING * choke_speed(model.configuration) if model.configuration.canal.depth else math.inf
     return min(max(DEFAULT_FROUDE * math.sqrt(GRAVITY * model.configuration.ship.length), low), high, most)
-
-
-def self_propulsion(model: Model, u: float) -> float:
-    """Return the revolutions at which thrust balances resistance straight ahead, rudder amidships [1/s].
-
-    Parameters
-    ----------
-    model : Model
-        A model with terms of a propeller.
-    u : float [m/s]
-        Surge velocity.
-
-    Raises
-    ------
-    InputError
-        If the model has no propeller, or no revolutions reach the speed.
-
-    Examples
-    --------
-    >>> kvlcc2 = nw.published("yasukawa2015_kvlcc2")
-    >>> round(float(nw.self_propulsion(kvlcc2, u=1.0)), 1)
-    10.1
-    """
-    from scipy.optimize import brentq
-
-    if not model.terms.propelled:
-        raise InputError("this model has no terms of a propeller; there are no revolutions to look for")
-
-    def surplus(revolutions: float) -> float:
-        return -model.resistance(u, revolutions=revolutions)
-
-    fast = next((n for n in 2.0 ** np.arange(-10, 20) if surplus(float(n)) > 0), None)
-    if fast is None:
-        raise InputError(f"no revolutions drive this ship at {u:g} m/s; check the propeller and the resistance")
-    return float(brentq(surplus, 0.0, float(fast))) if surplus(0.0) < 0 else 0.0
-
-
-def steady_ahead(model: Model, u: float) -> tuple[Model, str]:
-    """The model with revolutions that keep the approach speed, and a note; itself if its own do, or nearly."""
-    propeller = model.configuration.propeller
-    if not (model.terms.propelled and propeller and model.surge_inertia > 0):
-        return model, ""
-    steady, own = self_propulsion(model, u), propeller.revolutions
-    if abs(own - steady) <= OWN_REVOLUTIONS * steady:
-        return model, ""
-    configuration = replace(model.configuration, propeller=replace(propeller, revolutions=steady))
-    note = f"{steady:.3g} revolutions a second keep the approach speed; the model's own, {own:.3g}, are for another"
-    return replace(model, configuration=configuration), note

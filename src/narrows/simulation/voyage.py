@@ -36,6 +36,7 @@ from narrows.simulation.inputs import (
 )
 from narrows.simulation.integrator import Row, VoyageIntegrator, track_error
 from narrows.simulation.outcome import Code, Outcome, Track, measured, outside_notes, water_notes
+from narrows.simulation.self_propulsion import propeller_notes
 from narrows.simulation.settings import MOST_ROWS, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip
 from narrows.simulation.steering import steering_of
@@ -182,9 +183,7 @@ class Voyage(Tabulated):
             actuator.name: ("t", column, {"units": actuator.unit, "long_name": actuator.meaning})
             for actuator, column in self.moved.items()
         }
-        attributes = {
-            "outcome": self.outcome.kind, "side": self.outcome.side or "", "summary": self.outcome.sentence,
-        }  # fmt: skip
+        attributes = {"outcome": self.outcome.kind, "side": self.outcome.side or "", "summary": self.outcome.sentence}
         data |= self._positions()
         return xarray.Dataset(data, coords={"t": ("t", self.t, {"units": "s", "long_name": "time"})}, attrs=attributes)
 
@@ -320,7 +319,8 @@ def simulate(
     shown = [row for row in rows if row.whole]
     if times is not None:
         shown = [*integrator.dense(rows, [t for t in (0.0, *times) if t < rows[-1].t]), rows[-1]]
-    log = _Log(ship, integrator, rows, ending, float(psi), float(rudder))
+    propeller = propeller_notes(model, u, positions.get(PROPELLER.name), steering)
+    log = _Log(ship, integrator, rows, ending, float(psi), float(rudder), propeller)
     outline = tuple(points_of(model.configuration.ship, ship.shape)) if ship.shape not in (MIDSHIP, OPEN) else ()
     return Voyage(
         **log.columns(shown), outcome=log.outcome(dt, waterway), configuration=model.configuration, waterway=waterway,
@@ -336,6 +336,7 @@ class _Log:
     ending: int
     psi: float
     rudder: float
+    propeller: tuple[str, ...]  # Notes on its revolutions
 
     def columns(self, rows: list[Row]) -> dict[str, np.ndarray]:
         kept = dict(zip(self.integrator.choices.kept, np.array([row.state for row in rows]).T, strict=True))
@@ -360,7 +361,7 @@ class _Log:
         is_open = self.ship.shape == OPEN
         bank = model.configuration.notes if is_open else model.bank_notes
         water = () if is_open and waterway is None else water_notes(waterway, model.configuration.canal.depth)
-        notes = (*bank, *water, *self._beyond(columns), *self._coarse(dt))
+        notes = (*bank, *water, *self.propeller, *self._beyond(columns), *self._coarse(dt))
         state = {name: last[name] for name in ("x", "y", "psi", "u", "v", "r")}
         distance = last["x"] - float(columns["x"][0])
         lengths = abs(distance) / model.configuration.ship.length

@@ -5,9 +5,10 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PPoly
+from scipy.interpolate import CubicSpline, PPoly, splev, splprep
 from scipy.spatial import KDTree
 
 from narrows.errors import InputError
@@ -25,6 +26,10 @@ STEP = 1e-10
 
 # Samples of the heading over the length of a bend.
 BEND_SAMPLES = 32
+
+# Root mean squares by which a track is smoothed, in shares of half the width of its waterway, as positions of a ship
+# scatter by metres; that half over the radius of a smoothed bend, at most.
+SMOOTHING, MOST_BENT = (0.01, 0.02, 0.05, 0.1, 0.2), 0.5
 
 # Distance greater than any on earth [m].
 FARTHEST = 1e8
@@ -276,6 +281,21 @@ class Centreline:
         speed = np.einsum("ij,ij->i", rate, rate)
         steep = speed - np.einsum("ij,ij->i", apart, bend)
         return np.asarray(np.einsum("ij,ij->i", apart, rate) / np.where(steep > 0, steep, speed))
+
+
+def line_with_room(points: np.ndarray, half_width: float) -> Centreline:
+    """Return the line through points, or if it bends inside its banks, as a track does, the nearest that does not."""
+    line, most = Centreline(points), 1.0
+    for share in SMOOTHING if len(points) > 3 else ():
+        if np.abs(line.curvature(line.fine)).max() * half_width < most:
+            break
+        most = MOST_BENT
+        # The sum of squares that a smoothing spline may leave (FITPACK), for a root mean square of this share.
+        s = chords(points)
+        spline: Any = splprep(points.T, u=s, s=len(points) * (share * half_width) ** 2)[0]
+        places = np.linspace(0, s[-1], max(3, round(s[-1] / half_width)) + 1)
+        line = Centreline(np.transpose(splev(places, spline)))
+    return line
 
 
 def chords(points: np.ndarray) -> np.ndarray:

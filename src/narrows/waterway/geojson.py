@@ -14,7 +14,7 @@ from narrows.errors import InputError, shown
 from narrows.files import form_of, reading, write_whole
 from narrows.ship.particulars import Point
 from narrows.waterway.banks import Bank, bank_from_points
-from narrows.waterway.centreline import FARTHEST, Centreline
+from narrows.waterway.centreline import FARTHEST, Centreline, line_with_room
 from narrows.waterway.map_lines import (
     OTHERS,
     ROLES,
@@ -92,17 +92,22 @@ def read_line(path: str | Path) -> np.ndarray:
 
 
 def waterway_from_line(points: np.ndarray, width: float, depth: float, name: str = "canal") -> Waterway:
-    """Return the waterway of constant width and depth along a centreline, with vertical banks."""
+    """Return the waterway of constant width and depth along a centreline or a ship's track, with vertical banks."""
     # points (n, 2), longitude and latitude [deg]; width, depth [m]
     for what, value in (("width", width), ("depth", depth)):
         if not 0 < value < FARTHEST:
             raise InputError(f"a {what} of {value:g} m is none of a waterway; give metres over 0")
     origin = origin_of(points)
-    line = Centreline(projected(points, origin))
+    line = line_with_room(projected(points, origin), width / 2)
     ends, half = np.array([0.0, line.length]), np.full(2, width / 2)
     starboard, port = (Bank(side, ends, half) for side in ROLES[1:])
     at = (float(origin[0]), float(origin[1]))
     return Waterway(line, starboard, port, (ends, np.full(2, depth)), name=name, origin=at)
+
+
+def farthest(waterway: Waterway, points: np.ndarray) -> float:
+    """Return the largest distance of points, longitude and latitude [deg], from the line of a waterway [m]."""
+    return float(np.abs(waterway.line.locate(projected(points, np.array(waterway.origin)))[1]).max())
 
 
 def with_depth(waterway: Waterway, depth: float) -> Waterway:
@@ -246,7 +251,7 @@ def _depths(feature: Feature, line: Centreline) -> tuple[np.ndarray, np.ndarray]
 
 # Contents of a waterway's GeoJSON file: its lines with their roles and properties, or one sentence of error.
 def read_features(path: Path) -> list[Feature]:
-    """Return the lines and areas of a map, pieces of a line put together."""
+    """Return the lines and areas of a map, pieces of a line put together; a line through the points of one without."""
     if path.suffix.lower() in OTHERS:
         return joined([part for one in read_other(path) for part in _parts(one)])
     if path.suffix.lower() == ".csv":
@@ -267,7 +272,9 @@ def read_features(path: Path) -> list[Feature]:
     if crs and found:
         turned = into_degrees(crs, str(path))
         found = [Feature(one.properties, turned(one.geometry)) for one in found]
-    return joined([part for one in found for part in _parts(one)])
+    track = [one.geometry.get("coordinates") for one in found if one.geometry.get("type") == "Point"]
+    whole = [Feature({}, {"type": "LineString", "coordinates": track})] * (len(track) == len(found) > 1)
+    return whole or joined([part for one in found for part in _parts(one)])
 
 
 def _as_collection(document: Any) -> Any:

@@ -24,7 +24,7 @@ from narrows.model.model import Model
 from narrows.quantities.names import Number
 from narrows.safety.request import keel_at
 from narrows.ship.motion import Motion
-from narrows.simulation.initial_state import self_propulsion
+from narrows.simulation.self_propulsion import self_propulsion
 from narrows.simulation.ship import SimulatedShip
 
 # True state of a leg, of which its readings are readings.
