@@ -107,6 +107,9 @@ class Pictures:
     def voyage_on_a_map(self) -> Figure:
         return voyage_figure(nw.simulate(self.dtc, x=10.0, y=0.5, waterway=straight()))
 
+    def voyage_along_a_flat_map(self) -> Figure:
+        return voyage_figure(nw.simulate(self.dtc, x=10.0, y=0.0, waterway=straight(), duration=400.0))
+
     def long_voyage(self) -> Figure:
         return voyage_figure(nw.simulate(self.dtc, y=0.0, duration=200.0))
 

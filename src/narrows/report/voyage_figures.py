@@ -120,7 +120,7 @@ def _banks_on_map(axes: Axes, waterway: Waterway, s: np.ndarray, section: Sectio
         bank, _ = waterway.to_map(s, section.middle + sign * section.width / 2)
         axes.plot(*bank.T, color=PANEL_GREY, linewidth=2)
     origin = "" if waterway.origin is None else f" of {waterway.origin[0]:.5g} E, {waterway.origin[1]:.5g} N"
-    axes.set(aspect="equal", xlabel=f"east{origin} [m]", ylabel=f"north{origin} [m]")
+    axes.set(aspect="equal", xlabel=f"east{origin} [m]", ylabel="north [m]")
 
 
 def waterway_figure(waterway: Waterway) -> Figure:
