@@ -19,7 +19,7 @@ CASES = {
 
 def sources() -> str:
     """Each rule and its content."""
-    return markdown(("rule", "content"), [(rule.name, rule.says) for rule in CHANNEL_RULES])
+    return markdown(("rule", "content"), [(rule.name, rule.content) for rule in CHANNEL_RULES])
 
 
 def cases() -> str:

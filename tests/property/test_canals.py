@@ -94,7 +94,7 @@ def test_a_waterway_goes_to_a_file_and_back(tmp_path: Path) -> None:
     for name in ("width", "middle", "depth"):
         found, expected = (getattr(way.section(np.linspace(5, 495, 50)), name) for way in (back, own))
         np.testing.assert_allclose(found, expected, atol=1e-3, err_msg=name)
-    with pytest.raises(nw.InputError, match="nothing says where on earth"):
+    with pytest.raises(nw.InputError, match="its place on earth is unknown"):
         nw.write_waterway(canal(), tmp_path / "other.geojson")
 
 

@@ -138,7 +138,7 @@ def test_what_was_not_read_is_not_shown_as_published() -> None:
 
 def test_a_rule_without_a_source_is_none() -> None:
     for rule in CHANNEL_RULES:
-        assert all((rule.source, rule.asks, rule.says))
+        assert all((rule.source, rule.criterion, rule.content))
         assert bool(rule.lanes) + (rule.speed is not None) + (rule.rudder_deg is not None) == 1
 
 

@@ -141,7 +141,7 @@ class CaseOptions:
     seed: Annotated[int, Option(help="Seed of the samples.")] = 0
 
 
-# A ship with a rudder and banks, but untested: the chart says so.
+# A ship with a rudder and banks, but untested, which the chart notes.
 DEMO_SHIP = "estimated_kcs"
 
 

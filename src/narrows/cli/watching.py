@@ -93,7 +93,7 @@ def monitor(
 
     It is decision support, not type-approved equipment.
 
-    MODEL is a model file at the ship's own size, with the terms of a rudder; the waterway knows where on earth it is.
+    MODEL is a model file at the ship's own size, with the terms of a rudder; the waterway is in map coordinates.
     Leaves with 1 where a recording or the demonstration came to a warning or more.
     """
     _check(inputs, alerts, model, waterway)

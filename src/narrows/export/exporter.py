@@ -21,7 +21,7 @@ class Exporter:
     kind: str  # Name in ``narrows export``
     words: str  # Description
     suffixes: tuple[str, ...]  # Suffixes of its files
-    write: Callable[..., Any]  # Takes the model, the path, and those of the other options that it knows
+    write: Callable[..., Any]  # Takes the model, the path, and those of the other options that it accepts
     # Notes on the written file, from the result of ``write``
     notes: Callable[[Any], Iterable[str]] = lambda written: ()
     platforms: bool = False  # True if ``write`` returns the platforms that the file runs on

@@ -59,7 +59,7 @@ def compiled(command: Sequence[str], target: Path, what: str) -> bytes:
     except OSError as error:
         raise InputError(f"{command[0]} cannot be run ({error.strerror}); mend the compiler") from None
     if done.returncode or not target.exists():
-        line = next((text for text in done.stderr.splitlines() if "error" in text), "it says nothing")
+        line = next((text for text in done.stderr.splitlines() if "error" in text), "it gives no message")
         raise InputError(f"the compiler for {what} fails ({line.strip()[:200]}); nothing was written")
     return target.read_bytes()
 

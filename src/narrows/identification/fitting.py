@@ -28,7 +28,7 @@ from narrows.terms.term import TermTable
 
 Split = Literal["test", "random"]
 Pool = Literal["depth"]
-# Stretches of each test: how they scatter about a fit to it says how large its noise is.
+# Stretches of each test: their scatter about a fit to it gives the noise.
 PIECES = 8
 DEFAULT_ERRORS = RunErrors()
 # A ship at full size from the tests that come with the package, for demonstrations.

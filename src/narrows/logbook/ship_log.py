@@ -26,9 +26,9 @@ class ShipLog(BaseResult):
     records : tuple of ShipRecord
         In their order.
     waterway : Waterway, optional
-        That x, y, psi and course are told along; a plane where there is none.
+        Line of x, y, psi and course; a plane without one.
     notes : tuple of str
-        What the reader has to say: how columns were understood, what was left out.
+        Notes of the reader: interpretation of columns, rows left out.
 
     Raises
     ------

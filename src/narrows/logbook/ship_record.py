@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 class Signal:
     """One measured quantity at its own times.
 
-    Times stand as they came: uneven, with gaps where nothing came; ``check_log`` says where they go back.
+    Times are those received: uneven, with gaps; ``check_log`` finds times that go back.
 
     Parameters
     ----------

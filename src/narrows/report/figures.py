@@ -224,7 +224,7 @@ def _(result: Sensitivities) -> Figure:
 @_drawn.register
 def _(result: SteadyPlan) -> Figure:
     if not result.legs:
-        raise InputError("a plan without legs has no page; its summary says why none is allowed")
+        raise InputError("a plan without legs has no page; its summary gives the reason")
     return pilot_page(result)
 
 

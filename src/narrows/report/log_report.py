@@ -29,7 +29,7 @@ def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] |
     )
     page = render(
         "log_fit.html.j2",
-        title=f"{fit.prior.configuration.ship.name or 'A ship'}: what its own log taught",
+        title=f"{fit.prior.configuration.ship.name or 'A ship'}: learned from its own log",
         said=fit.summary().splitlines(),
         learned=with_truth(learned_rows(fit.coefficients), truth),
         twin=truth is not None,

@@ -80,9 +80,9 @@ class BestEstimateCourses:
 
     def on_the_centreline(self) -> Iterator[tuple[float, dict[str, float]]]:
         """Yield each speed [m/s] with the dependent quantities: heave [m], revolutions [1/s]."""
-        felt = [name for name in ("heave", "revolutions") if name in self.values]
+        given = [name for name in ("heave", "revolutions") if name in self.values]
         for index, speed in enumerate(self.speeds):
-            yield float(speed), {name: float(self.values[name][index]) for name in felt}
+            yield float(speed), {name: float(self.values[name][index]) for name in given}
 
 
 def _column(value: xr.DataArray, shape: tuple[int, int]) -> np.ndarray:

@@ -51,8 +51,8 @@ def shallow_lane(passage: Passage) -> float:
 @dataclass(frozen=True)
 class ChannelRule:
     name: str  # Name in the table and the chart
-    asks: str  # Its criterion
-    says: str  # The rule in words
+    criterion: str
+    content: str  # The rule in words
     source: str  # Its source
     standing: str = READ  # Verification: which numbers were read in the source
     lanes: tuple[Lane, ...] = ()  # Required widths, for a rule of widths
@@ -226,7 +226,7 @@ class OutsideRules(BaseResult):
     def _rows(self, rule: ChannelRule) -> Iterable[dict[str, Any]]:
         row = {
             "rule": rule.name, "slowest": None, "fastest": None, "width": None, "port": None, "starboard": None,
-            "speed_limit": None, "of_choking": None, "rudder": rule.rudder_deg, "says": rule.says,
+            "speed_limit": None, "of_choking": None, "rudder": rule.rudder_deg, "content": rule.content,
             "standing": rule.standing, "source": rule.source,
         }  # fmt: skip
         if rule.speed is not None:

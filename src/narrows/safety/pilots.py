@@ -57,7 +57,7 @@ def _regulator(ship: SimulatedShip, numbers: Numbers, course: Course) -> Control
 
 def _track_numbers(courses: BestEstimateCourses, tuning: None) -> Numbers:
     """Gains, one set per speed."""
-    rows = [track_gains(courses.ship, speed, **felt) for speed, felt in courses.on_the_centreline()]
+    rows = [track_gains(courses.ship, speed, **inputs) for speed, inputs in courses.on_the_centreline()]
     gains = np.broadcast_to(np.array(rows), (len(courses.offsets), len(rows), len(TRACKED)))
     return {f"by_{name}": gains[..., index] for index, name in enumerate(TRACKED)}
 

@@ -85,9 +85,9 @@ def configuration_from(tables: Mapping[str, Any], file: str, actuators: Iterable
     try:
         main = {name: _section(cls, name, tables.get(name, {})) for name, cls in NEEDED.items()}
         parts = [_section(cls, name, tables[name]) for name, cls in sections.items() if name in tables]
-        told = assumptions(main["water"])
+        assumed = assumptions(main["water"])
         notes = [
-            note for (name, key), note in told.items() if key not in tables.get(name, {} if name in NEEDED else key)
+            note for (name, key), note in assumed.items() if key not in tables.get(name, {} if name in NEEDED else key)
         ]
         return Configuration(**main, depths=dict(tables.get("depths", {})), notes=tuple(notes)).with_parts(parts)
     except InputError as error:

@@ -15,7 +15,7 @@ NEAR_THE_BANK = 1e-3
 # Moments of a voyage, at most about twice this many, at which the least clearance to the banks is computed.
 CLEARANCE_ROWS = 1000
 
-# Error of the track relative to the beam [1] above which a note says that the time step is too long.
+# Error of the track relative to the beam [1] above which a note warns of a long time step.
 STEP_ERROR_LIMIT = 0.02
 # Steps of a voyage, and voyages of an ensemble, that are repeated with half the step to find that error.
 STEP_CHECK_STEPS, STEP_CHECK_VOYAGES = 16, 64

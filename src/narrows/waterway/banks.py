@@ -10,8 +10,8 @@ from narrows.errors import InputError
 from narrows.ship.particulars import Point, equivalent_wall, keel_wall
 from narrows.waterway.centreline import FARTHEST, Centreline, chords
 
-# Share of the centreline at either end where a bank may be missing: its distance is assumed constant, and a note says
-# so.
+# Share of the centreline at either end where a bank may be missing: its distance is assumed constant, with a
+# note.
 SLACK = 0.06
 
 # Places between two corners at which distances are checked.

@@ -136,7 +136,7 @@ def write_waterway(waterway: Waterway, path: str | Path) -> None:
     """
     form_of(path, (".geojson", ".json"))
     if waterway.origin is None:
-        raise InputError(f"{waterway.name}: nothing says where on earth it is; give its origin, longitude and latitude")
+        raise InputError(f"{waterway.name}: its place on earth is unknown; give its origin, longitude and latitude")
     line, origin = waterway.line, np.array(waterway.origin)
     depth = {} if waterway.depths is None else {"depths": np.stack(waterway.depths, axis=1).tolist()}
     flow = {name: np.asarray(own).tolist() for name in CURRENT if np.any(own := getattr(waterway, name))}

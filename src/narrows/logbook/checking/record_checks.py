@@ -115,7 +115,7 @@ class Checked(NamedTuple):
 
     record: ShipRecord
     model: Model
-    waterway: Waterway | None  # Along which x and y are told
+    waterway: Waterway | None  # Line of x and y
     pace: float  # Time of the way of a ship length [s]
 
     def finding(self, check: str, sentence: str, remedy: str, wrong: bool = True, **evidence: float) -> Finding:

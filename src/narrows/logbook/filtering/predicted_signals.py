@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-# The current along the axes [m/s], which enters what is told over ground.
+# The current along the axes [m/s], which enters signals over ground.
 CURRENT_X, CURRENT_Y = "current_x", "current_y"
 
 # The actuator that is read with a zero of its own, and how much farther to starboard it truly is [rad].

@@ -43,7 +43,7 @@ ACCELERATIONS = ("udot", "vdot", "rdot")
 RANK = 1e-9
 
 NO_PRIOR = (
-    "this model has no covariance of its coefficients, so nothing says what a log may change; identify it from tests, "
+    "this model has no covariance of its coefficients, so a log has no prior; identify it from tests, "
     "or state a spread, as spread=0.1 (--spread 0.1) for a tenth of each"
 )
 

@@ -67,7 +67,7 @@ def read_log(
     Returns
     -------
     ShipLog
-        In SI and the package's axes; ``check_log`` says what is wrong with it.
+        In SI and the package's axes; ``check_log`` finds its faults.
 
     Raises
     ------

@@ -154,7 +154,7 @@ def learn_steady(
         Model of the ship at its own size in the canal of the legs, with a rudder and a covariance.
     observations : DataFrame, mapping of str to array, str or Path
         A row a leg: y [m], u [m/s], rudder, drift or heading, and their errors ``y_error`` and so on where they are
-        known; SI and radians unless a header says otherwise (``rudder [deg]``).
+        known; SI and radians unless a header has a unit (``rudder [deg]``).
     errors : ReadingErrors, optional
         Values that the rows lack.
     conditions : SteadyConditions, optional
@@ -194,7 +194,7 @@ def learn_steady(
 def check_covariance(model: Model) -> None:
     if model.covariance is None:
         raise InputError(
-            "this model has no covariance of its coefficients, so nothing says what a record may change; identify it "
+            "this model has no covariance of its coefficients, so a record has no prior; identify it "
             "from tests, or state one"
         )
 

@@ -36,8 +36,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 WHO_HOLDS = (
-    "The plan looks at the steady rudder, the side and the keel; whether a pilot holds the ship there is what the safe "
-    "envelope says, and the master decides."
+    "The plan looks at the steady rudder, the side and the keel; the safe envelope tests whether a pilot holds the "
+    "ship there, and the master decides."
 )
 
 
@@ -178,9 +178,9 @@ def plan_steady(
 ) -> SteadyPlan:  # fmt: skip
     """Choose the steady legs that make some coefficients best known, among those that are safe to hold.
 
-    Legs come in pairs to either side, for opposite sides cancel wind and zeros. A leg is allowed where in 19 of 20
+    Legs come in pairs to either side, since opposite sides cancel wind and zeros. A leg is allowed if in 95 % of the
     samples of the coefficients the steady rudder leaves its reserve, and side and keel their clearance. Whether a pilot
-    holds the ship there is what ``safe_envelope`` says.
+    holds the ship there is a test of ``safe_envelope``.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 RUDDER = "rudder"
-# Flow [1] of a waterway below which an estimated current says nothing about that elsewhere: the tide turns there.
+# Flow [1] of a waterway below which an estimated current gives no information on that elsewhere: the tide turns there.
 LEAST_FLOW = 0.1
 # Outcomes of a lane in a bank, or across the canal, which is on the way there.
 MEETS = (Code.GROUNDED, Code.DIVERGED, Code.OUTSIDE)

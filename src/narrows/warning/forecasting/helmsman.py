@@ -98,7 +98,7 @@ class Helmsmen:
         self.unattended = np.clip(1.0 / (1.0 + np.exp(-odds)), *UNATTENDED_BOUNDS)
 
     def _learn(self, seen: np.ndarray, off: np.ndarray, weight: np.ndarray) -> None:
-        """One step of the Kalman filters; what is done while nobody steers teaches nothing."""
+        """One step of the Kalman filters; steps without a helmsman change nothing."""
         self._covariance += self._walk
         noise = self._squares * ORDER_INTERVAL / np.maximum(weight, 1e-3)[:, None]
         shared = (self._covariance @ seen[..., None])[..., 0]

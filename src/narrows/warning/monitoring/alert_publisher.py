@@ -132,7 +132,7 @@ class SignalKSender:
 
 
 def _exchange(server: "ClientConnection", message: str) -> None:
-    """Send what there is, and pass over what the server says: a connection that is never read breaks unseen."""
+    """Send pending data and discard replies: a connection that is never read breaks unnoticed."""
     if message:
         server.send(message)
     try:

@@ -104,7 +104,7 @@ HEADERS = {
 
 CROWDED = "As many look on as there is room for; close another page first."
 FORBIDDEN, MISSING, TOO_MANY = 403, 404, 503
-# Takes what an onlooker says.
+# Receives the commands of a client.
 Take = Callable[[str, Client], None]
 
 
