@@ -38,11 +38,11 @@ MEDIAN, LATE = 10.0, 25.0
 """Of the reaction [s]: half are faster, and 95 %."""
 KNOWN, PARTS = Physics("the model, its coefficients drawn from their covariance"), 2
 OTHERS = (
-    Physics("hands that change lines abruptly", abrupt=True), Physics("banks exponential in the gap", exponential=True),
+    Physics("helmsmen who jump to a new line", abrupt=True), Physics("banks exponential in the gap", exponential=True),
     Physics("coefficients twice as far off", spread=2.0), Physics("a tenth less water", depth=0.9 * DEPTH),
-    Physics("a current with shear, ahead and across", shear=0.3), Physics("hands of other kinds", other_hands=True),
+    Physics("a current with shear, ahead and across", shear=0.3), Physics("helmsmen of other kinds", other_hands=True),
 )  # fmt: skip
-RULE, CURVED = "time to act and the hand: the package's rule", "curved by the rate of turn"
+RULE, CURVED = "time to act and the helmsman: the rule of the package", "curved by the rate of turn"
 MINUTE, SEEN, DOING = 60.0, 10.0, np.radians(10.0)
 """In which "clear" is wrong, and after which a lapse could be seen [s]; how near the rudder is to what is advised where
 that is done already."""
