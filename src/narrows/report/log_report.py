@@ -139,16 +139,16 @@ def _within(axes: np.ndarray, record: RecordAnswer) -> None:
     for panel, (name, factor) in zip(axes, (("r", 180 / np.pi), ("psi", 180 / np.pi), ("y", 1.0)), strict=True):
         if name in record.measured:
             values = factor * record.measured[name][1]
-            room = 0.6 * float(np.ptp(values)) + 1e-9
-            panel.set_ylim(values.min() - room, values.max() + room)
+            panel.set_ylim(_about(values, ROOM_ACROSS, 1e-9))
 
 
 # Largest and smallest height of the figure [in].
 TALLEST, FLATTEST = 5.5, 1.6
 # Ratio of length to width up to which both have one scale.
 TRUE_SHAPE = 8.0
-# Margin around the track, relative to its extent: predictions beyond it are not shown.
-ROOM = 0.08
+# Margins around measured values, relative to their extent, along the track and across; what is predicted beyond is not
+# shown.
+ROOM_ALONG, ROOM_ACROSS = 0.08, 0.6
 
 
 def log_track_figure(record: RecordAnswer) -> Figure:
@@ -165,7 +165,8 @@ def log_track_figure(record: RecordAnswer) -> Figure:
     panel.plot(x, y, ".", color=GREY, ms=2.5, label="measured", rasterized=True)
     for (colour, words), predicted in zip(BY, record.forecasts, strict=True):
         draw_pieces(panel, predicted, predicted.states[:, 0], predicted.states[:, 1], label=words, color=colour)
-    panel.set(xlim=_about(x), ylim=_about(y)[::-1], xlabel="x [m]", ylabel="y, to starboard [m]")
+    room = ROOM_ALONG if to_scale else ROOM_ACROSS
+    panel.set(xlim=_about(x, ROOM_ALONG), ylim=_about(y, room)[::-1], xlabel="x [m]", ylabel="y, to starboard [m]")
     shape = "to scale" if to_scale else "not to scale: y is stretched"
     panel.set_title(f"{record.name} from above, {shape}")
     panel.set_aspect("equal" if to_scale else "auto", adjustable="datalim")
@@ -174,8 +175,8 @@ def log_track_figure(record: RecordAnswer) -> Figure:
     return figure
 
 
-def _about(values: np.ndarray) -> tuple[float, float]:
-    room = ROOM * float(np.ptp(values)) + 1.0
+def _about(values: np.ndarray, share: float, least: float = 1.0) -> tuple[float, float]:
+    room = share * float(np.ptp(values)) + least
     return float(values.min()) - room, float(values.max()) + room
 
 
