@@ -6,6 +6,7 @@ import re
 import zipfile
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -13,6 +14,7 @@ import narrows as nw
 from narrows.control import closed_loop, regulator
 from narrows.export.exporters import EXPORTERS
 from narrows.export.passport import passport
+from narrows.logbook.learning.learn_log import _assumptions
 from narrows.report.printed_tables import print_waterway
 from narrows.waterway.geojson import read_line, waterway_from_line, write_waterway
 from tables import DTC_SHIP, frame_of, short_twin
@@ -99,6 +101,39 @@ def test_every_language_of_the_bank_force_tells_it_too(suffix: str, tmp_path: Pa
     for key in set(UNKNOWN) - {"canal.depth"}:
         assert not re.search(UNKNOWN[key], known), key
         assert re.search(UNKNOWN[key], written(without(key))), key
+
+
+DOORS_OF_LOGS = {
+    "plan of steady legs": lambda model: nw.plan_steady(model, [10.0], [4.0], legs=2, samples=20).notes,
+    "forecast of information": lambda model: nw.predict_information(model, within=0.0, transits=1, u=4.0).notes,
+}
+
+
+@pytest.mark.parametrize("door", DOORS_OF_LOGS)
+def test_plans_of_what_to_learn_tell_it_too(door: str) -> None:
+    known = " ".join(DOORS_OF_LOGS[door](nw.Model.from_dict(KNOWN)))
+    for key in set(UNKNOWN) - {"covariance", "canal.depth"}:
+        assert not re.search(UNKNOWN[key], known), key
+        assert re.search(UNKNOWN[key], " ".join(DOORS_OF_LOGS[door](without(key)))), key
+    with pytest.raises(nw.InputError, match="no covariance"):
+        DOORS_OF_LOGS[door](without("covariance"))
+
+
+def test_an_unknown_depth_leaves_the_speeds_of_legs_to_the_tests() -> None:
+    plan = nw.plan_steady(without("canal.depth"), [10.0], legs=2, samples=20)
+    fastest = KNOWN["data_range"]["speed"][1]
+    assert plan.legs
+    assert all(0 < leg.speed <= fastest for leg in plan.legs)
+    assert re.search(UNKNOWN["canal.depth"], " ".join(plan.notes))
+
+
+def test_a_log_learned_at_an_unknown_depth_says_so() -> None:
+    def told(model: nw.Model) -> str:
+        return " ".join(_assumptions(SimpleNamespace(motion=SimpleNamespace(model=model, choices={})), (), 0))
+
+    assert "a depth of 16.2 m" in told(nw.Model.from_dict(KNOWN))
+    assert "a depth that is not known" in told(without("canal.depth"))
+    assert re.search(UNKNOWN["water.density"], told(without("water.density")))
 
 
 def test_trials_name_an_estimate_and_what_they_do_not_know() -> None:

@@ -238,12 +238,16 @@ def _assumptions(problem: LogProblem, free: Sequence[str], met: int) -> Iterator
     model = problem.motion.model
     if model.has_bank:
         known = "waterway" in problem.motion.choices
-        depth = "the waterway's depths" if known else f"a depth of {model.configuration.canal.depth:.3g} m"
+        deep = model.configuration.canal.depth
+        depth = (
+            "the waterway's depths" if known else f"a depth of {deep:.3g} m" if deep else "a depth that is not known"
+        )
         yield (
             f"Assumed: a draft of {model.configuration.ship.draft:.3g} m, {depth}, and charted banks with one offset "
             "to each record. At another depth or draft the coefficients differ, and a transit does not show it. The "
             "intervals are then too narrow."
         )
+    yield from model.configuration.notes
     if met:
         yield f"Another ship passed in {met} steps; forces there are not used."
 

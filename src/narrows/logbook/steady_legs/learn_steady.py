@@ -91,7 +91,7 @@ class SteadyFit(LearnedAnswer):
         """Contradictions, undetermined quantities, inseparable pairs, assumptions."""
         taken = f"Assumed: {self.conditions.summary()}."
         whose = () if self.checks.contradicted else (WHOSE,)
-        return (*self.checks.findings, *self.correlated(), taken, *whose, ON_TWINS)
+        return (*self.checks.findings, *self.correlated(), taken, *self.prior.configuration.notes, *whose, ON_TWINS)
 
     def summary(self) -> str:
         """What was learned, what still comes from the tests, and whether the legs agree."""

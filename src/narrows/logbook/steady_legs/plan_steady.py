@@ -31,6 +31,7 @@ from narrows.results import BaseResult
 from narrows.safety.request import keel_at
 from narrows.safety.settings import KEEL_SHARE, RESERVE, SURE_SHARE
 from narrows.ship.checks import is_finite
+from narrows.simulation.outcome import water_notes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -239,10 +240,11 @@ def plan_steady(
     after = log_posterior(model, before, problem, np.zeros(len(information[-1])), information[-1]).covariance
     then = candidates(replace(model, covariance=after), beside, ahead, reserve, side, samples, seed) if order else found
     planned = tuple(found.leg(allowed[i], sign) for i, sign in held)
+    told = (*model.notes, *water_notes(None, model.configuration.canal.depth))
     return SteadyPlan(
         planned, names, std, model, errors, conditions, reserve, side, len(allowed),
         (found.farthest, max(found.farthest, then.farthest)),
-        (*_refused(found, reserve, side), f"Assumed: {errors.summary()}; {conditions.summary()}.", WHO_HOLDS),
+        (*told, *_refused(found, reserve, side), f"Assumed: {errors.summary()}; {conditions.summary()}.", WHO_HOLDS),
     )  # fmt: skip
 
 
@@ -364,7 +366,9 @@ def usual_speeds(model: Model) -> np.ndarray:
     choke, covered = keel_at(model, np.empty(0)).choke, model.data_range.speed
     if math.isinf(choke) and covered is None:
         raise InputError("neither a depth nor the tests bound the speed; give the speeds to look at")
-    low, high = (SLOWEST_LEG * choke, FASTEST_LEG * choke) if math.isfinite(choke) else covered or (0.0, 0.0)
+    low, high = SLOWEST_LEG * choke, FASTEST_LEG * choke
+    if covered and math.isinf(choke):
+        low, high = covered[1] * SLOWEST_LEG / FASTEST_LEG, covered[1]
     if covered and max(low, covered[0]) < min(high, covered[1]):
         low, high = max(low, covered[0]), min(high, covered[1])
     # In the second digit of knots, that a bridge can steer for.

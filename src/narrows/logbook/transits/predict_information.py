@@ -115,7 +115,7 @@ class InformationForecast(BaseResult):
             f"Assumptions: {self.conditions.summary()}; sensors {self.grade.summary()}; the terms of the model; "
             "the banks of the chart, with an unknown zero; each transit has its own wind and zeros; no other ship."
         )
-        return (*self.reasons, taken, ON_TWINS)
+        return (*self.reasons, *self.model.notes, taken, ON_TWINS)
 
     def summary(self) -> str:
         """Expected error of each target by routine transits, and the most informative excursion."""
