@@ -123,7 +123,7 @@ def _room(configuration: Configuration, tank: Tank) -> float:
 def _straight(configuration: Configuration, tank: Tank, speed: float, depth: float | None) -> Iterator[Run]:
     shares = (0.0, 0.25, 0.5, 0.75, 1.0)
     for share, side, drift in product(shares, SIDES, STRAIGHT_DRIFTS):
-        offset, drift = side * round(share * _room(configuration, tank), 3), side * drift
+        offset, drift = side * round(share * _room(configuration, tank), 3), side * drift + 0.0  # Never -0
         if (share or drift) and (share or side > 0):
             name = f"straight y={offset:g} drift={drift:g} u={speed:g}{_at(depth)}"
             yield StraightRun(
