@@ -84,7 +84,7 @@ READ: dict[str, pd.DataFrame | str | bytes] = {
     "German, Grad": headed(
         {"t": "Zeit / s", "test": "Versuch", "psi": "Kurswinkel / Grad", "r": "Gierrate / Grad/s",
          "u": "Längsgeschwindigkeit [m/s]", "v": "Quergeschwindigkeit [m/s]", "X": "Längskraft [N]",
-         "Y": "Querkraft [kN]", "N": "Giermoment [Nm]"}, psi=DEG, r=DEG, Y=1e-3),
+         "Y": "Querkraft [kN]", "y": "Querversatz [m]", "N": "Giermoment [Nm]"}, psi=DEG, r=DEG, Y=1e-3),
     "German of a measuring computer": text(headed(
         {"psi": "Kurswinkel [°]", "vdot": "Querbeschleunigung [m/s²]"}, psi=DEG), ";", ",").encode("cp1252"),
     "German without umlauts": headed({"u": "Laengsgeschwindigkeit [kn]", "v": "Quergeschwindigkeit [kn]"},
@@ -109,7 +109,6 @@ READ: dict[str, pd.DataFrame | str | bytes] = {
     "a compass": headed({"psi": "ψ [deg]"}, CLEAN.assign(psi=CLEAN.psi % (2 * np.pi)), psi=DEG),
     "milliseconds": headed({"t": "Time [ms]"}, t=1e3),
     "times of day": headed({"t": "Time"}, CLEAN.assign(t=CLEAN.t.map(clock))),
-    "without accelerations": CLEAN.drop(columns=RATES),
     "without rates": CLEAN.drop(columns=["r", *RATES]),
     "a depth in centimetres": CLEAN.assign(**{"Water depth [cm]": 600.0}),
     "a group row over the names": "Run;Motion" + ";" * (len(CLEAN.columns) - 2) + "\n" + text(CLEAN, ";", ","),
@@ -189,6 +188,8 @@ REFUSED: dict[str, tuple[pd.DataFrame, str, Mend]] = {
         lambda f: f.assign(Y=f.Y.map(lambda cell: float(str(cell).removesuffix(" N"))))),
     "a row twice": (
         pd.concat([CLEAN[:50], CLEAN[49:]], ignore_index=True), "leave one out", lambda f: f.drop_duplicates()),
+    "a test twice": (
+        pd.concat([CLEAN, CLEAN[:50]], ignore_index=True), "leave the second ones out", lambda f: f.drop_duplicates()),
     "rows in disorder": (
         CLEAN.sample(frac=1.0, random_state=1), "sort it by time",
         lambda f: f.sort_index()),
@@ -235,6 +236,22 @@ def test_what_straight_runs_contradict_is_told() -> None:
     with pytest.raises(nw.InputError, match=r"chokes the canal.*'u \[kn\]'"):
         nw.read_captive(in_knots, shallow)
     assert nw.read_captive(in_knots.rename(columns={"u": "u [kn]", "v": "v [kn]"}), shallow).rows == len(runs)
+
+
+def test_what_follows_from_the_other_columns_may_be_absent() -> None:
+    found, runs = nw.read_captive(CLEAN.drop(columns=["psi", *RATES]), TESTS.configuration), straight_runs()
+    inner = np.ones(found.rows, bool)
+    inner[found.starts[:-1]] = inner[found.starts[1:] - 1] = False
+    assert np.abs(found["psi"] - TESTS["psi"])[inner].max() < 0.02 * np.abs(TESTS["psi"]).max()
+    steady = nw.read_captive(runs.drop(columns=["psi", "r", *RATES]), DTC.configuration)
+    np.testing.assert_allclose(steady["psi"], runs.psi, atol=1e-12)
+    assert not any(steady[name].any() for name in ("r", *RATES))
+    assert nw.identify(steady).coefficients == nw.identify(nw.read_captive(runs, DTC.configuration)).coefficients
+    turning = nw.read_captive(runs.assign(r=0.1).drop(columns="psi"), DTC.configuration)
+    assert "psi" not in turning.columns
+    drift = runs.assign(**{"Drift [deg]": DEG * runs.psi}).drop(columns=["u", "v"])
+    with pytest.raises(nw.InputError, match=r"u = U cos\(beta\) and v = -U sin\(beta\), if 'Drift \[deg\]'"):
+        nw.identify(drift, ship=DTC.configuration)
 
 
 DRAFTED: dict[str, tuple[pd.DataFrame, str]] = {
@@ -328,6 +345,8 @@ def test_a_draft_is_not_written_over(tmp_path: Path, ship_file: Path, cli) -> No
     assert code == 2
     assert re.search("columns.toml is there: check it", told)
     assert (tmp_path / "columns.toml").read_text() == "[columns]\n"
+    (tmp_path / "columns.toml").write_text('[columns]\nu = "Speed of another table"\n')
+    assert f"--mapping {tmp_path / 'lab.columns.toml'}" in cli("identify", table, "--ship", ship_file)[2]
 
 
 @pytest.mark.parametrize("rows", [0, 1, 2, 9])

@@ -24,6 +24,8 @@ def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, table: str)
         i = int(np.argmax(stuck))
         fault = "repeats the time of the row above" if t[i] == t[i - 1] else "goes back in time"
         remedy = "leave one out" if t[i] == t[i - 1] else "sort it by time"
+        if t[i] < t[i - 1] and frame.duplicated().iloc[i]:
+            fault, remedy = "begins rows that stand above already", "leave the second ones out"
         remedy = remedy if "test" in frame else f"{remedy}, or name the tests in a column 'test'"
         row = row_number(frame, stuck)
         raise InputError(f"{table}: row {row}, column 't' {fault} (test {test[i]}, t = {t[i]:g} s); {remedy}")

@@ -1,5 +1,6 @@
 """Columns of captive-test tables: quantities, each with its unit, and labels."""
 
+import re
 from collections.abc import Container, Iterable
 from dataclasses import MISSING, fields
 
@@ -73,6 +74,9 @@ def _lacking(wanted: str, name: str, headers: Headers, movers: tuple[Actuator, .
     table = f"{headers.table}: " if headers.table else ""
     near = near_miss(wanted, headers.unread)
     unread = f", or say by --mapping which of {seen(headers.unread)} it is" if headers.unread and not near else near
+    drift = next((header for header in headers.unread if re.search("drift|beta", header.lower())), None)
+    if wanted in ("u", "v") and drift:
+        unread = f": u = U cos(beta) and v = -U sin(beta), if {drift!r} is beta, positive with the bow to starboard"
     return f"{table}column {wanted!r} is missing ({meaning} [{unit}]); add it{unread}"
 
 

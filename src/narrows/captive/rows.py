@@ -142,7 +142,7 @@ def checked(
     sense = _physical_sense(frame, columns, test, configuration, by_name, table)
     notes = [f"column {name!r} is absent: taken as 0" for name in assumed]
     notes += [] if "test" in frame else ["column 'test' is absent: all rows are taken as one test"]
-    unread = tuple(header for header in headers if header not in {c.header for c in recognised})
+    unread = tuple(header for header in headers if header not in {*LABELS, *(c.header for c in recognised)})
     notes += [
         f"column {header!r} is not read: is it {name}?"
         for header in unread if (name := begun(header)) and name not in {*columns, *LABELS}
@@ -167,17 +167,35 @@ def _physical_sense(
 
 
 def with_accelerations(rows: Rows) -> Rows:
-    """Return rows whose missing yaw rate and accelerations are central differences, test by test."""
+    """Return rows whose missing heading, yaw rate and accelerations follow from the others, test by test."""
     columns, made = dict(rows.columns), []
     order, _, starts = _grouped(rows.test)
-    for velocity, acceleration in (("psi", "r"), ("u", "udot"), ("v", "vdot"), ("r", "rdot")):
-        if acceleration in columns or not {"t", velocity} <= columns.keys() or (np.diff(starts) < 2).any():
-            continue
-        t, speed, rate = columns["t"][order], columns[velocity][order], np.empty(len(order))
+    steady = "t" not in columns and len(starts) > len(order)  # One row for each test
+
+    def rate_of(name: str) -> np.ndarray | None:
+        """Central differences over t, 0 for steady tests; None if neither is known."""
+        if steady:
+            return np.zeros(len(order))
+        if not {"t", name} <= columns.keys() or (np.diff(starts) < 2).any():
+            return None
+        t, values, rate = columns["t"][order], columns[name][order], np.empty(len(order))
         for start, stop in pairwise(starts.tolist()):
-            rate[order[start:stop]] = np.gradient(speed[start:stop], t[start:stop])
-        columns[acceleration] = rate
-        made.append(f"{acceleration} is absent: taken from {velocity} over t by differences")
+            rate[order[start:stop]] = np.gradient(values[start:stop], t[start:stop])
+        return rate
+
+    turns = steady and np.any(columns.get("r", 0.0))
+    unknown = "psi" not in columns and {"y", "u", "v"} <= columns.keys() and not near_miss("psi", rows.headers.unread)
+    if unknown and not turns and (aside := rate_of("y")) is not None:
+        u, v = columns["u"], columns["v"]
+        with np.errstate(all="ignore"):  # From dy/dt = u sin(psi) + v cos(psi); 0 where the ship lies still
+            columns["psi"] = np.nan_to_num(np.arcsin(np.clip(aside / np.hypot(u, v), -1, 1)) - np.arctan2(v, u))
+        columns |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"])}
+        made.append(f"psi is absent: taken from u, v and {'a constant y' if steady else 'y over t'}")
+    for velocity, acceleration in (("psi", "r"), ("u", "udot"), ("v", "vdot"), ("r", "rdot")):
+        if acceleration not in columns and (rate := rate_of(velocity)) is not None:
+            columns[acceleration] = rate
+            how = "as 0, for each test is one row" if steady else f"from {velocity} over t by differences"
+            made.append(f"{acceleration} is absent: taken {how}")
     return rows._replace(columns=columns, notes=(*rows.notes, *made))
 
 

@@ -21,8 +21,9 @@ SYNONYMS = {
              "ensayo", "試験番号"),
     "x": ("x position", "longitudinal position", "langsposition", "laengsposition", "纵向位置",
           "position longitudinale", "posicion longitudinal"),
-    "y": ("y position", "sway position", "lateral position", "transverse position", "lateral offset", "querablage",
-          "querposition", "dwarspositie", "横向位置", "position transversale", "posicion transversal"),
+    "y": ("y position", "sway position", "lateral position", "transverse position", "lateral offset",
+          "querablage", "querposition", "querversatz", "distance from centreline", "distance from centerline",
+          "dwarspositie", "横向位置", "position transversale", "posicion transversal"),
     "psi": ("heading", "heading angle", "yaw angle", "kurswinkel", "gierwinkel", "koers", "koershoek", "ψ", "艏向角",
             "航向角", "航向", "cap", "rumbo", "方位角", "回頭角"),
     "u": ("surge velocity", "surge speed", "longitudinal velocity", "longitudinal speed", "forward speed",
@@ -70,6 +71,7 @@ HINTS = {
     "v": "v",
     "t": "t",
     "n": "N",
+    "carriage speed": "u",
 }
 # Units as such headers write them.
 UNIT_WORDS = {

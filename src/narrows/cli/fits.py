@@ -101,13 +101,17 @@ def _drafted(table: Path, ship: Path) -> str:
     from narrows.captive.formats import is_known
     from narrows.files import write_whole
     from narrows.readers.frames import read_frame
+    from narrows.readers.mapping import read_mapping
 
     path = table.with_name("columns.toml")
-    command = f"narrows identify {table} --ship {ship} --mapping {path}"
-    if path.exists():
-        return f" ({path} is there: check it, and type {command})"
     try:
         frame = read_frame(table).frame
+        there = read_mapping(path if path.exists() else None)
+        if there and not {*there.columns.values()} <= {*frame.columns}:
+            path = table.with_suffix(".columns.toml")  # The other one is that of another table
+        command = f"narrows identify {table} --ship {ship} --mapping {path}"
+        if path.exists():
+            return f" ({path} is there: check it, and type {command})"
         draft = draft_columns(frame)
         if not draft.entries or is_known(frame):  # The columns of a known layout are not at fault.
             return ""

@@ -54,7 +54,9 @@ def numbers(frame: pd.DataFrame, header: str, table: str, blanks: bool = False) 
         fault = "which nothing measures" if np.isfinite(values[wrong][0]) else "not a finite number"
         place = f"row {row_number(frame, wrong)}, column {header!r}"
         fault_words = "is empty or NaN" if empty else f"holds {cell}, {fault}"
-        raise InputError(f"{table}: {place} {fault_words}; mend the cell or leave the row out")
+        more = f", and {int(wrong.sum()) - 1} more like it" if wrong.sum() > 1 else ""
+        remedy = "mend them or leave their rows out" if more else "mend the cell or leave the row out"
+        raise InputError(f"{table}: {place} {fault_words}{more}; {remedy}")
     return values
 
 
