@@ -70,7 +70,7 @@ class SensedHelm:
     seed: int = 0
 
     def begin(self) -> Order:
-        """Return what gives the orders of one voyage; they replace those of the voyage before."""
+        """Return the function of orders for one voyage; it replaces that of the previous voyage."""
         estimation, random, helm = narrows.estimation, np.random.default_rng(self.seed), self.controller
         self.estimator = self.estimator or estimation.Estimator(self.model, self.sensors, waterway=self.waterway)
         self.estimator.forget()

@@ -18,10 +18,10 @@ from narrows.terms.term import TermKind, TermTable
 # Least share of the added mass in deep water that a hull has; most times mass and added mass in deep water, which
 # shallow water and near banks multiply.
 LEAST_ADDED, MOST = 0.5, 10.0
-# Standard errors that a mass must be beyond what a ship can have; the force that such a mass makes over what the fit
-# leaves, below which nothing is said.
+# Standard errors by which a mass must exceed its plausible range; least force of such a mass over the residual of the
+# fit for a warning.
 SURE, LEAST_FORCE = 2.0, 0.1
-# Error of a fit to a force of the other sign, over that of the fit, below which the sign is in doubt.
+# Error of a fit to the force with the other sign, over that of the fit, below which the sign is reported.
 CLEARLY = 0.7
 # Standard errors over the runs by which X must push ahead.
 SURE_PUSH = 3.0
@@ -189,7 +189,7 @@ def rudder_sentence(evidence: Judged) -> str:
 
 
 def unmodelled_rudder(tests: Tests, equations: NormalEquations, terms: TermTable) -> str:
-    """Warn that a rudder moves while no term has it, and what to do; empty where it does not."""
+    """Return a warning, with remedy, of a moving rudder without a rudder term; empty if there is none."""
     if any(actuator.name == "rudder" for actuator in terms.actuators):
         return ""
     angle = _rudder_angle(tests, equations)

@@ -28,19 +28,18 @@ class SafeEnvelope(BaseResult):
     Parameters
     ----------
     data : xarray.Dataset
-        Over y [m] and u [m/s]: ``rudder`` [rad] of the steady course, the median of the samples; ``rudder_low`` and
-        ``rudder_high`` [rad], that 90 % of the samples are between; ``rudder_95`` [rad], the size that 95 % stay
-        within, infinite where more find no course; ``found``, the share with a course; ``holds``, the share whose
-        course leaves the reserve; ``held``, the share that the one pilot also holds, who does not know the
-        coefficients; ``known``, the share that some helm holds: that pilot, or one who knows them; of both ``_low`` and
-        ``_high``, the 95 % interval for the number of samples; ``certain``, the share of disturbances in which one who
-        knows holds the ship of the most likely coefficients, and ``rudder_likely`` [rad] of its course; whether the
-        tests covered it, ``tested``; ``rudder_kick`` [rad] of the steady course with the engine at its most, where that
-        is known; over u: ``clearance`` [m] under the keel and whether keel, canal and engine are ``clear``. Its
-        attributes are ship and canal, the weather, the notes, the pilot, where a keel meets the banks [m], the beam
-        [m], the limit of the rudder [rad] and the reserve of it, the number of samples, the speeds [m/s] and offsets
-        [m] of the tests, in what the section was not tested, what the tests do not settle of the banks, and what the
-        published rules require.
+        Over y [m] and u [m/s], the rudder [rad] of the steady course: ``rudder``, the median of the samples;
+        ``rudder_low`` and ``rudder_high``, the central 90 %; ``rudder_95``, the size that 95 % do not exceed,
+        infinite if more than 5 % have no course; ``rudder_likely``, with the most likely coefficients;
+        ``rudder_kick``, with the engine at its limit, if that is known. Shares of the samples: ``found``, with a
+        steady course; ``holds``, whose course leaves the reserve; ``held``, held by the pilot for the best estimate;
+        ``known``, held by that pilot or by one with the true coefficients; the last two also with ``_low`` and
+        ``_high``, 95 % intervals for the number of samples. ``certain``: share of the disturbances in which a pilot
+        with the true coefficients holds the most likely ship. ``tested``: True if the tests covered it. Over u:
+        ``clearance`` [m] under the keel, and ``clear``, True if keel, canal and engine allow the speed. Attributes:
+        ship, canal, weather, notes, pilot, offsets at which the keel meets the banks [m], beam [m], rudder limit
+        [rad] and reserve, number of samples, tested speeds [m/s] and offsets [m], untested ratios of the section,
+        undetermined bank coefficients, published rules.
     """
 
     data: xr.Dataset
@@ -149,7 +148,7 @@ class SafeEnvelope(BaseResult):
         return (self.data["known"] >= share) & self.data["clear"]
 
     def safe(self, share: float = SURE_SHARE) -> xr.DataArray:
-        """Return at which offsets and speeds it is safe: by the model, and within the tested range.
+        """Return where it is safe, (y, u): by the model, and within the tested range.
 
         Parameters
         ----------

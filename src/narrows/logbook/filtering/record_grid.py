@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 # Signals that the motion is held to.
 READ = ("x", "y", "psi", "r", "u", "v", "u_ground", "v_ground", "speed_over_ground", "course")
-# Usual times between two values, over which nothing is drawn straight from one to the next.
+# Usual times between two values; longer gaps are not interpolated.
 GAP = 3.0
 # Steps of a record that a fit needs at least.
 FEWEST_STEPS = 8
-# Nodes that a first guess averages, and readings among which it takes the middle one.
+# Nodes in the mean, and readings in the median, of a first guess.
 NODES, SPIKES = 9, 5
 
 
@@ -29,8 +29,8 @@ class Readings:
     """Readings of one signal, by the step that each value lies in."""
 
     values: np.ndarray  # (n,) In the unit of the signal
-    step: np.ndarray  # (n,) In which each lies
-    share: np.ndarray  # (n,) Share of the step that is over [1]
+    step: np.ndarray  # (n,) Step of each reading
+    share: np.ndarray  # (n,) Elapsed share of that step [1]
     counted: np.ndarray  # (n,) Number of values in each mean
     gain: float = 1.0  # How many times the true value is read
 
@@ -70,7 +70,7 @@ class RecordGrid:
         return np.searchsorted(self._steps[self.order], np.arange(len(self) + 1))
 
     def by_signal(self, ordered: np.ndarray) -> dict[str, np.ndarray]:
-        """Return what is in the order of the readings (N,) by signal."""
+        """Return values in the order of the readings, (N,), by signal."""
         values, ends = np.empty_like(ordered), np.cumsum([len(read.values) for read in self.readings.values()])
         values[self.order] = ordered
         return dict(zip(self.readings, np.split(values, ends[:-1]), strict=True))
@@ -83,7 +83,7 @@ class RecordGrid:
 def grid_of(record: ShipRecord, step: float, usual: Mapping[str, float], pilot: bool = False) -> RecordGrid:
     """Return a record on even times; with a pilot the rudder at the end of each step is a reading too."""
     # step [s]
-    # Values finer than a step are averaged over it, what is coarser stays where it is.
+    # Values closer than a step are averaged over it; coarser ones keep their times.
     read = {name: record[name] for name in READ if name in record and len(record[name])}
     moved = {name: record[name] for name in usual if name in record and len(record[name])}
     if not read:
@@ -109,8 +109,7 @@ def grid_of(record: ShipRecord, step: float, usual: Mapping[str, float], pilot: 
 
 def _at_nodes(signal: Signal, times: np.ndarray) -> np.ndarray:
     """Positions at the nodes: straight between values where these are coarser, else weighed by a hat."""
-    # A hat is 1 at its node and 0 at the next ones, so that every value counts and what the rudder did all in all
-    # stays.
+    # Hat functions, 1 at a node and 0 at its neighbours, use every value and preserve the integral of the rudder.
     from scipy.interpolate import make_interp_spline
 
     step = times[1] - times[0]

@@ -189,7 +189,7 @@ class Excursion:
     turn: float = 0.0  # How long an aim takes to get there [s]
 
     def aims(self, times: np.ndarray, wander: np.ndarray) -> np.ndarray:
-        """Return where a pilot wants to be [m]: who goes aside on purpose does not go farther."""
+        """Return the offsets at which a pilot aims [m]; excursions are not exceeded."""
         aim = wander.copy()
         for number, side in enumerate(self.sides):
             middle = times[-1] * (number + 0.5) / len(self.sides)
@@ -284,7 +284,7 @@ def large_container_ship() -> Model:
 
 
 def demonstrated_log(sensors: SensorGrade, transits: int = 10, seed: int = 1) -> tuple[Model, Model, ShipLog]:
-    """Return a ship by its captive tests, what it truly is, and what its sensors recorded."""
+    """Return a ship as its captive tests give it, the true ship, and its recorded log."""
     prior = large_container_ship()
     for ship in range(MOST_SHIPS):
         truth = drawn_truth(prior, MOST_SHIPS * seed + ship)

@@ -19,9 +19,9 @@ NUMBERS = (
 class LikelyRun:
     """The run of the mean state and the model's own coefficients."""
 
-    contact: float  # When it meets a bank with the rudder as it is; infinite where it does not [s]
-    side: str  # Which; empty where none
-    last_chance: float  # [s] latest time of an escape that keeps it clear; negative where none does
+    contact: float  # Time until contact with the rudder unchanged; infinite without contact [s]
+    side: str  # Side of that bank; empty without contact
+    last_chance: float  # Latest time of an escape that stays clear; negative if there is none [s]
 
     @property
     def gone(self) -> bool:
@@ -93,7 +93,7 @@ class BankForecast(BaseSummary):
 
     @property
     def rudder_margin(self) -> float:
-        """Rudder that is left beside what is needed [rad]; negative where there is none."""
+        """Rudder beyond what is needed [rad]; negative if the limit is exceeded."""
         return self.rudder_limit - abs(self.rudder_needed)
 
     @property
