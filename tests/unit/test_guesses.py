@@ -4,8 +4,10 @@ the names of the package were looked at. Those that do not hold are listed with 
 import copy
 import json
 import pickle
+import re
 from collections.abc import Callable
 from functools import cache
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +19,7 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 import narrows as nw
+from narrows.aliases import OTHER_FUNCTIONS
 from tables import DTC_SHIP, frame_of, short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")
@@ -378,3 +381,14 @@ def test_names_of_other_libraries_that_are_answered_are_listed() -> None:
     assert {"params", "bse", "ci", "pcov", "cov", "resid", "coefficients", "summary"} <= set(listed)
     assert not {"popt", "pvalues", "poles"} & set(listed)
     assert all(hasattr(fit(), name) for name in listed)
+
+
+def test_every_answer_names_something_that_exists() -> None:
+    """Results by their names in the answers, and each row that is one public name."""
+    results = {"fit": fit(), "voyage": voyage(), "model": DTC}
+    for row in OTHER_FUNCTIONS:
+        for holder, part in re.findall(r"\b(fit|voyage|model)\.(\w+)", row):
+            assert hasattr(results[holder], part), row
+        for name in re.findall(r"^[\w.]+(?=$|\(|,| or )|(?<= or )[\w.]+(?=$|\(|,)", row):
+            if name.partition(".")[0] not in {*results, "help", "8"}:
+                assert attrgetter(name)(nw) is not None, row
