@@ -39,7 +39,7 @@ THINGS = r"(?:data|tests?|runs?|logs?|records?|gauges?|rudders?|sensors?|motions
 IN_SOURCE = {
     r'(?:"""|# (?:\([^)]*\) )?|^ +)(?:Of|Wherefrom|Say (?:it|them))\b(?! course)': 1,
     r'"""(?:What|How|Which|Why|That)\b(?! to )': 1,
-    rf"\b{THINGS} (?:(?:do not|does not|cannot) )?(?:say|tell|know|hear|feel|teach|think|believe|speak)s?\b": 3,
+    rf"\b{THINGS} (?:(?:do not|does not|cannot) )?(?:say|tell|know|hear|feel|teach|think|believe|speak)s?\b": 0,
 }
 
 
