@@ -94,6 +94,9 @@ def test_a_table_of_the_archive_of_noaa_is_read_by_the_units_of_ais(mapping: dic
     np.testing.assert_allclose(np.degrees(first["course"].values), [90.0])
     assert "cut into 2 records where nothing came for 300 s; gap= sets another time" in log.notes
     assert len(nw.read_log(NOAA, mapping=mapping, mmsi=636021061, gap=900.0)) == 1
+    late = nw.read_log(pd.DataFrame(NOAA).iloc[[3, 2, 1, 0]], mapping=mapping, mmsi=636021061)
+    assert late.notes == log.notes
+    assert [record["x"].t.tolist() for record in late] == [record["x"].t.tolist() for record in log]
 
 
 def test_a_table_of_the_danish_archive_is_read_with_the_day_before_the_month() -> None:

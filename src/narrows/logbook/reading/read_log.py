@@ -220,7 +220,7 @@ class LogReading:
     def _rows(self, raw: pd.DataFrame) -> pd.DataFrame:
         """A table in SI: t, record if it has one, and signals with NaN where nothing was measured."""
         mapped = self.log.mapping.columns
-        if is_ais_archive(raw):
+        if archive := is_ais_archive(raw):
             raw, self.mmsi = one_ship(raw, self.mmsi, self.table)
             units = {name: unit for name, unit in ARCHIVE_UNITS.items() if name in mapped.columns}
             mapped = replace(mapped, units={**units, **mapped.units})
@@ -249,7 +249,9 @@ class LogReading:
                 self.absent[name] += int(none.sum())
                 columns[name] = np.where(none, np.nan, column)
         named = {"record": labels(frame, "record", self.table)} if "record" in frame else {}
-        return pd.DataFrame({"t": t, **named, **columns})
+        rows = pd.DataFrame({"t": t, **named, **columns})
+        # Receivers pass on reports in any order.
+        return rows.sort_values("t", kind="stable", ignore_index=True) if archive else rows
 
     def _clock(self, frame: pd.DataFrame) -> np.ndarray:
         """Seconds since the first row, of a column of dates and times."""
@@ -263,7 +265,7 @@ class LogReading:
         if times.isna().any():
             row = row_number(frame, times.isna().to_numpy())
             raise InputError(f"{self.table}: row {row}, column 'time' is no date and time; write 2026-05-01T10:00:00Z")
-        begin = self.begin = self.begin or times.iloc[0]
+        begin = self.begin = self.begin or times.min()
         return (times - begin).dt.total_seconds().to_numpy(float)
 
     def _split(self, pieces: Iterable[pd.DataFrame]) -> Iterator[RawRecord]:
