@@ -72,7 +72,7 @@ def write_laboratory(folder: Path) -> None:
     frame = frame_of(nw.measured_tests("kcs").by_condition()[DEPTH])
     frame = frame.assign(y=-frame.y, **{name: np.degrees(frame[name]) for name in ("psi", "r", "rdot")})
     units = {"x": "m", "y": "mm", "psi": "deg", "u": "m/s", "v": "m/s", "r": "deg/s", "udot": "m/s2", "vdot": "m/s2",
-             "rdot": "deg/s2", "heave": "m", "X": "N", "Y": "N", "N": "Nm"}  # fmt: skip
+             "rdot": "deg/s2", "heave": "m", "X": "N", "Y": "N", "N": "Nm", "revolutions": "1/s"}  # fmt: skip
     frame = frame.assign(y=frame.y * 1e3)[["test", *units]]
     names = {"test": "Run", "y": "Ycarr", "psi": "Heading", "X": "Fx", "Y": "Fy", "N": "Mz"}
     rows = frame.rename(columns=names).to_csv(index=False, sep=";", decimal=",").splitlines()
