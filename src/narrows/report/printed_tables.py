@@ -10,12 +10,15 @@ from narrows.errors import InputError
 from narrows.experiment_design.plan import UNITS, Plan
 from narrows.model.froude import Scaled
 from narrows.model.model import Model
-from narrows.report.terminal import WIDTH, console_of, print_notes, table_of
+from narrows.report.terminal import WIDTH, console_of, everything, print_notes, table_of
 from narrows.waterway import Waterway
 
 if TYPE_CHECKING:
     import pandas as pd
+    from rich.console import Console
 
+# Longest table of coefficients that is printed without --verbose.
+MOST_TERMS = 20
 # Column width [characters]; a narrow terminal wraps lines rather than losing digits.
 COLUMN = 14
 SHOWN = ("kind", "offset", "amplitude", "period", "speed", "drift_deg", "depth")
@@ -47,12 +50,14 @@ def _cell(value: Any) -> str:
 
 
 def print_scaled(scaled: Scaled) -> None:
-    console, shown = console_of(), scaled.to_dict()
+    console, shown, main = console_of(), scaled.to_dict(), _main_terms(scaled.model)
     rows = (
         (name, f"{row['old']:.4g}", f"{row['new']:.4g}", row["unit"], f"{shown['bis'][name]:.4g}")
         for name, row in shown["coefficients"].items()
+        if name in main
     )
     console.print(table_of(("", "was", "is", "unit", "bis [1]"), rows, left=("", "unit"), no_wrap=True))
+    _say_rest(console, scaled.model)
     console.print(shown["summary"])
     for note in scaled.notes:
         console.print(f"- {note}")
@@ -77,13 +82,25 @@ def estimate_summary(model: Model) -> dict[str, Any]:
 
 def print_estimate(model: Model) -> None:
     console = console_of()
-    table = model.to_dataframe()
+    table = model.to_dataframe().loc[_main_terms(model)]
     rows = ((str(name), f"{row['value']:.3g}", f"{row['std']:.2g}", str(row["unit"])) for name, row in table.iterrows())
     for note in model.notes:
         console.print(note, soft_wrap=True)
     if model.configuration.canal.depth is None:
         console.print("No depth is given: the estimate is for deep water; add --depth for a canal.", soft_wrap=True)
     console.print(table_of(("", "estimate", "std", "unit"), rows, left=("", "unit"), no_wrap=True))
+    _say_rest(console, model)
+
+
+def _main_terms(model: Model) -> list[str]:
+    """Return the coefficients to print: those of the banks of a long table, or all."""
+    banks = [term.name for term in model.terms.terms if term.from_bank]
+    return banks if banks and len(model.terms) > MOST_TERMS and not everything() else list(model.terms.names)
+
+
+def _say_rest(console: "Console", model: Model) -> None:
+    if rest := len(model.terms) - len(_main_terms(model)):
+        console.print(f"{rest} more coefficients: add --verbose")
 
 
 def print_ships(table: "pd.DataFrame") -> None:
