@@ -162,3 +162,8 @@ def test_a_line_that_leaves_room_is_not_moved(tmp_path: Path, cli) -> None:
     axis = saved(tmp_path / "axis.geojson", ("LineString", degrees(AXIS), {}))
     _, told, _ = cli("waterway", "--line", axis, "--width", 160, "--depth", 13)
     assert "smoothed" not in told
+
+
+def test_a_straight_waterway_of_plain_numbers_is_refused_with_the_call() -> None:
+    with pytest.raises(nw.InputError, match=r"give nw.Canal\(width, depth\) in metres"):
+        nw.straight_waterway(300.0, 5000.0)

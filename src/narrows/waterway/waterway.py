@@ -382,6 +382,8 @@ def straight_waterway(canal: Canal, length: float, heading: float = 0.0) -> Wate
     >>> print(canal.summary())
     canal: 5000 m long, 300 m wide, 16 m deep, straight
     """
+    if not isinstance(canal, Canal):
+        raise InputError(f"canal = {shown(canal)} is no canal; give nw.Canal(width, depth) in metres, then the length")
     if not length > 0:
         raise InputError(f"the length of a waterway must be positive, not {length} m")
     ends = np.array([[0.0, 0.0], [length * np.sin(heading), length * np.cos(heading)]])
