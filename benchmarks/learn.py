@@ -52,7 +52,7 @@ def stepped() -> tuple[int, Callable[[], object]]:
     first = np.arange(0, STEPS + 1, 100)
     starts = np.tile([0.0, 0.0, 0.0, 1.1, 0.0, 0.0], (10, 1))
     rudder = {"rudder": 0.2 * np.sin(times / 5)}
-    return len(motion.directions), lambda: motion.sailed(starts, np.zeros((10, 3)), first, times, rudder, np.zeros(10))
+    return len(motion.directions), lambda: motion.sailed(starts, np.zeros((10, 3)), first, times, rudder)
 
 
 def main(count: int, rounds: int) -> None:

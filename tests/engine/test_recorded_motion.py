@@ -21,7 +21,7 @@ RUDDERS = 0.3 * np.sin(0.9 * TIMES)
 TURNS = 10.0 + 0.3 * np.cos(0.5 * TIMES)
 STARTS = np.array([[0, 0.3, 0.1, 1.1, 0.02, 0.01], [7, 0.5, 0.3, 1, -0.05, 0.03], [14, 1, 0.4, 1.05, 0.04, -0.02]])
 PUSHED = np.array([[1.0, 2.0, -3.0], [0.0, 0.0, 0.0], [-2.0, 4.0, 5.0]])
-OFFSETS = np.array([0.01, -0.02, 0.03])
+OFFSETS, TURNS_OFF = np.array([0.01, -0.02, 0.03]), np.array([0.4, -0.3, 0.0])
 
 
 def motion() -> RecordedMotion:
@@ -78,15 +78,15 @@ def rates(z: casadi.SX, delta: casadi.SX, n: casadi.SX, push: casadi.SX, c: dict
 def by_casadi(window: int) -> tuple[np.ndarray, np.ndarray]:
     """The end of a window and its slopes by the classical Runge-Kutta method, differentiated by CasADi."""
     names = {name: casadi.SX.sym(name) for name in FREE}
-    start, push, offset = casadi.SX.sym("z", 6), casadi.SX.sym("p", 3), casadi.SX.sym("o")
+    start, push, offsets = casadi.SX.sym("z", 6), casadi.SX.sym("p", 3), casadi.SX.sym("o", 2)
     known = {name: casadi.SX(value) for name, value in KVLCC2.coefficients.items()} | names
     z = casadi.vertcat(start[0], start[1], casadi.cos(start[2]), casadi.sin(start[2]), start[3:], start[2])
     for step in range(FIRST[window], FIRST[window + 1]):
 
         def rate(at: casadi.SX, share: float, step: int = step) -> casadi.SX:
-            rudder = (1 - share) * RUDDERS[step] + share * RUDDERS[step + 1] + offset
-            turns = (1 - share) * TURNS[step] + share * TURNS[step + 1]
-            return rates(at, rudder, casadi.SX(turns), push, known)
+            rudder = (1 - share) * RUDDERS[step] + share * RUDDERS[step + 1] + offsets[0]
+            turns = (1 - share) * TURNS[step] + share * TURNS[step + 1] + offsets[1]
+            return rates(at, rudder, turns, push, known)
 
         a = rate(z, 0.0)
         b = rate(z + STEP / 2 * a, 0.5)
@@ -95,9 +95,15 @@ def by_casadi(window: int) -> tuple[np.ndarray, np.ndarray]:
         unit = 1.5 - 0.5 * (z[2] ** 2 + z[3] ** 2)
         z = casadi.vertcat(z[0], z[1], z[2] * unit, z[3] * unit, z[4:])
     z = casadi.vertcat(z[0], z[1], z[7], z[4:7])
-    inputs = casadi.vertcat(start, push, offset, *names.values())
+    inputs = casadi.vertcat(start, push, offsets, *names.values())
     function = casadi.Function("end", [inputs], [z, casadi.jacobian(z, inputs)])
-    told = [*STARTS[window], *PUSHED[window], OFFSETS[window], *(KVLCC2.coefficients[name] for name in FREE)]
+    told = [
+        *STARTS[window],
+        *PUSHED[window],
+        OFFSETS[window],
+        TURNS_OFF[window],
+        *(KVLCC2.coefficients[name] for name in FREE),
+    ]
     end, slopes = function(told)
     return np.array(end).ravel(), np.array(slopes)
 
@@ -106,8 +112,9 @@ def by_casadi(window: int) -> tuple[np.ndarray, np.ndarray]:
 def test_ends_and_slopes_of_windows_are_those_of_casadi(window: int) -> None:
     ours = motion()
     positions = {"rudder": RUDDERS, "revolutions": TURNS}
-    states, slopes = ours.sailed(STARTS, PUSHED, FIRST, TIMES, positions, OFFSETS)
-    assert ours.directions == ("x", "y", "psi", "u", "v", "r", "X", "Y", "N", "rudder_offset", *FREE)
+    states, slopes = ours.sailed(STARTS, PUSHED, FIRST, TIMES, positions, {"rudder": OFFSETS, "revolutions": TURNS_OFF})
+    offsets = "rudder_offset", "revolutions_offset"
+    assert ours.directions == ("x", "y", "psi", "u", "v", "r", "X", "Y", "N", *offsets, *FREE)
     row = FIRST[window + 1] + window
     end, expected = by_casadi(window)
     np.testing.assert_allclose(states[row], end, rtol=1e-12, atol=1e-13)

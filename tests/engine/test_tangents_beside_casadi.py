@@ -62,7 +62,7 @@ class Case:
     def sailed(self) -> tuple[np.ndarray, np.ndarray]:
         """As a fit sails it."""
         helm = {"rudder": HELM}
-        return self.motion.sailed(self.starts, PUSHES, FIRST, STEP * NODES, helm, OFFSETS, CURRENT)
+        return self.motion.sailed(self.starts, PUSHES, FIRST, STEP * NODES, helm, {"rudder": OFFSETS}, CURRENT)
 
 
 def in_bends() -> nw.Waterway:

@@ -116,7 +116,7 @@ def test_in_bends_the_yaw_rate_counts_the_turning_of_the_line() -> None:
     every = np.stack([voyage[name] for name in ("x", "y", "psi", "u", "v", "r")], axis=1)
     first = np.arange(0, len(grid) + 1, 10)
     states, pieces = every[first], len(first) - 1
-    sailed, _ = motion.sailed(states[:-1], np.zeros((pieces, 3)), first, grid.times, grid.positions, np.zeros(pieces))
+    sailed, _ = motion.sailed(states[:-1], np.zeros((pieces, 3)), first, grid.times, grid.positions)
     np.testing.assert_allclose(sailed[first[1:] + np.arange(pieces)], states[1:], atol=1e-6)
     silent = replace(record, signals={name: record[name] for name in ("x", "y", "psi", "rudder")})
     guess = first_guess(grid_of(silent, 1.0, {"rudder": 0.0}), winding())

@@ -17,7 +17,9 @@ from narrows.logbook.filtering.log_problem import LogProblem, StochasticModel
 from narrows.logbook.filtering.predicted_signals import (
     CURRENT_X,
     CURRENT_Y,
+    OFFSET,
     PREDICTED,
+    REVOLUTIONS_OFFSET,
     RUDDER,
     RUDDER_OFFSET,
     PredictedSignal,
@@ -26,7 +28,7 @@ from narrows.logbook.filtering.predicted_signals import (
 from narrows.logbook.filtering.record_grid import RecordGrid, first_guess
 from narrows.logbook.filtering.recorded_motion import CURRENT, PUSHES, RecordedMotion
 
-INPUTS = (*PUSHES, RUDDER_OFFSET, CURRENT_X, CURRENT_Y)
+INPUTS = (*PUSHES, RUDDER_OFFSET, REVOLUTIONS_OFFSET, CURRENT_X, CURRENT_Y)
 # Standard deviation of a step of each state, relative to the others.
 WALKS = np.array([1.0, 1.0, 0.3, 1.0, 1.0, 0.3])
 # Random walk of a held speed in a second, over itself.
@@ -144,7 +146,7 @@ def _slopes(grid: RecordGrid, motion: RecordedMotion, inertia: np.ndarray, along
     """Slopes of the ends of steps by states and inputs, (n, 6, 6 + inputs)."""
     slopes, lasting = np.zeros((len(along), 6, 6 + len(INPUTS))), np.diff(grid.times)
     slopes[:, :, :6] = along[:, :, :6]
-    factors = {**dict(zip(PUSHES, inertia.tolist(), strict=True)), RUDDER_OFFSET: 1.0, CURRENT: 1.0}
+    factors = {**dict(zip(PUSHES, inertia.tolist(), strict=True)), **dict.fromkeys(INPUTS[3:], 1.0), CURRENT: 1.0}
     for place, name in enumerate(motion.directions):
         if name in factors:
             slopes[:, :, 6 + INPUTS.index(CURRENT_X if name == CURRENT else name)] = along[:, :, place] * factors[name]
@@ -217,8 +219,9 @@ class RecordLikelihood:
         pushes = np.stack([sums[name] for name in PUSHES], axis=1) * inertia
         known = CURRENT in motion.directions
         current = float(sums[CURRENT_X][0]) if known else 0.0
+        offsets = {name: sums[OFFSET(name)] for name in motion.positions if OFFSET(name) in sums}
         states, along = motion.sailed(
-            path.states, pushes, np.arange(len(grid) + 1), grid.times, grid.positions, sums[RUDDER_OFFSET], current
+            path.states, pushes, np.arange(len(grid) + 1), grid.times, grid.positions, offsets, current
         )
         ends, slopes = states[1::2], _slopes(grid, motion, inertia, along[1::2])
         if not known:

@@ -9,8 +9,10 @@ import numpy as np
 # The current along the axes [m/s], which enters signals over ground.
 CURRENT_X, CURRENT_Y = "current_x", "current_y"
 
-# The actuator that is read with a zero of its own, and how much farther to starboard it truly is [rad].
-RUDDER, RUDDER_OFFSET = "rudder", "rudder_offset"
+# How much an actuator's position is truly above what is recorded or usual: [rad] to starboard, [1/s].
+OFFSET = "{}_offset".format
+RUDDER, REVOLUTIONS = "rudder", "revolutions"
+RUDDER_OFFSET, REVOLUTIONS_OFFSET = OFFSET(RUDDER), OFFSET(REVOLUTIONS)
 
 # Name of the constant error of a signal.
 ERROR = "{}_error".format

@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import INPUTS as PUSHED
-from narrows.logbook.filtering.predicted_signals import RUDDER, RUDDER_OFFSET
+from narrows.logbook.filtering.predicted_signals import OFFSET
 from narrows.model.model import Model
 from narrows.results import BaseSummary
 from narrows.simulation.controllers import Named
@@ -36,19 +36,16 @@ class RecordedHelm(BaseSummary):
         return f"as recorded: {', '.join(self.positions)}"
 
     def parameters(self) -> Mapping[str, float]:
-        """Return the positions at the end of the step, and how far the rudder's zero is off."""
-        offset = {RUDDER_OFFSET: 0.0} if RUDDER in self.positions else {}
-        return {RECORDED(name): position for name, position in self.positions.items()} | offset
+        """Return the positions at the end of the step, and how far they are off."""
+        offsets = {OFFSET(name): 0.0 for name in self.positions}
+        return {RECORDED(name): position for name, position in self.positions.items()} | offsets
 
     def memory(self, start: Named) -> Named:
         return {}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
         """Return where the actuators are at the end of the step."""
-        orders = {name: getattr(at, RECORDED(name)) for name in self.positions}
-        if RUDDER in orders:
-            orders[RUDDER] = orders[RUDDER] + at.rudder_offset
-        return orders, {}
+        return {name: getattr(at, RECORDED(name)) + getattr(at, OFFSET(name)) for name in self.positions}, {}
 
 
 @dataclass(frozen=True)
@@ -57,16 +54,16 @@ class RecordedMotion:
 
     model: Model  # The ship
     positions: Mapping[str, float]  # Actuators that follow a record, each with a position that is usual
-    # Derivatives are taken by these, by the initial states, the external forces and the rudder's zero
+    # Derivatives are taken by these, by the initial states, the external forces and the offsets of positions
     coefficients: tuple[str, ...]
     choices: Mapping[str, Any]  # As for ``simulate``: surge, contact, waterway, u
 
     @cached_property
     def directions(self) -> tuple[str, ...]:
         """Variables of the slopes, in order."""
-        offset = (RUDDER_OFFSET,) if RUDDER in self.positions else ()
+        offsets = map(OFFSET, self.positions)
         current = (CURRENT,) if self.choices.get("waterway") is not None else ()
-        return (*STATES, *PUSHES, *offset, *current, *self.coefficients)
+        return (*STATES, *PUSHES, *offsets, *current, *self.coefficients)
 
     @cached_property
     def integrator(self) -> TangentIntegrator:
@@ -85,20 +82,20 @@ class RecordedMotion:
 
     def sailed(
         self, starts: np.ndarray, pushes: np.ndarray, first: np.ndarray, times: np.ndarray,
-        positions: Mapping[str, np.ndarray], offset: np.ndarray, current: float = 0.0,
+        positions: Mapping[str, np.ndarray], offsets: Mapping[str, np.ndarray] | None = None, current: float = 0.0,
     ) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
         """Sail every piece of a record from its own start; return the six states and their derivatives."""
         # starts (pieces, 6): x, y [m], psi [rad], u, v [m/s], r [rad/s]; pushes (pieces, 3): X, Y [N], N [N m]
-        # first (pieces + 1,); times (nodes,) [s]; offset (pieces,) [rad]; current [m/s]
+        # first (pieces + 1,); times (nodes,) [s]; offsets of actuators (pieces,); current [m/s]
         integrator = self.integrator
         kept, count = integrator.integrator.choices.kept, np.diff(first)
-        begun = first[:-1]
-        at_start = {name: positions[name][begun] + (offset if name == RUDDER else 0.0) for name in self.positions}
+        off = {name: np.zeros(len(count)) for name in self.positions} | dict(offsets or {})
+        at_start = {name: positions[name][first[:-1]] + off[name] for name in self.positions}
         begin, slopes = self._started(kept, starts, at_start)
         inputs = {PUSHED[name]: np.repeat(pushes[:, i], count) for i, name in enumerate(PUSHES)}
         after = slice(first[0] + 1, first[-1] + 1)
         inputs |= {PARAMETER(RECORDED(name)): positions[name][after] for name in self.positions}
-        inputs[PARAMETER(RUDDER_OFFSET)] = np.repeat(offset, count)
+        inputs |= {PARAMETER(OFFSET(name)): np.repeat(off[name], count) for name in self.positions}
         lengths = np.diff(times[first[0] : first[-1] + 1])
         others = {f"{name}_{end}": UNLIMITED for name in self.positions for end in ("limit", "rate")}
         if CURRENT in self.directions:
@@ -118,7 +115,7 @@ class RecordedMotion:
         state |= {"cos_psi": cosine, "sin_psi": sine, COUNTED: state["psi"], "t": np.zeros(len(starts)), **positions}
         begin = np.stack([state[name] for name in kept], axis=1)
         slopes = np.zeros((len(starts), len(kept), len(self.directions)))
-        by = {name: (name, 1.0) for name in STATES} | {RUDDER: (RUDDER_OFFSET, 1.0)}
+        by = {name: (name, 1.0) for name in STATES} | {name: (OFFSET(name), 1.0) for name in positions}
         by |= {"cos_psi": ("psi", -sine), "sin_psi": ("psi", cosine), COUNTED: ("psi", 1.0)}
         for i, name in enumerate(kept):
             if name in by and by[name][0] in self.directions:

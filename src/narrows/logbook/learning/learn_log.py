@@ -12,13 +12,14 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.logbook.filtering.log_problem import SWAY, YAW, LogProblem
-from narrows.logbook.filtering.predicted_signals import HELM, RUDDER
+from narrows.logbook.filtering.predicted_signals import HELM, REVOLUTIONS_OFFSET, RUDDER
 from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult, search
 from narrows.logbook.learned_coefficient import learned_coefficients, learned_model
 from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise
 from narrows.logbook.learning.log_posterior import LogPosterior, averaged, log_posterior
 from narrows.logbook.learning.log_prior import Spread
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
+from narrows.logbook.learning.posterior_mean import posterior_mean
 from narrows.logbook.learning.record_answers import record_answers
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import ShipLog
@@ -186,7 +187,8 @@ def log_result(
 
 def _posterior(posed: LogSetup, found: SearchResult) -> LogPosterior:
     scores = np.stack([one.score for one in found.records])
-    return log_posterior(posed.model, posed.before, found.problem, found.unknowns, found.information, scores)
+    known = posed.model, posed.before, found.problem, found.unknowns, found.information, scores
+    return log_posterior(*known, posterior_mean(found))
 
 
 def rudder_matters(model: Model, given: LogPosterior, joint: LogPosterior) -> tuple[str, ...]:
@@ -248,6 +250,11 @@ def _assumptions(problem: LogProblem, free: Sequence[str], met: int) -> Iterator
             "intervals are then too narrow."
         )
     yield from model.configuration.notes
+    if any(one.adds_to == REVOLUTIONS_OFFSET for one in problem.model.processes):
+        yield (
+            "The log has no propeller revolutions: each record has an unknown number of them about those that keep the "
+            "usual speed. The rudder's force depends on them; record them."
+        )
     if met:
         yield f"Another ship passed in {met} steps; forces there are not used."
 

@@ -31,18 +31,22 @@ class LogPosterior:
 
 def log_posterior(
     model: Model, before: np.ndarray, problem: Unknowns, unknowns: np.ndarray, information: np.ndarray,
-    scores: np.ndarray | None = None,
+    scores: np.ndarray | None = None, moments: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> LogPosterior:  # fmt: skip
-    """Return the posterior by the covariance before (n, n), the information (P, P), and scores of records (N, P)."""
+    """Return the posterior by the covariance before (n, n), the information (P, P), and scores of records (N, P).
+
+    It has the unknowns (P,) as its mean and the covariance of prior and information unless moments (P,), (P, P) are
+    given.
+    """
     prior, count = problem.prior, problem.count
-    covariance = posterior_covariance(problem, information)
+    mean, covariance = moments or (unknowns, posterior_covariance(problem, information))
     if scores is not None and len(scores) > 1:
         covariance = sandwich(covariance, information, scores)
     weights = regression_on_estimated(model, before, prior)
     places = [model.terms.names.index(name) for name in prior.names]
     known = covariance[:count, :count] * np.outer(prior.scale, prior.scale)
     after = before + weights @ (known - before[np.ix_(places, places)]) @ weights.T
-    moved = weights @ (prior.scale * unknowns[:count])
+    moved = weights @ (prior.scale * mean[:count])
     if not prior.free.all():
         # Schmidt's (1966) Kalman update: held coefficients keep mean and covariance, and their errors count in those of
         # the free ones, which are as in the joint fit; Bierman (1977), Factorization Methods, chapter 8.

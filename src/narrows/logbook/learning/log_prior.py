@@ -22,6 +22,8 @@ from narrows.logbook.filtering.predicted_signals import (
     HELM,
     HELM_GAIN,
     PREDICTED,
+    REVOLUTIONS,
+    REVOLUTIONS_OFFSET,
     RUDDER,
     RUDDER_OFFSET,
 )
@@ -167,6 +169,10 @@ GUST, STEADY_PUSH = 0.005, 0.1
 # Standard deviation of a current that nothing is known of [m/s].
 SPREAD_OF_CURRENT = 0.3
 
+# Standard deviation of revolutions that are not recorded, over those that keep the usual speed: by hull, propeller and
+# wind a ship needs a fifth more or less.
+SPREAD_OF_REVOLUTIONS = 0.2
+
 DEGREE = np.pi / 180
 
 # Standard deviation of an asymmetry, as the rudder angle that would hold it: ships steer straight with about a degree.
@@ -270,6 +276,9 @@ class LogAssumptions:
             rudder, step = self._grade(RUDDER), self.step(lasting, 1.0)
             found += [Process("rudder_noise", RUDDER_OFFSET, rudder.noise * np.sqrt(rudder.period / step), 0.0)]
             found += [Process(RUDDER_OFFSET, RUDDER_OFFSET, rudder.zero, np.inf)]
+        if REVOLUTIONS in motion.positions and REVOLUTIONS not in signals and self.grade.name != BASIN.name:
+            usual = SPREAD_OF_REVOLUTIONS * motion.positions[REVOLUTIONS]
+            found.append(Process(REVOLUTIONS_OFFSET, REVOLUTIONS_OFFSET, usual, np.inf))
         for name in noise:
             grade = self._grade(name)
             if grade.wander > 0:

@@ -11,7 +11,7 @@ import numpy as np
 
 from narrows.errors import InputError, check_choice, did_you_mean
 from narrows.logbook.filtering.log_problem import LogProblem
-from narrows.logbook.filtering.predicted_signals import RUDDER
+from narrows.logbook.filtering.predicted_signals import REVOLUTIONS, RUDDER
 from narrows.logbook.filtering.record_grid import READ, RecordGrid, grid_of
 from narrows.logbook.filtering.recorded_motion import RecordedMotion
 from narrows.logbook.learning.log_prior import (
@@ -28,6 +28,7 @@ from narrows.logbook.sensor_grades import GRADES, SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.ship_record import ShipRecord, Signal
 from narrows.model.model import Model
+from narrows.simulation.self_propulsion import steady_revolutions
 from narrows.waterway.current_profile import check_along_only
 
 if TYPE_CHECKING:
@@ -110,7 +111,8 @@ def log_problem(
         if name not in model.terms.names:
             raise InputError(f"free: there is no coefficient {name!r}{did_you_mean(name, model.terms.names)}")
     prior = coefficient_prior(model, before, surge, frozenset(free) or None)
-    motion = _motion(model, signals, u, choices, waterway or getattr(records, "waterway", None), prior.members)
+    positions = _positions(model, signals, u, grade)
+    motion = _motion(model, positions, u, choices, waterway or getattr(records, "waterway", None), prior.members)
     inertia = push_inertia(model, prior, u, choices.get("surge_inertia"))
     problem = assumptions.problem(motion, prior, inertia, signals, u)
     return LogSetup(problem, records, assumptions, before, model)
@@ -154,16 +156,22 @@ def _rounding(signal: Signal) -> tuple[float, float]:
     return float(moved.min() / np.sqrt(12)), float(np.ptp(signal.t) / len(moved) / 6)
 
 
-def _motion(
-    model: Model, signals: set[str], u: float, choices: dict[str, Any], waterway: "Waterway | None",
-    coefficients: tuple[str, ...],
-) -> RecordedMotion:  # fmt: skip
+def _positions(model: Model, signals: set[str], u: float, grade: SensorGrade) -> dict[str, float]:
+    """Usual positions of the actuators that follow a record, and of a propeller whose revolutions are not recorded."""
     values = model.configuration.values()
-    positions = {
+    if REVOLUTIONS not in signals and grade.name != BASIN.name:
+        values[REVOLUTIONS] = steady_revolutions(model, u) or values.get(REVOLUTIONS, 0.0)
+    return {
         actuator.name: float(values.get(actuator.name) or 0.0)
         for actuator in model.terms.actuators
-        if actuator.name == RUDDER or actuator.name in signals
+        if actuator.name in (RUDDER, REVOLUTIONS) or actuator.name in signals
     }
+
+
+def _motion(
+    model: Model, positions: dict[str, float], u: float, choices: dict[str, Any], waterway: "Waterway | None",
+    coefficients: tuple[str, ...],
+) -> RecordedMotion:  # fmt: skip
     options = {"contact": "midship" if model.terms.has_bank else "none", "u": u, **choices}
     if waterway is not None:
         check_along_only(waterway, "learning")

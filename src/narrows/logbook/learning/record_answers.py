@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.logbook.filtering.likelihood import INPUTS, RecordLikelihood, RecordPath, RecordScore
 from narrows.logbook.filtering.log_problem import LogProblem, StochasticModel
-from narrows.logbook.filtering.predicted_signals import CURRENT_X, CURRENT_Y, HELM, RUDDER, RUDDER_OFFSET
+from narrows.logbook.filtering.predicted_signals import CURRENT_X, CURRENT_Y, HELM, OFFSET, RUDDER, RUDDER_OFFSET
 from narrows.logbook.filtering.record_grid import RecordGrid
 from narrows.logbook.filtering.recorded_motion import CURRENT, PUSHES
 from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
@@ -125,11 +125,11 @@ def forecast(
             known[process.adds_to] += float(path.processes[0, place])
     motion, inertia = problem.at(scaled)
     pushes = np.tile(inertia * [known[name] for name in PUSHES], (len(begun) - 1, 1))
+    offsets = {name: np.full(len(begun) - 1, known.get(OFFSET(name), 0.0)) for name in motion.positions}
     with np.errstate(all="ignore"):  # A model before the log may run away.
         states, _ = motion.of_records.sailed(
-            path.states[begun[:-1]], pushes, first, grid.times, grid.positions,
-            np.full(len(begun) - 1, known[RUDDER_OFFSET]), known[CURRENT_X],
-        )  # fmt: skip
+            path.states[begun[:-1]], pushes, first, grid.times, grid.positions, offsets, known[CURRENT_X]
+        )
     nodes = np.concatenate([np.arange(low, high + 1) for low, high in pairwise(first)])
     pieces = np.repeat(grid.times[first[:-1]], np.diff(first) + 1)
     if CURRENT not in problem.motion.directions:
@@ -163,7 +163,7 @@ def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path
         begun = path.states[0].copy()
         begun[2:] += START_FREE * scales[2:] * start
         with np.errstate(all="ignore"):
-            states, _ = motion.sailed(begun[None], np.zeros((1, 3)), ends, grid.times, grid.positions, np.zeros(1))
+            states, _ = motion.sailed(begun[None], np.zeros((1, 3)), ends, grid.times, grid.positions)
         off = np.interp(read.step + read.share, nodes, states[:, 2]) - read.values
         return np.append(np.nan_to_num(off / READING, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3), start)
 
