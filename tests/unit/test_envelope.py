@@ -399,6 +399,7 @@ class TestTruth:
     def test_a_section_that_was_not_tested_comes_first(self, asked: nw.SafeEnvelope, tested: nw.Model) -> None:
         assert asked.summary().startswith("Extrapolated, as the tests did not cover this: W/B 9.32 (11.4 was tested)")
         assert asked.untested
+        assert ". Safe by the model up to " in asked.summary()
         as_wide = replace(tested, configuration=replace(tested.configuration, canal=nw.Canal(368.7, 16.2)))
         assert not nw.safe_envelope(as_wide, np.array([0.0]), np.array([3.0]), samples=20).untested
 

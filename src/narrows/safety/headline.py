@@ -32,7 +32,8 @@ def headline(data: xr.Dataset, share: float) -> tuple[list[str], list[str]]:
     if block is None:
         return [*guess, _nowhere(data, by_model)], [*_known(data, share, None), _way(data, share)]
     offsets = safe_offsets(data, block, share)
-    answer = [*guess, f"Safe {place_in_words(data, block[1], offsets)}, with 95 % probability."]
+    word = "Safe by the model" if section else "Safe"  # The chart hatches a section that was not tested, too
+    answer = [*guess, f"{word} {place_in_words(data, block[1], offsets)}, with 95 % probability."]
     limits = [*_outside(by_model & data["tested"].to_numpy(), block, y, u), _limits(data, share, block)]
     wider = largest_rectangle(by_model, y, u)
     if wider is not None and wider != block:
