@@ -205,7 +205,7 @@ def test_a_rudder_is_passed_over_on_the_command_line(cli) -> None:
     asked = ("identify", table, "--ship", ship, "--where", TURNED, "--condition", "C0101A01", "--json")
     code, out, err = cli(*asked)
     assert (code, out) == (2, "")
-    assert "where abs(rudder_deg) < 1" in err
+    assert "--where 'abs(rudder_deg) < 1'" in err
     few = ("identify", table, "--ship", ship, "--where", f"{TURNED} and type == 'PMMY2'", "--condition", "C0101A01")
     assert cli(*few, "--pass-over", "rudder")[0] in (0, 1)
     assert cli(*few, "--terms", "speed+helm")[0] in (0, 1)

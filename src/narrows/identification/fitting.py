@@ -115,7 +115,7 @@ def identify(
     equations, data_range = accumulate(fitted, terms, PIECES, balance)
     rudder = unmodelled_rudder(fitted, equations, terms)
     if rudder and "rudder" not in pass_over:
-        raise InputError(f"{rudder}, or say that it is passed over (--pass-over rudder, in Python pass_over='rudder')")
+        raise InputError(f"{rudder}, or fit all the same (--pass-over rudder, in Python pass_over='rudder')")
     if len(equations.tests) < 2:
         raise InputError(f"one row of test {equations.tests[0]} is all there is; standard errors need two or more")
     problem = reduced(equations, terms, weights)

@@ -196,8 +196,8 @@ def unmodelled_rudder(tests: Tests, equations: NormalEquations, terms: TermTable
     if angle < RUDDER_MOVES:
         return ""
     return (
-        f"the rudder goes to {math.degrees(angle):.0f} deg and no term has it, so that its force is given to others: "
-        f"take the terms {terms.name}+helm, or rows with it amidships (where abs(rudder_deg) < 1)"
+        f"the rudder goes to {math.degrees(angle):.0f} deg and no term has it, so other terms absorb its force: "
+        f"take the terms {terms.name}+helm, or rows with it amidships (--where 'abs(rudder_deg) < 1')"
     )
 
 
