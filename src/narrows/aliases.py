@@ -110,7 +110,8 @@ INSTEAD: Rows = {
     **dict.fromkeys(("X", "Y", "N"), ("forces(u=..., ...)",)), "end": ("outcome",),
     **dict.fromkeys(("velocity", "position", "velocities"), ("to_dataframe()",)),
     "plot_bank_force": ("plot()",),
-    "condition_number": ("diagnostics.overall",), "is_identified": ("verdicts",), "compare": ("nw.compare(tests)",),
+    "condition_number": ("diagnostics.overall['Y'].condition",),
+    "is_identified": ("verdicts",), "compare": ("nw.compare(tests)",),
     "simulate": ("model.simulate()",), "scale_to": ("scale(length)",),
     "derivatives": ("nw.nondimensional(model)",), "width": ("section(s).width",), "tests": ("test(name)",),
     **dict.fromkeys(("ss", "to_ss"), ("linearize().state_space()",)), "steady_state": ("nw.steady_course(model)",),
@@ -122,6 +123,8 @@ INSTEAD: Rows = {
     **dict.fromkeys(("with_water", "with_density"), ("scale(length, density=...)",)),
     **dict.fromkeys(("bow", "stern"), ("nw.squat(model, u, 'bow')",)), "to_csv": ("to_dataframe().to_csv(file)",),
     **dict.fromkeys(("ax", "axes"), ("plot(), a Matplotlib figure",)),
+    "bounds": ("line.points",), "set": ("with_coefficients(...), a copy",),
+    "to_simulink": ("export(path), with .c for an S-function",),
     "popt": ("coefficients",),  # SciPy's is an array; these go by name
 }  # fmt: skip
 
@@ -185,7 +188,8 @@ OTHER_ARGUMENTS: Rows = {
 # Functions that are accepted under another name.
 FUNCTIONS: Rows = {
     "identify": ("fit", "regress"), "load_model": ("load", "read_model", "get_model"), "read_ship": ("load_ship",),
-    "read_captive": ("read_csv", "read_table", "read_excel", "read_tests", "load_tests"), "read_log": ("load_log",),
+    "read_captive": ("read_csv", "read_table", "read_excel", "read_tests", "load_tests"),
+    "read_log": ("load_log", "read_ais"),
     "simulate": ("sail", "run", "integrate"), "scale_model": ("scale",), "plan_tests": ("plan", "design"),
     "safe_envelope": ("envelope",), "sail_trials": ("trials",), "published": ("list_published", "published_models"),
     "read_waterway": ("read_geojson", "read_canal", "load_waterway"), "ready_ships": ("ships", "list_ships"),
@@ -203,7 +207,7 @@ FUNCTIONS: Rows = {
 # Functions with another meaning here, and what to write instead.
 OTHER_FUNCTIONS: Rows = {
     "jacobian or control.linearize": ("linear",),
-    "control.linearize(model, u=...).state_space()": ("state_space", "ss", "to_ss"),
+    "control.linearize(model, u=...).state_space()": ("state_space", "ss", "to_ss", "step_response", "bode"),
     "eigenvalues": ("stability", "is_stable"),
     "nondimensional": ("hydrodynamic_derivatives", "derivatives", "hydrodynamic_coefficients", "stability_derivatives"),
     "PAPER, SPEED, CROSSFLOW, MMG, or a name as in terms='speed'": ("tables", "terms_tables", "list_tables"),
@@ -215,7 +219,7 @@ OTHER_FUNCTIONS: Rows = {
     "safe_envelope, or speed_limits along a waterway": ("safe_speed", "speed_limit", "max_speed"),
     "8 * 0.514444 for 8 knots: speeds are in m/s": ("knots", "kn", "knot", "kts", "KNOT", "units", "constants"),
     "estimation.Estimator": ("kalman", "Kalman", "ekf", "EKF", "filter", "estimator", "observer"),
-    "`narrows monitor` in a terminal": ("monitor", "Monitor", "warning"),
+    "`narrows monitor` in a terminal": ("monitor", "Monitor", "warning", "warn", "time_to_contact"),
     "Autopilot, or control.regulator": ("PID", "pid", "Pilot", "HeadingController"),
     "export.write_fmu": ("fmu",), "export.write_c": ("c_code",),
     "identify, whose left_out has the errors": ("cross_validate", "cross_val_score", "leave_one_out"),

@@ -175,7 +175,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.list_models()": (lambda: nw.list_models(), "write published .* ready_ships"),  # type: ignore[attr-defined]
     "nw.plot_envelope": (lambda: nw.plot_envelope, "write safe_envelope"),  # type: ignore[attr-defined]
     "nw.froude": (lambda: nw.froude, "write scale_model"),  # type: ignore[attr-defined]
-    "nw.kalman": (lambda: nw.kalman, "write estimation.Estimator"),  # type: ignore[attr-defined]
+    "nw.step_response": (lambda: nw.step_response, "state_space"),  # type: ignore[attr-defined]
     "nw.simulate(..., T=20)": (lambda: nw.simulate(DTC, y=0.5, T=20), "write duration"),
     "nw.simulate(..., hold=0)": (lambda: nw.simulate(DTC, y=0.5, hold=0), "write controller=nw.track_pilot"),
     "model.sensitivity()": (lambda: DTC.sensitivity(), "write nw.sensitivities"),  # type: ignore[attr-defined]
@@ -199,11 +199,11 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.identify(method=)": (lambda: nw.identify(short_twin(), method="ols"), "constrained least squares"),
     "nw.Autopilot(kp=)": (lambda: nw.Autopilot(kp=1.0), "Autopilot has no argument 'kp'; write gains="),  # type: ignore[call-arg]
     "nw.control.regulatr": (lambda: nw.control.regulatr, "did you mean 'regulator'"),
-    "nw.export.write_cc": (lambda: nw.export.write_cc, "did you mean 'write_c'"),
-    "nw.tables()": (lambda: nw.tables(), "write PAPER"),  # type: ignore[attr-defined]
-    "nw.squat_barrass": (lambda: nw.squat_barrass, "write squat"),  # type: ignore[attr-defined]
+    "nw.warn": (lambda: nw.warn, "write `narrows monitor`"),  # type: ignore[attr-defined]
+    "model.set(b_v=1)": (lambda: DTC.set(b_v=1.0), r"write with_coefficients\("),  # type: ignore[attr-defined]
+    "model.to_simulink()": (lambda: DTC.to_simulink(), r"write export\(path\), with .c"),  # type: ignore[attr-defined]
+    "fit.condition_number": (lambda: fit().condition_number, "write diagnostics.overall"),  # type: ignore[attr-defined]
     "nw.plot_map": (lambda: nw.plot_map, "write report.map_figure"),  # type: ignore[attr-defined]
-    "nw.estimation.ekf": (lambda: nw.estimation.ekf, "write Estimator"),
     "model.to_ss()": (lambda: DTC.to_ss(), r"write linearize\(\).state_space\(\)"),  # type: ignore[attr-defined]
 }
 """Those that do not, and what they are told."""
@@ -239,8 +239,8 @@ tests["Y"].std()
 tests.groupby("test")["Y"].max()
 tests.iloc[0]
 tests.sample(10)
-tests.nunique()
-len(tests)
+assert nw.read_ais is nw.read_log; nw.export(model, "ship.h")
+assert np.allclose(nw.lqr(kcs, Q=[1, 1, 1, 1], R=1)[0], nw.lqr(kcs.linearize(), np.eye(4), np.eye(2))[0])
 tests.isna().sum()
 tests.to_numpy().shape
 tests.copy()

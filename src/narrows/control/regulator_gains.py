@@ -186,19 +186,19 @@ def _solved(matrices: np.ndarray, right: np.ndarray) -> np.ndarray:
         return solutions
 
 
-def lqr(linear: LinearSystem, Q: Any, R: Any, *controls: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def lqr(linear: Any, Q: Any, R: Any, *controls: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the gains that minimise the integral of x'Qx + u'Ru, as python-control's ``lqr`` does.
 
     This is the textbook regulator; ``regulator`` makes a whole helm with gear, integral and tuned weights.
 
     Parameters
     ----------
-    linear : LinearSystem
-        Linear system about one course.
-    Q : array (states, states)
-        Weights of the states, in the order of ``linear.states``.
-    R : array (controls, controls)
-        Weights of the controls, in their order.
+    linear : LinearSystem or Model
+        Linear system about one course, for a model the one of ``linearize()``.
+    Q : array (states, states) or (states,)
+        Weights of the states, in the order of ``linear.states``, or their diagonal.
+    R : array (controls, controls) or (controls,)
+        Weights of the controls, in their order, or their diagonal; a number is that of each control.
     *controls : str
         Controls to use, such as ``"rudder"``; those of ``linear.controls`` unless given.
 
@@ -217,9 +217,12 @@ def lqr(linear: LinearSystem, Q: Any, R: Any, *controls: str) -> tuple[np.ndarra
     ----------
     Anderson and Moore (1990), Optimal Control: Linear Quadratic Methods.
     """
-    A, B, used = *linear.matrices(*controls), controls or linear.controls
-    weights = np.asarray(Q, float), np.atleast_2d(np.asarray(R, float))
-    for name, matrix, names in zip("QR", weights, (linear.states, used), strict=True):
+    system: LinearSystem = linear if isinstance(linear, LinearSystem) else linear.linearize()
+    A, B = system.matrices(*controls)
+    used = controls or system.controls
+    sized = (one * np.eye(n) if np.ndim(one) == 0 else one for one, n in ((Q, len(A)), (R, len(used))))
+    weights = [np.diag(one) if np.ndim(one) == 1 else np.asarray(one, float) for one in sized]
+    for name, matrix, names in zip("QR", weights, (system.states, used), strict=True):
         if matrix.shape != (len(names), len(names)):
             raise InputError(f"{name} has the shape {matrix.shape}; give a row and a column for {', '.join(names)}")
     with np.errstate(all="ignore"):
