@@ -129,7 +129,8 @@ def test_an_unknown_depth_leaves_the_speeds_of_legs_to_the_tests() -> None:
 
 def test_a_log_learned_at_an_unknown_depth_says_so() -> None:
     def told(model: nw.Model) -> str:
-        return " ".join(_assumptions(SimpleNamespace(motion=SimpleNamespace(model=model, choices={})), (), 0))
+        motion = SimpleNamespace(model=model, choices={})
+        return " ".join(_assumptions(SimpleNamespace(motion=motion, model=SimpleNamespace(processes=())), (), 0))
 
     assert "a depth of 16.2 m" in told(nw.Model.from_dict(KNOWN))
     assert "a depth that is not known" in told(without("canal.depth"))
