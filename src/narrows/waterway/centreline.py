@@ -290,6 +290,10 @@ def line_with_room(points: np.ndarray, half_width: float) -> Centreline:
         if np.abs(line.curvature(line.fine)).max() * half_width < most:
             break
         most = MOST_BENT
+        # Scatter of fixes closer than it would lengthen the way: means of pairs, until they stand apart.
+        while np.median(np.diff(chords(points))) < half_width / 4 and len(points) > 8:
+            pairs = points[1:-1][: (len(points) - 2) // 2 * 2].reshape(-1, 2, 2)
+            points = np.concatenate([points[:1], pairs.mean(axis=1), points[-1:]])
         # The sum of squares that a smoothing spline may leave (FITPACK), for a root mean square of this share.
         s = chords(points)
         spline: Any = splprep(points.T, u=s, s=len(points) * (share * half_width) ** 2)[0]
