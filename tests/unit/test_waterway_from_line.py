@@ -1,6 +1,7 @@
 """A waterway of one width and depth along a line: the four numbers that a canal authority has at hand."""
 
 import json
+import re
 import shlex
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.waterway.centreline import line_with_room
+from narrows.waterway.centreline import chords, line_with_room
 from narrows.waterway.map_lines import projected, unprojected
 
 # A meridian in the Suez Canal: 0.05 degrees of latitude are 5540 m on WGS84 there.
@@ -167,6 +168,16 @@ def test_scatter_of_close_fixes_does_not_lengthen_a_track(tmp_path: Path) -> Non
     assert drawn.length == pytest.approx(8000, abs=5)
     np.testing.assert_allclose(drawn.curvature(drawn.length * np.linspace(0.1, 0.9, 9)), 1 / 6000, rtol=0.1)
     assert np.abs(drawn.locate(bend)[1]).max() < 4.0
+
+
+@pytest.mark.parametrize(("across", "along"), [(1, 1), (1, 2)])  # A ring, and an eight
+def test_a_line_that_comes_back_to_itself_is_refused_with_the_place_to_end_it(across: int, along: int) -> None:
+    turn = np.linspace(0.3, 0.3 + 2 * np.pi, 200)
+    points = np.stack([1500 * np.sin(across * turn), 1500 * np.cos(along * turn + (along - 1) * np.pi / 2)], axis=1)
+    with pytest.raises(nw.InputError, match="comes back to itself") as refusal:
+        line_with_room(points, 80.0)
+    end = float(re.search(r"end it at (\d+) m", str(refusal.value))[1])
+    assert line_with_room(points[chords(points) < end], 80.0).length > 0.4 * chords(points)[-1]
 
 
 def test_a_line_that_leaves_room_is_not_moved(tmp_path: Path, cli) -> None:
