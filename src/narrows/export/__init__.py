@@ -1,4 +1,9 @@
-"""Export: a model in other languages, printed from the lines that simulation uses."""
+"""Export: a model in other languages, printed from the lines that simulation uses.
+
+Examples
+--------
+>>> nw.export(model, "ship.h")
+"""
 
 import sys
 from inspect import signature
