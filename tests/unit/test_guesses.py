@@ -239,7 +239,7 @@ tests["Y"].std()
 tests.groupby("test")["Y"].max()
 tests.iloc[0]
 tests.sample(10)
-assert nw.read_ais is nw.read_log; nw.export(model, "ship.h")
+assert nw.read_ais is nw.read_log
 assert np.allclose(nw.lqr(kcs, Q=[1, 1, 1, 1], R=1)[0], nw.lqr(kcs.linearize(), np.eye(4), np.eye(2))[0])
 tests.isna().sum()
 tests.to_numpy().shape

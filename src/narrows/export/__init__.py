@@ -1,15 +1,8 @@
-"""Export: a model in other languages, printed from the lines that simulation uses.
+"""Export: a model in other languages, printed from the lines that simulation uses."""
 
-Examples
---------
->>> nw.export(model, "ship.h")
-"""
-
-import sys
 from inspect import signature
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from narrows.aliases import SAME_PARTS, name_here, public_name
@@ -72,14 +65,6 @@ def write(model: "Model", path: str | Path, **options: Any) -> Any:
 
 globals().update({own.write.__name__: own.write for own in EXPORTERS.values()})
 __all__ = ["EXPORTERS", "write", *sorted(own.write.__name__ for own in EXPORTERS.values())]
-
-
-class Exports(ModuleType):
-    def __call__(self, model: "Model", path: str | Path, **options: Any) -> Any:
-        return write(model, path, **options)  # nw.export(model, path)
-
-
-sys.modules[__name__].__class__ = Exports
 
 
 def __getattr__(name: str) -> Any:
