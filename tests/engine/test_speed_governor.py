@@ -111,5 +111,5 @@ def test_gains_along_the_way_are_those_of_each_place() -> None:
         alone = regulator(model, 0.0, 1.0, waterway=waterway, at=place).lines[0]
         assert line.start == place
         np.testing.assert_allclose(line.gains, alone.gains)
-    with pytest.raises(nw.InputError, match="several of one only"):
+    with pytest.raises(nw.InputError, match="give one of the two"):
         regulator(model, [(0.0, 0.0), (5.0, 0.1)], 1.0, waterway=waterway, at=places)
