@@ -172,31 +172,12 @@ def waterway(
     The source is a line with a width and a depth, a chart, or a GeoJSON file.
     """
     from narrows.report.printed_tables import print_waterway, waterway_summary
-    from narrows.waterway import read_waterway, write_waterway
-    from narrows.waterway.geojson import farthest, read_line, waterway_from_line, with_depth
+    from narrows.waterway import write_waterway
 
-    notes: tuple[str, ...] = ()
     _check_together(file, line, width, reach)
     if not 0 <= draft < 1000:
         raise InputError(f"--draft {draft} is invalid; give metres from 0 to 1000")
-    if file is None:
-        if line is None or width is None or depth is None:
-            raise InputError("give a file, or --line axis.geojson --width 300 --depth 16 to make a canal of one width")
-        result = waterway_from_line(points := read_line(line), width, depth, line.stem)
-        moved = farthest(result, points)
-        smoothed = (f"the line is smoothed, by up to {moved:.1f} m: as drawn it bends inside its banks",)
-        notes = smoothed * bool(moved > SAME_PLACE)
-    elif line is None:
-        result = read_waterway(file) if depth is None else with_depth(read_waterway(file), depth)
-    else:
-        from narrows.waterway.from_chart import chart_of_area, read_chart, waterway_from_chart
-
-        of_chart = file.suffix == ".000"
-        if not of_chart and depth is None:
-            raise InputError(f"{file} gives no depth; add --depth 16")
-        axis = read_line(line)
-        chart = read_chart(file) if of_chart else chart_of_area(file, axis, depth or 0.0)
-        result = waterway_from_chart(chart, axis, reach)
+    result, notes = _made(file, line, width, depth, reach)
     if output:
         write_waterway(result, output)
     if json:
@@ -205,6 +186,32 @@ def waterway(
         return
     print_waterway(result, draft, notes)
     print_written([output])
+
+
+def _made(
+    file: Path | None, line: Path | None, width: float | None, depth: float | None, reach: float
+) -> tuple["narrows.Waterway", tuple[str, ...]]:
+    """Return the waterway of a file, of a line with a width, or of a chart along a line, with notes."""
+    from narrows.waterway import read_waterway
+    from narrows.waterway.geojson import farthest, read_line, waterway_from_line, with_depth
+
+    if file is None:
+        if line is None or width is None or depth is None:
+            raise InputError("give a file, or --line axis.geojson --width 300 --depth 16 to make a canal of one width")
+        result = waterway_from_line(points := read_line(line), width, depth, line.stem)
+        moved = farthest(result, points)
+        smoothed = (f"the line is smoothed, by up to {moved:.1f} m: as drawn it bends inside its banks",)
+        return result, smoothed * bool(moved > SAME_PLACE)
+    if line is None:
+        return read_waterway(file) if depth is None else with_depth(read_waterway(file), depth), ()
+    from narrows.waterway.from_chart import chart_of_area, read_chart, waterway_from_chart
+
+    of_chart = file.suffix == ".000"
+    if not of_chart and depth is None:
+        raise InputError(f"{file} gives no depth; add --depth 16")
+    axis = read_line(line)
+    chart = read_chart(file) if of_chart else chart_of_area(file, axis, depth or 0.0)
+    return waterway_from_chart(chart, axis, reach), ()
 
 
 def _check_together(file: Path | None, line: Path | None, width: float | None, reach: float) -> None:

@@ -54,9 +54,8 @@ def steady_ahead(model: Model, u: float) -> tuple[Model, str]:
         return model, ""
     configuration = replace(model.configuration, propeller=replace(propeller, revolutions=steady))
     own = f"the model's own, {propeller.revolutions:.3g}, are for another"
-    return replace(
-        model, configuration=configuration
-    ), f"{steady:.3g} revolutions a second keep the approach speed; {own}"
+    note = f"{steady:.3g} revolutions a second keep the approach speed; {own}"
+    return replace(model, configuration=configuration), note
 
 
 def steady_revolutions(model: Model, u: float) -> float | None:

@@ -146,7 +146,7 @@ def _slopes(grid: RecordGrid, motion: RecordedMotion, inertia: np.ndarray, along
     """Slopes of the ends of steps by states and inputs, (n, 6, 6 + inputs)."""
     slopes, lasting = np.zeros((len(along), 6, 6 + len(INPUTS))), np.diff(grid.times)
     slopes[:, :, :6] = along[:, :, :6]
-    factors = {**dict(zip(PUSHES, inertia.tolist(), strict=True)), **dict.fromkeys(INPUTS[3:], 1.0), CURRENT: 1.0}
+    factors = dict.fromkeys((*INPUTS, CURRENT), 1.0) | dict(zip(PUSHES, inertia.tolist(), strict=True))
     for place, name in enumerate(motion.directions):
         if name in factors:
             slopes[:, :, 6 + INPUTS.index(CURRENT_X if name == CURRENT else name)] = along[:, :, place] * factors[name]

@@ -214,6 +214,10 @@ class LogAssumptions:
         """Return the length of a step [s]."""
         return float(f"{(STEP if self.gusts else BASIN_STEP) * length / u:.2g}")
 
+    def lacks_revolutions(self, signals: set[str]) -> bool:
+        """True if propeller revolutions are unknown: not recorded, and not those of a tank's tests."""
+        return REVOLUTIONS not in signals and self.grade.name != BASIN.name
+
     def problem(
         self, motion: RecordedMotion, prior: CoefficientPrior, inertia: np.ndarray, signals: set[str], u: float
     ) -> LogProblem:
@@ -276,7 +280,7 @@ class LogAssumptions:
             rudder, step = self._grade(RUDDER), self.step(lasting, 1.0)
             found += [Process("rudder_noise", RUDDER_OFFSET, rudder.noise * np.sqrt(rudder.period / step), 0.0)]
             found += [Process(RUDDER_OFFSET, RUDDER_OFFSET, rudder.zero, np.inf)]
-        if REVOLUTIONS in motion.positions and REVOLUTIONS not in signals and self.grade.name != BASIN.name:
+        if REVOLUTIONS in motion.positions and self.lacks_revolutions(signals):
             usual = SPREAD_OF_REVOLUTIONS * motion.positions[REVOLUTIONS]
             found.append(Process(REVOLUTIONS_OFFSET, REVOLUTIONS_OFFSET, usual, np.inf))
         for name in noise:

@@ -111,7 +111,7 @@ def log_problem(
         if name not in model.terms.names:
             raise InputError(f"free: there is no coefficient {name!r}{did_you_mean(name, model.terms.names)}")
     prior = coefficient_prior(model, before, surge, frozenset(free) or None)
-    positions = _positions(model, signals, u, grade)
+    positions = _positions(model, signals, u, assumptions.lacks_revolutions(signals))
     motion = _motion(model, positions, u, choices, waterway or getattr(records, "waterway", None), prior.members)
     inertia = push_inertia(model, prior, u, choices.get("surge_inertia"))
     problem = assumptions.problem(motion, prior, inertia, signals, u)
@@ -156,10 +156,10 @@ def _rounding(signal: Signal) -> tuple[float, float]:
     return float(moved.min() / np.sqrt(12)), float(np.ptp(signal.t) / len(moved) / 6)
 
 
-def _positions(model: Model, signals: set[str], u: float, grade: SensorGrade) -> dict[str, float]:
+def _positions(model: Model, signals: set[str], u: float, assumed: bool) -> dict[str, float]:
     """Usual positions of the actuators that follow a record, and of a propeller whose revolutions are not recorded."""
     values = model.configuration.values()
-    if REVOLUTIONS not in signals and grade.name != BASIN.name:
+    if assumed:
         values[REVOLUTIONS] = steady_revolutions(model, u) or values.get(REVOLUTIONS, 0.0)
     return {
         actuator.name: float(values.get(actuator.name) or 0.0)

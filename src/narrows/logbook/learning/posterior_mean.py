@@ -31,11 +31,11 @@ def posterior_mean(found: SearchResult) -> tuple[np.ndarray, np.ndarray]:
     sobol = stats.qmc.Sobol(len(mode), seed=SEED).random(POINTS)
     normal = WIDER * special.ndtri(np.clip(sobol, 1e-9, 1 - 1e-9))
     drawn = mode + normal @ np.linalg.cholesky(covariance).T
-    off = np.linalg.solve(_slopes(problem, mode), (_over_inertia(problem, drawn, mode) - mode).T).T
+    lighter = _inertia(problem, mode) / _inertia(problem, drawn)
+    off = np.linalg.solve(_slopes(problem, mode), (_over_inertia(problem, drawn, mode, lighter) - mode).T).T
     prior = np.einsum("ij,jk,ik->i", drawn, problem.precision, drawn)
     likelihood = 2.0 * off @ found.score - np.einsum("ij,jk,ik->i", off, information, off)
     logarithm = (likelihood - prior + (normal**2).sum(axis=1) / WIDER**2) / 2.0
-    lighter = _inertia(problem, drawn) / _inertia(problem, mode)
     logarithm[(lighter <= 0.0).any(axis=1)] = -np.inf
     weights = np.exp(logarithm - logarithm.max())
     weights /= weights.sum()
@@ -51,11 +51,10 @@ def _inertia(problem: LogProblem, unknowns: np.ndarray) -> np.ndarray:
     return np.asarray(problem.inertia[:, 0] + values @ problem.inertia[:, 1:].T)
 
 
-def _over_inertia(problem: LogProblem, unknowns: np.ndarray, mode: np.ndarray) -> np.ndarray:
+def _over_inertia(problem: LogProblem, unknowns: np.ndarray, mode: np.ndarray, lighter: np.ndarray) -> np.ndarray:
     """Unknowns with forces over inertia and one over inertia in place of both, which agree with them at the mode."""
     # Accelerations are linear in these.
     found, (places, axes), prior = unknowns.copy(), _axes(problem), problem.prior
-    lighter = _inertia(problem, mode) / _inertia(problem, unknowns)
     centre = (prior.mean / prior.scale)[places]
     found[..., places] = (centre + unknowns[..., places]) * lighter[..., axes] - centre
     axes, places = np.nonzero(problem.inertia[:, 1:])
