@@ -8,6 +8,7 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.ship.actuators import PROPELLER
+from narrows.ship.motion import Motion
 from narrows.simulation.settings import OWN_REVOLUTIONS
 from narrows.simulation.steering import Steering
 
@@ -41,10 +42,11 @@ def self_propulsion(model: Model, u: float) -> float:
     def surplus(revolutions: float) -> float:
         return -model.resistance(u, revolutions=revolutions)
 
-    fast = next((n for n in 2.0 ** np.arange(-10, 20) if surplus(float(n)) > 0), None)
-    if fast is None:
+    turns = 2.0 ** np.arange(-10, 20)
+    fast = turns[np.asarray(model.forces(Motion.at(u=u), revolutions=turns)["X"]) > 0]
+    if not len(fast):
         raise InputError(f"no revolutions drive this ship at {u:g} m/s; check the propeller and the resistance")
-    return float(brentq(surplus, 0.0, float(fast))) if surplus(0.0) < 0 else 0.0
+    return float(brentq(surplus, 0.0, float(fast[0]))) if surplus(0.0) < 0 else 0.0
 
 
 def steady_ahead(model: Model, u: float) -> tuple[Model, str]:
