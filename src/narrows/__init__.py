@@ -16,9 +16,9 @@ def __getattr__(name: str) -> Any:
     try:
         return _loaded(name)
     except AttributeError:
-        from narrows.aliases import FUNCTIONS, name_here, public_name
+        from narrows.aliases import name_here, public_name
 
-        if function := name_here(name, FUNCTIONS):
+        if function := name_here(name, "functions"):
             room, _, name_there = function.rpartition(".")
             return getattr(_loaded(room), name_there) if room else _loaded(function)
         raise AttributeError(f"narrows has no {name!r}{public_name(name, __all__)}") from None

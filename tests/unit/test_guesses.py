@@ -19,7 +19,7 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 import narrows as nw
-from narrows.aliases import OTHER_FUNCTIONS
+from narrows.aliases import aliases
 from tables import DTC_SHIP, frame_of, short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")
@@ -387,7 +387,7 @@ def test_names_of_other_libraries_that_are_answered_are_listed() -> None:
 def test_every_answer_names_something_that_exists() -> None:
     """Results by their names in the answers, and each row that is one public name."""
     results = {"fit": fit(), "voyage": voyage(), "model": DTC}
-    for row in OTHER_FUNCTIONS:
+    for row in aliases("other_functions"):
         for holder, part in re.findall(r"\b(fit|voyage|model)\.(\w+)", row):
             assert hasattr(results[holder], part), row
         for name in re.findall(r"^[\w.]+(?=$|\(|,| or )|(?<= or )[\w.]+(?=$|\(|,)", row):

@@ -7,7 +7,7 @@ from typing import Any, NoReturn
 
 import click
 
-from narrows.aliases import ARGUMENTS, OTHER_VERBS, VERBS, name_here
+from narrows.aliases import aliases, name_here
 from narrows.errors import InputError, near_miss, reason, shown
 from narrows.progress import listening
 
@@ -33,10 +33,10 @@ class Verbs(click.Group):
             if word == "--help":
                 click.echo(ctx.get_help())
                 ctx.exit()
-        if same := name_here(word.lower(), VERBS):
+        if same := name_here(word.lower(), "verbs"):
             args, word = [same, *args[1:]], same
         if self.get_command(ctx, word) is None and not word.startswith("-"):
-            meant = name_here(word.lower(), OTHER_VERBS)
+            meant = name_here(word.lower(), "other_verbs")
             near = f"; write narrows {meant}" if meant else near_miss(word, self.commands)
             raise InputError(f"there is no verb {shown(word)}{near or self._all}")
         name, command, rest = super().resolve_command(ctx, args)
@@ -61,7 +61,7 @@ def _option_here(word: str, command: click.Command) -> str:
     name, equals, value = word.partition("=")
     known = {option for parameter in command.params for option in parameter.opts}
     plain = name.removeprefix("--").replace("-", "_")
-    groups = [{ours, *theirs} for ours, theirs in ARGUMENTS.items() if plain in (ours, *theirs)]
+    groups = [{ours, *theirs} for ours, theirs in aliases("arguments").items() if plain in (ours, *theirs)]
     same = {f"--{one}" for group in groups for one in group} & known
     return f"{same.pop()}{equals}{value}" if name not in known and name[:2] == "--" and len(same) == 1 else word
 

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from narrows.aliases import CONTROL, part_named
+from narrows.aliases import part_named
 from narrows.control.closed_loop import ClosedLoop as ClosedLoop
 from narrows.control.closed_loop import closed_loop as closed_loop
 from narrows.control.design import RegulatorDesign as RegulatorDesign
@@ -23,4 +23,4 @@ from narrows.simulation.self_propulsion import self_propulsion as self_propulsio
 
 
 def __getattr__(name: str) -> Any:
-    return part_named(name, "control", globals(), CONTROL)
+    return part_named(name, "control", globals())

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from narrows.aliases import ESTIMATION, part_named
+from narrows.aliases import part_named
 from narrows.estimation.consistency import Consistency as Consistency
 from narrows.estimation.consistency import consistency as consistency
 from narrows.estimation.estimate import Estimate as Estimate
@@ -16,4 +16,4 @@ from narrows.estimation.states import ProcessNoise as ProcessNoise
 
 
 def __getattr__(name: str) -> Any:
-    return part_named(name, "estimation", globals(), ESTIMATION)
+    return part_named(name, "estimation", globals())

@@ -5,7 +5,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from narrows.aliases import SAME_PARTS, name_here, public_name
+from narrows.aliases import name_here, public_name
 from narrows.errors import check_choice
 from narrows.export.exporters import EXPORTERS
 from narrows.files import form_of
@@ -68,6 +68,6 @@ __all__ = ["EXPORTERS", "write", *sorted(own.write.__name__ for own in EXPORTERS
 
 
 def __getattr__(name: str) -> Any:
-    if (same := name_here(name, SAME_PARTS)) in __all__:
+    if (same := name_here(name, "parts")) in __all__:
         return globals()[same]
     raise AttributeError(f"nw.export has no {name!r}{public_name(name, __all__)}")

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import narrows
-from narrows.aliases import ATTRIBUTES, CONSTRUCTORS, FIRST, FUNCTIONS, INSTEAD, MADE_BY, NAMES_ALIKE, WHY, name_here
+from narrows.aliases import NAMES_ALIKE, aliases, name_here
 from narrows.errors import did_you_mean
 from narrows.files import write_whole
 from narrows.results.saving import FORMS, csv_of, forms_of, to_json, write
@@ -83,7 +83,12 @@ def _given_or_written(content: str | bytes | None, path: str | Path | None) -> A
 def other_names(thing: Any) -> list[str]:
     """Return the names of other libraries that an object supports."""
     known = _known(thing)
-    return [name.removesuffix(CALL) for ours, theirs in ATTRIBUTES.items() if _head(ours) in known for name in theirs]
+    return [
+        name.removesuffix(CALL)
+        for ours, theirs in aliases("attributes").items()
+        if _head(ours) in known
+        for name in theirs
+    ]
 
 
 def _head(path: str) -> str:
@@ -97,7 +102,7 @@ def _known(thing: Any) -> set[str]:
 def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
     """Return an object's value under another library's name."""
     known = {*_known(thing), *columns}
-    for ours, theirs in ATTRIBUTES.items():
+    for ours, theirs in aliases("attributes").items():
         called = name + CALL in theirs
         attribute, is_method = ours.removesuffix(CALL), isfunction(getattr(type(thing), _head(ours), None))
         if _head(ours) in known and (called or name in theirs) and not ("." in ours and is_method):
@@ -105,16 +110,18 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
             if called == ours.endswith(CALL):
                 return value
             return partial(attrgetter(attribute), thing) if called else value()
-    ours = name_here(name, FUNCTIONS) or name
+    ours = name_here(name, "functions") or name
     function = getattr(narrows, ours) if ours in dir(narrows) else None
-    if isfunction(function) and next(iter(signature(function).parameters), "") in FIRST.get(type(thing).__name__, ()):
+    if isfunction(function) and next(iter(signature(function).parameters), "") in aliases("first").get(
+        type(thing).__name__, ()
+    ):
         return partial(function, thing)
-    remedy = next((it for it in INSTEAD.get(name, ()) if re.split(r"[ (.,]", it)[0] in {*known, "nw"}), None)
+    remedy = name_here(name, "instead", lambda row: re.split(r"[ (.,]", row)[0] in {*known, "nw"})
     if name.startswith("_"):
         return object.__getattribute__(thing, name)
     if "coefficients" in known and name in thing.coefficients:
         remedy = f"{type(thing).__name__.lower()}[{name!r}]"
-    why = f": {WHY[name]}" if name in WHY else ""
+    why = f": {reason}" if (reason := name_here(name, "why")) else ""
     kinds = (kind for kind in type(thing).__mro__ if kind.__module__.startswith("narrows"))
     own = {
         *columns,
@@ -129,9 +136,9 @@ class Answering(type):
     """Names the function that makes an object, where a class lacks the constructor of another library."""
 
     def __getattr__(cls, name: str) -> Any:
-        if constructor := name_here(f"{cls.__name__}.{name}", CONSTRUCTORS):
+        if constructor := name_here(f"{cls.__name__}.{name}", "constructors"):
             return getattr(narrows, constructor)
-        made = MADE_BY.get(cls.__name__)
+        made = name_here(cls.__name__, "made_by")
         raise AttributeError(f"{cls.__name__} has no {name!r}" + (f"; write {made}" if made else ""))
 
 
