@@ -26,6 +26,9 @@ PHYSICS = [
     )  # Of another function or a given mass: tables hold these.
     and function is not hull.drift  # Not defined at rest
 ]
+PHYSICS += dict.fromkeys(
+    term.regressor for table in (nw.MIXED, nw.CROSSFLOW) for term in table.terms if not term.from_bank
+)
 FORCES = ("X", "Y", "N")
 
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 from narrows.quantities.names import Number
 
@@ -87,104 +88,34 @@ def added_yaw(rdot: Number, length: Number, draft: Number, density: Number) -> N
     return -scale_force(length, draft, density) * length**3 * rdot
 
 
-def linear_surge(u: Number) -> Number:
-    """Regressor [m/s] of linear surge damping, -u. Source: Mikkelsen et al. (2025), Damping Force and Moment."""
-    return -u
+@dataclass(frozen=True)
+class Product:
+    """Regressor of a derivative: minus a product of velocities or accelerations, as in ``|v| r``; bars mark sizes.
 
-
-def quadratic_surge(u: Number) -> Number:
-    """Regressor [m2/s2] of quadratic surge damping, -abs(u) u.
-
-    Source: Mikkelsen et al. (2025), Damping Force and Moment.
+    Source: Mikkelsen et al. (2025), Damping Force and Moment and eqs. (mass_inertia_x, mass_inertia_y, mass_inertia_z);
+    Fossen (2011), section 6.5, for products of two velocities.
     """
-    return -abs(u) * u
 
+    # The paper once prints + for -c_rdot rdot; its regression matrix and the physics have -.
+    factors: str
 
-def linear_sway(v: Number) -> Number:
-    """Regressor [m/s] of linear sway damping, -v. Source: Mikkelsen et al. (2025), Damping Force and Moment."""
-    return -v
+    @property
+    def name(self) -> str:
+        return f"(-{self.factors})"
 
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        return tuple(dict.fromkeys(factor.strip("|") for factor in self.factors.split()))
 
-def quadratic_sway(v: Number) -> Number:
-    """Regressor [m2/s2] of quadratic sway damping, -abs(v) v.
+    @cached_property
+    def _parts(self) -> tuple[tuple[int, bool], ...]:
+        """Place among the inputs of each factor, and whether it is a size."""
+        words = self.factors.split()
+        return tuple((self.inputs.index(word.strip("|")), word.startswith("|")) for word in words)
 
-    Source: Mikkelsen et al. (2025), Damping Force and Moment.
-    """
-    return -abs(v) * v
-
-
-def linear_yaw(r: Number) -> Number:
-    """Regressor [rad/s] of linear yaw damping, -r. Source: Mikkelsen et al. (2025), Damping Force and Moment."""
-    return -r
-
-
-def quadratic_yaw(r: Number) -> Number:
-    """Regressor [rad2/s2] of quadratic yaw damping, -abs(r) r.
-
-    Source: Mikkelsen et al. (2025), Damping Force and Moment.
-    """
-    return -abs(r) * r
-
-
-def sway_lift(u: Number, v: Number) -> Number:
-    """Regressor [m2/s2] of the hull's lift from drift and of the Munk moment, -u v.
-
-    Source: Fossen (2011), section 6.5.
-    """
-    return -u * v
-
-
-def yaw_lift(u: Number, r: Number) -> Number:
-    """Regressor [m rad/s2] of lift from turning and of the centripetal force, -u r.
-
-    Source: Fossen (2011), section 6.5.
-    """
-    return -u * r
-
-
-def yaw_in_crossflow(v: Number, r: Number) -> Number:
-    """Regressor [m rad/s2] of crossflow drag, -abs(v) r. Source: Fossen (2011), section 6.5."""
-    return -abs(v) * r
-
-
-def sway_in_crossflow(v: Number, r: Number) -> Number:
-    """Regressor [m rad/s2] of crossflow drag, -abs(r) v. Source: Fossen (2011), section 6.5."""
-    return -abs(r) * v
-
-
-def sway_squared(v: Number) -> Number:
-    """Regressor [m2/s2] of the surge force of drift, -v v. Source: the usual 3-DOF models."""
-    return -v * v
-
-
-def sway_yaw(v: Number, r: Number) -> Number:
-    """Regressor [m rad/s2] of the surge force of drift and turning together, -v r. Source: the usual 3-DOF models."""
-    return -v * r
-
-
-def yaw_squared(r: Number) -> Number:
-    """Regressor [rad2/s2] of the surge force of turning, -r r. Source: the usual 3-DOF models."""
-    return -r * r
-
-
-def surge_inertia(udot: Number) -> Number:
-    """Regressor of the mass in surge [m/s2]. Source: Mikkelsen et al. (2025), eq. (mass_inertia_x)."""
-    return -udot
-
-
-def sway_inertia(vdot: Number) -> Number:
-    """Regressor [m/s2] of the mass in sway. Source: Mikkelsen et al. (2025), eqs. (mass_inertia_y, mass_inertia_z)."""
-    return -vdot
-
-
-def yaw_inertia(rdot: Number) -> Number:
-    """Regressor of the inertia in yaw [rad/s2], Y = -b_rdot rdot and N = -c_rdot rdot.
-
-    The paper once prints + for the latter; its regression matrix and the physics have -.
-
-    Source: Mikkelsen et al. (2025), eqs. (mass_inertia_y, mass_inertia_z).
-    """
-    return -rdot
+    def __call__(self, *values: Number) -> Number:
+        first, *others = (abs(values[place]) if is_size else values[place] for place, is_size in self._parts)
+        return math.prod(others, start=-first)
 
 
 # Added mass and inertia of a hull in deep water, by regression over ships.

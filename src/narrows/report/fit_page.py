@@ -32,6 +32,7 @@ from narrows.report.fit_table import best_known_first, heading, kkt_sentence
 from narrows.report.style import svg
 from narrows.results.base_results import interval, readable, with_error
 from narrows.ship.particulars import Canal, Configuration, Ship
+from narrows.terms.term import Term
 
 ENVELOPE = {
     "speed": ("surge velocity", "m/s", 1.0),
@@ -136,10 +137,15 @@ def _influence(fit: Fit, name: str) -> tuple[str, str, str, str, str, str]:
 def equations(fit: Fit) -> list[str]:
     """Write the model of each force from the table of terms."""
     return [
-        f"{force} = " + " + ".join(f"{term.name} {name_of(term.regressor)}({', '.join(term.inputs)})" for term in terms)
+        f"{force} = " + " + ".join(f"{term.name} {_written(term)}" for term in terms)
         for force, terms in fit.terms.forces.items()
         if terms
     ]
+
+
+def _written(term: Term) -> str:
+    name = name_of(term.regressor)
+    return name if name.endswith(")") else f"{name}({', '.join(term.inputs)})"
 
 
 def constraints(fit: Fit) -> str:

@@ -5,7 +5,7 @@ from functools import cache
 
 from narrows.errors import InputError, did_you_mean
 from narrows.physics import hull, propeller, rudder
-from narrows.physics.hull import HullPower
+from narrows.physics.hull import HullPower, Product
 from narrows.physics.propeller import PropellerQuantities
 from narrows.physics.rudder import RudderQuantities
 from narrows.quantities import dimensions as dim
@@ -38,30 +38,30 @@ INERTIA, RESISTANCE, DAMPING, LIFT, CROSS = (
 FRICTION, DRAG, TEST_SPEED = ScaleEffect.FRICTION, ScaleEffect.CROSSFLOW_DRAG, ScaleEffect.TEST_SPEED
 
 SURGE = (
-    Term("a_udot", r"a_{\dot u}", hull.surge_inertia, dim.KG, NONNEGATIVE, INERTIA, PAPER_TEXT),
-    Term("a_u", r"a_u", hull.linear_surge, dim.KG_PER_S, NONNEGATIVE, RESISTANCE, PAPER_TEXT),
-    Term("a_uu", r"a_{|u|u}", hull.quadratic_surge, dim.KG_PER_M, NONNEGATIVE, RESISTANCE, PAPER_TEXT,
+    Term("a_udot", r"a_{\dot u}", Product("udot"), dim.KG, NONNEGATIVE, INERTIA, PAPER_TEXT),
+    Term("a_u", r"a_u", Product("u"), dim.KG_PER_S, NONNEGATIVE, RESISTANCE, PAPER_TEXT),
+    Term("a_uu", r"a_{|u|u}", Product("|u| u"), dim.KG_PER_M, NONNEGATIVE, RESISTANCE, PAPER_TEXT,
          scale_effect=FRICTION),
 )  # fmt: skip
 
 SWAY = (
-    Term("b_vdot", r"b_{\dot v}", hull.sway_inertia, dim.KG, NONNEGATIVE, INERTIA, PAPER_TEXT),
-    Term("b_rdot", r"b_{\dot r}", hull.yaw_inertia, dim.KG_M, FREE, INERTIA, PAPER_TEXT),
-    Term("b_v", r"b_v", hull.linear_sway, dim.KG_PER_S, NONNEGATIVE, DAMPING, PAPER_TEXT, DRIFT_FORCE, TEST_SPEED),
-    Term("b_r", r"b_r", hull.linear_yaw, dim.KG_M_PER_S, FREE, DAMPING, PAPER_TEXT, scale_effect=TEST_SPEED),
-    Term("b_vv", r"b_{|v|v}", hull.quadratic_sway, dim.KG_PER_M, NONNEGATIVE, DAMPING, PAPER_TEXT,
+    Term("b_vdot", r"b_{\dot v}", Product("vdot"), dim.KG, NONNEGATIVE, INERTIA, PAPER_TEXT),
+    Term("b_rdot", r"b_{\dot r}", Product("rdot"), dim.KG_M, FREE, INERTIA, PAPER_TEXT),
+    Term("b_v", r"b_v", Product("v"), dim.KG_PER_S, NONNEGATIVE, DAMPING, PAPER_TEXT, DRIFT_FORCE, TEST_SPEED),
+    Term("b_r", r"b_r", Product("r"), dim.KG_M_PER_S, FREE, DAMPING, PAPER_TEXT, scale_effect=TEST_SPEED),
+    Term("b_vv", r"b_{|v|v}", Product("|v| v"), dim.KG_PER_M, NONNEGATIVE, DAMPING, PAPER_TEXT,
          scale_effect=DRAG),
-    Term("b_rr", r"b_{|r|r}", hull.quadratic_yaw, dim.KG_M, FREE, DAMPING, PAPER_TEXT),
+    Term("b_rr", r"b_{|r|r}", Product("|r| r"), dim.KG_M, FREE, DAMPING, PAPER_TEXT),
     *FORMS["delta"].sway,
 )  # fmt: skip
 
 YAW = (
-    Term("c_vdot", r"c_{\dot v}", hull.sway_inertia, dim.KG_M, FREE, INERTIA, PAPER_TEXT),
-    Term("c_rdot", r"c_{\dot r}", hull.yaw_inertia, dim.KG_M2, NONNEGATIVE, INERTIA, PAPER_TEXT),
-    Term("c_v", r"c_v", hull.linear_sway, dim.KG_M_PER_S, FREE, DAMPING, PAPER_TEXT, DRIFT_MOMENT, TEST_SPEED),
-    Term("c_r", r"c_r", hull.linear_yaw, dim.KG_M2_PER_S, NONNEGATIVE, DAMPING, PAPER_TEXT, YAW_MOMENT, TEST_SPEED),
-    Term("c_vv", r"c_{|v|v}", hull.quadratic_sway, dim.KG, FREE, DAMPING, PAPER_TEXT, scale_effect=DRAG),
-    Term("c_rr", r"c_{|r|r}", hull.quadratic_yaw, dim.KG_M2, NONNEGATIVE, DAMPING, PAPER_TEXT),
+    Term("c_vdot", r"c_{\dot v}", Product("vdot"), dim.KG_M, FREE, INERTIA, PAPER_TEXT),
+    Term("c_rdot", r"c_{\dot r}", Product("rdot"), dim.KG_M2, NONNEGATIVE, INERTIA, PAPER_TEXT),
+    Term("c_v", r"c_v", Product("v"), dim.KG_M_PER_S, FREE, DAMPING, PAPER_TEXT, DRIFT_MOMENT, TEST_SPEED),
+    Term("c_r", r"c_r", Product("r"), dim.KG_M2_PER_S, NONNEGATIVE, DAMPING, PAPER_TEXT, YAW_MOMENT, TEST_SPEED),
+    Term("c_vv", r"c_{|v|v}", Product("|v| v"), dim.KG, FREE, DAMPING, PAPER_TEXT, scale_effect=DRAG),
+    Term("c_rr", r"c_{|r|r}", Product("|r| r"), dim.KG_M2, NONNEGATIVE, DAMPING, PAPER_TEXT),
     *FORMS["delta"].yaw,
 )
 
@@ -73,12 +73,12 @@ PAPER = TermTable("paper", SURGE, SWAY, YAW, ties=(("b_rdot", "c_vdot"),))
 MIXED = PAPER.with_terms(
     "mixed",
     sway=[
-        Term("b_uv", r"b_{uv}", hull.sway_lift, dim.KG_PER_M, FREE, LIFT, THREE_DOF, DRIFT_FORCE),
-        Term("b_ur", r"b_{ur}", hull.yaw_lift, dim.KG, FREE, LIFT, THREE_DOF),
+        Term("b_uv", r"b_{uv}", Product("u v"), dim.KG_PER_M, FREE, LIFT, THREE_DOF, DRIFT_FORCE),
+        Term("b_ur", r"b_{ur}", Product("u r"), dim.KG, FREE, LIFT, THREE_DOF),
     ],
     yaw=[
-        Term("c_uv", r"c_{uv}", hull.sway_lift, dim.KG, FREE, LIFT, THREE_DOF, DRIFT_MOMENT),
-        Term("c_ur", r"c_{ur}", hull.yaw_lift, dim.KG_M, FREE, LIFT, THREE_DOF, YAW_MOMENT),
+        Term("c_uv", r"c_{uv}", Product("u v"), dim.KG, FREE, LIFT, THREE_DOF, DRIFT_MOMENT),
+        Term("c_ur", r"c_{ur}", Product("u r"), dim.KG_M, FREE, LIFT, THREE_DOF, YAW_MOMENT),
     ],
 )
 
@@ -89,17 +89,17 @@ SPEED = MIXED.without("speed", lambda term: term.scale_effect is TEST_SPEED)
 CROSSFLOW = SPEED.with_terms(
     "crossflow",
     surge=[
-        Term("a_vv", r"a_{vv}", hull.sway_squared, dim.KG_PER_M, FREE, LIFT, THREE_DOF),
-        Term("a_vr", r"a_{vr}", hull.sway_yaw, dim.KG, FREE, LIFT, THREE_DOF),
-        Term("a_rr", r"a_{rr}", hull.yaw_squared, dim.KG_M, FREE, LIFT, THREE_DOF),
+        Term("a_vv", r"a_{vv}", Product("v v"), dim.KG_PER_M, FREE, LIFT, THREE_DOF),
+        Term("a_vr", r"a_{vr}", Product("v r"), dim.KG, FREE, LIFT, THREE_DOF),
+        Term("a_rr", r"a_{rr}", Product("r r"), dim.KG_M, FREE, LIFT, THREE_DOF),
     ],
     sway=[
-        Term("b_vr", r"b_{|v|r}", hull.yaw_in_crossflow, dim.KG, FREE, CROSS, THREE_DOF),
-        Term("b_rv", r"b_{|r|v}", hull.sway_in_crossflow, dim.KG, FREE, CROSS, THREE_DOF),
+        Term("b_vr", r"b_{|v|r}", Product("|v| r"), dim.KG, FREE, CROSS, THREE_DOF),
+        Term("b_rv", r"b_{|r|v}", Product("|r| v"), dim.KG, FREE, CROSS, THREE_DOF),
     ],
     yaw=[
-        Term("c_vr", r"c_{|v|r}", hull.yaw_in_crossflow, dim.KG_M, FREE, CROSS, THREE_DOF),
-        Term("c_rv", r"c_{|r|v}", hull.sway_in_crossflow, dim.KG_M, FREE, CROSS, THREE_DOF),
+        Term("c_vr", r"c_{|v|r}", Product("|v| r"), dim.KG_M, FREE, CROSS, THREE_DOF),
+        Term("c_rv", r"c_{|r|v}", Product("|r| v"), dim.KG_M, FREE, CROSS, THREE_DOF),
     ],
 )
 
