@@ -15,26 +15,11 @@ if TYPE_CHECKING:
 
 
 DEGREE = math.pi / 180
+# Units behind an underscore, as in psi_deg.
 SUFFIXES = (
-    "m",
-    "mm",
-    "deg",
-    "rad",
-    "mps",
-    "mps2",
-    "degps",
-    "degps2",
-    "radps",
-    "radps2",
-    "s",
-    "N",
-    "kN",
-    "Nm",
-    "kNm",
-    "kn",
-    "rpm",
-    "rps",
-)
+    "m", "mm", "deg", "rad", "mps", "mps2", "degps", "degps2", "radps", "radps2", "s", "N", "kN", "Nm", "kNm", "kn",
+    "rpm", "rps",
+)  # fmt: skip
 
 
 class Vocabulary(NamedTuple):
@@ -110,55 +95,32 @@ class Unit(NamedTuple):
     powers: tuple[int, ...] = (0, 0, 0, 0, 0)
 
 
-_LENGTH, _MASS, _TIME = (1, 0, 0, 0, 0), (0, 1, 0, 0, 0), (0, 0, 1, 0, 0)
-_SPEED, _FORCE, _PRESSURE, _POWER = (1, 0, -1, 0, 0), (1, 1, -2, 0, 0), (-1, 1, -2, 0, 0), (2, 1, -3, 0, 0)
-_RATE, _ANGULAR_ACCELERATION, _MOMENT = (0, 0, -1, 0, 0), (0, 0, -2, 0, 0), (2, 1, -2, 0, 0)
-_FOOT, _MILE, _POUND, _GRAVITY = 0.3048, 1609.344, 0.45359237, 9.80665
-# Angles are dimensionless. One revolution counts as 1 in rpm and rps, as usual for propellers, but as 2 pi in
-# "revolution".
-SYMBOLS = {
-    "m": Unit(1, _LENGTH), "g": Unit(1e-3, _MASS), "s": Unit(1, _TIME), "N": Unit(1, _FORCE), "Pa": Unit(1, _PRESSURE),
-    "J": Unit(1, _MOMENT), "W": Unit(1, _POWER), "Hz": Unit(1, _RATE), "rad": Unit(1), "A": Unit(1, (0, 0, 0, 1, 0)),
-    "V": Unit(1, (2, 1, -3, -1, 0)), "K": Unit(1, (0, 0, 0, 0, 1)),
+BASES = {
+    "m": Unit(1.0, (1, 0, 0, 0, 0)), "kg": Unit(1.0, (0, 1, 0, 0, 0)), "s": Unit(1.0, (0, 0, 1, 0, 0)),
+    "A": Unit(1.0, (0, 0, 0, 1, 0)), "K": Unit(1.0, (0, 0, 0, 0, 1)),
 }  # fmt: skip
-"""Units that take a prefix: mm, kN, mrad."""
+# Units by others, the names of one unit together. Angles are dimensionless. One revolution counts as 1 in rpm and rps,
+# as usual for propellers, but as 2 pi in "revolution". Names of three letters and more take a plural s.
+PREFIXED = {
+    "m metre meter": "m", "g gram": "0.001 kg", "s sec second": "s", "N newton": "kg m/s2", "Pa pascal": "N/m2",
+    "J joule": "N m", "W watt": "J/s", "Hz hertz": "1/s", "rad radian": "1", "A ampere": "A", "V volt": "W/A",
+    "K kelvin": "K",
+}  # fmt: skip
+WHOLE = {
+    "ft foot feet": "0.3048 m", "in inch inches": "ft/12", "yd yard": "3 ft", "mi mile": "1609.344 m",
+    "nmi nautical_mile": "1852 m", "t tonne": "1000 kg", "lb pound": "0.45359237 kg", "min minute": "60 s",
+    "h hr hour": "3600 s", "d day": "24 h", "kn kt kts knot": "nmi/h", "mph": "mi/h", "kph": "km/h", "mps": "m/s",
+    "mps2": "m/s2", "kgf": "9.80665 N", "lbf": "9.80665 lb m/s2", "psi": "lbf/in2", "hp": "550 ft lbf/s",
+    "Nm": "N m", "kNm": "kN m", "Nmm": "N mm", "° deg degree": repr(DEGREE), "arcmin arcminute": "deg/60",
+    "arcsec arcsecond": "arcmin/60", "revolution turn": "360 deg", "degps": "deg/s", "degps2": "deg/s2",
+    "radps": "rad/s", "radps2": "rad/s2", "rpm": "1/min", "rps": "1/s", "% percent": "0.01", "dimensionless": "1",
+    "bar": "100000 Pa", "mbar": "100 Pa",
+}  # fmt: skip
+UNITS = {name: text for names, text in (PREFIXED | WHOLE).items() for name in names.split()}
 PREFIXES = {
     "n": 1e-9, "u": 1e-6, "µ": 1e-6, "μ": 1e-6, "m": 1e-3, "c": 1e-2, "d": 1e-1, "h": 1e2, "k": 1e3, "M": 1e6, "G": 1e9,
+    "milli": 1e-3, "centi": 1e-2, "kilo": 1e3,
 }  # fmt: skip
-ABBREVIATIONS = {
-    "ft": Unit(_FOOT, _LENGTH), "feet": Unit(_FOOT, _LENGTH), "in": Unit(_FOOT / 12, _LENGTH),
-    "inches": Unit(_FOOT / 12, _LENGTH), "yd": Unit(3 * _FOOT, _LENGTH), "mi": Unit(_MILE, _LENGTH),
-    "nmi": Unit(1852, _LENGTH), "t": Unit(1e3, _MASS), "lb": Unit(_POUND, _MASS), "min": Unit(60, _TIME),
-    "h": Unit(3600, _TIME), "hr": Unit(3600, _TIME), "d": Unit(86400, _TIME),
-    **dict.fromkeys(("kn", "kt", "kts"), Unit(1852 / 3600, _SPEED)), "mph": Unit(_MILE / 3600, _SPEED),
-    "kph": Unit(1 / 3.6, _SPEED), "kgf": Unit(_GRAVITY, _FORCE), "lbf": Unit(_POUND * _GRAVITY, _FORCE),
-    "bar": Unit(1e5, _PRESSURE), "mbar": Unit(1e2, _PRESSURE),
-    "psi": Unit(_POUND * _GRAVITY / (_FOOT / 12) ** 2, _PRESSURE),
-    "hp": Unit(550 * _FOOT * _POUND * _GRAVITY, _POWER),
-    "°": Unit(math.pi / 180), "deg": Unit(math.pi / 180), "arcmin": Unit(math.pi / 10800),
-    "arcsec": Unit(math.pi / 648000), "rpm": Unit(1 / 60, _RATE), "rps": Unit(1, _RATE), "%": Unit(0.01),
-    "percent": Unit(0.01), "dimensionless": Unit(1), "mps": Unit(1, _SPEED), "mps2": Unit(1, (1, 0, -2, 0, 0)),
-    "degps": Unit(math.pi / 180, _RATE), "degps2": Unit(math.pi / 180, _ANGULAR_ACCELERATION),
-    "radps": Unit(1, _RATE), "radps2": Unit(1, _ANGULAR_ACCELERATION),
-    "Nm": Unit(1, _MOMENT), "kNm": Unit(1e3, _MOMENT), "Nmm": Unit(1e-3, _MOMENT),
-}  # fmt: skip
-WORDS = {
-    **dict.fromkeys(("metre", "meter"), Unit(1, _LENGTH)),
-    **dict.fromkeys(("kilometre", "kilometer"), Unit(1e3, _LENGTH)),
-    **dict.fromkeys(("centimetre", "centimeter"), Unit(1e-2, _LENGTH)),
-    **dict.fromkeys(("millimetre", "millimeter"), Unit(1e-3, _LENGTH)),
-    "foot": Unit(_FOOT, _LENGTH), "inch": Unit(_FOOT / 12, _LENGTH), "yard": Unit(3 * _FOOT, _LENGTH),
-    "mile": Unit(_MILE, _LENGTH), "nautical_mile": Unit(1852, _LENGTH),
-    **dict.fromkeys(("sec", "second"), Unit(1, _TIME)), "minute": Unit(60, _TIME), "hour": Unit(3600, _TIME),
-    "day": Unit(86400, _TIME), "millisecond": Unit(1e-3, _TIME), "knot": Unit(1852 / 3600, _SPEED),
-    "gram": Unit(1e-3, _MASS), "kilogram": Unit(1, _MASS), "tonne": Unit(1e3, _MASS), "pound": Unit(_POUND, _MASS),
-    "newton": Unit(1, _FORCE), "kilonewton": Unit(1e3, _FORCE), "pascal": Unit(1, _PRESSURE),
-    "joule": Unit(1, _MOMENT), "watt": Unit(1, _POWER), "kilowatt": Unit(1e3, _POWER), "hertz": Unit(1, _RATE),
-    "volt": SYMBOLS["V"], "ampere": SYMBOLS["A"], "kelvin": SYMBOLS["K"], "radian": Unit(1),
-    "degree": Unit(math.pi / 180), "arcminute": Unit(math.pi / 10800), "arcsecond": Unit(math.pi / 648000),
-    "revolution": Unit(2 * math.pi), "turn": Unit(2 * math.pi),
-}  # fmt: skip
-"""Units that take a plural s."""
 
 
 @cache
@@ -179,7 +141,7 @@ def _product(text: str) -> Unit | None:
         if (factor := _factor(part)) is None:
             return None
         way = -1 if sign == "/" else 1
-        scale *= factor.scale**way
+        scale = scale / factor.scale if sign == "/" else scale * factor.scale
         powers = tuple(a + way * b for a, b in zip(powers, factor.powers, strict=True))  # type: ignore[assignment]
     return Unit(scale, powers)
 
@@ -197,11 +159,17 @@ def _factor(text: str) -> Unit | None:
     return Unit(known.scale**exponent, tuple(exponent * one for one in known.powers))
 
 
+@cache
 def _single(word: str) -> Unit | None:
-    if known := SYMBOLS.get(word) or ABBREVIATIONS.get(word) or WORDS.get(word) or WORDS.get(word.removesuffix("s")):
-        return known
-    symbol, prefix = SYMBOLS.get(word[1:]), PREFIXES.get(word[:1])
-    return Unit(prefix * symbol.scale, symbol.powers) if symbol and prefix else None
+    """A unit by its name, singular or plural, with or without a prefix."""
+    for name in (word, word.removesuffix("s") if len(word) > 3 else word):
+        if known := BASES.get(name) or (_product(UNITS[name]) if name in UNITS else None):
+            return known
+        for prefix, factor in PREFIXES.items():
+            one = name.removeprefix(prefix)
+            if one != name and any(one in names.split() for names in PREFIXED) and (known := _single(one)):
+                return Unit(factor * known.scale, known.powers)
+    return None
 
 
 def _by_pint(text: str) -> Unit | None:
