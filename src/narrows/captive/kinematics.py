@@ -22,30 +22,17 @@ SAYS = {"x": "what u, v and psi say", "y": "what u, v and psi say", "psi": "r", 
 
 # Columns whose signs are reversed together, the fewest first.
 MIRRORED = (
-    ("y",), ("psi",), ("v",), ("r",), ("vdot",), ("rdot",), ("udot",), ("psi", "r"), ("r", "rdot"), ("v", "vdot"),
-    ("psi", "r", "rdot"), ("y", "v", "vdot"),
+    "y", "psi", "v", "r", "vdot", "rdot", "udot", "psi r", "r rdot", "v vdot", "psi r rdot", "y v vdot",
 )  # fmt: skip
-
-TURNING = (("psi",), ("r",), ("rdot",), ("psi", "r"), ("r", "rdot"), ("psi", "r", "rdot"))
-MOVING = (
-    ("x",),
-    ("y",),
-    ("x", "y"),
-    ("u",),
-    ("v",),
-    ("vdot",),
-    ("udot",),
-    ("v", "vdot"),
-    ("u", "v"),
-    ("u", "v", "udot", "vdot"),
-)
+TURNING = ("psi", "r", "rdot", "psi r", "r rdot", "psi r rdot")
+MOVING = ("x", "y", "x y", "u", "v", "vdot", "udot", "v vdot", "u v", "u v udot vdot")
 
 # Columns that are in another unit together: how many of the first unit one of the second is.
 UNITS = (
     *((names, DEGREE, "rad", "deg") for names in TURNING), *((names, 1 / DEGREE, "deg", "rad") for names in TURNING),
     *((names, 1e-3, "m", "mm") for names in MOVING),
-    *((names, 0.514444, "m/s", "kn") for names in (("u",), ("v",), ("u", "v"))),
-    (("t",), 1e-3, "s", "ms"), (("t",), 60.0, "s", "minute"),
+    *((names, 0.514444, "m/s", "kn") for names in ("u", "v", "u v")),
+    ("t", 1e-3, "s", "ms"), ("t", 60.0, "s", "minute"),
 )  # fmt: skip
 
 
@@ -225,7 +212,7 @@ def _disagreement(agreements: Mapping[str, Agreement], tests: list[str]) -> str:
 
 def _turned_round(motions: MotionColumns, agreements: Mapping[str, Agreement], by_name: Mapping[str, Column]) -> str:
     """Describe the fewest columns that agree with all others after a change of sign."""
-    mended = [names for names in MIRRORED if _mends(motions, agreements, dict.fromkeys(names, -1.0))]
+    mended = [names for names in map(str.split, MIRRORED) if _mends(motions, agreements, dict.fromkeys(names, -1.0))]
     fewest = [names for names in mended if len(names) == len(mended[0])]
     if not fewest:
         return ""
@@ -237,7 +224,8 @@ def _in_another_unit(motions: MotionColumns, agreements: Mapping[str, Agreement]
     """Describe the fewest columns that agree with all others in another unit."""
     mended = [
         (names, common, unit)
-        for names, scale, common, unit in UNITS
+        for words, scale, common, unit in UNITS
+        for names in [words.split()]
         # A header with a unit may be wrong only if that is not the common one.
         if all(name in by_name and by_name[name].stated == (unit == "rad") for name in names)
         and _mends(motions, agreements, dict.fromkeys(names, scale))
@@ -265,6 +253,6 @@ def _mends(motions: MotionColumns, agreements: Mapping[str, Agreement], scales: 
     )
 
 
-def _listed(names: tuple[str, ...], by_name: Mapping[str, Column]) -> str:
+def _listed(names: list[str], by_name: Mapping[str, Column]) -> str:
     headers = [repr(by_name[name].header) if name in by_name else repr(name) for name in names]
     return " and ".join([", ".join(headers[:-1]), headers[-1]] if len(headers) > 1 else headers)
