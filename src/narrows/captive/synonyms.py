@@ -19,7 +19,7 @@ from narrows.readers.headers import is_unit, parse_header
 
 @cache
 def _meanings(section: str) -> dict[str, str]:
-    """What a word means: a documented name, or a unit."""
+    """Meaning of each word: a documented name, or a unit."""
     tables = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
     found = {word: name for name, words in tables[section].items() for word in words}
     # In capitals, where they mean nothing else: U and V may be speeds of the ship, T its draft.

@@ -93,7 +93,7 @@ class Product:
     """Regressor of a derivative: minus a product of velocities or accelerations, as in ``|v| r``; bars mark sizes.
 
     Source: Mikkelsen et al. (2025), Damping Force and Moment and eqs. (mass_inertia_x, mass_inertia_y, mass_inertia_z);
-    Fossen (2011), section 6.5, for products of two velocities.
+    Fossen (2011), section 6.5, for lift and crossflow drag.
     """
 
     # The paper once prints + for -c_rdot rdot; its regression matrix and the physics have -.

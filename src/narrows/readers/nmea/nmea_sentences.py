@@ -3,7 +3,7 @@
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import UTC, date, datetime, time
 from enum import Enum
 from functools import reduce
@@ -55,15 +55,15 @@ PARTICULARS, WATER_DEPTH = "particulars", "depth of water"
 def decode_parts(parts: Sequence[bytes], kind: str, mmsi: int | None = None) -> DecodedMessage | None:
     if kind.endswith(("VDO", "VDM")):
         return _ais(parts, kind, mmsi)
-    read = READ.get(kind[2:])
-    if read is None:
+    if kind[2:] not in (*FIELDS, *READ, "ZDA"):
         return None
     from pynmeagps import NMEAReader
 
     message = NMEAReader.parse(parts[0] + b"\r\n")
     source = f"{kind} {message.source}{message.engineshaftnum}" if kind.endswith("RPM") else kind
     clock = getattr(message, "time", None)
-    return DecodedMessage(read(message), source, clock if isinstance(clock, time) else None, _day(message, kind))
+    values = READ[kind[2:]](message) if kind[2:] in READ else _fields_of(message, kind[2:])
+    return DecodedMessage(values, source, clock if isinstance(clock, time) else None, _day(message, kind))
 
 
 def _day(message: Any, kind: str) -> date | None:
@@ -72,8 +72,6 @@ def _day(message: Any, kind: str) -> date | None:
     day = getattr(message, "date", None)
     return day if isinstance(day, date) else None
 
-
-Reader = Callable[[Any], GroupedValues]
 
 # Valid fix qualities of GGA: not 6 (dead reckoning), 7 (manual), 8 (simulator).
 FIXES = (1, 2, 3, 4, 5, 9)
@@ -91,12 +89,8 @@ def _only(**numbers: Any) -> Values:
     }
 
 
-def _scaled(values: Values, factor: float) -> Values:
-    return {name: factor * value for name, value in values.items()}
-
-
-def _fix(message: Any) -> Values:
-    return _place(message.lon, message.lat)
+def _times(factor: float, **numbers: Any) -> Values:
+    return {name: factor * value for name, value in _only(**numbers).items()}
 
 
 def _place(longitude: Any, latitude: Any) -> Values:
@@ -104,52 +98,58 @@ def _place(longitude: Any, latitude: Any) -> Values:
     return values if len(values) == 2 else {}
 
 
-def _gga(message: Any) -> GroupedValues:
-    return {"position": _fix(message)} if message.quality in FIXES and _is_sharp(message) else {}
+PLACE = {"longitude": ("lon", 1.0), "latitude": ("lat", 1.0)}
+# Groups by type of sentence: the field that says whether a group is valid, if any, and its columns, each with its field
+# and the factor to SI. RSA: the starboard rudder, or the only one; negative if it turns the bow to port.
+FIELDS: dict[str, dict[str, tuple[str, dict[str, tuple[str, float]]]]] = {
+    "GGA": {"position": ("", PLACE)}, "GNS": {"position": ("", PLACE)}, "GLL": {"position": ("status", PLACE)},
+    "RMC": {
+        "position": ("status", PLACE),
+        "speed over ground": (
+            "status", {"speed_over_ground": ("spd", KNOT), "course_over_ground": ("cog", DEGREE)},
+        ),
+    },
+    "VTG": {
+        "speed over ground": ("", {"speed_over_ground": ("sogn", KNOT), "course_over_ground": ("cogt", DEGREE)}),
+    },
+    "HDT": {"heading": ("", {"heading": ("headingT", DEGREE)})},
+    "THS": {"heading": ("mi", {"heading": ("headt", DEGREE)})},
+    "ROT": {"yaw rate": ("valid", {"r": ("rot", DEGREE / 60)})},
+    "RSA": {"rudder": ("stbdstatus", {"rudder": ("stbdangle", DEGREE)})},
+    "RPM": {"revolutions": ("status", {"revolutions": ("rpm", 1 / 60)})},
+    "VHW": {"speed through the water": ("", {"u": ("spdN", KNOT)})},
+    "VBW": {
+        "speed through the water": ("waterspdstatus", {"u": ("longwaterspd", KNOT), "v": ("transwaterspd", KNOT)}),
+        "speed over ground in the ship's axes": (
+            "groundspdstatus", {"u_ground": ("longgroundspd", KNOT), "v_ground": ("transgroundspd", KNOT)},
+        ),
+    },
+}  # fmt: skip
 
 
-def _is_sharp(message: Any) -> bool:
-    """Return whether the satellite geometry is good; true if unknown."""
-    hdop = getattr(message, "HDOP", None)
-    return not isinstance(hdop, int | float) or hdop <= MOST_HDOP
+def _fields_of(message: Any, kind: str) -> GroupedValues:
+    valid = {
+        group: columns
+        for group, (status, columns) in FIELDS.get(kind, {}).items()
+        if _is_fix(message) and getattr(message, status, "A") == "A"
+    }
+    values = {
+        group: _scaled(_only(**{name: getattr(message, field) for name, (field, _) in columns.items()}), columns)
+        for group, columns in valid.items()
+    }
+    return {group: own for group, own in values.items() if group != "position" or len(own) == 2}
+
+
+def _scaled(values: Values, columns: Mapping[str, tuple[str, float]]) -> Values:
+    return {name: columns[name][1] * value for name, value in values.items()}
 
 
 def _is_fix(message: Any) -> bool:
-    return bool(str(getattr(message, "posMode", None) or "A").strip(NO_FIXES))
-
-
-def _gns(message: Any) -> GroupedValues:
-    return {"position": _fix(message)} if _is_fix(message) and _is_sharp(message) else {}
-
-
-def _gll(message: Any) -> GroupedValues:
-    return {"position": _fix(message)} if message.status == "A" and _is_fix(message) else {}
-
-
-def _rmc(message: Any) -> GroupedValues:
-    if message.status != "A" or not _is_fix(message):
-        return {}
-    ground = _scaled(_only(speed_over_ground=message.spd), KNOT)
-    return {"position": _fix(message), "speed over ground": ground | _course(message.cog)}
-
-
-def _course(degrees: Any) -> Values:
-    return _scaled(_only(course_over_ground=degrees), DEGREE)
-
-
-def _vtg(message: Any) -> GroupedValues:
-    if not _is_fix(message):
-        return {}
-    ground = _scaled(_only(speed_over_ground=message.sogn), KNOT)
-    return {"speed over ground": ground | _course(message.cogt)}
-
-
-def _hdt(message: Any) -> GroupedValues:
-    return {"heading": _scaled(_only(heading=message.headingT), DEGREE)}
-
-
-def _ths(message: Any) -> GroupedValues:
-    return {"heading": _scaled(_only(heading=message.headt), DEGREE)} if message.mi == "A" else {}
+    """Return whether a position is measured, with a good satellite geometry; true if a sentence does not say."""
+    hdop = getattr(message, "HDOP", None)
+    is_sharp = not isinstance(hdop, int | float) or hdop <= MOST_HDOP
+    is_measured = bool(str(getattr(message, "posMode", None) or "A").strip(NO_FIXES))
+    return is_sharp and is_measured and getattr(message, "quality", FIXES[0]) in FIXES
 
 
 def _hdg(message: Any) -> GroupedValues:
@@ -158,34 +158,7 @@ def _hdg(message: Any) -> GroupedValues:
         return {}
     parts = ((message.variation, message.variationEW), (message.deviation, message.deviationEW))
     shift = sum(-value if side == "W" else value for value, side in parts if isinstance(value, int | float))
-    return {"heading": _scaled(_only(heading=(message.headingM + shift) % 360), DEGREE)}
-
-
-def _rot(message: Any) -> GroupedValues:
-    return {"yaw rate": _scaled(_only(r=message.rot), DEGREE / 60)} if message.valid == "A" else {}
-
-
-def _rsa(message: Any) -> GroupedValues:
-    """Angle of the starboard rudder, or the only one; negative if it turns the bow to port, as here."""
-    valid = message.stbdstatus == "A"
-    return {"rudder": _scaled(_only(rudder=message.stbdangle), DEGREE)} if valid else {}
-
-
-def _rpm(message: Any) -> GroupedValues:
-    return {"revolutions": _scaled(_only(revolutions=message.rpm), 1 / 60)} if message.status == "A" else {}
-
-
-def _vhw(message: Any) -> GroupedValues:
-    return {"speed through the water": _scaled(_only(u=message.spdN), KNOT)}
-
-
-def _vbw(message: Any) -> GroupedValues:
-    water = _scaled(_only(u=message.longwaterspd, v=message.transwaterspd), KNOT)
-    ground = _scaled(_only(u_ground=message.longgroundspd, v_ground=message.transgroundspd), KNOT)
-    return {
-        "speed through the water": water if message.waterspdstatus == "A" else {},
-        "speed over ground in the ship's axes": ground if message.groundspdstatus == "A" else {},
-    }
+    return {"heading": _times(DEGREE, heading=(message.headingM + shift) % 360)}
 
 
 def _dpt(message: Any) -> GroupedValues:
@@ -198,16 +171,11 @@ def _dpt(message: Any) -> GroupedValues:
 
 
 def _mwd(message: Any) -> GroupedValues:
-    speed = _only(wind_speed=message.speedM) or _scaled(_only(wind_speed=message.speedN), KNOT)
-    return {"wind": speed | _scaled(_only(wind_from=message.dirT), DEGREE)}
+    speed = _only(wind_speed=message.speedM) or _times(KNOT, wind_speed=message.speedN)
+    return {"wind": speed | _times(DEGREE, wind_from=message.dirT)}
 
 
-# By type.
-READ: Mapping[str, Reader] = {
-    "GGA": _gga, "GNS": _gns, "GLL": _gll, "RMC": _rmc, "VTG": _vtg, "HDT": _hdt, "THS": _ths, "HDG": _hdg,
-    "ROT": _rot, "RSA": _rsa, "RPM": _rpm, "VHW": _vhw, "VBW": _vbw, "DPT": _dpt, "MWD": _mwd,
-    "ZDA": lambda message: {},
-}  # fmt: skip
+READ = {"HDG": _hdg, "DPT": _dpt, "MWD": _mwd}
 
 
 def _ais(parts: Sequence[bytes], kind: str, mmsi: int | None) -> DecodedMessage | None:
@@ -231,11 +199,11 @@ def _position_report(report: Mapping[str, Any]) -> GroupedValues:
     speed, course = report["speed"], report["course"]
     return {
         "position": _place(report["lon"], report["lat"]),
-        "speed over ground": ({} if speed >= NO_SPEED else _scaled(_only(speed_over_ground=speed), KNOT))
-        | ({} if course >= NO_COURSE else _course(course)),
-        "heading": _scaled(_only(heading=report["heading"]), DEGREE),
+        "speed over ground": ({} if speed >= NO_SPEED else _times(KNOT, speed_over_ground=speed))
+        | ({} if course >= NO_COURSE else _times(DEGREE, course_over_ground=course)),
+        "heading": _times(DEGREE, heading=report["heading"]),
         # Codes beyond all numbers give the direction of a turn without its rate.
-        "yaw rate": {} if isinstance(turn, Enum) else _scaled(_only(r=turn), DEGREE / 60),
+        "yaw rate": {} if isinstance(turn, Enum) else _times(DEGREE / 60, r=turn),
     }
 
 
