@@ -1,8 +1,7 @@
 """Synthetic tests from a known truth, to find out which coefficients a test programme determines."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Protocol
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -119,38 +118,79 @@ class HarmonicRun:
         }  # fmt: skip
 
 
+@dataclass(frozen=True)
+class StraightRun:
+    """A straight captive test at constant speed, parallel to the banks.
+
+    Parameters
+    ----------
+    name : str
+        Name of the test.
+    offset : float [m]
+        Offset to starboard of the centreline.
+    speed : float [m/s]
+        Speed along the canal.
+    duration : float [s]
+        Duration.
+    drift : float [rad]
+        Angle from the path to the bow, positive to starboard; equal to the heading, as the path is along the canal.
+    depth : float [m], optional
+        Depth of the water; the canal's own unless given.
+
+    Raises
+    ------
+    InputError
+        If speed or duration are not positive, or it is towed sideways.
+
+    Examples
+    --------
+    >>> nw.StraightRun("A", 0.5).offset
+    0.5
+    """
+
+    name: str
+    offset: float
+    speed: float = 1.0
+    duration: float = 40.0
+    drift: float = 0.0
+    depth: float | None = None
+
+    def __post_init__(self) -> None:
+        _check_positive(self, ("speed", "duration"))
+        if not abs(self.drift) < np.pi / 2:
+            raise InputError(f"run {self.name}: drift = {self.drift} is not an angle below pi/2; give it in radians")
+
+    @property
+    def length(self) -> float:
+        """Approximate length of tank needed [m]."""
+        return self.duration * self.speed
+
+    def columns(self, rate: float) -> Columns:
+        """Return time, motion and accelerations at each sample.
+
+        Parameters
+        ----------
+        rate : float [Hz]
+            Sampling rate.
+        """
+        t = np.arange(round(self.duration * rate)) / rate
+        zero, one = np.zeros(len(t)), np.ones(len(t))
+        return {
+            "t": t, "x": self.speed * t, "y": self.offset * one, "psi": self.drift * one,
+            "u": self.speed * np.cos(self.drift) * one, "v": -self.speed * np.sin(self.drift) * one, "r": zero,
+            "udot": zero, "vdot": zero, "rdot": zero, "heave": zero,
+        }  # fmt: skip
+
+
+# A run for twins and designs.
+Run = HarmonicRun | StraightRun
+
 # Kinds, number and largest offset as in the paper; it prints neither periods nor speeds, so those are assumptions.
 PAPER_RUNS = (
     HarmonicRun("A", "yaw", 0.907, 25.0),
     HarmonicRun("B", "yaw", 0.30, 12.0),
     HarmonicRun("C", "sway", 0.907, 25.0),
 )
-
-
-class Run(Protocol):
-    """Interface of a run for twins and designs."""
-
-    @property
-    def name(self) -> str:
-        """Name of the test."""
-
-    @property
-    def depth(self) -> float | None:
-        """Depth of the water [m]; the canal's own if None."""
-
-    @property
-    def duration(self) -> float:
-        """Duration [s]."""
-
-    @property
-    def length(self) -> float:
-        """Approximate length of tank needed [m]."""
-
-    def columns(self, rate: float) -> Columns:
-        """Return time, motion and accelerations at each sample.
-
-        rate [Hz]
-        """
 
 
 def twin(
@@ -221,20 +261,13 @@ def _measured(
     columns = run.columns(rate)
     motion, rows = motion_of(columns), len(columns["t"])
     keep = np.exp(-1 / (rate * correlation_time)) if correlation_time > 0 else 0.0
+    at_depth = truth if run.depth is None else truth.with_canal(depth=run.depth)
     forces = {
         force: value + noise.get(force, 0.0) * _coloured(draw.standard_normal(rows), keep)
-        for force, value in _at_depth(truth, run.depth).forces(motion).items()
+        for force, value in at_depth.forces(motion).items()
     }
     depth = run.depth or truth.configuration.canal.depth
     return columns | motion.values() | forces | ({"depth": np.full(rows, depth)} if depth else {})
-
-
-def _at_depth(truth: Model, depth: float | None) -> Model:
-    if depth is None:
-        return truth
-    return replace(
-        truth, configuration=replace(truth.configuration, canal=replace(truth.configuration.canal, depth=depth))
-    )
 
 
 def _coloured(white: np.ndarray, keep: float) -> np.ndarray:
@@ -245,67 +278,3 @@ def _coloured(white: np.ndarray, keep: float) -> np.ndarray:
     gain = np.sqrt(1 - keep**2)
     # The first row has the same distribution as the others: it is white[0] itself.
     return np.asarray(lfilter([gain], [1, -keep], white, zi=[(1 - gain) * white[0]])[0])
-
-
-@dataclass(frozen=True)
-class StraightRun:
-    """A straight captive test at constant speed, parallel to the banks.
-
-    Parameters
-    ----------
-    name : str
-        Name of the test.
-    offset : float [m]
-        Offset to starboard of the centreline.
-    speed : float [m/s]
-        Speed along the canal.
-    duration : float [s]
-        Duration.
-    drift : float [rad]
-        Angle from the path to the bow, positive to starboard; equal to the heading, as the path is along the canal.
-    depth : float [m], optional
-        Depth of the water; the canal's own unless given.
-
-    Raises
-    ------
-    InputError
-        If speed or duration are not positive, or it is towed sideways.
-
-    Examples
-    --------
-    >>> nw.StraightRun("A", 0.5).offset
-    0.5
-    """
-
-    name: str
-    offset: float
-    speed: float = 1.0
-    duration: float = 40.0
-    drift: float = 0.0
-    depth: float | None = None
-
-    def __post_init__(self) -> None:
-        _check_positive(self, ("speed", "duration"))
-        if not abs(self.drift) < np.pi / 2:
-            raise InputError(f"run {self.name}: drift = {self.drift} is not an angle below pi/2; give it in radians")
-
-    @property
-    def length(self) -> float:
-        """Approximate length of tank needed [m]."""
-        return self.duration * self.speed
-
-    def columns(self, rate: float) -> Columns:
-        """Return time, motion and accelerations at each sample.
-
-        Parameters
-        ----------
-        rate : float [Hz]
-            Sampling rate.
-        """
-        t = np.arange(round(self.duration * rate)) / rate
-        zero, one = np.zeros(len(t)), np.ones(len(t))
-        return {
-            "t": t, "x": self.speed * t, "y": self.offset * one, "psi": self.drift * one,
-            "u": self.speed * np.cos(self.drift) * one, "v": -self.speed * np.sin(self.drift) * one, "r": zero,
-            "udot": zero, "vdot": zero, "rdot": zero, "heave": zero,
-        }  # fmt: skip

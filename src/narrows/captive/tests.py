@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import compress, pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
@@ -79,56 +79,8 @@ def cuts(rows: int, pieces: int) -> np.ndarray:
     return np.unique(np.linspace(0, rows, pieces + 1).astype(int))
 
 
-class Tabular(Tabulated):
-    """Tests with the display of a table."""
-
-    columns: Mapping[str, np.ndarray]
-    names: tuple[str, ...]
-    starts: np.ndarray
-    conditions: tuple[str, ...]
-    configuration: Configuration
-    notes: tuple[str, ...]
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Rows and columns of the table."""
-        rows, columns = self.to_dataframe().shape
-        return rows, columns
-
-    @property
-    def units(self) -> dict[str, str]:
-        """Unit of each column; None if unknown."""
-        known = {name: quantity.unit for name, quantity in {**MOTION, **PARTICULARS, **FORCES}.items()}
-        known |= {"t": "s", "psi": "rad"} | {own.name: own.unit for own in STANDARD}
-        return {name: known.get(name, "1" if _is_part(name, self.columns) else "") for name in self.columns}
-
-    def summary(self) -> str:
-        """Describe the number of tests and rows, the ship, the water, and the measured quantities."""
-        labels = list(dict.fromkeys(self.conditions))
-        several = f" in {len(labels)} conditions" if len(labels) > 1 else ""
-        tests = f"{len(self.names)} test{'s' * (len(self.names) > 1)}{several}, {int(self.starts[-1])} rows"
-        return f"{tests}, with {', '.join(measured(self.columns)) or 'no force'}: {self.configuration.summary()}."
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return everything by name."""
-        return {
-            "tests": list(self.names), "conditions": list(self.conditions), "starts": self.starts,
-            "columns": dict(self.columns), "units": self.units, "configuration": self.configuration.to_dict(),
-            "summary": self.summary(), "notes": list(self.notes),
-        }  # fmt: skip
-
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Return the rows as a table in the documented columns, SI and radians, which ``read_captive`` reads again."""
-        import pandas as pd
-
-        lengths = np.diff(self.starts)
-        labels = {"condition": np.repeat(self.conditions, lengths)} if self.conditions else {}
-        columns = {name: column for name, column in self.columns.items() if not _is_part(name, self.columns)}
-        return pd.DataFrame({"test": np.repeat(self.names, lengths), **labels, **columns})
-
-
 @dataclass(frozen=True, repr=False)
-class CaptiveTests(Configured, Tabular):
+class CaptiveTests(Configured, Tabulated):
     """Captive tests in memory, in SI and radians.
 
     Parameters
@@ -169,6 +121,43 @@ class CaptiveTests(Configured, Tabular):
     def rows(self) -> int:
         """Number of rows."""
         return int(self.starts[-1])
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the table."""
+        rows, columns = self.to_dataframe().shape
+        return rows, columns
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Unit of each column; None if unknown."""
+        known = {name: quantity.unit for name, quantity in {**MOTION, **PARTICULARS, **FORCES}.items()}
+        known |= {"t": "s", "psi": "rad"} | {own.name: own.unit for own in STANDARD}
+        return {name: known.get(name, "1" if _is_part(name, self.columns) else "") for name in self.columns}
+
+    def summary(self) -> str:
+        """Describe the number of tests and rows, the ship, the water, and the measured quantities."""
+        labels = list(dict.fromkeys(self.conditions))
+        several = f" in {len(labels)} conditions" if len(labels) > 1 else ""
+        tests = f"{len(self.names)} test{'s' * (len(self.names) > 1)}{several}, {int(self.starts[-1])} rows"
+        return f"{tests}, with {', '.join(measured(self.columns)) or 'no force'}: {self.configuration.summary()}."
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything by name."""
+        return {
+            "tests": list(self.names), "conditions": list(self.conditions), "starts": self.starts,
+            "columns": dict(self.columns), "units": self.units, "configuration": self.configuration.to_dict(),
+            "summary": self.summary(), "notes": list(self.notes),
+        }  # fmt: skip
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the rows as a table in the documented columns, SI and radians, which ``read_captive`` reads again."""
+        import pandas as pd
+
+        lengths = np.diff(self.starts)
+        labels = {"condition": np.repeat(self.conditions, lengths)} if self.conditions else {}
+        columns = {name: column for name, column in self.columns.items() if not _is_part(name, self.columns)}
+        return pd.DataFrame({"test": np.repeat(self.names, lengths), **labels, **columns})
 
     def __len__(self) -> int:
         return len(self.names)
@@ -217,12 +206,14 @@ class CaptiveTests(Configured, Tabular):
         left = np.add.reduceat(mask, self.starts[:-1], dtype=int)
         if not left.any():
             raise InputError("no row is left after the selection; widen it")
-        whole = replace(
+        kept = left > 0
+        return replace(
             self,
             columns={name: column[mask] for name, column in self.columns.items()},
-            starts=np.concatenate([[0], np.cumsum(left)]),
+            names=tuple(compress(self.names, kept)),
+            starts=np.concatenate([[0], np.cumsum(left[kept])]),
+            conditions=tuple(compress(self.conditions, kept)),
         )
-        return whole.where(left > 0)
 
     def query(self, where: str) -> "CaptiveTests":
         """Return the rows for which an expression on the columns holds.
@@ -276,18 +267,10 @@ class CaptiveTests(Configured, Tabular):
         InputError
             If none is kept.
         """
-        kept = np.flatnonzero(np.asarray(keep, dtype=bool))
-        if not kept.size:
+        kept = np.asarray(keep, dtype=bool)
+        if not kept.any():
             raise InputError("no test is left after the selection; widen it")
-        parts = [self.rows_of(int(i)) for i in kept]
-        lengths = np.diff(self.starts)[kept]
-        return replace(
-            self,
-            columns={name: np.concatenate([part[name] for part in parts]) for name in self.columns},
-            names=tuple(self.names[i] for i in kept),
-            starts=np.concatenate([[0], np.cumsum(lengths)]),
-            conditions=tuple(self.conditions[i] for i in kept) if self.conditions else (),
-        )
+        return self.of_rows(np.repeat(kept, np.diff(self.starts)))
 
     def drop(self, *names: str) -> "CaptiveTests":
         """Return all tests but some.

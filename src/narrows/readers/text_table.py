@@ -39,23 +39,18 @@ class Dialect(NamedTuple):
 
 
 def read_text(path: Path, dialect: Dialect) -> pd.DataFrame:
-    if not _is_broken(path, dialect):
-        with opened(path) as file:
-            frame: pd.DataFrame = pd.read_csv(file, skiprows=dialect.head.first - 1, **_options(dialect))
-        return _counted(_with_commas(frame, dialect), dialect.head.first - FIRST_ROW)
     nothing = pd.DataFrame(columns=list(dialect.head.headers), index=pd.RangeIndex(0))
-    return next(_from_lines(path, dialect, None), nothing)
+    return next(text_chunks(path, dialect, None), nothing)
 
 
-def text_chunks(path: Path, dialect: Dialect, rows: int) -> Iterator[pd.DataFrame]:
+def text_chunks(path: Path, dialect: Dialect, rows: int | None) -> Iterator[pd.DataFrame]:
+    """Yield a table by so many rows, or as one."""
     if _is_broken(path, dialect):
         yield from _from_lines(path, dialect, rows)
         return
     first = dialect.head.first - FIRST_ROW
-    with (
-        opened(path) as file,
-        pd.read_csv(file, skiprows=dialect.head.first - 1, chunksize=rows, **_options(dialect)) as chunks,
-    ):
+    options = {"skiprows": dialect.head.first - 1, "chunksize": rows, "iterator": True, **_options(dialect)}
+    with opened(path) as file, pd.read_csv(file, **options) as chunks:
         for frame in chunks:
             yield _counted(_with_commas(frame, dialect), first)
             first += len(frame)
