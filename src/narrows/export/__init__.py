@@ -7,18 +7,20 @@ from typing import TYPE_CHECKING, Any
 
 from narrows.aliases import name_here, public_name
 from narrows.errors import check_choice
-from narrows.export.exporters import EXPORTERS
+from narrows.export.exporters import (
+    EXPORTERS,
+    write_bank_force,
+    write_c,
+    write_fmu,
+    write_javascript,
+    write_latex,
+    write_matlab,
+    write_page,
+    write_python,
+)
 from narrows.files import form_of
 
-if TYPE_CHECKING:  # For editors and type checkers; at run time every exporter registers itself
-    from narrows.export.exporters.to_bank_force import write_bank_force as write_bank_force
-    from narrows.export.exporters.to_c import write_c as write_c
-    from narrows.export.exporters.to_fmu import write_fmu as write_fmu
-    from narrows.export.exporters.to_javascript import write_javascript as write_javascript
-    from narrows.export.exporters.to_latex import write_latex as write_latex
-    from narrows.export.exporters.to_matlab import write_matlab as write_matlab
-    from narrows.export.exporters.to_page import write_page as write_page
-    from narrows.export.exporters.to_python import write_python as write_python
+if TYPE_CHECKING:
     from narrows.model.model import Model
 
 # Exporters of a whole ship by suffix: the exporter of the bank's force alone shares suffixes with others.
@@ -63,8 +65,10 @@ def write(model: "Model", path: str | Path, **options: Any) -> Any:
     return exporter.write(model, path, **options)
 
 
-globals().update({own.write.__name__: own.write for own in EXPORTERS.values()})
-__all__ = ["EXPORTERS", "write", *sorted(own.write.__name__ for own in EXPORTERS.values())]
+__all__ = [
+    "EXPORTERS", "write", "write_bank_force", "write_c", "write_fmu", "write_javascript", "write_latex", "write_matlab",
+    "write_page", "write_python",
+]  # fmt: skip
 
 
 def __getattr__(name: str) -> Any:
