@@ -388,17 +388,21 @@ class TestTruth:
 
     def test_safe_ends_where_the_tests_end(self, asked: nw.SafeEnvelope, tested: nw.Model) -> None:
         known = tested.data_range
-        safe = asked.safe().stack(place=("y", "u"))
+        as_tested = nw.SafeEnvelope(asked.data.assign_attrs(untested=""))
+        safe = as_tested.safe().stack(place=("y", "u"))
         safe = safe[safe.to_numpy()]
         assert float(safe["u"].max()) == pytest.approx(known.speed[1])
         assert float(abs(safe["y"]).max()) == pytest.approx(known.abs_y[1])
-        assert (asked.by_model() & ~asked.safe()).any()
-        assert "the tests end" in asked.limited_by()
+        assert (asked.by_model() & ~as_tested.safe()).any()
+        assert "the tests end" in as_tested.limited_by()
         assert "but there the tests end" in asked.summary()
 
     def test_a_section_that_was_not_tested_comes_first(self, asked: nw.SafeEnvelope, tested: nw.Model) -> None:
         assert asked.summary().startswith("Extrapolated, as the tests did not cover this: W/B 9.32 (11.4 was tested)")
         assert asked.untested
+        assert asked.by_model().any()
+        assert not asked.safe().any()
+        assert asked.highest_speed().isnull().all()
         assert ". Safe by the model up to " in asked.summary()
         as_wide = replace(tested, configuration=replace(tested.configuration, canal=nw.Canal(368.7, 16.2)))
         assert not nw.safe_envelope(as_wide, np.array([0.0]), np.array([3.0]), samples=20).untested

@@ -68,7 +68,7 @@ class TestEnvelope:
 
     def test_of_equal_offsets_the_middle_is_safest(self, found: nw.SafeEnvelope) -> None:
         """A ship that feels no bank needs the same rudder everywhere."""
-        trusted = nw.SafeEnvelope(found.data.assign(tested=found.data["tested"] | True))
+        trusted = nw.SafeEnvelope(found.data.assign(tested=found.data["tested"] | True).assign_attrs(untested=""))
         assert np.all(trusted.safest_offset() == 0.0)
 
 

@@ -130,7 +130,7 @@ class EnvelopeAlong(BaseResult):
         unsure = []
         for place, one in zip(self.places, self.envelopes, strict=True):
             sure, perhaps = sure_blocks(one.data, settings.SURE_SHARE)
-            if perhaps != sure and one.safe().any():
+            if perhaps != sure and one.by_model().any():
                 unsure.append(f"{place:.0f}")
         where = "everywhere" if len(unsure) == len(self.places) else f"at {', '.join(unsure)} m"
         return f"With {self.envelopes[0].samples} cases the edges are uncertain {where}; {MORE}." if unsure else ""
@@ -228,13 +228,11 @@ def _section(reach: Reach) -> tuple[Any, ...]:
 
 
 def _row(place: float, computed_at: float, middle: float, envelope: SafeEnvelope) -> dict[str, Any]:
-    by_model = envelope.by_model()
-    safe = by_model & envelope.data["tested"] & (not envelope.untested)
     port, starboard = envelope.walls
     tops = envelope.limited_by()
     return {
         "distance": place, "computed_at": computed_at, "port_bank": middle - port, "starboard_bank": middle + starboard,
-        **_reach(envelope, safe, middle), **_reach(envelope, by_model, middle, "_by_model"),
+        **_reach(envelope, envelope.safe(), middle), **_reach(envelope, envelope.by_model(), middle, "_by_model"),
         "limited_by": tops[len(tops) // 2],
     }  # fmt: skip
 

@@ -148,14 +148,18 @@ class SafeEnvelope(BaseResult):
         return (self.data["known"] >= share) & self.data["clear"]
 
     def safe(self, share: float = SURE_SHARE) -> xr.DataArray:
-        """Return where it is safe, (y, u): by the model, and within the tested range.
+        """Return where it is safe, (y, u): by the model, within the tested range, and in a tested section.
 
         Parameters
         ----------
         share : float [1]
             Least share of the samples.
         """
-        return self.by_model(share) & self.data["tested"]
+        return self.by_model(share) & self._covered
+
+    @property
+    def _covered(self) -> xr.DataArray:
+        return self.data["tested"] & (not self.untested)
 
     def highest_speed(self, share: float = SURE_SHARE) -> xr.DataArray:
         """Return the highest safe speed at each offset [m/s], NaN if there is none.
@@ -237,7 +241,7 @@ class SafeEnvelope(BaseResult):
     def offset_rows(self) -> list[dict[str, Any]]:
         """Return one row per offset: rudder [deg], range of safe speeds [knots], and their limits."""
         top, likely, bottom = self.highest_speed(), self.highest_speed(MEDIAN), self.lowest_speed()
-        helm = self._tops((self.by_some_helm() & self.data["tested"]).transpose("y", "u").to_numpy())
+        helm = self._tops((self.by_some_helm() & self._covered).transpose("y", "u").to_numpy())
         return [
             {
                 **self._rudder(index, float(top[index]), float(likely[index])),
