@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -14,7 +15,25 @@ from narrows.physics.squat_and_depth import critical_speed
 from narrows.quantities.names import GRAVITY
 from narrows.readers.cells import row_number
 from narrows.readers.headers import Column
-from narrows.ship.particulars import Configuration, Ship
+from narrows.ship.particulars import Configuration
+
+Columns = Mapping[str, np.ndarray]
+
+
+class Checked(NamedTuple):
+    """A table in SI."""
+
+    frame: pd.DataFrame  # As it was read
+    columns: Columns  # (rows,) Columns in SI
+    by_name: Mapping[str, Column]  # Headers by quantity
+    configuration: Configuration  # Ship, canal and water
+    table: str  # Its name
+
+    def is_bare(self, name: str) -> bool:
+        return name in self.by_name and not self.by_name[name].stated
+
+    def place(self, name: str, wrong: np.ndarray) -> str:
+        return f"{self.table}: row {row_number(self.frame, wrong)}, column {self.by_name[name].header!r}"
 
 
 def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, table: str) -> None:
@@ -31,25 +50,27 @@ def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, table: str)
         raise InputError(f"{table}: row {row}, column 't' {fault} (test {test[i]}, t = {t[i]:g} s); {remedy}")
 
 
-def check_heading(frame: pd.DataFrame, psi: np.ndarray, column: Column, table: str) -> None:
+def check_heading(table: Checked) -> None:
     """Raise if the ship lies across the canal, or the heading looks like degrees."""
+    psi = table.columns["psi"]
     across = np.abs(psi) >= math.pi / 2
     if not across.any():
         return
-    row, value = row_number(frame, across), psi[int(np.argmax(across))]
-    if not column.stated:
+    place, value = table.place("psi", across), psi[int(np.argmax(across))]
+    if table.is_bare("psi"):
         raise InputError(
-            f"{table}: row {row}, column {column.header!r} = {value:g} rad looks like degrees; "
+            f"{place} = {value:g} rad looks like degrees; "
             "head the column 'psi [deg]', or give its unit in the --mapping file: [units] psi = \"deg\""
         )
     raise InputError(
-        f"{table}: row {row}, column {column.header!r} is a heading of {math.degrees(value):.1f} deg; "
+        f"{place} is a heading of {math.degrees(value):.1f} deg; "
         "the model holds for |psi| < 90 deg; leave such rows out: --where 'abs(psi_deg) < 90'"
     )
 
 
-def check_rates(columns: dict[str, np.ndarray], test: np.ndarray, by_name: dict[str, Column], table: str) -> None:
+def check_rates(table: Checked, test: np.ndarray) -> None:
     """Raise if psi and r differ by the factor of degrees to radians."""
+    columns = table.columns
     if not {"t", "psi", "r"} <= columns.keys():
         return
     inside = test[1:] == test[:-1]
@@ -59,77 +80,70 @@ def check_rates(columns: dict[str, np.ndarray], test: np.ndarray, by_name: dict[
         return
     correlation = turned @ expected / math.sqrt((turned @ turned) * (expected @ expected))
     factor = math.sqrt((turned @ turned) / (expected @ expected))
-    for name, ratio in (("psi", factor), ("r", 1 / factor)):
-        if correlation > 0.9 and 40 < ratio < 80 and not by_name[name].stated:
-            unit = "deg" if name == "psi" else "deg/s"
+    for name, other, unit, ratio in (("psi", "r", "deg", factor), ("r", "psi", "deg/s", 1 / factor)):
+        if correlation > 0.9 and 40 < ratio < 80 and table.is_bare(name):
             raise InputError(
-                f"{table}: column {name!r} is {ratio:.0f} times what "
-                f"{'r' if name == 'psi' else 'psi'} gives, so it looks like degrees; head it '{name} [{unit}]'"
+                f"{table.table}: column {name!r} is {ratio:.0f} times what {other} gives, so it looks like degrees; "
+                f"head it '{name} [{unit}]'"
             )
 
 
-def check_inside(
-    frame: pd.DataFrame, columns: dict[str, np.ndarray], configuration: Configuration, column: Column | None, table: str
-) -> None:
+def check_inside(table: Checked) -> None:
     """Raise if a hull corner touches or crosses a bank."""
+    columns, ship = table.columns, table.configuration.ship
     if not {"y", "cos_psi", "sin_psi"} <= columns.keys():
         return
-    ship, width = configuration.ship, columns.get("width", configuration.canal.width)
-    reach = np.abs(columns["y"]) + ship.length / 2 * np.abs(columns["sin_psi"]) + ship.beam / 2 * columns["cos_psi"]
-    touching = reach >= np.asarray(width) / 2
-    if touching.any():
-        row, first = row_number(frame, touching), int(np.argmax(touching))
-        y, half = columns["y"], np.broadcast_to(np.asarray(width) / 2, touching.shape)
-        remedy = "check y, psi, their units and the ship file"
-        if (np.abs(y) < 2 * half).all() and (np.all(y > 0) or np.all(y < 0)):
-            middle = f"half the width, {half[first]:g} m"
-            remedy = f"if it counts from a bank, count it from the middle: {'subtract' if y[0] > 0 else 'add'} {middle}"
-            remedy += f" (from a bank to starboard, take it from {half[first]:g} m)" * bool(y[0] > 0)
-        elif column and not column.stated and (np.abs(y) / 1e3 + reach - np.abs(y) < half).all():
-            remedy = "head it 'y [mm]' if that is its unit"
-        raise InputError(
-            f"{table}: row {row}, column 'y' = {y[first]:g} m puts the hull on the bank of a canal "
-            f"{2 * half[first]:g} m wide; {remedy}"
-        )
+    y, width = columns["y"], columns.get("width", table.configuration.canal.width)
+    reach = np.abs(y) + ship.length / 2 * np.abs(columns["sin_psi"]) + ship.beam / 2 * columns["cos_psi"]
+    half = np.broadcast_to(np.asarray(width) / 2, y.shape)
+    touching = reach >= half
+    if not touching.any():
+        return
+    row, first = row_number(table.frame, touching), int(np.argmax(touching))
+    remedy = "check y, psi, their units and the ship file"
+    if (np.abs(y) < 2 * half).all() and (np.all(y > 0) or np.all(y < 0)):
+        middle = f"half the width, {half[first]:g} m"
+        remedy = f"if it counts from a bank, count it from the middle: {'subtract' if y[0] > 0 else 'add'} {middle}"
+        remedy += f" (from a bank to starboard, take it from {half[first]:g} m)" * bool(y[0] > 0)
+    elif table.is_bare("y") and (np.abs(y) / 1e3 + reach - np.abs(y) < half).all():
+        remedy = "head it 'y [mm]' if that is its unit"
+    raise InputError(
+        f"{table.table}: row {row}, column 'y' = {y[first]:g} m puts the hull on the bank of a canal "
+        f"{2 * half[first]:g} m wide; {remedy}"
+    )
 
 
-Columns = Mapping[str, np.ndarray]
-
-
-def check_units(frame: pd.DataFrame, columns: Columns, by_name: Mapping[str, Column], ship: Ship, table: str) -> None:
+def check_units(table: Checked) -> None:
     """Raise if a column without a unit has a size that only another unit explains."""
+    ship = table.configuration.ship
     most = {
         "rudder": (math.pi / 2, "rudder [deg]"), "draft": (3 * ship.draft, "draft [mm]"),
         "depth": (settings.DEEPEST * ship.draft, "depth [mm]"), "width": (settings.WIDEST * ship.beam, "width [mm]"),
     }  # fmt: skip
     for name, (largest, header) in most.items():
-        large = np.abs(columns[name]) > largest if name in by_name and not by_name[name].stated else np.zeros(1, bool)
-        if large.any():
-            value, unit = columns[name][int(np.argmax(large))], COLUMNS[name].unit
+        if table.is_bare(name) and (large := np.abs(table.columns[name]) > largest).any():
+            value, unit = table.columns[name][int(np.argmax(large))], COLUMNS[name].unit
             raise InputError(
-                f"{table}: row {row_number(frame, large)}, column {by_name[name].header!r} = {value:g} {unit} is too "
-                f"large for this ship; head it {header!r} if that is its unit, or '{name} [{unit}]'"
+                f"{table.place(name, large)} = {value:g} {unit} is too large for this ship; "
+                f"head it {header!r} if that is its unit, or '{name} [{unit}]'"
             )
 
 
-def check_speed(
-    frame: pd.DataFrame, columns: Columns, configuration: Configuration, column: Column | None, table: str
-) -> None:
+def check_speed(table: Checked) -> None:
     """Raise if a speed without a unit is more than the section lets pass, or than any displacement hull reaches."""
-    if column is None or column.stated:
+    if not table.is_bare("u"):
         return
-    values = configuration.values()
-    section = {name: columns.get(name, values.get(name)) for name in ("beam", "draft", "width", "depth")}
-    most = np.asarray(settings.FASTEST * math.sqrt(GRAVITY * configuration.ship.length))
-    if section["depth"] is not None:
+    values, u = {**table.configuration.values(), **table.columns}, table.columns["u"]
+    most = np.full(u.shape, settings.FASTEST * math.sqrt(GRAVITY * table.configuration.ship.length))
+    if values.get("depth") is not None:
+        section = {name: values[name] for name in ("beam", "draft", "width", "depth")}
         most = np.minimum(most, settings.PAST_CHOKING * critical_speed(**section))
-    fast = np.abs(columns["u"]) > most
+    fast = np.abs(u) > most
     if fast.any():
         i = int(np.argmax(fast))
         raise InputError(
-            f"{table}: row {row_number(frame, fast)}, column {column.header!r} = {columns['u'][i]:g} m/s is over "
-            f"{float(np.broadcast_to(most, fast.shape)[i]):.3g} m/s, where this ship chokes the canal or rides its own "
-            "wave; head it 'u [kn]' if that is its unit, or 'u [m/s]'"
+            f"{table.place('u', fast)} = {u[i]:g} m/s is over {most[i]:.3g} m/s, where this ship chokes the canal or "
+            "rides its own wave; head it 'u [kn]' if that is its unit, or 'u [m/s]'"
         )
 
 
@@ -149,47 +163,41 @@ def check_mass(configuration: Configuration, table: str) -> tuple[str, ...]:
     return () if 1 / settings.MASS_OFF <= ratio <= settings.MASS_OFF else (f"{finding}: was all of it on the balance?",)
 
 
-def check_heave(
-    frame: pd.DataFrame, columns: Columns, configuration: Configuration, column: Column | None, table: str
-) -> tuple[str, ...]:
+def check_heave(table: Checked) -> tuple[str, ...]:
     """Raise if heave is no part of the draft, or the hull sinks into the ground; return a note if it is large."""
-    if column is None:
+    if "heave" not in table.by_name:
         return ()
-    heave, draft = columns["heave"], np.asarray(columns.get("draft", configuration.ship.draft))
+    columns, configuration = table.columns, table.configuration
+    heave = columns["heave"]
+    draft = np.broadcast_to(columns.get("draft", configuration.ship.draft), heave.shape)
     large = np.abs(heave) > settings.MOST_HEAVE * draft
     if large.any():
         i = int(np.argmax(large))
-        ratio = float(abs(heave[i]) / np.broadcast_to(draft, heave.shape)[i])
-        remedy = "check its unit" if column.stated else "head it 'heave [mm]' if that is its unit"
+        remedy = "head it 'heave [mm]' if that is its unit" if table.is_bare("heave") else "check its unit"
         raise InputError(
-            f"{table}: row {row_number(frame, large)}, column {column.header!r} = {heave[i]:g} m is {ratio:.2g} times "
+            f"{table.place('heave', large)} = {heave[i]:g} m is {abs(heave[i]) / draft[i]:.2g} times "
             f"the draft, which no ship sinks under way; {remedy}"
         )
     depth = columns.get("depth", configuration.canal.depth)
-    aground = np.zeros(len(heave), bool) if depth is None else draft + heave >= depth
-    if aground.any():
-        row = row_number(frame, aground)
-        raise InputError(
-            f"{table}: row {row}, column {column.header!r} puts the hull on the ground; check heave and depth"
-        )
+    if depth is not None and (aground := draft + heave >= depth).any():
+        raise InputError(f"{table.place('heave', aground)} puts the hull on the ground; check heave and depth")
     most = float((np.abs(heave) / draft).max())
     return (f"Heave reaches {most:.2g} of the draft: check its unit.",) if most > settings.MUCH_HEAVE else ()
 
 
-def check_forces(columns: Columns, configuration: Configuration, by_name: Mapping[str, Column], table: str) -> None:
+def check_forces(table: Checked) -> None:
     """Raise if forces are far too large for a ship of this mass."""
+    columns, length, mass = table.columns, table.configuration.ship.length, displacement(table.configuration)
     if "u" not in columns:
         return
-    length, mass = configuration.ship.length, displacement(configuration)
     pull = _usual_acceleration(columns, length)
     for force, arm in (("X", 1.0), ("Y", 1.0), ("N", length)):
-        if force not in columns:
-            continue
-        ratio = float(np.sqrt(np.mean(columns[force] ** 2))) / (mass * pull * arm)
+        ratio = float(np.sqrt(np.mean(columns[force] ** 2))) / (mass * pull * arm) if force in columns else 0.0
         if ratio > settings.STRONGEST:
             raise InputError(
-                f"{table}: column {by_name[force].header!r} would move a ship of {mass:.3g} kg {ratio:.2g} times "
-                "faster than it was moved; check the unit of the force, and the scale of the ship file"
+                f"{table.table}: column {table.by_name[force].header!r} would move a ship of {mass:.3g} kg "
+                f"{ratio:.2g} times faster than it was moved; check the unit of the force, and the scale of the ship "
+                "file"
             )
 
 
@@ -201,8 +209,9 @@ def _usual_acceleration(columns: Columns, length: float) -> float:
     return max(float(np.mean(sum(parts))), GRAVITY / 1e4)
 
 
-def check_drift(columns: Columns, by_name: Mapping[str, Column], table: str) -> None:
+def check_drift(table: Checked) -> None:
     """Raise if steady rows go sideways along the canal by twice their drift: heading or sway is reversed."""
+    columns = table.columns
     if not {"u", "v", "psi"} <= columns.keys():
         return
     steady = np.ones(len(columns["u"]), bool)
@@ -212,8 +221,8 @@ def check_drift(columns: Columns, by_name: Mapping[str, Column], table: str) -> 
     from_sway = (columns["v"] * np.cos(columns["psi"]))[steady]
     drifts = np.abs(from_heading) > settings.LEAST_LEEWAY * np.abs(columns["u"][steady])
     if drifts.any() and np.allclose(from_heading[drifts], from_sway[drifts], rtol=0.1):
-        heading, sway = (repr(by_name[name].header) for name in ("psi", "v"))
+        heading, sway = (repr(table.by_name[name].header) for name in ("psi", "v"))
         raise InputError(
-            f"{table}: straight runs go across the canal at twice their drift; turn the sign of {heading} or of {sway} "
-            "(heading clockwise from above, sway to starboard)"
+            f"{table.table}: straight runs go across the canal at twice their drift; turn the sign of {heading} "
+            f"or of {sway} (heading clockwise from above, sway to starboard)"
         )

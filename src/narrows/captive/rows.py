@@ -122,24 +122,25 @@ def checked(
     columns = {c.quantity: cells.numbers(frame, c.header, table) * c.scale for c in recognised}
     test = tests_of(frame, table)
     by_name = {c.quantity: c for c in recognised}
+    found = check.Checked(frame, columns, by_name, configuration, table)
     if "t" in columns:
         order = _grouped(test)[0]
         check.check_time(frame.iloc[order], test[order], columns["t"][order], table)
     if "psi" in columns:
         if by_name["psi"].stated:  # A compass counts from 0 to 360.
             columns["psi"] = np.where(columns["psi"] > math.pi, columns["psi"] - 2 * math.pi, columns["psi"])
-        check.check_heading(frame, columns["psi"], by_name["psi"], table)
-        check.check_rates(columns, test, by_name, table)
+        check.check_heading(found)
+        check.check_rates(found, test)
         columns |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"])}
-    check.check_units(frame, columns, by_name, configuration.ship, table)
+    check.check_units(found)
     for name in movers.keys() & columns.keys():
         columns |= movers[name].placed(columns[name])
     assumed = [name for name in ASSUMED if name not in columns]
     columns |= {name: np.zeros(len(frame)) for name in assumed}
     condition = _conditions(frame, columns, configuration, table)
-    check.check_inside(frame, columns, configuration, by_name.get("y"), table)
-    check.check_speed(frame, columns, configuration, by_name.get("u"), table)
-    sense = _physical_sense(frame, columns, test, configuration, by_name, table)
+    check.check_inside(found)
+    check.check_speed(found)
+    sense = _physical_sense(found, test)
     notes = [f"column {name!r} is absent: taken as 0" for name in assumed]
     notes += [] if "test" in frame else ["column 'test' is absent: all rows are taken as one test"]
     unread = tuple(header for header in headers if header not in {*LABELS, *(c.header for c in recognised)})
@@ -150,20 +151,16 @@ def checked(
     return Rows(columns, test, condition, (*notes, *sense), Headers(table, unread, ship_file))
 
 
-def _physical_sense(
-    frame: pd.DataFrame, columns: dict[str, np.ndarray], test: np.ndarray, configuration: Configuration,
-    by_name: dict[str, Column], table: str,
-) -> tuple[str, ...]:  # fmt: skip
-    notes = configuration.notes + check.check_mass(configuration, table)
-    notes += check.check_heave(frame, columns, configuration, by_name.get("heave"), table)
-    check.check_forces(columns, configuration, by_name, table)
+def _physical_sense(found: check.Checked, test: np.ndarray) -> tuple[str, ...]:
+    table, configuration = found.table, found.configuration
+    notes = configuration.notes + check.check_mass(configuration, table) + check.check_heave(found)
+    check.check_forces(found)
     order, names, starts = _grouped(test)
-    motions = MotionColumns(
-        {name: column[order] for name, column in columns.items()}, starts, configuration.ship.length
-    )
+    in_order = {name: column[order] for name, column in found.columns.items()}
+    motions = MotionColumns(in_order, starts, configuration.ship.length)
     check_axes(motions, table)
-    check.check_drift(columns, by_name, table)
-    return notes + check_kinematics(motions, names, by_name, table)
+    check.check_drift(found)
+    return notes + check_kinematics(motions, names, found.by_name, table)
 
 
 def with_accelerations(rows: Rows) -> Rows:

@@ -7,21 +7,17 @@ from narrows.quantities.names import GRAVITY, Number
 
 
 def starboard_clearance(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
-    """Midship clearance to starboard [m], y_s. To port: y_p(y) = y_s(-y).
-
-    Source: Mikkelsen et al. (2025), eq. (clearance_w_heading).
-    """
+    """Midship clearance to starboard [m]; to port that of -y. Source: Mikkelsen et al. (2025), clearance_w_heading."""
     return (width / 2 - y) / cos_psi - beam / 2
 
 
 def delta(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
     """Pressure on the port side less that on the starboard side, over the dynamic pressure [1].
 
-    The paper's ((y_s + B/2)/y_s)^2 - ((y_p + B/2)/y_p)^2, brought over one denominator:
-    B c y (W (W - B c)/2 - 2 y^2) / (((W - B c)/2)^2 - y^2)^2 with c = cos psi. The same number to rounding,
-    with one division, exactly odd in y, and zero at 90 degrees of heading without a secant.
-
-    Source: Mikkelsen et al. (2025), eqs. (Delta_1) and (clearance_w_heading).
+    The paper's ((y_s + B/2)/y_s)^2 - ((y_p + B/2)/y_p)^2, brought over one denominator: B c y (W (W - B c)/2 - 2 y^2) /
+    (((W - B c)/2)^2 - y^2)^2 with c = cos psi. The same number to rounding, with one division, exactly odd in y, and
+    zero at 90 degrees of heading without a secant. Source: Mikkelsen et al. (2025), eqs. (Delta_1) and
+    (clearance_w_heading).
     """
     shadow = beam * cos_psi
     half_gap = (width - shadow) / 2
@@ -33,9 +29,7 @@ def taper(y: Number, width: Number) -> Number:
     """Boundary-layer taper near a wall [1], ``1/2 - 1/2 tanh(5 (|y| - 2.5))`` for a canal 7 m wide.
 
     The paper gives its two numbers for that tank alone; here they scale with the width, so that a geosim of the tank
-    has its taper at the same relative place.
-
-    Source: Mikkelsen et al. (2025), red curve of fig. (Delta_fun).
+    has its taper at the same relative place. Source: Mikkelsen et al. (2025), red curve of fig. (Delta_fun).
     """
     steepness, midpoint = 5 * 7 / width, 2.5 / 7 * width
     return 1 / (1 + math.e ** (2 * steepness * (abs(y) - midpoint)))
@@ -49,9 +43,8 @@ def tapered_delta(y: Number, cos_psi: Number, width: Number, beam: Number) -> Nu
 def bank_distance(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
     """Bank parameter y_B [1], B/2 (1/a - 1/p), with a and p from midship to the starboard and port bank.
 
-    Far from the banks it is half of delta, which grows faster near one.
-
-    Source: form of Ch'ng (1993) and Vantorre et al. (2003); over one denominator and with the heading.
+    Far from the banks it is half of delta, which grows faster near one. Source: form of Ch'ng (1993) and Vantorre et
+    al. (2003); over one denominator and with the heading.
     """
     half = width / 2
     return beam * cos_psi * y / (half * half - y * y)
@@ -68,9 +61,7 @@ def critical_bank_distance(y: Number, cos_psi: Number, u: Number, width: Number,
     """Bank parameter y_B over (1 - F^2)^(1/2), growing towards the critical depth Froude number F = u/(g h)^(1/2) [1].
 
     Tuck's number F^2/(1 - F^2)^(1/2) times y_B, without the F^2 that the force's own u^2 contains. It is invalid for F
-    >= 1.
-
-    Source: form of Tuck (1966) as Lataire (2014) uses it.
+    >= 1. Source: form of Tuck (1966) as Lataire (2014) uses it.
     """
     return bank_distance(y, cos_psi, width, beam) / abs(1 - u * u / (GRAVITY * depth)) ** 0.5
 
@@ -81,7 +72,6 @@ def fast_bank_distance(
     """Parameter y_B times (U/u)^2 [1], with the speed U of the water past the ship. Invalid where the canal chokes.
 
     The force's own u^2 becomes U^2: a narrow section has more return flow than the tank, and a faster ship more still.
-
     Source: return flow of Schijf (1949).
     """
     share = water_past_the_ship(u, beam, draft, width, depth)
@@ -91,9 +81,8 @@ def fast_bank_distance(
 def keel_gap_delta(y: Number, cos_psi: Number, width: Number, beam: Number, draft: Number, depth: Number) -> Number:
     """Pressure difference delta [1] of a hull that blocks the same share of the depth, B -> B T/h.
 
-    In the paper all water passes beside the hull; here some passes below it. At T = h both agree.
-
-    Source: delta of Mikkelsen et al. (2025), with that beam.
+    In the paper all water passes beside the hull; here some passes below it. At T = h both agree. Source: delta of
+    Mikkelsen et al. (2025), with that beam.
     """
     return delta(y, cos_psi, width, beam * draft / depth)
 
@@ -109,9 +98,8 @@ def suction(
 ) -> Number:  # fmt: skip
     """Sway force of the bank [N] per unit coefficient and pressure parameter.
 
-    The paper does not define u_w: here it is the surge velocity through the water.
-
-    Source: Mikkelsen et al. (2025), eq. (bank_sway_w_assum), for delta.
+    The paper does not define u_w: here it is the surge velocity through the water. Source: Mikkelsen et al. (2025), eq.
+    (bank_sway_w_assum), for delta.
     """
     return _side(length, heave, draft, block_coefficient, density) * pressure * (u * u)
 
@@ -123,9 +111,8 @@ def cushion(
     """Yaw moment of the bank [N m] per unit coefficient, -L times the sway force of the same parameter.
 
     The paper prints both signs; this one, of its regression matrix, turns the bow away from the bank. Astern it is the
-    stern that leads and turns away, by the symmetry of bow and stern: ``u |u|`` instead of the paper's ``u^2``.
-
-    Source: Mikkelsen et al. (2025), Theta_N, for delta.
+    stern that leads and turns away, by the symmetry of bow and stern: ``u |u|`` instead of the paper's ``u^2``. Source:
+    Mikkelsen et al. (2025), Theta_N, for delta.
     """
     return -length * _side(length, heave, draft, block_coefficient, density) * pressure * (u * abs(u))
 

@@ -19,11 +19,9 @@ def current_gradient(
     """Return what a gradient of the current does to a hull.
 
     ``across_slope`` [1/s] is the rise of the current across along the way, ``shear`` [1/s] that of the current along to
-    starboard.
-
-    Source: Thomasson and Woolsey (2013), Vehicle motion in currents, IEEE Journal of Oceanic Engineering, for the
-    inertia in a flow with gradients; Fossen (2011), Handbook of marine craft hydrodynamics and motion control, for a
-    uniform current, which leaves the equations of the velocity through the water as they are.
+    starboard. Source: Thomasson and Woolsey (2013), Vehicle motion in currents, IEEE Journal of Oceanic Engineering,
+    for the inertia in a flow with gradients; Fossen (2011), Handbook of marine craft hydrodynamics and motion control,
+    for a uniform current, which leaves the equations of the velocity through the water as they are.
     """
     # The gradient G of the current acts on the velocity w through the water. A floating ship displaces its own mass of
     # water, so m (d/dt of the current that it meets) less the pressure of the accelerating water leaves m G w. The hull

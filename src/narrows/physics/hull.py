@@ -26,10 +26,7 @@ def scale_force(length: Number, draft: Number, density: Number) -> Number:
 
 @dataclass(frozen=True)
 class HullPower:
-    """Force of the hull per unit coefficient [N] or moment [N m], 1/2 rho L d U^2 v'^i r'^j L^k, v' = v/U, r' = r L/U.
-
-    Source: Yasukawa and Yoshimura (2015), eqs. (17) and (18), the MMG standard method.
-    """
+    """Force 1/2 rho L d U^2 v'^i r'^j L^k per unit [N, N m]. Source: Yasukawa and Yoshimura (2015), eqs. 17, 18."""
 
     sway: int
     yaw: int

@@ -35,7 +35,6 @@ def inflow(at: PropellerQuantities) -> Number:
     """Velocity of the water along the propeller [m/s], u (1 - w_P); the wake decreases in a turn.
 
     ``(1 - w_P)/(1 - w_P0) = 1 + (1 - exp(-C_1 |beta_P|)) (C_2 - 1)``, C_2 by the side of beta_P = beta - x_P' r'.
-
     Source: Yasukawa and Yoshimura (2015).
     """
     turned = 1 - math.e ** (-at.propeller_wake_rate * abs(angle_to_propeller(at)))
@@ -58,9 +57,7 @@ def wake_share(at: PropellerQuantities) -> Number:
 def loading(at: PropellerQuantities) -> Number:
     """Thrust over density and the square of the diameter [m2/s2], K_T n^2 D^2 with K_T = k_0 + k_1 J + k_2 J^2.
 
-    The curve is from tests ahead: revolutions astern count as zero.
-
-    Source: Yasukawa and Yoshimura (2015).
+    The curve is from tests ahead: revolutions astern count as zero. Source: Yasukawa and Yoshimura (2015).
     """
     # Written without J, which is infinite at a stopped propeller.
     tip, coming = (at.revolutions + abs(at.revolutions)) / 2 * at.propeller_diameter, inflow(at)

@@ -45,10 +45,7 @@ def helm_sway(
     u: Number, v: Number, r: Number, cos_rudder: Number, sin_rudder: Number,
     length: Number, draft: Number, flow_straightening: Number, density: Number,
 ) -> Number:  # fmt: skip
-    """Sway force [N] of turning the rudder, per unit.
-
-    Source: form of Yasukawa and Yoshimura (2015), less its value amidships.
-    """
+    """Sway force [N] of turning the rudder, per unit. Source: Yasukawa and Yoshimura (2015), less the one amidships."""
     across = _across(v, r, length, flow_straightening)
     turned = _normal(u, across, cos_rudder, sin_rudder) * cos_rudder
     return -_pressure(length, draft, density) * (turned - _normal(u, across, 1.0, 0.0))
@@ -58,10 +55,7 @@ def helm_yaw(
     u: Number, v: Number, r: Number, cos_rudder: Number, sin_rudder: Number,
     length: Number, draft: Number, flow_straightening: Number, density: Number,
 ) -> Number:  # fmt: skip
-    """Yaw moment [N m] of turning the rudder, per unit.
-
-    Source: form of Yasukawa and Yoshimura (2015), less its value amidships.
-    """
+    """Yaw moment [N m] of turning the rudder, per unit. Source: as for ``helm_sway``."""
     return -length * helm_sway(u, v, r, cos_rudder, sin_rudder, length, draft, flow_straightening, density)
 
 
@@ -84,9 +78,8 @@ class RudderQuantities(PropellerQuantities):
 def along(at: RudderQuantities) -> Number:
     """Velocity of the water along the rudder [m/s], in the propeller's slipstream over the share eta of its height.
 
-    u_R = epsilon u_P (eta (1 + kappa ((1 + 8 K_T/(pi J^2))^(1/2) - 1))^2 + 1 - eta)^(1/2).
-
-    Source: Yasukawa and Yoshimura (2015).
+    u_R = epsilon u_P (eta (1 + kappa ((1 + 8 K_T/(pi J^2))^(1/2) - 1))^2 + 1 - eta)^(1/2). Source: Yasukawa and
+    Yoshimura (2015).
     """
     coming = inflow(at)
     # A propeller with negative thrust slows its slipstream down, to zero at most.
@@ -98,12 +91,7 @@ def along(at: RudderQuantities) -> Number:
 
 
 def across(at: RudderQuantities) -> Number:
-    """Velocity of the water across the rudder [m/s], U gamma_R beta_R with gamma_R by the side of beta_R.
-
-    beta_R = beta - l_R' r'.
-
-    Source: Yasukawa and Yoshimura (2015).
-    """
+    """Velocity of the water across the rudder [m/s], U gamma_R beta_R. Source: Yasukawa and Yoshimura (2015)."""
     whole, angle = speed(at.u, at.v), angle_to_rudder(at)
     middle = (at.rudder_straightening_starboard + at.rudder_straightening_port) / 2
     half = (at.rudder_straightening_starboard - at.rudder_straightening_port) / 2

@@ -17,10 +17,7 @@ def depth_froude(u: Number, depth: Number) -> Number:
 
 
 def blockage(beam: Number, draft: Number, width: Number, depth: Number) -> Number:
-    """Share of the canal's section that the ship takes [1], S.
-
-    Source: definition; 0.98 for the midship section as PIANC uses it.
-    """
+    """Share of the canal's section that the ship takes [1], S. Source: definition; midship section of PIANC."""
     return MIDSHIP_SECTION * beam * draft / (width * depth)
 
 
@@ -80,9 +77,8 @@ def _small_sine(angle: Number) -> Number:
 def critical_speed(beam: Number, draft: Number, width: Number, depth: Number) -> Number:
     """Speed [m/s] at which the return flow chokes a canal, (2 sin(arcsin(1 - S)/3))^(3/2) (g h)^(1/2).
 
-    It solves Schijf's equation 1 - S = 3/2 F^(2/3) - F^2/2 for the depth Froude number exactly.
-
-    Source: Schijf (1949); closed form of Roemisch (1989), verified against Schijf's equation.
+    It solves Schijf's equation 1 - S = 3/2 F^(2/3) - F^2/2 for the depth Froude number exactly. Source: Schijf (1949);
+    closed form of Roemisch (1989), verified against Schijf's equation.
     """
     free = 1 - blockage(beam, draft, width, depth)
     arcsine = angle((1 - free**2) ** 0.5, free)
@@ -101,18 +97,12 @@ def water_past_the_ship(u: Number, beam: Number, draft: Number, width: Number, d
 
 
 def return_flow(u: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:
-    """Speed of the water past a ship less that of the ship [m/s], below the critical speed.
-
-    Source: Schijf (1949), continuity and energy in one dimension.
-    """
+    """Speed of the water past a ship less that of the ship [m/s]. Source: Schijf (1949), energy in one dimension."""
     return u / water_past_the_ship(u, beam, draft, width, depth) - u
 
 
 def continuity(u: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:
-    """Mean sinkage [m] in a canal, below the critical speed.
-
-    Source: Schijf (1949), continuity and energy in one dimension.
-    """
+    """Mean sinkage [m] in a canal, below the critical speed. Source: Schijf (1949), as for ``return_flow``."""
     back = return_flow(u, beam, draft, width, depth)
     return back * (2 * u + back) / (2 * GRAVITY)
 
@@ -136,10 +126,7 @@ def _fullness(block_coefficient: Number) -> Number:
 
 
 def speed_that_sinks(sinkage: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:
-    """Speed through the water [m/s] for a mean sinkage [m] in a canal; ``BOUNDLESS`` if the canal chokes before.
-
-    Source: Schijf (1949), the equations of ``water_past_the_ship`` solved for the speed.
-    """
+    """Speed [m/s] of a mean sinkage [m] in a canal; ``BOUNDLESS`` if it chokes before. Source: Schijf (1949)."""
     past = 1 - blockage(beam, draft, width, depth) - sinkage / depth
     squared = 2 * GRAVITY * sinkage * past**2 / maximum(1 - past**2, 1e-300)
     subcritical = choice(GRAVITY * depth * past**3 - squared, squared**0.5, BOUNDLESS)
@@ -171,8 +158,5 @@ def kijima_drift_moment(beam: Number, draft: Number, block_coefficient: Number, 
 
 
 def kijima_yaw_moment(length: Number, draft: Number, depth: Number) -> Number:
-    """Factor on the yaw moment of turning [1].
-
-    Source: Kijima et al. (1990), as printed: the exponent falls as the draft grows.
-    """
+    """Factor on the yaw moment of turning [1]. Source: Kijima et al. (1990); the exponent falls as the draft grows."""
     return _factor(draft / depth, 1.5 - 14.28 * draft / length)

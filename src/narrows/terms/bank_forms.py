@@ -81,62 +81,29 @@ class BankForm(BaseSummary):
 
 
 PAPER_TEXT = "Mikkelsen et al. (2025)"
+TWO = "h > T; two coefficients a force, so that the sign can change with depth"
 # The forms by name.
 FORMS = {
     form.name: form
     for form in (
         BankForm("delta", {"bank": clearance.delta}, PAPER_TEXT, "clear of the banks; independent of depth", PUBLISHED),
-        BankForm(
-            "tapered",
-            {"bank": clearance.tapered_delta},
-            f"{PAPER_TEXT}, red curve of fig. (Delta_fun)",
-            "also within the boundary layer of a wall; independent of depth",
-            PUBLISHED,
-        ),
-        BankForm(
-            "distance",
-            {"bank": clearance.bank_distance},
-            "y_B of Ch'ng (1993) and Vantorre et al. (2003)",
-            "far from the banks; independent of depth",
-            REFITTED,
-        ),
-        BankForm(
-            "distance_depth",
-            {"bank": clearance.bank_distance, "bank_depth": clearance.shallow_bank_distance},
-            "y_B and y_B T/(h - T) of Vantorre et al. (2003)",
-            "far from the banks, h > T; two coefficients a force, so that the sign can change with depth",
-            REFITTED,
-        ),
-        BankForm(
-            "tuck",
-            {"bank": clearance.critical_bank_distance},
-            "y_B with Tuck's number, after Lataire (2014)",
-            "far from the banks, well below the critical speed (F < 0.7)",
-            REFITTED,
-        ),
-        BankForm(
-            "return_flow",
-            {"bank": clearance.fast_bank_distance},
-            "y_B with the return flow of Schijf (1949)",
-            "far from the banks, below the speed that chokes the canal",
-            NEW,
-        ),
-        BankForm(
-            "keel_gap",
-            {"bank": clearance.keel_gap_delta},
-            "delta with B T/h in place of B",
-            "h >= T; the paper's delta at T = h; no change of sign",
-            NEW,
-        ),
-        BankForm(
-            "delta_depth",
-            {"bank": clearance.delta, "bank_depth": clearance.shallow_delta},
-            "delta and delta T/(h - T)",
-            "h > T; two coefficients a force, so that the sign can change with depth",
-            NEW,
-        ),
+        BankForm("tapered", {"bank": clearance.tapered_delta}, f"{PAPER_TEXT}, red curve of fig. (Delta_fun)",
+                 "also within the boundary layer of a wall; independent of depth", PUBLISHED),
+        BankForm("distance", {"bank": clearance.bank_distance}, "y_B of Ch'ng (1993) and Vantorre et al. (2003)",
+                 "far from the banks; independent of depth", REFITTED),
+        BankForm("distance_depth", {"bank": clearance.bank_distance, "bank_depth": clearance.shallow_bank_distance},
+                 "y_B and y_B T/(h - T) of Vantorre et al. (2003)",
+                 f"far from the banks, {TWO}", REFITTED),
+        BankForm("tuck", {"bank": clearance.critical_bank_distance}, "y_B with Tuck's number, after Lataire (2014)",
+                 "far from the banks, well below the critical speed (F < 0.7)", REFITTED),
+        BankForm("return_flow", {"bank": clearance.fast_bank_distance}, "y_B with the return flow of Schijf (1949)",
+                 "far from the banks, below the speed that chokes the canal", NEW),
+        BankForm("keel_gap", {"bank": clearance.keel_gap_delta}, "delta with B T/h in place of B",
+                 "h >= T; the paper's delta at T = h; no change of sign", NEW),
+        BankForm("delta_depth", {"bank": clearance.delta, "bank_depth": clearance.shallow_delta},
+                 "delta and delta T/(h - T)", TWO, NEW),
     )
-}
+}  # fmt: skip
 
 
 def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTable:
