@@ -20,7 +20,7 @@ from narrows.ship.particulars import Configuration
 Columns = Mapping[str, np.ndarray]
 
 
-class Checked(NamedTuple):
+class CheckedColumns(NamedTuple):
     """A table in SI."""
 
     frame: pd.DataFrame  # As it was read
@@ -50,7 +50,7 @@ def check_time(frame: pd.DataFrame, test: np.ndarray, t: np.ndarray, table: str)
         raise InputError(f"{table}: row {row}, column 't' {fault} (test {test[i]}, t = {t[i]:g} s); {remedy}")
 
 
-def check_heading(table: Checked) -> None:
+def check_heading(table: CheckedColumns) -> None:
     """Raise if the ship lies across the canal, or the heading looks like degrees."""
     psi = table.columns["psi"]
     across = np.abs(psi) >= math.pi / 2
@@ -68,7 +68,7 @@ def check_heading(table: Checked) -> None:
     )
 
 
-def check_rates(table: Checked, test: np.ndarray) -> None:
+def check_rates(table: CheckedColumns, test: np.ndarray) -> None:
     """Raise if psi and r differ by the factor of degrees to radians."""
     columns = table.columns
     if not {"t", "psi", "r"} <= columns.keys():
@@ -88,7 +88,7 @@ def check_rates(table: Checked, test: np.ndarray) -> None:
             )
 
 
-def check_inside(table: Checked) -> None:
+def check_inside(table: CheckedColumns) -> None:
     """Raise if a hull corner touches or crosses a bank."""
     columns, ship = table.columns, table.configuration.ship
     if not {"y", "cos_psi", "sin_psi"} <= columns.keys():
@@ -113,7 +113,7 @@ def check_inside(table: Checked) -> None:
     )
 
 
-def check_units(table: Checked) -> None:
+def check_units(table: CheckedColumns) -> None:
     """Raise if a column without a unit has a size that only another unit explains."""
     ship = table.configuration.ship
     most = {
@@ -129,7 +129,7 @@ def check_units(table: Checked) -> None:
             )
 
 
-def check_speed(table: Checked) -> None:
+def check_speed(table: CheckedColumns) -> None:
     """Raise if a speed without a unit is more than the section lets pass, or than any displacement hull reaches."""
     if not table.is_bare("u"):
         return
@@ -163,7 +163,7 @@ def check_mass(configuration: Configuration, table: str) -> tuple[str, ...]:
     return () if 1 / settings.MASS_OFF <= ratio <= settings.MASS_OFF else (f"{finding}: was all of it on the balance?",)
 
 
-def check_heave(table: Checked) -> tuple[str, ...]:
+def check_heave(table: CheckedColumns) -> tuple[str, ...]:
     """Raise if heave is no part of the draft, or the hull sinks into the ground; return a note if it is large."""
     if "heave" not in table.by_name:
         return ()
@@ -185,7 +185,7 @@ def check_heave(table: Checked) -> tuple[str, ...]:
     return (f"Heave reaches {most:.2g} of the draft: check its unit.",) if most > settings.MUCH_HEAVE else ()
 
 
-def check_forces(table: Checked) -> None:
+def check_forces(table: CheckedColumns) -> None:
     """Raise if forces are far too large for a ship of this mass."""
     columns, length, mass = table.columns, table.configuration.ship.length, displacement(table.configuration)
     if "u" not in columns:
@@ -209,7 +209,7 @@ def _usual_acceleration(columns: Columns, length: float) -> float:
     return max(float(np.mean(sum(parts))), GRAVITY / 1e4)
 
 
-def check_drift(table: Checked) -> None:
+def check_drift(table: CheckedColumns) -> None:
     """Raise if steady rows go sideways along the canal by twice their drift: heading or sway is reversed."""
     columns = table.columns
     if not {"u", "v", "psi"} <= columns.keys():

@@ -122,7 +122,7 @@ def checked(
     columns = {c.quantity: cells.numbers(frame, c.header, table) * c.scale for c in recognised}
     test = tests_of(frame, table)
     by_name = {c.quantity: c for c in recognised}
-    found = check.Checked(frame, columns, by_name, configuration, table)
+    found = check.CheckedColumns(frame, columns, by_name, configuration, table)
     if "t" in columns:
         order = _grouped(test)[0]
         check.check_time(frame.iloc[order], test[order], columns["t"][order], table)
@@ -151,7 +151,7 @@ def checked(
     return Rows(columns, test, condition, (*notes, *sense), Headers(table, unread, ship_file))
 
 
-def _physical_sense(found: check.Checked, test: np.ndarray) -> tuple[str, ...]:
+def _physical_sense(found: check.CheckedColumns, test: np.ndarray) -> tuple[str, ...]:
     table, configuration = found.table, found.configuration
     notes = configuration.notes + check.check_mass(configuration, table) + check.check_heave(found)
     check.check_forces(found)
