@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
@@ -71,8 +72,14 @@ class VoyageIntegrator:
         self._order = self._names.index(PARAMETER("order")) if self.order else -1
         self._count = len(self.choices.kept)
         self._exact = self.choices.waterway and self.choices.contact not in (MIDSHIP, OPEN)
-        self._table = self.channel.water.table.tolist()
-        self._track, self._outline = self.channel.water.track.tolist(), self.channel.water.outline.tolist()
+
+    @cached_property
+    def _table(self) -> list[float]:
+        return list(self.channel.water.table.tolist())
+
+    @cached_property
+    def _shapes(self) -> tuple[list[float], list[float]]:
+        return self.channel.water.track.tolist(), self.channel.water.outline.tolist()
 
     def set(self, **values: float) -> None:
         for name, value in values.items():
@@ -113,7 +120,8 @@ class VoyageIntegrator:
         from narrows.waterway.bank_clearance import exact_clearance
 
         x, y, cosine, sine = state[:4]
-        return exact_clearance(self._track, 1.0 / self.inputs["cells_a_metre"], x, y, cosine, sine, self._outline)
+        track, outline = self._shapes
+        return exact_clearance(track, 1.0 / self.inputs["cells_a_metre"], x, y, cosine, sine, outline)
 
     def _from_banks(self, state: State) -> tuple[float, float]:
         clearance, side = self._exact_clearance(state)

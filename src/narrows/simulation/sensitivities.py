@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
@@ -225,6 +225,17 @@ class TangentIntegrator:
         integrator, start = initial_state(ship, steering, numbers, waterway, pushed)
         return cls(ship, steering, integrator, start, numbers, schedules, tuple(by), waterway is not None)._checked()
 
+    def with_coefficients(self, model: Model) -> "TangentIntegrator":
+        """Return the same start and choices for a model that differs in its coefficients alone, without checks."""
+        ship, channel = replace(self.ship, model=model), self.integrator.channel
+        values = ship.values(**self._positions)
+        inputs = {**self.integrator.inputs, **values, **self._system.constants(values), **channel.inputs}
+        moved = replace(self, ship=ship, integrator=replace(self.integrator, inputs=inputs))
+        # The generated code depends on terms and choices.
+        kept = {name: part for name, part in vars(self).items() if name in ("_system", "_module", "_integrate")}
+        moved.__dict__.update(kept)
+        return moved
+
     def _checked(self) -> "TangentIntegrator":
         for name in self.by:
             if name not in self.values:
@@ -233,10 +244,13 @@ class TangentIntegrator:
             raise InputError("a name to differentiate by stands twice; give each once")
         return self
 
+    @property
+    def _positions(self) -> dict[str, float]:
+        return {name: value for name, value in self.numbers.items() if name not in START}
+
     @cached_property
     def _ship_values(self) -> dict[str, Any]:
-        positions = {name: value for name, value in self.numbers.items() if name not in START}
-        return self.ship.values(**positions)
+        return self.ship.values(**self._positions)
 
     @cached_property
     def values(self) -> dict[str, float]:
@@ -253,11 +267,6 @@ class TangentIntegrator:
             **({"current": float(self.integrator.inputs["current"])} if self.waterway else {}),
             **{name.removeprefix(PARAMETER("")): float(np.ravel(value)[0]) for name, value in law.items()},
         }
-
-    @property
-    def _schedules(self) -> tuple[Any, Any, Any]:
-        surge, sway, yaw = (self.schedules[name] for name in PUSHED)
-        return surge, sway, yaw
 
     @cached_property
     def _particulars(self) -> tuple[str, ...]:
@@ -323,7 +332,7 @@ class TangentIntegrator:
         law = {PARAMETER(name): self._unit(name) for name in self.by}
         pushes = {INPUTS[name]: self._unit(name) for name in PUSHED}
         moving = {**constants, **parameters, **law, **pushes}
-        return {name: np.broadcast_to(slope, len(self.by)) for name, slope in moving.items() if np.any(slope)}
+        return {name: np.asarray(slope) for name, slope in moving.items() if np.any(slope)}
 
     def slopes(self, times: np.ndarray) -> np.ndarray:
         """Return the derivatives of x, y, psi, u, v, r at the times of the voyage, (times, 6, by)."""
@@ -378,7 +387,8 @@ class TangentIntegrator:
 
     def _pushes(self, times: np.ndarray) -> np.ndarray:
         """External X, Y and N in each step, (steps, 3)."""
-        pieces = segments_of(*self._schedules, float(times[-1]) or 1.0)
+        surge, sway, yaw = (self.schedules[name] for name in PUSHED)
+        pieces = segments_of(surge, sway, yaw, float(times[-1]) or 1.0)
         begun = np.searchsorted([piece.start for piece in pieces], times[:-1] + 1e-9, side="right") - 1
         return np.array([pieces[i].forces for i in begun]).reshape(-1, len(PUSHED))
 

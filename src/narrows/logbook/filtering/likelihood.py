@@ -210,7 +210,7 @@ class RecordLikelihood:
         """Return the record about a path."""
         grid, problem = self.grid, self.problem
         motion, inertia = problem.at(unknowns[: problem.count])
-        motion, model = motion.of_records, problem.model_at(unknowns)
+        model = problem.model_at(unknowns)
         names = [one.adds_to for one in model.processes]
         drives = np.array([INPUTS.index(name) if name in INPUTS else -1 for name in names], np.int64)
         sums = {name: np.zeros(len(grid)) for name in (*INPUTS, *names)}

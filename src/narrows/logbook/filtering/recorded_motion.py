@@ -54,7 +54,7 @@ class RecordedMotion:
 
     model: Model  # The ship
     positions: Mapping[str, float]  # Actuators that follow a record, each with a position that is usual
-    # Derivatives are taken by these, by the initial states, the external forces and the offsets of positions
+    # Derivatives are taken by these too, and by the initial states, the external forces and the offsets of positions
     coefficients: tuple[str, ...]
     choices: Mapping[str, Any]  # As for ``simulate``: surge, contact, waterway, u
 
@@ -71,14 +71,11 @@ class RecordedMotion:
         helm = RecordedHelm(dict(self.positions))
         return TangentIntegrator.of(self.model, self.directions, {**self.choices, **self.positions, "controller": helm})
 
-    @cached_property
-    def of_records(self) -> "RecordedMotion":
-        """The same motion without derivatives by coefficients: for parameters of single records."""
-        return replace(self, coefficients=())
-
     def with_coefficients(self, values: Mapping[str, float]) -> "RecordedMotion":
         """Return the motion with other coefficients."""
-        return replace(self, model=self.model.with_coefficients(**values))
+        other = replace(self, model=self.model.with_coefficients(**values))
+        other.__dict__["integrator"] = self.integrator.with_coefficients(other.model)
+        return other
 
     def sailed(
         self, starts: np.ndarray, pushes: np.ndarray, first: np.ndarray, times: np.ndarray,

@@ -112,7 +112,7 @@ def log_problem(
             raise InputError(f"free: there is no coefficient {name!r}{did_you_mean(name, model.terms.names)}")
     prior = coefficient_prior(model, before, surge, frozenset(free) or None)
     positions = _positions(model, signals, u, assumptions.lacks_revolutions(signals))
-    motion = _motion(model, positions, u, choices, waterway or getattr(records, "waterway", None), prior.members)
+    motion = _motion(model, positions, u, choices, waterway or getattr(records, "waterway", None))
     inertia = push_inertia(model, prior, u, choices.get("surge_inertia"))
     problem = assumptions.problem(motion, prior, inertia, signals, u)
     return LogSetup(problem, records, assumptions, before, model)
@@ -169,14 +169,13 @@ def _positions(model: Model, signals: set[str], u: float, assumed: bool) -> dict
 
 
 def _motion(
-    model: Model, positions: dict[str, float], u: float, choices: dict[str, Any], waterway: "Waterway | None",
-    coefficients: tuple[str, ...],
-) -> RecordedMotion:  # fmt: skip
+    model: Model, positions: dict[str, float], u: float, choices: dict[str, Any], waterway: "Waterway | None"
+) -> RecordedMotion:
     options = {"contact": "midship" if model.terms.has_bank else "none", "u": u, **choices}
     if waterway is not None:
         check_along_only(waterway, "learning")
         options |= {"waterway": waterway, "x": waterway.line.length / 2}
-    return RecordedMotion(model, positions, coefficients, options)
+    return RecordedMotion(model, positions, (), options)
 
 
 # Records for the search: laid out one by one, long ones in parts; useless ones are left out with a note.

@@ -127,7 +127,7 @@ def forecast(
     pushes = np.tile(inertia * [known[name] for name in PUSHES], (len(begun) - 1, 1))
     offsets = {name: np.full(len(begun) - 1, known.get(OFFSET(name), 0.0)) for name in motion.positions}
     with np.errstate(all="ignore"):  # A model before the log may run away.
-        states, _ = motion.of_records.sailed(
+        states, _ = motion.sailed(
             path.states[begun[:-1]], pushes, first, grid.times, grid.positions, offsets, known[CURRENT_X]
         )
     nodes = np.concatenate([np.arange(low, high + 1) for low, high in pairwise(first)])
@@ -156,18 +156,27 @@ def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path
 
     if "psi" not in grid.readings:
         return np.nan
-    motion, read, scales = problem.at(scaled)[0].of_records, grid.readings["psi"], problem.scales
-    ends, nodes = np.array([0, len(grid)]), np.arange(len(grid) + 1)
+    motion, read, scales = problem.at(scaled)[0], grid.readings["psi"], problem.scales
+    ends, at, share = np.array([0, len(grid)]), read.step, read.share[:, None]
+    headings = np.column_stack([read.values, np.zeros((len(at), 4))])
 
-    def left(start: np.ndarray) -> np.ndarray:
+    def missed_at(start: np.ndarray) -> np.ndarray:
+        """Return headings missed, over READING, and their slopes by the start, (readings, 5)."""
         begun = path.states[0].copy()
         begun[2:] += START_FREE * scales[2:] * start
         with np.errstate(all="ignore"):
-            states, _ = motion.sailed(begun[None], np.zeros((1, 3)), ends, grid.times, grid.positions)
-        off = np.interp(read.step + read.share, nodes, states[:, 2]) - read.values
-        return np.append(np.nan_to_num(off / READING, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3), start)
+            states, moved = motion.sailed(begun[None], np.zeros((1, 3)), ends, grid.times, grid.positions)
+            column = np.column_stack([states[:, 2], moved[:, 2, 2:6] * START_FREE * scales[2:]])
+            off = ((1 - share) * column[at] + share * column[at + 1] - headings) / READING
+        return np.asarray(np.nan_to_num(off, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3))
 
-    found = least_squares(left, np.zeros(4), max_nfev=15)
+    def residuals(start: np.ndarray) -> np.ndarray:
+        return np.append(missed_at(start)[:, 0], start)
+
+    def slopes(start: np.ndarray) -> np.ndarray:
+        return np.append(missed_at(start)[:, 1:], np.eye(4), axis=0)
+
+    found = least_squares(residuals, np.zeros(4), slopes, max_nfev=15)
     return float(READING * np.sqrt(np.mean(found.fun[:-4] ** 2)))
 
 
