@@ -1,13 +1,17 @@
-"""Bank coefficients of a ship without bank tests: published evidence, and a random-effects model over ships.
+"""Bank coefficients of a ship without bank tests: published evidence in a table, and a random-effects model over ships.
 
 All rows are coefficients of ``distance``, the form of Ch'ng (1993) and Vantorre et al. (2003): along KVLCC2's wall its
 coefficient is the same at three clearances, where that of the paper's delta changes fourfold.
 """
 
+import csv
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
+from itertools import islice
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
@@ -32,34 +36,16 @@ class BankEvidence:
     cushion_error: float = 0.0
 
 
-_LATAIRE = "steady test {} along a bank, Lataire et al. (2009)"
-_HARMONIC = "harmonic tests, Flanders Hydraulics (SIMMAN 2014), with the terms crossflow"
-_WALL = "steady test along a wall, Flanders Hydraulics; unverified: one transcription"
-# The published 1.07 and 0.13 of delta, times delta/y_B at the largest offset of the paper's motions (0.907 m). The
-# paper prints no errors: these are the medians of the KCS tests at three depths, at one speed, with the paper's terms.
-_PAPER = "Mikkelsen et al. (2025), converted; errors of the same kind of tests with the KCS"
+def _evidence() -> Iterator[BankEvidence]:
+    # The paper of the DTC prints 1.07 and 0.13 of delta; its row holds these times delta/y_B at the largest offset of
+    # its motions (0.907 m). It prints no errors: theirs are the medians of the KCS tests at three depths, at one speed.
+    with Path(__file__).with_suffix(".csv").open(encoding="utf-8", newline="") as file:
+        for ship, source, *cells in islice(csv.reader(file), 1, None):
+            numbers: list[Any] = [float(cell) if cell else None for cell in cells]
+            yield BankEvidence(ship, source, *numbers)
 
-BANK_EVIDENCE = (
-    BankEvidence("DTC", _PAPER, None, 12.2, 4.0, 2.82, 1.92, 0.343, 0.05),
-    BankEvidence("KCS", _HARMONIC, 2.0, 11.4, 3.8, 0.176, 0.469, 0.142, 0.042),
-    BankEvidence("KCS", _HARMONIC, 1.5, 11.4, 3.8, -0.247, 0.335, 0.165, 0.081),
-    BankEvidence("KCS", _HARMONIC, 1.2, 11.4, 3.8, -0.307, 0.710, 0.096, 0.189),
-    BankEvidence("KVLCC2", _HARMONIC, 1.8, 9.1, 3.2, -0.126, 0.096, -0.018, 0.032),
-    BankEvidence("KVLCC2", _HARMONIC, 1.5, 9.1, 3.2, -0.264, 0.189, -0.002, 0.049),
-    BankEvidence("KVLCC2", _HARMONIC, 1.2, 9.1, 3.2, -0.455, 0.286, 0.184, 0.062),
-    BankEvidence("KVLCC2", _WALL, 1.35, 8.0, 0.8, 0.183, 0.0, None),
-    BankEvidence("KVLCC2", _WALL, 1.35, 8.0, 0.3, 0.237, 0.0, None),
-    BankEvidence("KVLCC2", _WALL, 1.35, 8.0, 0.2, 0.198, 0.0, None),
-    BankEvidence("KVLCC2", _WALL, None, 8.0, 0.8, 0.165, 0.0, None),
-    BankEvidence("KVLCC2", _WALL, None, 8.0, 0.8, 0.114, 0.0, None),
-    BankEvidence("8000 TEU ship", _LATAIRE.format("B"), 1.1, 9.5, 1.9, 0.759, 0.0, 0.320),
-    BankEvidence("8000 TEU ship", _LATAIRE.format("C"), 1.1, 10.2, 2.5, -0.204, 0.0, 0.228),
-    BankEvidence("8000 TEU ship", _LATAIRE.format("D"), 2.0, 9.8, 0.2, 0.129, 0.0, 0.066),
-    BankEvidence("8000 TEU ship", _LATAIRE.format("F"), 2.0, 11.8, 2.0, 0.073, 0.0, 0.020),
-    BankEvidence("8000 TEU ship", _LATAIRE.format("H"), 1.1, 11.9, 1.1, -0.237, 0.0, 0.162),
-    BankEvidence("8000 TEU ship", _LATAIRE.format("I"), 1.35, 9.9, 1.7, 0.340, 0.0, 0.192),
-    BankEvidence("8000 TEU ship", _LATAIRE.format("J"), 2.0, 11.2, 3.1, 0.234, 0.0, 0.053),
-)  # fmt: skip
+
+BANK_EVIDENCE = tuple(_evidence())
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,14 @@
 """Available ships: published models, and estimates from the dimensions of well-known ships."""
 
 import os
+import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
@@ -31,27 +32,13 @@ class EstimatedShip:
     speed: float | None = None  # Service speed [m/s]
 
 
-_SIMMAN = "particulars of SIMMAN 2008"
+def _estimated(ship: dict[str, Any], canal: dict[str, Any], speed_knots: float = 0.0, **words: str) -> EstimatedShip:
+    speed = speed_knots * KNOT or None
+    return EstimatedShip(Ship(**ship), Canal(**canal), speed=speed, **words)
 
-# The canals are examples: the Suez Canal as a rectangle 24 m deep for the largest, a dredged channel for the others.
-ESTIMATED_SHIPS = MappingProxyType({
-    "estimated_kcs": EstimatedShip(
-        Ship(230.0, 32.2, 10.8, 0.651, name="KCS"), Canal(300.0, 16.2), "container", _SIMMAN, 24 * KNOT),
-    "estimated_dtc": EstimatedShip(
-        Ship(355.0, 51.0, 14.5, 0.661, name="DTC"), Canal(400.0, 24.0), "container", "el Moctar et al. (2012)"),
-    "estimated_kvlcc2": EstimatedShip(
-        Ship(320.0, 58.0, 20.8, 0.810, name="KVLCC2"), Canal(400.0, 30.0), "tanker", _SIMMAN, 15.5 * KNOT),
-    "estimated_esso_osaka": EstimatedShip(
-        Ship(325.0, 53.0, 21.73, 0.831, name="Esso Osaka"), Canal(400.0, 32.6), "tanker", "Crane (1979)"),
-    "estimated_400m": EstimatedShip(
-        Ship(400.0, 58.8, 16.0, 0.68, name="container ship of 400 m"), Canal(300.0, 24.0), "container",
-        "dimensions of the largest container ships of 2021; the block coefficient is assumed"),
-    "estimated_bulk": EstimatedShip(
-        Ship(289.0, 45.0, 18.0, 0.84, name="capesize bulk carrier"), Canal(300.0, 22.5), "bulk", "usual dimensions"),
-    "estimated_inland": EstimatedShip(
-        Ship(110.0, 11.45, 2.8, 0.88, name="inland motor ship of 110 m"), Canal(55.0, 4.0), "inland",
-        "class Va of the European waterways"),
-})  # fmt: skip
+
+_ROWS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
+ESTIMATED_SHIPS = MappingProxyType({name: _estimated(**row) for name, row in _ROWS.items()})
 
 
 @cache
