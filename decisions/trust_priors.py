@@ -48,8 +48,8 @@ def density(part: ForcePosterior, groups: Sequence[Sequence[int]]) -> float:
         seen = np.flatnonzero(np.isin(of_motion, group) & is_mean)
         logs, chosen = [], np.searchsorted(own, seen)
         for i in best:
-            found = without_rows(part, int(i), own)
-            error, spread = rows.y[seen] - found.mean[chosen], found.covariance[np.ix_(chosen, chosen)]
+            mean, covariance, _ = without_rows(part, int(i), own)
+            error, spread = rows.y[seen] - mean[chosen], covariance[np.ix_(chosen, chosen)]
             logs.append(-0.5 * (np.linalg.slogdet(2 * np.pi * spread)[1] + error @ np.linalg.solve(spread, error)))
         total += float(np.logaddexp.reduce(np.log(weights) + logs))
     return total

@@ -49,7 +49,7 @@ def test_what_a_run_tells_is_its_second_level() -> None:
                 block[:, slot[term.name]] += term.column(values)
             gram += block.T @ block
         size = np.sqrt(np.maximum(np.diag(gram), 1e-12))
-        np.testing.assert_allclose(told.plain[0] / np.outer(size, size), gram / np.outer(size, size), atol=1e-6)
+        np.testing.assert_allclose(told.gram / np.outer(size, size), gram / np.outer(size, size), atol=1e-6)
         assert (np.linalg.eigvalsh(told.v) > 0).all()
         assert np.linalg.eigvalsh(told.information).min() > -1e-6 * np.abs(told.information).max()
 

@@ -10,7 +10,7 @@ from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.synthetic import Run, StraightRun, motion_of, twin
 from narrows.errors import InputError
 from narrows.identification.accumulation import accumulate
-from narrows.identification.estimates import HALF
+from narrows.identification.estimates import joint_forces
 from narrows.identification.fit import Fit
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.least_squares import free_parameters, reduced
@@ -44,25 +44,18 @@ class PlannedRun:
     zero: int  # Index of its zero: 0 for harmonic runs, 1 for steady ones to starboard, 2 to port
 
     @cached_property
-    def plain(self) -> tuple[np.ndarray, np.ndarray]:
-        """D'D and D'VD, (p, p) each, for the covariance of least squares."""
-        return np.einsum("fqi,fqj->ij", self.d, self.d), np.einsum("fqi,fqr,frj->ij", self.d, self.v, self.d)
+    def gram(self) -> np.ndarray:
+        """D'D, (p, p)."""
+        return np.asarray(np.einsum("fqi,fqj->ij", self.d, self.d))
 
     @cached_property
     def information(self) -> np.ndarray:
         """Information (p + zeros, p + zeros), with unknown zeros of each force and kind of run."""
-        beside = zero_columns(self.one, np.arange(len(self.one)), np.full(len(self.one), self.zero))
-        columns = np.concatenate([self.d, beside], axis=2)
-        white = np.linalg.solve(np.linalg.cholesky(self.v), columns)
+        forces = np.arange(len(self.one))
+        zeros = np.zeros((*self.one.shape, len(forces) * ZEROS))
+        zeros[forces, :, forces * ZEROS + self.zero] = self.one
+        white = np.linalg.solve(np.linalg.cholesky(self.v), np.concatenate([self.d, zeros], axis=2))
         return np.asarray(np.einsum("fqi,fqj->ij", white, white))
-
-
-def zero_columns(one: np.ndarray, force: np.ndarray, zero: np.ndarray) -> np.ndarray:
-    """Return columns of the zeros, (blocks, q, forces x zeros), for blocks of run summaries."""
-    # one (blocks, q); force, zero (blocks,)
-    count = int(force.max()) + 1
-    chosen = np.arange(count * ZEROS) == (force * ZEROS + zero)[:, None]
-    return np.asarray(one[:, :, None] * chosen[:, None, :])
 
 
 def zero_of(steady: np.ndarray, offset: np.ndarray) -> np.ndarray:
@@ -92,7 +85,7 @@ def planned_run(
     one, v = np.zeros(d.shape[:2]), np.tile(np.eye(width), (len(fitted), 1, 1))
     for i, (force, part) in enumerate(fitted.items()):
         a = np.array([*(np.broadcast_to(term.column(values), rows) for term in part), np.ones(rows)])
-        root, inverse, live = (stack[0] for stack in roots((a @ a.T)[None]))
+        root, inverse, live = _root(a @ a.T)
         q = len(live)
         for j, term in enumerate(part):
             d[i, :q, slot[term.name]] += root[:, j]
@@ -114,43 +107,33 @@ def planned_run(
 DIRECTION = 1e-9
 
 
-def roots(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Factor stacks of products, H = R'R: R (m, k, k), its left inverse for H z = g, and which rows have data."""
-    # gram (m, k, k)
-    size = np.sqrt(np.maximum(np.diagonal(gram, axis1=1, axis2=2), 0.0))
-    full, size = size > 0, np.where(size > 0, size, 1.0)
-    values, vectors = np.linalg.eigh(gram / (size[:, :, None] * size[:, None, :]))
-    live = values > DIRECTION * np.maximum(values[:, -1:], 1e-300)
-    root = np.sqrt(np.where(live, values, 0.0))
-    back = np.where(live, 1 / np.where(live, root, 1.0), 0.0)
-    turned = np.swapaxes(vectors, 1, 2) * full[:, None, :]  # an empty column stays exactly zero
-    return root[:, :, None] * turned * size[:, None, :], back[:, :, None] * turned / size[:, None, :], live
+def _eigen(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Sizes of columns by their products (k, k), then eigenvalues, eigenvectors and which hold data, of unit sizes."""
+    size = np.sqrt(np.maximum(np.diag(gram), 0.0))
+    unit = np.where(size > 0, size, 1.0)
+    values, vectors = np.linalg.eigh(gram / np.outer(unit, unit))
+    return size, values, vectors, values > DIRECTION * max(values[-1], 1e-300)
+
+
+def _root(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Factor products, H = R'R: R (k, k), its left inverse for H z = g, and which rows have data."""
+    size, values, vectors, live = _eigen(gram)
+    root = np.sqrt(np.where(live, values, 0.0))[:, None]
+    turned = vectors.T * (size > 0)  # An empty column stays exactly zero
+    inverse = np.where(live[:, None], turned / np.where(live[:, None], root, 1.0), 0.0)
+    return root * turned * size, inverse / np.where(size > 0, size, 1.0), live
 
 
 def inflation(runs: Sequence[PlannedRun], known: np.ndarray | None = None) -> np.ndarray:
     """Variance inflation of each parameter under some runs, (p,); infinite if they do not determine it."""
     # known (p + zeros, p + zeros): information of earlier tests
-    gram = np.sum([run.plain[0] for run in runs], axis=0)
+    gram = np.sum([run.gram for run in runs], axis=0)
     if known is not None:
         gram = gram + known[: len(gram), : len(gram)]
-    inverse, determined = pseudo_inverse(gram)
-    return np.asarray(np.where(determined, np.diag(inverse) * np.diag(gram), np.inf))
-
-
-def pseudo_inverse(h: np.ndarray, empty: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-    """Return the inverse of symmetric matrices (..., p, p) over columns with data; which parameters it determines."""
-    # h (..., p, p)
-    size = np.sqrt(np.maximum(np.diagonal(h, axis1=-2, axis2=-1), 0.0))
-    full = size**2 > empty
-    size = np.where(full, size, 1.0)
-    outer = size[..., :, None] * size[..., None, :]
-    h = h * (full[..., :, None] & full[..., None, :])
-    values, vectors = np.linalg.eigh(h / outer)
-    kept = values > DIRECTION * np.maximum(values[..., -1:], 1e-300)
-    inverse = np.where(kept, 1 / np.where(kept, values, 1.0), 0.0)
-    known = (vectors**2 * kept[..., None, :]).sum(axis=-1) > 1 - 1e-5
-    product = (vectors * inverse[..., None, :]) @ np.swapaxes(vectors, -1, -2)
-    return product / outer, known & full
+    size, values, vectors, live = _eigen(gram)
+    share = vectors**2 * live
+    determined = (share.sum(axis=1) > 1 - 1e-5) & (size > 0)
+    return np.where(determined, (share / np.where(live, values, 1.0)).sum(axis=1), np.inf)
 
 
 # The best few of many runs for some coefficients under any form of the bank: greedy choice, then exchanges.
@@ -236,12 +219,8 @@ def expected_std(
     if made is not None:
         equations = _joined(made.normal_equations, equations)
     motions, problem = distinct_motions(equations), reduced(equations, terms)
-    forces = tuple(force for force, part in terms.forces.items() if part)
     std: dict[str, float] = {}
-    for group in [("X",), ("Y", "N")] if not _tied(terms) else [forces]:
-        own = tuple(force for force in group if force in forces)
-        if not own:
-            continue
+    for own in joint_forces(problem):
         blocks = run_blocks(equations, motions, own)
         within = np.array([noise[f] ** 2 * max(1.0, 2 * correlation_time * RATE) for f in own])
         rows = ForceRows(replace(blocks, noise=within), motions, problem, equations.columns)
@@ -250,17 +229,6 @@ def expected_std(
         size = np.sqrt(np.diag(spread)[: len(unit)]) * unit
         std |= {term.name: float(size[rows.free_parameters.index(problem.slot[term.name])]) for _, term in rows.terms}
     return std
-
-
-def half_width(std: float) -> float:
-    """Half width of the 95 % interval from a standard error."""
-    return HALF * std
-
-
-def _tied(terms: TermTable) -> bool:
-    """Return whether surge shares a coefficient with sway or yaw."""
-    surge = {term.name for term in terms.surge}
-    return any(len(surge & set(tie)) == 1 for tie in terms.ties)
 
 
 def _joined(made: NormalEquations, planned: NormalEquations) -> NormalEquations:

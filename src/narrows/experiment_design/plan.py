@@ -20,12 +20,12 @@ from narrows.experiment_design.information import (
     PlannedRun,
     choose,
     expected_std,
-    half_width,
     inflation,
     planned_run,
     zero_of,
 )
 from narrows.identification.design_matrix import ONE
+from narrows.identification.estimates import HALF
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.least_squares import free_parameters
@@ -247,7 +247,7 @@ def plan_tests(
         names,
         {name: np.array([one[name] for one in std]) for name in names},
         dict(zip(names, after.tolist(), strict=True)),
-        {name: half_width(std[-1][name]) for name in names},
+        {name: HALF * std[-1][name] for name in names},
         {name: usual_std[name] for name in names},
         dict(zip(names, before.tolist(), strict=True)),
         len(offered),

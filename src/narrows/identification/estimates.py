@@ -103,7 +103,7 @@ def estimates(
 ) -> CoefficientEstimates:
     """Fit the mixed model of every force and combine the posteriors."""
     parts = tuple(
-        _posterior(equations, motions, problem, errors, configuration, forces) for forces in _together(problem)
+        _posterior(equations, motions, problem, errors, configuration, forces) for forces in joint_forces(problem)
     )
     size = len(problem.scale)
     free, free_half = np.zeros(size), np.full(size, np.inf)
@@ -122,7 +122,7 @@ def estimates(
     )  # fmt: skip
 
 
-def _together(problem: Problem) -> list[tuple[str, ...]]:
+def joint_forces(problem: Problem) -> list[tuple[str, ...]]:
     """Forces that share coefficients, and Y and N, which share errors of the motion."""
     groups = [[force] for force, part in problem.terms.forces.items() if part]
     slots = {force: {problem.slot[term.name] for term in part} for force, part in problem.terms.forces.items()}

@@ -50,8 +50,8 @@ def predictiveness(part: ForcePosterior) -> list[Predictiveness]:
     for _, own, mean_rows in _motions(part):
         without = [without_rows(part, i, own) for i in range(len(part.posterior.parts))]
         chosen = own[mean_rows]
-        means = np.stack([one.mean for one in without])[:, mean_rows]
-        spreads = np.stack([np.diag(one.covariance) for one in without])[:, mean_rows]
+        means = np.stack([mean for mean, _, _ in without])[:, mean_rows]
+        spreads = np.stack([np.diag(covariance) for _, covariance, _ in without])[:, mean_rows]
         mean = weights @ means
         variances = weights @ (spreads + (means - mean) ** 2)
         measured, length = rows.y[chosen], rows.length[chosen % rows.each]
@@ -112,7 +112,7 @@ def influence(motions: DistinctMotions, found: CoefficientEstimates, solution: S
         best, p = int(part.posterior.weights.argmax()), len(part.free_parameters)
         variances = np.diag(part.posterior.parts[best].covariance)[:p]
         for motion, own, _ in _motions(part):
-            added = without_rows(part, best, own).added[:p]
+            added = without_rows(part, best, own)[2][:p]
             gone[motion, part.free_parameters] = added / np.maximum(variances + added, 1e-300)
     shares = gone[:, [problem.slot[name] for name in problem.terms.names]]
     moved = np.where(shares < ALONE, problem.coefficients(solution.z) - problem.fits(motions.without), np.nan)
@@ -129,17 +129,12 @@ def _motions(part: ForcePosterior) -> Iterator[tuple[int, np.ndarray, np.ndarray
         yield int(motion), own, np.flatnonzero(is_mean[own])
 
 
-@dataclass(frozen=True)
-class WithoutRows:
-    """Prediction of some rows from all others, at given scales."""
+def without_rows(part: ForcePosterior, draw: int, own: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Predict some rows from all others at given scales: mean, covariance with errors, and what the rows add.
 
-    mean: np.ndarray  # (rows,)
-    covariance: np.ndarray  # (rows, rows), errors of the rows included
-    added: np.ndarray  # (p + q,) variance of coefficients and effects beyond that with the rows
-
-
-def without_rows(part: ForcePosterior, draw: int, own: np.ndarray) -> WithoutRows:
-    """Leave rows out by the update of a precision: with errors V and leverage H the residual is V (V - H)^-1 e."""
+    The last is the variance of coefficients and effects beyond that with the rows, (p + q,).
+    """
+    # Update of a precision: with errors V and leverage H the residual is V (V - H)^-1 e.
     posterior, model = part.posterior, part.posterior.model
     conditional, x = posterior.parts[draw], model.x[own]
     lower = np.linalg.cholesky(model.covariance_of(posterior.points[draw], own))
@@ -150,4 +145,4 @@ def without_rows(part: ForcePosterior, draw: int, own: np.ndarray) -> WithoutRow
     error = vectors.T @ np.linalg.solve(lower, model.y[own] - x @ conditional.mean)
     back = lower @ vectors
     added = ((known @ vectors) ** 2 / left).sum(axis=1)
-    return WithoutRows(model.y[own] - back @ (error / left), (back / left) @ back.T, added)
+    return model.y[own] - back @ (error / left), (back / left) @ back.T, added

@@ -1,8 +1,7 @@
 """Predict forces on rows of a table, with residuals and errors."""
 
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,10 +11,9 @@ from narrows.captive.read import as_tests
 from narrows.captive.tests import Block, Tests
 from narrows.errors import InputError, shown
 from narrows.identification.accumulation import accumulate
-from narrows.identification.normal_equations import NormalEquations, Score, score
+from narrows.identification.normal_equations import Score, score
 from narrows.results import BaseResult
 from narrows.ship.ship_file import ShipSource
-from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -26,51 +24,19 @@ if TYPE_CHECKING:
 ALPHA = 0.05
 
 
-class Fitted(Protocol):
-    """Parts of a fit that predictions use."""
-
-    @property
-    def tests(self) -> Tests:
-        """Tests of the fit."""
-
-    @property
-    def terms(self) -> TermTable:
-        """The terms."""
-
-    @property
-    def coefficients(self) -> Mapping[str, float]:
-        """Their values."""
-
-    @property
-    def covariance(self) -> np.ndarray:
-        """Covariance of the coefficients."""
-
-    @property
-    def intervals(self) -> Mapping[str, tuple[float, float]]:
-        """95 % confidence interval of each."""
-
-    @property
-    def scores(self) -> Mapping[str, Score]:
-        """R2 and RMSE of each force on the rows of the fit."""
-
-    @property
-    def normal_equations(self) -> NormalEquations:
-        """Sums of products over its rows."""
-
-
 class Prediction(BaseResult):
     """Predicted forces of rows, those of the fit or others."""
 
-    def predict(self: Fitted, tests: Any = None, ship: ShipSource | None = None) -> "pd.DataFrame":
+    def predict(self: Any, tests: Any = None, ship: ShipSource | None = None) -> "pd.DataFrame":
         """Estimate surge force [N], sway force [N] and yaw moment [N m] at each row."""
         return _rows(self, _or_own(self, tests, ship), measured=False)
 
     @property
-    def residuals(self: Fitted) -> "pd.DataFrame":
+    def residuals(self: Any) -> "pd.DataFrame":
         """Measured less estimated surge force [N], sway force [N] and yaw moment [N m], at each row of the fit."""
         return _rows(self, self.tests, measured=True)
 
-    def plot_residuals(self: Fitted, ax: "Axes | None" = None, force: str | None = None) -> "Figure":
+    def plot_residuals(self: Any, ax: "Axes | None" = None, force: str | None = None) -> "Figure":
         """Draw the residuals of each force over its estimates, a colour for each test.
 
         Parameters
@@ -85,21 +51,19 @@ class Prediction(BaseResult):
         InputError
             Where the fit has no such force.
         """
-        fit: Any = self
-        return narrows.report.residuals_figure(fit, ax, force)
+        return narrows.report.residuals_figure(self, ax, force)
 
-    def score(self: Fitted, tests: Any = None, ship: ShipSource | None = None) -> dict[str, Score]:
+    def score(self: Any, tests: Any = None, ship: ShipSource | None = None) -> dict[str, Score]:
         """Return R2 and RMSE of each force on other tests than those of the fit."""
         read = _or_own(self, tests, ship)
         equations, _ = accumulate(read, self.terms, balance=self.normal_equations.balance)
         return score(equations, equations.total, self.terms, self.coefficients)
 
-    def report(self: Fitted, path: str | Path, title: str = "narrows") -> None:
+    def report(self: Any, path: str | Path, title: str = "narrows") -> None:
         """Write one HTML page with everything that is known of it, its answer first."""
-        fit: Any = self
-        narrows.report.write_report({"": fit}, path, title)
+        narrows.report.write_report({"": self}, path, title)
 
-    def conf_int(self: Fitted, alpha: float = ALPHA) -> "pd.DataFrame":
+    def conf_int(self: Any, alpha: float = ALPHA) -> "pd.DataFrame":
         """Give the 95 % confidence intervals as a table: ``low`` and ``high`` of each coefficient."""
         import pandas as pd
 
@@ -111,7 +75,7 @@ class Prediction(BaseResult):
         frame = pd.DataFrame.from_dict(dict(self.intervals), orient="index", columns=["low", "high"])
         return frame.rename_axis("coefficient")
 
-    def corr(self: Fitted) -> "pd.DataFrame":
+    def corr(self: Any) -> "pd.DataFrame":
         """Give how the errors of the coefficients go together, -1 to 1; NaN where one has none."""
         import pandas as pd
 
@@ -120,27 +84,27 @@ class Prediction(BaseResult):
             return pd.DataFrame(self.covariance / np.outer(std, std), self.terms.names, self.terms.names)
 
     @property
-    def rsquared(self: Fitted) -> dict[str, float]:
+    def rsquared(self: Any) -> dict[str, float]:
         """R2 of each force on the rows of the fit [1]."""
         return {force: fitted.r2 for force, fitted in self.scores.items()}
 
     @property
-    def rmse(self: Fitted) -> dict[str, float]:
+    def rmse(self: Any) -> dict[str, float]:
         """Root mean squared error of each force on the rows of the fit [N, N, N m]."""
         return {force: fitted.rmse for force, fitted in self.scores.items()}
 
     @property
-    def nobs(self: Fitted) -> int:
+    def nobs(self: Any) -> int:
         """Number of rows of the fit."""
         return sum(block.rows for block in self.tests.blocks(1))
 
 
-def _or_own(fit: Fitted, tests: Any, ship: Any) -> Any:
+def _or_own(fit: Any, tests: Any, ship: Any) -> Any:
     """Tests of the fit, tests that were read, or a table of the same ship."""
     return fit.tests if tests is None else as_tests(tests, ship, fit.tests.configuration)
 
 
-def _rows(fit: Fitted, tests: Tests, measured: bool) -> "pd.DataFrame":
+def _rows(fit: Any, tests: Tests, measured: bool) -> "pd.DataFrame":
     """Forces of each row as estimated, or what was measured beyond that."""
     import pandas as pd
 
@@ -155,7 +119,7 @@ def _rows(fit: Fitted, tests: Tests, measured: bool) -> "pd.DataFrame":
     return frame.set_index([name for name in ("test", "t") if name in frame])
 
 
-def _force(fit: Fitted, force: str, block: Block) -> np.ndarray:
+def _force(fit: Any, force: str, block: Block) -> np.ndarray:
     check_given(fit.terms.inputs, block.values, block.headers, fit.terms.actuators)
     parts = (fit.coefficients[term.name] * term.column(block.values) for term in fit.terms.forces[force])
     return np.broadcast_to(sum(parts, np.zeros(block.rows)), block.rows)
