@@ -47,54 +47,46 @@ def _is_finite(value: object) -> bool:
 class Operations(BaseResult):
     """Simulation, derivatives and equations of a model, as methods."""
 
-    def derivative(self, state: Any, **given: Any) -> np.ndarray:
+    def derivative(self: Any, state: Any, **given: Any) -> np.ndarray:
         """Return the rates of x, y, psi, u, v, r of the free ship, (6,...), from the engine."""
         # state [m]
-        model: Any = self
-        return narrows.derivative(model, state, **given)
+        return narrows.derivative(self, state, **given)
 
-    def step(self, state: Any, dt: float, **given: Any) -> np.ndarray:
+    def step(self: Any, state: Any, dt: float, **given: Any) -> np.ndarray:
         """Return x, y, psi, u, v, r one step of the engine later, (6,)."""
         # state [m]; dt [s]
-        model: Any = self
-        return narrows.step(model, state, dt, **given)
+        return narrows.step(self, state, dt, **given)
 
-    def linearize(self, *at: float, **options: Any) -> "narrows.control.LinearSystem":
+    def linearize(self: Any, *at: float, **options: Any) -> "narrows.control.LinearSystem":
         """Linearise the motion about a steady course, to a ``LinearSystem``."""
         # *at [m, m/s]
-        model: Any = self
-        return narrows.control.linearize(model, *at, **options)
+        return narrows.control.linearize(self, *at, **options)
 
-    def simulate(self, *start: float, **given: Any) -> "narrows.Voyage":
+    def simulate(self: Any, *start: float, **given: Any) -> "narrows.Voyage":
         """Simulate one voyage, to a ``Voyage``."""
         # *start [m]
-        model: Any = self
-        return narrows.simulate(model, *start, **given)
+        return narrows.simulate(self, *start, **given)
 
-    def scale(self, length: float, **given: Any) -> "narrows.Scaled":
+    def scale(self: Any, length: float, **given: Any) -> "narrows.Scaled":
         """Scale the model by Froude's law: a ``Scaled`` with the new model and the effects that do not scale."""
         # length [m]
-        model: Any = self
-        return narrows.scale_model(model, length, **given)
+        return narrows.scale_model(self, length, **given)
 
-    def export(self, path: str | Path, **options: Any) -> Any:
+    def export(self: Any, path: str | Path, **options: Any) -> Any:
         """Write the model in another language, chosen by the file's suffix, as ``nw.export.write``."""
-        model: Any = self
-        return narrows.export.write(model, path, **options)
+        return narrows.export.write(self, path, **options)
 
-    def with_canal(self, **changes: float) -> Any:
+    def with_canal(self: Any, **changes: float) -> Any:
         """Return the model in another canal with the same coefficients; ``nw.at_depth`` corrects them for depth."""
         # **changes [m]
-        model: Any = self
-        canal = model.configuration.canal
+        canal = self.configuration.canal
         for name in changes:
             check_choice("canal", name, tuple(vars(canal)))
-        return replace(model, configuration=replace(model.configuration, canal=replace(canal, **changes)))
+        return replace(self, configuration=replace(self.configuration, canal=replace(canal, **changes)))
 
-    def latex(self, numbers: bool = False, forces: Sequence[str] = ("X", "Y", "N")) -> str:
+    def latex(self: Any, numbers: bool = False, forces: Sequence[str] = ("X", "Y", "N")) -> str:
         """Write the equations of the forces in LaTeX, one line per force."""
-        model: Any = self
-        return narrows.latex(model.terms, model.coefficients if numbers else None, forces)
+        return narrows.latex(self.terms, self.coefficients if numbers else None, forces)
 
     if not TYPE_CHECKING:
 

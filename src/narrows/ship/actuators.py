@@ -221,13 +221,7 @@ class SteeringGear(Part):
 
     @classmethod
     def known_as(cls, number: str) -> str:
-        """Return the key itself: terms use neither.
-
-        Parameters
-        ----------
-        number : str
-            Its key in the section.
-        """
+        """Return the key itself: terms use neither."""
         return number
 
     @property

@@ -259,27 +259,11 @@ class Bank:
             _check_profile(self.profile, self.side)
 
     def wall(self, s: np.ndarray | float, depth: np.ndarray | float) -> np.ndarray:
-        """Return the distance of a vertical wall that gives the same section of water [m].
-
-        Parameters
-        ----------
-        s : array or float [m]
-            Along the line.
-        depth : array or float [m]
-            Depth of the water there.
-        """
+        """Return the distance of a vertical wall with the same section of water [m], at places [m] and depths [m]."""
         return self._set_back(s, depth, equivalent_wall)
 
     def keel(self, s: np.ndarray | float, clearance: np.ndarray | float) -> np.ndarray:
-        """Return the distance at which a keel meets the bank [m].
-
-        Parameters
-        ----------
-        s : array or float [m]
-            Along the line.
-        clearance : array or float [m]
-            Clearance of the keel above the bottom there.
-        """
+        """Return the distance at which a keel so far above the bottom [m] meets the bank at places [m]."""
         return self._set_back(s, clearance, keel_wall)
 
     def _set_back(self, s: np.ndarray | float, height: np.ndarray | float, where: Wall) -> np.ndarray:
@@ -295,13 +279,7 @@ class Bank:
         return np.asarray(line + back[index].reshape(line.shape))
 
     def at(self, s: np.ndarray | float) -> np.ndarray:
-        """Return the distance [m] at places; constant beyond the ends of the bank.
-
-        Parameters
-        ----------
-        s : array or float [m]
-            Along the line.
-        """
+        """Return the distance [m] at places [m]; constant beyond the ends of the bank."""
         if self.drawn is not None:
             return self.drawn.distance(s)
         return np.asarray(np.interp(s, self.s, self.distance))

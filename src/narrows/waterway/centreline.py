@@ -132,29 +132,16 @@ class Centreline:
         return self._samples[1]
 
     def curvature(self, s: np.ndarray | float) -> np.ndarray:
-        """Return the curvature of the line, positive to starboard [1/m]; constant beyond its ends.
-
-        Parameters
-        ----------
-        s : array or float [m]
-            Along the line.
-        """
+        """Return the curvature at places [m], positive to starboard [1/m]; constant beyond the ends."""
         t = np.clip(self._from_distance(s), self._knots[0], np.nextafter(self._knots[-1], 0.0))
         rate, bend = self._rate(t), self._bend(t)
         cross = rate[..., 0] * bend[..., 1] - rate[..., 1] * bend[..., 0]
         return np.asarray(-cross / np.linalg.norm(rate, axis=-1) ** 3)
 
     def sharpest_bend(self, length: float) -> tuple[float, float]:
-        """Return the largest curvature of a bend [1/m], and its place [m].
-
-        The curvature is the slope of the heading over a length, by least squares: a spline overshoots by an eighth
-        where a straight line meets an arc, and more where the points scatter.
-
-        Parameters
-        ----------
-        length : float [m]
-            Length of the bend, or that of a shorter line.
-        """
+        """Return the largest curvature of a bend of a length [m], and its place: [1/m], [m]."""
+        # The curvature is the slope of the heading over the length, by least squares: a spline overshoots by an eighth
+        # where a straight line meets an arc, and more where the points scatter.
         count = max(int(BEND_SAMPLES * self.length / length), BEND_SAMPLES)
         s = np.linspace(0.0, self.length, count + 1)
         offsets = s[: BEND_SAMPLES + 1] - s[BEND_SAMPLES // 2]
@@ -162,63 +149,27 @@ class Centreline:
         return float(slopes.max()), float(s[int(slopes.argmax()) + BEND_SAMPLES // 2])
 
     def heading(self, s: np.ndarray | float) -> np.ndarray:
-        """Return the line's heading [rad], clockwise from north.
-
-        Parameters
-        ----------
-        s : array or float [m]
-            Along the line.
-        """
+        """Return the line's heading at places [m], clockwise from north [rad]."""
         rate = self._rate(self._from_distance(s))
         return np.asarray(np.arctan2(rate[..., 0], rate[..., 1]))
 
     def frame(self, s: np.ndarray | float) -> tuple[np.ndarray, np.ndarray]:
-        """Return positions on the line, (..., 2): east and north [m], and unit vectors along it.
-
-        Parameters
-        ----------
-        s : array or float [m]
-            Along the line.
-        """
+        """Return positions at places [m], (..., 2): east and north [m], and unit vectors along the line."""
         t = self._from_distance(s)
         rate = self._rate(t)
         return self._spline(t), rate / np.linalg.norm(rate, axis=-1, keepdims=True)
 
     def foot(self, s: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return the foot of the perpendicular from positions, searched from nearby places: s, and n to starboard [m].
-
-        Parameters
-        ----------
-        s : array (n,) [m]
-            Nearby places along the line.
-        positions : array (n, 2) [m]
-            East and north.
-        """
+        """Return the feet of perpendiculars from positions, near places s: s, and n to starboard [m]."""
         nearest, n, _ = self._placed(self._from_distance(s), positions)
         return nearest, n
 
     def at(self, s: np.ndarray | float, n: np.ndarray | float = 0.0) -> np.ndarray:
-        """Return positions, (..., 2): east and north [m].
-
-        Parameters
-        ----------
-        s : array or float [m]
-            Along the line.
-        n : array or float [m]
-            Offset to starboard of it.
-        """
+        """Return positions, (..., 2): east and north [m], at places and offsets to starboard [m]."""
         return self.pose(s, n)[0]
 
     def pose(self, s: np.ndarray | float, n: np.ndarray | float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-        """Return positions, (..., 2): east and north [m], and the line's heading there [rad].
-
-        Parameters
-        ----------
-        s : array or float [m]
-            Along the line.
-        n : array or float [m]
-            Offset to starboard of it.
-        """
+        """Return positions as ``at``, and the line's heading there [rad]."""
         s, n = np.broadcast_arrays(np.asarray(s, float), np.asarray(n, float))
 
         def posed(part: slice) -> tuple[np.ndarray, ...]:
@@ -231,26 +182,12 @@ class Centreline:
         return np.stack([east, north], axis=-1).reshape(*s.shape, 2), heading.reshape(s.shape)
 
     def locate(self, positions: np.ndarray | Sequence[float]) -> tuple[np.ndarray, np.ndarray]:
-        """Return the nearest place on the line to positions: distance along it, and to starboard of it [m].
-
-        Beyond an end of the line the place is on its straight continuation.
-
-        Parameters
-        ----------
-        positions : array (..., 2) [m]
-            East and north.
-        """
+        """Return the nearest places on the line, straight beyond its ends, to positions: along and off it [m]."""
         s, n, _ = self.placed(positions)
         return s, n
 
     def placed(self, positions: np.ndarray | Sequence[float]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the nearest place as ``locate`` [m], and the line's heading there [rad].
-
-        Parameters
-        ----------
-        positions : array (..., 2) [m]
-            East and north.
-        """
+        """Return the nearest place as ``locate`` [m], and the line's heading there [rad]."""
         positions = np.asarray(positions, float)
         flat, shape = positions.reshape(-1, 2), positions.shape[:-1]
         nearest = self._samples[0][self._tree.query(flat, workers=-1 if len(flat) > BLOCK else 1)[1]]
