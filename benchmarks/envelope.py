@@ -13,7 +13,7 @@ from scipy.optimize import root
 
 import narrows as nw
 from narrows.identification.fitting import bundled_ship
-from narrows.safety.held_trials import ChosenPilot, trials
+from narrows.safety.held_trials import trials
 from narrows.safety.pilots import PILOTS
 from narrows.safety.request import Disturbance
 from narrows.safety.settings import STEPS_A_LENGTH, TRIAL_LENGTHS
@@ -57,7 +57,7 @@ def main(draws: int, poses: int) -> None:
     """Measure and print."""
     model, calm = full_scale(), np.zeros(len(SPEEDS))
     # One pilot, as one by one; an answer tries another beside it, who knows each ship.
-    one_pilot: dict[str, Any] = {"chosen": ChosenPilot(PILOTS["track"], None), "knowing": False}
+    one_pilot: dict[str, Any] = {"pilot": PILOTS["track"], "knowing": False}
     trials(model, OFFSETS[:2], SPEEDS[:2], calm[:2], Disturbance(), 2, 0, **one_pilot)
     start = time.perf_counter()
     points = trials(model, OFFSETS, SPEEDS, calm, Disturbance(), draws, 0, **one_pilot)["held"].size

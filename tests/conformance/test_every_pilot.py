@@ -12,8 +12,7 @@ import pytest
 
 import narrows as nw
 from engine_models import steered
-from narrows.safety.best_estimate_courses import BestEstimateCourses
-from narrows.safety.pilots import PILOTS, Pilot
+from narrows.safety.pilots import PILOTS, BestEstimateCourses, Pilot
 from narrows.simulation.controllers import ControlLaw
 from narrows.simulation.ship import SimulatedShip
 

@@ -13,7 +13,7 @@ from narrows.empirical.fleet import model_named
 from narrows.quantities.names import KNOT
 from narrows.report.envelope_along_chart import print_envelope_along
 from narrows.report.envelope_chart import UNTESTED
-from narrows.safety.speed_limits import reach_at
+from narrows.safety.envelope_along import reach_at
 from narrows.waterway import Bank, Centreline, Waterway
 
 PLACES, SPEEDS, OFFSETS = [0.0, 400.0, 1500.0], np.array([3.0, 5.0]), np.array([-40.0, 0.0, 40.0])

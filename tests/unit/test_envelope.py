@@ -18,7 +18,7 @@ from narrows.control.regulator import track_gains
 from narrows.model.data_range import DataRange
 from narrows.safety.envelope import is_settled, share_interval
 from narrows.safety.headline import crossing, first_run, largest_rectangle
-from narrows.safety.held_trials import ChosenPilot, trials
+from narrows.safety.held_trials import trials
 from narrows.safety.pilots import PILOTS
 from narrows.safety.request import Disturbance, keel_at
 from narrows.simulation.ship import SimulatedShip
@@ -32,7 +32,7 @@ STEPS_A_LENGTH, TRIAL_LENGTHS, BACK_LENGTHS = 40, 15.0, 3.0
 OFFSETS, SPEEDS = np.array([-70.0, -25.0, 0.0, 10.0, 45.0]), np.array([2.5, 5.0])
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 BEAM, LENGTH = 32.2, 230.0
-TRACK = ChosenPilot(PILOTS["track"], None)
+TRACK = PILOTS["track"]
 
 
 @pytest.fixture(scope="module")
@@ -215,8 +215,7 @@ class TestTrials:
         """Brute force: the same trials, one at a time, by another integrator in plain Python, judged by its columns."""
         gust = Disturbance(3.0, offset=2.0, gust=1.2e6, gust_lever=20.0, gust_time=90.0)
         offsets, samples = np.array([-70.0, 0.0, 85.0]), 4
-        chosen = ChosenPilot(PILOTS[pilot], PILOTS[pilot].tunings[0])
-        tried = trials(ship, offsets, SPEEDS, np.zeros(2), gust, samples, seed=5, chosen=chosen, knowing=False)
+        tried = trials(ship, offsets, SPEEDS, np.zeros(2), gust, samples, seed=5, pilot=PILOTS[pilot], knowing=False)
         thrown = gust.drawn(samples, 5)
         fates = set()
         for y in offsets:

@@ -23,11 +23,10 @@ from narrows.control.regulator_gains import (
 )
 from narrows.control.steady_course import solved
 from narrows.model.data_range import DataRange
-from narrows.safety.best_estimate_courses import BestEstimateCourses
 from narrows.safety.envelope import bounds_of, choose_pilot
 from narrows.safety.headline import AT_LENGTH, KNOWLEDGE, PILOT, RUDDER, cause
-from narrows.safety.held_trials import ChosenPilot, trials
-from narrows.safety.pilots import PILOTS, Helmsman, regulator_of, whole_degrees
+from narrows.safety.held_trials import trials
+from narrows.safety.pilots import PILOTS, BestEstimateCourses, Helmsman, regulator_of, whole_degrees
 from narrows.safety.request import Disturbance, envelope_request
 from narrows.simulation.grid import sampled
 from narrows.simulation.ship import SimulatedShip
@@ -171,10 +170,10 @@ class TestTrials:
         model, samples, u = replace(doubtful(), covariance=doubtful().covariance * 16), 6, np.array([5.0])
         offsets, heave = np.array([-60.0, 0.0, 35.0, 90.0]), np.zeros(1)
         thrown = {n: -c for n, c in Disturbance(6.0, offset=2.0).drawn(samples, 3).items()}
-        chosen = ChosenPilot(PILOTS[name], PILOTS[name].tunings[:2][-1])
-        tried = trials(model, offsets, u, heave, Disturbance(6.0, offset=2.0), samples, 3, chosen=chosen)
+        chosen = replace(PILOTS[name], tunings=PILOTS[name].tunings[:2][-1:])
+        tried = trials(model, offsets, u, heave, Disturbance(6.0, offset=2.0), samples, 3, pilot=chosen)
         ship, drawn = SimulatedShip(model), sampled(model, samples, 3)
-        numbers = chosen.pilot.numbers(BestEstimateCourses(ship, offsets, u, heave), chosen.tuning)
+        numbers = chosen.numbers(BestEstimateCourses(ship, offsets, u, heave), chosen.tunings[0])
         fates = set()
         for row, y in enumerate(offsets.tolist()):
             at = {n: table[row, 0] for n, table in numbers.items()}
@@ -184,7 +183,7 @@ class TestTrials:
                 there = {n: float(course[n]) for n in ("rudder", "psi", "v")}
                 # A drawn ship that no rudder holds there is not held, whoever steers.
                 steady = np.isfinite(list(there.values())).all()
-                law = chosen.pilot.law(ship, at, {"y": y, "u": 5.0, "r": 0.0, **there}) if steady else None
+                law = chosen.law(ship, at, {"y": y, "u": 5.0, "r": 0.0, **there}) if steady else None
                 signs = thrown if y < 0 else {n: -c for n, c in thrown.items()}
                 held = was_held(own, law, signs, y, 5.0, sample)
                 known = held or self.by_one_who_knows(own, signs, y, sample)
@@ -222,16 +221,16 @@ class TestChoice:
             narrow(), np.linspace(-9, 9, 7), np.array([4.0, 6.0]), None, 1 / 3, None, None, None
         )
         chosen = choose_pilot(question, bounds_of(question), 0, 1)
-        assert chosen.tuning in PILOTS["regulator"].tunings
+        assert chosen.tunings[0] in PILOTS["regulator"].tunings
         shares = {}
         for tuning in PILOTS["regulator"].tunings:
             tried = trials(
                 narrow(), question.offsets, question.speeds, bounds_of(question).under.midship, question.disturbance,
-                300, 99, chosen=ChosenPilot(PILOTS["regulator"], tuning), knowing=False,
+                300, 99, pilot=replace(PILOTS["regulator"], tunings=(tuning,)), knowing=False,
             )  # fmt: skip
             shares[tuning] = float(((np.abs(tried["rudder"]) <= question.rudder_limit) & tried["held"]).mean())
-        assert shares[chosen.tuning] > max(shares.values()) - 0.03
-        assert shares[chosen.tuning] > shares[DEFAULT_WEIGHTS] + 0.02
+        assert shares[chosen.tunings[0]] > max(shares.values()) - 0.03
+        assert shares[chosen.tunings[0]] > shares[DEFAULT_WEIGHTS] + 0.02
 
     def test_a_pilot_that_there_is_not_is_refused(self) -> None:
         with pytest.raises(nw.InputError, match=" or ".join(PILOTS)):

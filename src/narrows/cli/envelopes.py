@@ -85,7 +85,7 @@ class SectionOptions:
         if self.waterway is None:
             return model, {}, ()
         at = self.at
-        from narrows.safety.speed_limits import reach_at
+        from narrows.safety.envelope_along import reach_at
         from narrows.simulation.outcome import water_notes
 
         waterway = self.read()

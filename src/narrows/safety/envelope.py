@@ -14,8 +14,8 @@ from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
 from narrows.safety import settings
 from narrows.safety.caveats import data_coverage, with_caveats
-from narrows.safety.held_trials import ChosenPilot, trials
-from narrows.safety.pilots import PILOTS
+from narrows.safety.held_trials import trials
+from narrows.safety.pilots import PILOTS, Pilot
 from narrows.safety.request import Bend, Disturbance, EnvelopeRequest, Keel, Walls, envelope_request, keel_at
 from narrows.safety.result import MEDIAN, SafeEnvelope
 from narrows.simulation.grid import grid_of
@@ -89,7 +89,7 @@ def safe_envelope(
     bounds = bounds_of(request)
     try_more = partial(
         trials, y=request.offsets, u=request.speeds, heave=bounds.under.midship, disturbance=request.disturbance,
-        walls=request.walls, bend=request.bend, chosen=choose_pilot(request, bounds, seed, workers), workers=workers,
+        walls=request.walls, bend=request.bend, pilot=choose_pilot(request, bounds, seed, workers), workers=workers,
         progress=progress,
     )  # fmt: skip
     tried = settled_trials(partial(try_more, model), samples, seed, request.rudder_limit, bounds.clear & bounds.tested)
@@ -155,27 +155,26 @@ def rudder_of_propeller_burst(request: EnvelopeRequest, under: Keel) -> xr.DataA
     return xr.DataArray(rudder.reshape(shape), dims=list(grid.sizes), attrs={"units": "rad"}).transpose("y", "u")
 
 
-def choose_pilot(request: EnvelopeRequest, bounds: Bounds, seed: int, workers: int | None) -> ChosenPilot:
-    """Choose the tuning of a pilot that holds most samples at a few of the requested offsets and speeds."""
+def choose_pilot(request: EnvelopeRequest, bounds: Bounds, seed: int, workers: int | None) -> Pilot:
+    """Return a pilot with the tuning alone that holds most samples at a few of the requested offsets and speeds."""
     pilot = PILOTS[request.pilot]
     if len(pilot.tunings) == 1:
-        return ChosenPilot(pilot, pilot.tunings[0])
+        return pilot
     open_to = np.flatnonzero(bounds.clear) if bounds.clear.any() else np.arange(len(request.speeds))
-    speeds, offsets = (
-        open_to[_spread(len(open_to), settings.TUNING_SPEEDS)],
-        _spread(len(request.offsets), settings.TUNING_OFFSETS),
-    )
+    speeds = open_to[_spread(len(open_to), settings.TUNING_SPEEDS)]
+    offsets = _spread(len(request.offsets), settings.TUNING_OFFSETS)
     other_seed = int(np.random.SeedSequence((abs(seed), settings.TUNING_SEED)).generate_state(1)[0])
     shares = []
-    for tuning in pilot.tunings:
+    tunings = [replace(pilot, tunings=(tuning,)) for tuning in pilot.tunings]
+    for tuned in tunings:
         tried = trials(
             request.model, request.offsets[offsets], request.speeds[speeds], bounds.under.midship[speeds],
-            request.disturbance, settings.TUNING_SAMPLES, other_seed, request.walls, ChosenPilot(pilot, tuning),
+            request.disturbance, settings.TUNING_SAMPLES, other_seed, request.walls, tuned,
             bend=request.bend, knowing=False, workers=workers,
         )  # fmt: skip
         safe = (np.abs(tried["rudder"]) <= request.rudder_limit) & tried["held"]
         shares.append(float(safe.mean()))
-    return ChosenPilot(pilot, pilot.tunings[int(np.argmax(shares))])
+    return tunings[int(np.argmax(shares))]
 
 
 def _spread(size: int, most: int) -> np.ndarray:

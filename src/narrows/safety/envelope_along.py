@@ -1,8 +1,8 @@
-"""Safe envelopes along a waterway: the highest safe speed and the widest safe offsets, place by place."""
+"""Safe envelopes and speed limits along a waterway, place by place."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,10 +17,10 @@ from narrows.safety.envelope import safe_envelope
 from narrows.safety.headline import MORE, estimated, first_run, runs, safe_offsets, sure_blocks
 from narrows.safety.request import default_offsets, default_speeds
 from narrows.safety.result import SafeEnvelope
-from narrows.safety.speed_limits import Reach, reach_at
 from narrows.ship.particulars import Ship
 from narrows.simulation.inputs import check_waterway
 from narrows.simulation.outcome import water_notes
+from narrows.waterway.current_profile import check_along_only
 from narrows.waterway.waterway import STATIONS
 
 if TYPE_CHECKING:
@@ -219,7 +219,7 @@ def _tightest(ship: Ship, waterway: "Waterway", places: np.ndarray) -> np.ndarra
     return np.array(found)
 
 
-def _section(reach: Reach) -> tuple[Any, ...]:
+def _section(reach: "Reach") -> tuple[Any, ...]:
     """The section, bend and current of a place, to nine digits."""
     canal, asked = reach.model.configuration.canal, reach.asked
     return tuple(f"{number:.9g}" for number in (
@@ -263,3 +263,77 @@ def _speeds(rows: list[dict[str, Any]], suffix: str = "") -> str:
     ends = [pick(rows, key=lambda row: row[f"highest_speed{suffix}"]) for pick in (min, max)]
     words = [f"{row[f'highest_speed{suffix}']:.1f} knots at {row['distance']:.0f} m" for row in ends]
     return f"(to {' and '.join(dict.fromkeys(words))})"
+
+
+# Sections of a waterway for the safe envelope, and the highest safe speeds along it.
+@dataclass(frozen=True)
+class Reach:
+    model: Model  # The model in the canal of that section
+    middle: float  # Middle of that section, to starboard of the line [m]
+    asked: dict[str, Any]  # Options of ``safe_envelope`` other than offsets and speeds
+
+
+def reach_at(model: Model, waterway: "Waterway", at: float) -> Reach:
+    """Return a place of a waterway; its curvature is that of the middle of the section."""
+    ship = model.configuration.ship
+    waterway.check_fits(ship, at)
+    check_along_only(waterway, "an envelope")
+    section, canal, room = waterway.section(at), waterway.canal(at), waterway.keel_section(at, ship.draft)
+    canal = canal if canal.depth else replace(canal, depth=model.configuration.canal.depth)
+    middle, bend = float(section.middle), float(section.curvature)
+    aside, half = float(room.middle) - middle, float(room.width) / 2
+    there = replace(model, configuration=replace(model.configuration, canal=canal))
+    asked = {
+        "walls": (half - aside, half + aside), "curvature": bend / (1 - bend * middle),
+        "current": float(waterway.current_at(at)),
+    }  # fmt: skip
+    return Reach(there, middle, asked)
+
+
+def speed_limits(
+    model: Model, waterway: "Waterway", places: Sequence[float], *, y: float = 0.0, reserve: float = settings.RESERVE,
+    **envelope: Any,
+) -> list[tuple[float, float]]:  # fmt: skip
+    """Find the highest safe speed of some sections of a waterway, for a speed governor.
+
+    Parameters
+    ----------
+    model : Model
+        A model at the ship's own size, with the terms of a rudder.
+    waterway : Waterway
+        The waterway.
+    places : sequence of float [m]
+        Places along it, rising; each section is assumed constant to the next.
+    y : float [m]
+        Offset to starboard of the line.
+    reserve : float [1]
+        Rudder in reserve on the steady course (in a bend on the steady turn), for 95 % of the samples.
+    **envelope : Any
+        Options of ``safe_envelope``.
+
+    Returns
+    -------
+    list of pairs (x [m], speed [m/s])
+        Speeds through the water.
+
+    Raises
+    ------
+    InputError
+        If no speed is safe at a place, or there is none.
+    """
+    check_waterway(waterway)
+    if waterway is None:
+        raise InputError("speed limits are along a waterway; give one")
+    if not len(places):
+        raise InputError("no place is given; name some along the waterway")
+    limits = []
+    for place in map(float, places):
+        reach = reach_at(model, waterway, place)
+        asked = {"reserve": reserve, **reach.asked, **envelope}
+        there = safe_envelope(reach.model, np.array([y - reach.middle]), **asked)
+        top = float(there.highest_speed()[0])
+        if not np.isfinite(top):
+            why = there.untested or there.limited_by()[0]
+            raise InputError(f"no speed is safe {place:g} m along the way: {why}; hold another line there")
+        limits.append((place, top))
+    return limits

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,8 +17,7 @@ from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.progress import bar
 from narrows.quantities.arithmetic import choice, maximum
-from narrows.safety.best_estimate_courses import BestEstimateCourses
-from narrows.safety.pilots import PILOTS, Pilot, regulator_of
+from narrows.safety.pilots import PILOTS, BestEstimateCourses, Pilot, regulator_of
 from narrows.safety.request import STRAIGHT, Bend, Disturbance, Walls
 from narrows.safety.settings import BACK_LENGTHS, MOST_TRIALS, STEPS_A_LENGTH, TRIAL_BLOCK, TRIAL_LENGTHS
 from narrows.simulation.channel import Channel, bend_channel
@@ -34,26 +34,17 @@ OFF, BY, KNOWING = "off_{}".format, "pilot_{}".format, "knowing_{}".format
 Columns = Mapping[str, Any]
 
 
-@dataclass(frozen=True)
-class ChosenPilot:
-    pilot: Pilot  # The tested pilot
-    tuning: Any  # One of its tunings
-
-
-DEFAULT = ChosenPilot(PILOTS["regulator"], PILOTS["regulator"].tunings[0])
-
-
 def trials(
     model: Model, y: np.ndarray, u: np.ndarray, heave: np.ndarray, disturbance: Disturbance, samples: int, seed: int,
-    walls: Walls = (math.inf, math.inf), chosen: ChosenPilot = DEFAULT, knowing: bool = True, bend: Bend = STRAIGHT,
-    workers: int | None = None, progress: bool = False,
+    walls: Walls = (math.inf, math.inf), pilot: Pilot = PILOTS["regulator"], knowing: bool = True,
+    bend: Bend = STRAIGHT, workers: int | None = None, progress: bool = False,
 ) -> xr.Dataset:  # fmt: skip
     """Hold a ship at offsets and speeds against disturbances, with coefficients drawn from their covariance."""
     # y (offsets,) [m]; u (speeds,) [m/s]; heave (speeds,) [m]; walls [m]. Every sample starts from the steady course of
     # its own coefficients, plus a disturbance. A ship is held if it touches no bank, stays within 85 degrees of the
     # canal, and is back within half a beam of its line for the last three ship lengths of the trial. A propeller keeps
     # the revolutions of its speed straight ahead, and the speed follows. There are two pilots: one designed for the
-    # best estimate of the coefficients, and one with the drawn coefficients.
+    # best estimate of the coefficients, with its first tuning, and one with the drawn coefficients.
     if samples * len(y) * len(u) > MOST_TRIALS:
         points = samples * len(y) * len(u)
         raise InputError(f"{points} points are more than {MOST_TRIALS}; take fewer samples, offsets or speeds")
@@ -65,10 +56,10 @@ def trials(
     grid = Grid({**grid.values, **blowing}, grid.sizes) if disturbance.steady else grid
     extra = {OFF(name): side * column for name, column in thrown.items()}
     courses = BestEstimateCourses(ship, np.asarray(y), np.asarray(u), np.asarray(heave), bend)
-    extra |= {BY(name): table for name, table in _numbers(chosen, courses, disturbance, blowing["Y"]).items()}
+    extra |= {BY(name): table for name, table in _numbers(pilot, courses, disturbance, blowing["Y"]).items()}
     extra |= _knowing(ship, grid, bend, workers) if knowing else {}
     sailing = replace(ship, surge="free") if model.terms.propelled else ship
-    trial = _Trial(sailing, chosen.pilot, disturbance.gust_time, walls, bend, workers)
+    trial = _Trial(sailing, pilot, disturbance.gust_time, walls, bend, workers)
     kept = _tried(trial, Grid({**grid.values, **extra}, grid.sizes), progress)
     data = {name: (list(grid.sizes), column) for name, column in kept.items()}
     tried = xr.Dataset(data, coords={"y": y, "u": u}).transpose("y", "u", "sample")
@@ -76,13 +67,13 @@ def trials(
 
 
 def _numbers(
-    chosen: ChosenPilot, courses: BestEstimateCourses, disturbance: Disturbance, blowing: xr.DataArray
+    pilot: Pilot, courses: BestEstimateCourses, disturbance: Disturbance, blowing: xr.DataArray
 ) -> dict[str, xr.DataArray]:
     """Numbers of the pilot at offsets and speeds; in a steady wind those of the side that it blows from."""
 
     def of(force: float) -> dict[str, xr.DataArray]:
         there = replace(courses, wind=(force, disturbance.gust_lever * force))
-        numbers = chosen.pilot.numbers(there, chosen.tuning)
+        numbers = pilot.numbers(there, pilot.tunings[0])
         return {name: xr.DataArray(table, dims=("y", "u")) for name, table in numbers.items()}
 
     one = of(disturbance.steady)
@@ -148,8 +139,8 @@ class _Trial:
         numbers = {n.removeprefix(BY("")): np.broadcast_to(c, count) for n, c in values.items() if n.startswith(BY(""))}
         start = {**course, **{name: held[name] for name in ("v", "r", "rudder")}}
         start |= {"y": course["y"] + values[OFF("y")], "psi": held["psi"] + values[OFF("psi")]}
-        sail = _Sail(self, start, held, {name: values[OFF(name)] for name in ("Y", "N")}, count)
-        one = sail.held(self.pilot.law(self.ship, numbers, held), found)
+        sail = partial(self._held, start, held, {name: values[OFF(name)] for name in ("Y", "N")})
+        one = sail(self.pilot.law(self.ship, numbers, held), found)
         known = one
         if KNOWING("y") in values:
             gains = [np.broadcast_to(values[KNOWING(name)], count) for name in FEEDBACK]
@@ -159,29 +150,22 @@ class _Trial:
             at_that_speed = {**held, "v": held["v"] * made_for / held["u"]}
             gains = [np.where(made, gain, 1.0) for gain in gains]
             law = regulator_of(self.ship, gains, at_that_speed, np.full(count, made_for))
-            known = one | sail.held(law, made)
+            known = one | sail(law, made)
         return {"rudder": rudder, "held": one, "known": known}
 
-
-@dataclass(frozen=True)
-class _Sail:
-    trial: _Trial
-    start: Columns
-    held_course: Columns
-    push: Columns
-    count: int
-
-    def held(self, law: ControlLaw, sailed: np.ndarray) -> np.ndarray:
+    def _held(
+        self, start: Columns, course: Columns, push: Columns, law: ControlLaw, sailed: np.ndarray
+    ) -> np.ndarray:  # fmt: skip
         """Return whether each is held; excluded trials take no steps and are not held."""
-        ship, start, walls = self.trial.ship, self.start, self.trial.walls
+        ship, walls, line = self.ship, self.walls, course["y"]
         hull = ship.model.configuration.ship
-        pace = hull.length / (STEPS_A_LENGTH * np.asarray(self.held_course["u"]))
-        gusty = self.trial.gust_time if np.any(self.push["Y"]) else 0.0
-        wind = {name: np.asarray(start[name]) for name in self.push}
+        pace = hull.length / (STEPS_A_LENGTH * np.asarray(course["u"]))
+        gusty = self.gust_time if np.any(push["Y"]) else 0.0
+        wind = {name: np.asarray(start[name]) for name in push}
         gust: dict[str, Any] = {AFTER(name): force for name, force in wind.items()}
-        gust |= {"X": 0.0, "push_end": gusty, **{name: wind[name] + force for name, force in self.push.items()}}
+        gust |= {"X": 0.0, "push_end": gusty, **{name: wind[name] + force for name, force in push.items()}}
         steps = np.where(sailed, np.ceil(gusty / pace) + TRIAL_LENGTHS * STEPS_A_LENGTH, 0)
-        recorder = DeviationRecorder(law, self.held_course["y"], (steps - BACK_LENGTHS * STEPS_A_LENGTH) * pace)
+        recorder = DeviationRecorder(law, line, (steps - BACK_LENGTHS * STEPS_A_LENGTH) * pace)
         steering = steering_of(recorder, ship.actuators)
         half = np.asarray(start["width"]) / 2
         inputs = {
@@ -189,26 +173,23 @@ class _Sail:
             **{PARAMETER(name): value for name, value in recorder.parameters().items()},
             "wall_port": np.minimum(walls[0], half), "wall_starboard": np.minimum(walls[1], half),
         }  # fmt: skip
-        run = KernelRun(ship, steps * pace, pace, steering=steering, bend=self._bend(steps * pace))
+        run = KernelRun(ship, steps * pace, pace, steering=steering, bend=self._bend(steps * pace, course))
         inputs |= {"x": REACH * hull.length} if run.bend else {}
-        prepared = run.prepared(inputs, self.count, self.trial.workers)
+        prepared = run.prepared(inputs, sailed.size, self.workers)
         prepared()
         ended = run.ended(prepared, inputs)
-        line = self.held_course["y"]
         late = np.maximum(ended[f"{MEMORY('farthest')}_end"], np.abs(ended["y_end"] - line))
         return np.asarray(sailed & (ended["outcome"] == Code.AFLOAT) & (late <= hull.beam / 2))
 
-    def _bend(self, duration: np.ndarray) -> Channel | None:
+    def _bend(self, duration: np.ndarray, course: Columns) -> Channel | None:
         """The bend, longer at either end than any ship sails."""
-        trial, course = self.trial, self.held_course
-        if not trial.bend:
+        if not self.bend:
             return None
-        hull, room = trial.ship.model.configuration.ship, 1 - np.abs(trial.bend.curvature * np.asarray(course["y"]))
-        way = duration * (np.hypot(course["u"], course["v"]) + abs(trial.bend.current)) / room
-        length = 2 * REACH * hull.length + MARGIN * float(np.max(way))
-        return bend_channel(
-            trial.ship.model, trial.ship.shape, trial.walls, trial.bend.curvature, trial.bend.current, length
-        )
+        model, bend = self.ship.model, self.bend
+        room = 1 - np.abs(bend.curvature * np.asarray(course["y"]))
+        way = duration * (np.hypot(course["u"], course["v"]) + abs(bend.current)) / room
+        length = 2 * REACH * model.configuration.ship.length + MARGIN * float(np.max(way))
+        return bend_channel(model, self.ship.shape, self.walls, bend.curvature, bend.current, length)
 
 
 # Ship lengths of a bend before and after the trial, and its length over that of the ship's way [1].
