@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
 
 from narrows.files import write_whole
 from narrows.identification import Comparison, Explanation
@@ -13,14 +12,12 @@ from narrows.identification.shapley import KINDS
 from narrows.quantities.names import FORCES
 from narrows.report.fit_figures import comparison_figure
 from narrows.report.fit_page import figure, render, section
-from narrows.report.fit_table import heading, print_fit
-from narrows.report.terminal import console_of, table_of
-from narrows.results.base_results import interval, readable
+from narrows.report.fit_table import coefficient_row, heading, print_fit, share_rows
+from narrows.report.terminal import console_of, table_of, titled_table
 
 
 def write_explanation(explanation: Explanation, path: str | Path, title: str) -> None:
     rows = explanation.comparison.rows()
-    shares = explanation.shares
     page = render(
         "explanation.html.j2",
         title=title,
@@ -31,7 +28,7 @@ def write_explanation(explanation: Explanation, path: str | Path, title: str) ->
         by_test=explanation.by_test,
         coefficients=[_row(explanation, name) for name in explanation.fit.terms.names],
         kinds=KINDS,
-        shapley=[(n, [shares[k][f][n] for k in KINDS]) for f in explanation.scores for n in shares[KINDS[0]][f]],
+        shapley=share_rows(explanation.shares),
         compared=explanation.comparison.summary().splitlines(),
         left_out=explanation.comparison.left_out,
         comparison=figure(comparison_figure(rows), "Errors of tables of terms, of the fit and on left-out tests."),
@@ -42,18 +39,9 @@ def write_explanation(explanation: Explanation, path: str | Path, title: str) ->
 
 
 def _row(explanation: Explanation, name: str) -> dict[str, str]:
-    verdict, std, far = explanation.fit.verdicts[name], explanation.fit.std[name], explanation.distance[name]
-    known = verdict.determined
-    return {
-        "name": name,
-        "model": f"{explanation.model.coefficients[name]:.4g}",
-        "value": readable(explanation.fit.coefficients[name], std) if known else "-",
-        "interval": interval(explanation.fit.intervals[name], std) if known else "-",
-        "apart": f"{far:+.1f}" if far == far else "-",
-        "unit": explanation.fit.terms[name].dimension.unit,
-        "verdict": verdict.status,
-        "kind": verdict.status.replace(" ", "-"),
-    }
+    far = explanation.distance[name]
+    own = {"model": f"{explanation.model.coefficients[name]:.4g}", "apart": f"{far:+.1f}" if far == far else "-"}
+    return coefficient_row(explanation.fit, name) | own
 
 
 def bank_said(row: dict[str, Any]) -> str:
@@ -82,14 +70,19 @@ def print_explanation(explanation: Explanation, label: str = "") -> None:
 
 def print_comparison(comparison: Comparison, console: Console | None = None) -> None:
     console = console or console_of()
+    rows = (
+        (
+            row["table"], row["force"], *(_error(row[kind]) for kind in ("rmse", "rmse_left_out", "rmse_other_speeds")),
+            f"{row['not_separable']} of {row['coefficients']}",
+        )
+        for row in comparison.rows()
+    )  # fmt: skip
+    heads = ("terms", "force", "fit", "tests left out", "speeds left out", "not separable")
     title = "Tables of terms by their error (RMSE) on left-out tests"
-    table = Table(box=None, pad_edge=False, title=title, title_justify="left", title_style="bold")
-    for header in ("terms", "force", "fit", "tests left out", "speeds left out", "not separable"):
-        table.add_column(header, justify="left" if header in ("terms", "force") else "right")
-    for row in comparison.rows():
-        speeds = row["rmse_other_speeds"]
-        errors = (f"{row['rmse']:.3g}", f"{row['rmse_left_out']:.3g}", f"{speeds:.3g}" if np.isfinite(speeds) else "-")
-        table.add_row(row["table"], row["force"], *errors, f"{row['not_separable']} of {row['coefficients']}")
-    console.print(table)
+    console.print(titled_table(title, heads, rows, left=("terms", "force")))
     for sentence in comparison.summary().splitlines():
         console.print(f"- {sentence}")
+
+
+def _error(rmse: float) -> str:
+    return f"{rmse:.3g}" if np.isfinite(rmse) else "-"

@@ -28,9 +28,9 @@ from narrows.report.fit_figures import (
     motions_figure,
     shapley_figure,
 )
-from narrows.report.fit_table import best_known_first, heading, kkt_sentence
+from narrows.report.fit_table import best_known_first, coefficient_row, heading, kkt_sentence, share_rows
 from narrows.report.style import svg
-from narrows.results.base_results import interval, readable, with_error
+from narrows.results.base_results import readable, with_error
 from narrows.ship.particulars import Canal, Configuration, Ship
 from narrows.terms.term import Term
 
@@ -88,7 +88,6 @@ def figure(picture: Any, caption: str) -> dict[str, str]:
 def section(label: str, fit: Fit, number: int, answer: BankSummary | None = None) -> dict[str, Any]:
     """Collect the page's contents on a fit."""
     source, envelope = fit.tests.source, asdict(fit.data_range)
-    shares = {kind: fit.shapley(kind) for kind in KINDS}
     return {
         "id": f"fit-{number}",
         "heading": heading(fit, label),
@@ -104,7 +103,7 @@ def section(label: str, fit: Fit, number: int, answer: BankSummary | None = None
         ],
         "equations": equations(fit),
         "constraints": constraints(fit),
-        "coefficients": [_row(fit, name) for name in best_known_first(fit)],
+        "coefficients": [coefficient_row(fit, name) for name in best_known_first(fit)],
         "first": _first_picture(fit),
         "predictiveness": [one.sentence for one in fit.predictiveness],
         "doubts": [verdict.sentence(name) for name, verdict in fit.verdicts.items() if verdict.status != IDENTIFIED],
@@ -113,8 +112,7 @@ def section(label: str, fit: Fit, number: int, answer: BankSummary | None = None
         "by_test": _by_test(fit),
         "correlations": fit.correlations,
         "influence": [_influence(fit, name) for name in fit.terms.names if fit.verdicts[name].determined],
-        "shapley": [(name, [shares[kind][force][name] for kind in KINDS])
-                    for force in fit.scores for name in shares[KINDS[0]][force]],
+        "shapley": share_rows({kind: fit.shapley(kind) for kind in KINDS}),
         "notes": [*fit.notes, kkt_sentence(fit)],
         "figures": _figures(fit),
     }  # fmt: skip
@@ -153,20 +151,6 @@ def constraints(fit: Fit) -> str:
     bounded = [term.name for term in fit.terms.terms if term.bound[0] == 0]
     ties = [" = ".join(tie) for tie in fit.terms.ties]
     return "; ".join([f"{', '.join(bounded)} not negative"] * bool(bounded) + ties) or "none"
-
-
-def _row(fit: Fit, name: str) -> dict[str, str]:
-    verdict, std = fit.verdicts[name], fit.std[name]
-    known = verdict.determined
-    return {
-        "name": name,
-        "value": readable(fit.coefficients[name], std) if known else "-",
-        "std": readable(std, std) if known else "-",
-        "interval": interval(fit.intervals[name], std) if known else "-",
-        "unit": fit.terms[name].dimension.unit,
-        "verdict": verdict.status,
-        "kind": verdict.status.replace(" ", "-"),
-    }
 
 
 def _by_test(fit: Fit) -> list[tuple[str, str, str, str]]:

@@ -1,5 +1,7 @@
 """A fit in the terminal: coefficients, their limits, scores, Shapley shares."""
 
+from collections.abc import Mapping
+
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
@@ -8,10 +10,14 @@ from narrows.identification import Fit
 from narrows.identification.bank_summary import BankSummary, summarise_bank
 from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED, ZERO
-from narrows.report.terminal import everything, print_notes
+from narrows.report.terminal import everything, print_notes, table_of, titled_table
 from narrows.results.base_results import interval, readable
 
 MOST_PAIRS = 5
+# Columns of the coefficients, and their heads.
+COLUMNS = {
+    "name": "", "value": "value", "std": "std. error", "interval": "95 % interval", "unit": "unit", "verdict": "",
+}  # fmt: skip
 COLOURS = {
     "identified": "green", "zero": "green", "imprecise": "yellow", "at bound": "yellow", "not separable": "magenta",
 }  # fmt: skip
@@ -77,38 +83,39 @@ def kkt_sentence(fit: Fit) -> str:
     return f"The Karush-Kuhn-Tucker conditions {verb}: largest violation {worst:.1e}, relative."
 
 
+def coefficient_row(fit: Fit, name: str) -> dict[str, str]:
+    """Return a coefficient with its uncertainty in words, and the class of its verdict on a page."""
+    verdict, std = fit.verdicts[name], fit.std[name]
+    known = (readable(fit.coefficients[name], std), readable(std, std), interval(fit.intervals[name], std))
+    shown = known if verdict.determined else ("-", "-", "-")
+    row = {"name": name, **dict(zip(("value", "std", "interval"), shown, strict=True))}
+    kind = verdict.status.replace(" ", "-")
+    return {**row, "unit": fit.terms[name].dimension.unit, "verdict": verdict.status, "kind": kind}
+
+
+def share_rows(shares: Mapping[str, Mapping[str, Mapping[str, float]]]) -> list[tuple[str, list[float]]]:
+    """Return the Shapley shares of each term, of all kinds."""
+    first = shares[KINDS[0]]
+    return [(name, [shares[kind][force][name] for kind in KINDS]) for force in first for name in first[force]]
+
+
 def _coefficients(fit: Fit) -> Table:
-    table = Table(box=None, pad_edge=False)
-    for header in ("", "value", "std. error", "95 % interval", "unit", ""):
-        number = header in ("value", "std. error", "95 % interval")
-        table.add_column(header, justify="right" if number else "left", no_wrap=True)
-    for name in best_known_first(fit):
-        status, std = fit.verdicts[name].status, fit.std[name]
-        colour = COLOURS.get(status, "red")
-        known = fit.verdicts[name].determined
-        cells = (readable(fit.coefficients[name], std), readable(std, std), interval(fit.intervals[name], std))
-        shown = cells if known else ("-", "-", "-")
-        table.add_row(name, *shown, fit.terms[name].dimension.unit, Text(status, style=colour))
-    return table
+    rows = (
+        [Text(row[key], style=COLOURS.get(row[key], "red") if key == "verdict" else "") for key in COLUMNS]
+        for row in (coefficient_row(fit, name) for name in best_known_first(fit))
+    )
+    return table_of(COLUMNS.values(), rows, left=("", "unit"), no_wrap=True)
 
 
 def _scores(fit: Fit) -> Table:
     out = "each distinct motion left out" if fit.split == "test" else "rows left out"
-    table = Table(box=None, pad_edge=False, title=f"Fit, and on {out}", title_justify="left", title_style="bold")
-    for header in ("", "R2", "RMSE", "R2 left out", "RMSE left out"):
-        table.add_column(header, justify="left" if not header else "right")
-    for force, score in fit.scores.items():
-        other = fit.left_out[force]
-        table.add_row(force, f"{score.r2:.3f}", f"{score.rmse:.3f}", f"{other.r2:.3f}", f"{other.rmse:.3f}")
-    return table
+    rows = (
+        (force, *(f"{number:.3f}" for one in (score, fit.left_out[force]) for number in (one.r2, one.rmse)))
+        for force, score in fit.scores.items()
+    )
+    return titled_table(f"Fit, and on {out}", ("", "R2", "RMSE", "R2 left out", "RMSE left out"), rows)
 
 
 def _shares(fit: Fit) -> Table:
-    table = Table(box=None, pad_edge=False, title="Shapley shares", title_justify="left", title_style="bold")
-    for header in ("", *KINDS):
-        table.add_column(header, justify="left" if not header else "right")
-    shares = {kind: fit.shapley(kind) for kind in KINDS}
-    for force in ("Y", "N"):
-        for name in shares["mse"].get(force, {}):
-            table.add_row(name, *(f"{shares[kind][force][name]:+.3f}" for kind in KINDS))
-    return table
+    shares = share_rows({kind: fit.shapley(kind) for kind in KINDS})
+    return titled_table("Shapley shares", ("", *KINDS), ((name, *map("{:+.3f}".format, own)) for name, own in shares))

@@ -15,8 +15,8 @@ from narrows.report.fit_figures import (
     shapley_figure,
 )
 from narrows.report.fit_page import figure, render
+from narrows.report.fit_table import coefficient_row
 from narrows.report.voyage_figures import distances_figure, paths_figure
-from narrows.results.base_results import interval, readable
 from narrows.simulation.maps import grounding_distance
 from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reproduction
 
@@ -36,18 +36,9 @@ def write_reproduction(reproduced: Reproduction, path: str | Path) -> None:
 
 
 def _coefficient(fit: Fit, name: str, printed: float) -> dict[str, str]:
-    std, verdict = fit.std[name], fit.verdicts[name]
     low, high = fit.intervals[name]
-    known = verdict.determined
-    return {
-        "name": name,
-        "printed": f"{printed:g}",
-        "found": readable(fit.coefficients[name], std) if known else "-",
-        "interval": interval((low, high), std) if known else "-",
-        "verdict": verdict.status,
-        "kind": verdict.status.replace(" ", "-"),
-        "why": _why(known, low <= printed <= high),
-    }
+    why = _why(fit.verdicts[name].determined, low <= printed <= high)
+    return coefficient_row(fit, name) | {"printed": f"{printed:g}", "why": why}
 
 
 def _why(known: bool, inside: bool) -> str:

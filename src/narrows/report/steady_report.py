@@ -16,7 +16,7 @@ from narrows.logbook.steady_legs.learn_steady import SHARED
 from narrows.report.fit_page import figure, render
 from narrows.report.pilot_page import LEARNED_HEADS, learned_rows
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, Margins, panels
-from narrows.report.terminal import WIDTH, console_of, print_notes, print_result, table_of
+from narrows.report.terminal import WIDTH, console_of, print_notes, print_result, table_of, titled_table
 from narrows.safety import SURE_SHARE
 
 
@@ -116,8 +116,7 @@ def print_change(change: EnvelopeChange, console: Console | None = None) -> None
     title = (
         f"The safe envelope: rudder that holds the ship (9 cases of 10 between) and cases held, at {speed:.1f} knots"
     )
-    table = table_of(CHANGE_HEADS, change_rows(change), title=title, title_justify="left", title_style="bold")
-    console.print(table)
+    console.print(titled_table(title, CHANGE_HEADS, change_rows(change)))
     console.print(change.summary())
 
 

@@ -6,6 +6,7 @@ from typing import Any, TypeVar
 
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
 Row = TypeVar("Row")
 
@@ -24,7 +25,7 @@ def console_of(least: int = 0) -> Console:
 
 
 def table_of(
-    heads: Iterable[str], rows: Iterable[Iterable[str]], left: Iterable[str] = ("",), no_wrap: bool = False,
+    heads: Iterable[str], rows: Iterable[Iterable[str | Text]], left: Iterable[str] = ("",), no_wrap: bool = False,
     **options: Any,
 ) -> Table:  # fmt: skip
     """Return a table without rules: columns under ``left`` are left-aligned, all others right-aligned."""
@@ -34,6 +35,10 @@ def table_of(
     for row in rows:
         table.add_row(*row)
     return table
+
+
+def titled_table(title: str, heads: Iterable[str], rows: Iterable[Iterable[str]], left: Iterable[str] = ("",)) -> Table:
+    return table_of(heads, rows, left, title=title, title_justify="left", title_style="bold")
 
 
 def print_result(result: Any, *tables: Table | None) -> None:
