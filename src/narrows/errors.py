@@ -93,21 +93,20 @@ def needs(extra: str, what: str) -> Iterator[None]:
 
 
 def libraries_of(extra: str) -> list[str]:
+    return [line.split(";")[0].strip() for line in _required() if re.search(f";.*extra == ['\"]{extra}['\"]", line)]
+
+
+def _required() -> list[str]:
     try:
-        lines = requires("narrows") or []
+        return requires("narrows") or []
     except PackageNotFoundError:  # It runs from a folder
         return []
-    return [line.split(";")[0].strip() for line in lines if re.search(f";.*extra == ['\"]{extra}['\"]", line)]
 
 
 def show_versions() -> None:
     """Print the versions of narrows, Python, the system and the libraries, extras among them."""
     found = {"narrows": version_of("narrows"), "python": platform.python_version(), "system": platform.platform()}
-    try:
-        lines = requires("narrows") or []
-    except PackageNotFoundError:  # It runs from a folder
-        lines = []
-    found |= {name: version_of(name) for name in sorted({re.split(r"[^\w.-]", line)[0] for line in lines})}
+    found |= {name: version_of(name) for name in sorted({re.split(r"[^\w.-]", line)[0] for line in _required()})}
     width = max(map(len, found))
     print("\n".join(f"{name:{width}}  {number}" for name, number in found.items()))
 

@@ -19,7 +19,7 @@ from narrows.errors import InputError, path_of
 from narrows.model.sections import Source
 from narrows.progress import file_stage
 from narrows.readers.cells import as_sheet, name_of, sha256_of_frame
-from narrows.readers.frames import guarded, notes_of, read_chunks, read_frame
+from narrows.readers.frames import guarding, notes_of, read_chunks, read_frame
 from narrows.readers.mapping import ColumnMapping, read_mapping
 from narrows.ship.actuators import Actuator
 from narrows.ship.particulars import Configuration
@@ -101,11 +101,7 @@ def as_tests(tests: Any, ship: ShipSource | None, default: ShipSource | None = N
 
 
 def sha256_of(path: Path) -> str:
-    return str(guarded(path, lambda: _digest(path)))
-
-
-def _digest(path: Path) -> str:
-    with path.open("rb") as file:
+    with guarding(path), path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 

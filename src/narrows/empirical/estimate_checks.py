@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 from narrows.empirical.propulsion import ShipType, service_speed
 from narrows.errors import InputError, shown
@@ -18,15 +18,8 @@ SHAPES = {"L/B": (2.5, 15.0), "B/T": (1.2, 15.0), "block coefficient": (0.3, 0.9
 FASTEST_OVER_USUAL = 1.8
 
 
-class Proportion(NamedTuple):
-    """A particular over a size of the ship, and its widest range: a wrong unit is outside."""
-
-    place: str
-    value: float
-    size: float
-    of: str
-    range: tuple[float, float]
-    remedy: str
+# A particular, a size of the ship and its words, the widest range of their ratio (a wrong unit is outside), a remedy.
+Proportion = tuple[str, float, float, str, tuple[float, float], str]
 
 
 def check_types(ship: object, canal: object, water: object, **parts: object) -> None:
@@ -82,27 +75,24 @@ def check_proportions(ship: Ship, water: Water, parts: Mapping[str, Part | None]
 def _of_mass(ship: Ship, water: Water) -> Iterator[Proportion]:
     displaced = water.density * ship.block_coefficient * ship.length * ship.beam * ship.draft
     if ship.mass is not None:
-        yield Proportion("[ship] mass", ship.mass, displaced, "the displaced water", (0.7, 1.4), "give it in kg")
+        yield "[ship] mass", ship.mass, displaced, "the displaced water", (0.7, 1.4), "give it in kg"
     if ship.inertia is not None:
         square = (ship.mass or displaced) * ship.length**2
-        yield Proportion("[ship] inertia", ship.inertia, square, "mass x length^2", (0.02, 0.2), "give it in kg m2")
+        yield "[ship] inertia", ship.inertia, square, "mass x length^2", (0.02, 0.2), "give it in kg m2"
     if ship.x_g is not None:
-        remedy = "give metres forward of midship"
-        yield Proportion("[ship] x_g", ship.x_g, ship.length, "the length", (-0.1, 0.1), remedy)
+        yield "[ship] x_g", ship.x_g, ship.length, "the length", (-0.1, 0.1), "give metres forward of midship"
 
 
 def _of_parts(ship: Ship, parts: Mapping[str, Any]) -> Iterator[Proportion]:
     propeller, rudder, steering = (parts[name] for name in ("propeller", "rudder", "steering"))
     if propeller is not None:
         diameter, pace = propeller.diameter, math.sqrt(GRAVITY * ship.length) / propeller.diameter
-        yield Proportion("[propeller] diameter", diameter, ship.draft, "the draft", (0.15, 1.2), "give it in metres")
-        yield Proportion(
-            "[propeller] revolutions", propeller.revolutions, pace, "(g L)^(1/2) over the diameter", (0.0, 1.5),
-            "give revolutions per second, not per minute",
-        )  # fmt: skip
+        yield "[propeller] diameter", diameter, ship.draft, "the draft", (0.15, 1.2), "give it in metres"
+        remedy, words = "give revolutions per second, not per minute", "(g L)^(1/2) over the diameter"
+        yield "[propeller] revolutions", propeller.revolutions, pace, words, (0.0, 1.5), remedy
     if rudder is not None:
-        remedy = "give it in m2, not as a share"
-        yield Proportion("[rudder] area", rudder.area, ship.length * ship.draft, "L x T", (0.005, 0.1), remedy)
+        lateral, remedy = ship.length * ship.draft, "give it in m2, not as a share"
+        yield "[rudder] area", rudder.area, lateral, "L x T", (0.005, 0.1), remedy
     if steering is not None:
         remedy = "give degrees, not radians"
-        yield Proportion("[steering] limit_deg", steering.limit_deg, 35.0, "the usual 35 degrees", (0.1, 2.6), remedy)
+        yield "[steering] limit_deg", steering.limit_deg, 35.0, "the usual 35 degrees", (0.1, 2.6), remedy

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import asdict, replace
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -133,12 +133,12 @@ def estimated(
     spreads = {name: calibration.estimate(name, hull, depth_to_draft) for name in COEFFICIENTS}
     spreads |= bank_prior()
     spreads["R_0"] = Spread(resistance, RESISTANCE_SHARE * resistance)
-    names, coefficients, covariance = _assembled(spreads, hull, calibration.correlation)
+    coefficients, covariance = _assembled(spreads, hull, calibration.correlation)
     missing = [name for name in ("propeller", "rudder") if parts[name] is None]
     return Model(
         replace(configuration, propeller=driven, rudder=steered),
         table_named(TABLE),
-        dict(zip(names, coefficients, strict=True)),
+        coefficients,
         covariance=covariance,
         data_range=DataRange(
             speed=(0.0, FASTEST_FROUDE * math.sqrt(GRAVITY * known.length)),
@@ -187,7 +187,10 @@ def _completed(ship: Ship | Mapping[str, Any], kind: str | None) -> tuple[Ship, 
         check_number(f"[ship] {name}", given[name])
     filled = []
     for name in missing:
-        given[name] = _usual_dimension(name, given, SHIP_TYPES[str(kind)])
+        usual = SHIP_TYPES[str(kind)]
+        sizes = {"beam": ("length", usual.length_to_beam), "draft": ("beam", usual.beam_to_draft)}
+        of, ratio = sizes.get(name, ("", 0.0))
+        given[name] = given[of] / ratio if of else usual.block_coefficient
         unit = "" if name == "block_coefficient" else " m"
         filled.append(f"{name.replace('_', ' ')} {given[name]:.3g}{unit}")
     try:
@@ -198,14 +201,6 @@ def _completed(ship: Ship | Mapping[str, Any], kind: str | None) -> tuple[Ship, 
         ) from None
     check_shape(known)
     return known, filled
-
-
-def _usual_dimension(name: str, given: Mapping[str, Any], usual: ShipType) -> float:
-    if name == "beam":
-        return float(given["length"] / usual.length_to_beam)
-    if name == "draft":
-        return float(given["beam"] / usual.beam_to_draft)
-    return usual.block_coefficient
 
 
 def _type_of(ship: Ship, kind: str | None) -> tuple[ShipType, str]:
@@ -221,13 +216,9 @@ def _with_mass(ship: Ship, water: Water) -> Ship:
     return replace(ship, mass=mass, inertia=inertia, x_g=x_g)
 
 
-class _Assembled(NamedTuple):
-    names: tuple[str, ...]
-    values: np.ndarray
-    covariance: np.ndarray
-
-
-def _assembled(spreads: Mapping[str, Spread], hull: Hull, correlation: np.ndarray) -> _Assembled:
+def _assembled(
+    spreads: Mapping[str, Spread], hull: Hull, correlation: np.ndarray
+) -> tuple[dict[str, float], np.ndarray]:
     """Return coefficients and covariance in the order of the terms; tied coefficients share one error."""
     terms = table_named(TABLE)
     increase = 1 + rudder_force_increase(hull)
@@ -249,9 +240,8 @@ def _assembled(spreads: Mapping[str, Spread], hull: Hull, correlation: np.ndarra
         {"X_thrust": THRUST_SHARE * values["X_thrust"]},
     ]
     tied = {other: one for one, other in terms.ties}
-    columns = [[error.get(tied.get(name, name), 0.0) for error in errors] for name in terms.names]
-    table = np.array(columns)
-    return _Assembled(terms.names, np.array([values[tied.get(name, name)] for name in terms.names]), table @ table.T)
+    table = np.array([[error.get(tied.get(name, name), 0.0) for error in errors] for name in terms.names])
+    return {name: values[tied.get(name, name)] for name in terms.names}, table @ table.T
 
 
 def _sentences(

@@ -3,7 +3,7 @@
 import struct
 import zlib
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import nullcontext, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -29,25 +29,27 @@ def read_frame(path: Path) -> Sheet:
         **dict.fromkeys(TEXT, _read_text), ".parquet": _read_parquet, ".xlsx": _read_excel, ".mat": _read_mat,
     }  # fmt: skip
     reader = readers[_suffix(path, READABLE)]
-    with file_stage("reading", path) if reader is not _read_text else nullcontext():  # File with counted bytes
-        sheet: Sheet = guarded(path, lambda: reader(path))
-    return sheet
+    with file_stage("reading", path) if reader is not _read_text else nullcontext(), guarding(path):
+        return reader(path)  # Text is read with counted bytes
 
 
 def read_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
-    parquet = _suffix(path, STREAMED) == ".parquet"
-    chunks = (
-        _parquet_chunks(path, rows) if parquet else guarded(path, lambda: text_chunks(path, dialect_of(path), rows))
-    )
-    while (chunk := guarded(path, lambda: next(chunks, None))) is not None:
+    is_parquet = _suffix(path, STREAMED) == ".parquet"
+    with guarding(path):
+        chunks = _parquet_chunks(path, rows) if is_parquet else text_chunks(path, dialect_of(path), rows)
+    while True:
+        with guarding(path):
+            chunk = next(chunks, None)
+        if chunk is None:
+            return
         yield chunk
 
 
 def notes_of(path: Path) -> tuple[str, ...]:
     if _suffix(path, STREAMED) == ".parquet":
         return ()
-    notes: tuple[str, ...] = guarded(path, lambda: dialect_of(path).head.notes)
-    return notes
+    with guarding(path):
+        return dialect_of(path).head.notes
 
 
 def _parquet_chunks(path: Path, rows: int) -> Iterator[pd.DataFrame]:
@@ -69,9 +71,11 @@ def _suffix(path: Path, allowed: tuple[str, ...]) -> str:
     return suffix
 
 
-def guarded(path: Path, read: Callable[[], Any]) -> Any:
+@contextmanager
+def guarding(path: Path) -> Iterator[None]:
+    """Turn the errors of readers into one sentence with the file."""
     try:
-        return read()
+        yield
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file; check the path") from None
     except InputError as error:
