@@ -31,7 +31,8 @@ TURNING_LENGTHS, ZIGZAG_LENGTHS = 40.0, 40.0
 # Angles below this [deg] were probably given in radians.
 LEAST_DEG = 1.0
 
-# Measures of trials: a turning circle's advance and diameter, a zigzag's overshoots.
+# Measures of a turning circle, at these changes of heading.
+MEASURES = ("advance", "transfer", "tactical_diameter")
 QUARTER, HALF = np.pi / 2, np.pi
 
 
@@ -89,24 +90,20 @@ class Turning(BaseResult):
         measures = self.to_dict()
         parts = (
             f"{name.replace('_', ' ')} {measures[f'{name}_over_length']:.2f} L ({measures[name]:.4g} m)"
-            for name in ("advance", "transfer", "tactical_diameter")
+            for name in MEASURES
         )
         return f"Rudder {math.degrees(self.voyage.rudder[-1]):+.3g} degrees: {', '.join(parts)}."
 
     def to_dict(self) -> dict[str, Any]:
         """Return the measures by name, in metres and over the ship's length."""
-        metres = {name: getattr(self, name) for name in ("advance", "transfer", "tactical_diameter")}
+        metres = {name: getattr(self, name) for name in MEASURES}
         return {**metres, **self.over_length()}
 
     def over_length(self) -> dict[str, float]:
         """Return the measures over the ship's length, and the steady speed over that of the approach [1]."""
         length, u = self.voyage.configuration.ship.length, self.voyage.u
-        return {
-            "advance_over_length": self.advance / length,
-            "transfer_over_length": self.transfer / length,
-            "tactical_diameter_over_length": self.tactical_diameter / length,
-            "speed_over_approach": float(u[-1] / u[0]),
-        }
+        measures = {f"{name}_over_length": getattr(self, name) / length for name in MEASURES}
+        return {**measures, "speed_over_approach": float(u[-1] / u[0])}
 
 
 @dataclass(frozen=True, repr=False)
@@ -170,10 +167,7 @@ class Trials(BaseResult):
             f"{measures['tactical_diameter_over_length']:.2f} L."
             for order, measures in self._circles().items()
         ]
-        zigzags = [
-            f"Zigzag {order}: overshoots {', '.join(f'{angle:.1f}' for angle in measures['overshoots_deg'])} degrees."
-            for order, measures in self._zigzags().items()
-        ]
+        zigzags = [f"Zigzag {order}{test.summary().removeprefix('Zigzag')}" for order, test in self.zigzags.items()]
         return "\n".join(circles + zigzags)
 
     def to_dict(self) -> dict[str, Any]:

@@ -34,30 +34,14 @@ SPEEDS = ("lowest_speed", "highest_speed", "at_speed")
 
 @dataclass(frozen=True, repr=False)
 class EnvelopeAlong(BaseResult):
-    """The safe envelopes of some places along a waterway.
-
-    Parameters
-    ----------
-    waterway : Waterway
-        The waterway.
-    draft : float [m]
-        Draft of the ship.
-    places : array (n,) [m]
-        Places along it.
-    computed_at : array (n,) [m]
-        The tightest section of the reach of each place.
-    middles : array (n,) [m]
-        Middle of that section, to starboard of the line.
-    envelopes : tuple of SafeEnvelope
-        The envelope there; its offsets are from that middle.
-    """
+    """The safe envelopes of some places along a waterway."""
 
     waterway: "Waterway"
-    draft: float
-    places: np.ndarray
-    computed_at: np.ndarray
-    middles: np.ndarray
-    envelopes: tuple[SafeEnvelope, ...]
+    draft: float  # Draft of the ship [m]
+    places: np.ndarray  # (n,) Places along it [m]
+    computed_at: np.ndarray  # (n,) The tightest section of the reach of each place [m]
+    middles: np.ndarray  # (n,) Middle of that section, to starboard of the line [m]
+    envelopes: tuple[SafeEnvelope, ...]  # The envelope there; its offsets are from that middle
 
     def __repr__(self) -> str:
         return f"<EnvelopeAlong {self.waterway.name}, {len(self.places)} places>"

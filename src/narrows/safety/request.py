@@ -195,19 +195,8 @@ def envelope_request(
     speeds = default_speeds(model) if u is None else labelled("u", u).to_numpy().reshape(-1)
     _check(offsets, speeds, room, ship.beam)
     _check_bend(bend, room, speeds)
-    return EnvelopeRequest(
-        model,
-        offsets,
-        speeds,
-        disturbance or Disturbance(),
-        reserve,
-        least,
-        most_revolutions,
-        room,
-        bank,
-        pilot,
-        bend,
-    )
+    weather = disturbance or Disturbance()
+    return EnvelopeRequest(model, offsets, speeds, weather, reserve, least, most_revolutions, room, bank, pilot, bend)
 
 
 def default_offsets(model: Model, room: Walls, count: int = OFFSETS) -> np.ndarray:

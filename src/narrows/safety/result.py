@@ -171,7 +171,7 @@ class SafeEnvelope(BaseResult):
         share : float [1]
             Least share of the samples.
         """
-        return self._speeds(share, 1)
+        return self._speeds(self.safe(share), 1)
 
     def lowest_speed(self, share: float = SURE_SHARE) -> xr.DataArray:
         """Return the lowest safe speed at each offset [m/s], NaN if there is none: below it gusts may win.
@@ -181,7 +181,7 @@ class SafeEnvelope(BaseResult):
         share : float [1]
             Least share of the samples.
         """
-        return self._speeds(share, 0)
+        return self._speeds(self.safe(share), 0)
 
     def limited_by(self, share: float = SURE_SHARE) -> list[str]:
         """Return the limit of the safe speeds at each offset.
@@ -191,7 +191,7 @@ class SafeEnvelope(BaseResult):
         share : float [1]
             Least share of the samples.
         """
-        return [self._reason(index, ends, share) for index, ends in enumerate(self._ends(share))]
+        return [self._reason(index, ends, share) for index, ends in enumerate(_ends(self.safe(share)))]
 
     def safest_offset(self, share: float = SURE_SHARE) -> xr.DataArray:
         """Return at each speed the safe offset [m] with the least rudder, NaN if there is none.
@@ -241,13 +241,13 @@ class SafeEnvelope(BaseResult):
     def offset_rows(self) -> list[dict[str, Any]]:
         """Return one row per offset: rudder [deg], range of safe speeds [knots], and their limits."""
         top, likely, bottom = self.highest_speed(), self.highest_speed(MEDIAN), self.lowest_speed()
-        helm = self._tops((self.by_some_helm() & self._covered).transpose("y", "u").to_numpy())
+        helm = self._speeds(self.by_some_helm() & self._covered, 1)
         return [
             {
                 **self._rudder(index, float(top[index]), float(likely[index])),
                 "lowest_speed": float(bottom[index]) / KNOT,
                 "highest_speed": float(top[index]) / KNOT,
-                "highest_speed_known": helm[index] / KNOT,
+                "highest_speed_known": float(helm[index]) / KNOT,
                 "highest_speed_median": float(likely[index]) / KNOT,
                 "limited_by": why,
             }
@@ -278,20 +278,17 @@ class SafeEnvelope(BaseResult):
             for index, u in enumerate(self.data["u"].to_numpy())
         ]
 
-    def _ends(self, share: float) -> list[tuple[int, int] | None]:
-        return [first_run(row) for row in self.safe(share).transpose("y", "u").to_numpy()]
-
-    def _speeds(self, share: float, end: int) -> xr.DataArray:
+    def _speeds(self, safe: xr.DataArray, end: int) -> xr.DataArray:
         speeds = self.data["u"].to_numpy()
-        ends_of = [math.nan if ends is None else float(speeds[ends[end]]) for ends in self._ends(share)]
+        ends_of = [math.nan if ends is None else float(speeds[ends[end]]) for ends in _ends(safe)]
         return xr.DataArray(ends_of, coords={"y": self.data["y"]}, dims="y", attrs={"units": "m/s"})
-
-    def _tops(self, safe: np.ndarray) -> list[float]:
-        speeds, runs = self.data["u"].to_numpy(), map(first_run, safe)
-        return [math.nan if ends is None else float(speeds[ends[1]]) for ends in runs]
 
     def _reason(self, index: int, ends: tuple[int, int] | None, share: float) -> str:
         if ends is not None and ends[1] == self.data.sizes["u"] - 1:
             return RANGE
         next_up = self.data.isel(y=index, u=0 if ends is None else ends[1] + 1)
         return cause(next_up, share, (1 - self.data.attrs["reserve"]) * self.data.attrs["rudder_limit"])
+
+
+def _ends(safe: xr.DataArray) -> list[tuple[int, int] | None]:
+    return [first_run(row) for row in safe.transpose("y", "u").to_numpy()]

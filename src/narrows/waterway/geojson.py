@@ -194,8 +194,11 @@ def _lines(features: list[Feature], file: str) -> list[Feature]:
         raise InputError(f"{file}: has no line; draw a centreline (then --line, --width and --depth), or two banks")
     rest = [one for one in lines if not one.role]
     if set(roles) == {"starboard", "port"} and len(rest) == 1:
-        return [rest[0]._replace(properties={**rest[0].properties, "role": "centreline"}), *_named(features)]
-    return _named(features) or lines
+        return [
+            rest[0]._replace(properties={**rest[0].properties, "role": "centreline"}),
+            *(one for one in features if one.role),
+        ]
+    return [one for one in features if one.role] or lines
 
 
 def _with_banks(feature: Feature, widths: list[float | None], file: str) -> list[Feature]:
@@ -215,10 +218,6 @@ def _with_banks(feature: Feature, widths: list[float | None], file: str) -> list
     ]
 
 
-def _named(features: list[Feature]) -> list[Feature]:
-    return [one for one in features if one.role]
-
-
 def _roles(features: list[Feature], lines: list[np.ndarray]) -> tuple[dict[str, Feature], dict[str, np.ndarray]]:
     """Features and points [m] by role: by their property or by their place; a missing centreline is the middle."""
     roles = [feature.role for feature in features]
@@ -236,17 +235,15 @@ def _roles(features: list[Feature], lines: list[np.ndarray]) -> tuple[dict[str, 
 
 
 def _depths(feature: Feature, line: Centreline) -> tuple[np.ndarray, np.ndarray] | None:
-    values = depths_of(feature, len(line.points))
-    along = depths_along(feature)
-    if along is not None and values is not None:
+    depth, along = (feature.properties.get(name) for name in ("depth", "depths"))
+    if depth is not None and along is not None:
         raise InputError("the centreline has both depth and depths; leave one")
     if along is not None:
-        return along
-    if values is None:
+        return depths_along(along)
+    if depth is None:
         return None
-    if values.size == 1:
-        return np.array([0.0, line.length]), np.repeat(values, 2)
-    return line.stations, values
+    values = depths_of(depth, len(line.points))
+    return (line.stations, values) if values.size > 1 else (np.array([0.0, line.length]), np.repeat(values, 2))
 
 
 # Contents of a waterway's GeoJSON file: its lines with their roles and properties, or one sentence of error.
@@ -330,11 +327,8 @@ def profile_of(feature: Feature, side: str) -> tuple[Point, ...]:
     return tuple((float(out), float(up)) for out, up in points)
 
 
-def depths_of(feature: Feature, count: int) -> np.ndarray | None:
-    """Return the depths of a centreline, (1,) or (count,) [m]: NaN for a missing one, None without any."""
-    depth = feature.properties.get("depth")
-    if depth is None:
-        return None
+def depths_of(depth: Any, count: int) -> np.ndarray:
+    """Return the depths of a centreline, (1,) or (count,) [m]: NaN for a missing one."""
     values = [np.nan if value is None else metres(value) for value in (depth if isinstance(depth, list) else [depth])]
     if any(value is None for value in values):
         raise InputError(f"the depth of the centreline, {shown(depth)}, is not a number or one for each point; mend it")
@@ -343,11 +337,8 @@ def depths_of(feature: Feature, count: int) -> np.ndarray | None:
     return np.array(values, float)
 
 
-def depths_along(feature: Feature) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return places along a centreline and the depth at each [m], None without any."""
-    value = feature.properties.get("depths")
-    if value is None:
-        return None
+def depths_along(value: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Return places along a centreline and the depth at each [m]."""
     points = pairs(value, exactly=True)
     if points is None or not len(points):
         raise InputError(f"the depths of the centreline, {shown(value)}, are not pairs of place and depth; mend them")
