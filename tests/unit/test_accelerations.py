@@ -7,7 +7,7 @@ import pytest
 
 import narrows as nw
 from narrows.captive.accelerations import motion_of, with_accelerations
-from narrows.identification.acceleration_noise import noise_bias
+from narrows.identification.plausibility import noise_bias
 
 RUNS = (
     *(nw.HarmonicRun(f"{kind}{u}{p}", kind, 0.5, p, u, 3) for kind in ("yaw", "sway") for u in (0.7, 1.0)

@@ -9,7 +9,7 @@ import pytest
 import narrows as nw
 from narrows.experiment_design.candidates import candidates
 from narrows.experiment_design.information import RATE, choose, planned_run, spread
-from narrows.experiment_design.plan import expected_forces
+from narrows.experiment_design.plan import expected_model
 from narrows.identification.least_squares import free_parameters
 
 SETTING = nw.published("mikkelsen2025_dtc").configuration
@@ -37,9 +37,9 @@ def test_candidates_fit_the_tank() -> None:
 
 def test_what_a_run_tells_is_its_second_level() -> None:
     """D'D is the sum of products of its columns, and the errors on it those of the fit to its twin."""
-    errors, forces = nw.RunErrors(0.03, 0.01, 0.02), expected_forces(SETTING)
+    errors, truth = nw.RunErrors(0.03, 0.01, 0.02), expected_model(SETTING)
     for run in candidates(SETTING, TANK)[::25]:
-        told = planned_run(run, SETTING, nw.PAPER, forces, {"X": 1.0, "Y": 9.0, "N": 12.0}, errors=errors)
+        told = planned_run(run, SETTING, nw.PAPER, truth, {"X": 1.0, "Y": 9.0, "N": 12.0}, errors=errors)
         tests = nw.twin(runs=[run], rate=RATE, noise={})
         values = {**SETTING.values(), **tests.columns}
         slot, gram = free_parameters(nw.PAPER), np.zeros(2 * (told.d.shape[2],))

@@ -1,6 +1,6 @@
 """Fisher information of a planned run: its columns as a few rows for each force, with run errors."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -20,7 +20,6 @@ from narrows.identification.run_blocks import run_blocks
 from narrows.identification.run_errors import RunErrors
 from narrows.identification.systematic_effects import assemble
 from narrows.model.model import Model
-from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration
 from narrows.terms.term import TermTable
 
@@ -29,9 +28,6 @@ RATE = 5.0
 
 # Zero offsets: of harmonic runs, of steady ones to starboard and to port, often made on different days.
 ZEROS = 3
-
-# Expected forces of a motion at a depth, to which gain errors are proportional.
-Forces = Callable[[Motion, float | None], Mapping[str, np.ndarray]]
 
 
 @dataclass(frozen=True)
@@ -65,11 +61,11 @@ def zero_of(steady: np.ndarray, offset: np.ndarray) -> np.ndarray:
 
 
 def planned_run(
-    run: Run, configuration: Configuration, terms: TermTable, forces: Forces, level: Mapping[str, float],
+    run: Run, configuration: Configuration, terms: TermTable, truth: Model, level: Mapping[str, float],
     noise: Mapping[str, float] = FORCE_NOISE, correlation_time: float = 0.5, errors: RunErrors | None = None,
 ) -> PlannedRun:  # fmt: skip
     """Compute the information of one run."""
-    # level [N, N, N m]; noise [N, N, N m]; correlation_time [s]
+    # Gain errors are proportional to the forces of truth; level [N, N, N m]; noise [N, N, N m]; correlation_time [s]
     errors = errors or RunErrors()
     columns = run.columns(RATE)
     motion, rows = motion_of(columns), len(columns["t"])
@@ -80,7 +76,7 @@ def planned_run(
             raise InputError(f"the terms need {name}, which the ship file does not give; add it")
     fitted = {force: part for force, part in terms.forces.items() if part}
     width = 1 + max(len(part) for part in fitted.values())
-    slot, expected = free_parameters(terms), forces(motion, run.depth)
+    slot, expected = free_parameters(terms), truth.forces(motion)
     d = np.zeros((len(fitted), width, max(slot.values()) + 1))
     one, v = np.zeros(d.shape[:2]), np.tile(np.eye(width), (len(fitted), 1, 1))
     for i, (force, part) in enumerate(fitted.items()):

@@ -16,7 +16,6 @@ from narrows.experiment_design.candidates import Tank, candidates
 from narrows.experiment_design.information import (
     CRITERIA,
     ZEROS,
-    Forces,
     PlannedRun,
     choose,
     expected_std,
@@ -221,10 +220,10 @@ def plan_tests(
     made = [] if done is None else [identify(done, table, errors=errors) for table in tables]
     tank, limits = within_tested(tank, made[0].data_range if made else None)
     offered = candidates(configuration, tank)
-    forces = expected_forces(configuration)
-    level = usual_forces(offered, forces)
+    truth = expected_model(configuration)
+    level = usual_forces(offered, truth)
     evaluated = [
-        [planned_run(run, configuration, table, forces, level, noise, correlation_time, errors) for table in tables]
+        [planned_run(run, configuration, table, truth, level, noise, correlation_time, errors) for table in tables]
         for run in offered
     ]
     adds = np.array([[run.information for run in forms] for forms in evaluated])
@@ -238,7 +237,7 @@ def plan_tests(
     centred = [i for i, run in enumerate(offered) if isinstance(run, HarmonicRun) and run.offset == 0]
     # A tank too small for harmonic runs offers no other plan for comparison.
     best_harmonic = [centred[i] for i in choose(adds[centred], known, len(best), parameters, criterion)] or best
-    assumed = (_truth(configuration), terms, noise, correlation_time, errors, made[0] if made else None)
+    assumed = (truth, terms, noise, correlation_time, errors, made[0] if made else None)
     std = _std_after_each(best, offered, evaluated, known[0], index, names, assumed)
     usual_std = _std(best_harmonic, offered, evaluated, known[0], index, names, assumed)
     after, before = (inflation([evaluated[i][0] for i in chosen])[index] for chosen in (best, best_harmonic))
@@ -339,27 +338,16 @@ def _targets(terms: TermTable, targets: Sequence[str]) -> tuple[str, ...]:
     return names
 
 
-def expected_forces(configuration: Configuration) -> Forces:
-    """Return approximate forces of a motion: those of the published model by Froude's law."""
-    model = _truth(configuration)
-    return lambda motion, _: model.forces(motion)
-
-
-def _truth(configuration: Configuration) -> Model:
+def expected_model(configuration: Configuration) -> Model:
+    """Return a model of the approximate forces: the published one by Froude's law."""
     published_model = published("mikkelsen2025_dtc")
     return replace(scale_model(published_model, configuration.ship.length).model, configuration=configuration)
 
 
-def usual_forces(offered: list[Run], forces: Forces) -> dict[str, float]:
+def usual_forces(offered: list[Run], truth: Model) -> dict[str, float]:
     """Return the root mean square of each force over the candidate runs [N, N, N m]."""
-    squares = [
-        {
-            force: float(np.mean(np.square(values)))
-            for force, values in forces(motion_of(run.columns(1.0)), run.depth).items()
-        }
-        for run in offered
-    ]
-    return {force: float(np.sqrt(np.mean([square[force] for square in squares]))) for force in squares[0]}
+    forces = [truth.forces(motion_of(run.columns(1.0))) for run in offered]
+    return {force: float(np.sqrt(np.mean([np.mean(np.square(one[force])) for one in forces]))) for force in forces[0]}
 
 
 # Ratio of highest to lowest speed, less one, within which earlier tests count as one speed.

@@ -68,6 +68,8 @@ def diagnose(equations: NormalEquations, sums: np.ndarray, terms: tuple[Term, ..
     kept = singular > RANK_TOLERANCE * singular.max(initial=1e-300)
     rank = int(kept.sum())
     full = rank == len(names)
+    missing = np.zeros((len(kept) - rank, len(names)))
+    missing[:, live] = vectors[:, ~kept].T
     return Diagnosis(
         names,
         rank,
@@ -76,7 +78,7 @@ def diagnose(equations: NormalEquations, sums: np.ndarray, terms: tuple[Term, ..
         _correlation(equations, sums, names),
         alignment,
         tuple(name for name, alive in zip(names, live, strict=True) if not alive),
-        _spread(vectors[:, ~kept].T, live),
+        missing,
     )
 
 
@@ -86,12 +88,6 @@ def _vif(values: np.ndarray, vectors: np.ndarray, kept: np.ndarray, live: np.nda
     result = np.full(len(live), np.nan)
     result[live] = np.maximum(inflation, 1.0)
     return result
-
-
-def _spread(directions: np.ndarray, live: np.ndarray) -> np.ndarray:
-    wide = np.zeros((len(directions), len(live)))
-    wide[:, live] = directions
-    return wide
 
 
 def _correlation(equations: NormalEquations, sums: np.ndarray, names: tuple[str, ...]) -> np.ndarray:

@@ -65,15 +65,14 @@ class Explanation(BaseResult):
     def distance(self) -> dict[str, float]:
         """Distance of the model's coefficients from those of these tests, in joint standard errors; NaN if unknown."""
         covariance = self.model.covariance
-        variances = np.zeros(len(self.fit.terms.names)) if covariance is None else np.diag(covariance)
-        return {
-            name: self._distance(name, float(variance))
-            for name, variance in zip(self.fit.terms.names, variances, strict=True)
-        }
-
-    def _distance(self, name: str, variance: float) -> float:
-        joint = np.sqrt(self.fit.std[name] ** 2 + variance)
-        return float((self.model.coefficients[name] - self.fit.coefficients[name]) / joint) if joint > 0 else np.nan
+        variances = 0.0 if covariance is None else np.diag(covariance)
+        names = self.fit.terms.names
+        own, other, std = (
+            [part[n] for n in names] for part in (self.model.coefficients, self.fit.coefficients, self.fit.std)
+        )
+        joint = np.sqrt(np.square(std) + variances)
+        distances = np.subtract(own, other) / np.where(joint > 0, joint, np.nan)
+        return dict(zip(names, distances.tolist(), strict=True))
 
     @property
     def fitted_on_these(self) -> bool:

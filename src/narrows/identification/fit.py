@@ -10,7 +10,6 @@ import numpy as np
 
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.identification import shapley
-from narrows.identification.acceleration_noise import noise_bias, noise_sentence
 from narrows.identification.bootstrap import Bootstrap, resampled
 from narrows.identification.collinearity import CorrelatedPair, Diagnostics, correlated_pairs
 from narrows.identification.depths import DepthTest, depth_tests
@@ -20,7 +19,7 @@ from narrows.identification.least_squares import Problem, Solution
 from narrows.identification.left_out import Influence, Predictiveness, influence, predictiveness
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.normal_equations import NormalEquations, Score, count, score, score_groups
-from narrows.identification.plausibility import Judged, implausible, unmodelled_rudder
+from narrows.identification.plausibility import Judged, implausible, noise_bias, noise_sentence, unmodelled_rudder
 from narrows.identification.prediction import Prediction
 from narrows.identification.run_errors import RunErrors
 from narrows.identification.shapley import Kind as ShareKind

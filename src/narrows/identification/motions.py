@@ -1,5 +1,6 @@
 """Group tests: repeats of one motion, one speed, one period, one depth, one side of the canal."""
 
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -19,6 +20,7 @@ FLOOR = 0.2
 EDGE = 1 + 1e-6
 # Share of the largest offset of the table: a mean offset beyond it lies on a side of the canal.
 SIDE = 0.15
+Moments = defaultdict[str, np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -110,62 +112,41 @@ def _in_order_of_appearance(group: np.ndarray) -> np.ndarray:
 
 
 class _Runs:
-    """Features of each test from the sums of what moved; a quantity that is not in the table is 0."""
+    """Mean and standard deviation of what moved in each test, 0 if it is not in the table; what was done in it."""
 
     def __init__(self, equations: NormalEquations) -> None:
-        self.length, self.count = equations.length, len(equations.names)
-        self.totals = {quantity: equations.by_test(parts).T for quantity, parts in equations.moved.items()}
-
-    def mean(self, quantity: str) -> np.ndarray:
-        rows, total, _ = self._sums(quantity)
-        return np.asarray(total / rows)
-
-    def std(self, quantity: str) -> np.ndarray:
-        rows, total, squares = self._sums(quantity)
-        return np.asarray(np.sqrt(np.maximum(squares / rows - (total / rows) ** 2, 0.0)))
-
-    def _sums(self, quantity: str) -> np.ndarray:
-        nothing = np.stack([np.ones(self.count), np.zeros(self.count), np.zeros(self.count)])
-        return self.totals.get(quantity, nothing)
-
-    @cached_property
-    def speed(self) -> np.ndarray:
-        return np.asarray(np.maximum(np.hypot(self.mean("u"), self.mean("v")), 1e-9))
-
-    @cached_property
-    def steady(self) -> np.ndarray:
-        sizes = (self.speed, np.ones(self.count), np.full(self.count, self.length))
-        still = [self.std(name) < share * size for (name, share), size in zip(LEAST_MOTION.items(), sizes, strict=True)]
-        return np.asarray(np.all(still, axis=0))
-
-    @cached_property
-    def period(self) -> np.ndarray:
-        """Return the period by v'' = -w2 v of the largest oscillation, 0 without one [s]."""
-        sway, yaw = self.std("v") / self.speed, self.std("r") * self.length / self.speed
-        speed = np.where(sway > yaw, self.std("v"), self.std("r"))
-        rate = np.where(sway > yaw, self.std("vdot"), self.std("rdot"))
-        return np.asarray(np.where(self.steady, 0.0, 2 * np.pi * speed / np.maximum(rate, 1e-12)))
-
-    @cached_property
-    def reach(self) -> np.ndarray:
-        return np.asarray(np.abs(self.mean("y")) + np.sqrt(2) * self.std("y"))
-
-    @property
-    def done(self) -> dict[str, np.ndarray]:
-        """Speed, period, depth, side and reach of each test."""
-        side = np.where(np.abs(self.mean("y")) > SIDE * max(self.reach.max(), 1e-9), np.sign(self.mean("y")), 0.0)
-        depth = self.mean("depth") if "depth" in self.totals else np.ones(self.count)
-        return {"speed": self.speed, "period": self.period, "depth": depth, "side": side, "reach": self.reach}
+        self.length, nothing = equations.length, np.zeros(len(equations.names))
+        self.mean: Moments = defaultdict(lambda: nothing)
+        self.std: Moments = defaultdict(lambda: nothing)
+        for name, parts in equations.moved.items():
+            rows, total, squares = equations.by_test(parts).T
+            self.mean[name] = total / rows
+            self.std[name] = np.sqrt(np.maximum(squares / rows - (total / rows) ** 2, 0.0))
+        self.moved, mean, std = tuple(equations.moved), self.mean, self.std
+        speed = np.maximum(np.hypot(mean["u"], mean["v"]), 1e-9)
+        sizes: dict[str, np.ndarray | float] = {"v": speed, "sin_psi": 1.0, "y": self.length}
+        self.steady = np.all([std[name] < share * sizes[name] for name, share in LEAST_MOTION.items()], axis=0)
+        # The period by v'' = -w2 v of the largest oscillation, 0 without one [s].
+        sways = std["v"] / speed > std["r"] * self.length / speed
+        ratio = np.where(sways, std["v"], std["r"]) / np.maximum(np.where(sways, std["vdot"], std["rdot"]), 1e-12)
+        reach = np.abs(mean["y"]) + np.sqrt(2) * std["y"]
+        self.done = {
+            "speed": speed,
+            "period": np.where(self.steady, 0.0, 2 * np.pi * ratio),
+            "depth": mean["depth"] if "depth" in self.moved else np.ones(len(nothing)),
+            "side": np.where(np.abs(mean["y"]) > SIDE * max(reach.max(), 1e-9), np.sign(mean["y"]), 0.0),
+            "reach": reach,
+        }
 
     def features(self) -> tuple[np.ndarray, np.ndarray]:
         """Mean and amplitude of everything that moved, (tests, features), and the size that each is seen against."""
-        fast, long = float(self.speed.max()), self.length
+        fast, long, period = float(self.done["speed"].max()), self.length, self.done["period"]
         natural = {"u": fast, "v": fast, "r": fast / long, "y": 0.1 * long, "sin_psi": 1.0, "rudder": 1.0}
         natural |= {"udot": fast**2 / long, "vdot": fast**2 / long, "rdot": fast**2 / long**2}
-        columns, scales = [self.period], [float(self.period.max())]
-        for name in self.totals:
+        columns, scales = [period], [float(period.max())]
+        for name in self.moved:
             rates = name in ("udot", "vdot", "rdot")
-            for values in (self.mean(name),) if rates else (self.mean(name), np.sqrt(2) * self.std(name)):
+            for values in (self.mean[name],) if rates else (self.mean[name], np.sqrt(2) * self.std[name]):
                 columns.append(values)
                 scales.append(max(float(np.abs(values).max()), natural.get(name, 0.0)))
         return np.stack(columns, axis=1), np.maximum(scales, 1e-12)

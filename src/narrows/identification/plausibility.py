@@ -1,4 +1,4 @@
-"""Check that a fit is plausible: masses and inertias, signs of forces and rudder, a rudder left out."""
+"""Check a fit: masses and inertias, signs of forces and rudder, a rudder left out, noise in the accelerations."""
 
 import math
 from collections.abc import Callable, Mapping
@@ -7,9 +7,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from narrows.captive.accelerations import RATES
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.identification.design_matrix import ONE
-from narrows.identification.least_squares import Problem
+from narrows.identification.least_squares import Problem, Solution
 from narrows.identification.normal_equations import NormalEquations, score
 from narrows.model.froude import ittc57
 from narrows.model.masses import added_sway, added_yaw, ship_inertia, ship_mass, wetted_surface
@@ -33,6 +34,8 @@ UNITS = {"kgf or kgf m": 9.80665, "kN or kN m": 1e3}
 # viscosity of fresh water at 20 degrees [m2/s]; least Reynolds number of the line.
 LEAST_DRAG, VISCOSITY, LEAST_REYNOLDS = 0.9, 1.0e-6, 1e5
 RUDDER_MOVES = math.radians(1.0)
+# Share of the size of the accelerations that is taken for noise.
+NOISE_SHARE = 0.1
 
 
 @dataclass(frozen=True)
@@ -210,3 +213,38 @@ def _rudder_angle(tests: Tests, equations: NormalEquations) -> float:
     rows, total, squares = equations.moved["rudder"].T
     mean = total / rows
     return float((np.abs(mean) + np.sqrt(2 * np.maximum(squares / rows - mean**2, 0.0))).max())
+
+
+def noise_bias(
+    problem: Problem, solution: Solution, equations: NormalEquations, share: float = NOISE_SHARE
+) -> dict[str, float]:
+    """Return how far white noise in the accelerations draws each coefficient from its value, to first order."""
+    # The noise adds to the diagonal of H alone, and the solution moves by -H^-1 D z: attenuation, and what others take
+    # over. Coefficients at a bound stay there.
+    # Fuller (1987), Measurement Error Models, section 2.2.
+    h, _ = problem.normal(equations.total)
+    plain, _ = problem.normal(equations.unweighted.sum(axis=0))
+    noisy = np.zeros(len(h))
+    for term in problem.terms.terms:
+        if term.inputs in [(rate,) for rate in RATES.values()]:
+            noisy[problem.slot[term.name]] = share**2
+    free = ~solution.at_bound
+    moved = np.zeros(len(h))
+    pull = noisy * np.diag(plain) * solution.z
+    moved[free] = -np.linalg.pinv(h[np.ix_(free, free)], rcond=1e-12, hermitian=True) @ pull[free]
+    return problem.named(moved)
+
+
+def noise_sentence(tests: Tests, bias: dict[str, float], values: dict[str, float]) -> str:
+    """Return the effect of noise in accelerations that no check covers; empty where time checks them."""
+    if isinstance(tests, CaptiveTests) and "t" in tests.columns:
+        return ""
+    shifts = {
+        name: bias[name] / values[name] for name in bias if values[name] and abs(bias[name] / values[name]) > 1e-3
+    }
+    if not shifts:
+        return ""
+    changes = ", ".join(
+        f"{name} by {shift:+.1%}" for name, shift in sorted(shifts.items(), key=lambda pair: -abs(pair[1]))[:4]
+    )
+    return f"Without times in memory the noise in the accelerations is unknown; a tenth would change {changes}."
