@@ -178,9 +178,8 @@ def explain(
     mapping = selection.mapping_of(table)
     read = read_captive(table, ship or chosen.configuration, selection.where, chosen.terms.actuators, mapping)
     result = explained(chosen, the_condition(read, selection.condition), tuple(filter(None, compare.split(","))))
-    delivery.write(result.save)
-    if delivery.report:
-        write_explanation(result, delivery.report, f"{model} on {table.name}")
+    title = f"{model} on {table.name}"
+    delivery.write(result.save, report=lambda path: write_explanation(result, path, title))
     delivery.show(result.to_dict, lambda: print_explanation(result, selection.condition or ""))
 
 

@@ -184,9 +184,7 @@ def _demonstrate(logged: LogOptions, delivery: ModelDelivery) -> bool:
 def _deliver(fit: "LogFit", delivery: ModelDelivery, truth: "Mapping[str, float] | None" = None) -> bool:
     from narrows.report.log_report import print_log_fit, write_log_report
 
-    delivery.write(fit.model.save)
-    if delivery.report:
-        write_log_report(fit, delivery.report, truth)
+    delivery.write(fit.model.save, report=lambda path: write_log_report(fit, path, truth))
     result = _told(fit, log=fit.to_dict(), truth=None if truth is None else dict(truth))
     delivery.show(lambda: result, lambda: print_log_fit(fit, truth))
     return fit.informative
@@ -198,9 +196,7 @@ def _learn_steady(model: "Model", legs: LegOptions, table: Path, delivery: Model
 
     fit = learn_steady(model, table, conditions=legs.conditions())
     change = _change(fit)
-    delivery.write(fit.model.save)
-    if delivery.report:
-        write_steady_report(fit, change, delivery.report)
+    delivery.write(fit.model.save, report=lambda path: write_steady_report(fit, change, path))
     result = _told(fit, steady=fit.to_dict(), envelope=change.to_dict())
     delivery.show(lambda: result, lambda: print_steady_fit(fit, change))
     return fit.informative

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import click
 
 from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import AsJson, ModelFile, ModelOutput, print_json, print_written, verb
+from narrows.cli.options import AsJson, ModelFile, PlainModelDelivery, print_json, print_written, verb
 from narrows.cli.options import speed as read_speed
 from narrows.cli.voyage_options import HelmOptions, PhysicsOptions, WaterOptions
 from narrows.errors import InputError
@@ -28,6 +28,7 @@ WHERE = f"File to write: {', '.join(_FIRST)} or {_LAST}."
 def scale(
     model: ModelFile,
     length: Annotated[float, Option(help="Length between perpendiculars of the new ship [m].")],
+    delivery: PlainModelDelivery,
     density: Annotated[float | None, Option(help="Density of the new water [kg/m3]; default: unchanged.")] = None,
     width: Annotated[
         float | None, Option(help="Width of the new canal [m]; default: that of the tests, scaled.")
@@ -42,8 +43,6 @@ def scale(
         float | None, Option(help="Wetted surface of the old hull [m2], with --form-factor.")
     ] = None,
     at_speed: Annotated[str | None, Option(help="Speed of the old hull: 1.2m/s, 2kn; with --form-factor.")] = None,
-    output: ModelOutput = None,
-    json: AsJson = False,
 ) -> None:
     """Scale a model to another length by Froude's law.
 
@@ -53,7 +52,6 @@ def scale(
     """
     from narrows.empirical.fleet import model_named
     from narrows.model.froude import Friction, scale_model
-    from narrows.model.model_file import save_model
     from narrows.report.printed_tables import print_scaled
 
     friction = None
@@ -66,13 +64,8 @@ def scale(
         friction = Friction(wetted_surface, form_factor, read_speed("--at-speed", at_speed))
     old = model_named(model)
     scaled = scale_model(old, length, density, width, depth, friction)
-    if output:
-        save_model(scaled.model, output)
-    if json:
-        print_json(scaled.to_dict())
-        return
-    print_scaled(scaled)
-    print_written([output])
+    delivery.write(scaled.model.save)
+    delivery.show(scaled.to_dict, lambda: print_scaled(scaled))
 
 
 @verb("narrows export c mikkelsen2025_dtc -o dtc.h")
@@ -148,17 +141,15 @@ class DimensionOptions:
 @verb("narrows estimate --length 366 --beam 51 --draft 15 --block 0.65 --width 300 --depth 18 -o ship.toml")
 def estimate(
     dimensions: DimensionOptions,
+    delivery: PlainModelDelivery,
     kind: Annotated[str | None, Option("--type", help="container, tanker, bulk, general, inland or convoy.")] = None,
     speed: Annotated[str | None, Option(help="Service speed: 12m/s, 16kn; default: usual for the type.")] = None,
-    output: ModelOutput = None,
-    json: AsJson = False,
 ) -> None:
     """Estimate a model from the main dimensions of a ship.
 
     Its uncertainty is the error of the formulas on known ships.
     """
     from narrows.empirical.main_dimensions import estimate_model
-    from narrows.model.model_file import save_model
     from narrows.report.printed_tables import estimate_summary, print_estimate
     from narrows.ship.particulars import Canal, Water
 
@@ -168,13 +159,8 @@ def estimate(
     }  # fmt: skip
     service = None if speed is None else read_speed("--speed", speed)
     model = estimate_model(ship, Canal(own.width, own.depth), Water(own.density), kind=kind, speed=service)
-    if output:
-        save_model(model, output)
-    if json:
-        print_json(estimate_summary(model))
-        return
-    print_estimate(model)
-    print_written([output])
+    delivery.write(model.save)
+    delivery.show(lambda: estimate_summary(model), lambda: print_estimate(model))
 
 
 @verb("narrows ships")

@@ -200,9 +200,14 @@ class Delivery:
     report: Path | None = None
     json: bool = False
 
-    def write(self, save: Callable[[Path], None], draw: Callable[[], "Figure"] | None = None) -> None:
+    def write(
+        self, save: Callable[[Path], Any], draw: Callable[[], "Figure"] | None = None,
+        report: Callable[[Path], None] | None = None,
+    ) -> None:  # fmt: skip
         if self.output:
             save(self.output)
+        if self.report and report:
+            report(self.report)
         if self.plot and draw:
             from narrows.files import save_figure
 
@@ -224,6 +229,12 @@ class ModelDelivery(Delivery):
 
 
 @dataclass(frozen=True)
+class PlainModelDelivery(Delivery):
+    output: ModelOutput = None
+    json: AsJson = False
+
+
+@dataclass(frozen=True)
 class ReportDelivery(Delivery):
     output: TableOutput = None
     report: Report = None
@@ -233,6 +244,13 @@ class ReportDelivery(Delivery):
 @dataclass(frozen=True)
 class TableDelivery(Delivery):
     output: TableOutput = None
+    json: AsJson = False
+
+
+@dataclass(frozen=True)
+class ChartDelivery(Delivery):
+    output: TableOutput = None
+    plot: Plot = None
     json: AsJson = False
 
 

@@ -10,10 +10,9 @@ import narrows
 from narrows.cli.declarations import Argument, Option
 from narrows.cli.options import (
     AsJson,
+    ChartDelivery,
     DatasetDelivery,
     ModelFile,
-    Plot,
-    TableOutput,
     TrackDelivery,
     WaterwayOutput,
     print_json,
@@ -117,12 +116,10 @@ def map_(
 def trials(
     model: ModelFile,
     speed: Annotated[str, Option(help="Approach speed: 1.2m/s, 8kn; m/s without a unit.")],
+    delivery: ChartDelivery,
     turn_deg: Annotated[float, Option(help="Rudder angle of the turning circles, to either side [deg].")] = 35.0,
     zigzags: Annotated[str, Option(help="Rudder/heading of the zigzags [deg], a/b,c/d.")] = "10/10,20/20",
     dt: Annotated[float | None, Option(help="Time step [s]; default: a 120th of the time of a ship length.")] = None,
-    output: TableOutput = None,
-    plot: Plot = None,
-    json: AsJson = False,
 ) -> None:
     """Simulate turning circles and zigzags in open water.
 
@@ -136,14 +133,8 @@ def trials(
     from narrows.report.manoeuvre_report import manoeuvres_figure, print_manoeuvres
 
     result = sail_trials(model_named(model), read_speed("--speed", speed), turn_deg, _zigzags(zigzags), dt)
-    if output:
-        result.save(output)
-    if plot:
-        from narrows.files import save_figure
-
-        save_figure(manoeuvres_figure(result), plot)
-    print_json(result.to_dict()) if json else print_manoeuvres(result)
-    print_written((output, plot), json)
+    delivery.write(result.save, lambda: manoeuvres_figure(result))
+    delivery.show(result.to_dict, lambda: print_manoeuvres(result))
 
 
 # Search distance for a bank in a chart [m].

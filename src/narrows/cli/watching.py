@@ -266,14 +266,8 @@ def _say(number: int, status: "BridgeStatus") -> None:
 def _deliver(transit: "WatchedTransit", delivery: ReportDelivery) -> None:
     from narrows.report.transit_report import write_transit_report
 
-    delivery.write(transit.save)
-    if delivery.report:
-        write_transit_report(transit, delivery.report)
-
-    def words() -> None:
-        click.echo("\n".join([transit.summary(), *transit.notes]))
-
-    delivery.show(transit.to_dict, words)
+    delivery.write(transit.save, report=lambda path: write_transit_report(transit, path))
+    delivery.show(transit.to_dict, lambda: click.echo("\n".join([transit.summary(), *transit.notes])))
 
 
 SIGNAL_K = ("ws://", "wss://")
