@@ -7,20 +7,23 @@ import sys
 from narrows.cli import app
 
 WIDTH = 100
-RUN = "from narrows.cli import main; main()"
+BETWEEN = "\f"
+RUN = f"""
+import sys
+from narrows.cli import app
+for words in ([], *([verb] for verb in sys.argv[1:])):
+    app.main([*words, "--help"], "narrows", standalone_mode=False)
+    print({BETWEEN!r})
+"""
 
 
 def text() -> str:
     """Write the verbs, each below a heading of its own."""
-    verbs = list(app.commands)
-    parts = [_help(), *(f"## {verb}\n\n{_help(verb)}" for verb in sorted(verbs))]
-    return "\n\n".join(parts)
-
-
-def _help(*words: str) -> str:
-    """In a process of its own: autodoc has changed the defaults of the functions in this one."""
+    verbs = sorted(app.commands)
+    # In a process of its own: autodoc has changed the defaults of the functions in this one.
     done = subprocess.run(
-        [sys.executable, "-c", RUN, *words, "--help"], env={**os.environ, "COLUMNS": str(WIDTH)},
+        [sys.executable, "-c", RUN, *verbs], env={**os.environ, "COLUMNS": str(WIDTH)},
         stdout=subprocess.PIPE, text=True, encoding="utf-8", check=True,
     )  # fmt: skip
-    return f"```text\n{done.stdout.rstrip().replace('Usage: -c', 'Usage: narrows')}\n```"
+    first, *others = (f"```text\n{part.strip()}\n```" for part in done.stdout.split(BETWEEN)[:-1])
+    return "\n\n".join([first, *(f"## {verb}\n\n{part}" for verb, part in zip(verbs, others, strict=True))])

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 
@@ -271,10 +272,6 @@ def _measured(
 
 
 def _coloured(white: np.ndarray, keep: float) -> np.ndarray:
-    from scipy.signal import lfilter
-
-    if keep == 0:
-        return white
-    gain = np.sqrt(1 - keep**2)
     # The first row has the same distribution as the others: it is white[0] itself.
-    return np.asarray(lfilter([gain], [1, -keep], white, zi=[(1 - gain) * white[0]])[0])
+    gain = np.sqrt(1 - keep**2)
+    return np.array(list(accumulate(white[1:].tolist(), lambda last, new: keep * last + gain * new, initial=white[0])))

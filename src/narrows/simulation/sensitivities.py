@@ -232,8 +232,7 @@ class TangentIntegrator:
         inputs = {**self.integrator.inputs, **values, **self._system.constants(values), **channel.inputs}
         moved = replace(self, ship=ship, integrator=replace(self.integrator, inputs=inputs))
         # The generated code depends on terms and choices.
-        kept = {name: part for name, part in vars(self).items() if name in ("_system", "_module", "_integrate")}
-        moved.__dict__.update(kept)
+        moved.__dict__.update({name: getattr(self, name) for name in ("_system", "_module", "_integrate")})
         return moved
 
     def _checked(self) -> "TangentIntegrator":
