@@ -7,9 +7,8 @@ import numpy as np
 import narrows as nw
 from narrows.logbook.filtering.likelihood import RecordLikelihood
 from narrows.logbook.filtering.search import SearchResult, search
-from narrows.logbook.learning.log_posterior import posterior_covariance
+from narrows.logbook.learning.log_posterior import posterior_covariance, posterior_mean
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
-from narrows.logbook.learning.posterior_mean import posterior_mean
 
 KCS = nw.published("estimated_kcs").in_open_water()
 UNCERTAIN = {"N_jz": 0.4, "N_rudder": 0.4}  # of each, as a share

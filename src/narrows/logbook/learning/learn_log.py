@@ -16,10 +16,9 @@ from narrows.logbook.filtering.predicted_signals import HELM, REVOLUTIONS_OFFSET
 from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult, search
 from narrows.logbook.learned_coefficient import learned_coefficients, learned_model
 from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise
-from narrows.logbook.learning.log_posterior import LogPosterior, averaged, log_posterior
+from narrows.logbook.learning.log_posterior import LogPosterior, averaged, log_posterior, posterior_mean
 from narrows.logbook.learning.log_prior import Spread
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
-from narrows.logbook.learning.posterior_mean import posterior_mean
 from narrows.logbook.learning.record_answers import record_answers
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import ShipLog
