@@ -52,29 +52,15 @@ class ControlLaw(Protocol):
 
 
 class VoyageState(NamedTuple):
-    """The state of the ship for a controller of Python.
+    """The state of the ship for a controller of Python."""
 
-    Parameters
-    ----------
-    x, y : float [m]
-        Position of midship along the canal, and to starboard of its line.
-    psi : float [rad]
-        Heading relative to the line.
-    u, v : float [m/s]
-        Velocity through the water.
-    r : float [rad/s]
-        Yaw rate.
-    rudder : float [rad]
-        Rudder angle.
-    """
-
-    x: float
-    y: float
-    psi: float
-    u: float
-    v: float
-    r: float
-    rudder: float
+    x: float  # Position of midship along the canal [m]
+    y: float  # Position of midship to starboard of its line [m]
+    psi: float  # Heading relative to the line [rad]
+    u: float  # Surge velocity through the water [m/s]
+    v: float  # Sway velocity through the water [m/s]
+    r: float  # Yaw rate [rad/s]
+    rudder: float  # Rudder angle [rad]
 
 
 # The ordered rudder angle [rad] at a time [s] in a state.

@@ -84,10 +84,8 @@ def _series(name: str, first: int) -> str:
 
 @lru_cache(maxsize=1)
 def _angle_text() -> str:
-    """Write the angle of a cosine and a sine: rotation by a multiple of 45 degrees, one division, a short polynomial.
-
-    The coefficients interpolate arctan t/t in t squared at Chebyshev's points, computed with 50 digits.
-    """
+    """Write the angle of a cosine and a sine: rotation by multiples of 45 degrees, one division, a short polynomial."""
+    # The coefficients interpolate arctan t/t in t squared at Chebyshev's points, computed with 50 digits.
     from mpmath import mp  # type: ignore[import-untyped]
 
     with mp.workdps(50):
@@ -140,17 +138,8 @@ def exp(x):
 
 
 def exponential_text(precision: str) -> str:
-    """Write the function ``exp`` of a kernel, accurate to one unit in the last place [1]_.
-
-    Parameters
-    ----------
-    precision : str
-        ``float64`` or ``float32``.
-
-    References
-    ----------
-    .. [1] Cody and Waite (1980), Software Manual for the Elementary Functions: ln 2 in two parts.
-    """
+    """Write the function ``exp`` of a kernel, accurate to one unit in the last place."""
+    # ln 2 in two parts: Cody and Waite (1980), Software Manual for the Elementary Functions.
     width = WIDTHS[precision]
     polynomial = repr(1 / factorial(width.degree))
     for power in reversed(range(width.degree)):
