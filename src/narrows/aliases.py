@@ -54,7 +54,7 @@ def accept_aliases(function: Function) -> Function:
     parameters = inspect.signature(function).parameters
     has_model = next(iter(parameters)) == "model"
     more = next((own.name for own in parameters.values() if own.kind is own.VAR_KEYWORD), "")
-    own = function.__qualname__.removesuffix(".__init__")
+    own = function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
 
     def takes(ours: str) -> bool:
         # A fleet varies any quantity; positions are those of actuators alone.
@@ -77,9 +77,25 @@ def accept_aliases(function: Function) -> Function:
             values = (_model_of(values[0]), *values[1:])
         elif has_model and "model" in given:
             given["model"] = _model_of(given["model"])
-        return function(*values, **given)
+        try:
+            return function(*values, **given)
+        except TypeError:
+            _check_fits(own, function, values, given)
+            raise
 
     return called  # type: ignore[return-value]
+
+
+def _check_fits(own: str, function: Callable[..., Any], values: Any, given: Any) -> None:
+    """Raise if arguments do not fit a function, with its arguments, or for a class what makes its objects."""
+    signature = inspect.signature(function)
+    try:
+        signature.bind(*values, **given)
+    except TypeError as error:
+        made_by = name_here(own, "made_by")
+        fitting = ", ".join(name for name in signature.parameters if name != "self")
+        remedy = f"{made_by} makes one" if made_by else f"its arguments: {fitting}"
+        raise InputError(f"{own}: {error}; {remedy}") from None
 
 
 def _model_of(given: Any) -> Any:

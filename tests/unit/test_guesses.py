@@ -168,6 +168,18 @@ FRESH: dict[str, Callable[[Path], Any]] = {
 }
 """Of forty more, written down before they were tried, those that hold."""
 ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
+    "CaptiveTests(frame)": (lambda: nw.CaptiveTests([1.0]), r"'names'; nw.read_captive\(path, ship\) makes one"),  # type: ignore[call-arg, arg-type]
+    "tests[0]": (lambda: nw.measured_tests("kcs")[0], r"for one test write tests\['C0101A01_F60000'\]"),
+    "model.with_depth": (lambda: DTC.with_depth(24.0), r"write nw.at_depth\(model, depth\)"),  # type: ignore[attr-defined]
+    "Waterway(points)": (lambda: nw.Waterway([]), r"nw.straight_waterway\(canal, length\) makes one"),  # type: ignore[call-arg, arg-type]
+    "regulator(model, u)": (lambda: nw.control.regulator(DTC, u=5.0), "'y'; its arguments: model, y, u"),  # type: ignore[call-arg]
+    "Estimator(model)": (lambda: nw.estimation.Estimator(DTC), "'sensors'; its arguments: model, sensors"),  # type: ignore[call-arg]
+    "model.export(language, path)": (
+        lambda: DTC.export("c", "dtc.h"),
+        "too many positional arguments; its arguments: path",
+    ),  # type: ignore[call-arg]
+    "nw.KalmanFilter": (lambda: nw.KalmanFilter, "write estimation.Estimator"),  # type: ignore[attr-defined]
+    "nw.Tests": (lambda: nw.Tests, "write read_captive"),  # type: ignore[attr-defined]
     "nw.read_table(path)": (lambda: nw.read_table("tests.csv"), "give ship='ship.toml'"),  # type: ignore[attr-defined]
     "model.b_bank": (lambda: DTC.b_bank, r"write model\['b_bank'\]"),  # type: ignore[attr-defined]
     "model.poles()": (lambda: DTC.poles(), r"write linearize\(u=...\).poles\(\)"),  # type: ignore[attr-defined]
@@ -219,6 +231,7 @@ assert nw.simulate("mikkelsen2025_dtc", y=0.5).grounded
 assert fit.linearize(u=1.0).A.shape == fit.model.linearize(u=1.0).A.shape; fit.export("fit.h")
 assert nw.Model.load("mikkelsen2025_dtc") == pub and nw.load_tests is nw.read_captive
 assert nw.export.c is nw.export.write_c
+assert nw.regulator is nw.control.regulator and nw.closed_loop is nw.control.closed_loop
 assert nw.simulate(nw.scale_model(pub, 355.0), y=5.0).final["u"] > 1
 assert fit.ship.length == fit.model.configuration.ship.length
 fig, ax = plt.subplots(); fit.plot(ax=ax)

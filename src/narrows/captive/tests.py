@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError, check_choice, did_you_mean, reason, shown
 from narrows.model.sections import Source
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Number
@@ -79,6 +80,7 @@ def cuts(rows: int, pieces: int) -> np.ndarray:
     return np.unique(np.linspace(0, rows, pieces + 1).astype(int))
 
 
+@accept_aliases
 @dataclass(frozen=True, repr=False)
 class CaptiveTests(Configured, Tabulated):
     """Captive tests in memory, in SI and radians.
@@ -202,7 +204,10 @@ class CaptiveTests(Configured, Tabulated):
         """
         mask = np.asarray(keep)
         if mask.dtype != bool or mask.shape != (self.rows,):
-            raise InputError(f"rows are chosen by {self.rows} times True or False, one a row; give such a mask")
+            raise InputError(
+                f"rows are chosen by {self.rows} times True or False, one a row; for one test write "
+                f"tests[{self.names[0]!r}]"
+            )
         left = np.add.reduceat(mask, self.starts[:-1], dtype=int)
         if not left.any():
             raise InputError("no row is left after the selection; widen it")

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from narrows.aliases import accept_aliases
 from narrows.codegen.choices import COUNTED, TIME
 from narrows.control.design import with_gear
 from narrows.control.linear_system import loop_margins
@@ -305,6 +306,7 @@ class ClosedLoop(BaseSummary):
         )
 
 
+@accept_aliases
 def closed_loop(
     model: Model, controller: Any, *, gear: SteeringGear | None = None, sensors: Sequence[Any] = (),
     estimator: Any = None, waterway: "Waterway | None" = None, y: float | None = None, u: float | None = None,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control.linear_system import LinearSystem
 from narrows.control.linearization import linearize
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 
+@accept_aliases
 def regulator(
     model: Model, y: Any, u: float, *, waterway: "Waterway | None" = None,
     at: float | Sequence[float] = 0.0, weights: RegulatorWeights = DEFAULT_WEIGHTS, **values: float,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice
 from narrows.estimation.estimate import Estimate, EstimatedTrack
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 AGROUND = "At t = {:g} s the estimate lay in a bank or beyond the waterway: it begins anew."
 
 
+@accept_aliases
 class Estimator(BaseSummary):
     """A square-root unscented filter of a ship in a canal or a waterway, in real time.
 

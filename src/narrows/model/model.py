@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import narrows
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError, check_choice, did_you_mean, shown
 from narrows.model.data_range import DataRange
 from narrows.model.sections import Source, fields_of, sections_of
@@ -72,6 +73,7 @@ class Operations(BaseResult):
         # length [m]
         return narrows.scale_model(self, length, **given)
 
+    @accept_aliases
     def export(self: Any, path: str | Path, **options: Any) -> Any:
         """Write the model in another language, chosen by the file's suffix, as ``nw.export.write``."""
         return narrows.export.write(self, path, **options)

@@ -38,6 +38,7 @@ class Section(NamedTuple):
     curvature: np.ndarray  # Curvature of the centreline, to starboard [1/m]
 
 
+@accept_aliases
 @dataclass(frozen=True, repr=False)
 class Waterway(BaseSummary):
     """A waterway.
