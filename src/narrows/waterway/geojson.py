@@ -235,13 +235,13 @@ def _roles(features: list[Feature], lines: list[np.ndarray]) -> tuple[dict[str, 
 
 
 def _depths(feature: Feature, line: Centreline) -> tuple[np.ndarray, np.ndarray] | None:
-    depth, along = (feature.properties.get(name) for name in ("depth", "depths"))
+    depth, along = feature.properties.get("depth"), feature.properties.get("depths")
+    values = None if depth is None else depths_of(depth, len(line.points))
     table = None if along is None else depths_along(along)
-    if depth is None:
+    if values is None:
         return table
     if table is not None:
         raise InputError("the centreline has both depth and depths; leave one")
-    values = depths_of(depth, len(line.points))
     return (line.stations, values) if values.size > 1 else (np.array([0.0, line.length]), np.repeat(values, 2))
 
 
