@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 import narrows as nw
-from narrows.control.regulator_law import HeldLine
+from narrows.control.regulator import HeldLine
 
 sys.path.append(str(Path(__file__).parent.parent / "benchmarks"))
 from scenes.five_scenes import DURATION, SPEED, Scene

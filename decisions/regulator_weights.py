@@ -15,8 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import narrows as nw
-from narrows.control.design import SCENES, TUNED, cost_of, searched, weights_at, with_gear
-from narrows.control.design_trials import DesignTrials
+from narrows.control.design import SCENES, TUNED, DesignTrials, cost_of, searched, weights_at, with_gear
 from narrows.control.regulator_gains import DEFAULT_WEIGHTS
 
 sys.path.append(str(Path(__file__).parent.parent / "benchmarks"))

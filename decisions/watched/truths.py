@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import narrows as nw
-from narrows.control.regulator_law import HeldLine, Regulator
+from narrows.control.regulator import HeldLine, Regulator
 from narrows.estimation.states import ProcessNoise
 from narrows.identification.fitting import bundled_ship
 from narrows.ship.particulars import half_swept

@@ -11,6 +11,7 @@ from full_size import Exactly, full_size, geared
 
 import narrows as nw
 from narrows.control import ClosedLoop, PredictiveHelm, closed_loop, regulator
+from narrows.control import settings as control_settings
 from narrows.estimation import GaussMarkov, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
 
 SPEED, HOLD = 4.5, 50.0
@@ -88,7 +89,7 @@ def test_a_slow_gear_leaves_as_much_delay_as_the_margin() -> None:
 
 def test_noise_of_sensors_alone_is_no_lost_line(monkeypatch: pytest.MonkeyPatch) -> None:
     for name, value in (("LOOP_TIME", 20.0), ("DELAY_DIGITS", 0.5)):
-        monkeypatch.setitem(ClosedLoop._late_offset.__globals__, name, value)
+        monkeypatch.setattr(control_settings, name, value)
     assert 2.0 < loop(sensors=SENSORS).tolerated_delay(seed=1) < 2 * loop().margins()["delay"]
 
 

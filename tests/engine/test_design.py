@@ -10,8 +10,7 @@ from full_size import full_size
 
 import narrows as nw
 from narrows.control import RegulatorDesign, RegulatorWeights, closed_loop, design, regulator
-from narrows.control.design import SCENES, searched
-from narrows.control.design_trials import DesignTrials, Scene, ScenePush
+from narrows.control.design import SCENES, DesignTrials, Scene, ScenePush, searched
 from narrows.simulation.grid import sampled
 
 SPEED, HOLD = 4.5, 50.0

@@ -10,12 +10,12 @@ from narrows.control.design import design as design
 from narrows.control.linear_system import LinearSystem as LinearSystem
 from narrows.control.linearization import linearize as linearize
 from narrows.control.predictive import PredictiveHelm as PredictiveHelm
+from narrows.control.regulator import HeldLine as HeldLine
+from narrows.control.regulator import Regulator as Regulator
 from narrows.control.regulator import regulator as regulator
 from narrows.control.regulator import track_pilot as track_pilot
 from narrows.control.regulator_gains import RegulatorWeights as RegulatorWeights
 from narrows.control.regulator_gains import lqr as lqr
-from narrows.control.regulator_law import HeldLine as HeldLine
-from narrows.control.regulator_law import Regulator as Regulator
 from narrows.control.speed_governor import SpeedGovernor as SpeedGovernor
 from narrows.control.speed_governor import speed_governor as speed_governor
 from narrows.control.steady_course import steady_course as steady_course

@@ -1,42 +1,35 @@
 """Simulate ship, gear, sensors, estimator and controller as one loop, and linearise that same loop."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
+import narrows
 from narrows.aliases import accept_aliases
-from narrows.codegen.choices import COUNTED, TIME
+from narrows.codegen.choices import COUNTED, TIME, WATER
+from narrows.control import settings
 from narrows.control.design import with_gear
 from narrows.control.linear_system import loop_margins
 from narrows.control.linearization import linearize
-from narrows.control.sensed_helm import SensedHelm
-from narrows.control.settings import (
-    DELAY_DIGITS,
-    LOOP_DURATION,
-    LOOP_OFFSET,
-    LOOP_TIME,
-    LOST_LOOP,
-    MOST_DELAY,
-    NEWTON_ROUNDS,
-    SAME_STATE,
-)
+from narrows.control.predictive.line_frame import water_ahead
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, needs
 from narrows.model.model import Model
 from narrows.results import BaseSummary
 from narrows.ship.actuators import SteeringGear
-from narrows.simulation.controllers import ControlLaw, Named
+from narrows.simulation.controllers import ORDER_TOLERANCE, ControlLaw, Named, Order, VoyageState
 from narrows.simulation.ensemble import ensemble
 from narrows.simulation.initial_state import initial_state
 from narrows.simulation.inputs import check_waterway, finite_numbers
 from narrows.simulation.integrator import VoyageIntegrator
 from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
+from narrows.simulation.steering import MEMORY, PARAMETER, WATER_PREFIX, steering_of
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:
@@ -86,65 +79,44 @@ class ClosedLoop(BaseSummary):
         return {name: float(linear.course[name]) for name in names}
 
     def simulate(self, duration: float | None = None, seed: int = 0, **voyage: Any) -> Voyage:
-        """Simulate one voyage, by default from the steady course.
+        """Simulate one voyage as ``simulate`` does, by default for 40 ship lengths from the steady course.
 
-        Parameters
-        ----------
-        duration : float [s], optional
-            Default: the time of 40 ship lengths.
-        seed : int
-            Seed of the sensor noise.
-        **voyage : Any
-            As for ``simulate``.
+        ``seed`` is that of the sensor noise.
         """
-        time = LOOP_DURATION * self._passing if duration is None else duration
-        return simulate(self.model, duration=time, **{**self._begun, "controller": self._helm(seed), **voyage})
+        helm = self.controller
+        if self.sensors:
+            about = (self.dt, self.waterway, seed)
+            helm = SensedHelm(self.model, self.controller, tuple(self.sensors), self.estimator, *about)
+        return simulate(self.model, **{**self._begun(duration), "controller": helm, **voyage})
 
     def ensemble(self, duration: float | None = None, **vary: Any) -> xr.Dataset:
-        """Simulate many voyages, by default from the steady course; parameters vary as in ``ensemble``.
+        """Simulate many voyages as ``ensemble`` does, by default for 40 ship lengths from the steady course.
 
-        Parameters
-        ----------
-        duration : float [s], optional
-            Default: the time of 40 ship lengths.
-        **vary : Any
-            As for ``ensemble``.
-
-        Raises
-        ------
-        InputError
-            If the loop has sensors or its controller is an object of Python: these allow single voyages only.
+        A loop with sensors, or with a controller that is an object of Python, allows single voyages only.
         """
         if self.sensors:
             raise InputError("a loop with sensors sails single voyages; call simulate with several seeds instead")
-        time = LOOP_DURATION * self._passing if duration is None else duration
-        start = {name: value for name, value in self._begun.items() if name != "r"}
-        return ensemble(self.model, duration=time, **{**start, "controller": self.controller, **vary})
+        start = {name: value for name, value in self._begun(duration).items() if name != "r"}
+        return ensemble(self.model, **{**start, "controller": self.controller, **vary})
 
     @property
     def _passing(self) -> float:
         return self.model.configuration.ship.length / self.u
 
-    @property
-    def _begun(self) -> dict[str, Any]:
-        operating_point = {"y": self.y, "u": self.u, "x": self.x, "dt": self.dt, "waterway": self.waterway}
-        return {**operating_point, **self.course}
-
-    def _helm(self, seed: int) -> Any:
-        if not self.sensors:
-            return self.controller
-        return SensedHelm(
-            self.model, self.controller, tuple(self.sensors), self.estimator, self.dt, self.waterway, seed
-        )
+    def _begun(self, duration: float | None) -> dict[str, Any]:
+        time = settings.LOOP_DURATION * self._passing if duration is None else duration
+        point = {"y": self.y, "u": self.u, "x": self.x, "dt": self.dt, "waterway": self.waterway}
+        return {**point, **self.course, "duration": time}
 
     @cached_property
     def states(self) -> tuple[str, ...]:
         """Names of the states of the loop: ship, gear and memory of the law."""
-        kept = self._opened.choices.kept
+        kept = self._opened[0].choices.kept
         return tuple("psi" if name == "cos_psi" else name for name in kept if name not in LEFT_OUT)
 
     @cached_property
-    def _opened(self) -> VoyageIntegrator:
+    def _opened(self) -> tuple[VoyageIntegrator, dict[str, float]]:
+        """The integrator of the opened loop, and its state on the steady course."""
         if not isinstance(self.controller, ControlLaw):
             raise InputError(
                 f"a {type(self.controller).__name__} is no law in arithmetic, so its loop has no matrices; ask for "
@@ -153,56 +125,41 @@ class ClosedLoop(BaseSummary):
         ship = SimulatedShip(self.model)
         steering = steering_of(OpenedLaw(self.controller), ship.actuators)
         numbers = {"x": self.x, "y": self.y, "u": self.u, **self.course}
-        integrator, self.__dict__["_start"] = initial_state(ship, steering, numbers, self.waterway, False)
+        integrator, start = initial_state(ship, steering, numbers, self.waterway, False)
         # A dead band has no derivative: the loop is linearised for orders beyond it.
         integrator.set(rudder_dead_band=0.0)
-        return integrator
+        return integrator, dict(zip(integrator.choices.kept, start, strict=True), psi=self.course["psi"])
 
-    def _stepped(self, state: np.ndarray, order: float) -> tuple[np.ndarray, float]:
-        """Return the state a step later under an order, and the law's order."""
-        integrator = self._opened
-        values = dict(zip(integrator.choices.kept, self.__dict__["_start"], strict=True))
-        values |= dict(zip(self.states, state, strict=True))
+    def _stepped(self, both: np.ndarray) -> np.ndarray:
+        """Return the state a step later under an order, and the law's order, from a state and that order."""
+        integrator, start = self._opened
+        values = {**start, **dict(zip(self.states, both, strict=False))}
         values |= {"cos_psi": math.cos(values["psi"]), "sin_psi": math.sin(values["psi"])}
-        integrator.set(**{PARAMETER(ORDERED): order})
+        integrator.set(**{PARAMETER(ORDERED): float(both[-1])})
         after, *_ = integrator.stepped(tuple(values[name] for name in integrator.choices.kept), self.dt)
         later = dict(zip(integrator.choices.kept, after, strict=True))
         later["psi"] = math.atan2(later["sin_psi"], later["cos_psi"])
-        return np.array([later[name] for name in self.states]), later[MEMORY(ASKED)]
-
-    @cached_property
-    def _sizes(self) -> np.ndarray:
-        ship = self.model.configuration.ship
-        known = {"y": ship.beam, "v": self.u, "r": self.u / ship.length, MEMORY("integral"): ship.beam * self._passing}
-        return np.array([known.get(name, 1.0) for name in self.states])
-
-    def _slopes(self, state: np.ndarray, order: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return A, B and C of the opened loop about a state, by central differences of the engine's own step."""
-        sizes, count = np.append(self._sizes, 1.0), len(state)
-        rows = np.empty((count + 1, count + 1))
-        for column, size in enumerate(1e-5 * sizes):
-            ends = []
-            for side in (size, -size):
-                moved = np.append(state, order)
-                moved[column] += side
-                after, asked = self._stepped(moved[:-1], float(moved[-1]))
-                ends.append(np.append(after, asked))
-            rows[:, column] = (ends[0] - ends[1]) / (2 * size)
-        return rows[:-1, :-1], rows[:-1, -1:], rows[-1:, :-1]
+        return np.array([later[name] for name in (*self.states, MEMORY(ASKED))])
 
     @cached_property
     def _matrices(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the same about the steady state of the loop, found by Newton's method."""
-        integrator = self._opened
-        begun = dict(zip(integrator.choices.kept, self.__dict__["_start"], strict=True), psi=self.course["psi"])
-        state = np.array([begun[name] for name in self.states])
-        for _ in range(NEWTON_ROUNDS):
-            order = self._stepped(state, self.course["rudder"])[1]
-            off = self._stepped(state, order)[0] - state
-            A, B, C = self._slopes(state, order)
-            if np.abs(off / self._sizes).max() < SAME_STATE:
+        """A, B and C of the opened loop about its steady state, found by Newton's method."""
+        # By central differences of the engine's own step.
+        ship, start = self.model.configuration.ship, self._opened[1]
+        known = {"y": ship.beam, "v": self.u, "r": self.u / ship.length, MEMORY("integral"): ship.beam * self._passing}
+        sizes = np.array([known.get(name, 1.0) for name in (*self.states, ASKED)])
+        both = np.array([*(start[name] for name in self.states), 0.0])
+        for _ in range(settings.NEWTON_ROUNDS):
+            both[-1] = self.course["rudder"]
+            both[-1] = self._stepped(both)[-1]
+            off = self._stepped(both)[:-1] - both[:-1]
+            steps = np.diag(1e-5 * sizes)
+            ends = [(self._stepped(both + step) - self._stepped(both - step)) / (2 * step.max()) for step in steps]
+            rows = np.stack(ends, axis=1)
+            A, B, C = rows[:-1, :-1], rows[:-1, -1:], rows[-1:, :-1]
+            if np.abs(off / sizes[:-1]).max() < settings.SAME_STATE:
                 return A, B, C
-            state = state + np.linalg.lstsq(np.eye(len(state)) - A - B @ C, off, rcond=None)[0]
+            both[:-1] += np.linalg.lstsq(np.eye(len(off)) - A - B @ C, off, rcond=None)[0]
         raise InputError(
             f"the {type(self.controller).__name__} does not keep this ship on a steady course {self.y:g} m off the "
             f"middle at {self.u:g} m/s, so there is nothing to linearise about; choose another, or simulate it"
@@ -211,27 +168,18 @@ class ClosedLoop(BaseSummary):
     def state_space(self, opened: bool = False) -> Any:
         """Return the loop as a discrete state space of python-control, at its time step.
 
-        Parameters
-        ----------
-        opened : bool
-            True: from the gear's order to the law's order, with the sign changed. False: from an order added to the
-            law's to the offset, heading and rudder.
-
-        Raises
-        ------
-        InputError
-            If the controller is no law, is not steady there, or python-control is not installed (``pip install
-            narrows[control]``).
+        ``opened``: from the gear's order to the law's order, with the sign changed. Otherwise: from an order added to
+        the law's to the offset, heading and rudder.
         """
         with needs("control", "state_space"):
             import control
         A, B, C = self._matrices
-        named: dict[str, Any] = {"states": list(self.states), "name": "loop"}
+        named: dict[str, Any] = {"inputs": ["order"], "states": list(self.states), "name": "loop"}
         if opened:
-            return control.ss(A, B, -C, 0, self.dt, inputs=["order"], outputs=["asked"], **named)
-        seen = [self.states.index(name) for name in ("y", "psi", "rudder")]
-        out = np.eye(len(A))[seen]
-        return control.ss(A + B @ C, B, out, 0, self.dt, inputs=["order"], outputs=["y", "psi", "rudder"], **named)
+            return control.ss(A, B, -C, 0, self.dt, outputs=["asked"], **named)
+        seen = ["y", "psi", "rudder"]
+        out = np.eye(len(A))[[self.states.index(name) for name in seen]]
+        return control.ss(A + B @ C, B, out, 0, self.dt, outputs=seen, **named)
 
     def poles(self) -> np.ndarray:
         """Return the growth rates of deviations from the course [1/s], the most unstable first.
@@ -251,35 +199,31 @@ class ClosedLoop(BaseSummary):
         inverse.
         """
         A, B, C = self._matrices
-        poles = np.abs(self.poles())
-        slowest = float(poles[poles > 0].min(initial=1.0 / self._passing))
+        poles = self.poles()
         # An unstable loop has no margins.
-        if self.poles()[0].real > 0:
+        if poles[0].real > 0:
             none = dict.fromkeys(("gain", "gain_down", "phase_deg", "delay", "distance"), 0.0)
             return {**none, "sensitivity_peak": math.inf}
+        slowest = float(np.abs(poles)[np.abs(poles) > 0].min(initial=1.0 / self._passing))
         return loop_margins(A, B, -C, 1e-2 * slowest, math.pi / self.dt, self.dt)
 
     def tolerated_delay(self, seed: int = 0) -> float:
         """Return the longest additional dead time of the gear under which the ship keeps its line [s].
 
         Found by voyages from a small offset: the ship keeps its line if a tenth of that offset is left in the second
-        half of the voyage, or, where sensor noise moves it, at most twice the offset without the additional dead time.
-
-        Parameters
-        ----------
-        seed : int
-            Seed of the sensor noise.
+        half of the voyage, or, where sensor noise (of ``seed``) moves it, at most twice the offset without the
+        additional dead time.
         """
-        beam, longest = self.model.configuration.ship.beam, MOST_DELAY * self._passing
+        beam, longest = self.model.configuration.ship.beam, settings.MOST_DELAY * self._passing
         usual = self._late_offset(0.0, seed)
         noisy = 2.0 * usual if self.sensors and usual < beam / 2 else 0.0
-        most = max(noisy, LOST_LOOP * LOOP_OFFSET * beam)
+        most = max(noisy, settings.LOST_LOOP * settings.LOOP_OFFSET * beam)
         if usual > most:
             return 0.0
         if self._late_offset(longest, seed) <= most:
             return longest
         kept, lost = 0.0, longest
-        while lost - kept > max(DELAY_DIGITS * kept, DELAY_DIGITS * self.dt):
+        while lost - kept > settings.DELAY_DIGITS * max(kept, self.dt):
             middle = (kept + lost) / 2
             kept, lost = (middle, lost) if self._late_offset(middle, seed) <= most else (kept, middle)
         return kept
@@ -287,11 +231,10 @@ class ClosedLoop(BaseSummary):
     def _late_offset(self, delay: float, seed: int) -> float:
         """Return the largest offset from the line in the second half of a voyage [m]; infinite if the ship is lost."""
         gear = self.model.configuration.gear
-        later = replace(gear, dead_time=gear.dead_time + delay)
-        loop = replace(self, model=with_gear(self.model, later))
+        loop = replace(self, model=with_gear(self.model, replace(gear, dead_time=gear.dead_time + delay)))
         loop.__dict__["course"] = self.course
-        begun = self.y - math.copysign(LOOP_OFFSET * self.model.configuration.ship.beam, self.y)
-        voyage = loop.simulate(LOOP_TIME * self._passing, seed, y=begun)
+        begun = self.y - math.copysign(settings.LOOP_OFFSET * self.model.configuration.ship.beam, self.y)
+        voyage = loop.simulate(settings.LOOP_TIME * self._passing, seed, y=begun)
         off = np.abs(voyage.y - self.y)[voyage.t > voyage.t[-1] / 2]
         return float(off.max()) if voyage.outcome.kind == "afloat" else math.inf
 
@@ -336,16 +279,6 @@ def closed_loop(
         Place along the waterway.
     dt : float [s]
         Time between orders.
-
-    Returns
-    -------
-    ClosedLoop
-        Voyages, fleets, matrices and margins of the loop.
-
-    Raises
-    ------
-    InputError
-        If the offset or the speed is missing, a number is not finite, or an estimator has no sensors.
     """
     check_rudder(model)
     check_waterway(waterway)
@@ -362,3 +295,99 @@ def closed_loop(
     if gear is not None:
         model = with_gear(model, gear)
     return ClosedLoop(model, controller, waterway=waterway, sensors=tuple(sensors), estimator=estimator, **numbers)
+
+
+@dataclass
+class LawOrders:
+    """Orders of a law in arithmetic, step by step, of one ship or of columns of ships."""
+
+    model: Model
+    law: ControlLaw
+    dt: float
+    waterway: "Waterway | None" = None
+    _memory: Mapping[str, Any] | None = field(init=False, default=None)
+
+    def __post_init__(self) -> None:
+        self._ahead = water_ahead(self.model, self.waterway)
+        self._known = {**SimulatedShip(self.model).values(), **self.law.parameters(), "dt": self.dt}
+        self._known |= {"water": self._water}
+
+    def __call__(self, t: float, state: VoyageState) -> float:
+        return float(self.orders(t, state._asdict())["rudder"])
+
+    def orders(self, t: float, state: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return the orders of a time; they change the memory."""
+        at = {**self._known, "t": t, "current": self._along("current", state["x"]), **state}
+        at |= {"cos_psi": np.cos(at["psi"]), "sin_psi": np.sin(at["psi"])}
+        memory = self.law.memory(at) if self._memory is None else self._memory
+        try:
+            orders, self._memory = self.law.orders(SimpleNamespace(**{**at, **memory}))
+        except AttributeError as lacking:
+            raise InputError(f"the {type(self.law).__name__} needs an unknown ({lacking}); take another") from None
+        return orders
+
+    def _water(self, name: str, x: Any) -> Any:
+        return self._along(WATER[f"{WATER_PREFIX}{name}"], x)
+
+    def _along(self, column: str, x: Any) -> np.ndarray:
+        return self._ahead.at(np.ravel(x))[column].reshape(np.shape(x))
+
+
+@dataclass
+class SensedHelm:
+    """A controller of single voyages: readings of the true state, an estimate from them, an order from that."""
+
+    model: Model
+    controller: Any
+    sensors: Sequence[Any]
+    estimator: Any
+    dt: float
+    waterway: "Waterway | None" = None
+    seed: int = 0
+
+    def begin(self) -> Order:
+        """Return the function of orders for one voyage; it replaces that of the previous voyage."""
+        estimation, random, helm = narrows.estimation, np.random.default_rng(self.seed), self.controller
+        self.estimator = self.estimator or estimation.Estimator(self.model, self.sensors, waterway=self.waterway)
+        self.estimator.forget()
+        if isinstance(helm, ControlLaw):
+            self._inner: Any = LawOrders(self.model, helm, self.dt, self.waterway)
+        else:
+            self._inner = helm.begin() if hasattr(helm, "begin") else helm
+        self._past: list[tuple[float, VoyageState]] = []
+        self._due: dict[str, float] = {}
+        self._ahead = water_ahead(self.model, self.waterway)
+        self._measuring, self._indicator = estimation.ship_filter.split_sensors(self.sensors)
+        self._longest = max(sensor.late for sensor in self._measuring.values())
+        self._errors = {n: estimation.sensor.ErrorProcess(one, random) for n, one in self._measuring.items()}
+        self._bias = self._indicator.bias * random.standard_normal()
+        self._random = random
+        return self._order
+
+    def _order(self, t: float, state: VoyageState) -> float:
+        self._past = [(then, seen) for then, seen in self._past if then > t - self._longest - 2 * self.dt]
+        self._past.append((t, state))
+        rudder = state.rudder + float(self._indicator.noise * self._random.standard_normal() - self._bias)
+        estimate = self.estimator.update(t, {**dict(self._readings(t)), "rudder": rudder})
+        if not estimate.ready:
+            # No estimate yet: the rudder stays.
+            return state.rudder
+        seen = {name: estimate[name] for name in ("x", "y", "psi", "u", "v", "r")}
+        return float(self._inner(t, VoyageState(**seen, rudder=rudder)))
+
+    def _readings(self, t: float) -> Iterator[tuple[str, Any]]:
+        for name, sensor in self._measuring.items():
+            if t < self._due.get(name, -math.inf) - ORDER_TOLERANCE * self.dt or t < sensor.late:
+                continue
+            self._due[name] = t + sensor.period
+            yield name, self._errors[name].reading(self._at(t - sensor.late))
+
+    def _at(self, time: float) -> SimpleNamespace:
+        """Return the state at a time, linear between stored ones, with further quantities for sensors."""
+        times = [then for then, _ in self._past]
+        columns = np.array([seen for _, seen in self._past]).T
+        then = VoyageState(*(float(np.interp(time, times, column)) for column in columns))
+        water = self._ahead.at(np.array([then.x]))
+        calm = {"current_across": 0.0, "rudder_bias": 0.0, "bank": 1.0}
+        along = {name: float(water[name][0]) for name in ("current", "curvature")}
+        return SimpleNamespace(**then._asdict(), **calm, **along)

@@ -1,36 +1,50 @@
 """Tune the weights of a regulator by simulated voyages of sampled ships, and test them on other ships (Monte Carlo)."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import count
-from typing import TYPE_CHECKING, Any
+from itertools import count, pairwise
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from narrows.control.design_trials import DesignTrials, Scene, ScenePush, TrialResult
-from narrows.control.regulator import regulator
-from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights
-from narrows.control.regulator_law import Regulator
-from narrows.control.settings import (
-    DESIGN_JUDGES,
-    DESIGN_STEP,
-    DESIGNS_A_ROUND,
-    FULL_TRAVEL,
-    OFF_SHARE,
-    TRAVEL_SHARE,
-    TRIAL_LENGTHS,
-)
+from narrows.codegen.free_motion import INPUTS
+from narrows.control import settings
+from narrows.control.linearization import linearize
+from narrows.control.regulator import HeldLine, Regulator, held_line, regulator
+from narrows.control.regulator_gains import DEFAULT_WEIGHTS, FEEDBACK, RegulatorWeights, regulator_gains
+from narrows.control.settings import TRIAL_LENGTHS, TRIAL_STEPS
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, check_count
 from narrows.model.model import Model
 from narrows.progress import bar
+from narrows.quantities.arithmetic import choice, maximum
 from narrows.results import BaseSummary
 from narrows.ship.actuators import SteeringGear
+from narrows.simulation.controllers import ControlLaw, Named
+from narrows.simulation.grid import sampled
 from narrows.simulation.inputs import finite_numbers
+from narrows.simulation.kernel_run import PUSH_END, KernelRun
+from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+class ScenePush(NamedTuple):
+    start: float  # Start [time of a ship length]
+    stop: float  # End, likewise
+    force: float  # Sway force, relative to one that accelerates as fast as the moment of this rudder angle turns [rad]
+    moment: float  # Yaw moment, as that of this rudder angle [rad]
+
+
+class Scene(NamedTuple):
+    offset: float  # Offset of the held line, relative to the requested one [1]
+    begins: float  # Starting distance from that line [beams]
+    pushes: tuple[ScenePush, ...] = ()
+
 
 SIX, FIVE = math.radians(6.0), math.radians(5.0)
 # Test scenes: an offset, a bank that recedes twice, gusts, and a gust and a receding bank far off the centreline.
@@ -44,29 +58,132 @@ SCENES = {
 TUNED = ("heading_deg", "rudder_deg", "stroke_time", "integral_time", "unwinding_time")
 
 
+@dataclass(frozen=True)
+class SeenWithNoise:
+    """A law with white noise on its readings; it records the ship's late offset and the rudder travel."""
+
+    law: ControlLaw
+    noise: Mapping[str, float]  # Standard deviations of y [m], psi [rad], v [m/s], r [rad/s]
+    late: Any  # Time from which the offset counts [s]
+
+    def parameters(self) -> Mapping[str, Any]:
+        return {
+            **self.law.parameters(),
+            **{f"noise_of_{n}": self.noise[n] for n in FEEDBACK[:4]},
+            "late_from": self.late,
+        }
+
+    def memory(self, start: Named) -> Named:
+        chaos = {f"chaos_{name}": 0.4 for name in FEEDBACK[:4]}
+        return {**self.law.memory(start), **chaos, "farthest": 0.0, "travel": 0.0, "was": start["rudder"]}
+
+    def orders(self, at: Any) -> tuple[Named, Named]:
+        # The logistic map gives uncorrelated numbers from 0 to 1 of variance 1/8 by arithmetic alone. Ulam and von
+        # Neumann (1947), Bulletin of the American Mathematical Society 53, 1120.
+        chaos = {name: getattr(at, f"chaos_{name}") for name in FEEDBACK[:4]}
+        seen = {n: getattr(at, n) + getattr(at, f"noise_of_{n}") * 8**0.5 * (chaos[n] - 0.5) for n in FEEDBACK[:4]}
+        orders, memory = self.law.orders(SimpleNamespace(**{**vars(at), **seen}))
+        kept = {f"chaos_{name}": 4.0 * value * (1.0 - value) for name, value in chaos.items()}
+        off = choice(at.t + at.dt / 2 - at.late_from, abs(at.y - at.held_y_0), 0.0)
+        record = {"farthest": maximum(at.farthest, off), "travel": at.travel + abs(at.rudder - at.was)}
+        return orders, {**memory, **kept, **record, "was": at.rudder}
+
+
+class TrialResult(NamedTuple):
+    lost: np.ndarray  # (scenes, ships) Aground, or more than half a beam off the line at the end
+    off: np.ndarray  # (scenes, ships) Late offset [half beams]; infinite if aground
+    travel: np.ndarray  # (scenes, ships) Rudder travel [rad]
+
+
+class DesignTrials:
+    """Scenes of sampled ships, with arrays allocated once."""
+
+    def __init__(
+        self, model: Model, y: float, u: float, scenes: Sequence[Scene], ships: int, seed: int,
+        noise: Mapping[str, float] | None = None,
+    ) -> None:  # fmt: skip
+        self.model, self.scenes, self.ships = model, scenes, ships
+        self.systems = [linearize(model, scene.offset * y, u) for scene in scenes]
+        hull, ship, random = model.configuration.ship, SimulatedShip(model), np.random.default_rng(seed)
+        self.time, self._half_beam, trials = hull.length / u, hull.beam / 2, len(scenes) * ships
+        sway, turn = settings.TRIAL_NOISE
+        defaults = {"y": sway * hull.beam, "psi": turn, "v": turn * u, "r": turn / self.time}
+        lines = [held_line(model, system) for system in self.systems]
+        held, rudder, course, drift = (
+            self._each([getattr(line, name) for line in lines]) for name in ("y", "rudder", "psi", "v")
+        )
+        # Each trial sets the gains and the time of unwinding.
+        line = HeldLine(held, (0.0,) * len(FEEDBACK), rudder, course, drift)
+        law = Regulator((line,), u, settings.LEAD_TIME * self.time, self.time)
+        late = (TRIAL_LENGTHS - settings.LATE_LENGTHS) * self.time
+        steering = steering_of(SeenWithNoise(law, {**defaults, **(noise or {})}, late), ship.actuators)
+        assert steering is not None
+        drawn = {name: np.tile(column, len(scenes)) for name, column in sampled(model, ships, seed).items()}
+        psi = course + settings.TRIAL_HEADING * random.standard_normal(trials)
+        y_start = held + self._each([scene.begins for scene in scenes]) * hull.beam
+        start = {"x": 0.0, "y": y_start, "psi": psi, "u": u, "v": drift, "r": 0.0, "rudder": rudder}
+        forces = {"X": 0.0, "Y": np.zeros(trials), "N": np.zeros(trials), PUSH_END: np.inf}
+        turns = {name: float(self.systems[0].course[name]) for name in ("revolutions",) if model.terms.propelled}
+        run = KernelRun(ship, TRIAL_LENGTHS * self.time, self.time / TRIAL_STEPS, steering=steering)
+        self._run = run.prepared({**start, **turns, **forces, **drawn, **steering.parameters}, trials, 1)
+        self._kept = self._run.kernel.KEPT_NAMES
+        for name in FEEDBACK[:4]:
+            self._run.start[:, self._kept.index(MEMORY(f"chaos_{name}"))] = random.uniform(0.05, 0.95, trials)
+        self._begun, self._segments = np.array(self._run.start), list(self._pushed())
+
+    def _each(self, values: Sequence[float] | np.ndarray) -> np.ndarray:
+        """A column over all trials of one number per scene."""
+        return np.repeat(np.asarray(values, float), self.ships)
+
+    def _pushed(self) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
+        """Yield the steps between changes of the external forces, and the forces in them."""
+        times = {0.0, TRIAL_LENGTHS, *(t for scene in self.scenes for push in scene.pushes for t in push[:2])}
+        steps = sorted(round(time * TRIAL_STEPS) for time in times)
+        system = self.systems[0]
+        turn, rudder = system.states.index("r"), system.controls.index("rudder")
+        moment = float(system.B[turn, rudder] / system.G[turn, system.disturbances.index("N")])
+        force = moment / self.model.configuration.ship.length
+        for first, last in pairwise(steps):
+            now = [[p for p in scene.pushes if p.start * TRIAL_STEPS - 0.5 <= first < p.stop * TRIAL_STEPS - 0.5]
+                   for scene in self.scenes]  # fmt: skip
+            Y = self._each([force * sum(push.force for push in pushes) for pushes in now])
+            N = self._each([moment * sum(push.moment for push in pushes) for pushes in now])
+            yield last - first, {INPUTS["Y"]: Y, INPUTS["N"]: N}
+
+    def run(self, weights: RegulatorWeights) -> TrialResult | None:
+        """Simulate every scene under the regulator of these weights; None if there is no such regulator."""
+        try:
+            gains = np.array([regulator_gains(self.model, system, weights) for system in self.systems])
+        except InputError:
+            return None
+        run, inputs = self._run, list(self._run.kernel.VESSEL_INPUTS)
+        for place, name in enumerate(FEEDBACK):
+            run.vessel_inputs[:, inputs.index(PARAMETER(f"by_{name}_0"))] = self._each(gains[:, place])
+        run.vessel_inputs[:, inputs.index(PARAMETER("unwinding"))] = weights.unwinding_time * self.time
+        run.start[:], alive = self._begun, np.ones(len(run.start), bool)
+        for steps, forces in self._segments:
+            for name, column in forces.items():
+                run.vessel_inputs[:, inputs.index(name)] = column
+            run.times[:, 0], run.times[:, 1], run.times[:, 2] = self.time / TRIAL_STEPS, np.where(alive, steps, 0), 0.0
+            run()
+            alive &= run.codes[:, 0] == 0
+            run.start[:] = np.where(alive[:, None], run.end, run.start)
+        farthest, travel = (run.start[:, self._kept.index(MEMORY(name))] for name in ("farthest", "travel"))
+        shape = len(self.scenes), self.ships
+        off = np.where(alive, farthest / self._half_beam, np.inf).reshape(shape)
+        return TrialResult(off > 1.0, off, travel.reshape(shape))
+
+
 @dataclass(frozen=True, repr=False)
 class RegulatorDesign(BaseSummary):
-    """A regulator designed by simulation; the result of ``design``.
+    """A regulator designed by simulation; the result of ``design``."""
 
-    Parameters
-    ----------
-    model : Model
-        The ship.
-    y : float [m]
-        Design offset.
-    u : float [m/s]
-        Surge velocity.
-    weights : RegulatorWeights
-        Weights with the lowest cost: lost ships, late offset and rudder travel.
-    judged : mapping of str to mapping
-        By scene: the shares of other ships that are ``lost``, the same with the default weights (``usual``), and the
-        median ``travel`` of the rudder of both [rad].
-    """
-
-    model: Model
-    y: float
-    u: float
-    weights: RegulatorWeights
+    model: Model  # The ship
+    y: float  # Design offset [m]
+    u: float  # Surge velocity [m/s]
+    weights: RegulatorWeights  # Weights with the lowest cost: lost ships, late offset and rudder travel
+    # By scene: the shares of other ships that are ``lost``, the same with the default weights (``usual``), and the
+    # median ``travel`` of the rudder of both [rad]
     judged: Mapping[str, Mapping[str, float]]
 
     @property
@@ -119,16 +236,6 @@ def design(
     progress : bool
         Show a bar on stderr.
 
-    Returns
-    -------
-    RegulatorDesign
-        Weights, the regulator, and its share of lost test ships.
-
-    Raises
-    ------
-    InputError
-        If the model has no rudder or no covariance, or a number is out of range.
-
     References
     ----------
     Nelder and Mead (1965), A simplex method for function minimization, The Computer Journal 7(4), 308-313.
@@ -152,7 +259,7 @@ def design(
     with bar(rounds, progress) as advance:
         best = searched(cost, np.append(np.zeros(len(TUNED)), DEFAULT_WEIGHTS.bank), rounds, advance)
     weights = weights_at(best) or DEFAULT_WEIGHTS
-    judge = DesignTrials(geared, y, u, scenes, DESIGN_JUDGES * ships, seed + 1, noise)
+    judge = DesignTrials(geared, y, u, scenes, settings.DESIGN_JUDGES * ships, seed + 1, noise)
     return RegulatorDesign(geared, float(y), float(u), weights, _judged(judge, weights))
 
 
@@ -169,11 +276,10 @@ def weights_at(point: np.ndarray) -> RegulatorWeights | None:
 
 
 def cost_of(result: TrialResult) -> float:
-    late = np.minimum(result.off, 3.0)
-    travel = np.minimum(result.travel, 2 * FULL_TRAVEL * TRIAL_LENGTHS)
-    return float(
-        result.lost.mean() + OFF_SHARE * late.mean() + TRAVEL_SHARE * travel.mean() / (FULL_TRAVEL * TRIAL_LENGTHS)
-    )
+    late = np.minimum(result.off, 3.0).mean()
+    usual = settings.FULL_TRAVEL * TRIAL_LENGTHS
+    travel = np.minimum(result.travel, 2 * usual).mean() / usual
+    return float(result.lost.mean() + settings.OFF_SHARE * late + settings.TRAVEL_SHARE * travel)
 
 
 def _judged(trials: DesignTrials, weights: RegulatorWeights) -> dict[str, dict[str, float]]:
@@ -198,10 +304,12 @@ def searched(
     evaluations = count(1)
 
     def counted(point: np.ndarray) -> float:
-        advance(int(next(evaluations) % DESIGNS_A_ROUND == 0))
+        advance(int(next(evaluations) % settings.DESIGNS_A_ROUND == 0))
         return cost(point)
 
     # The last number, the bank's share, moves down: it may be 1 already.
-    corners = start + np.vstack([np.zeros(len(start)), np.diag([*[DESIGN_STEP] * (len(start) - 1), -DESIGN_STEP])])
-    options: Any = {"maxfev": DESIGNS_A_ROUND * rounds, "initial_simplex": corners, "xatol": 1e-4, "fatol": 0.0}
+    steps = settings.DESIGN_STEP * np.append(np.ones(len(start) - 1), -1.0)
+    corners = start + np.vstack([np.zeros(len(start)), np.diag(steps)])
+    most = settings.DESIGNS_A_ROUND * rounds
+    options: Any = {"maxfev": most, "initial_simplex": corners, "xatol": 1e-4, "fatol": 0.0}
     return np.asarray(minimize(counted, start, method="Nelder-Mead", options=options).x)

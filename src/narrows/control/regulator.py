@@ -1,28 +1,143 @@
-"""Linear-quadratic regulator (LQR) and autopilot: gains of the rudder by the Riccati equation of the linear ship."""
+"""Regulator and autopilot: control laws of the rudder, their gains by the Riccati equation of the linear ship."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import partial
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.aliases import accept_aliases
 from narrows.codegen.linearisation import LINEARISED
+from narrows.control import settings
 from narrows.control.linear_system import LinearSystem
 from narrows.control.linearization import linearize
-from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights, best_gains, regulator_gains
-from narrows.control.regulator_law import HeldLine, Regulator
-from narrows.control.settings import LEAD_TIME, OFF_HEADING, OFF_RUDDER
+from narrows.control.regulator_gains import DEFAULT_WEIGHTS, FEEDBACK, RegulatorWeights, best_gains, regulator_gains
 from narrows.control.steady_course import check_holds, check_inside, check_rudder, solved
 from narrows.errors import InputError
 from narrows.model.model import Model
-from narrows.simulation.controllers import Autopilot
+from narrows.quantities.arithmetic import choice, clip, maximum
+from narrows.results import BaseSummary
+from narrows.simulation.controllers import LAST_ORDER, ORDER_TOLERANCE, Autopilot, Named
 from narrows.simulation.self_propulsion import self_propulsion
 from narrows.simulation.ship import SimulatedShip
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
+
+TURNED = ("psi", "v", "rudder")
+TRACKED = FEEDBACK[:4]
+IN_VAIN = "no autopilot holds this ship on the centreline: its rudder has no effect"
+
+
+@dataclass(frozen=True)
+class HeldLine:
+    """A line to hold and its gains; every number may be an array over many ships."""
+
+    y: Any  # Offset to starboard of the line [m]
+    # Rate of the rudder per deviation of offset, heading, sway velocity, yaw rate, rudder, and per integral of the
+    # offset [rad/(s m), 1/s, rad/m, 1, 1/s, rad/(s2 m)]
+    gains: tuple[Any, ...]
+    rudder: Any = 0.0  # Rudder angle of the steady course [rad]
+    psi: Any = 0.0  # Its heading [rad]
+    v: Any = 0.0  # Its sway velocity [m/s]
+    # Change of the course's heading, sway velocity and rudder per yaw rate of the waterway [s, m, s]
+    turning: tuple[Any, ...] = (0.0, 0.0, 0.0)
+    start: float = 0.0  # Time [s] or place [m] from which it is held; the first line also holds before
+
+    def __post_init__(self) -> None:
+        if len(self.gains) != len(FEEDBACK) or len(self.turning) != len(TURNED):
+            raise InputError(
+                f"a regulator has gains for {', '.join(FEEDBACK)} and turns of {', '.join(TURNED)}; give each"
+            )
+        for number in (self.y, *self.gains, self.rudder, self.psi, self.v, *self.turning, self.start):
+            if not np.isfinite(number).all():
+                raise InputError(f"a regulator with {number} steers nothing; give finite numbers")
+
+    def numbers(self) -> dict[str, Any]:
+        held = {f"held_{name}": getattr(self, name) for name in ("y", "rudder", "psi", "v")}
+        held |= {f"by_{name}": gain for name, gain in zip(FEEDBACK, self.gains, strict=True)}
+        return held | {f"turn_{name}": slope for name, slope in zip(TURNED, self.turning, strict=True)}
+
+
+@dataclass(frozen=True, repr=False)
+class Regulator(BaseSummary):
+    """A track pilot: the rudder's rate is proportional to the deviations and to the integral of the offset.
+
+    The gains scale with speed as if every force were proportional to its square. The steady turn of a bend ahead is
+    added to the course. If the gear cannot follow, the integral is reduced to an attainable value (anti-windup).
+    """
+
+    lines: Sequence[HeldLine]  # The line to hold, or several, each from its own time or place on
+    u: Any  # Design surge velocity [m/s]
+    lead: Any  # Time that it looks ahead for bends of a waterway [s]
+    unwinding: Any  # Time in which the integral is reduced if the gear is at a limit [s]
+    integral: Any = 0.0  # Integral of the offset at the start [m s]
+    along: bool = False  # True if lines are held from a place along the way on, instead of a time
+
+    def __post_init__(self) -> None:
+        starts = [line.start for line in self.lines]
+        if not starts or any(after <= before for before, after in pairwise(starts)):
+            raise InputError(
+                "a regulator holds one line or more, each from a later time or place than the one before; give them"
+            )
+        for name in ("u", "unwinding"):
+            if not (np.isfinite(getattr(self, name)).all() and np.all(np.asarray(getattr(self, name)) > 0)):
+                raise InputError(f"a regulator needs {name} over 0; it is {getattr(self, name)}")
+        for name in ("lead", "integral"):
+            if not np.isfinite(getattr(self, name)).all():
+                raise InputError(f"a regulator with {name} = {getattr(self, name)} steers nothing; give a number")
+
+    def summary(self) -> str:
+        """Describe the lines."""
+        more = f", {len(self.lines)} lines one after the other" if len(self.lines) > 1 else ""
+        return f"y = {self.lines[0].y} at u = {self.u}{more}"
+
+    def parameters(self) -> Mapping[str, Any]:
+        """Return the numbers of its lines, the speed, and the times for bends and for the integral."""
+        numbers = {"made_for": self.u, "lead": self.lead, "unwinding": self.unwinding}
+        for index, line in enumerate(self.lines):
+            numbers |= {f"{name}_{index}": value for name, value in line.numbers().items()}
+            numbers |= {f"start_{index}": line.start} if index else {}
+        return numbers
+
+    def memory(self, start: Named) -> Named:
+        """Return the integral of the offset and the last order, at the start."""
+        return {"integral": self.integral, LAST_ORDER: start["rudder"]}
+
+    def orders(self, at: Any) -> tuple[Named, Named]:
+        """Return the rudder's angle a step ahead, the integral, and that order."""
+        speed = maximum(at.u, settings.SLOWEST * at.made_for)
+        pace, share = at.u + at.current, speed / at.made_for
+        turn = at.water("curvature", at.x + at.lead * pace) * pace
+        held = {name: self._now(at, name) for name in self.lines[0].numbers()}
+        off_y = at.y - held["held_y"]
+        off_psi = at.psi - held["held_psi"] - held["turn_psi"] * turn / share
+        off_v = at.v - held["held_v"] * share - held["turn_v"] * turn
+        # The rate is added to the last order, not to the indicated angle, which lags by the delay of the gear:
+        # otherwise only dt / (dt + delay) of the rate would be ordered.
+        last = getattr(at, LAST_ORDER)
+        off_rudder = last - held["held_rudder"] - held["turn_rudder"] * turn / share
+        by_integral = held["by_integral"] * share * share
+        wanted = -(
+            share * (held["by_y"] * off_y + held["by_psi"] * off_psi + held["by_rudder"] * off_rudder)
+            + held["by_v"] * off_v + held["by_r"] * (at.r - turn) + by_integral * at.integral
+        )  # fmt: skip
+        # The rudder's own term is taken at the end of the step, so that a long step does not overshoot.
+        move = at.dt * wanted / (1 + at.dt * share * held["by_rudder"])
+        order = clip(last + clip(move, at.dt * at.rudder_rate), at.rudder_limit)
+        wound = (move - (order - last)) / (by_integral * at.unwinding)
+        return {"rudder": order}, {"integral": at.integral + at.dt * off_y + wound, LAST_ORDER: order}
+
+    def _now(self, at: Any, name: str) -> Any:
+        """Return a number of the current line."""
+        value = getattr(at, f"{name}_0")
+        for index in range(1, len(self.lines)):
+            begun = (at.x if self.along else at.t + ORDER_TOLERANCE * at.dt) - getattr(at, f"start_{index}")
+            value = choice(begun, getattr(at, f"{name}_{index}"), value)
+        return value
 
 
 @accept_aliases
@@ -32,8 +147,7 @@ def regulator(
 ) -> Regulator:  # fmt: skip
     """Return the regulator that holds a ship on a line: linear-quadratic on the rudder's rate.
 
-    ``weights`` holds the weights: defaults tuned by simulated voyages, or those of ``design``. The law needs the sway
-    velocity, as a track pilot with a good position fix has it.
+    The law needs the sway velocity, as a track pilot with a good position fix has it.
 
     Parameters
     ----------
@@ -48,14 +162,9 @@ def regulator(
     at : float or sequence of float [m]
         Place along it for which the gains are computed; with several, rising, each holds from its place on.
     weights : RegulatorWeights
-        Weights of the cost.
+        Weights of the cost: defaults tuned by simulated voyages, or those of ``design``.
     **values : float [SI]
         As for ``linearize``.
-
-    Raises
-    ------
-    InputError
-        If no rudder angle holds the ship on a line, its rudder has no effect, or both ``y`` and ``at`` are several.
 
     References
     ----------
@@ -64,23 +173,19 @@ def regulator(
     """
     check_rudder(model)
     about = partial(linearize, model, u=u, waterway=waterway, surge="held", **values)
+    try:
+        pairs = [(float(time), float(offset)) for time, offset in y] if np.ndim(y) else [(0.0, y)]
+    except (TypeError, ValueError):
+        raise InputError("the line to hold is an offset [m], or pairs of time [s] and offset; mend it") from None
     if isinstance(at, Sequence | np.ndarray):
         if np.ndim(y):
             raise InputError("y changes in time and the gains change along the way; give one of the two")
-        lines = [held_line(model, about(y=y, at=place), place, weights) for place in at]
+        courses = [(place, about(y=y, at=place)) for place in at]
     else:
-        lines = [held_line(model, about(y=offset, at=at), start, weights) for start, offset in _pairs(y)]
-    time = model.configuration.ship.length / u
-    return Regulator(tuple(lines), u, LEAD_TIME * time, weights.unwinding_time * time, along=np.ndim(at) > 0)
-
-
-def _pairs(y: Any) -> list[tuple[float, float]]:
-    if np.ndim(y) == 0:
-        return [(0.0, y)]
-    try:
-        return [(float(time), float(offset)) for time, offset in y]
-    except (TypeError, ValueError):
-        raise InputError("the line to hold is an offset [m], or pairs of time [s] and offset; mend it") from None
+        courses = [(time, about(y=offset, at=at)) for time, offset in pairs]
+    lines = tuple(held_line(model, linear, start, weights) for start, linear in courses)
+    passing = model.configuration.ship.length / u
+    return Regulator(lines, u, settings.LEAD_TIME * passing, weights.unwinding_time * passing, along=np.ndim(at) > 0)
 
 
 def held_line(
@@ -88,25 +193,13 @@ def held_line(
 ) -> HeldLine:  # fmt: skip
     course = {name: float(value) for name, value in linear.course.items()}
     check_holds(model, course["rudder"], course["y"], course["u"])
-    straight, turning = _straight(linear, course)
-    return HeldLine(course["y"], regulator_gains(model, linear, weights), *straight, turning, start)
-
-
-def _straight(
-    linear: LinearSystem, course: dict[str, float]
-) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-    """Rudder, heading and sway velocity of the straight course, and the change of each per yaw rate."""
-    A, b = linear.A, linear.B[:, linear.controls.index("rudder")]
-    rates = [linear.states.index(name) for name in ("y", "v", "r")]
-    columns = [A[rates, linear.states.index("psi")], A[rates, linear.states.index("v")], b[rates]]
-    psi, v, rudder = np.linalg.solve(np.stack(columns, axis=1), -A[rates, linear.states.index("r")])
-    r = course["r"]
-    straight = course["rudder"] - rudder * r, course["psi"] - psi * r, course["v"] - v * r
-    return straight, (float(psi), float(v), float(rudder))
-
-
-TRACKED = ("y", "psi", "v", "r")
-IN_VAIN = "no autopilot holds this ship on the centreline: its rudder has no effect"
+    gains = regulator_gains(model, linear, weights)
+    # On a steady turn psi, v and the rudder keep y, v and r constant.
+    balanced, b = [0, 2, 3], linear.B[:, linear.controls.index("rudder")]
+    by_choice = np.column_stack([linear.A[balanced, 1], linear.A[balanced, 2], b[balanced]])
+    turning = np.linalg.solve(by_choice, -linear.A[balanced, 3]).tolist()
+    psi, v, rudder = (course[name] - by_turn * course["r"] for name, by_turn in zip(TURNED, turning, strict=True))
+    return HeldLine(course["y"], gains, rudder, psi, v, tuple(turning), start)
 
 
 def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
@@ -151,10 +244,10 @@ def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarra
     at = {"u": speed, "revolutions": inputs.get("revolutions", 0.0)}
     indices = [LINEARISED.index(name) for name in TRACKED]
     motion = linear.state(at)[np.ix_(indices, indices)]
-    push = OFF_RUDDER * linear.controls(at)[indices, linear.controlled.index("rudder")]
+    push = settings.OFF_RUDDER * linear.controls(at)[indices, linear.controlled.index("rudder")]
     half_beam = ship.model.configuration.ship.beam / 2
-    weights = np.diag([half_beam**-2, OFF_HEADING**-2, 0.0, 0.0])
-    gains = np.asarray(OFF_RUDDER * best_gains(motion[None], push[None], weights)[0])
+    weights = np.diag([half_beam**-2, settings.OFF_HEADING**-2, 0.0, 0.0])
+    gains = np.asarray(settings.OFF_RUDDER * best_gains(motion[None], push[None], weights)[0])
     if not np.isfinite(gains).all():
         raise InputError(IN_VAIN)
     return gains

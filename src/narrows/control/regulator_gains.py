@@ -9,13 +9,13 @@ import numpy as np
 
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control.linear_system import LinearSystem
-from narrows.control.regulator_law import FEEDBACK
 from narrows.control.settings import LEAST_DECAY
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.ship import SimulatedShip
 
-# Weights of the scaled states: offset, heading, sway, yaw, rudder, integral [1].
+FEEDBACK = ("y", "psi", "v", "r", "rudder", "integral")
+# Weights of these states, scaled [1].
 SCALED_WEIGHTS = np.diag([1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
 
 
@@ -25,38 +25,18 @@ class RegulatorWeights:
 
     The defaults were tuned by simulated voyages of the KCS at full size (``python decisions/regulator_weights.py``);
     ``design`` tunes them for another ship.
-
-    Parameters
-    ----------
-    offset : float [half beams]
-        Deviation from the line; each weight is the deviation that costs as much as each of the others.
-    heading_deg : float [deg]
-        Deviation from the course.
-    rudder_deg : float [deg]
-        Deviation from the rudder angle of the course.
-    stroke_time : float [1]
-        Time in which that rudder is put over, in times of a ship length; limited by the gear.
-    integral_time : float [1]
-        Duration of the offset, in the same times.
-    bank : float [1]
-        Share of the model's slope of the bank force by offset, the least certain slope: 0 assumes a constant force. If
-        the share leaves the model's ship unstable, the whole slope is used.
-    unwinding_time : float [1]
-        Time in which the integral is reduced if the gear cannot follow, in times of a ship length.
-
-    Raises
-    ------
-    InputError
-        If a number is not over 0, or the share is not from 0 to 1.
     """
 
-    offset: float = 1.0
-    heading_deg: float = 2.3
-    rudder_deg: float = 14.0
-    stroke_time: float = 0.095
-    integral_time: float = 1.7
+    # Each of the first three is the deviation that costs as much as each of the others.
+    offset: float = 1.0  # Deviation from the line [half beams]
+    heading_deg: float = 2.3  # Deviation from the course [deg]
+    rudder_deg: float = 14.0  # Deviation from the rudder angle of the course [deg]
+    stroke_time: float = 0.095  # Time in which that rudder is put over [ship lengths]; limited by the gear
+    integral_time: float = 1.7  # Duration of the offset [ship lengths]
+    # Share of the model's slope of the bank force by offset, the least certain slope [1]: 0 assumes a constant force.
+    # If the share leaves the model's ship unstable, the whole slope is used.
     bank: float = 0.5
-    unwinding_time: float = 0.26
+    unwinding_time: float = 0.26  # Time in which the integral is reduced if the gear cannot follow [ship lengths]
 
     def __post_init__(self) -> None:
         for entry in fields(self):
@@ -180,9 +160,9 @@ def _solved(matrices: np.ndarray, right: np.ndarray) -> np.ndarray:
         return np.linalg.solve(matrices, right)
     except np.linalg.LinAlgError:
         solutions = np.full(right.shape, np.nan)
-        for index, (matrix, side) in enumerate(zip(matrices, right, strict=True)):
+        for index, matrix in enumerate(matrices):
             if np.isfinite(matrix).all() and np.linalg.matrix_rank(matrix) == len(matrix):
-                solutions[index] = np.linalg.solve(matrix, side)
+                solutions[index] = np.linalg.solve(matrix, right[index])
         return solutions
 
 
@@ -195,10 +175,8 @@ def lqr(linear: Any, Q: Any, R: Any, *controls: str) -> tuple[np.ndarray, np.nda
     ----------
     linear : LinearSystem or Model
         Linear system about one course, for a model the one of ``linearize()``.
-    Q : array (states, states) or (states,)
-        Weights of the states, in the order of ``linear.states``, or their diagonal.
-    R : array (controls, controls) or (controls,)
-        Weights of the controls, in their order, or their diagonal; a number is that of each control.
+    Q, R : arrays
+        Weights of ``linear.states`` and of the controls: matrices, their diagonals, or a number for each.
     *controls : str
         Controls to use, such as ``"rudder"``; those of ``linear.controls`` unless given.
 
@@ -208,23 +186,19 @@ def lqr(linear: Any, Q: Any, R: Any, *controls: str) -> tuple[np.ndarray, np.nda
         Gains K (controls, states) of u = -K x, the solution of the Riccati equation (states, states), and the poles of
         the closed loop [1/s].
 
-    Raises
-    ------
-    InputError
-        If a matrix has the wrong shape, or no gains stabilise the ship.
-
     References
     ----------
     Anderson and Moore (1990), Optimal Control: Linear Quadratic Methods.
     """
     system: LinearSystem = linear if isinstance(linear, LinearSystem) else linear.linearize()
     A, B = system.matrices(*controls)
-    used = controls or system.controls
-    sized = (one * np.eye(n) if np.ndim(one) == 0 else one for one, n in ((Q, len(A)), (R, len(used))))
-    weights = [np.diag(one) if np.ndim(one) == 1 else np.asarray(one, float) for one in sized]
-    for name, matrix, names in zip("QR", weights, (system.states, used), strict=True):
+    weights = []
+    for name, given, names in (("Q", Q, system.states), ("R", R, controls or system.controls)):
+        matrix = np.asarray(given, float)
+        matrix = matrix if matrix.ndim > 1 else np.diag(matrix if matrix.ndim else np.full(len(names), given))
         if matrix.shape != (len(names), len(names)):
             raise InputError(f"{name} has the shape {matrix.shape}; give a row and a column for {', '.join(names)}")
+        weights.append(matrix)
     with np.errstate(all="ignore"):
         riccati = _doubled(A[None], (B @ _solved(weights[1][None], B.T[None])[0])[None], weights[0])[0]
     gains = _solved(weights[1][None], (B.T @ riccati)[None])[0]

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from narrows.codegen.choices import STAGES
-from narrows.control.sensed_helm import LawOrders
+from narrows.control.closed_loop import LawOrders
 from narrows.estimation.sensor import Sensor, drawn_reading
 from narrows.estimation.settings import STEPS_A_PERIOD, TWIN_SIDE_TIME, TWIN_START_STD
 from narrows.estimation.ship_filter import ShipFilter, default_step

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from narrows.control.regulator import IN_VAIN, TRACKED, track_gains
-from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights, stacked_gains
-from narrows.control.regulator_law import FEEDBACK, HeldLine, Regulator
+from narrows.control.regulator import IN_VAIN, TRACKED, HeldLine, Regulator, track_gains
+from narrows.control.regulator_gains import DEFAULT_WEIGHTS, FEEDBACK, RegulatorWeights, stacked_gains
 from narrows.control.settings import LEAD_TIME
 from narrows.control.steady_course import solved, with_propulsion
 from narrows.errors import InputError

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from narrows.control.regulator import regulator
-from narrows.control.regulator_law import HeldLine
+from narrows.control.regulator import HeldLine, regulator
 from narrows.control.steady_course import steady_course
 from narrows.errors import InputError, shown
 from narrows.identification.fitting import bundled_ship
