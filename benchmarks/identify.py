@@ -13,10 +13,9 @@ from common import installed, median_seconds, show, sizes
 from scipy.optimize import lsq_linear
 
 import narrows as nw
-from narrows.identification.accumulation import accumulate, products
 from narrows.identification.design_matrix import DesignMatrix
 from narrows.identification.least_squares import reduced, solve
-from narrows.identification.normal_equations import NormalEquations
+from narrows.identification.normal_equations import NormalEquations, accumulate, products
 
 
 def formed(tests: nw.CaptiveTests) -> tuple[DesignMatrix, np.ndarray]:

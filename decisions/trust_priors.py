@@ -14,7 +14,7 @@ from pages import Rows, markdown, publish, records
 import narrows as nw
 from narrows.identification import systematic_effects as effects
 from narrows.identification.estimates import ForcePosterior
-from narrows.identification.left_out import without_rows
+from narrows.identification.resampling import without_rows
 
 HEADER = ("prior", "left-out motions", "left-out speeds")
 GROUPS = {
@@ -40,8 +40,8 @@ def density(part: ForcePosterior, groups: Sequence[Sequence[int]]) -> float:
     rows, posterior = part.rows, part.posterior
     best = np.argsort(-posterior.weights, kind="stable")[:DRAWS]
     weights = posterior.weights[best] / posterior.weights[best].sum()
-    of_motion = rows.all(rows.blocks.motion[rows.blocks.block])
-    is_mean = rows.all(rows.blocks.is_mean[rows.blocks.block])
+    of_motion = rows.all(rows.motion)
+    is_mean = rows.all(rows.of_mean)
     total = 0.0
     for group in groups:
         own = np.flatnonzero(np.isin(of_motion, group))
@@ -61,7 +61,7 @@ def densities() -> np.ndarray:
     for tests in nw.measured_tests("kcs").by_condition().values():
         for terms in ("paper", "crossflow"):
             fit = nw.identify(tests, terms)
-            part = next(part for part in fit.estimates.forces if "N" in part.rows.blocks.forces)
+            part = next(part for part in fit.estimates.forces if "N" in part.rows.forces)
             level = np.round(np.log(fit.motions.features["speed"]) / 0.08)
             speeds = [np.flatnonzero(level == one).tolist() for one in np.unique(level)]
             total += [density(part, [[i] for i in range(len(fit.motions))]), density(part, speeds)]

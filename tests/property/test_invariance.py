@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import narrows as nw
-from narrows.identification.accumulation import accumulate
+from narrows.identification.normal_equations import accumulate
 from tables import SHORT_RUNS, frame_of, many_runs, short_twin, written
 
 BLOCKS = st.sampled_from([1, 7, 64, 100, 444, 445, 1000])

@@ -125,7 +125,7 @@ def kcs() -> nw.Fit:
 
 
 def test_masses_that_change_with_speed_or_with_period_are_rivals(kcs: nw.Fit) -> None:
-    model = next(part.posterior.model for part in kcs.estimates.forces if "N" in part.rows.blocks.forces)
+    model = next(part.posterior.model for part in kcs.estimates.forces if "N" in part.rows.forces)
     modes = [mode for mode, _ in search(model)]
     assert max(float(np.abs(other - one).max()) for one, other in pairwise(modes)) > 2.0
 

@@ -7,7 +7,7 @@ import pytest
 
 import narrows as nw
 from narrows.captive.measured import measured_files
-from narrows.identification.depths import DepthTest
+from narrows.identification.resampling import DepthTest
 from narrows.terms.additions import pooled
 from narrows.terms.tables import table_named
 

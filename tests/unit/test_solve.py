@@ -7,8 +7,8 @@ import pytest
 from scipy.optimize import lsq_linear
 
 import narrows as nw
-from narrows.identification.accumulation import accumulate
 from narrows.identification.least_squares import check, reduced, solve
+from narrows.identification.normal_equations import accumulate
 
 
 def stacked(tests: nw.CaptiveTests, terms: nw.TermTable = nw.PAPER) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -7,7 +7,7 @@ import pytest
 
 import narrows as nw
 from narrows.captive.split import random_split
-from narrows.identification.accumulation import accumulate
+from narrows.identification.normal_equations import accumulate
 from tables import frame_of, short_twin, written
 
 

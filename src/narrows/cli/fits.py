@@ -57,7 +57,7 @@ class FittingOptions:
     pool: Annotated[str | None, Option(help="'depth': separate hull coefficients at each depth, one bank.")] = None
 
     def options(self) -> dict[str, Any]:
-        from narrows.identification.run_errors import run_errors_of
+        from narrows.identification.systematic_effects import run_errors_of
         from narrows.terms.tables import table_named
 
         read = {"terms": table_named(self.terms), "pass_over": tuple(filter(None, self.pass_over.split(",")))}
@@ -279,7 +279,7 @@ class AimOptions:
 
     def options(self, terms: "TermTable") -> dict[str, Any]:
         """Options of ``plan_tests``."""
-        from narrows.identification.run_errors import run_errors_of
+        from narrows.identification.systematic_effects import run_errors_of
 
         targets = tuple(filter(None, self.targets.split(",")))
         errors = run_errors_of(self.run_errors)

@@ -1,7 +1,7 @@
 """Fisher information of a planned run: its columns as a few rows for each force, with run errors."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -9,16 +9,13 @@ import numpy as np
 from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.synthetic import Run, StraightRun, motion_of, twin
 from narrows.errors import InputError
-from narrows.identification.accumulation import accumulate
 from narrows.identification.estimates import joint_forces
 from narrows.identification.fit import Fit
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.least_squares import free_parameters, reduced
 from narrows.identification.motions import distinct_motions
-from narrows.identification.normal_equations import NormalEquations
-from narrows.identification.run_blocks import run_blocks
-from narrows.identification.run_errors import RunErrors
-from narrows.identification.systematic_effects import assemble
+from narrows.identification.normal_equations import NormalEquations, accumulate
+from narrows.identification.systematic_effects import RunErrors, assemble
 from narrows.model.model import Model
 from narrows.ship.particulars import Configuration
 from narrows.terms.term import TermTable
@@ -217,9 +214,8 @@ def expected_std(
     motions, problem = distinct_motions(equations), reduced(equations, terms)
     std: dict[str, float] = {}
     for own in joint_forces(problem):
-        blocks = run_blocks(equations, motions, own)
         within = np.array([noise[f] ** 2 * max(1.0, 2 * correlation_time * RATE) for f in own])
-        rows = ForceRows(replace(blocks, noise=within), motions, problem, equations.columns)
+        rows = ForceRows(equations, motions, problem, own, within)
         model, _, unit = assemble(rows, errors, truth.configuration)
         spread = model.at(np.where(model.prior > 0, np.log(TYPICAL), 0.0)).covariance
         size = np.sqrt(np.diag(spread)[: len(unit)]) * unit

@@ -28,7 +28,7 @@ from narrows.identification.estimates import HALF
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.least_squares import free_parameters
-from narrows.identification.run_errors import RunErrors
+from narrows.identification.systematic_effects import RunErrors
 from narrows.model.data_range import DataRange
 from narrows.model.froude import scale_model
 from narrows.model.model import Model
@@ -376,11 +376,11 @@ def known_information(made: list[Fit], shape: tuple[int, ...]) -> np.ndarray:
         fitted = [force for force, part in fit.terms.forces.items() if part]
         for part in fit.estimates.forces:
             rows, model = part.rows, part.posterior.model
-            for f, force in enumerate(rows.blocks.forces):
-                own = np.arange(f * rows.each, (f + 1) * rows.each)[rows.blocks.is_mean[rows.blocks.block]]
+            for f, force in enumerate(rows.forces):
+                own = np.arange(f * rows.each, (f + 1) * rows.each)[rows.of_mean]
                 columns = np.zeros((len(own), shape[-1]))
                 columns[:, rows.free_parameters] = rows.x[own]
-                number = fitted.index(force) * ZEROS + zero[rows.blocks.motion[rows.blocks.block]][own - f * rows.each]
+                number = fitted.index(force) * ZEROS + zero[rows.motion][own - f * rows.each]
                 one = rows.raw(ONE)[own - f * rows.each]
                 columns[np.arange(len(own)), shape[-1] - ZEROS * len(fitted) + number] = one
                 errors = model.covariance_of(part.posterior.mode, own)

@@ -7,4 +7,4 @@ from narrows.identification.explanation import explain as explain
 from narrows.identification.fit import Fit as Fit
 from narrows.identification.fitting import identify as identify
 from narrows.identification.fitting import identify_conditions as identify_conditions
-from narrows.identification.run_errors import RunErrors as RunErrors
+from narrows.identification.systematic_effects import RunErrors as RunErrors

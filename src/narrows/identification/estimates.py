@@ -1,21 +1,19 @@
 """Estimate, standard error and credible interval of every coefficient: the mixed model's posterior, within bounds."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from statistics import NormalDist
 
 import numpy as np
 
+from narrows.errors import InputError
 from narrows.identification.force_rows import ForceRows
-from narrows.identification.interval import bounded_interval
 from narrows.identification.least_squares import Problem, solve
 from narrows.identification.mixed_model import one_thread
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.normal_equations import NormalEquations
-from narrows.identification.run_blocks import run_blocks
-from narrows.identification.run_errors import RunErrors
 from narrows.identification.scale_integration import ScaleMixture, integrate
-from narrows.identification.systematic_effects import Effect, assemble
+from narrows.identification.systematic_effects import Effect, RunErrors, assemble
 from narrows.ship.particulars import Configuration
 
 # An estimate so many standard errors beyond a bound is held at the bound.
@@ -26,6 +24,10 @@ BOUND_HALF_WIDTHS = 1.5
 DRAWS, LEAST, SEED = 8000, 200, 26
 # Half width of a 95 % interval over the standard error.
 HALF = 1.959963985
+TAILS = (0.025, 0.975)
+LEVEL = 0.95
+# Truths of a grid of intervals near a bound; halvings of the bracket around the critical likelihood ratio.
+GRID, HALVINGS = 201, 30
 
 
 @dataclass(frozen=True)
@@ -42,6 +44,15 @@ class ForcePosterior:
         """Indices of the coefficients of these forces among all free ones."""
         return self.rows.free_parameters
 
+    @property
+    def scales(self) -> dict[str, float]:
+        """Estimated size of each error: shares of the force, and multiples of the usual sizes."""
+        of_forces = [f"{kind} of {force}" for kind in ("form", "zero") for force in self.rows.forces]
+        groups = dict.fromkeys(effect.group for effect in self.effects if effect.learned)
+        found = self.posterior.model.scales(self.posterior.weights @ self.posterior.points)[:-1]
+        names = ["gain", "form of the bank", "scatter", *of_forces, *groups]
+        return dict(zip(names, found.tolist(), strict=True))
+
 
 @dataclass(frozen=True)
 class CoefficientEstimates:
@@ -49,13 +60,13 @@ class CoefficientEstimates:
 
     problem: Problem
     forces: tuple[ForcePosterior, ...]
-    values: np.ndarray  # (n,)
-    std: np.ndarray  # (n,)
-    covariance: np.ndarray  # (n, n), zero where a coefficient is held at a bound
     free_values: np.ndarray  # (n,) without its own bound, given the other coefficients at their bounds
     free_half: np.ndarray  # (n,) half width of the 95 % interval without bounds
+    values: np.ndarray  # (n,)
+    std: np.ndarray  # (n,)
     ends: np.ndarray  # (n, 2) 95 % interval within the bounds
     held: np.ndarray  # (n,) held at a bound that the data reject
+    covariance: np.ndarray  # (n, n), zero where a coefficient is held at a bound
 
     @property
     def free_std(self) -> np.ndarray:
@@ -65,96 +76,69 @@ class CoefficientEstimates:
     @cached_property
     def tipping(self) -> dict[str, list[tuple[Effect, float]]]:
         """Size of each shared error that brings a coefficient's interval to 0, the least unusual first."""
-        away = np.maximum(self.ends[:, 0], -self.ends[:, 1])
-        return self._sizes(np.where((away > 0) & ~self.held, away, np.inf))
+        return self._sizes(np.maximum(self.ends[:, 0], -self.ends[:, 1]))
 
     @cached_property
     def limits(self) -> dict[str, list[tuple[Effect, float]]]:
         """Size of each shared error that moves a coefficient by its standard error, the least unusual first."""
-        return self._sizes(np.where((self.std > 0) & ~self.held, self.std, np.inf))
+        return self._sizes(self.std)
 
     def _sizes(self, distance: np.ndarray) -> dict[str, list[tuple[Effect, float]]]:
         """Size of each shared error that moves each coefficient by a distance (n,)."""
         result: dict[str, list[tuple[Effect, float]]] = {name: [] for name in self.problem.terms.names}
         for part in self.forces:
             shifts = np.abs(part.posterior.shifts * part.unit[:, None])
-            for i, name in enumerate(result):
+            for name, away, held in zip(result, distance, self.held, strict=True):
                 slot = self.problem.slot[name]
-                if slot in part.free_parameters and np.isfinite(distance[i]):
-                    needed = distance[i] / np.maximum(shifts[part.free_parameters.index(slot)], 1e-300)
+                if slot in part.free_parameters and 0 < away < np.inf and not held:
+                    needed = away / np.maximum(shifts[part.free_parameters.index(slot)], 1e-300)
                     sizes = [
-                        (e, min(float(n * e.usual), e.linear))
-                        for e, n in zip(part.effects, needed, strict=True)
-                        if e.has_usual_size
+                        (effect, min(float(n * effect.usual), effect.linear))
+                        for effect, n in zip(part.effects, needed, strict=True)
+                        if effect.has_usual_size
                     ]
-                    result[name] = sorted(
-                        ((e, size) for e, size in sizes if size < e.most), key=lambda one: one[1] / one[0].usual
-                    )
+                    usual = [(effect, size) for effect, size in sizes if size < effect.most]
+                    result[name] = sorted(usual, key=lambda one: one[1] / one[0].usual)
         return result
 
 
 @one_thread
 def estimates(
-    equations: NormalEquations,
-    motions: DistinctMotions,
-    problem: Problem,
-    errors: RunErrors,
+    equations: NormalEquations, motions: DistinctMotions, problem: Problem, errors: RunErrors,
     configuration: Configuration,
-) -> CoefficientEstimates:
+) -> CoefficientEstimates:  # fmt: skip
     """Fit the mixed model of every force and combine the posteriors."""
-    parts = tuple(
-        _posterior(equations, motions, problem, errors, configuration, forces) for forces in joint_forces(problem)
-    )
-    size = len(problem.scale)
-    free, free_half = np.zeros(size), np.full(size, np.inf)
-    values, std, covariance = np.zeros(size), np.zeros(size), np.zeros((size, size))
-    ends, held = np.zeros((size, 2)), np.zeros(size, bool)
-    for part in parts:
+    parts, size = [], len(problem.scale)
+    table, covariance = np.zeros((size, 7)), np.zeros((size, size))
+    for forces in joint_forces(problem):
+        rows = ForceRows(equations, motions, problem, forces)
+        model, effects, unit = assemble(rows, errors, configuration)
+        parts.append(part := ForcePosterior(rows, effects, unit, integrate(model)))
         at = np.array(part.free_parameters)
         bounds = np.stack([problem.lower, problem.upper], axis=1)[at] / problem.scale[at, None]
-        one = _within_bounds(part, bounds)
-        free[at], free_half[at], values[at], std[at], ends[at], held[at] = one[:6]
-        covariance[np.ix_(at, at)] = one[6]
+        table[at], covariance[np.ix_(at, at)] = _within_bounds(part, bounds)
     order = np.array([problem.slot[name] for name in problem.terms.names])
-    return CoefficientEstimates(
-        problem, parts, values[order], std[order], covariance[np.ix_(order, order)], free[order], free_half[order],
-        ends[order], held[order],
-    )  # fmt: skip
+    table = table[order]
+    (free, free_half, values, std), ends, held = table[:, :4].T, table[:, 4:6], table[:, 6] > 0
+    covariance = covariance[np.ix_(order, order)]
+    return CoefficientEstimates(problem, tuple(parts), free, free_half, values, std, ends, held, covariance)
 
 
 def joint_forces(problem: Problem) -> list[tuple[str, ...]]:
     """Forces that share coefficients, and Y and N, which share errors of the motion."""
-    groups = [[force] for force, part in problem.terms.forces.items() if part]
-    slots = {force: {problem.slot[term.name] for term in part} for force, part in problem.terms.forces.items()}
-    joined: list[list[str]] = []
-    for group in groups:
-        force = group[0]
+    slots = {force: {problem.slot[term.name] for term in part} for force, part in problem.terms.forces.items() if part}
+    joined: list[tuple[str, ...]] = []
+    for force in slots:
         near = [one for one in joined if any(slots[force] & slots[f] for f in one) or (force == "N" and "Y" in one)]
-        joined = [one for one in joined if one not in near] + [[f for one in near for f in one] + group]
-    return [tuple(one) for one in joined]
+        joined = [one for one in joined if one not in near] + [(*(f for one in near for f in one), force)]
+    return joined
 
 
-def _posterior(
-    equations: NormalEquations,
-    motions: DistinctMotions,
-    problem: Problem,
-    errors: RunErrors,
-    configuration: Configuration,
-    forces: tuple[str, ...],
-) -> ForcePosterior:
-    blocks = run_blocks(equations, motions, forces)
-    rows = ForceRows(blocks, motions, problem, equations.columns)
-    model, effects, unit = assemble(rows, errors, configuration)
-    return ForcePosterior(rows, effects, unit, integrate(model))
-
-
-def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray, ...]:
-    """Free estimates and half widths, then values, standard errors, ends, held and covariance within the bounds."""
-    unit = part.unit
-    means = part.posterior.means * unit
-    spreads = part.posterior.covariances * np.outer(unit, unit)
-    weights = part.posterior.weights
-    held, beyond_bound, beyond_std = np.zeros(len(unit), bool), np.zeros(len(unit)), np.zeros(len(unit))
+def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Free estimates and half widths, then values, standard errors, ends and held within the bounds; covariance."""
+    unit, weights = part.unit, part.posterior.weights
+    means, spreads = part.posterior.means * unit, part.posterior.covariances * np.outer(unit, unit)
+    held, free, free_half = np.zeros(len(unit), bool), np.zeros(len(unit)), np.zeros(len(unit))
     for _ in range(len(unit)):
         mean = weights @ means
         variances = np.maximum(np.diagonal(spreads, axis1=1, axis2=2), 0.0)  # Rounding may make it negative.
@@ -164,44 +148,42 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
         if beyond.max() < CERTAIN:
             break
         worst = int(beyond.argmax())
-        edge = bounds[worst, 0] if mean[worst] < bounds[worst, 0] else bounds[worst, 1]
-        held[worst], beyond_bound[worst], beyond_std[worst] = True, mean[worst], std[worst]
-        means, spreads = _conditioned(means, spreads, worst, edge)
-    draws = _draws(means, spreads, weights)
-    inside = draws[((draws >= bounds[:, 0]) & (draws <= bounds[:, 1]) | held).all(axis=1)]
-    inside = inside if len(inside) >= LEAST else np.clip(draws, bounds[:, 0], bounds[:, 1])
-    free = np.where(held, beyond_bound, weights @ means)
-    quantiles = np.quantile(draws, [0.025, 0.975], axis=0)
-    free_half = np.where(held, HALF * beyond_std, 0.5 * (quantiles[1] - quantiles[0]))
-    low, high = np.quantile(inside, [0.025, 0.975], axis=0)
-    ends = np.stack([low, high], axis=1)
-    away = np.minimum(np.abs(free - bounds[:, 0]), np.abs(bounds[:, 1] - free))
-    near = (away < BOUND_HALF_WIDTHS * free_half) & ~held
+        held[worst], free[worst], free_half[worst] = True, mean[worst], HALF * std[worst]
+        means, spreads = _conditioned(means, spreads, worst, float(np.clip(mean[worst], *bounds[worst])))
+    draws, low, high = _draws(means, spreads, weights), bounds[:, 0], bounds[:, 1]
+    inside = draws[((draws >= low) & (draws <= high) | held).all(axis=1)]
+    inside = inside if len(inside) >= LEAST else np.clip(draws, low, high)
+    free = np.where(held, free, weights @ means)
+    free_half = np.where(held, free_half, 0.5 * np.diff(np.quantile(draws, TAILS, axis=0), axis=0)[0])
+    values = _nearest(weights @ means, np.atleast_2d(np.cov(draws.T)), bounds)
+    ends = np.quantile(inside, TAILS, axis=0)
+    near = (np.abs(free[:, None] - bounds).min(axis=1) < BOUND_HALF_WIDTHS * free_half) & ~held
     for i in np.flatnonzero(near):
         # If the true value lies on this bound, the others follow their conditional distribution.
-        edge = bounds[i, 0] if abs(free[i] - bounds[i, 0]) < abs(bounds[i, 1] - free[i]) else bounds[i, 1]
-        given = np.quantile(_draws(*_conditioned(means, spreads, int(i), edge), weights), [0.025, 0.975], axis=0)
-        given = np.clip(given, bounds[:, 0], bounds[:, 1])
-        ends = np.stack([np.minimum(ends[:, 0], given[0]), np.maximum(ends[:, 1], given[1])], axis=1)
+        edge = bounds[i, np.abs(free[i] - bounds[i]).argmin()]
+        given = np.quantile(_draws(*_conditioned(means, spreads, int(i), edge), weights), TAILS, axis=0)
+        ends = _widened(ends, np.clip(given, low, high))
     for i in np.flatnonzero(near | held):
         # Near a bound the unified interval contains a true value on it; a truncated quantile never does.
-        ends[i] = bounded_interval(float(free[i]), float(free_half[i]) / HALF, tuple(bounds[i]))
-    covariance_free = np.atleast_2d(np.cov(draws.T))
+        ends[:, i] = bounded_interval(float(free[i]), float(free_half[i]) / HALF, tuple(bounds[i]))
     covariance = np.atleast_2d(np.cov(inside.T)) * np.outer(~held, ~held)
-    values = _nearest(weights @ means, covariance_free, bounds)
-    ends = np.stack([np.minimum(ends[:, 0], values), np.maximum(ends[:, 1], values)], axis=1)
-    std = np.where(held, beyond_std * _truncated_std(np.abs(free - values), beyond_std), np.sqrt(np.diag(covariance)))
-    return free, free_half, values, std, ends, held, covariance
+    std = np.where(held, _truncated_std(np.abs(free - values), free_half / HALF), np.sqrt(np.diag(covariance)))
+    ends = _widened(ends, np.stack([values, values]))
+    return np.column_stack([free, free_half, values, std, *ends, held]), covariance
+
+
+def _widened(ends: np.ndarray, others: np.ndarray) -> np.ndarray:
+    return np.stack([np.minimum(ends[0], others[0]), np.maximum(ends[1], others[1])])
 
 
 def _truncated_std(beyond: np.ndarray, std: np.ndarray) -> np.ndarray:
-    """Standard deviation of a normal tail, ``beyond`` the mean, relative to that of the distribution."""
+    """Standard deviation of the tail of a normal distribution, ``beyond`` the mean."""
     from scipy import special
 
     t = beyond / np.maximum(std, 1e-12 * beyond + 1e-150)
     near = np.minimum(t, 50.0)  # Farther out the tail is an exponential one, and the difference below is rounding.
     hazard = np.exp(-0.5 * near**2 - special.log_ndtr(-near)) / np.sqrt(2 * np.pi)
-    return np.asarray(np.where(t < 50.0, np.sqrt(1 - hazard * (hazard - near)), 1 / np.maximum(t, 50.0)))
+    return np.asarray(std * np.where(t < 50.0, np.sqrt(1 - hazard * (hazard - near)), 1 / np.maximum(t, 50.0)))
 
 
 def _nearest(mean: np.ndarray, covariance: np.ndarray, bounds: np.ndarray) -> np.ndarray:
@@ -210,7 +192,7 @@ def _nearest(mean: np.ndarray, covariance: np.ndarray, bounds: np.ndarray) -> np
         return mean
     size = np.sqrt(np.maximum(np.diag(covariance), 1e-300))
     inverse = np.linalg.pinv(covariance / np.outer(size, size), rcond=1e-10, hermitian=True)
-    inverse /= np.diag(inverse).max()  # The ridge of the solver is for a matrix of this size.
+    inverse /= np.diag(inverse).max()  # The tolerances of the solver are for a matrix of this size.
     z = solve(inverse, inverse @ (mean / size), *(bounds / size[:, None]).T).z * size
     return np.where(size > 1e-140, np.clip(z, bounds[:, 0], bounds[:, 1]), mean)
 
@@ -230,25 +212,57 @@ def _draws(means: np.ndarray, spreads: np.ndarray, weights: np.ndarray) -> np.nd
     rng = np.random.default_rng(SEED)
     # The order is from narrow to wide: where rounding moves a draw to the next Gaussian, that one is almost the same.
     variances = np.diagonal(spreads, axis1=1, axis2=2)
-    order = np.argsort((variances / np.maximum(variances.max(axis=0), 1e-300)).sum(axis=1))
+    largest = variances.max(axis=0)
+    order = np.argsort((variances / np.maximum(largest, 1e-300)).sum(axis=1))
     means, spreads, weights = means[order], spreads[order], weights[order]
     edges = np.round(np.cumsum(weights) * (DRAWS // 2)).astype(int)
     which = np.repeat(np.arange(len(weights)), np.diff(edges, prepend=0))
     # Symmetric roots of correlations: units, and the signs that a library gives eigenvectors, do not change the draws.
-    size = np.sqrt(np.diagonal(spreads, axis1=1, axis2=2).max(axis=0))
-    size = np.where(size > 0, size, 1.0)
+    size = np.sqrt(np.where(largest > 0, largest, 1.0))
     values, vectors = np.linalg.eigh(spreads / np.outer(size, size))
     roots = (vectors * np.sqrt(np.maximum(values, 0.0))[:, None, :]) @ np.swapaxes(vectors, 1, 2) * size[:, None]
     half = np.einsum("nij,nj->ni", roots[which], rng.standard_normal((len(which), means.shape[1])))
     return np.concatenate([means[which] + half, means[which] - half])
 
 
-def scales_of(part: ForcePosterior) -> Mapping[str, float]:
-    """Estimated size of each error: shares of the force, and multiples of the usual sizes."""
-    forces = part.rows.blocks.forces
-    of_forces = [f"{kind} of {force}" for kind in ("form", "zero") for force in forces]
-    names = ["gain", "form of the bank", "scatter", *of_forces]
-    groups = dict.fromkeys(effect.group for effect in part.effects if effect.learned)
-    posterior = part.posterior
-    found = posterior.model.scales(posterior.weights @ posterior.points)[:-1]
-    return dict(zip([*names, *groups], found.tolist(), strict=True))
+def bounded_interval(value: float, std: float, bound: tuple[float, float], level: float = LEVEL) -> tuple[float, float]:
+    """Return the interval of a coefficient that is known to lie within bounds."""
+    # Away from the bounds it is the normal interval. Near one it is the unified interval: the values whose likelihood
+    # ratio, to the best value within the bounds, is not surprising. Cutting the plain interval at the bound would cover
+    # a coefficient at its bound too often, and could leave nothing.
+    # Feldman, Cousins (1998), Unified approach to the classical statistical analysis of small signals.
+    if not 0 < level < 1:
+        raise InputError(f"a confidence of {level} is no share; give one between 0 and 1, as 0.95")
+    if not np.isfinite(std):
+        return bound
+    if std == 0:
+        return value, value
+    low, high = bound
+    edge, inward = (low, 1.0) if value - low <= high - value else (high, -1.0)
+    x, plain = inward * (value - edge) / std, NormalDist().inv_cdf(0.5 + level / 2)
+    if x > 2 * plain:
+        return max(low, value - plain * std), min(high, value + plain * std)
+    truths, least, most = _accepted(level, plain)
+    near = float(np.interp(x, most, truths)) if x > most[0] else 0.0
+    far = float(np.interp(x, least, truths)) if x < least[-1] else x + plain
+    ends = sorted(edge + inward * std * end for end in (near, far))
+    return max(low, ends[0]), min(high, ends[1])
+
+
+@cache
+def _accepted(level: float, plain: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Truths from 0 to the quantile, and the least and largest accepted estimate of each [standard errors]."""
+    from scipy.special import ndtr
+
+    def least(root: np.ndarray) -> np.ndarray:
+        """Where the likelihood ratio to the best allowed truth reaches ``root`` squared."""
+        return np.asarray(np.where(root <= truths, truths - root, (truths**2 - root**2) / (2 * truths)))
+
+    truths = np.linspace(1e-3, 1, GRID) * plain
+    low, high = np.zeros(GRID), np.full(GRID, plain)  # Bracket of the root of the critical ratio
+    for _ in range(HALVINGS):
+        root = (low + high) / 2
+        inside = ndtr(root) - ndtr(least(root) - truths) < level
+        low, high = np.where(inside, root, low), np.where(inside, high, root)
+    root = (low + high) / 2
+    return truths, least(root), truths + root

@@ -10,20 +10,26 @@ import numpy as np
 
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.identification import shapley
-from narrows.identification.bootstrap import Bootstrap, resampled
 from narrows.identification.collinearity import CorrelatedPair, Diagnostics, correlated_pairs
-from narrows.identification.depths import DepthTest, depth_tests
 from narrows.identification.design_matrix import ONE, DesignMatrix
-from narrows.identification.estimates import CoefficientEstimates, estimates, scales_of
+from narrows.identification.estimates import CoefficientEstimates, estimates
 from narrows.identification.least_squares import Problem, Solution
-from narrows.identification.left_out import Influence, Predictiveness, influence, predictiveness
 from narrows.identification.motions import DistinctMotions
-from narrows.identification.normal_equations import NormalEquations, Score, count, score, score_groups
+from narrows.identification.normal_equations import NormalEquations, Score, score
 from narrows.identification.plausibility import Judged, implausible, noise_bias, noise_sentence, unmodelled_rudder
 from narrows.identification.prediction import Prediction
-from narrows.identification.run_errors import RunErrors
+from narrows.identification.resampling import (
+    Bootstrap,
+    DepthTest,
+    Influence,
+    Predictiveness,
+    depth_tests,
+    influence,
+    predictiveness,
+    resampled,
+)
 from narrows.identification.shapley import Kind as ShareKind
-from narrows.identification.systematic_effects import Effect
+from narrows.identification.systematic_effects import Effect, RunErrors
 from narrows.identification.verdict import IDENTIFIED, Verdict, verdicts
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
@@ -135,7 +141,7 @@ class Fit(Prediction):
         if len(groups) < 2:
             return {}
         others = self.problem.fits(groups.sum(axis=0) - groups)
-        return score_groups(self.normal_equations, groups, self.terms, others)
+        return score(self.normal_equations, groups, self.terms, others)
 
     @cached_property
     def estimates(self) -> CoefficientEstimates:
@@ -146,7 +152,7 @@ class Fit(Prediction):
     @property
     def error_scales(self) -> dict[str, dict[str, float]]:
         """Sizes of the errors of runs and of the campaign, by the forces that are fitted together."""
-        return {" and ".join(part.rows.blocks.forces): dict(scales_of(part)) for part in self.estimates.forces}
+        return {" and ".join(part.rows.forces): part.scales for part in self.estimates.forces}
 
     @cached_property
     def predictiveness(self) -> tuple[Predictiveness, ...]:
@@ -354,8 +360,7 @@ class Fit(Prediction):
 
     @property
     def _size(self) -> str:
-        rows = count(self.normal_equations.total, self.normal_equations.columns)
-        return f"{len(self.normal_equations.names)} tests of {rows} rows"
+        return f"{len(self.normal_equations.names)} tests of {self.nobs} rows"
 
     @cached_property
     def _deviations(self) -> dict[str, float]:

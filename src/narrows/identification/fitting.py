@@ -12,13 +12,12 @@ from narrows.captive.read import as_tests, read_captive
 from narrows.captive.split import random_split
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.errors import InputError, check_choice, check_count, did_you_mean, shown
-from narrows.identification.accumulation import accumulate
 from narrows.identification.fit import Fit
 from narrows.identification.least_squares import Weights, reduced
 from narrows.identification.motions import distinct_motions, numbered
-from narrows.identification.normal_equations import Balance, Score, score, score_groups
+from narrows.identification.normal_equations import Balance, Score, accumulate, score
 from narrows.identification.plausibility import unmodelled_rudder
-from narrows.identification.run_errors import RunErrors
+from narrows.identification.systematic_effects import RunErrors
 from narrows.model.froude import scale_model
 from narrows.model.model import Model
 from narrows.ship.ship_file import ShipSource
@@ -125,7 +124,7 @@ def identify(
         rest, _ = accumulate(checked, terms, balance=balance)
         left_out = score(rest, rest.total, terms, problem.named(solution.z))
     elif len(motions) > 1:
-        left_out = score_groups(equations, motions.sums, terms, problem.fits(motions.without))
+        left_out = score(equations, motions.sums, terms, problem.fits(motions.without))
     else:
         left_out = {force: Score(float("nan"), float("nan")) for force, part in terms.forces.items() if part}
     return Fit(fitted, equations, problem, solution, motions, left_out, split, data_range, errors)

@@ -1,17 +1,24 @@
-"""The rows of the forces that are fitted together, with the columns of their random effects."""
+"""The rows of the forces that are fitted together: those of each motion, reduced to a few with the same sums."""
 
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Sequence
 
 import numpy as np
 
 from narrows.identification.design_matrix import ONE
 from narrows.identification.least_squares import Problem
 from narrows.identification.motions import DistinctMotions
-from narrows.identification.run_blocks import RunBlocks
+from narrows.identification.normal_equations import NormalEquations
 from narrows.terms.term import Term
 
+# Squared size of a direction over that of the columns: a smaller one is noise of the motion [1].
+LEAST_DIRECTION_RATIO = 1e-1
+# Share of the largest eigenvalue of scaled products, below which a direction holds only rounding [1].
+RANK = 1e-9
+# Assumed noise where the rows have none, as a share of a force's root mean square [1].
+LEAST_NOISE = 1e-6
 # Column of the velocity whose rate an inertial term takes.
-VELOCITIES = {"vdot": "column v", "rdot": "column r"}
+VELOCITIES: dict[tuple[str, ...], str] = {("vdot",): "column v", ("rdot",): "column r"}
 # Share of a force's level: least size of a term whose slope is let vary.
 LEAST_TERM_SHARE = 0.1
 # Ridge of the first fit, a share of the information that one motion gives of a term as large as the force.
@@ -21,40 +28,55 @@ MOST_UNIT = 1e16
 
 
 class ForceRows:
-    """Rows of some forces, one force after the other, and the first fit to them."""
+    """Rows of some forces, one force after the other, and the first fit to them.
 
-    def __init__(self, blocks: RunBlocks, motions: DistinctMotions, problem: Problem, names: Mapping[str, int]) -> None:
-        self.blocks, self.problem, self.names = blocks, problem, names
-        self.each, self.count = len(blocks.block), len(blocks.forces)
-        self.terms = [(f, term) for f, force in enumerate(blocks.forces) for term in problem.terms.forces[force]]
+    The rows of a block are those of a motion's mean, or of a difference between its repeats.
+    """
+
+    def __init__(
+        self, equations: NormalEquations, motions: DistinctMotions, problem: Problem, forces: Sequence[str],
+        noise: np.ndarray | None = None,
+    ) -> None:  # fmt: skip
+        self.problem, self.names, self.forces, self.count = problem, equations.columns, tuple(forces), len(forces)
+        sums = equations.by_test(equations.unweighted)
+        total, y = np.diag(sums.sum(axis=0)), np.array([equations.columns[force] for force in forces])
+        # (forces,) Root mean square of each force, and variance of a row of one run by the noise within it.
+        self.level = np.sqrt(np.maximum(total[y] / total[equations.columns[ONE]], 1e-300))
+        least = (LEAST_NOISE * self.level) ** 2
+        self.noise = np.maximum(_noise(equations, sums, y), least) if noise is None else noise
+        columns, reference, early, motion, runs, is_mean = zip(*_blocks(equations, motions, sums), strict=True)
+        # (rows, m) Every column of the sums; of the motion's mean, to which errors of gain are proportional; with the
+        # first stretches of each run counted alone.
+        self.columns, self.reference, self.early = np.vstack(columns), np.vstack(reference), np.vstack(early)
+        # (blocks,) Number of rows, the first one, how many runs are averaged, and whether it is of a motion's mean.
+        self.sizes = np.array([len(part) for part in columns])
+        self.starts, self.runs, self.is_mean = np.cumsum(self.sizes) - self.sizes, np.array(runs), np.array(is_mean)
+        # (rows,) The motion of each, whether it is of a mean, and the root of the number of rows of its block.
+        self.motion, self.of_mean = np.repeat(motion, self.sizes), np.repeat(self.is_mean, self.sizes)
+        rows = np.sqrt(np.add.reduceat(self.reference[:, self.names[ONE]] ** 2, self.starts))
+        self.length, self.each = np.repeat(rows, self.sizes), len(self.motion)
+        self.terms = [(f, term) for f, force in enumerate(forces) for term in problem.terms.forces[force]]
         self.free_parameters = sorted({problem.slot[term.name] for _, term in self.terms})
-        rows = np.sqrt(np.add.reduceat(blocks.reference[:, names[ONE]] ** 2, blocks.starts))
-        self.length = np.repeat(rows, blocks.sizes)  # root of the number of rows that a block stands for
         self._describe(motions)
-        self.y = np.concatenate([blocks.columns[:, names[force]] for force in blocks.forces])
-        self.x = np.zeros((self.each * self.count, len(self.free_parameters)))
+        self.y = np.concatenate([self.raw(force) for force in forces])
+        self.x = np.zeros((len(self.y), len(self.free_parameters)))
         for f, term in self.terms:
             self.x[:, self.place(term)] += self.of(f, self.raw(term.name))
         self.theta = self._first_fit()
 
     def _describe(self, motions: DistinctMotions) -> None:
         """Motion of each row: speed, octaves of the period, depth, side, and whether nothing oscillates."""
-        motion = self.blocks.motion[self.blocks.block]
-        speed, period, depth = (np.asarray(motions.features[name])[motion] for name in ("speed", "period", "depth"))
-        self.speed, harmonic = speed, period > 0
-        self.steady = motions.steady[motion].astype(float)
+        speed, period, depth = (np.asarray(motions.features[name]) for name in ("speed", "period", "depth"))
+        self.speed, self.steady = speed[self.motion], motions.steady[self.motion].astype(float)
         self.mixed = bool(0 < self.steady.sum() < len(self.steady))
-        period = np.where(harmonic, period, 1.0)
-        self.frequency = np.where(harmonic, 2 * np.pi / period, 0.0)
+        harmonic, octaves, frequency = period > 0, np.zeros(len(period)), np.zeros(len(period))
+        octaves[harmonic], frequency[harmonic] = np.log2(period[harmonic]), 2 * np.pi / period[harmonic]
         # Coefficients are those at the middle of the speeds and depths, and at the mean of the octaves.
-        octaves = np.log2(period)
-        first = np.zeros(self.each, bool)
-        first[self.blocks.starts[self.blocks.is_mean]] = True
-        centre = octaves[first & harmonic].mean() if (first & harmonic).any() else 0.0
-        self.octaves = np.where(harmonic, octaves - centre, 0.0)
-        self.speeds, self.depths = _about_middle(np.log(speed)), _about_middle(np.log(np.maximum(depth, 1e-9)))
-        offset = self.blocks.reference[:, self.names["column y"]] * self.blocks.reference[:, self.names[ONE]]
-        self.side = np.sign(offset)
+        octaves[harmonic] -= octaves.sum() / max(harmonic.sum(), 1)
+        self.frequency, self.octaves = frequency[self.motion], octaves[self.motion]
+        logs = (np.log(self.speed), np.log(np.maximum(depth[self.motion], 1e-9)))
+        self.speeds, self.depths = (values - 0.5 * (values.min() + values.max()) for values in logs)
+        self.side = np.sign(self.reference[:, self.names["column y"]] * self.reference[:, self.names[ONE]])
         self.reach = float(max(motions.reach.max(), 1e-9))
 
     def place(self, term: Term) -> int:
@@ -63,9 +85,7 @@ class ForceRows:
 
     def of(self, force: int, column: np.ndarray) -> np.ndarray:
         """A column in the rows of one force, zero elsewhere."""
-        whole = np.zeros(self.each * self.count)
-        whole[force * self.each : (force + 1) * self.each] = column
-        return whole
+        return np.outer(np.arange(self.count) == force, column).ravel()
 
     def all(self, column: np.ndarray) -> np.ndarray:
         """A column in the rows of every force."""
@@ -73,63 +93,56 @@ class ForceRows:
 
     def raw(self, name: str) -> np.ndarray:
         """A column of the sums."""
-        return np.asarray(self.blocks.columns[:, self.names[name]])
+        return np.asarray(self.columns[:, self.names[name]])
 
     def rms(self, column: np.ndarray) -> float:
         """Root mean square over the motions, each alike."""
-        starts = self.blocks.starts
-        mean = np.add.reduceat(column**2, starts) / self.length[starts] ** 2
-        return float(np.sqrt(mean[self.blocks.is_mean].mean()))
+        mean = np.add.reduceat(column**2, self.starts) / self.length[self.starts] ** 2
+        return float(np.sqrt(mean[self.is_mean].mean()))
 
     def size(self, force: int, term: Term) -> float:
         """Force per unit of a term's column that a change of the term by one is taken for."""
-        rms, level = max(self.rms(self.raw(term.name)), 1e-300), self.blocks.level[force]
+        rms, level = max(self.rms(self.raw(term.name)), 1e-300), self.level[force]
         return float(np.clip(abs(self.theta[self.place(term)]) * rms, LEAST_TERM_SHARE * level, level) / rms)
 
     def units(self) -> np.ndarray:
         """Value of each coefficient at which its term is as large as the force."""
         unit = np.full(len(self.free_parameters), np.inf)
         for f, term in self.terms:
-            own = self.blocks.level[f] / max(self.rms(self.raw(term.name)), 1e-300)
+            own = self.level[f] / max(self.rms(self.raw(term.name)), 1e-300)
             unit[self.place(term)] = min(unit[self.place(term)], own)
         return np.where(unit < MOST_UNIT, unit, 1.0)  # Any unit serves for an empty column
 
-    def shift(self, prefix: str) -> np.ndarray:
-        """Force of the first fit along a derivative of its regressors, in the rows of every force."""
-        total = np.zeros(self.each * self.count)
-        for f, term in self.terms:
-            if f"{prefix} of {term.name}" in self.names:
-                total += self.of(f, self.theta[self.place(term)] * self.raw(f"{prefix} of {term.name}"))
-        return total
-
-    def fitted(self, columns: np.ndarray, bank: bool = False) -> np.ndarray:
-        """Force of the first fit, or of its bank, by other rows of the sums: (forces, rows)."""
+    def fitted(self, columns: np.ndarray, bank: bool = False, prefix: str = "") -> np.ndarray:
+        """Force of the first fit, or of its bank, by rows of the sums or of a derivative: (forces, rows)."""
         total = np.zeros((self.count, self.each))
         for f, term in self.terms:
-            if term.from_bank or not bank:
-                total[f] += self.theta[self.place(term)] * columns[:, self.names[term.name]]
+            name = prefix + term.name
+            if name in self.names and (term.from_bank or not bank):
+                total[f] += self.theta[self.place(term)] * columns[:, self.names[name]]
         return total
+
+    def shift(self, prefix: str) -> np.ndarray:
+        """Force of the first fit along a derivative of its regressors, in the rows of every force."""
+        return self.fitted(self.columns, prefix=f"{prefix} of ").ravel()
 
     def rate(self) -> np.ndarray:
         """Rate of the force of the first fit; in harmonic motion that of an acceleration is -w2 times the velocity."""
         total = self.shift("time")
         for f, term in self.terms:
-            velocity = VELOCITIES.get(" ".join(term.inputs))
-            if velocity:
+            if velocity := VELOCITIES.get(term.inputs):
                 inertia = -term.regressor(1.0) * self.theta[self.place(term)]  # In the unit of the acceleration
                 total += self.of(f, inertia * self.frequency**2 * self.raw(velocity))
         return total
 
     def weights(self) -> np.ndarray:
         """Weight of each row by which each motion counts alike, over the force's level; 0 of repeats."""
-        level, mean = np.repeat(self.blocks.level, self.each), self.all(self.blocks.is_mean[self.blocks.block])
-        return np.asarray(mean / (level * self.all(self.length)))
+        return np.asarray(self.all(self.of_mean / self.length) / np.repeat(self.level, self.each))
 
     def _first_fit(self) -> np.ndarray:
         """Ridge regression in which each motion counts alike."""
-        weight = self.weights()
+        weight, count = self.weights(), self.is_mean.sum()
         x, y = self.x * weight[:, None], self.y * weight
-        count = self.blocks.is_mean.sum()
         size = np.sqrt((x**2).sum(axis=0) / count)
         # What rounding leaves of an empty column would have a coefficient of any size.
         size = np.where(size * MOST_UNIT > 1, size, np.inf)
@@ -137,5 +150,82 @@ class ForceRows:
         return np.asarray(np.linalg.solve(z.T @ z + RIDGE * count * np.eye(len(size)), z.T @ y) / size)
 
 
-def _about_middle(values: np.ndarray) -> np.ndarray:
-    return np.asarray(values - 0.5 * (values.min() + values.max()))
+def _blocks(
+    equations: NormalEquations, motions: DistinctMotions, sums: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray, np.ndarray, int, float, bool]]:
+    """Blocks of rows by sums of products of tests; exact copies of a test count once."""
+    from scipy.linalg import helmert
+
+    position = {name: i for i, name in enumerate(equations.names)}
+    basis = np.unique([i for name, i in equations.columns.items() if not _is_measured(name)])
+    one, total = equations.columns[ONE], sums.sum(axis=0)
+    usual = np.sqrt(np.maximum(np.diag(total)[basis], 0.0) / total[one, one])
+    # Sums of each test whose stretches count 1, 1/e, 1/e2 and so on.
+    passed, order = Counter[str](), []
+    for name in equations.tests:
+        order.append(passed[name])
+        passed[name] += 1
+    early = equations.by_test(equations.unweighted * np.exp(-np.array(order))[:, None, None])
+    blocks = []
+    # In an order that does not depend on that of the tests, so that rounding does not either.
+    for motion in sorted(range(len(motions)), key=[_key(gram) for gram in motions.sums].__getitem__):
+        tests = [position[name] for name in motions.members[motion]]
+        copies = {_key(sums[i]): i for i in reversed(tests)}  # A copy has the same sums of products to ten digits
+        own = sums[[copies[key] for key in sorted(copies)]]
+        mean = own.mean(axis=0)
+        turn = _turn(mean, basis, usual * np.sqrt(mean[one, one]))
+        rows = turn @ own[:, basis]
+        mean = rows.mean(axis=0)
+        begin = turn @ early[tests].mean(axis=0)[basis]
+        blocks.append((mean, mean, begin, motion, float(len(own)), True))
+        contrasts = np.tensordot(helmert(len(rows)), rows, 1)
+        blocks += [(difference, mean, 0 * begin, motion, 1.0, False) for difference in contrasts]
+    return blocks
+
+
+def _is_measured(name: str) -> bool:
+    """Whether a column is made of measured forces, which carry noise."""
+    return name in "XYN" or name.startswith(("column |X|", "column |Y|", "column |N|", "mount of"))
+
+
+def _key(gram: np.ndarray) -> tuple[float, ...]:
+    return tuple(float(f"{x:.10e}") for x in np.diag(gram))
+
+
+def _turn(gram: np.ndarray, basis: np.ndarray, usual: np.ndarray | None = None) -> np.ndarray:
+    """T with T G T' = 1 over the directions that hold data: T A' are the rows of orthonormal columns.
+
+    Where the usual size of the columns is given, directions that are faint compared with it are left out: gains and
+    form errors do not cover them, so that noise of the motion would weigh there more than the force.
+    """
+    part = gram[np.ix_(basis, basis)]
+    size = np.sqrt(np.maximum(np.diag(part), 0.0)) if usual is None else usual.copy()
+    size[size <= 0] = np.inf
+    values, vectors = np.linalg.eigh(part / np.outer(size, size))
+    least = RANK * max(values[-1], 1e-300)
+    kept = values > (least if usual is None else max(least, LEAST_DIRECTION_RATIO))
+    return np.asarray((vectors[:, kept] / np.sqrt(values[kept])).T / size)
+
+
+def _noise(equations: NormalEquations, sums: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Variance of a row's noise, summed over a run, from the errors of fits to a run on its stretches.
+
+    Correlation within a stretch is included, since the error of a stretch is a sum over it.
+    """
+    names = [name for name in equations.columns if not _is_measured(name) and " " not in name]
+    index, one = np.unique([equations.columns[name] for name in names]), equations.columns[ONE]
+    pieces = equations.unweighted
+    score, rest, freedom, rows = np.zeros(len(y)), np.zeros(len(y)), 0.0, 0.0
+    for i in sorted(range(len(sums)), key=lambda i: _key(sums[i])):
+        whole = sums[i]
+        turn = _turn(whole, index)
+        seen = turn @ whole[np.ix_(index, y)]
+        own = pieces[equations.test == i]
+        grams = turn @ own[:, index[:, None], index] @ turn.T
+        left = turn @ own[:, index[:, None], y] - grams @ seen
+        score += (left**2).sum(axis=(0, 1))
+        freedom += len(turn) - float((grams**2).sum())
+        rest += np.maximum(whole[y, y] - (seen**2).sum(axis=0), 0.0)
+        rows += whole[one, one] - len(turn)
+    plain = rest / max(rows, 1.0) if rows >= 1 else np.zeros(len(y))
+    return np.asarray(np.maximum(plain, score / freedom) if freedom > 1 else plain)

@@ -12,16 +12,13 @@ from narrows.identification.normal_equations import NormalEquations
 from narrows.terms.term import TermTable
 
 Weights = Literal["paper", "variance"]
-WEIGHTS = get_args(Weights)
 KKT_TOLERANCE = 1e-8
 # Smallest singular value, over the largest, that counts; sums of products keep about eight digits of it.
 RANK_TOLERANCE = 1e-6
 # Added to the unit diagonal: keeps directions without data at 0, a tenth of what still counts as data.
 RIDGE = 0.1 * RANK_TOLERANCE**2
-# Changes of the active set before a problem is given up.
-ROUNDS = 25
-# Problems of a stack that are solved at once.
-CHUNK = 4096
+ROUNDS = 25  # Changes of the active sets of a stack before a problem is solved by itself
+CHUNK = 4096  # Problems of a stack that are solved at once
 
 
 @dataclass(frozen=True)
@@ -31,24 +28,22 @@ class Problem:
     slot: Mapping[str, int]  # The free parameter of each coefficient; tied coefficients share one
     scale: np.ndarray  # (p,) Norm of each parameter's column; 1 where the column is zero
     lower: np.ndarray  # (p,) Bounds of z
-    upper: np.ndarray  # (p,) Bounds of z
+    upper: np.ndarray  # (p,)
     weights: Mapping[str, float]  # Weight of each force in the sum
-    terms: TermTable  # The terms
+    terms: TermTable
     columns: Mapping[str, int]  # Column of the sums of each coefficient's regressor or force
 
     def normal(self, sums: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Assemble H (..., p, p) and g (..., p) from sums of products (..., m, m)."""
         size = len(self.scale)
         h, g = np.zeros((*sums.shape[:-2], size, size)), np.zeros((*sums.shape[:-2], size))
-        for force, terms in self.terms.forces.items():
-            # Two coefficients of one force may share a parameter, so add entry by entry.
-            for one in terms:
-                i, column = self.slot[one.name], self.columns[one.name]
-                weight = self.weights[force] / self.scale[i]
-                g[..., i] += sums[..., column, self.columns[force]] * weight
-                for other in terms:
-                    j = self.slot[other.name]
-                    h[..., i, j] += sums[..., column, self.columns[other.name]] * weight / self.scale[j]
+        for force, weight in self.weights.items():
+            names = [term.name for term in self.terms.forces[force]]
+            slots, columns = [self.slot[name] for name in names], [self.columns[name] for name in names]
+            scaled = np.eye(size)[slots] / self.scale  # Two coefficients of one force may share a parameter
+            own = weight * sums[..., columns, :]
+            h += scaled.T @ own[..., columns] @ scaled
+            g += own[..., self.columns[force]] @ scaled
         return h, g
 
     def solve(self, sums: np.ndarray) -> "Solution":
@@ -70,15 +65,18 @@ class Problem:
 
 def reduced(equations: NormalEquations, terms: TermTable, weights: Weights = "paper") -> Problem:
     """Set up the joint problem of the paper, columns scaled to one and ties substituted."""
-    check_choice("weights", weights, WEIGHTS)
-    slot, total = free_parameters(terms), equations.total
-    by_force = {f: _weight(equations, total, f) if weights == "variance" else 1.0 for f, t in terms.forces.items() if t}
+    check_choice("weights", weights, get_args(Weights))
+    slot, by_force = free_parameters(terms), {}
     size = max(slot.values()) + 1
     square, lower, upper = np.zeros(size), np.full(size, -np.inf), np.full(size, np.inf)
     for force, part in terms.forces.items():
+        if part:
+            (rows, total), (_, squares) = equations.pick(equations.total, [ONE, force])
+            variance = squares / rows - (total / rows) ** 2
+            by_force[force] = float(1 / variance) if weights == "variance" and variance > 0 else 1.0
         for term in part:
             i, j = slot[term.name], equations.columns[term.name]
-            square[i] += by_force[force] * total[j, j]
+            square[i] += by_force[force] * equations.total[j, j]
             lower[i], upper[i] = max(lower[i], term.bound[0]), min(upper[i], term.bound[1])
     for name, i in slot.items():
         if not lower[i] < upper[i]:
@@ -95,13 +93,6 @@ def free_parameters(terms: TermTable) -> dict[str, int]:
         leader = {name: new if head == old else head for name, head in leader.items()}
     order = list(dict.fromkeys(leader.values()))
     return {name: order.index(head) for name, head in leader.items()}
-
-
-def _weight(equations: NormalEquations, total: np.ndarray, force: str) -> float:
-    one, column = equations.columns[ONE], equations.columns[force]
-    rows = total[one, one]
-    variance = total[column, column] / rows - (total[one, column] / rows) ** 2
-    return float(1 / variance) if variance > 0 else 1.0
 
 
 @dataclass(frozen=True)
@@ -132,111 +123,54 @@ class Solution:
 
 
 def solve(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Solution:
-    """Minimise 1/2 z'Hz - g'z over lower <= z <= upper."""
+    """Minimise 1/2 z'Hz - g'z over lower <= z <= upper; directions without data are left at their smallest norm."""
     # h (p, p); g (p,); lower, upper (p,)
-    # A primal-dual active set finds which parameters sit at a bound, SciPy's BVLS on H's factor where it does not
-    # converge or does not reach an optimum. The free set is then solved anew, so that the result is as exact as a
-    # direct solve; directions without data are left at their smallest norm.
-    start, left = _active_set(h[None], g[None], lower, upper)
-    quick = _settled(h, g, start[0], lower, upper)
-    if quick.kkt.satisfied and not left.size:
-        return quick
-    return _settled(h, g, _bvls(h, g, lower, upper), lower, upper)
+    from scipy.optimize import lsq_linear
+
+    # H = V diag(w) V' gives the least-squares problem sqrt(w) V' z = V'g / sqrt(w).
+    values, vectors = np.linalg.eigh(h)
+    kept = values > RANK_TOLERANCE**2 * max(values[-1], 1e-300)
+    root = np.sqrt(values, where=kept, out=np.zeros(len(g)))
+    target = np.divide(vectors.T @ g, root, where=kept, out=np.zeros(len(g)))
+    with np.errstate(all="ignore"):  # It divides by steps of zero on its way; what it finds is checked below.
+        found = lsq_linear(root[:, None] * vectors.T, target, (lower, upper), method="bvls", tol=1e-14)
+    # Its last step to a bound may stop a rounding short of it: what it holds there is put there.
+    z = np.select([found.active_mask < 0, found.active_mask > 0], [lower, upper], found.x)
+    z = np.where(np.diag(h) > 0, z, np.clip(0.0, lower, upper))
+    return Solution(z, (z <= lower) | (z >= upper), check(h, g, z, lower, upper))
+
+
+def check(h: np.ndarray, g: np.ndarray, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Kkt:
+    """Measure how far a point is from optimal."""
+    gradient = (h @ z - g) / max(float(np.abs(g).max(initial=0.0)), 1e-300)
+    low, high = z <= lower, z >= upper
+    pushed = np.concatenate([-gradient[low & ~high], gradient[high & ~low]])
+    outside, free = np.maximum(lower - z, z - upper), np.abs(gradient[~low & ~high])
+    return Kkt(*(float(part.max(initial=0.0)) for part in (free, pushed, outside)))
 
 
 def solve_many(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
     """Minimise 1/2 z'Hz - g'z over lower <= z <= upper for every problem of a stack, (n, p)."""
     # h (n, p, p) or (p, p); g (n, p); lower, upper (p,)
+    # Guess which parameters sit at a bound, solve the rest directly, put at their bound those that left it, free those
+    # whose multiplier has the wrong sign, until nothing changes; where something still does, solve one by one.
+    # Hintermueller, Ito, Kunisch (2002), The primal-dual active set strategy as a semismooth Newton method.
     h, z = np.broadcast_to(h, (len(g), *h.shape[-2:])), np.empty_like(g)
     for first in range(0, len(g), CHUNK):
-        part = slice(first, first + CHUNK)
-        z[part], left = _active_set(h[part], g[part], lower, upper)
-        for i in left + first:
+        left = np.arange(first, min(first + CHUNK, len(g)))
+        held = np.zeros((len(left), g.shape[1]), np.int8)  # -1 at the lower bound, +1 at the upper
+        for _ in range(ROUNDS):
+            z[left] = best = _with_held(h[left], g[left], held, lower, upper)
+            push = g[left] - np.einsum("nij,nj->ni", h[left], best)
+            below, above = np.where(held < 0, push < 0, best < lower), np.where(held > 0, push > 0, best > upper)
+            after = np.where(above, 1, np.where(below, -1, 0))
+            changed = (after != held).any(axis=1)
+            left, held = left[changed], after[changed]
+            if not left.size:
+                break
+        for i in left:
             z[i] = solve(h[i], g[i], lower, upper).z
     return z
-
-
-def _settled(h: np.ndarray, g: np.ndarray, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Solution:
-    """Solve once more with what sits at a bound held there."""
-    at_bound = (z <= lower) | (z >= upper)
-    z = _polished(h, g, np.clip(z, lower, upper), at_bound, lower, upper)
-    z = np.where(np.diag(h) > 0, z, np.clip(0.0, lower, upper))
-    return Solution(z, at_bound, check(h, g, z, lower, upper))
-
-
-def _bvls(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """H = V diag(w) V' gives the small least-squares problem ``sqrt(w) V' z = V'g / sqrt(w)``."""
-    from scipy.optimize import lsq_linear
-
-    factor, target = _factor(h, g)
-    if np.isinf(lower).all() and np.isinf(upper).all():
-        return np.asarray(np.linalg.lstsq(factor, target, rcond=None)[0])
-    with np.errstate(all="ignore"):  # It divides by steps of zero on its way; what it finds is checked later.
-        optimum = lsq_linear(factor, target, (lower, upper), method="bvls", tol=1e-14)
-    # Its last step to a bound may stop a rounding short of it: what it holds there is put there.
-    return np.select([optimum.active_mask < 0, optimum.active_mask > 0], [lower, upper], optimum.x)
-
-
-def _factor(h: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    values, vectors = np.linalg.eigh(h)
-    kept = values > RANK_TOLERANCE**2 * max(values[-1], 1e-300)
-    root = np.sqrt(values[kept])
-    return root[:, None] * vectors[:, kept].T, vectors[:, kept].T @ g / root
-
-
-def _polished(
-    h: np.ndarray, g: np.ndarray, z: np.ndarray, at_bound: np.ndarray, lower: np.ndarray, upper: np.ndarray
-) -> np.ndarray:
-    """Solve the free set directly; keep what was there if that leaves the bounds."""
-    free = ~at_bound
-    if not free.any():
-        return z
-    fixed = g - h[:, at_bound] @ z[at_bound]
-    better = z.copy()
-    factor, target = _factor(h[np.ix_(free, free)], fixed[free])
-    better[free] = np.linalg.lstsq(factor, target, rcond=None)[0]
-    inside = (better >= lower).all() and (better <= upper).all()
-    return better if inside else z
-
-
-def check(h: np.ndarray, g: np.ndarray, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Kkt:
-    """Measure how far a point is from optimal."""
-    # z (p,); lower, upper (p,)
-    gradient = (h @ z - g) / max(float(np.abs(g).max(initial=0.0)), 1e-300)
-    low, high = z <= lower, z >= upper
-    pushed = np.concatenate([-gradient[low & ~high], gradient[high & ~low], [0.0]])
-    outside = np.concatenate([lower - z, z - upper, [0.0]])
-    free = np.append(np.abs(gradient[~low & ~high]), 0.0)
-    return Kkt(float(free.max()), float(pushed.max()), float(outside.max()))
-
-
-def _active_set(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Minimise 1/2 z'Hz - g'z over lower <= z <= upper for a stack: z (n, p), and the problems left open (k,)."""
-    # h (n, p, p); g (n, p); lower, upper (p,)
-    # Guess which parameters sit at a bound, solve the rest directly, put at their bound those that left it, free those
-    # whose multiplier has the wrong sign, until nothing changes. A problem in which something still does is open.
-    # Hintermueller, Ito, Kunisch (2002), The primal-dual active set strategy as a semismooth Newton method.
-    held = np.zeros(g.shape, np.int8)  # -1 at the lower bound, +1 at the upper
-    z = np.empty_like(g)
-    left = np.arange(len(g))
-    for _ in range(ROUNDS):
-        best = _with_held(h[left], g[left], held[left], lower, upper)
-        z[left] = best
-        push = g[left] - np.einsum("nij,nj->ni", h[left], best)
-        after = _held(best, push, held[left], lower, upper)
-        changed = (after != held[left]).any(axis=1)
-        held[left] = after
-        left = left[changed]
-        if not left.size:
-            break
-    return z, left
-
-
-def _held(z: np.ndarray, push: np.ndarray, held: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """Return the parameters beyond a bound, or at one and pushed beyond by the data."""
-    below = np.where(held == -1, push < 0, z < lower)
-    above = np.where(held == 1, push > 0, z > upper)
-    return above.astype(np.int8) - (below & ~above).astype(np.int8)
 
 
 def _with_held(h: np.ndarray, g: np.ndarray, held: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:

@@ -4,18 +4,32 @@ All results of identification (fit, standard errors, left-out errors, rank, VIF,
 from these sums, so cost and memory do not grow with the rows after one pass over them.
 """
 
-from collections.abc import Mapping
+import os
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Literal, NamedTuple
+from functools import cached_property, partial
+from itertools import islice
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from narrows.identification.design_matrix import ONE
+from narrows.captive.tests import Block, Tests
+from narrows.errors import InputError
+from narrows.identification.design_matrix import ONE, DesignMatrix
+from narrows.model.data_range import DataRange
 from narrows.terms.term import TermTable
 
 # Units of equal weight in a fit.
 Balance = Literal["tests", "rows"]
+# Products computed at once: a strip fits the cache, and is too small for BLAS to start threads of its own, which would
+# slow such small products and compete with those of the package.
+STRIP = 2**19
+AHEAD = 16  # Blocks that are in memory at once
+# Features of a test that define its motion and its water.
+MOVED = ("u", "v", "r", "y", "sin_psi", "udot", "vdot", "rdot", "depth", "draft", "width", "rudder")
+NOT_SET = ("x", "cos_psi", "heave")  # Quantities of terms that follow from the others
 
 
 @dataclass(frozen=True)
@@ -42,7 +56,6 @@ class NormalEquations:
 
     @property
     def balance(self) -> Balance:
-        """Kind of balance."""
         return "rows" if self.weights is None else "tests"
 
     @property
@@ -50,7 +63,7 @@ class NormalEquations:
         """The sums of plain rows, (pieces, m, m)."""
         return self.sums if self.weights is None else self.sums / self.weights[:, None, None]
 
-    @property
+    @cached_property
     def total(self) -> np.ndarray:
         """The sums over all rows, (m, m)."""
         return np.asarray(self.sums.sum(axis=0))
@@ -72,23 +85,89 @@ class NormalEquations:
         np.add.at(sums, self.test, values)
         return sums
 
+    def of_tests(self, names: Collection[str]) -> "NormalEquations":
+        """Return those of some tests alone."""
+        keep = np.array([name in names for name in self.tests])
+        return replace(
+            self, sums=self.sums[keep], tests=tuple(name for name in self.tests if name in names),
+            moved={name: moments[keep] for name, moments in self.moved.items()},
+            weights=None if self.weights is None else self.weights[keep],
+        )  # fmt: skip
+
     def pick(self, sums: np.ndarray, rows: list[str], columns: list[str] | None = None) -> np.ndarray:
-        """Return the sums of some columns."""
-        # sums (..., m, m)
+        """Return the sums (..., m, m) of some columns."""
         i = [self.columns[name] for name in rows]
         j = [self.columns[name] for name in columns] if columns else i
         return sums[..., np.array(i)[:, None], np.array(j)[None, :]]
 
-    def mean_square(self, name: str) -> float:
-        """Mean square of a column over all rows, each alike."""
-        total, one, column = self.unweighted.sum(axis=0), self.columns[ONE], self.columns[name]
-        return float(total[column, column] / total[one, one])
+
+def accumulate(
+    tests: Tests, terms: TermTable, pieces: int = 1, balance: Balance = "rows"
+) -> tuple[NormalEquations, DataRange]:
+    """Sum over every row, once."""
+    matrix = DesignMatrix(terms)
+    # The motion, and further set quantities that the terms need.
+    quantities = tuple(dict.fromkeys((*MOVED, *(name for name in terms.inputs if name not in NOT_SET))))
+    sums, moments, ranges, moved = Counter[Any](), Counter[Any](), dict[str, tuple[float, float]](), list[str]()
+    for columns, parts, covered in _shared_out(partial(_summed, matrix, quantities), tests.blocks(pieces)):
+        moved = columns
+        for key, own, moment in parts:
+            sums[key], moments[key] = sums[key] + own, moments[key] + moment
+        for name, (low, high) in covered.items():
+            least, most = ranges.get(name, (low, high))
+            ranges[name] = min(least, low), max(most, high)
+    if not sums:
+        source = tests.source.table or tests.source.text
+        raise InputError(f"{source}: no rows are left; give more, or another selection")
+    total, by_quantity = np.stack(list(sums.values())), np.stack(list(moments.values()), axis=1)
+    names = tuple(test for test, _ in sums)
+    for name, i in matrix.columns.items():
+        if (wrong := ~np.isfinite(total[:, i, i])).any():
+            test = names[int(np.argmax(wrong))]
+            raise InputError(f"the column of {name} is not finite in test {test}; mend its regressor or leave rows out")
+    length = tests.configuration.ship.length
+    equations = NormalEquations(matrix.columns, total, names, dict(zip(moved, by_quantity, strict=True)), length)
+    return equations.balanced() if balance == "tests" else equations, DataRange(**ranges)
 
 
-def count(sums: np.ndarray, columns: Mapping[str, int]) -> int:
-    """Return the number of rows behind some sums."""
-    # sums (m, m)
-    return round(float(sums[columns[ONE], columns[ONE]]))
+def products(design: np.ndarray) -> np.ndarray:
+    """Return ``design @ design.T`` of a design (m, rows), in strips that stay in the cache."""
+    total = np.zeros((len(design), len(design)))
+    strip = max(STRIP // len(design) ** 2, 1)
+    with np.errstate(all="ignore"):
+        for start in range(0, design.shape[1], strip):
+            part = design[:, start : start + strip]
+            total += np.dot(part, part.T)
+    return total
+
+
+def _summed(matrix: DesignMatrix, quantities: tuple[str, ...], block: Block) -> tuple[list[str], list[Any], Any]:
+    """The quantities that vary; test and piece, products and moments of each span; the ranges of all rows."""
+    design, values = matrix.evaluate(block), block.values
+    moved = [name for name in quantities if np.ndim(values.get(name, 0.0))]
+    columns = np.array([values[name] for name in moved])
+    # Rows, sum and sum of squares of each quantity in each span: (spans, quantities, 3).
+    powers = np.stack([np.ones_like(columns), columns, columns**2], axis=1)
+    moments = np.moveaxis(np.add.reduceat(powers, [span.start for span in block.spans], axis=2), 2, 0)
+    sums = [products(design[:, span.start : span.stop]) for span in block.spans]
+    keys = [(span.test, span.piece) for span in block.spans]
+    covered = {f"abs_{name}": np.abs(values[name]) for name in ("y", "psi", "r") if name in values}
+    covered |= {"speed": values["u"]} if "u" in values else {}
+    covered |= {
+        f"{one}_to_{other}": np.divide(values[one], values[other])
+        for one, other in (("width", "beam"), ("depth", "draft"))
+        if one in values
+    }
+    ranges = {name: (float(np.min(column)), float(np.max(column))) for name, column in covered.items()}
+    return moved, list(zip(keys, sums, moments, strict=True)), ranges
+
+
+def _shared_out(work: partial[Any], blocks: Iterator[Block]) -> Iterator[Any]:
+    """Let the cores share the blocks, a few at a time, and yield what comes of each in order."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        while some := list(islice(blocks, AHEAD)):
+            # A thread for one block would cost more than it gives.
+            yield from pool.map(work, some) if len(some) > 1 else map(work, some)
 
 
 class Score(NamedTuple):
@@ -99,17 +178,11 @@ class Score(NamedTuple):
 
 
 def score(
-    equations: NormalEquations, sums: np.ndarray, terms: TermTable, coefficients: Mapping[str, float]
+    equations: NormalEquations, sums: np.ndarray, terms: TermTable, values: Mapping[str, float] | np.ndarray
 ) -> dict[str, Score]:
-    """Score coefficients on the rows behind some sums."""
-    # sums (m, m)
-    return score_groups(equations, sums[None], terms, np.array([[coefficients[name] for name in terms.names]]))
-
-
-def score_groups(
-    equations: NormalEquations, sums: np.ndarray, terms: TermTable, values: np.ndarray
-) -> dict[str, Score]:
-    """Score coefficients (groups, n), each on the rows of its own group, with sums (groups, m, m): force -> score."""
+    """Score coefficients on the rows behind some sums (m, m), or each row of values (groups, n) on its own sums."""
+    if isinstance(values, Mapping):
+        sums, values = sums[None], np.array([[values[name] for name in terms.names]])
     one, total = equations.columns[ONE], sums.sum(axis=0)
     rows, scores = total[one, one], {}
     for force, part in terms.forces.items():

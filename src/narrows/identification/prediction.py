@@ -10,8 +10,8 @@ from narrows.captive.columns import check_given
 from narrows.captive.read import as_tests
 from narrows.captive.tests import Block, Tests
 from narrows.errors import InputError, shown
-from narrows.identification.accumulation import accumulate
-from narrows.identification.normal_equations import Score, score
+from narrows.identification.design_matrix import ONE
+from narrows.identification.normal_equations import NormalEquations, Score, accumulate, score
 from narrows.results import BaseResult
 from narrows.ship.ship_file import ShipSource
 
@@ -96,7 +96,8 @@ class Prediction(BaseResult):
     @property
     def nobs(self: Any) -> int:
         """Number of rows of the fit."""
-        return sum(block.rows for block in self.tests.blocks(1))
+        equations: NormalEquations = self.normal_equations
+        return round(float(equations.pick(equations.total, [ONE])[0, 0]))
 
 
 def _or_own(fit: Any, tests: Any, ship: Any) -> Any:

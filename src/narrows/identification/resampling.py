@@ -1,0 +1,250 @@
+"""Other choices of the distinct motions: drawn with replacement, left out in turn, and those of each depth alone."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from narrows.errors import InputError, did_you_mean
+from narrows.identification.estimates import (
+    HALF,
+    LEVEL,
+    CoefficientEstimates,
+    ForcePosterior,
+    bounded_interval,
+    estimates,
+)
+from narrows.identification.least_squares import Problem, Solution, solve_many
+from narrows.identification.mixed_model import one_thread
+from narrows.identification.motions import DistinctMotions, distinct_motions
+from narrows.identification.normal_equations import NormalEquations
+from narrows.identification.systematic_effects import RunErrors
+from narrows.quantities.names import FORCES
+from narrows.results.base_results import with_error
+from narrows.ship.particulars import Configuration
+from narrows.terms.term import TermTable
+
+# Quantiles a standard deviation from a Gaussian's mean: the few resamples that miss a kind of test do not count.
+MIDDLE = (0.158655, 0.841345)
+CHUNK = 2048
+# Lower bound of 1 - leverage: rounding can make it negative where one motion alone determines a coefficient.
+ROUNDING = 1e-9
+# Share of the information on a coefficient above which one motion alone determines it.
+ALONE = 0.999
+# Significance level of the chi-square test of equal coefficients [1].
+DIFFERENT = 0.05
+
+
+@dataclass(frozen=True)
+class Bootstrap:
+    """Coefficients of many resamples of the tests."""
+
+    terms: TermTable  # The terms
+    # (resamples, n) Coefficients of each resample fitted under the constraints, each in its own unit
+    samples: np.ndarray
+    std: np.ndarray  # (n,) Half width of the central 68 % of the coefficients fitted without bounds
+    estimates: CoefficientEstimates  # Estimates from the original tests: centres of the intervals
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Covariance of the samples, (n, n)."""
+        return np.atleast_2d(np.cov(self.samples.T))
+
+    def intervals(self, level: float = LEVEL) -> Mapping[str, tuple[float, float]]:
+        """Return a confidence interval for each coefficient, in its unit and within its bounds."""
+        # They use the spread of fits without bounds: percentiles of constrained ones miss the truth
+        # where a coefficient, or one that it trades against, is near a bound.
+        # Andrews (2000), Inconsistency of the bootstrap when a parameter is on the boundary of the parameter space.
+        seen = zip(self.terms.terms, self.estimates.free_values, self.std, strict=True)
+        return {term.name: bounded_interval(float(value), float(std), term.bound, level) for term, value, std in seen}
+
+
+def resampled(
+    problem: Problem, motions: DistinctMotions, found: CoefficientEstimates, resamples: int, seed: int
+) -> Bootstrap:
+    """Draw as many distinct motions as there are, with replacement, and fit with the constraints and without."""
+    if resamples < 2 or seed < 0:
+        raise InputError(f"{resamples} resamples with seed {seed} give no spread; ask for 1000 or more, seed 0 or more")
+    count, bounded, free = len(motions), [], []
+    times = np.random.default_rng(seed).multinomial(count, np.full(count, 1 / count), size=resamples).astype(float)
+    everywhere = np.full(len(problem.scale), np.inf)
+    for start in range(0, resamples, CHUNK):
+        h, g = problem.normal(np.tensordot(times[start : start + CHUNK], motions.sums, axes=1))
+        bounded.append(solve_many(h, g, problem.lower, problem.upper))
+        free.append(solve_many(h, g, -everywhere, everywhere))
+    low, high = np.quantile(problem.coefficients(np.concatenate(free)), MIDDLE, axis=0)
+    return Bootstrap(problem.terms, problem.coefficients(np.concatenate(bounded)), (high - low) / 2, found)
+
+
+@dataclass(frozen=True)
+class Predictiveness:
+    """Prediction error of a model on left-out motions, for one force."""
+
+    force: str
+    held: float  # share of directions inside their 95 % predictive interval
+    half: float  # median half width [N, N m]
+    relative: float  # median half width over the motion's own force
+    motions: int
+
+    @property
+    def sentence(self) -> str:
+        """One sentence of the result."""
+        return (
+            f"{self.force} of {self.motions} motions left out in turn: {self.held:.0%} lie within the 95 % predictive "
+            f"interval, whose median half width is {self.half:.2g} {FORCES[self.force].unit} ({self.relative:.0%} of "
+            "the force)."
+        )
+
+
+@one_thread
+def predictiveness(part: ForcePosterior) -> list[Predictiveness]:
+    """Predict each motion by the others, at the scales that all motions together show."""
+    rows, weights = part.rows, part.posterior.weights
+    # For each motion and force: measured less predicted over its standard error, in the independent directions of the
+    # motion's rows; half widths of the predictive interval and the measured force, as root mean squares of the motion.
+    scores: dict[str, list[np.ndarray]] = {force: [] for force in rows.forces}
+    sizes: dict[str, list[np.ndarray]] = {force: [] for force in rows.forces}
+    for _, own, mean_rows in _motions(part):
+        without = [without_rows(part, i, own) for i in range(len(part.posterior.parts))]
+        chosen = own[mean_rows]
+        means = np.stack([mean for mean, _, _ in without])[:, mean_rows]
+        spreads = np.stack([np.diag(covariance) for _, covariance, _ in without])[:, mean_rows]
+        mean = weights @ means
+        std = np.sqrt(weights @ (spreads + (means - mean) ** 2))
+        measured, length = rows.y[chosen], rows.length[chosen % rows.each]
+        for f, force in enumerate(rows.forces):
+            at = chosen // rows.each == f
+            scores[force].append(((measured - mean) / std)[at])
+            sizes[force].append(np.sqrt(((np.stack([HALF * std, measured]) / length)[:, at] ** 2).sum(axis=1)))
+    result = []
+    for force in rows.forces:
+        halves, levels = np.transpose(sizes[force])
+        held = float((np.abs(np.concatenate(scores[force])) < HALF).mean())
+        relative = float(np.median(halves / np.maximum(levels, 1e-300)))
+        result.append(Predictiveness(force, held, float(np.median(halves)), relative, len(halves)))
+    return result
+
+
+@dataclass(frozen=True)
+class Influence:
+    """Influence of each distinct motion on each coefficient: the jackknife."""
+
+    tests: tuple[str, ...]  # The motions, each called by its first test and the number of its repeats
+    names: tuple[str, ...]  # The coefficients
+    # (tests, n) Share of the information on a coefficient that is gone without the test: 1 less the ratio of the
+    # variance with all tests to the variance without this one [1]
+    information: np.ndarray
+    # (tests, n) Change of the constrained estimate by the test, in the coefficient's unit; NaN where the other tests
+    # hardly excite the coefficient
+    moved: np.ndarray
+
+    def most_informing(self, name: str) -> tuple[str, float]:
+        """Return the test that holds most of the information on a coefficient, and its share [1]."""
+        return self._most(self.information, name)
+
+    def most_moving(self, name: str) -> tuple[str, float]:
+        """Return the test that moves a coefficient most, and how far; NaN: it is not determined without it."""
+        return self._most(self.moved, name)
+
+    def of(self, name: str) -> dict[str, str | float]:
+        """Give the test with most information on a coefficient and the one that moves it most."""
+        (informing, share), (moving, by) = self.most_informing(name), self.most_moving(name)
+        return {"most_informing": informing, "share": share, "most_moving": moving, "moved_by": by}
+
+    def _most(self, values: np.ndarray, name: str) -> tuple[str, float]:
+        if name not in self.names:
+            raise InputError(f"unknown coefficient {name!r}{did_you_mean(name, self.names)}")
+        column = values[:, self.names.index(name)]
+        most = int(np.abs(column).argmax())
+        return self.tests[most], float(column[most])
+
+
+@one_thread
+def influence(motions: DistinctMotions, found: CoefficientEstimates, solution: Solution) -> Influence:
+    """Leave out each distinct motion in turn."""
+    problem = found.problem
+    gone = np.zeros((len(motions), len(problem.scale)))
+    for part in found.forces:
+        best, p = int(part.posterior.weights.argmax()), len(part.free_parameters)
+        variances = np.diag(part.posterior.parts[best].covariance)[:p]
+        for motion, own, _ in _motions(part):
+            added = without_rows(part, best, own)[2][:p]
+            gone[motion, part.free_parameters] = added / np.maximum(variances + added, 1e-300)
+    shares = gone[:, [problem.slot[name] for name in problem.terms.names]]
+    moved = np.where(shares < ALONE, problem.coefficients(solution.z) - problem.fits(motions.without), np.nan)
+    return Influence(motions.labels, problem.terms.names, shares, moved)
+
+
+def _motions(part: ForcePosterior) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """Each motion, its rows, and which of these are of its mean."""
+    rows = part.rows
+    for motion in np.unique(rows.motion):
+        own = np.flatnonzero(rows.all(rows.motion == motion))
+        yield int(motion), own, np.flatnonzero(rows.of_mean[own % rows.each])
+
+
+def without_rows(part: ForcePosterior, draw: int, own: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Predict some rows from all others at given scales: mean, covariance with errors, and what the rows add.
+
+    The last is the variance of coefficients and effects beyond that with the rows, (p + q,).
+    """
+    # Update of a precision: with errors V and leverage H the residual is V (V - H)^-1 e.
+    posterior, model = part.posterior, part.posterior.model
+    conditional, x = posterior.parts[draw], model.x[own]
+    lower = np.linalg.cholesky(model.covariance_of(posterior.points[draw], own))
+    scaled = np.linalg.solve(lower, x)
+    known = conditional.covariance @ scaled.T
+    values, vectors = np.linalg.eigh(scaled @ known)
+    left = np.maximum(1 - values, ROUNDING)  # Without information from other rows only the prior remains
+    error = vectors.T @ np.linalg.solve(lower, model.y[own] - x @ conditional.mean)
+    back = lower @ vectors
+    added = ((known @ vectors) ** 2 / left).sum(axis=1)
+    return model.y[own] - back @ (error / left), (back / left) @ back.T, added
+
+
+@dataclass(frozen=True)
+class DepthTest:
+    """A coefficient at each depth by itself, and the test of whether it is one."""
+
+    values: Mapping[float, float]  # Depth [m]: estimate from the tests at that depth alone, in the coefficient's unit
+    std: Mapping[float, float]  # Depth [m]: its standard error, in the coefficient's unit
+    p: float  # Probability of as large differences, were it one coefficient: chi-square test [1]
+
+    @property
+    def changes(self) -> bool:
+        """True where the coefficient differs between depths by more than its errors allow."""
+        return self.p < DIFFERENT
+
+    def sentence(self, name: str) -> str:
+        """One sentence of the result."""
+        values = ", ".join(f"{with_error(value, self.std[h])} at {h:.4g} m" for h, value in self.values.items())
+        word = "it changes with the depth" if self.changes else "no change with the depth is seen"
+        return f"{name} by each depth alone is {values}: {word} (p = {self.p:.2g})."
+
+
+def depth_tests(
+    equations: NormalEquations, motions: DistinctMotions, problem: Problem, errors: RunErrors,
+    configuration: Configuration,
+) -> dict[str, DepthTest]:  # fmt: skip
+    """Compare the bank's coefficients by the tests at each depth; empty where there is one depth."""
+    from scipy.special import chdtrc
+
+    bank = [i for i, term in enumerate(problem.terms.terms) if term.from_bank]
+    depth, group = motions.features["depth"], motions.level("depth")
+    if group.max() == 0 or not bank:
+        return {}
+    by_depth = {}
+    for number in range(int(group.max()) + 1):
+        names = {name for i in np.flatnonzero(group == number) for name in motions.members[i]}
+        part = equations.of_tests(names)
+        known = part, distinct_motions(part), problem, errors, configuration
+        by_depth[round(float(depth[group == number].mean()), 9)] = estimates(*known)
+    depths, tests = sorted(by_depth), {}
+    for i in bank:
+        value = np.array([by_depth[h].free_values[i] for h in depths])
+        std = np.array([by_depth[h].free_std[i] for h in depths])
+        mean = (value / std**2).sum() / (1 / std**2).sum()
+        p = float(chdtrc(len(value) - 1, (((value - mean) / std) ** 2).sum()))
+        values, errors_of = (dict(zip(depths, column.tolist(), strict=True)) for column in (value, std))
+        tests[problem.terms.names[i]] = DepthTest(values, errors_of, p)
+    return tests
