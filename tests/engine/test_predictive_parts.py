@@ -17,7 +17,7 @@ from scipy.optimize import minimize
 import narrows as nw
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.linearisation import LINEARISED
-from narrows.control.local_motion import LocalMotion, LocalWater, along_line
+from narrows.control.linearization import LocalMotion, LocalWater, along_line
 from narrows.control.predictive import plan_loops
 from narrows.control.predictive.course_ahead import margins_of, regulator_of, weights_of
 from narrows.control.predictive.line_frame import HELD, WaterAhead, over_interval, share_of, water_ahead

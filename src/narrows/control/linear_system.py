@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.control.local_motion import MOVED, LocalMotion
 from narrows.control.settings import FREQUENCIES
 from narrows.errors import InputError, check_choice, needs
 from narrows.results import BaseResult
@@ -36,39 +35,21 @@ class LinearSystem(BaseResult):
     x, u and d are deviations of state, controls and disturbances from the course. With several courses, the dimensions
     of ``course`` come first in the matrices; methods about one course then raise ``InputError``: take it by ``one``.
 
-    Parameters
-    ----------
-    A : array (..., states, states)
-        Rates by states.
-    B : array (..., states, controls)
-        Rates by positions of actuators.
-    G : array (..., states, disturbances)
-        Rates by external forces, the current along the line and the curvature of the line.
-    states, controls, disturbances : tuple of str
-        Names of rows and columns, in ``units``.
-    course : mapping of str to array (...)
-        The steady course: y [m], u [m/s], psi, rudder [rad], v [m/s], r [rad/s] and other constant quantities.
-    varied : tuple of str
-        The dimensions, in order: y, u, or none.
-    motion : LocalMotion
-        Nonlinear motion of the ship.
-    length : float [m]
-        Length of the ship; with its speed it scales the states.
-    notes : tuple of str
-        Notes on the validity of the system.
     """
 
-    A: np.ndarray
-    B: np.ndarray
+    A: np.ndarray  # (..., states, states) Rates by states
+    B: np.ndarray  # (..., states, controls) Rates by positions of actuators
+    # (..., states, disturbances) Rates by external forces, the current along the line and the curvature of the line
     G: np.ndarray
-    states: tuple[str, ...]
+    states: tuple[str, ...]  # Names of rows and columns, in ``units``
     controls: tuple[str, ...]
     disturbances: tuple[str, ...]
+    # The steady course: y [m], u [m/s], psi, rudder [rad], v [m/s], r [rad/s] and other constant quantities
     course: Mapping[str, np.ndarray]
-    varied: tuple[str, ...]
-    motion: LocalMotion
-    length: float
-    notes: tuple[str, ...]
+    varied: tuple[str, ...]  # The dimensions, in order: y, u, or none
+    motion: Callable[[Mapping[str, Any]], Mapping[str, Any]]  # Rates of y, psi, u, v, r of the nonlinear ship
+    length: float  # Length of the ship [m]; with its speed it scales the states
+    notes: tuple[str, ...]  # Notes on the validity of the system
 
     @property
     def units(self) -> dict[str, str]:
@@ -76,13 +57,7 @@ class LinearSystem(BaseResult):
         return {name: UNITS.get(name, "") for name in (*self.states, *self.controls, *self.disturbances)}
 
     def one(self, *index: int) -> "LinearSystem":
-        """Return one course of several.
-
-        Parameters
-        ----------
-        *index : int
-            Index in each dimension of ``varied``.
-        """
+        """Return one course of several, by its index in each dimension of ``varied``."""
         course = {name: column[index] for name, column in self.course.items()}
         parts = {name: getattr(self, name)[index] for name in ("A", "B", "G")}
         return replace(self, **parts, course=course, varied=())
@@ -92,36 +67,10 @@ class LinearSystem(BaseResult):
         return self._of_one(self.A), self._of_one(self.B)[:, self._columns(controls)]
 
     def rates(self, x: np.ndarray, u: np.ndarray, d: np.ndarray) -> np.ndarray:
-        """Return the rates of the states of one course; all other quantities are those of the course.
-
-        Parameters
-        ----------
-        x : array (states,)
-            Absolute states, not deviations.
-        u : array (controls,)
-            Positions of actuators.
-        d : array (disturbances,)
-            Forces, current and curvature.
-        """
+        """Return the rates of the states of one course, by absolute states, positions of actuators and disturbances."""
         names = (*self.states, *self.controls, *self.disturbances)
-        rates = self.motion.rates({**self.course, **dict(zip(names, (*x, *u, *d), strict=True))})
+        rates = self.motion({**self.course, **dict(zip(names, (*x, *u, *d), strict=True))})
         return np.array([float(rates[name]) for name in self.states])
-
-    def drawn(self, coefficients: Mapping[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Return A and B of ships with other coefficients at the same state, (samples, ...).
-
-        Parameters
-        ----------
-        coefficients : mapping of str to array (samples,)
-            Values by name.
-        """
-        self._of_one(self.A)
-        count = max(len(column) for column in coefficients.values())
-        motion = replace(self.motion, values={**self.motion.values, **coefficients})
-        slopes = motion.slopes({name: np.full(count, float(value)) for name, value in self.course.items()})
-        rows = [MOVED.index(name) for name in self.states]
-        A, B = (np.stack([slopes[n][:, rows] for n in names], axis=-1) for names in (self.states, self.controls))
-        return A, B
 
     def eigenvalues(self) -> np.ndarray:
         """Return the eigenvalues of A [1/s], (..., states), the most unstable first."""
@@ -153,17 +102,9 @@ class LinearSystem(BaseResult):
         return pd.DataFrame({**rates, **times, "damping_ratio": damping, **shape}).rename_axis("mode")
 
     def controllability(self, *controls: str) -> int:
-        """Return the number of controllable states of one course: the rank of Kalman's matrix, in ship lengths.
+        """Return the number of states of one course that the controls reach: the rank of Kalman's matrix.
 
-        Parameters
-        ----------
-        *controls : str
-            Controls to use; all unless given.
-
-        Raises
-        ------
-        InputError
-            If there is no such control.
+        States are scaled to ship lengths. Give ``controls`` to use some alone.
         """
         matrix, scales, time = self._of_one(self.A), self._scales(), self._time()
         A = time * matrix * scales / scales[:, None]
@@ -188,11 +129,6 @@ class LinearSystem(BaseResult):
         -------
         dict of str to float
             As ``ClosedLoop.margins``.
-
-        Raises
-        ------
-        InputError
-            If there is no such control, or the number of gains is wrong.
         """
         gains, count = np.asarray(gains, float), len(self.states)
         if gains.shape not in ((count,), (count + 2,)):
@@ -212,11 +148,6 @@ class LinearSystem(BaseResult):
         """Return one course as a state space of python-control, with named states, inputs and outputs.
 
         Its inputs are controls, then disturbances; its outputs are the states.
-
-        Raises
-        ------
-        InputError
-            If python-control is not installed (``pip install narrows[control]``).
         """
         with needs("control", "state_space"):
             import control
@@ -228,13 +159,7 @@ class LinearSystem(BaseResult):
     def nonlinear(self) -> Any:
         """Return the nonlinear ship as a system of python-control, with the names of ``state_space``.
 
-        Its states and inputs are absolute, not deviations from the course: ``course`` and ``operating_point`` give the
-        reference.
-
-        Raises
-        ------
-        InputError
-            If python-control is not installed (``pip install narrows[control]``).
+        Its states and inputs are absolute, not deviations: ``operating_point`` gives those of the course.
         """
         self._of_one(self.A)
         with needs("control", "nonlinear"):
@@ -256,9 +181,14 @@ class LinearSystem(BaseResult):
 
     def latex(self) -> str:
         """Write the system of one course in LaTeX, with four digits."""
-        parts = ((self.A, self.states), (self.B, self.controls), (self.G, self.disturbances))
-        rates = _column([rf"\Delta\dot{{{SYMBOLS.get(name, name)}}}" for name in self.states])
-        products = [_matrix(self._without_rounding(matrix)) + " " + _changes(names) for matrix, names in parts]
+        symbols = {name: SYMBOLS.get(name, name) for name in (*self.states, *self.controls, *self.disturbances)}
+        products = []
+        for matrix, names in ((self.A, self.states), (self.B, self.controls), (self.G, self.disturbances)):
+            sizes = np.abs(self._of_one(matrix)) / self._scales()[:, None]
+            rounded = np.where(sizes > ROUNDING * sizes.max(axis=0), matrix, 0.0)
+            rows = _column(" & ".join(_number(float(value)) for value in row) for row in rounded)
+            products.append(f"{rows} " + _column(rf"\Delta {symbols[name]}" for name in names))
+        rates = _column(rf"\Delta\dot{{{symbols[name]}}}" for name in self.states)
         return f"{rates} = {' + '.join(products)}"
 
     def summary(self) -> str:
@@ -291,24 +221,22 @@ class LinearSystem(BaseResult):
         import xarray
 
         values, lead = self.eigenvalues(), self.varied
-        columns = ("of_state", "control", "disturbance")
-        parts = dict(
-            zip("ABG", zip(columns, (self.states, self.controls, self.disturbances), strict=True), strict=True)
-        )
+        columns = {"of_state": self.states, "control": self.controls, "disturbance": self.disturbances}
         data = {n: (lead, column, {"units": UNITS.get(n, "")}) for n, column in self.course.items() if n not in lead}
-        data |= {name: ((*lead, "state", column), getattr(self, name), {}) for name, (column, _) in parts.items()}
+        data |= {
+            name: ((*lead, "state", column), getattr(self, name), {})
+            for name, column in zip("ABG", columns, strict=True)
+        }
         modes = {"growth": values.real, "angular_frequency": values.imag}
         data |= {name: ((*lead, "mode"), part, {"units": "1/s"}) for name, part in modes.items()}
-        labels: dict[str, Any] = {"state": list(self.states)} | {name: list(own) for name, own in parts.values()}
+        labels: dict[str, Any] = {"state": list(self.states)} | {name: list(own) for name, own in columns.items()}
         for axis, name in enumerate(lead):
             column = np.moveaxis(self.course[name], axis, 0)
             labels[name] = (name, column.reshape(len(column), -1)[:, 0], {"units": UNITS[name]})
         return xarray.Dataset(data, coords=labels, attrs={"summary": self.summary(), "notes": "\n".join(self.notes)})
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Return A, B and G of one course side by side: one row per rate, one column per state, control and
-        disturbance.
-        """
+        """Return A, B and G of one course side by side: a row per rate, a column per state, control, disturbance."""
         import pandas as pd
 
         rows = pd.Index([f"d{name}/dt" for name in self.states], name="rate")
@@ -319,10 +247,6 @@ class LinearSystem(BaseResult):
         if matrix.ndim > 2:
             raise InputError("these are several courses at once; linearise about one y and one u")
         return matrix
-
-    def _without_rounding(self, matrix: np.ndarray) -> np.ndarray:
-        sizes = np.abs(self._of_one(matrix)) / self._scales()[:, None]
-        return np.where(sizes > ROUNDING * sizes.max(axis=0), matrix, 0.0)
 
     def _columns(self, controls: tuple[str, ...]) -> list[int]:
         for name in controls:
@@ -341,14 +265,6 @@ class LinearSystem(BaseResult):
 
 def _column(entries: Iterable[str]) -> str:
     return r"\begin{bmatrix} " + r" \\ ".join(entries) + r" \end{bmatrix}"
-
-
-def _changes(names: Iterable[str]) -> str:
-    return _column(rf"\Delta {SYMBOLS.get(name, name)}" for name in names)
-
-
-def _matrix(matrix: np.ndarray) -> str:
-    return _column(" & ".join(_number(float(value)) for value in row) for row in matrix)
 
 
 def _number(value: float) -> str:
@@ -372,21 +288,20 @@ def loop_margins(
     omega = np.geomspace(lowest, highest, FREQUENCIES)
     loop = response(omega)
 
-    def crossings(value: Callable[[np.ndarray], np.ndarray], where: np.ndarray) -> np.ndarray:
+    def crossings(value: Callable[[np.ndarray], np.ndarray], where: np.ndarray | bool) -> np.ndarray:
         signs = value(loop) > 0
-        first = np.flatnonzero((signs[1:] != signs[:-1]) & where[:-1])
+        first = np.flatnonzero((signs[1:] != signs[:-1]) & where)
         low, high, start = omega[first], omega[first + 1], signs[first]
         for _ in range(40):
             middle = np.sqrt(low * high)
-            same = (value(response(middle)) > 0) == start if len(middle) else np.zeros(0, bool)
+            same = (value(response(middle)) > 0) == start
             low, high = np.where(same, middle, low), np.where(same, high, middle)
         return np.sqrt(low * high)
 
-    at_one = crossings(lambda at: np.abs(at) - 1.0, np.ones(len(omega), bool))
+    at_one = crossings(lambda at: np.abs(at) - 1.0, True)
     # Phase crossing at half a turn: the imaginary part changes its sign while the real part is negative.
-    at_half_turn = crossings(np.imag, loop.real < 0)
-    factors = 1.0 / np.abs(response(at_half_turn)) if len(at_half_turn) else np.zeros(0)
-    phase = np.angle(-response(at_one)) if len(at_one) else np.zeros(0)
+    at_half_turn = crossings(np.imag, loop.real[:-1] < 0)
+    factors, phase = 1.0 / np.abs(response(at_half_turn)), np.angle(-response(at_one))
     # A delay turns the loop clockwise: the delay margin is the clockwise angle to half a turn.
     delays = np.mod(phase, 2 * math.pi) / at_one
     distance = float(np.abs(1.0 + loop).min())

@@ -1,26 +1,129 @@
 """Linearise the motion about steady courses near a bank, in a bend and in a current."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.aliases import accept_aliases
-from narrows.codegen.free_motion import Surge
+from narrows.codegen.free_motion import INPUTS, STATE, Surge
+from narrows.codegen.linearisation import LINEARISED
+from narrows.codegen.system import System
 from narrows.control.linear_system import LinearSystem
-from narrows.control.local_motion import MOVED, WATER, LocalMotion, LocalWater, local_water
-from narrows.control.steady_course import check_inside, solved
+from narrows.control.steady_course import check_inside, moving, solved
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
-from narrows.simulation.inputs import finite_numbers
+from narrows.quantities.names import FORCES, Number
+from narrows.simulation.inputs import check_waterway, finite_numbers
 from narrows.simulation.self_propulsion import self_propulsion
 from narrows.simulation.ship import SimulatedShip
+from narrows.waterway.current_profile import check_along_only
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 Columns = dict[str, np.ndarray]
-FORCES = {"held": ("Y", "N"), "free": ("X", "Y", "N")}
+MOVED = ("y", "psi", "u", "v", "r")
+WATER = ("current", "curvature")
+HOLDING = {"held": ("Y", "N"), "free": ("X", "Y", "N")}  # Forces on a ship whose speed is held or free
+
+
+@dataclass(frozen=True)
+class LocalWater:
+    """The water at a place, or at many, assumed constant along the line."""
+
+    width: Any  # Width of the section [m]
+    # Width and depth for the terms instead of the model's own canal [m]
+    sections: Mapping[str, Any] = field(default_factory=dict)
+    middle: Any = 0.0  # Middle of the section, to starboard of the line [m]
+    curvature: Any = 0.0  # Curvature of that line, to starboard [1/m]
+    current: Any = 0.0  # Current along it [m/s]
+
+
+@dataclass(frozen=True)
+class LocalMotion:
+    """Rates of y, psi, u, v, r of one ship, or of many if values are columns."""
+
+    # ``at`` has these five, positions of actuators, external forces X, Y, N, and ``current`` and ``curvature`` of the
+    # line that y and psi refer to; the default is 0.
+
+    ship: SimulatedShip  # The model, and whether its speed is constant
+    water: LocalWater  # The local water
+    values: Mapping[str, Number]  # Particulars and coefficients by name
+
+    @cached_property
+    def _system(self) -> System:
+        return self.ship.system(law=moving(self.ship.actuators), pushed="until")
+
+    @cached_property
+    def _constants(self) -> dict[str, Number]:
+        return self._system.constants(self.values)
+
+    def rates(self, at: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the rates, computed by the engine's own lines."""
+        columns, inputs = self._system.columns, dict(self._constants)
+        inputs |= {INPUTS[force]: at.get(force, 0.0) for force in FORCES}
+        for actuator in self.ship.model.terms.actuators:
+            inputs |= actuator.placed(at.get(actuator.name, 0.0))
+        psi, y = at["psi"], at["y"]
+        state = (0.0, y - self.water.middle, np.cos(psi), np.sin(psi), at["u"], at["v"], at["r"])
+        found = columns.rates(*state, *(inputs[name] for name in columns.RATES_INPUTS))
+        rates = dict(zip(STATE, found, strict=True))
+        along = (rates["x"] + at.get("current", 0.0)) / (1 - at.get("curvature", 0.0) * y)
+        return {"psi": at["r"] - at.get("curvature", 0.0) * along, **{n: rates[n] for n in MOVED if n != "psi"}}
+
+    def slopes(self, at: Mapping[str, Any]) -> dict[str, np.ndarray]:
+        """Return the derivatives of the five rates by each quantity: a column (..., 5) by each name."""
+        shifted = {**at, "y": at["y"] - self.water.middle} | {INPUTS[f]: at.get(f, 0.0) for f in FORCES}
+        matrix = along_line(self.ship.linearisation(self.values).linear(shifted), at)
+        names = (*LINEARISED, *FORCES, *(actuator.name for actuator in self.ship.actuators))
+        rows = [LINEARISED.index(name) for name in MOVED]
+        columns = {name: matrix[..., rows, index] for index, name in enumerate(names)}
+        curvature, pace, room = _along(at)
+        for name, slope in (("current", -curvature / room), ("curvature", -pace / room)):
+            columns[name] = np.zeros((*matrix.shape[:-2], len(MOVED)))
+            columns[name][..., MOVED.index("psi")] = slope
+        return columns
+
+
+def along_line(matrix: np.ndarray, at: Mapping[str, Any]) -> np.ndarray:
+    """Return derivatives of the rates in the frame of a curved line, (..., 6, n), from those in a straight frame."""
+    # The line turns under the ship by its curvature times the speed along it.
+    curvature, pace, room = _along(at)
+    if not np.any(curvature):
+        return matrix
+    x, y, psi = (LINEARISED.index(name) for name in ("x", "y", "psi"))
+    matrix = matrix.copy()
+    matrix[..., psi, :] -= np.asarray(curvature / room)[..., None] * matrix[..., x, :]
+    matrix[..., psi, y] -= curvature**2 * pace / room
+    return matrix
+
+
+def _along(at: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Curvature of the line, speed along it, and the share of its radius between centre and ship."""
+    curvature, current = (np.asarray(at.get(name, 0.0), float) for name in WATER[::-1])
+    room = 1 - curvature * at["y"]
+    return curvature, (at["u"] * np.cos(at["psi"]) - at["v"] * np.sin(at["psi"]) + current) / room, room
+
+
+def local_water(model: Model, waterway: "Waterway | None", at: float) -> LocalWater:
+    finite_numbers(at=at)
+    check_waterway(waterway)
+    if waterway is None:
+        if at:
+            raise InputError(f"at = {at:g} m is a place along a waterway; give one, or leave it out")
+        return LocalWater(model.configuration.canal.width)
+    if not 0 <= at <= waterway.line.length:
+        raise InputError(f"at = {at:g} m is beyond {waterway.name}, 0 to {waterway.line.length:.0f} m; choose a place")
+    waterway.check_fits(model.configuration.ship, at)
+    check_along_only(waterway, "a steady course")
+    canal, section = waterway.canal(at), waterway.section(at)
+    depth = canal.depth if canal.depth is not None else model.configuration.canal.depth
+    sections = {"width": canal.width} | ({} if depth is None else {"depth": depth})
+    current = float(waterway.current_at(at))
+    return LocalWater(canal.width, sections, float(section.middle), float(section.curvature), current)
 
 
 @accept_aliases
@@ -53,16 +156,6 @@ def linearize(
     **values : float [SI]
         External forces Y [N] and N [N m], heave [m], revolutions [1/s], particulars and coefficients other than the
         model's, as in ``ensemble``.
-
-    Returns
-    -------
-    LinearSystem
-        ``A``, ``B``, ``G`` with named rows and columns, the course, and conversion to python-control.
-
-    Raises
-    ------
-    InputError
-        If a name is unknown, the hull is in a bank, the ship does not fit, or no rudder angle holds a single course.
 
     References
     ----------
@@ -114,54 +207,41 @@ def steady_courses(
     ship: SimulatedShip, water: LocalWater, y: np.ndarray, u: np.ndarray, given: Mapping[str, float]
 ) -> tuple[LocalMotion, Columns]:
     """Solve for the steady courses, with the propeller's revolutions if the speed is free."""
-    if "sin_rudder" not in ship.model.terms.inputs:
-        return _towed(ship, water, y, u, given)
+    # A ship without a rudder is held along its line by sway force and yaw moment, and at a free speed surge force.
+    terms, is_free = ship.model.terms, ship.surge == "free"
+    is_steered = "sin_rudder" in terms.inputs
+    sought = () if is_steered else HOLDING[ship.surge]
+    for name in sought:
+        if name in given:
+            raise InputError(f"{name} is what holds a ship without a rudder on its line: it is sought; leave it out")
     forces = {name: given.get(name, 0.0) for name in ("Y", "N")}
-    movers = {a.name: given.get(a.name, a.rest or 0.0) for a in ship.model.terms.actuators if a.name != "rudder"}
+    movers = {a.name: given.get(a.name, a.rest or 0.0) for a in terms.actuators if a.name != "rudder"}
     fixed = {**ship.values(**movers), **water.sections, **{n: v for n, v in given.items() if n not in forces}}
     motion = LocalMotion(ship, water, fixed)
     bend = water.curvature / (1 - water.curvature * y)
-    turns = _turns(ship.model, u, given)
+    turns, steered, v = _turns(ship.model, u, given), {}, np.zeros(len(y))
     for _ in range(30):  # Newton's method; it takes four or five
-        sought = {**fixed, **forces, **turns, "path_curvature": bend, "current": water.current}
-        v, rudder = solved(ship, {**sought, "y": y - water.middle, "u": u}, len(y), 1)
-        psi = -np.arctan(v / u)
+        if is_steered:
+            known = {**fixed, **forces, **turns, "path_curvature": bend, "current": water.current}
+            v, steered["rudder"] = solved(ship, {**known, "y": y - water.middle, "u": u}, len(y), 1)
+        psi = 0.0 - np.arctan(v / u)
         pace = u * np.cos(psi) - v * np.sin(psi) + water.current
-        course = {"y": y, "u": u, "psi": psi, "v": v, "r": bend * pace, "rudder": rudder, **movers, **turns, **forces}
-        course |= {"current": water.current, "curvature": water.curvature}
+        course = {"y": y, "u": u, "psi": psi, "v": v, "r": bend * pace, **steered, **movers, **turns, **forces}
+        course |= {"current": water.current, "curvature": water.curvature} | ({"X": 0.0} if is_free else {})
         course = {name: np.broadcast_to(np.asarray(value, float), y.shape) for name, value in course.items()}
-        change = _to_balance(motion, course) if ship.surge == "free" and turns else np.zeros(1)
+        change = _to_balance(motion, course) if is_steered and is_free and turns else np.zeros(1)
         if not (np.abs(change) > 1e-11 * np.abs(course.get("revolutions", change))).any():
             break
         turns = {"revolutions": turns["revolutions"] + np.nan_to_num(change)}
-    if ship.surge == "free":
-        course["X"] = np.zeros(len(y))
-        if not turns:  # Without a propeller a force keeps the ship's speed
-            course["X"] = -motion.rates(course)["u"] / motion.slopes(course)["X"][..., MOVED.index("u")]
+    if is_steered and is_free and not turns:  # Without a propeller a force keeps the ship's speed
+        sought = ("X",)
+    if sought:
+        rows = [MOVED.index(name) for force, name in zip("XYN", ("u", "v", "r"), strict=True) if force in sought]
+        slopes, rates = motion.slopes(course), motion.rates(course)
+        matrix = np.stack([slopes[name][:, rows] for name in sought], axis=-1)
+        away = np.stack([np.broadcast_to(rates[MOVED[row]], y.shape) for row in rows], axis=-1)
+        course |= dict(zip(sought, -np.linalg.solve(matrix, away[..., None])[..., 0].T, strict=True))
     return motion, course
-
-
-def _towed(
-    ship: SimulatedShip, water: LocalWater, y: np.ndarray, u: np.ndarray, given: Mapping[str, float]
-) -> tuple[LocalMotion, Columns]:
-    """Hold ships without a rudder along their lines by sway force and yaw moment, and at a free speed surge force."""
-    held = FORCES[ship.surge]
-    for name in held:
-        if name in given:
-            raise InputError(f"{name} is what holds a ship without a rudder on its line: it is sought; leave it out")
-    movers: dict[str, Any] = {a.name: given.get(a.name, a.rest or 0.0) for a in ship.model.terms.actuators}
-    movers |= _turns(ship.model, u, given)
-    motion = LocalMotion(ship, water, {**ship.values(**movers), **water.sections, **given})
-    turn = water.curvature / (1 - water.curvature * y) * (u + water.current)
-    course = {"y": y, "u": u, "psi": 0.0, "v": 0.0, "r": turn, **movers, **dict.fromkeys(("Y", "N", *held), 0.0)}
-    course |= {"current": water.current, "curvature": water.curvature}
-    course = {name: np.broadcast_to(np.asarray(value, float), y.shape) for name, value in course.items()}
-    rows = [MOVED.index(name) for name in ("u", "v", "r")[-len(held) :]]
-    slopes, rates = motion.slopes(course), motion.rates(course)
-    matrix = np.stack([slopes[name][:, rows] for name in held], axis=-1)
-    away = np.stack([np.broadcast_to(rates[MOVED[row]], y.shape) for row in rows], axis=-1)
-    forces = -np.linalg.solve(matrix, away[..., None])[..., 0]
-    return motion, {**course, **dict(zip(held, forces.T, strict=True))}
 
 
 def _turns(model: Model, u: np.ndarray, given: Mapping[str, float]) -> Columns:
@@ -193,13 +273,13 @@ def _system(motion: LocalMotion, course: Columns, varied: Columns) -> LinearSyst
     ship, shape = motion.ship, tuple(len(column) for column in varied.values())
     states = tuple(name for name in MOVED if name != "u" or ship.surge == "free")
     controls = tuple(actuator.name for actuator in ship.actuators)
-    disturbances = (*FORCES[ship.surge], *WATER)
+    disturbances = (*HOLDING[ship.surge], *WATER)
     slopes, rows = motion.slopes(course), [MOVED.index(name) for name in states]
 
     def matrix(names: Sequence[str]) -> np.ndarray:
-        none = np.zeros((len(course["y"]), len(rows), 0))
-        columns = np.stack([slopes[name][:, rows] for name in names], axis=-1) if names else none
-        return columns.reshape(*shape, len(states), len(names))
+        columns = [slopes[name][:, rows] for name in names]
+        whole = np.stack(columns, axis=-1) if columns else np.zeros((len(course["y"]), len(rows), 0))
+        return whole.reshape(*shape, len(states), len(names))
 
     gear = ship.model.configuration.gear
     beyond = int((np.abs(course.get("rudder", np.zeros(1))) > gear.limit).sum())
@@ -208,9 +288,8 @@ def _system(motion: LocalMotion, course: Columns, varied: Columns) -> LinearSyst
         notes.append(f"{beyond} of these courses need more than the {gear.limit_deg:g} degrees that the rudder turns")
     if ship.surge == "held" and "revolutions" in controls:
         notes.append("the speed is held, so that revolutions change the flow over the rudder alone")
-    courses = {name: column.reshape(shape) for name, column in course.items()}
     return LinearSystem(
         matrix(states), matrix(controls), matrix(disturbances), states, controls, disturbances,
-        courses, tuple(varied), motion,
+        {name: column.reshape(shape) for name, column in course.items()}, tuple(varied), motion.rates,
         ship.model.configuration.ship.length, tuple(notes),
     )  # fmt: skip

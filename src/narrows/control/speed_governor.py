@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from narrows.control import settings
 from narrows.control.linearization import linearize
-from narrows.control.settings import EASE, ENGINE_RESERVE, GOVERNOR_TIME, PIECES
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import choice, maximum, minimum
@@ -28,40 +28,16 @@ class SpeedGovernor(BaseSummary):
 
     The plan is linear between points. The revolutions are those that keep its speed straight ahead, plus a term for its
     slope, plus a proportional and an integral part of the speed error; at a limit of the engine the integral stops.
-
-    Parameters
-    ----------
-    helm : ControlLaw
-        Controls the rudder.
-    x : sequence of float [m]
-        Places along the way, rising.
-    u : sequence of float [m/s]
-        Surge velocity through the water at each.
-    revolutions : sequence of float [1/s]
-        Revolutions that keep it straight ahead.
-    gain : float [1/m]
-        Revolutions per speed error.
-    integral_gain : float [1/(m s)]
-        Revolutions per integral of the speed error.
-    inertia : float [s/m]
-        Revolutions per acceleration.
-    most_revolutions : float [1/s]
-        Limit of the engine.
-
-    Raises
-    ------
-    InputError
-        If there are fewer than two points, they do not rise, or a number is not finite.
     """
 
-    helm: ControlLaw
-    x: Sequence[float]
-    u: Sequence[float]
-    revolutions: Sequence[float]
-    gain: float
-    integral_gain: float
-    inertia: float
-    most_revolutions: float = math.inf
+    helm: ControlLaw  # Controls the rudder
+    x: Sequence[float]  # Places along the way, rising [m]
+    u: Sequence[float]  # Surge velocity through the water at each [m/s]
+    revolutions: Sequence[float]  # Revolutions that keep it straight ahead [1/s]
+    gain: float  # Revolutions per speed error [1/m]
+    integral_gain: float  # Revolutions per integral of the speed error [1/(m s)]
+    inertia: float  # Revolutions per acceleration [s/m]
+    most_revolutions: float = math.inf  # Limit of the engine [1/s]
 
     def __post_init__(self) -> None:
         if not isinstance(self.helm, ControlLaw):
@@ -82,10 +58,8 @@ class SpeedGovernor(BaseSummary):
         """Return the numbers of the helm and of the plan."""
         plan = {"plan_u": self.u[0], "plan_revolutions": self.revolutions[0]}
         plan |= {f"plan_x_{i}": x for i, x in enumerate(self.x)}
-        steps = np.diff(self.x)
-        for i in range(len(steps)):
-            plan[f"plan_slope_u_{i}"] = (self.u[i + 1] - self.u[i]) / steps[i]
-            plan[f"plan_slope_revolutions_{i}"] = (self.revolutions[i + 1] - self.revolutions[i]) / steps[i]
+        for name, values in (("u", self.u), ("revolutions", self.revolutions)):
+            plan |= {f"plan_slope_{name}_{i}": slope for i, slope in enumerate(np.diff(values) / np.diff(self.x))}
         gains = {"surge_gain": self.gain, "surge_integral_gain": self.integral_gain, "surge_inertia_gain": self.inertia}
         most = {"most_revolutions": self.most_revolutions} if math.isfinite(self.most_revolutions) else {}
         return {**self.helm.parameters(), **plan, **gains, **most}
@@ -138,12 +112,6 @@ def speed_governor(
     most_revolutions : float [1/s], optional
         Limit of the engine; half again those that keep the fastest limit, unless given.
 
-    Raises
-    ------
-    InputError
-        If the model has no propeller, the limits do not rise along the way, a speed is invalid, or the ship cannot
-        decelerate as fast as requested.
-
     References
     ----------
     Åström and Hägglund (2006), Advanced PID Control, for pole placement and conditional integration.
@@ -152,7 +120,7 @@ def speed_governor(
     revolutions = [self_propulsion(model, speed) for speed in speeds]
     slowest = min(speeds)
     loses = -float(derivative(model, {"u": slowest}, surge="free", revolutions=0.0)[3])
-    rate = EASE * loses if deceleration is None else deceleration
+    rate = settings.EASE * loses if deceleration is None else deceleration
     if not (math.isfinite(rate) and rate > 0):
         raise InputError(f"deceleration = {rate} slows nothing; give it in m/s2, over 0")
     if rate > loses:
@@ -164,7 +132,7 @@ def speed_governor(
     u = [planned_speed(place, places, speeds, rate) for place in x]
     known = dict(zip(speeds, revolutions, strict=True))
     turns = [known[speed] if speed in known else self_propulsion(model, speed) for speed in u]
-    most = ENGINE_RESERVE * max(revolutions) if most_revolutions is None else most_revolutions
+    most = settings.ENGINE_RESERVE * max(revolutions) if most_revolutions is None else most_revolutions
     return SpeedGovernor(helm, tuple(x), tuple(u), tuple(turns), *_gains(model, slowest), most)
 
 
@@ -187,16 +155,16 @@ def planned_speed(x: float, places: Sequence[float], speeds: Sequence[float], ra
 
 def _points(places: Sequence[float], speeds: Sequence[float], rate: float) -> list[float]:
     """Points of the plan: the limits, and along each change between two of their speeds."""
-    levels = [*(a + (b - a) * k / PIECES for a, b in pairwise(sorted(set(speeds))) for k in range(PIECES)), max(speeds)]
+    # Along the way the square of the speed is linear: the speed itself in a few pieces.
+    shares = [piece / settings.PIECES for piece in range(settings.PIECES)]
+    levels = [*(slow + (fast - slow) * share for slow, fast in pairwise(sorted(set(speeds))) for share in shares)]
+    levels.append(max(speeds))
     gaps = {(fast**2 - slow**2) / (2 * rate) for slow in speeds for fast in levels if fast >= slow}
     bends = sorted({edge + gap * way for edge in places for gap in gaps for way in (-1, 1)})
     points = [bends[0] - 1.0, *bends, bends[-1] + 1.0]
     plan = [planned_speed(x, places, speeds, rate) for x in points]
-    bent = []
-    for i in range(1, len(points) - 1):
-        (x0, x, x1), (u0, u, u1) = points[i - 1 : i + 2], plan[i - 1 : i + 2]
-        if abs(u - (u0 + (u1 - u0) * (x - x0) / (x1 - x0))) > 1e-9 * u:
-            bent.append(x)
+    triples = zip(points, plan, points[1:], plan[1:], points[2:], plan[2:], strict=False)
+    bent = [x for x0, u0, x, u, x1, u1 in triples if abs(u - (u0 + (u1 - u0) * (x - x0) / (x1 - x0))) > 1e-9 * u]
     return [points[0], *bent, points[-1]]
 
 
@@ -205,7 +173,7 @@ def _gains(model: Model, u: float) -> tuple[float, float, float]:
     linear = linearize(model, u=u, surge="free")
     row = linear.states.index("u")
     slope, push = linear.A[row, row], linear.B[row, linear.controls.index("revolutions")]
-    pole = u / (GOVERNOR_TIME * model.configuration.ship.length)
+    pole = u / (settings.GOVERNOR_TIME * model.configuration.ship.length)
     return float((2 * pole + slope) / push), float(pole**2 / push), float(1 / push)
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from functools import lru_cache
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -124,7 +123,7 @@ def solved(
 
     rudder = tuple(actuator for actuator in ship.actuators if actuator.name == RUDDER)
     system = ship.system(law=moving(rudder), pushed="until")
-    module = balance_module(system)
+    module = generated("balance", system.key, lambda: _balance_text(system))
     balance = entry(module, "balance")
     inputs = {**dict.fromkeys((*INPUTS, "path_curvature", "current"), 0.0), **ship.values(), **values}
     inputs |= {FORCES[name]: inputs[name] for name in INPUTS}
@@ -149,14 +148,8 @@ def moving(actuators: tuple[Actuated, ...]) -> Law:
     return Law(trace_of(vars, names, "what moves"), (), actuators)
 
 
-def balance_module(system: "System") -> ModuleType:
-    """Return the module of a ship's ``balance`` on a steady course, which compiles at its first use."""
-    # Its ``COLUMNS`` names the columns of its table: constants of the ship, y [m], u [m/s], external forces, the
-    # curvature of the ship's own path ``path_curvature`` [1/m], to starboard, and the current along it [m/s].
-    return generated("balance", system.key, lambda: _text(system))
-
-
-def _text(system: "System") -> str:
+def _balance_text(system: "System") -> str:
+    """Write the module of a ship's ``balance`` on a steady course; its ``COLUMNS`` names the columns of its table."""
     import sympy
 
     from narrows.codegen.derivatives import with_tangents

@@ -9,8 +9,7 @@ from statistics import NormalDist
 import numpy as np
 
 from narrows.codegen.cache import compiled_loops
-from narrows.control.linearization import steady_courses
-from narrows.control.local_motion import MOVED, LocalWater
+from narrows.control.linearization import MOVED, LocalWater, steady_courses
 from narrows.control.predictive import plan_loops
 from narrows.control.predictive.line_frame import (
     FORCED,

@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.linearisation import LINEARISED
-from narrows.control.local_motion import along_line
+from narrows.control.linearization import along_line
 from narrows.control.predictive import plan_loops
 from narrows.control.predictive.course_ahead import Weights
 from narrows.control.predictive.line_frame import (

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from narrows.codegen.choices import CURRENT_ACROSS
-from narrows.control.local_motion import local_water
+from narrows.control.linearization import local_water
 from narrows.control.steady_course import RUDDER, solved, with_propulsion
 from narrows.errors import InputError, check_count
 from narrows.estimation.estimate import Estimate
