@@ -6,7 +6,7 @@ import numpy as np
 
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.settings import GROSS_ERROR_NIS, START_READINGS
-from narrows.estimation.ship_filter import Start
+from narrows.estimation.start import Start
 from narrows.estimation.unscented import Gaussian, sigma_point_weights
 from narrows.simulation.ship_lanes import ShipLanes
 
@@ -27,17 +27,17 @@ class FiltersAbreast:
 
     def __init__(self, estimator: Estimator, count: int) -> None:
         self.filter, self.count = estimator.filter, count
-        recursion = self.filter.recursion
         self.size = len(self.filter.states)
         self.whole = self.size + self.filter.estimated
         self.spread = sigma_point_weights(self.whole)
         lanes = count * (1 + 2 * self.whole)
         self.lanes = ShipLanes(self.filter.ship, self.filter.states.names, lanes, self.filter.waterway)
-        self.left, noise = recursion.process.over(1.0)
+        self.left, noise = self.filter.disturbances.over(1.0)
         self.noise = noise.T @ noise
-        layout = recursion._layout(tuple(self.filter.sensors))
+        layout = self.filter.layout(tuple(self.filter.sensors))
         assert layout.seen is not None
-        self.seen, self.sigma, self.parts, self.gates = layout.seen, layout.sigma, layout.parts, layout.gates
+        self.seen, self.sigma, self.parts = layout.seen, layout.noise.diagonal(), tuple(layout.parts.values())
+        self.gates = layout.tests[1]
         self.angles = layout.angles
         self.mean, self.covariance = np.zeros((count, self.whole)), np.zeros((count, self.whole, self.whole))
 
@@ -86,14 +86,14 @@ class FiltersAbreast:
         return lost
 
     def _sailed(self, points: np.ndarray, before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        recursion, size, each = self.filter.recursion, self.size, 1 + 2 * self.whole
+        size, each = self.size, 1 + 2 * self.whole
         bank = points[:, self.filter.states.places["bank"]]
-        columns = self.lanes.columns_of(recursion.coefficients + points[:, size:] @ recursion.root.T, bank)
+        columns = self.lanes.columns_of(self.filter.middle + points[:, size:] @ self.filter.root.T, bank)
         start, end = (np.repeat(angle, each)[:, None] for angle in (before, after))
         states = self.lanes.advance(points[:, :size], 1.0, start, end, columns)
         lost = self.lanes.aground.reshape(self.count, each)[:, 0]
         moved = np.concatenate([states, points[:, size:]], axis=1)
-        moved[:, recursion.process.places] *= self.left
+        moved[:, self.filter.disturbances.places] *= self.left
         return moved, lost.copy()
 
     def _corrected(self, readings: np.ndarray) -> None:

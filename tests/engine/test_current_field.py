@@ -174,7 +174,7 @@ def test_who_takes_no_field_says_so(water: dict[str, Any], tmp_path: Path) -> No
         lambda: nw.control.linearize(model, y=0.0, u=4.0, waterway=way, at=500.0),
         lambda: nw.control.regulator(model, 0.0, 4.0, waterway=way),
         lambda: nw.control.PredictiveHelm(model, 0.0, 4.0, waterway=way).begin(),
-        lambda: nw.estimation.Estimator(model, sensors, waterway=way).filter.recursion,
+        lambda: nw.estimation.Estimator(model, sensors, waterway=way).filter.lanes,
         lambda: nw.envelope_along(model, way, [500.0, 900.0]),
         lambda: nw.export.write_c(model, tmp_path / "ship.h", waterway=way),
     ):

@@ -1,5 +1,7 @@
 """The filter's algebra beside the linear Kalman filter, filterpy's, Schmidt's formulas and batch least squares."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,18 +9,17 @@ from hypothesis import strategies as st
 
 from narrows.codegen.cache import compiled_loops
 from narrows.estimation import square_roots
-from narrows.estimation.recursion import gate, normalised_innovation_squared
-from narrows.estimation.ship_filter import MotionStep
+from narrows.estimation.ship_filter import MotionStep, gate
 from narrows.estimation.smoothing import smoothed
 from narrows.estimation.unscented import (
     Gaussian,
     predict,
     sigma_point_weights,
-    sigma_points,
     triangular_root,
-    unscented_transform,
     update,
 )
+
+LOOPS = compiled_loops(square_roots)
 
 SIZE, MEASURED = 4, 2
 RANDOM = np.random.default_rng(5)
@@ -37,12 +38,14 @@ def moved(points: np.ndarray) -> np.ndarray:
     return points @ MOTION.T
 
 
-def measured_by(now: Gaussian, told: np.ndarray, seen: np.ndarray = SEEN, spread=None) -> Gaussian:
-    """The unscented step, for a measurement that is linear."""
+def measured_by(now: Gaussian, told: np.ndarray, seen: Any = lambda points: points @ SEEN.T, spread=None) -> Gaussian:
+    """The unscented step, for a measurement by one sensor without a gate."""
     spread = spread or sigma_point_weights(SIZE)
-    expected = unscented_transform(sigma_points(now.mean, now.root, spread) @ seen.T, spread)
-    covariance = compiled_loops(square_roots).innovation_covariance(expected.slopes, expected.bends, SIGMA)
-    return update(now, expected, told - expected.mean, covariance, SIGMA, spread)
+    expected, rows = spread.transform(now, seen)
+    sums = np.zeros((2 + spread.considered, 1, MEASURED))
+    tests = np.array([MEASURED]), np.array([np.inf]), np.array([0]), np.arange(MEASURED)
+    rows = np.concatenate([rows, np.diag(SIGMA)])
+    return update(now, spread.considered, rows, told - expected, *tests, sums, np.array([6.0]), 5.0, 1e4)[0]
 
 
 def kalman(mean: np.ndarray, covariance: np.ndarray, told: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -82,10 +85,7 @@ def test_a_bent_system_has_the_filter_of_filterpy(alpha: float, beta: float, kap
     for told in np.array([8.0, 1.0]) + 0.3 * RANDOM.standard_normal((20, MEASURED)):
         peer.predict()
         peer.update(told)
-        now = predict(now, bent, noise, spread)[0]
-        expected = unscented_transform(seen(sigma_points(now.mean, now.root, spread)), spread)
-        covariance = compiled_loops(square_roots).innovation_covariance(expected.slopes, expected.bends, SIGMA)
-        now = update(now, expected, told - expected.mean, covariance, SIGMA, spread)
+        now = measured_by(predict(now, bent, noise, spread)[0], told, seen, spread)
     np.testing.assert_allclose(now.mean, peer.x, rtol=1e-7)
     np.testing.assert_allclose(now.covariance, peer.P, rtol=1e-6, atol=1e-9)
 
@@ -122,8 +122,8 @@ def test_the_smoother_is_batch_least_squares() -> None:
     noise = np.diag([0.3, 0.2, 0.5, 0.4])
     now, stages = start, []
     for row in told:
-        after, how = predict(now, moved, noise, sigma_point_weights(SIZE))
-        stages.append(MotionStep(now, after, how, False))
+        after, slopes = predict(now, moved, noise, sigma_point_weights(SIZE))
+        stages.append(MotionStep(now, after, slopes, False))
         now = measured_by(after, row)
     back = smoothed(stages, now)
     unknowns = SIZE * (steps + 1)
@@ -150,13 +150,12 @@ def test_the_weight_of_the_central_point_is_a_part_of_the_squares(
 ) -> None:
     """Covariances by van der Merwe's weights of every point, which may be negative for the central one."""
     values = np.random.default_rng(seed).standard_normal((1 + 2 * SIZE, MEASURED))
-    found = unscented_transform(values, sigma_point_weights(SIZE, 0, alpha, beta, kappa))
+    mean, rows = LOOPS.transform(values, *sigma_point_weights(SIZE, 0, alpha, beta, kappa))
     pair = 0.5 / (alpha**2 * (SIZE + kappa))
-    off, centre = values - found.mean, 1 - 2 * SIZE * pair + 1 - alpha**2 + beta
+    off, centre = values - mean, 1 - 2 * SIZE * pair + 1 - alpha**2 + beta
     covariance = centre * np.outer(off[0], off[0]) + pair * off[1:].T @ off[1:]
-    np.testing.assert_allclose(found.mean, values[0] + pair * (values[1:] - values[0]).sum(axis=0), rtol=1e-9)
-    squares = found.slopes.T @ found.slopes + found.bends.T @ found.bends
-    np.testing.assert_allclose(squares, covariance, rtol=1e-7, atol=1e-9 * pair)
+    np.testing.assert_allclose(mean, values[0] + pair * (values[1:] - values[0]).sum(axis=0), rtol=1e-9)
+    np.testing.assert_allclose(rows.T @ rows, covariance, rtol=1e-7, atol=1e-9 * pair)
 
 
 def test_a_root_of_too_few_rows_is_still_square() -> None:
@@ -164,6 +163,10 @@ def test_a_root_of_too_few_rows_is_still_square() -> None:
     root = triangular_root(rows)
     np.testing.assert_allclose(root @ root.T, rows.T @ rows, atol=1e-14)
     assert root[0, 1] == root[0, 2] == root[1, 2] == 0.0
+
+
+def normalised_innovation_squared(innovation: np.ndarray, covariance: np.ndarray) -> float:
+    return float((LOOPS.whiten(innovation[None], LOOPS.cholesky(covariance)) ** 2).sum())
 
 
 @pytest.mark.parametrize("size", [1, 2, 3])

@@ -6,11 +6,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from narrows.estimation import Prior, ProcessNoise
-from narrows.estimation.filter_run import Records
-from narrows.estimation.recursion import DriftMonitor
+from narrows.codegen.cache import compiled_loops
+from narrows.estimation import Prior, ProcessNoise, square_roots
+from narrows.estimation.records import Records
+from narrows.estimation.ship_filter import MEMORIES
 from narrows.estimation.smoothing import _positions
 from narrows.estimation.unscented import sigma_point_weights
+
+
+def drift(sums: np.ndarray, innovation: float, *shared: float) -> np.ndarray:
+    """The statistic of one number, with the parts of its innovation that are errors in common."""
+    told = np.zeros(1, int), np.array([innovation]), np.array(shared).reshape(-1, 1)
+    return compiled_loops(square_roots).drift_statistics(sums, MEMORIES, *told, 5.0)
 
 
 def test_noises_of_another_ship_follow_froudes_law() -> None:
@@ -43,22 +50,20 @@ def test_sigma_points_meet_the_fourth_moment_of_a_gaussian() -> None:
 
 def test_drifts_are_geometric_sums_of_innovations() -> None:
     """Innovations of 2 and 1, by a memory of 6 readings: (1 + 2 * 5/6) / root(1 + 25/36); the largest sum counts."""
-    monitor, places, none = DriftMonitor(1), np.array([0]), np.zeros((0, 1))
-    assert monitor.statistics(np.array([2.0]), places, none) == pytest.approx([2.0])
+    sums = np.zeros((2, 3, 1))
+    assert drift(sums, 2.0) == pytest.approx([2.0])
     leans = [(1 + 2 * fading) / np.sqrt(1 + fading**2) for fading in (5 / 6, 11 / 12, 23 / 24)]
-    assert monitor.statistics(np.array([1.0]), places, none) == pytest.approx([max(leans)])
-    assert DriftMonitor(1).statistics(np.array([-70.0]), places, none) == pytest.approx(
-        [5.0]
-    )  # what is larger is the gate's
+    assert drift(sums, 1.0) == pytest.approx([max(leans)])
+    assert drift(np.zeros((2, 3, 1)), -70.0) == pytest.approx([5.0])  # what is larger is the gate's
 
 
 def test_errors_in_common_widen_the_sums_that_are_usual() -> None:
     """An innovation of which 0.6 standard deviations are a coefficient's: by itself it is as unusual as any other."""
-    monitor, places, shared = DriftMonitor(1, 1), np.array([0]), np.array([[0.6]])
-    assert monitor.statistics(np.array([2.0]), places, shared) == pytest.approx([2.0])
+    sums = np.zeros((3, 3, 1))
+    assert drift(sums, 2.0, 0.6) == pytest.approx([2.0])
     # Twice: own variance 0.64 (1 + f^2), and (0.6 (1 + f))^2 in common.
     leans = [2 * (1 + f) / np.sqrt(0.64 * (1 + f * f) + 0.36 * (1 + f) ** 2) for f in (5 / 6, 11 / 12, 23 / 24)]
-    assert monitor.statistics(np.array([2.0]), places, shared) == pytest.approx([max(leans)])
+    assert drift(sums, 2.0, 0.6) == pytest.approx([max(leans)])
 
 
 def test_a_position_is_held_until_the_next_is_told() -> None:

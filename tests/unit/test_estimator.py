@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from engine_models import bent
+from narrows.codegen.cache import compiled_loops
 from narrows.estimation import (
     CourseOverGround,
     Estimator,
@@ -24,8 +25,9 @@ from narrows.estimation import (
     ProcessNoise,
     RateOfTurn,
     RudderIndicator,
+    square_roots,
 )
-from narrows.estimation.recursion import DriftMonitor
+from narrows.estimation.ship_filter import MEMORIES
 from narrows.estimation.states import Columns, StateNames
 from narrows.estimation.twins import sail_twins
 from narrows.estimation.unscented import Gaussian
@@ -127,7 +129,7 @@ def test_carried_coefficients_move_the_state_as_the_exact_derivatives_do() -> No
     made = estimator(coefficients="considered").filter
     size, duration = len(made.states), 1e-3
     start = Gaussian(row(), np.hstack([np.zeros((size, made.considered)), np.zeros((size, size))]))
-    moved = made.recursion.predict(start, duration, np.array([0.1]), np.array([0.1]))[0]
+    moved = made.predict(start, duration, np.array([0.1]), np.array([0.1])).state
     numbers = {name: value for name, value in STATE.items() if name in POSE}
     slopes = nw.jacobian(steered(), **numbers, rudder=0.1).G @ made.root
     np.testing.assert_allclose(moved.root[3:6, : made.considered] / duration, slopes[3:6], rtol=5e-3, atol=1e-9)
@@ -142,7 +144,7 @@ def test_what_was_learned_of_a_coefficient_fades_exponentially(memory: float) ->
         np.concatenate([row(), np.full(more, 1.5)]),
         np.diag(np.concatenate([np.full(size, 1e-6), np.full(more, 0.5)])),
     )
-    after = made.recursion.predict(learned, duration, np.array([0.1]), np.array([0.1]))[0]
+    after = made.predict(learned, duration, np.array([0.1]), np.array([0.1])).state
     left = math.exp(-duration / memory)
     np.testing.assert_allclose(after.mean[size:], 1.5 * left, rtol=1e-9)
     spread = (after.root[size:] ** 2).sum(axis=1)
@@ -476,15 +478,20 @@ def test_every_number_of_a_sensor_changes_the_estimate() -> None:
 
 
 def test_white_innovations_seldom_lean_and_a_drift_soon_does() -> None:
-    random, monitor, places = np.random.default_rng(1), DriftMonitor(2), np.arange(2)
-    none = np.zeros((0, 2))
-    leans = np.array([monitor.statistics(random.standard_normal(2), places, none) for _ in range(36_000)])
+    random, sums, statistics = (
+        np.random.default_rng(1),
+        np.zeros((2, 3, 2)),
+        compiled_loops(square_roots).drift_statistics,
+    )
+
+    def lean(innovation: np.ndarray) -> np.ndarray:
+        return np.asarray(statistics(sums, MEMORIES, np.arange(2), innovation, np.zeros((0, 2)), 5.0))
+
+    leans = np.array([lean(random.standard_normal(2)) for _ in range(36_000)])
     assert (leans < 5.0).all()
     assert 1.0 < leans.mean() < 1.4
     drift = np.array([0.0, 1.5])
-    found = next(
-        n for n in range(100) if monitor.statistics(random.standard_normal(2) + drift, places, none).max() > 5.0
-    )
+    found = next(n for n in range(100) if lean(random.standard_normal(2) + drift).max() > 5.0)
     assert found < 25
 
 

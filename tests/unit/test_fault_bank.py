@@ -181,7 +181,7 @@ def test_a_likelihood_is_that_of_the_innovations() -> None:
     from narrows.estimation.unscented import Gaussian
 
     now = Gaussian(state, 0.01 * np.eye(size))
-    seen = one.recursion.update(now, {"log": (1.02,), "gyro": (0.004,)}, one.monitor(), weigh=True)
+    _, seen = one.update(0.0, now, {"log": (1.02,), "gyro": (0.004,)}, one.monitor())
     spread = np.diag([1e-4 + 0.01**2, 1e-4 + math.radians(0.2) ** 2])
     whole = multivariate_normal([1.0, 0.0], spread).logpdf([1.02, 0.004]) + math.log(2.0 * math.pi)
     assert seen.log_likelihood == pytest.approx(whole)

@@ -357,7 +357,7 @@ class SensedHelm:
         self._past: list[tuple[float, VoyageState]] = []
         self._due: dict[str, float] = {}
         self._ahead = water_ahead(self.model, self.waterway)
-        self._measuring, self._indicator = estimation.ship_filter.split_sensors(self.sensors)
+        self._measuring, self._indicator = estimation.sensors.split_sensors(self.sensors)
         self._longest = max(sensor.late for sensor in self._measuring.values())
         self._errors = {n: estimation.sensor.ErrorProcess(one, random) for n, one in self._measuring.items()}
         self._bias = self._indicator.bias * random.standard_normal()

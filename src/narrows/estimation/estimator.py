@@ -13,11 +13,13 @@ from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice
 from narrows.estimation.estimate import Estimate, EstimatedTrack
 from narrows.estimation.fault_bank import FaultBank
-from narrows.estimation.filter_run import FilterRun, Moment, Reading, checked_readings, records_of
-from narrows.estimation.recursion import UpdateResult
+from narrows.estimation.filter_run import FilterRun, Moment
+from narrows.estimation.records import Reading, checked_readings, records_of
+from narrows.estimation.sensors import split_sensors
 from narrows.estimation.settings import COEFFICIENT_MEMORY, LONGEST_GAP, SAME_TIME, SILENT_PERIODS, START_READINGS
-from narrows.estimation.ship_filter import MODEL, Coefficients, ShipFilter, Start, default_step, split_sensors
+from narrows.estimation.ship_filter import MODEL, Coefficients, ShipFilter, UpdateResult, default_step
 from narrows.estimation.smoothing import smooth
+from narrows.estimation.start import Start
 from narrows.estimation.states import Prior, ProcessNoise
 from narrows.estimation.unscented import Gaussian
 from narrows.model.model import Model

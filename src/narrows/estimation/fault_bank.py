@@ -38,7 +38,8 @@ from narrows.estimation.settings import (
     WHITENESS_READINGS,
     WHITENESS_THRESHOLD,
 )
-from narrows.estimation.ship_filter import MODEL, ShipFilter, Start
+from narrows.estimation.ship_filter import MODEL, ShipFilter
+from narrows.estimation.start import Start
 from narrows.estimation.unscented import Gaussian
 from narrows.simulation.ship_lanes import RUDDER
 
@@ -169,7 +170,7 @@ class FaultBank:
         found = set()
         for name in self._white - self.faults:
             test = self._whiteness.setdefault(name, WhitenessTest())
-            innovations = [result.whitened[name] for result in run.results if name in result.nis]
+            innovations = [one.whitened[one.parts[name]] for one in run.results if name in one.parts]
             if any(test.statistic(innovation) > WHITENESS_THRESHOLD for innovation in innovations):
                 found.add(name)
         return frozenset(found)
@@ -290,8 +291,7 @@ def _at_odds(run: FilterRun) -> bool:
 
 def _likelihood(run: FilterRun, since: float = -math.inf) -> float:
     """Log-likelihood of the readings after a time."""
-    weighed = zip(run.times or (), run.results, strict=True)
-    return math.fsum(result.log_likelihood for t, result in weighed if t > since + SAME_TIME)
+    return math.fsum(result.log_likelihood for result in run.results if result.t > since + SAME_TIME)
 
 
 def _price(tried: Hypothesis, known: Faults = frozenset()) -> float:

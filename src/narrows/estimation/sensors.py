@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.estimation.sensor import GaussMarkov, Measuring, Values, check_std
+from narrows.estimation.sensor import GaussMarkov, Measuring, Sensor, Values, check_std
 from narrows.estimation.states import Columns
 
 # Sensors that ``narrows.estimation`` exports.
@@ -292,3 +292,24 @@ def slowed(sensor: Any) -> Any:
 SENSORS: dict[str, type[Measuring]] = {
     sensor.name: sensor for name in __all__ if issubclass(sensor := globals()[name], Measuring)
 }
+
+
+def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndicator]:
+    if isinstance(sensors, str) or not isinstance(sensors, Sequence):
+        raise InputError("sensors are a list, as [Gnss(), Gyro(), Log(), RudderIndicator()]; give one")
+    indicators = [sensor for sensor in sensors if isinstance(sensor, RudderIndicator)]
+    measuring = [sensor for sensor in sensors if not isinstance(sensor, RudderIndicator)]
+    if len(indicators) > 1:
+        raise InputError("a ship has one rudder here, and these are several RudderIndicators; leave one")
+    for sensor in measuring:
+        if isinstance(sensor, type) or not isinstance(sensor, Sensor):
+            what = sensor.__name__ if isinstance(sensor, type) else type(sensor).__name__
+            known = ", ".join(f"{own.__name__}()" for own in SENSORS.values())
+            raise InputError(f"{what} is no sensor; give objects such as {known}, or of your own that keep to Sensor")
+    names = [sensor.name for sensor in measuring]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"two sensors are called {name!r}; give one another name, as Gnss(name='gnss_aft')")
+    if not names:
+        raise InputError("an estimator needs sensors; give Gnss, Gyro and Log at least")
+    return dict(zip(names, measuring, strict=True)), indicators[0] if indicators else RudderIndicator(bias=0.0)

@@ -1,31 +1,39 @@
-"""The filter's view of a ship with its sensors: states, motion, measurements."""
+"""The filter of a ship with its sensors: states, motion by lanes of the kernel, update by gated readings."""
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError
-from narrows.estimation.recursion import DriftMonitor, Recursion
 from narrows.estimation.sensor import MarkovProcess, Sensor, error_states
-from narrows.estimation.sensors import SENSORS, RudderIndicator
+from narrows.estimation.sensors import RudderIndicator
 from narrows.estimation.settings import (
+    DRIFT_MEMORIES,
+    DRIFT_MOST_INNOVATION,
+    DRIFT_THRESHOLD,
+    GROSS_ERROR_NIS,
     MODEL_FAULT,
     REFERENCE_LENGTH,
     RUDDER_FAULT_STD,
     RUDDER_FAULT_TIME,
-    START_READINGS,
     STEPS_A_PERIOD,
 )
 from narrows.estimation.states import MOTION_STATES, STATES, Columns, Prior, ProcessNoise, StateNames
-from narrows.estimation.unscented import Gaussian, Transformed, sigma_point_weights, triangular_root
+from narrows.estimation.unscented import (
+    Gaussian,
+    SigmaPointWeights,
+    predict,
+    sigma_point_weights,
+    triangular_root,
+    update,
+)
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY
-from narrows.simulation.inputs import Contact
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.ship_lanes import RUDDER, ShipLanes
 
@@ -34,113 +42,46 @@ if TYPE_CHECKING:
 
 MODEL = "model"
 Coefficients = Literal["considered", "certain", "estimated"]
+Readings = Mapping[str, Sequence[float]]
+MEMORIES = np.array(DRIFT_MEMORIES)
+# Velocity through the water that a change of each current makes.
+WATER_VELOCITIES = {"current": "u", "current_across": "v"}
 
 
 class MotionStep(NamedTuple):
     before: Gaussian  # State before the step
     state: Gaussian  # State after the step
-    how: Transformed  # Transformation of the root
+    slopes: np.ndarray  # (k, n) Change of the state along each column of the root
     aground: bool  # True if the mean met a bank, or is NaN
 
 
-# States needed for a start, in words; the other states begin at their priors.
-NEEDED = {"x": "a place", "y": "a place", "psi": "a heading", "u": "a speed through the water"}
-# Velocity through the water that a change of each current makes.
-WATER_VELOCITIES = {"current": "u", "current_across": "v"}
+class UpdateResult(NamedTuple):
+    t: float  # Time of the readings [s]
+    nis: dict[str, float]  # Normalised innovation squared, by sensor [1]
+    parts: dict[str, slice]  # Places of the components of each sensor
+    whitened: np.ndarray  # (numbers,) Innovations over their standard deviations [1], 0 for gross errors
+    refused: tuple[str, ...]  # Sensors with a refused reading
+    suspects: tuple[str, ...]  # Sensors with biased innovations
+    surprising: tuple[str, ...]  # Sensors of several kinds that contradict the model at once; they are used
+    log_likelihood: float  # Log-likelihood of the readings; refused ones count as at the gate
+    drift_statistic: float  # Largest fading sum of innovations [standard deviations]
 
 
-class StartValue(NamedTuple):
-    value: float  # Value of a state
-    std: float  # Standard deviation of its white error
-    errors: dict[str, float]  # Derivatives by the states of its sensor's errors, times their standard deviations
+class Layout(NamedTuple):
+    """The components of the sensors that read at once."""
 
-
-@dataclass
-class Start:
-    """The latest readings of each sensor, collected for a start: their median, not the first."""
-
-    filter: "ShipFilter"
-    readings: dict[str, list[tuple[float, Sequence[float]]]] = field(default_factory=dict)  # With their times [s]
-
-    def add(self, t: float, readings: Mapping[str, Sequence[float]]) -> None:
-        for name, reading in readings.items():
-            self.readings[name] = [*self.readings.get(name, ())[1 - START_READINGS :], (t, reading)]
-
-    def values(self) -> dict[str, StartValue]:
-        """Return the states from the readings; of two sensors of the same state, the better."""
-        found: dict[str, StartValue] = {}
-        for name, rows in self.readings.items():
-            if len(rows) < START_READINGS:
-                continue
-            sensor = self.filter.sensors[name]
-            starts = [sensor.start(reading) for _, reading in rows]
-            for state, (last, std) in starts[-1].items():
-                values = [start[state][0] for start in starts]
-                if state == "psi":
-                    values = [last + math.remainder(value - last, 2.0 * math.pi) for value in values]
-                value = StartValue(float(np.median(values)), std, self._slopes(name, rows[-1][1], state))
-                if state not in found or _width(value) < _width(found[state]):
-                    found[state] = value
-        return found
-
-    def _slopes(self, name: str, reading: Sequence[float], state: str) -> dict[str, float]:
-        sensor, slopes = self.filter.sensors[name], {}
-        for error, (place, std, _) in error_states(sensor, name in self.filter.faults).items():
-            moved = [number + (place == number_place) for number_place, number in enumerate(reading)]
-            slopes[error] = std * (sensor.start(moved)[state][0] - sensor.start(reading)[state][0])
-        return slopes
-
-    @property
-    def missing(self) -> str:
-        """Return what is missing, in words; empty if there are enough readings."""
-        known = self.values()
-        return " and ".join(dict.fromkeys(what for state, what in NEEDED.items() if state not in known))
-
-    def state(self, t: float) -> Gaussian:
-        """Return the state at a time from the readings and the priors."""
-        filter, known = self.filter, self.values()
-        names, places = filter.states.names, filter.states.places
-        current = float(filter.waterway.current_at(known["x"].value)) if filter.waterway else 0.0
-        mean = filter.states.vector({"current": current, **{name: one.value for name, one in known.items()}})
-        root = np.diag([known[name].std if name in known else filter.spreads[name] for name in names])
-        for name, one in known.items():
-            for error, slope in one.errors.items():
-                root[places[name], places[error]] -= slope
-        p, size, more = filter.considered, len(names), filter.estimated
-        full = np.zeros((size + more, p + size + more))
-        full[:size, p : p + size], full[size:, p + size :] = root, np.eye(more)
-        mean = self._at_midship(t, mean, full[:size, p:])
-        return Gaussian(np.concatenate([mean, np.zeros(more)]), full)
-
-    def _at_midship(self, t: float, mean: np.ndarray, root: np.ndarray) -> np.ndarray:
-        """Convert antenna positions to one time and to midship, in the root too, since the heading is uncertain."""
-        filter = self.filter
-        name = next(name for name, rows in self.readings.items() if "x" in filter.sensors[name].start(rows[-1][1]))
-        sensor, way = filter.sensors[name], mean[3] * np.array([math.cos(mean[2]), math.sin(mean[2])])
-        place = np.median([np.array(reading) + (t - then) * way for then, reading in self.readings[name]], axis=0)
-        bend = filter.recursion.lanes.bend(float(place[0]))
-
-        def measured(state: np.ndarray) -> np.ndarray:
-            found = sensor.measured(Columns(state[None], filter.states, bend))
-            return np.array([float(np.ravel(number)[0]) for number in found])
-
-        for _ in range(6):  # In a bend each round leaves a small share of the error
-            mean = mean.copy()
-            mean[:2] += place - measured(mean)
-        small = 1e-4  # [rad]
-        turned = mean.copy()
-        turned[2] += small
-        root[:2] -= np.outer((measured(turned) - measured(mean)) / small, root[2])
-        return mean
-
-
-def _width(value: StartValue) -> float:
-    return math.hypot(value.std, *value.errors.values())
+    parts: dict[str, slice]  # Components of each sensor
+    # Of each sensor: end of its components, largest NIS, source; places of the components among those of all sensors.
+    tests: tuple[np.ndarray, ...]
+    noise: np.ndarray  # (numbers, numbers) Root of the covariance of the white errors
+    angles: tuple[int, ...]  # Components that are angles
+    errors: tuple[tuple[int, int], ...]  # Components, and places of their errors among the states
+    seen: np.ndarray | None  # (numbers, states) Derivatives, if all are linear in the state
 
 
 @dataclass(frozen=True)
 class ShipFilter:
-    """Parts shared by the estimator and the smoother."""
+    """A filter of one hypothesis on faults; the estimator and the smoother run it."""
 
     model: Model  # The ship in its canal
     sensors: Mapping[str, Sensor]  # Sensors by the names of their readings
@@ -168,8 +109,9 @@ class ShipFilter:
     @cached_property
     def ship(self) -> SimulatedShip:
         open_water = self.waterway is None and not self.model.terms.has_bank
-        contact: Contact = "none" if open_water else "corners"
-        return SimulatedShip(self.model, self.surge, self.surge_inertia, self.coriolis, contact)
+        return SimulatedShip(
+            self.model, self.surge, self.surge_inertia, self.coriolis, "none" if open_water else "corners"
+        )
 
     @cached_property
     def actuators(self) -> tuple[str, ...]:
@@ -191,10 +133,12 @@ class ShipFilter:
     def spreads(self) -> dict[str, float]:
         """Standard deviations of the states before any reading."""
         prior, rudder = self.prior, self.indicator.bias if RUDDER in self.actuators else 0.0
-        spreads = {"v": prior.sway, "r": prior.yaw_rate, "bank": prior.bank, "current": prior.current}
-        spreads |= {"current_across": prior.current_across}
-        spreads |= {"rudder_bias": RUDDER_FAULT_STD if RUDDER in self.faults else rudder}
-        return spreads | {name: std for name, (_, std, _) in self.errors.items()}
+        return {
+            "v": prior.sway, "r": prior.yaw_rate, "bank": prior.bank, "current": prior.current,
+            "current_across": prior.current_across,
+            "rudder_bias": RUDDER_FAULT_STD if RUDDER in self.faults else rudder,
+            **{name: std for name, (_, std, _) in self.errors.items()},
+        }  # fmt: skip
 
     @cached_property
     def walks(self) -> dict[str, tuple[float, float]]:
@@ -222,6 +166,11 @@ class ShipFilter:
         return StateNames((*(name for name in STATES if can[name]), *self.errors))
 
     @cached_property
+    def middle(self) -> np.ndarray:
+        """Coefficients of the fit, (coefficients,)."""
+        return np.array([self.model.coefficients[name] for name in self.model.terms.names])
+
+    @cached_property
     def root(self) -> np.ndarray:
         """A root of the covariance of the coefficients that move the ship, (coefficients, k)."""
         terms, covariance = self.model.terms, self.model.covariance
@@ -236,12 +185,12 @@ class ShipFilter:
         certain = share <= 1e-9 * max(float(share.max()), 0.0)
         return np.asarray(scale[:, None] * axes[:, ~certain] * np.sqrt(share[~certain]))
 
-    @property
+    @cached_property
     def considered(self) -> int:
         """Directions of the coefficients whose uncertainty is carried."""
         return self.root.shape[1] if self.coefficients == "considered" else 0
 
-    @property
+    @cached_property
     def estimated(self) -> int:
         """Directions of the coefficients that are corrected: states after the others, standard normal a priori."""
         return self.root.shape[1] if self.coefficients == "estimated" else 0
@@ -255,29 +204,31 @@ class ShipFilter:
         return MarkovProcess(walks, times, pairs)
 
     @cached_property
-    def recursion(self) -> Recursion:
-        noise = self.indicator.noise if RUDDER in self.actuators else 0.0
-        # Corrections of a coefficient fade: its stationary spread is that of the fit.
-        fading = [(math.sqrt(2.0 / self.memory), self.memory)] * self.estimated
-        process = self.process(fading)
-        moving = sigma_point_weights(len(process.walks) + (noise > 0.0), self.considered)
-        measuring = sigma_point_weights(len(process.walks), self.considered)
-        lanes = self._lanes(moving.distance[: self.considered], len(moving.distance))
-        return Recursion(
-            lanes, self.states, self.sensors, self.faults, process, moving, measuring, noise,
-            self.refusing, self._middle, self.root[:, : self.estimated],
-        )  # fmt: skip
+    def disturbances(self) -> MarkovProcess:
+        """Walks of the states and of the coefficients: corrections fade, and the stationary spread is the fit's."""
+        return self.process([(math.sqrt(2.0 / self.memory), self.memory)] * self.estimated)
 
-    @property
-    def _middle(self) -> np.ndarray:
-        return np.array([self.model.coefficients[name] for name in self.model.terms.names])
+    @cached_property
+    def measuring(self) -> SigmaPointWeights:
+        return sigma_point_weights(len(self.disturbances.walks), self.considered)
 
-    def _lanes(self, distance: np.ndarray, pairs: int) -> ShipLanes:
+    @cached_property
+    def moving(self) -> SigmaPointWeights:
+        """Weights for the states, and for the noise of the rudder's indication if there is any."""
+        noisy = RUDDER in self.actuators and self.indicator.noise > 0.0
+        return sigma_point_weights(len(self.disturbances.walks) + noisy, self.considered)
+
+    @cached_property
+    def lanes(self) -> ShipLanes:
         """Lanes of the sigma points; the first pairs have coefficients on either side of the fit's."""
-        steps = np.zeros((pairs, len(self._middle)))
-        steps[: len(distance)] = self.root[:, : len(distance)].T * distance[:, None]
-        coefficients = self._middle + np.concatenate([np.zeros_like(steps[:1]), steps, -steps])
+        steps = np.zeros((len(self.moving.distance), len(self.middle)))
+        steps[: self.considered] = self.root[:, : self.considered].T * self.moving.distance[: self.considered, None]
+        coefficients = self.middle + np.concatenate([np.zeros_like(steps[:1]), steps, -steps])
         return ShipLanes(self.ship, self.states.names, len(coefficients), self.waterway, coefficients)
+
+    def monitor(self) -> np.ndarray:
+        """Return empty sums of innovations: they grow for a drifting sensor, although each one passes its gate."""
+        return np.zeros((2 + self.considered, len(MEMORIES), sum(len(one.fields) for one in self.sensors.values())))
 
     def adopt(self, now: Gaussian, other: "ShipFilter", size: float = 1.0) -> Gaussian:
         """Return the state of a filter with other faults for this one; new states have a share of their prior."""
@@ -296,7 +247,7 @@ class ShipFilter:
         squared = triangular_root(np.concatenate([root[:, p:].T, prior]))
         return Gaussian(mean, np.concatenate([root[:, :p], squared], axis=1))
 
-    def steps(self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray) -> list[MotionStep]:
+    def advance(self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray) -> list[MotionStep]:
         """Advance a state, and return every step until the last or until it is aground; start and end (actuators,)."""
         count = max(1, math.ceil(duration / self.step - 1e-9))
         taken: list[MotionStep] = []
@@ -304,39 +255,108 @@ class ShipFilter:
             here, there = start, end
             if count > 1:
                 here, there = (start + share * (end - start) for share in (number / count, (number + 1) / count))
-            after, how, met = self.recursion.predict(now, duration / count, here, there)
-            aground = met or not math.isfinite(after.mean.sum())
-            taken.append(MotionStep(now, after, how, aground))
-            if aground:
+            taken.append(self.predict(now, duration / count, here, there))
+            now = taken[-1].state
+            if taken[-1].aground:
                 break
-            now = after
         return taken
 
-    def monitor(self) -> DriftMonitor:
-        return DriftMonitor(self.recursion.size, self.considered)
+    def predict(self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray) -> MotionStep:
+        """Return one step of the motion; actuators move from start to end (actuators,)."""
+        lanes, size, process, before = self.lanes, len(self.states), self.disturbances, now
+        pairs = len(self.moving.distance)
+        if pairs > now.root.shape[1]:  # The last pair has the noise of the rudder's indication
+            now = Gaussian(now.mean, np.concatenate([now.root, np.zeros((len(now.mean), 1))], axis=1))
+            end, rudder = np.repeat(end[None], lanes.lanes, axis=0), lanes.actuators.index(RUDDER)
+            end[[pairs, 2 * pairs], rudder] += self.indicator.noise * self.moving.distance[-1] * np.array([1.0, -1.0])
+        left, noise = process.over(duration)
+
+        def move(points: np.ndarray) -> np.ndarray:
+            columns = None
+            if self.estimated:
+                bank = points[:, self.states.places["bank"]] if "bank" in self.states else np.ones(len(points))
+                columns = lanes.columns_of(self.middle + points[:, size:] @ self.root.T, bank)
+            after = lanes.advance(points, duration, start, end, columns)
+            if len(left):
+                after[:, process.places] *= left
+            return after
+
+        after, slopes = predict(now, move, noise, self.moving)
+        return MotionStep(
+            before, after, slopes, bool(lanes.prepared.codes[0, 0]) or not math.isfinite(after.mean.sum())
+        )
+
+    def update(self, t: float, now: Gaussian, readings: Readings, monitor: np.ndarray) -> tuple[Gaussian, UpdateResult]:
+        """Return the state after the readings of one time that pass the gates; the monitor's sums change."""
+        layout = self.layout(tuple(readings))
+        if layout.seen is not None:
+            expected, rows = layout.seen @ now.mean, now.root.T @ layout.seen.T
+        else:
+            expected, rows = self.measuring.transform(now, lambda points: self.measured(points, layout))
+        numbers = (number for name in readings for number in self.sensors[name].numbers(readings[name]))
+        innovation = np.fromiter(numbers, float, len(expected)) - expected
+        for angle in layout.angles:
+            innovation[angle] = math.remainder(innovation[angle], 2.0 * math.pi)
+        now, whitened, tests, agree, likelihood = update(
+            now, self.considered, np.concatenate((rows, layout.noise)), innovation, *layout.tests, monitor, MEMORIES,
+            DRIFT_MOST_INNOVATION, GROSS_ERROR_NIS,
+        )  # fmt: skip
+        nis, odd, drift = tests.tolist()
+        wrong = tuple(name for name, exceeds in zip(readings, odd, strict=True) if exceeds)
+        suspects = tuple(name for name, one in zip(readings, drift, strict=True) if one > DRIFT_THRESHOLD)
+        squared = dict(zip(readings, nis, strict=True))
+        refused, surprising = ((), wrong) if agree else (wrong, ())
+        return now, UpdateResult(
+            t, squared, layout.parts, whitened, refused, suspects, surprising, likelihood, max(drift)
+        )
+
+    def layout(self, names: tuple[str, ...]) -> Layout:
+        if names not in self._layouts:
+            sensors = [self.sensors[name] for name in names]
+            every = np.cumsum([0, *(len(sensor.fields) for sensor in self.sensors.values())])
+            places = [np.arange(*every[k : k + 2]) for k in map(list(self.sensors).index, names)]
+            ends = np.cumsum([len(own) for own in places])
+            parts = {name: slice(end - len(own), end) for name, own, end in zip(names, places, ends, strict=True)}
+            sources = [getattr(sensor, "source", name) for name, sensor in zip(names, sensors, strict=True)]
+            gates = [gate(self.refusing, len(own)) for own in places]
+            tests = ends, np.array(gates), np.array([sources.index(one) for one in sources]), np.concatenate(places)
+            noise = np.diag(np.concatenate([np.array(sensor.sigma, float) for sensor in sensors]))
+            angles = tuple(np.flatnonzero(np.concatenate([sensor.angles for sensor in sensors])).tolist())
+            errors = tuple(
+                (parts[name].start + place, self.states.places[state])
+                for name in names
+                for state, (place, _, _) in error_states(self.sensors[name], name in self.faults).items()
+            )
+            layout = Layout(parts, tests, noise, angles, errors, None)
+            if all(sensor.straight for sensor in sensors):
+                layout = layout._replace(seen=self.measured(np.eye(len(self.disturbances.walks)), layout).T.copy())
+            self._layouts[names] = layout
+        return self._layouts[names]
+
+    @cached_property
+    def _layouts(self) -> dict[tuple[str, ...], Layout]:
+        return {}
+
+    def measured(self, points: np.ndarray, layout: Layout) -> np.ndarray:
+        """Components of sensors with their errors, (points, numbers)."""
+        at = Columns(points, self.states, self.lanes.bend(float(points[0, 0])))
+        values = np.empty((len(points), len(layout.noise)))
+        columns = (column for name in layout.parts for column in self.sensors[name].measured(at))
+        for number, column in enumerate(columns):
+            values[:, number] = column
+        for number, place in layout.errors:
+            values[:, number] += points[:, place]
+        return values
+
+
+@lru_cache(maxsize=64)
+def gate(probability: float, size: int) -> float:
+    """Return the normalised innovation squared that a valid measurement exceeds with a probability [1]."""
+    from scipy.stats import chi2
+
+    return float(chi2.isf(probability, size)) if probability > 0.0 else math.inf
 
 
 def default_step(model: Model) -> float:
     """Return the longest step that resolves the motion [s]."""
     return math.sqrt(model.configuration.ship.length / GRAVITY) / STEPS_A_PERIOD
-
-
-def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndicator]:
-    if isinstance(sensors, str) or not isinstance(sensors, Sequence):
-        raise InputError("sensors are a list, as [Gnss(), Gyro(), Log(), RudderIndicator()]; give one")
-    indicators = [sensor for sensor in sensors if isinstance(sensor, RudderIndicator)]
-    measuring = [sensor for sensor in sensors if not isinstance(sensor, RudderIndicator)]
-    if len(indicators) > 1:
-        raise InputError("a ship has one rudder here, and these are several RudderIndicators; leave one")
-    for sensor in measuring:
-        if isinstance(sensor, type) or not isinstance(sensor, Sensor):
-            what = sensor.__name__ if isinstance(sensor, type) else type(sensor).__name__
-            known = ", ".join(f"{own.__name__}()" for own in SENSORS.values())
-            raise InputError(f"{what} is no sensor; give objects such as {known}, or of your own that keep to Sensor")
-    names = [sensor.name for sensor in measuring]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"two sensors are called {name!r}; give one another name, as Gnss(name='gnss_aft')")
-    if not names:
-        raise InputError("an estimator needs sensors; give Gnss, Gyro and Log at least")
-    return dict(zip(names, measuring, strict=True)), indicators[0] if indicators else RudderIndicator(bias=0.0)

@@ -8,9 +8,11 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.estimation.estimate import EstimatedTrack
-from narrows.estimation.filter_run import FilterRun, Moment, Readings, Records
+from narrows.estimation.filter_run import FilterRun, Moment, Readings
+from narrows.estimation.records import Records
 from narrows.estimation.settings import START_READINGS
-from narrows.estimation.ship_filter import MotionStep, ShipFilter, Start
+from narrows.estimation.ship_filter import MotionStep, ShipFilter
+from narrows.estimation.start import Start
 from narrows.estimation.unscented import Gaussian
 
 
@@ -88,7 +90,7 @@ def smoothed(steps: Sequence[MotionStep], last: Gaussian) -> list[tuple[np.ndarr
     for step in reversed(steps):
         size = step.before.root.shape[1]
         # Columns of the root after those of the state are disturbances: their effect is in the state after.
-        shared = step.before.root @ step.how.slopes[:size]
+        shared = step.before.root @ step.slopes[:size]
         ahead = step.state.covariance
         gain = np.linalg.lstsq(ahead, shared.T, rcond=None)[0].T
         mean = step.before.mean + gain @ (mean - step.state.mean)

@@ -1,4 +1,7 @@
-"""Square-root sigma-point filter: functions that Numba compiles."""
+"""Square-root sigma-point filter: functions that Numba compiles.
+
+``rows`` are the transposed root of the covariance of a transformed distribution: one row for each independent error.
+"""
 
 import math
 
@@ -14,52 +17,89 @@ def sigma_points(mean: np.ndarray, root: np.ndarray, distance: np.ndarray) -> np
 
 def transform(
     values: np.ndarray, distance: np.ndarray, weight: float, bend: float, considered: int
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Return mean (m,), slopes (k, m) and nonlinear parts (k - considered, m) of values at sigma points."""
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return mean (m,) and rows (k + k - considered, m) of values at sigma points: slopes, then nonlinear parts."""
     # values (1 + 2 k, m)
     ahead, back, half = values[1 : 1 + len(distance)], values[1 + len(distance) :], (0.5 / distance).reshape(-1, 1)
     bends = (ahead + back - 2.0 * values[0])[considered:]
     total = bends.sum(axis=0)
-    return values[0] + weight * total, (ahead - back) * half, (bends + bend * total) * half[considered:]
+    rows = np.concatenate(((ahead - back) * half, (bends + bend * total) * half[considered:]))
+    return values[0] + weight * total, rows
 
 
-def innovation_covariance(slopes: np.ndarray, bends: np.ndarray, sigma: np.ndarray) -> np.ndarray:
-    """Return the covariance of the innovation, (m, m)."""
-    return np.asarray(np.diag(sigma * sigma) + slopes.T @ slopes + bends.T @ bends)
+def cholesky(covariance: np.ndarray) -> np.ndarray:
+    """Return the lower triangular root; NaN if there is none."""
+    root = np.zeros_like(covariance)
+    for i in range(len(root)):
+        for j in range(i + 1):
+            rest = covariance[i, j] - (root[i, :j] * root[j, :j]).sum()
+            root[i, j] = np.sqrt(rest) if i == j else rest / root[j, j]
+    return root
+
+
+def whiten(values: np.ndarray, root: np.ndarray) -> np.ndarray:
+    """Return values (n, m) over a triangular root (m, m): their components in independent standard deviations."""
+    white = np.empty_like(values)
+    for i in range(len(root)):
+        white[:, i] = (values[:, i] - (white[:, :i] * root[i, :i]).sum(axis=1)) / root[i, i]
+    return white
 
 
 def update(
-    mean: np.ndarray, root: np.ndarray, slopes: np.ndarray, bends: np.ndarray, innovation: np.ndarray,
-    covariance: np.ndarray, sigma: np.ndarray,
-) -> tuple[np.ndarray, np.ndarray]:  # fmt: skip
-    """Return the mean after a measurement, and rows with the sum of outer products of its covariance."""
+    mean: np.ndarray, root: np.ndarray, rows: np.ndarray, innovation: np.ndarray, ends: np.ndarray, gates: np.ndarray,
+    sources: np.ndarray, places: np.ndarray, sums: np.ndarray, memories: np.ndarray, most: float, gross: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, bool, float]:  # fmt: skip
+    """Return mean and rows after the readings that pass their gates, with tests of all readings.
+
+    These are the innovations over their standard deviations (m,); of each sensor the normalised innovation squared,
+    whether it exceeds the gate, and the drift statistic, (3, sensors); whether readings over their gates are used; and
+    the log-likelihood, in which refused readings count as at their gate.
+    """
+    # rows (j, m): of the root's columns, nonlinear parts, white noise. Of each sensor: end of its components, gate and
+    # source (sensors,). sums, memories, most: see ``drift_statistics``.
+    size, first, covariance = root.shape[1], 0, rows.T @ rows
+    factor, spread = cholesky(covariance), np.sqrt(np.diag(covariance))
+    whitened, kept, tests = innovation / spread, np.ones(len(innovation), np.bool_), np.empty((3, len(ends)))
+    for sensor in range(len(ends)):
+        part = slice(first, ends[sensor])
+        squared = (whiten(innovation[part].reshape(1, -1), cholesky(covariance[part, part])) ** 2).sum()
+        first, kept[part], tests[0, sensor] = ends[sensor], squared <= gates[sensor], squared
+    whitened[~kept] = 0.0  # Gross errors are left to the gate
+    drift = drift_statistics(sums, memories, places, whitened, rows[: len(sums) - 2] / spread, most)
+    first = 0
+    for sensor in range(len(ends)):
+        tests[1, sensor], tests[2, sensor] = not kept[first], drift[first : ends[sensor]].max()
+        first = ends[sensor]
+    odd, likelihood = tests[1] > 0.0, -np.log(np.diag(factor)).sum()
+    # Sensors of several sources agree against the prediction: the model is wrong, and they are used.
+    agree = odd.any() and sources[odd].max() > sources[odd].min() and (tests[0][odd] <= gross).all()
+    told = np.concatenate((rows, innovation.reshape(1, -1)))
+    if odd.any() and not agree:
+        told, likelihood = told[:, kept], likelihood - 0.5 * gates[odd].sum()
+        factor = cholesky(told[:-1].T @ told[:-1])
     # Joseph's form is a sum of squares: it stays a covariance for any gain.
-    gain = np.full((len(sigma), len(mean)), np.nan)
-    if np.isfinite(covariance).all():  # Otherwise the estimate begins anew
-        gain = np.ascontiguousarray(np.linalg.solve(covariance, (root @ slopes).T))
-    return mean + innovation @ gain, np.concatenate((root.T - slopes @ gain, gain * sigma.reshape(-1, 1), bends @ gain))
+    white = whiten(told, factor)
+    gain = white[:size].T @ root.T
+    after = -(white[:-1] @ gain)
+    after[:size] += root.T
+    return mean + white[-1] @ gain, after, whitened, tests, agree, likelihood - 0.5 * (white[-1] ** 2).sum()
 
 
 def drift_statistics(
-    sums: np.ndarray, common: np.ndarray, memories: np.ndarray, places: np.ndarray, whitened: np.ndarray,
-    shared: np.ndarray, most: float,
-) -> np.ndarray:  # fmt: skip
+    sums: np.ndarray, memories: np.ndarray, places: np.ndarray, whitened: np.ndarray, shared: np.ndarray, most: float
+) -> np.ndarray:
     """Add whitened innovations to fading sums; return the distance of the sums from zero [standard deviations]."""
-    # sums (2, memories, size), the sums and their variances; common (memories, considered, size); whitened (numbers,)
-    # Errors of considered coefficients, shared (considered, numbers), are common to all readings: they add up like a
-    # bias and do not indicate a drift.
+    # sums (2 + considered, memories, size): the sums, their variances, errors in common; whitened (numbers,). Errors of
+    # considered coefficients, shared (considered, numbers), are common to all readings: they add up like a bias and do
+    # not indicate a drift.
     found = np.zeros(len(places))
     for i in range(len(places)):
-        place, explained = places[i], 0.0
-        for j in range(len(shared)):
-            explained += shared[j, i] * shared[j, i]
+        place, explained = places[i], (shared[:, i] ** 2).sum()
         for m in range(len(memories)):
             left = 1.0 - 1.0 / memories[m]
             sums[0, m, place] = left * sums[0, m, place] + min(max(whitened[i], -most), most)
             sums[1, m, place] = left * left * sums[1, m, place] + 1.0 - min(explained, 1.0)
-            variance = sums[1, m, place]
-            for j in range(len(shared)):
-                common[m, j, place] = left * common[m, j, place] + shared[j, i]
-                variance += common[m, j, place] * common[m, j, place]
+            sums[2:, m, place] = left * sums[2:, m, place] + shared[:, i]
+            variance = sums[1, m, place] + (sums[2:, m, place] ** 2).sum()
             found[i] = max(found[i], abs(sums[0, m, place]) / math.sqrt(variance))
     return found

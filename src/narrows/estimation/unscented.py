@@ -11,7 +11,7 @@ van der Merwe and Wan (2001), The square-root unscented Kalman filter for state 
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import lapack
@@ -30,14 +30,6 @@ class Gaussian(NamedTuple):
         return np.asarray(self.root @ self.root.T)
 
 
-class Transformed(NamedTuple):
-    """A distribution transformed by a function."""
-
-    mean: np.ndarray  # (m,) Mean of the values
-    slopes: np.ndarray  # (k, m) Change along each column of the root
-    bends: np.ndarray  # (j, m) Nonlinear part along each corrected column
-
-
 class SigmaPointWeights(NamedTuple):
     """Distances and weights of the sigma points."""
 
@@ -47,35 +39,11 @@ class SigmaPointWeights(NamedTuple):
     # The first pairs, along errors that are carried and not corrected: linear, without weight in the mean
     considered: int
 
-
-def unscented_transform(values: np.ndarray, spread: SigmaPointWeights) -> Transformed:
-    """Return mean and deviations of the values at sigma points, (1 + 2 k, m)."""
-    return Transformed(*compiled_loops(square_roots).transform(values, *spread))
-
-
-def predict(
-    now: Gaussian, move: Callable[[np.ndarray], np.ndarray], noise: np.ndarray, spread: SigmaPointWeights
-) -> tuple[Gaussian, Transformed]:
-    """Return the distribution after a motion, and the transformation of its root."""
-    # noise (j, n)
-    after, p = unscented_transform(move(sigma_points(now.mean, now.root, spread)), spread), spread.considered
-    return _joined(after.mean, np.concatenate([after.slopes, after.bends, noise]), p), after
-
-
-def update(
-    now: Gaussian, expected: Transformed, innovation: np.ndarray, covariance: np.ndarray, sigma: np.ndarray,
-    spread: SigmaPointWeights,
-) -> Gaussian:  # fmt: skip
-    """Return the distribution after a measurement; carried columns are not corrected."""
-    # innovation (m,); covariance (m, m); sigma (m,)
-    numbers = *now, expected.slopes, expected.bends, innovation, covariance, sigma
-    mean, rows = compiled_loops(square_roots).update(*numbers)
-    return _joined(mean, rows, spread.considered)
-
-
-def _joined(mean: np.ndarray, rows: np.ndarray, considered: int) -> Gaussian:
-    root = triangular_root(rows[considered:])
-    return Gaussian(mean, np.concatenate([rows[:considered].T, root], axis=1) if considered else root)
+    def transform(self, now: Gaussian, function: Callable[[np.ndarray], np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Return mean and rows of the values of a function: changes along the root's columns, nonlinear parts."""
+        loops = compiled_loops(square_roots)
+        mean, rows = loops.transform(function(loops.sigma_points(*now, self.distance)), *self)
+        return mean, rows
 
 
 # Julier and Uhlmann (1997), A new extension of the Kalman filter to nonlinear systems. van der Merwe (2004),
@@ -92,16 +60,29 @@ def sigma_point_weights(
     return SigmaPointWeights(distance, 0.5 / squared, float(bend), considered)
 
 
-def sigma_points(mean: np.ndarray, root: np.ndarray, spread: SigmaPointWeights) -> np.ndarray:
-    """Return the points, (1 + 2 k, n): the mean, then one point on either side of it along each column."""
-    return np.asarray(compiled_loops(square_roots).sigma_points(mean, root, spread.distance))
+def predict(
+    now: Gaussian, move: Callable[[np.ndarray], np.ndarray], noise: np.ndarray, weights: SigmaPointWeights
+) -> tuple[Gaussian, np.ndarray]:
+    """Return the distribution after a motion with noise (j, n), and its slopes along the root's columns, (k, n)."""
+    mean, rows = weights.transform(now, move)
+    return joined(mean, np.concatenate([rows, noise]), weights.considered), rows[: len(weights.distance)]
 
 
-# A covariance P stored as a root L, with L L^T = P, stays symmetric and positive. van der Merwe and Wan (2001), The
-# square-root unscented Kalman filter for state and parameter estimation.
+def update(now: Gaussian, considered: int, *measurement: Any) -> tuple[Any, ...]:
+    """Return the distribution after a measurement, and the tests of its readings, see ``square_roots.update``."""
+    mean, rows, *tests = compiled_loops(square_roots).update(*now, *measurement)
+    return joined(mean, rows, considered), *tests
+
+
+def joined(mean: np.ndarray, rows: np.ndarray, considered: int) -> Gaussian:
+    """Return the distribution of a mean and of rows, the first of them of considered errors."""
+    root = triangular_root(rows[considered:])
+    return Gaussian(mean, np.concatenate([rows[:considered].T, root], axis=1) if considered else root)
+
+
 @lru_cache(maxsize=64)
-def _upper(size: int) -> np.ndarray:
-    return np.triu(np.ones((size, size)))
+def _lower(size: int) -> np.ndarray:
+    return np.tri(size)
 
 
 def triangular_root(rows: np.ndarray) -> np.ndarray:
@@ -109,5 +90,4 @@ def triangular_root(rows: np.ndarray) -> np.ndarray:
     count, size = rows.shape
     if count < size:
         rows = np.vstack([rows, np.zeros((size - count, size))])
-    factored = lapack.dgeqrf(rows)[0]
-    return np.asarray((factored[:size] * _upper(size)).T)
+    return np.asarray(lapack.dgeqrf(rows)[0].T[:, :size] * _lower(size))
