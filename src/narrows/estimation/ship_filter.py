@@ -71,7 +71,7 @@ class Layout(NamedTuple):
     """The components of the sensors that read at once."""
 
     parts: dict[str, slice]  # Components of each sensor
-    # Of each sensor: end of its components, largest NIS, source; places of the components among those of all sensors.
+    # End of the components, largest NIS and source of each sensor; places of the components among those of all sensors.
     tests: tuple[np.ndarray, ...]
     noise: np.ndarray  # (numbers, numbers) Root of the covariance of the white errors
     angles: tuple[int, ...]  # Components that are angles

@@ -55,8 +55,8 @@ def update(
     whether it exceeds the gate, and the drift statistic, (3, sensors); whether readings over their gates are used; and
     the log-likelihood, in which refused readings count as at their gate.
     """
-    # rows (j, m): of the root's columns, nonlinear parts, white noise. Of each sensor: end of its components, gate and
-    # source (sensors,). sums, memories, most: see ``drift_statistics``.
+    # rows (j, m): slopes along the columns of the root, nonlinear parts, white noise; end of the components, gate and
+    # source of each sensor (sensors,); sums, memories, most: see ``drift_statistics``.
     size, first, covariance = root.shape[1], 0, rows.T @ rows
     factor, spread = cholesky(covariance), np.sqrt(np.diag(covariance))
     whitened, kept, tests = innovation / spread, np.ones(len(innovation), np.bool_), np.empty((3, len(ends)))
