@@ -67,7 +67,7 @@ class UpdateResult(NamedTuple):
     drift_statistic: float  # Largest fading sum of innovations [standard deviations]
 
 
-class Layout(NamedTuple):
+class NumberLayout(NamedTuple):
     """The components of the sensors that read at once."""
 
     parts: dict[str, slice]  # Components of each sensor
@@ -310,7 +310,7 @@ class ShipFilter:
             t, squared, layout.parts, whitened, refused, suspects, surprising, likelihood, max(drift)
         )
 
-    def layout(self, names: tuple[str, ...]) -> Layout:
+    def layout(self, names: tuple[str, ...]) -> NumberLayout:
         if names not in self._layouts:
             sensors = [self.sensors[name] for name in names]
             every = np.cumsum([0, *(len(sensor.fields) for sensor in self.sensors.values())])
@@ -327,17 +327,17 @@ class ShipFilter:
                 for name in names
                 for state, (place, _, _) in error_states(self.sensors[name], name in self.faults).items()
             )
-            layout = Layout(parts, tests, noise, angles, errors, None)
+            layout = NumberLayout(parts, tests, noise, angles, errors, None)
             if all(sensor.straight for sensor in sensors):
                 layout = layout._replace(seen=self.measured(np.eye(len(self.disturbances.walks)), layout).T.copy())
             self._layouts[names] = layout
         return self._layouts[names]
 
     @cached_property
-    def _layouts(self) -> dict[tuple[str, ...], Layout]:
+    def _layouts(self) -> dict[tuple[str, ...], NumberLayout]:
         return {}
 
-    def measured(self, points: np.ndarray, layout: Layout) -> np.ndarray:
+    def measured(self, points: np.ndarray, layout: NumberLayout) -> np.ndarray:
         """Components of sensors with their errors, (points, numbers)."""
         at = Columns(points, self.states, self.lanes.bend(float(points[0, 0])))
         values = np.empty((len(points), len(layout.noise)))
