@@ -103,7 +103,7 @@ def test_period(period: float, cycles: float) -> None:
 def test_the_bias_of_noise_is_what_noise_does() -> None:
     clean = nw.twin(runs=RUNS, rate=8.0)
     fit = nw.identify(clean)
-    told = noise_bias(fit.problem, fit.solution, fit.normal_equations, 0.1)
+    told = noise_bias(fit, 0.1)
     seen = [nw.identify(noisy_twin(0.1, seed), accelerations="measured").least_squares for seed in range(10)]
     for name in ("b_vdot", "c_rdot"):
         assert np.mean([own[name] for own in seen]) - fit.least_squares[name] == pytest.approx(told[name], rel=0.15)

@@ -1,6 +1,5 @@
 """The answer of a fit: a sentence on the hull, one on the bank, one on the runs to make next."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -14,7 +13,6 @@ from narrows.identification.verdict import IDENTIFIED
 from narrows.quantities.names import FORCES
 from narrows.results.base_results import interval, readable
 from narrows.terms.tables import BARE, table_named
-from narrows.terms.term import TermTable
 
 # Error on left-out tests, over that of the given terms, below which other terms predict better.
 BETTER = 0.98
@@ -52,18 +50,15 @@ class BankSummary:
     @property
     def settled(self) -> bool:
         """Whether the bank's coefficients are identified, under the terms given and those preferred, and agree."""
-        fits = [self.fit, *([self.preferred] if self.preferred else [])]
-        names = bank_names(self.fit)
-        certain = all(fit.verdicts[name].status == IDENTIFIED for fit in fits for name in names)
-        return bool(names) and certain and not self.fit.implausible and not self._apart()
+        certain = not any(_unsure(fit) for fit in (self.fit, self.preferred) if fit)
+        return bool(bank_names(self.fit)) and certain and not self.fit.implausible and not self._apart()
 
     def _hull(self) -> str:
         hull = [term.name for term in self.fit.terms.terms if not term.from_bank]
         known = sum(self.fit.verdicts[name].status == IDENTIFIED for name in hull)
         first = f"The tests identify {known} of {len(hull)} hull coefficients"
         parts = [f"{one.half:.2g} {FORCES[one.force].unit} in {one.force}" for one in self.fit.predictiveness]
-        intervals = f"the median 95 % interval of left-out motions is +-{listed(parts)}"
-        return f"{first}; {intervals}." if parts else f"{first}."
+        return first + f"; the median 95 % interval of left-out motions is +-{listed(parts)}" * bool(parts) + "."
 
     def _bank(self) -> str:
         if not bank_names(self.fit):
@@ -73,9 +68,8 @@ class BankSummary:
         values = _values(self.fit)
         if self.settled:
             return f"The tests identify the bank: {values}."
-        doubts = _doubts(self.fit)
-        if doubts:
-            return f"The tests do not determine the bank: {values}; {doubts}."
+        if doubts := _unsure(self.fit):
+            return f"The tests do not determine the bank: {values}; {listed(doubts)}."
         other = self.preferred.terms.name if self.preferred else ""
         return f"The tests determine the bank with the terms {self.fit.terms.name} alone, not with {other}: {values}."
 
@@ -83,17 +77,13 @@ class BankSummary:
         """The bank with the terms that predict left-out motions best."""
         if self.preferred is None:
             return ""
-        other, fit = self.preferred.left_out, self.fit.left_out
-        errors = [
-            f"{other[f].rmse:.3g} instead of {fit[f].rmse:.3g} {FORCES[f].unit} in {f}" for f in _forces(self.fit)
-        ]
-        first = f"The terms {self.preferred.terms.name} predict left-out motions better (rms error {listed(errors)})"
-        doubts, apart = _doubts(self.preferred), self._apart()
-        more = [
-            doubts,
-            f"{listed(apart)} {'differ' if len(apart) > 1 else 'differs'} from the terms above" * bool(apart),
-        ]
-        return "; ".join([f"{first}: {_values(self.preferred)}", *filter(None, more)]) + "."
+        pairs = [(f, self.preferred.left_out[f].rmse, self.fit.left_out[f].rmse) for f in _forces(self.fit)]
+        errors = listed([f"{other:.3g} instead of {own:.3g} {FORCES[f].unit} in {f}" for f, other, own in pairs])
+        first = f"The terms {self.preferred.terms.name} predict left-out motions better (rms error {errors})"
+        apart = self._apart()
+        differ = f"{listed(apart)} {'differ' if len(apart) > 1 else 'differs'} from the terms above" * bool(apart)
+        doubts = filter(None, (listed(_unsure(self.preferred)), differ))
+        return "; ".join((f"{first}: {_values(self.preferred)}", *doubts)) + "."
 
     def _limits(self) -> str:
         """Errors of a campaign as large as the standard error of each bank coefficient."""
@@ -112,14 +102,14 @@ class BankSummary:
     def _next_runs(self) -> str:
         if self.settled:
             return "More runs are not needed to show the bank's force; narrows plan chooses those that narrow it most."
-        asks = missing_runs(self.fit)
-        what = listed(asks) if asks else "motions other than these"
+        what = listed(missing_runs(self.fit)) or "motions other than these"
         return f"Run next: {what}; narrows plan --after chooses them."
 
 
 def summarise_bank(fit: Fit) -> BankSummary:
     """Summarise the bank coefficients of a fit, with its terms and with those that predict left-out tests best."""
-    return BankSummary(fit, preferred_fit(fit) if _comparable(fit) else None)
+    comparable = isinstance(fit.tests, CaptiveTests) and bank_names(fit) and fit.split == "test"
+    return BankSummary(fit, preferred_fit(fit) if comparable else None)
 
 
 def bank_names(fit: Fit) -> list[str]:
@@ -129,56 +119,41 @@ def bank_names(fit: Fit) -> list[str]:
 
 def preferred_fit(fit: Fit) -> Fit | None:
     """Return the fit of the hull's terms, with the same form of the bank, of least left-out error."""
-    # None if no other terms are better by more than 2 %.
-    others = []
-    for table in _others(fit.terms):
+    # None if no other terms are better by more than 2 %. Others are the package's tables of a hull with the same
+    # additions.
+    base, plus, additions = fit.terms.name.partition("+")
+    known = base in BARE and fit.terms == table_named(fit.terms.name)
+    best, least = None, BETTER
+    for table in [table_named(f"{name}{plus}{additions}") for name in BARE if name != base and known]:
         try:
-            others.append(
-                identify(fit.tests, table, balance=fit.normal_equations.balance, errors=fit.errors, pass_over="rudder")
-            )
+            balance = fit.normal_equations.balance
+            other = identify(fit.tests, table, balance=balance, errors=fit.errors, pass_over="rudder")
         except InputError:
             continue
-    best = min(others, key=lambda other: _relative_error(other, fit), default=fit)
-    return best if _relative_error(best, fit) < BETTER else None
+        # Errors on left-out tests over those of the fit, as a geometric mean over the forces of the bank.
+        rmse = np.array([[one.left_out[force].rmse for force in _forces(fit)] for one in (other, fit)])
+        ratio = float(np.exp(np.mean(np.log(np.maximum(rmse[0] / np.maximum(rmse[1], 1e-300), 1e-300)))))
+        if ratio < least:
+            best, least = other, ratio
+    return best
 
 
 def missing_runs(fit: Fit) -> list[str]:
     """Name the kinds of runs that separate bank and hull and are missing in the tests."""
     motions = fit.motions
     off = motions.steady & (motions.reach > OFF_CENTRE * fit.tests.configuration.canal.width / 2)
-    speeds = sorted({round(float(motions.features["speed"][group].mean()), 2) for group in motions.by_speed})
-    fastest = f"{speeds[-1]:g} m/s"
+    fastest = f"{max(round(float(motions.features['speed'][group].mean()), 2) for group in motions.by_speed):g} m/s"
     asks = []
     if len(set(motions.level("side")[off].tolist())) < 2:
         asks.append(f"straight runs off the centreline to both sides at {fastest}")
-    harmonic, period = ~motions.steady, motions.level("period")
-    periods = [len(set(period[group][harmonic[group]].tolist())) for group in motions.by_speed]
-    if max(periods, default=0) < 2:
+    period = np.where(motions.steady, -1, motions.level("period"))
+    if max(len(set(period[group].tolist()) - {-1}) for group in motions.by_speed) < 2:
         asks.append(f"harmonic yaw at two periods or more at {fastest}")
     return asks
 
 
-def _comparable(fit: Fit) -> bool:
-    return isinstance(fit.tests, CaptiveTests) and bool(bank_names(fit)) and fit.split == "test"
-
-
-def _others(terms: TermTable) -> list[TermTable]:
-    """The package's other tables of a hull, with the additions that these terms have."""
-    base, plus, additions = terms.name.partition("+")
-    if base not in BARE or terms != table_named(terms.name):
-        return []
-    return [table_named(f"{name}{plus}{additions}") for name in BARE if name != base]
-
-
 def _forces(fit: Fit) -> list[str]:
     return [force for force, part in fit.terms.forces.items() if any(term.from_bank for term in part)]
-
-
-def _relative_error(other: Fit, fit: Fit) -> float:
-    """Errors on left-out tests over those of the fit, as a geometric mean over the forces of the bank."""
-    ratios = [other.left_out[force].rmse / max(fit.left_out[force].rmse, 1e-300) for force in _forces(fit)]
-    mean = float(np.exp(np.mean(np.log(np.maximum(ratios, 1e-300)))))
-    return mean if math.isfinite(mean) else math.inf
 
 
 def listed(parts: Sequence[str]) -> str:
@@ -189,15 +164,13 @@ def listed(parts: Sequence[str]) -> str:
 def _values(fit: Fit) -> str:
     parts = []
     for name in bank_names(fit):
-        if not fit.verdicts[name].determined:
-            parts.append(f"{name} unknown")
-            continue
-        std = fit.std[name]
-        parts.append(f"{name} {readable(fit.coefficients[name], std)} ({interval(fit.intervals[name], std)})")
+        value, std, ends = fit.coefficients[name], fit.std[name], fit.intervals[name]
+        known = fit.verdicts[name].determined
+        parts.append(f"{name} {readable(value, std)} ({interval(ends, std)})" if known else f"{name} unknown")
     return listed(parts)
 
 
-def _doubts(fit: Fit) -> str:
+def _unsure(fit: Fit) -> list[str]:
     """Reasons why coefficients of the bank are not identified; empty where all are."""
-    unsure = [name for name in bank_names(fit) if fit.verdicts[name].status != IDENTIFIED]
-    return listed([f"{name} is {fit.verdicts[name].words}" for name in unsure])
+    verdicts = {name: fit.verdicts[name] for name in bank_names(fit)}
+    return [f"{name} is {verdict.words}" for name, verdict in verdicts.items() if verdict.status != IDENTIFIED]

@@ -46,19 +46,13 @@ class Diagnosis:
 
     def to_dict(self) -> dict[str, Any]:
         """Give rank, number of columns, condition and variance inflations."""
-        return {
-            "rank": self.rank,
-            "columns": len(self.names),
-            "condition": self.condition,
-            "vif": dict(self.vif),
-        }
+        return {"rank": self.rank, "columns": len(self.names), "condition": self.condition, "vif": dict(self.vif)}
 
 
 def diagnose(equations: NormalEquations, sums: np.ndarray, terms: tuple[Term, ...]) -> Diagnosis:
-    """Diagnose the columns of one force over the rows behind some sums."""
-    # sums (m, m)
-    names = tuple(term.name for term in terms)
-    gram = equations.pick(sums, list(names))
+    """Diagnose the columns of one force over the rows behind some sums (m, m)."""
+    names = [term.name for term in terms]
+    gram, mean = equations.pick(sums, names), equations.pick(sums, names, [ONE])[:, 0]
     norm = np.sqrt(np.diag(gram))
     live = norm > 0
     lengths = np.where(live, norm, np.nan)
@@ -66,39 +60,25 @@ def diagnose(equations: NormalEquations, sums: np.ndarray, terms: tuple[Term, ..
     values, vectors = np.linalg.eigh(alignment[np.ix_(live, live)])
     singular = np.sqrt(np.maximum(values, 0.0))
     kept = singular > RANK_TOLERANCE * singular.max(initial=1e-300)
-    rank = int(kept.sum())
-    full = rank == len(names)
-    missing = np.zeros((len(kept) - rank, len(names)))
+    missing = np.zeros((int((~kept).sum()), len(names)))
     missing[:, live] = vectors[:, ~kept].T
-    return Diagnosis(
-        names,
-        rank,
-        float(singular[-1] / singular[0]) if full else float("inf"),
-        dict(zip(names, _vif(values, vectors, kept, live).tolist(), strict=True)),
-        _correlation(equations, sums, names),
-        alignment,
-        tuple(name for name, alive in zip(names, live, strict=True) if not alive),
-        missing,
-    )
-
-
-def _vif(values: np.ndarray, vectors: np.ndarray, kept: np.ndarray, live: np.ndarray) -> np.ndarray:
-    inflation = (vectors[:, kept] ** 2 / values[kept]).sum(axis=1)
-    inflation[(np.abs(vectors[:, ~kept]) > INVOLVED).any(axis=1)] = np.inf
-    result = np.full(len(live), np.nan)
-    result[live] = np.maximum(inflation, 1.0)
-    return result
-
-
-def _correlation(equations: NormalEquations, sums: np.ndarray, names: tuple[str, ...]) -> np.ndarray:
-    rows = equations.pick(sums, [ONE])[0, 0]
-    mean = equations.pick(sums, list(names), [ONE])[:, 0] / rows
-    gram = equations.pick(sums, list(names)) / rows
-    covariance = gram - np.outer(mean, mean)
+    vif = np.full(len(names), np.nan)
+    vif[live] = np.maximum((vectors[:, kept] ** 2 / values[kept]).sum(axis=1), 1.0)
+    vif[(np.abs(missing) > INVOLVED).any(axis=0)] = np.inf
+    covariance = gram - np.outer(mean, mean) / equations.pick(sums, [ONE])[0, 0]
     variance = np.diag(covariance)
     # A constant column leaves only rounding.
     spread = np.sqrt(np.where(variance > 1e-12 * np.diag(gram), variance, np.nan))
-    return np.asarray(np.clip(covariance / np.outer(spread, spread), -1.0, 1.0))
+    return Diagnosis(
+        tuple(names),
+        rank=int(kept.sum()),
+        condition=float(singular[-1] / singular[0]) if kept.sum() == len(names) else float("inf"),
+        vif=dict(zip(names, vif.tolist(), strict=True)),
+        correlation=np.clip(covariance / np.outer(spread, spread), -1.0, 1.0),
+        alignment=alignment,
+        empty=tuple(name for name, alive in zip(names, live, strict=True) if not alive),
+        missing=missing,
+    )
 
 
 @dataclass(frozen=True)
@@ -130,8 +110,7 @@ class Diagnostics:
         }
 
     def over(self, sums: np.ndarray) -> dict[str, Diagnosis]:
-        """Diagnose each force that has terms over the rows behind some sums."""
-        # sums (m, m)
+        """Diagnose each force that has terms over the rows behind some sums (m, m)."""
         return {force: diagnose(self.equations, sums, part) for force, part in self.terms.forces.items() if part}
 
     def determined(self, name: str) -> bool:
@@ -161,27 +140,19 @@ class CorrelatedPair:
 
 
 def correlated_pairs(problem: Problem, total: np.ndarray) -> tuple[CorrelatedPair, ...]:
-    """Find the pairs, the closest first."""
-    # total (m, m)
-    inverse = np.linalg.inv(_ridged(problem.normal(total)[0]))
+    """Find the pairs, the closest first, by the sums over all rows (m, m)."""
+    h, _ = problem.normal(total)
+    inverse = np.linalg.inv(h + np.diag(np.where(np.diag(h) == 0, 1.0, RIDGE)))
     size = np.sqrt(np.diag(inverse))
-    correlation = inverse / np.outer(size, size)
+    correlation, slope = inverse / np.outer(size, size), inverse / np.diag(inverse)[:, None]
     names = {slot: name for name, slot in reversed(list(problem.slot.items()))}
-    known = [slot for slot in names if size[slot] < 1 / np.sqrt(np.sqrt(RIDGE))]
+    known = [slot for slot in names if size[slot] < RIDGE**-0.25]
     pairs = [
         CorrelatedPair(
-            names[i],
-            names[j],
-            float(correlation[i, j]),
-            float(inverse[i, j] / inverse[i, i] * problem.scale[i] / problem.scale[j]),
+            names[i], names[j], float(correlation[i, j]), float(slope[i, j] * problem.scale[i] / problem.scale[j])
         )
         for i in known
         for j in known
         if i < j and abs(correlation[i, j]) > PAIR_CORRELATION
     ]
     return tuple(sorted(pairs, key=lambda pair: -abs(pair.correlation)))
-
-
-def _ridged(h: np.ndarray) -> np.ndarray:
-    empty = np.diag(h) == 0
-    return np.asarray(h + np.diag(np.where(empty, 1.0, RIDGE)))

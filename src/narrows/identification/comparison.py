@@ -1,16 +1,23 @@
-"""Compare tables of terms on the same tests by cross-validation: errors on left-out tests and speeds."""
+"""Tables of terms on the same tests, by errors on left-out tests and speeds; a model on tests, and a fit to these."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from narrows.captive.read import as_tests
 from narrows.errors import InputError
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.least_squares import Weights
-from narrows.identification.normal_equations import Balance
+from narrows.identification.normal_equations import Balance, Score, score
+from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import NOT_SEPARABLE
+from narrows.model.data_range import extrapolation
+from narrows.model.model import Model
 from narrows.quantities.names import FORCES
 from narrows.results import BaseResult
 from narrows.ship.ship_file import ShipSource
@@ -20,6 +27,11 @@ from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
     import pandas as pd
+
+# Joint standard errors between the model's coefficient and the table's beyond which they disagree.
+APART_ERRORS = 3.0
+# Sizes that distinguish two hulls, and their tolerance [1].
+SIZES, SAME_HULL = ("length", "beam", "draft"), 0.01
 
 
 @dataclass(frozen=True, repr=False)
@@ -45,6 +57,10 @@ class Comparison(BaseResult):
     def __repr__(self) -> str:
         return f"<Comparison of {', '.join(self.fits)}>"
 
+    def _errors(self, force: str) -> dict[str, float]:
+        """Root mean squared error of each table with this force on left-out tests."""
+        return {name: fit.left_out[force].rmse for name, fit in self.fits.items() if force in fit.left_out}
+
     def best(self, force: str) -> str:
         """Return the table with the smallest error on tests left out.
 
@@ -53,8 +69,8 @@ class Comparison(BaseResult):
         force : str
             ``X``, ``Y`` or ``N``.
         """
-        judged = {name: fit.left_out[force].rmse for name, fit in self.fits.items() if force in fit.left_out}
-        return min(judged, key=lambda name: judged[name])
+        errors = self._errors(force)
+        return min(errors, key=errors.__getitem__)
 
     @property
     def forces(self) -> tuple[str, ...]:
@@ -68,11 +84,9 @@ class Comparison(BaseResult):
 
     def summary(self) -> str:
         """Best table for each force on left-out tests, compared with the first table: a line each."""
-        first = next(iter(self.fits))
-        sentences = []
+        first, sentences = next(iter(self.fits)), []
         for force in self.forces:
-            best = self.best(force)
-            errors = {n: fit.left_out[force].rmse for n, fit in self.fits.items() if force in fit.left_out}
+            best, errors = self.best(force), self._errors(force)
             against = f"; {first}: {errors[first]:.3g}" if best != first and first in errors else ""
             error = f"{errors[best]:.3g} {FORCES[force].unit}{against}"
             sentences.append(f"{force}: {best} has the least error on left-out tests, {error}.")
@@ -98,25 +112,24 @@ class Comparison(BaseResult):
         return pd.DataFrame(self.rows()).drop(columns="bank").set_index(["table", "force"])
 
 
-def _row(name: str, fit: Fit, force: str) -> dict[str, Any]:
-    names = [term.name for term in fit.terms.forces[force]]
-    bank = [term.name for term in fit.terms.forces[force] if term.from_bank]
-    speeds = fit.left_out_speeds.get(force)
+def _row(table: str, fit: Fit, force: str) -> dict[str, Any]:
+    terms, speeds = fit.terms.forces[force], fit.left_out_speeds.get(force)
     return {
-        "table": name,
+        "table": table,
         "force": force,
-        "coefficients": len(names),
-        "not_separable": sum(fit.verdicts[name].status == NOT_SEPARABLE for name in names),
+        "coefficients": len(terms),
+        "not_separable": sum(fit.verdicts[term.name].status == NOT_SEPARABLE for term in terms),
         "rmse": fit.scores[force].rmse,
         "rmse_left_out": fit.left_out[force].rmse,
         "rmse_other_speeds": speeds.rmse if speeds else float("nan"),
         "bank": {
-            name: {
-                "value": fit.coefficients[name],
-                "ci95": list(fit.intervals[name]),
-                "verdict": fit.verdicts[name].status,
+            term.name: {
+                "value": fit.coefficients[term.name],
+                "ci95": list(fit.intervals[term.name]),
+                "verdict": fit.verdicts[term.name].status,
             }
-            for name in bank
+            for term in terms
+            if term.from_bank
         },
     }
 
@@ -168,3 +181,148 @@ def compare(
     if not fits:
         raise InputError(f"none of the tables could be fitted: {next(iter(left_out.values()))}")
     return Comparison(fits, left_out)
+
+
+@dataclass(frozen=True, repr=False)
+class Explanation(BaseResult):
+    """A model on a table of tests, that it was fitted on or not.
+
+    Parameters
+    ----------
+    model : Model
+        The model.
+    fit : Fit
+        The same terms fitted to these tests alone.
+    scores : mapping of str to Score
+        Error of the model's own coefficients on these tests.
+    by_test : mapping of str to mapping of str to Score
+        The same by test: test -> force -> score.
+    comparison : Comparison
+        Other tables of terms on these tests.
+    """
+
+    model: Model
+    fit: Fit
+    scores: Mapping[str, Score]
+    by_test: Mapping[str, Mapping[str, Score]]
+    comparison: Comparison
+
+    def __repr__(self) -> str:
+        return f"<Explanation of a model of {self.model.configuration.ship.name or 'a ship'}: {self.fit!r}>"
+
+    @cached_property
+    def shares(self) -> dict[str, dict[str, dict[str, float]]]:
+        """Shapley shares of the model's own coefficients on these tests: kind -> force -> coefficient -> share."""
+        return {kind: self.fit.shapley(kind, self.model.coefficients) for kind in KINDS}
+
+    @cached_property
+    def distance(self) -> dict[str, float]:
+        """Distance of the model's coefficients from those of these tests, in joint standard errors; NaN if unknown."""
+        variances = 0.0 if self.model.covariance is None else np.diag(self.model.covariance)
+        parts = self.model.coefficients, self.fit.coefficients, self.fit.std
+        own, other, std = ([part[name] for name in self.fit.terms.names] for part in parts)
+        joint = np.sqrt(np.square(std) + variances)
+        distances = np.subtract(own, other) / np.where(joint > 0, joint, np.nan)
+        return dict(zip(self.fit.terms.names, distances.tolist(), strict=True))
+
+    @property
+    def fitted_on_these(self) -> bool:
+        """Whether the model came of this very table, at this depth."""
+        model, tests = self.model, self.fit.tests
+        same_canal = model.configuration.canal == tests.configuration.canal
+        return bool(model.source.sha256) and model.source.sha256 == tests.source.sha256 and same_canal
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Conditions of the tests outside the range of the model's data."""
+        covered = {name: pair for name, pair in vars(self.fit.data_range).items() if pair is not None}
+        return extrapolation(self.model.data_range, covered)
+
+    def summary(self) -> str:
+        """Error of the model on these tests, where it is largest, and which coefficients differ: a line each."""
+        sentences = []
+        known, tested = self.model.ship, self.fit.tests.configuration.ship
+        if self.fitted_on_these:
+            sentences.append("The model was fitted on this table.")
+        elif not all(math.isclose(getattr(known, size), getattr(tested, size), rel_tol=SAME_HULL) for size in SIZES):
+            ships = f"The model is of {known.in_words}, these tests are of {tested.in_words}"
+            sentences.append(f"{ships}: its coefficients are taken as they are, scaled to nothing.")
+        for force, fitted in self.scores.items():
+            worst, unit = max(self.by_test, key=lambda test: self.by_test[test][force].rmse), FORCES[force].unit
+            sentences.append(
+                f"{force}: RMS error {fitted.rmse:.3g} {unit} (R2 {fitted.r2:.3f}); {self.fit.scores[force].rmse:.3g} "
+                f"for a fit to these tests. It is largest on {worst}, {self.by_test[worst][force].rmse:.3g}."
+            )
+        apart = [name for name, far in self.distance.items() if abs(far) > APART_ERRORS]
+        if apart and not self.fitted_on_these:
+            sentences.append(
+                f"More than {APART_ERRORS:.0f} standard errors from a fit to these tests: {', '.join(apart)}."
+            )
+        return "\n".join(sentences)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name: what ``explain --json`` prints."""
+        return {
+            "fitted_on_this_table": self.fitted_on_these,
+            "summary": self.summary(),
+            "notes": list(self.notes),
+            "model": {force: errors._asdict() for force, errors in self.scores.items()},
+            "by_test": {
+                test: {force: errors.rmse for force, errors in scores.items()} for test, scores in self.by_test.items()
+            },
+            "distance": dict(self.distance),
+            "shapley": self.shares,
+            "these_tests": self.fit.to_dict(),
+            "tables": self.comparison.rows(),
+            "tables_left_out": dict(self.comparison.left_out),
+        }
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give the coefficients as a table: a row each, the model's, that of these tests, how far apart they are."""
+        import pandas as pd
+
+        columns = {"model": self.model.coefficients, "these_tests": self.fit.coefficients, "distance": self.distance}
+        frame = pd.DataFrame({name: pd.Series(dict(values)) for name, values in columns.items()})
+        return frame.loc[list(self.model.coefficients)].rename_axis("coefficient")
+
+
+def explain(model: Model, tests: Any, tables: Sequence[str] = (), ship: ShipSource | None = None) -> Explanation:
+    """Put a model and a table of tests beside each other.
+
+    Parameters
+    ----------
+    model : Model
+        The model; its terms are fitted to the tests too.
+    tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
+        Tests of one condition.
+    tables : sequence of str
+        Tables of terms to compare by what they say of tests left out; all that come with the package unless given.
+    ship : str, Path, Configuration or mapping, optional
+        Ship of a table that was not read yet, as of ``read_captive``; the model's own unless given.
+
+    Returns
+    -------
+    Explanation
+        Errors of the model, the fit to these tests with all that is known of it, Shapley shares, other tables.
+
+    Raises
+    ------
+    InputError
+        Where the tests lack what the model's terms need, or are of several conditions.
+
+    Examples
+    --------
+    >>> sorted(nw.explain(model, tests, ("paper",)).scores)
+    ['N', 'X', 'Y']
+    """
+    tests = as_tests(tests, ship, model.configuration)
+    fit = identify(tests, model.terms, pass_over="rudder")
+    equations, known = fit.normal_equations, (model.terms, model.coefficients)
+    by_test = zip(equations.names, equations.by_test(equations.sums), strict=True)
+    return Explanation(
+        model,
+        fit,
+        score(equations, equations.total, *known),
+        {name: score(equations, sums, *known) for name, sums in by_test},
+        compare(tests, (model.terms, *(t for t in tables or ready_tables() if t != model.terms.name))),
+    )

@@ -16,7 +16,7 @@ from narrows.identification.estimates import CoefficientEstimates, estimates
 from narrows.identification.least_squares import Problem, Solution
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.normal_equations import NormalEquations, Score, score
-from narrows.identification.plausibility import Judged, implausible, noise_bias, noise_sentence, unmodelled_rudder
+from narrows.identification.plausibility import implausible, noise_sentence, unmodelled_rudder
 from narrows.identification.prediction import Prediction
 from narrows.identification.resampling import (
     Bootstrap,
@@ -33,11 +33,14 @@ from narrows.identification.systematic_effects import Effect, RunErrors
 from narrows.identification.verdict import IDENTIFIED, Verdict, verdicts
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
+from narrows.ship.particulars import Configuration
 from narrows.terms.additions import AT
 from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
     import pandas as pd
+
+ERRORS = ("r2", "rmse", "r2_left_out", "rmse_left_out")
 
 
 @dataclass(frozen=True, repr=False)
@@ -96,8 +99,11 @@ class Fit(Prediction):
     @cached_property
     def coefficients(self) -> dict[str, float]:
         """Estimates of the mixed model within the bounds, each in its term's SI unit: the model's values."""
-        values = zip(self.terms.names, self.estimates.values.tolist(), strict=True)
-        return {name: _at_a_bound(value, self._edges(name)) for name, value in values}
+        # The bound itself where a value differs from it by rounding.
+        return {
+            name: next((edge for edge in self._edges(name) if np.isclose(value, edge, rtol=1e-9, atol=0.0)), value)
+            for name, value in zip(self.terms.names, self.estimates.values.tolist(), strict=True)
+        }
 
     def _edges(self, name: str) -> list[float]:
         """Bounds of a coefficient and of those that are tied to it."""
@@ -117,17 +123,14 @@ class Fit(Prediction):
     @property
     def vif(self) -> dict[str, float]:
         """Variance inflation factor of each coefficient among those of its force, over all rows [1]."""
-        return {
-            name: factor for diagnosis in self.diagnostics.overall.values() for name, factor in diagnosis.vif.items()
-        }
+        return {name: factor for own in self.diagnostics.overall.values() for name, factor in own.vif.items()}
 
     @property
     def model(self) -> Model:
         """The fit as a model, ready to save or to simulate."""
-        tests = self.tests
         verdicts = {name: verdict.words for name, verdict in self.verdicts.items()}
-        known = (self.coefficients, self.covariance, self.data_range, tests.source, verdicts)
-        return Model(tests.configuration, self.terms, *known)
+        known = self.coefficients, self.covariance, self.data_range, self.tests.source, verdicts
+        return Model(self.tests.configuration, self.terms, *known)
 
     @cached_property
     def scores(self) -> dict[str, Score]:
@@ -146,8 +149,7 @@ class Fit(Prediction):
     @cached_property
     def estimates(self) -> CoefficientEstimates:
         """The posterior of the mixed model: estimates, intervals, tipping points, and how large each error is."""
-        known = (self.normal_equations, self.motions, self.problem, self.errors)
-        return estimates(*known, self.tests.configuration)
+        return estimates(*self._known)
 
     @property
     def error_scales(self) -> dict[str, dict[str, float]]:
@@ -171,17 +173,15 @@ class Fit(Prediction):
     @cached_property
     def std(self) -> dict[str, float]:
         """Standard error of each coefficient, errors of runs included; NaN where the tests do not determine it."""
-        sizes = zip(self.terms.names, self.estimates.std, strict=True)
-        return {name: float(size) if self.diagnostics.determined(name) else float("nan") for name, size in sizes}
+        sizes = zip(self.terms.names, self.estimates.std.tolist(), strict=True)
+        return {name: size if self.diagnostics.determined(name) else float("nan") for name, size in sizes}
 
     @cached_property
     def intervals(self) -> dict[str, tuple[float, float]]:
         """95 % interval of each coefficient within its bounds; the bounds where it is not determined."""
-        ends = zip(self.terms.terms, self.estimates.ends.tolist(), strict=True)
-        return {
-            term.name: (low, high) if self.diagnostics.determined(term.name) else term.bound
-            for term, (low, high) in ends
-        }
+        pairs = zip(self.terms.terms, self.estimates.ends.tolist(), strict=True)
+        known = self.diagnostics.determined
+        return {term.name: (ends[0], ends[1]) if known(term.name) else term.bound for term, ends in pairs}
 
     @cached_property
     def diagnostics(self) -> Diagnostics:
@@ -196,20 +196,12 @@ class Fit(Prediction):
     @cached_property
     def implausible(self) -> tuple[str, ...]:
         """Implausible results, each a sentence with its likely cause: masses, signs of forces and rudder."""
-        names = self.terms.names
-        free = zip(names, self.estimates.free_std.tolist(), strict=True)
-        errors = {name: std for name, std in free if self.diagnostics.determined(name)}
-        rejected = tuple(name for name, held in zip(names, self.estimates.held, strict=True) if held)
-        alone = dict(zip(names, self.estimates.free_values.tolist(), strict=True))
-        return implausible(
-            Judged(self.tests, self.normal_equations, self.problem, self.least_squares, alone, errors, rejected)
-        )
+        return implausible(self)
 
     @cached_property
     def depth_tests(self) -> dict[str, DepthTest]:
         """Test of each bank coefficient for equality at all depths; empty for one depth."""
-        known = (self.normal_equations, self.motions, self.problem, self.errors)
-        return depth_tests(*known, self.tests.configuration)
+        return depth_tests(*self._known)
 
     @cached_property
     def correlations(self) -> tuple[CorrelatedPair, ...]:
@@ -261,20 +253,20 @@ class Fit(Prediction):
     @property
     def notes(self) -> tuple[str, ...]:
         """Notes of the reader of the tests, and the tests taken as independent."""
-        alone = ("These tests are one motion: none can be left out, and no left-out error is known.",)
+        alone = "These tests are one motion: none can be left out, and no left-out error is known."
+        shared = "Terms that do not depend on the depth have one coefficient for all conditions of these tests."
         several = isinstance(self.tests, CaptiveTests) and len(set(self.tests.conditions)) > 1
-        one: tuple[str, ...] = (
-            "Terms that do not depend on the depth have one coefficient for all conditions of these tests.",
-        )
-        one = one * (several and AT not in self.terms.name)
-        depths = (*one, *(test.sentence(name) for name, test in self.depth_tests.items()))
-        bank = (self.terms.bank_note,) * (not self.terms.has_bank)
         rudder = unmodelled_rudder(self.tests, self.normal_equations, self.terms)
-        helm = (f"{rudder[:1].upper()}{rudder[1:]}.",) * bool(rudder)
-        bias = noise_bias(self.problem, self.solution, self.normal_equations)
-        noise = tuple(filter(None, [noise_sentence(self.tests, bias, self.coefficients)]))
-        known = (*self.tests.notes, self.motions.sentence, *alone * (len(self.motions) < 2), *depths)
-        return (*known, *bank, *helm, *noise)
+        notes = (
+            self.motions.sentence,
+            alone * (len(self.motions) < 2),
+            shared * (several and AT not in self.terms.name),
+            *(test.sentence(name) for name, test in self.depth_tests.items()),
+            "" if self.terms.has_bank else self.terms.bank_note,
+            f"{rudder[:1].upper()}{rudder[1:]}." if rudder else "",
+            noise_sentence(self),
+        )
+        return (*self.tests.notes, *filter(None, notes))
 
     def save(self, path: str | Path) -> None:
         """Write it in the format of the suffix; ``.toml`` is its model, which ``load_model`` reads.
@@ -297,10 +289,9 @@ class Fit(Prediction):
     def summary(self) -> str:
         """Return the errors of the forces and the coefficients that are not identified, one line each."""
         scores = [
-            f"{force}: R2 {fitted.r2:.3f}, RMSE {fitted.rmse:.3g}; on left-out tests R2 {checked.r2:.3f}, "
-            f"RMSE {checked.rmse:.3g}."
+            f"{force}: R2 {fitted.r2:.3f}, RMSE {fitted.rmse:.3g}; on left-out tests "
+            f"R2 {self.left_out[force].r2:.3f}, RMSE {self.left_out[force].rmse:.3g}."
             for force, fitted in self.scores.items()
-            if (checked := self.left_out[force])
         ]
         doubts = [verdict.sentence(name) for name, verdict in self.verdicts.items() if verdict.status != IDENTIFIED]
         title = f"{len(self.terms.names)} coefficients of the terms {self.terms.name} on {self._size}."
@@ -310,7 +301,10 @@ class Fit(Prediction):
         """Return everything by name, as ``identify --json`` prints it."""
         return {
             "coefficients": {name: self._coefficient(name) for name in self.terms.names},
-            "fit": {force: _scores(fitted, self.left_out[force]) for force, fitted in self.scores.items()},
+            "fit": {
+                force: dict(zip(ERRORS, (*fitted, *self.left_out[force]), strict=True))
+                for force, fitted in self.scores.items()
+            },
             "diagnostics": {force: diagnosis.to_dict() for force, diagnosis in self.diagnostics.overall.items()},
             "by_speed": [
                 {"speed": speed, "diagnostics": {force: d.to_dict() for force, d in by_force.items()}}
@@ -359,29 +353,23 @@ class Fit(Prediction):
         }
 
     @property
+    def _known(self) -> tuple[NormalEquations, DistinctMotions, Problem, RunErrors, Configuration]:
+        return self.normal_equations, self.motions, self.problem, self.errors, self.tests.configuration
+
+    @property
     def _size(self) -> str:
         return f"{len(self.normal_equations.names)} tests of {self.nobs} rows"
 
     @cached_property
     def _deviations(self) -> dict[str, float]:
         """Mean absolute deviation of each column, by one more pass over the rows."""
-        total, one = self.normal_equations.unweighted.sum(axis=0), self.normal_equations.columns[ONE]
-        rows = total[one, one]
-        mean = total[: one + 1, one] / rows
         matrix = DesignMatrix(self.terms, effects=False)
+        one = matrix.columns[ONE]
+        mean = (total := self.normal_equations.unweighted.sum(axis=0))[: one + 1, one] / total[one, one]
         designs = (matrix.evaluate(block) for block in self.tests.blocks(1))
-        sums = sum(np.abs(design - mean[:, None]).sum(axis=1) for design in designs)
-        return {name: float(np.asarray(sums)[self.normal_equations.columns[name]] / rows) for name in self.terms.names}
-
-
-def _at_a_bound(value: float, edges: list[float]) -> float:
-    """The bound itself where a value differs from it by rounding."""
-    return next((edge for edge in edges if np.isclose(value, edge, rtol=1e-9, atol=0.0)), value)
+        sums = sum(np.abs(design - mean[:, None]).sum(axis=1) for design in designs) / total[one, one]
+        return {name: float(sums[matrix.columns[name]]) for name in self.terms.names}
 
 
 def _errors(sizes: list[tuple[Effect, float]]) -> list[dict[str, Any]]:
     return [{"error": e.name, "size": size, "unit": e.unit, "usual": e.usual} for e, size in sizes]
-
-
-def _scores(fitted: Score, left_out: Score) -> dict[str, float]:
-    return {"r2": fitted.r2, "rmse": fitted.rmse, "r2_left_out": left_out.r2, "rmse_left_out": left_out.rmse}

@@ -8,7 +8,7 @@ import numpy as np
 import narrows
 from narrows.captive.columns import check_given
 from narrows.captive.read import as_tests
-from narrows.captive.tests import Block, Tests
+from narrows.captive.tests import Tests
 from narrows.errors import InputError, shown
 from narrows.identification.design_matrix import ONE
 from narrows.identification.normal_equations import NormalEquations, Score, accumulate, score
@@ -109,24 +109,16 @@ def _rows(fit: Any, tests: Tests, measured: bool) -> "pd.DataFrame":
     """Forces of each row as estimated, or what was measured beyond that."""
     import pandas as pd
 
-    forces = [force for force, terms in fit.terms.forces.items() if terms]
     frames = []
     for block in tests.blocks(1):
-        rows = {force: _force(fit, force, block) for force in forces}
-        if measured:
-            rows = {force: block.values[force] - estimated for force, estimated in rows.items()}
-        frames.append(pd.DataFrame({**_index(block), **rows}))
+        check_given(fit.terms.inputs, block.values, block.headers, fit.terms.actuators)
+        names = np.repeat([span.test for span in block.spans], [span.stop - span.start for span in block.spans])
+        rows = {"test": names} | {name: block.values[name] for name in ("t",) if name in block.values}
+        for force, terms in fit.terms.forces.items():
+            if terms:
+                parts = (fit.coefficients[term.name] * term.column(block.values) for term in terms)
+                estimated = np.broadcast_to(sum(parts, np.zeros(block.rows)), block.rows)
+                rows[force] = block.values[force] - estimated if measured else estimated
+        frames.append(pd.DataFrame(rows))
     frame = pd.concat(frames)
     return frame.set_index([name for name in ("test", "t") if name in frame])
-
-
-def _force(fit: Any, force: str, block: Block) -> np.ndarray:
-    check_given(fit.terms.inputs, block.values, block.headers, fit.terms.actuators)
-    parts = (fit.coefficients[term.name] * term.column(block.values) for term in fit.terms.forces[force])
-    return np.broadcast_to(sum(parts, np.zeros(block.rows)), block.rows)
-
-
-def _index(block: Block) -> dict[str, Any]:
-    tests = np.repeat([span.test for span in block.spans], [span.stop - span.start for span in block.spans])
-    time = block.values.get("t")
-    return {"test": tests} if time is None else {"test": tests, "t": time}

@@ -38,9 +38,8 @@ class SplitNormal:
 
     mode: np.ndarray  # (d,)
     root: np.ndarray  # (d, d) symmetric, of the inverse curvature
-    inverse: np.ndarray  # Inverse of the root
     widths: np.ndarray  # (2, d) below and above the mode
-    log_size: float  # Approximate logarithm of the posterior's integral
+    top: float  # Log density of the posterior at the mode
 
     def points(self, count: int) -> np.ndarray:
         """Fixed points of low discrepancy, (count, d)."""
@@ -54,11 +53,11 @@ class SplitNormal:
 
     def log_density(self, at: np.ndarray) -> np.ndarray:
         """Up to a constant that all modes share."""
-        x = (at - self.mode) @ self.inverse
-        return np.asarray(-0.5 * ((x / np.where(x < 0, *self.widths)) ** 2).sum(axis=1) - self._log_volume)
+        x = np.linalg.solve(self.root, (at - self.mode).T).T
+        return np.asarray(-0.5 * ((x / np.where(x < 0, *self.widths)) ** 2).sum(axis=1) - self.log_volume)
 
     @property
-    def _log_volume(self) -> float:
+    def log_volume(self) -> float:
         return float(np.linalg.slogdet(self.root)[1] + np.log(self.widths.mean(axis=0)).sum())
 
 
@@ -67,10 +66,10 @@ def integrate(model: MixedModel, points: int = POINTS) -> "ScaleMixture":
     if not model.learned.size:
         nothing = np.zeros(len(model.prior))
         return ScaleMixture(model, nothing, nothing[None], np.ones(1), [model.at(nothing)])
-    modes = search(model)
-    densities = [_fitted(model, mode) for mode in modes]
+    modes, densities = search(model), list[SplitNormal]()
     known: dict[bytes, Conditional] = {}  # A longer Sobol sequence begins with the points of the shorter one
     while True:
+        densities += [_fitted(model, mode) for mode, _ in modes[len(densities) :]]
         mixture, weight = _weighed(model, densities, points, known)
         heaviest = int(weight.argmax())
         if weight[heaviest] < HEAVY or len(modes) == MOST_MODES:
@@ -78,7 +77,6 @@ def integrate(model: MixedModel, points: int = POINTS) -> "ScaleMixture":
         more = _distinct([*modes, _climb(model, mixture.points[heaviest])])
         if len(more) == len(modes):
             return mixture
-        densities.append(_fitted(model, more[-1]))
         modes = more
 
 
@@ -86,19 +84,18 @@ def _weighed(
     model: MixedModel, densities: list[SplitNormal], points: int, known: dict[bytes, Conditional]
 ) -> tuple["ScaleMixture", np.ndarray]:
     """The mixture, whose weights are truncated, and the weights before that."""
-    sizes = np.exp([one.log_size - max(d.log_size for d in densities) for one in densities])
-    share = np.maximum(sizes / sizes.sum(), LEAST_SHARE)
+    sizes = np.array([one.top + one.log_volume for one in densities])
+    share = np.exp(sizes - sizes.max())
+    share = np.maximum(share / share.sum(), LEAST_SHARE)
     # Powers of two, for which the points of a Sobol sequence are balanced.
     counts = 2 ** np.ceil(np.log2(points * share / share.sum())).astype(int)
     drawn = np.vstack([one.points(count) for one, count in zip(densities, counts, strict=True)])
-    proposal = np.logaddexp.reduce(
-        [np.log(count) + one.log_density(drawn) for one, count in zip(densities, counts, strict=True)]
-    )
+    logs = [np.log(count) + one.log_density(drawn) for one, count in zip(densities, counts, strict=True)]
     whole = np.zeros((len(drawn), len(model.prior)))
     whole[:, model.learned] = np.clip(drawn, LOWEST, HIGHEST)
     known |= {z.tobytes(): model.at(z) for z in whole if z.tobytes() not in known}
     parts = [known[z.tobytes()] for z in whole]
-    log_weight = np.array([one.log_density for one in parts]) - proposal
+    log_weight = np.array([one.log_density for one in parts]) - np.logaddexp.reduce(logs)
     weight = np.exp(log_weight - log_weight.max())
     weight /= weight.sum()
     truncated = np.minimum(weight, np.sqrt(points) / len(weight))
@@ -108,15 +105,13 @@ def _weighed(
 
 
 def search(model: MixedModel) -> list[tuple[np.ndarray, float]]:
-    """Modes of the scales, from small effects and from each rival explanation."""
+    """Modes of the scales and their log densities, from small effects and from each rival explanation."""
     small = np.where(model.prior > 0, SMALL, 0.0)
     starts = [small, *(np.where(np.arange(len(small)) == scale, LARGE, small) for scale in model.rivals)]
-    found = sorted((_climb(model, start) for start in starts), key=lambda one: -one[1])
-    return _distinct(found)
+    return _distinct(sorted((_climb(model, start) for start in starts), key=lambda one: -one[1]))
 
 
 def _climb(model: MixedModel, start: np.ndarray) -> tuple[np.ndarray, float]:
-    """The mode from a start on, and its log density."""
     from scipy import optimize
 
     minimize: Any = optimize.minimize
@@ -141,31 +136,26 @@ def _distinct(found: list[tuple[np.ndarray, float]]) -> list[tuple[np.ndarray, f
     return modes
 
 
-def _fitted(model: MixedModel, found: tuple[np.ndarray, float]) -> SplitNormal:
+def _fitted(model: MixedModel, mode: np.ndarray) -> SplitNormal:
     """Split normal density: the curvature by differences of the gradient, widths by the log density to both sides."""
-    learned, mode = model.learned, found[0].copy()
-    slope = model.at(mode, gradient=True).gradient[learned]
-    moved = mode + STEP * np.eye(len(mode))[learned]
-    curvature = [(slope - model.at(z, gradient=True).gradient[learned]) / STEP for z in moved]
-    values, vectors = np.linalg.eigh(0.5 * (np.array(curvature) + np.transpose(curvature)))
+    learned, mode = model.learned, mode.copy()
+
+    def slope(z: np.ndarray) -> np.ndarray:
+        return np.asarray(model.at(z, gradient=True).gradient[learned])
+
+    here, unit = slope(mode), np.eye(len(mode))[learned]
+    curvature = np.array([(here - slope(mode + STEP * e)) / STEP for e in unit])
+    values, vectors = np.linalg.eigh(0.5 * (curvature + curvature.T))
     values = np.maximum(values, LEAST_CURVATURE)
     # Steps of Newton, so that the mode does not depend on when the search stopped.
     for _ in range(2):
-        mode[learned] = np.clip(mode[learned] + (vectors / values) @ vectors.T @ slope, LOWEST, HIGHEST)
-        slope = model.at(mode, gradient=True).gradient[learned]
+        mode[learned] = np.clip(mode[learned] + (vectors / values) @ vectors.T @ here, LOWEST, HIGHEST)
+        here = slope(mode)
     # The symmetric root: it does not change with the signs and the order that a library gives eigenvectors.
-    root, inverse = (vectors / np.sqrt(values)) @ vectors.T, (vectors * np.sqrt(values)) @ vectors.T
-    top = model.at(mode).log_density
-    widths = np.ones((2, len(learned)))
-    for side, sign in enumerate((-1.0, 1.0)):
-        for i in range(len(learned)):
-            z = mode.copy()
-            z[learned] += sign * REACH * root[i]
-            drop = max(top - model.at(z).log_density, 0.0)
-            widths[side, i] = REACH / np.sqrt(2 * drop + 1e-12)
-    widths = np.clip(widths, NARROW, WIDE)
-    size = top + np.linalg.slogdet(root)[1] + np.log(widths.mean(axis=0)).sum()
-    return SplitNormal(mode[learned], root, inverse, widths, float(size))
+    root, top = (vectors / np.sqrt(values)) @ vectors.T, model.at(mode).log_density
+    logs = [[model.at(mode + sign * REACH * axis @ unit).log_density for axis in root] for sign in (-1.0, 1.0)]
+    widths = REACH / np.sqrt(2 * np.maximum(top - np.array(logs), 0.0) + 1e-12)
+    return SplitNormal(mode[learned], root, np.clip(widths, NARROW, WIDE), top)
 
 
 @dataclass(frozen=True)
@@ -195,23 +185,10 @@ class ScaleMixture:
         return np.stack([self._combined @ part.covariance @ self._combined.T for part in self.parts])
 
     @cached_property
-    def mean(self) -> np.ndarray:
-        """Mean of the coefficients, (p,)."""
-        return np.asarray(self.weights @ self.means)
-
-    @cached_property
-    def covariance(self) -> np.ndarray:
-        """Covariance of the coefficients, (p, p)."""
-        apart = self.means - self.mean
-        return np.asarray(np.einsum("d,dij->ij", self.weights, self.covariances) + (apart.T * self.weights) @ apart)
-
-    @cached_property
     def shifts(self) -> np.ndarray:
         """Change of each coefficient for a change of an effect by one, the effect being given: (p, q)."""
         # Regression of coefficients on effects: data that contradict an effect of that size do not reduce the change,
         # since other effects may have absorbed it.
         p = self.model.fixed
-        shift = np.zeros((p, len(self.model.group)))
-        for weight, part in zip(self.weights, self.parts, strict=True):
-            shift += weight * (self._combined @ part.covariance[:, p:]) / np.diag(part.covariance)[p:]
-        return shift
+        slopes = [(self._combined @ part.covariance[:, p:]) / np.diag(part.covariance)[p:] for part in self.parts]
+        return np.asarray(np.tensordot(self.weights, slopes, 1))

@@ -18,7 +18,6 @@ COLLINEAR = 1e-12
 
 def mse_shares(gram: np.ndarray, cross: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Share of each term when the value of a set of terms is minus its mean squared error, (n,)."""
-    # gram (n, n); cross (n,); values (n,)
     # The coefficients stay as they are. The game is quadratic, so that the shares have a closed form: phi_j = theta_j
     # (2 x_j'y - x_j'X theta) / rows, here up to the rows, which normalising removes.
     return _normalised(values * (2 * cross - gram @ values))
@@ -26,21 +25,18 @@ def mse_shares(gram: np.ndarray, cross: np.ndarray, values: np.ndarray) -> np.nd
 
 def mean_abs_shares(deviations: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Share of each term by the mean size of its contribution, mean ``|theta_j (x_j - mean x_j)|``, (n,)."""
-    # deviations (n,); values (n,)
     # For a linear model these are the means of the sizes of the exact per-row Shapley values; never negative.
     return _normalised(np.abs(values) * deviations)
 
 
 def lmg_shares(gram: np.ndarray, cross: np.ndarray) -> np.ndarray:
     """Share of each term in R2 when every subset of terms is fitted anew, averaged over all orders, (n,)."""
-    # gram (n, n); cross (n,)
     # Lindeman, Merenda, Gold (1980); no bounds are imposed on the subsets' fits.
     return _normalised(shapley_values(_explained(gram, cross)))
 
 
 def shapley_values(worth: np.ndarray) -> np.ndarray:
-    """Return the exact Shapley values of a game from the value of every subset, (players,)."""
-    # worth (2**players,)
+    """Return the exact Shapley values (players,) of a game from the value of every subset (2**players,)."""
     players = len(worth).bit_length() - 1
     others = np.bitwise_count(np.arange(len(worth) // 2))
     orders = np.array([factorial(size) * factorial(players - size - 1) / factorial(players) for size in range(players)])
@@ -57,8 +53,7 @@ def _explained(gram: np.ndarray, cross: np.ndarray) -> np.ndarray:
     # the columns still to come, and the force, have left beside it.
     size = np.sqrt(np.diag(gram))
     scale = np.append(np.divide(1.0, size, out=np.zeros_like(size), where=size > 0), 1.0)
-    products = np.block([[gram, cross[:, None]], [cross, np.zeros(1)]]) * np.outer(scale, scale)
-    left = products[None]
+    left = (np.block([[gram, cross[:, None]], [cross, np.zeros(1)]]) * np.outer(scale, scale))[None]
     for _ in size:
         pivot, row = left[:, 0, 0], left[:, 0, 1:]
         inverse = np.divide(1.0, pivot, out=np.zeros_like(pivot), where=pivot > COLLINEAR)
@@ -73,22 +68,20 @@ def _normalised(phi: np.ndarray) -> np.ndarray:
 
 
 def shares(
-    kind: str,
-    equations: NormalEquations,
-    terms: TermTable,
-    coefficients: Mapping[str, float],
+    kind: str, equations: NormalEquations, terms: TermTable, coefficients: Mapping[str, float],
     deviations: Callable[[], Mapping[str, float]],
-) -> dict[str, dict[str, float]]:
+) -> dict[str, dict[str, float]]:  # fmt: skip
     """Share out each force among its terms: force -> coefficient -> share."""
     if kind not in KINDS:
         raise InputError(f"Shapley kind {kind!r} is unknown; choose {', '.join(KINDS)}")
-    shared, total = {}, equations.total
+    shared = {}
     for force, part in terms.forces.items():
         names = [term.name for term in part]
-        values = np.array([coefficients[name] for name in names])
         if not names:
             continue
-        gram, cross = equations.pick(total, names), equations.pick(total, names, [force])[:, 0]
+        values = np.array([coefficients[name] for name in names])
+        gram = equations.pick(equations.total, names)
+        cross = equations.pick(equations.total, names, [force])[:, 0]
         if kind == "mse":
             share = mse_shares(gram, cross, values)
         elif kind == "lmg":
