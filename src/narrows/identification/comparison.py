@@ -1,4 +1,4 @@
-"""Cross-validation of tables of terms on the same tests: left-out tests and speeds; a model on tests, a fit to these."""
+"""Cross-validation of tables of terms on the same tests and speeds; a model on tests, beside a fit to these."""
 
 import math
 from collections.abc import Mapping, Sequence
