@@ -8,9 +8,9 @@ from arguments import uncertain
 
 import narrows as nw
 from narrows.control import PredictiveHelm
+from narrows.control.predictive.line_frame import no_push
 from narrows.control.predictive.planner import RudderPlan
 from narrows.control.predictive.predictive_helm import VoyageOrders
-from narrows.control.predictive.push_estimate import no_push
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.ship_lanes import ActuatorRates
 from narrows.simulation.steering import steering_of

@@ -20,7 +20,16 @@ from narrows.codegen.linearisation import LINEARISED
 from narrows.control.linearization import LocalMotion, LocalWater, along_line
 from narrows.control.predictive import plan_loops
 from narrows.control.predictive.course_ahead import margins_of, regulator_of, weights_of
-from narrows.control.predictive.line_frame import HELD, WaterAhead, over_interval, share_of, water_ahead
+from narrows.control.predictive.line_frame import (
+    HELD,
+    BankSpread,
+    Push,
+    no_push,
+    over_interval,
+    share_of,
+    updated_push,
+    water_ahead,
+)
 from narrows.control.predictive.planner import (
     QuadraticProgram,
     horizon_of,
@@ -28,7 +37,6 @@ from narrows.control.predictive.planner import (
     program_of,
     solution,
 )
-from narrows.control.predictive.push_estimate import BankSpread, Push, no_push, updated_push
 from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.simulation.ship import SimulatedShip
 from narrows.waterway import Bank, Centreline, Waterway
@@ -304,7 +312,6 @@ def test_the_water_ahead_is_the_waterway_and_goes_on_beyond_its_ends() -> None:
 def test_shares_count_from_wall_to_wall() -> None:
     there = {"middle": np.array([1.0, 1.0]), "width": np.array([10.0, 10.0])}
     np.testing.assert_allclose(share_of(np.array([-4.0, 6.0]), there), [-1.0, 1.0])
-    assert WaterAhead(np.zeros((2, 7)), 1.0, straight=True).length == 0.0
 
 
 def test_margins_grow_by_what_the_push_at_the_start_leaves_unexplained() -> None:

@@ -16,20 +16,14 @@ from narrows.control.predictive.line_frame import (
     HELD,
     RUDDER,
     SECTION,
+    BankSpread,
+    Push,
     WaterAhead,
     over_interval,
     share_of,
 )
-from narrows.control.predictive.push_estimate import BankSpread, Push
 from narrows.control.regulator_gains import RegulatorWeights, discrete_riccati
-from narrows.control.settings import (
-    FURTHEST,
-    MOST_PLACES,
-    OTHER_SPEED,
-    PLACES_A_LENGTH,
-    SHARES,
-    WAYS,
-)
+from narrows.control.settings import FURTHEST, MOST_PLACES, OTHER_SPEED, PLACES_A_LENGTH, SHARES, WAYS
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.ship import SimulatedShip
@@ -53,10 +47,7 @@ class SteadyTrack:
     limit: float  # Limit of the rudder [rad]
 
     def nearest(self, x: float) -> int:
-        if len(self.places) == 1:
-            return 0
-        step = self.places[1] - self.places[0]
-        return int(min(max(round((x - self.places[0]) / step), 0), len(self.places) - 1))
+        return round(min(max(0.0, x / float(self.places[1])), len(self.places) - 1))
 
     def held(self, x: float, push: Push, most: float) -> float:
         """Return the share of the way to the middle, 0 to 1, at which the rudder angle ``most`` holds the ship."""
@@ -65,11 +56,9 @@ class SteadyTrack:
         asked = np.abs(self.states[:, place, RUDDER] + (self.by_push[:, place, RUDDER] * pushed).sum(axis=-1))
         asked[~self.known[:, place]] = np.inf
         enough = asked <= most
-        if not enough.any():
-            return float(asked.argmin()) / (WAYS - 1)
-        first = int(enough.argmax())
-        if first == 0:
-            return 0.0
+        first = int(enough.argmax() if enough.any() else asked.argmin())
+        if first == 0 or not enough[first]:
+            return first / (WAYS - 1)
         more, less = asked[first - 1], asked[first]
         part = (more - most) / (more - less) if np.isfinite(more) else 1.0
         return (first - 1 + float(part)) / (WAYS - 1)
@@ -80,13 +69,9 @@ class SteadyTrack:
         part = way * (WAYS - 1) - row
         states = self.states[row] + part * (self.states[row + 1] - self.states[row])
         nearest = round(way * (WAYS - 1)), self.nearest(float(x[0]))
-        given_way = self.by_push[nearest] @ push.at(self.shares[nearest][None])[0][0]
-        if len(self.places) == 1:
-            there = np.tile(states[0] + given_way, (len(x), 1))
-        else:
-            step = self.places[1] - self.places[0]
-            there = compiled_loops(plan_loops).interpolate(states, self.places[0], step, x)[0] + given_way
-        there[:, RUDDER] = np.minimum(np.maximum(there[:, RUDDER], -self.limit), self.limit)
+        there: np.ndarray = compiled_loops(plan_loops).interpolate(states, 0.0, self.places[1], x)[0]
+        there += self.by_push[nearest] @ push.at(self.shares[nearest][None])[0][0]
+        there[:, RUDDER] = np.clip(there[:, RUDDER], -self.limit, self.limit)
         return there
 
 
@@ -185,13 +170,13 @@ def steady_track(
 ) -> SteadyTrack:
     """Find the steady courses along a line, at the offset and nearer to the middle, where less rudder is needed."""
     length = ship.model.configuration.ship.length
-    count = 1 if water.straight else int(min(max(PLACES_A_LENGTH * water.length / length, 2), MOST_PLACES))
+    count = int(min(max(PLACES_A_LENGTH * water.length / length, 2), MOST_PLACES))
     places = np.linspace(0.0, water.length, count)
     there = water.at(places)
     # The offset, or the nearest one with clearance on both sides; the middle if there is none.
     reach = ship.model.configuration.ship.beam / 2 + margin
     starboard, port = there["keel_starboard"] - reach, -(there["keel_port"] - reach)
-    offset = np.where(starboard > port, np.minimum(np.maximum(y, port), starboard), (starboard + port) / 2)
+    offset = np.where(starboard > port, np.clip(y, port, starboard), (starboard + port) / 2)
     middle = (there["keel_starboard"] - there["keel_port"]) / 2
     y_held = (offset + np.linspace(0.0, 1.0, WAYS)[:, None] * (middle - offset)).ravel()
     everywhere = {name: np.tile(column, WAYS) for name, column in there.items()}

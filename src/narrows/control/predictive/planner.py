@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.linearisation import LINEARISED
+from narrows.control import settings
 from narrows.control.linearization import along_line
 from narrows.control.predictive import plan_loops
 from narrows.control.predictive.course_ahead import Weights
@@ -19,24 +20,10 @@ from narrows.control.predictive.line_frame import (
     MOVED,
     RUDDER,
     SECTION,
+    Push,
     WaterAhead,
     over_interval,
     share_of,
-)
-from narrows.control.predictive.push_estimate import Push
-from narrows.control.settings import (
-    FREE_CLEARANCE,
-    HORIZON_LENGTHS,
-    LEAST_CLEARANCE,
-    MOST_DRIFT,
-    MOST_HEADING,
-    MOST_INTERVALS,
-    MOST_ITERATIONS,
-    MOST_TURN,
-    PLANS_AN_INTERVAL,
-    SHORT,
-    SHORT_SQUARED,
-    STEPS,
 )
 from narrows.errors import InputError, check_count, needs
 from narrows.simulation.ship import SimulatedShip
@@ -63,7 +50,7 @@ def predict(
         start[:, number] = states[:, RUDDER] if name == "rudder" else positions[name]
     end = start.copy()
     end[:, lanes.actuators.index("rudder")] += rates * time
-    after = lanes.advance(points, time, start, end, None, push, STEPS)
+    after = lanes.advance(points, time, start, end, None, push, settings.STEPS)
     reached = np.empty_like(states)
     reached[:, :2], reached[:, 2:4], reached[:, RUDDER] = after[:, 1:3], after[:, 4:], states[:, RUDDER] + rates * time
     return after[:, 0], reached
@@ -154,7 +141,7 @@ class Planner:
         water = self.water.at(plan.x)
         there, ends = ({name: column[part] for name, column in water.items()} for part in (np.s_[:-1], np.s_[1:]))
         nodes[1:] = self._within_reason(ends, nodes[1:], speed)
-        plan = RudderPlan(plan.x, nodes, plan.rates)
+        plan = replace(plan, states=nodes)
         pushes, by_share = push.at(share_of(plan.states[:-1, 0], there))
         end, reached = predict(
             self.lanes, plan.x[:-1], plan.states[:-1], speed, plan.rates, pushes, interval, self.positions
@@ -166,7 +153,7 @@ class Planner:
         A[:, :, 0] += (integral[:, :, FORCED] @ by_place)[:, :, 0]
         e, G = compiled_loops(plan_loops).condensed(A, integral[..., RUDDER], reached - plan.states[1:])
         x = np.append(plan.x[0], plan.x[0] + np.cumsum(end - plan.x[:-1]))
-        program = self._program(RudderPlan(x, plan.states, plan.rates), e, G, reference(x)[1:], beyond)
+        program = self._program(replace(plan, x=x), e, G, reference(x)[1:], beyond)
         z = solution(program, seconds)
         if z is None:
             return None
@@ -178,12 +165,12 @@ class Planner:
         """Limit states to the model's domain: clear of the banks, not across the canal, finite rates."""
         (half_length, half_beam), limited = self.hull, states.copy()
         middle = (there["keel_starboard"] - there["keel_port"]) / 2
-        limited[:, 1] = psi = _clipped(states[:, 1], MOST_HEADING)
-        reach = half_length * np.abs(np.sin(psi)) + (1 + LEAST_CLEARANCE) * half_beam
+        limited[:, 1] = psi = np.clip(states[:, 1], -settings.MOST_HEADING, settings.MOST_HEADING)
+        reach = half_length * np.abs(np.sin(psi)) + (1 + settings.LEAST_CLEARANCE) * half_beam
         room = np.maximum((there["keel_starboard"] + there["keel_port"]) / 2 - reach, 0.0)
-        limited[:, 0] = middle + _clipped(states[:, 0] - middle, room)
-        limited[:, 2] = _clipped(states[:, 2], MOST_DRIFT * speed)
-        limited[:, 3] = _clipped(states[:, 3], MOST_TURN * speed / half_length)
+        limited[:, 0] = middle + np.clip(states[:, 0] - middle, -room, room)
+        most = np.array([settings.MOST_DRIFT, settings.MOST_TURN / half_length]) * speed
+        limited[:, 2:4] = np.clip(states[:, 2:4], -most, most)
         return limited
 
     def _slopes(
@@ -209,21 +196,12 @@ class Planner:
         nodes, x, loops = plan.states[1:], plan.x[1:], compiled_loops(plan_loops)
         cost = loops.tracking_cost(nodes + e - reference, G, plan.rates, self.weights.states, self.weights.rate, beyond)
         off, by_heading, ahead = loops.corner_offsets(nodes, *self.hull, self.water.at(x)["curvature"])
-        distances, spare = self._bank_distances(x + ahead), FREE_CLEARANCE * self.hull[1]
-        clearance = loops.clearance_rows(off, by_heading, e, G, *distances, spare)
+        there = self.water.at((x + ahead).ravel())
+        walls = [there[name].reshape(ahead.shape) - self.margins for name in ("keel_starboard", "keel_port")]
+        clearance = loops.clearance_rows(off, by_heading, e, G, *walls, settings.FREE_CLEARANCE * self.hull[1])
         # The rudder after each interval, and how changes of the rates move it.
         rudders = nodes[:, RUDDER] + e[:, RUDDER], G[:, RUDDER]
         return program_of(cost, plan.rates, rudders, clearance, self.limits, self.hull[1])
-
-    def _bank_distances(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Distance of the starboard and the port bank from the line at each corner, less the margin."""
-        there = self.water.at(x.ravel())
-        starboard, port = (there[name].reshape(x.shape) - self.margins for name in ("keel_starboard", "keel_port"))
-        return starboard, port
-
-
-def _clipped(values: np.ndarray, most: float | np.ndarray) -> np.ndarray:
-    return np.asarray(np.minimum(np.maximum(values, -most), most))
 
 
 def program_of(
@@ -232,9 +210,9 @@ def program_of(
 ) -> QuadraticProgram:  # fmt: skip
     """Combine cost and constraints; clearance may fall short at a cost."""
     n = len(rates)
-    H, f = np.zeros((n + 1, n + 1)), np.full(n + 1, SHORT)
+    H, f = np.zeros((n + 1, n + 1)), np.full(n + 1, settings.SHORT)
     H[:n, :n], f[:n] = cost
-    H[n, n] = SHORT_SQUARED
+    H[n, n] = settings.SHORT_SQUARED
     (angle, by_rate), (rows, bounds), (most, fastest) = rudders, clearance, limits
     A = np.zeros((n + len(rows), n + 1))
     A[:n, :n], A[n:, :n], A[n:, n] = by_rate, rows, -half_beam
@@ -253,18 +231,18 @@ def solution(program: QuadraticProgram, seconds: float = 0.0) -> np.ndarray | No
         return None
     z, _, flag, _ = daqp.solve(
         program.H, program.f, program.rows, program.upper, program.lower, None,
-        iter_limit=MOST_ITERATIONS, time_limit=seconds,
+        iter_limit=settings.MOST_ITERATIONS, time_limit=seconds,
     )  # fmt: skip
     return z if flag > 0 and np.isfinite(z).all() else None
 
 
 def horizon_of(passing: float, horizon: float | None, intervals: int, period: float | None) -> Horizon:
-    check_count("intervals", intervals, 2, MOST_INTERVALS)
+    check_count("intervals", intervals, 2, settings.MOST_INTERVALS)
     for name, value in (("horizon", horizon), ("period", period)):
         if value is not None and not 0 < value < np.inf:
             raise InputError(f"{name} = {value} must be a positive time in seconds")
-    interval = (HORIZON_LENGTHS * passing if horizon is None else horizon) / intervals
-    between = interval / PLANS_AN_INTERVAL if period is None else period
+    interval = (settings.HORIZON_LENGTHS * passing if horizon is None else horizon) / intervals
+    between = interval / settings.PLANS_AN_INTERVAL if period is None else period
     if between > interval:
         raise InputError(
             f"a plan every {between:g} s is too seldom for intervals of {interval:.3g} s; shorten the period or "

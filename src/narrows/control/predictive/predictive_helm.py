@@ -11,7 +11,7 @@ import numpy as np
 
 from narrows.codegen.choices import STAGES
 from narrows.control.predictive.course_ahead import CourseAhead, weights_of
-from narrows.control.predictive.line_frame import FORCED, RUDDER, share_of, water_ahead
+from narrows.control.predictive.line_frame import FORCED, RUDDER, Push, no_push, share_of, updated_push, water_ahead
 from narrows.control.predictive.planner import (
     Horizon,
     Planner,
@@ -20,7 +20,6 @@ from narrows.control.predictive.planner import (
     predict,
     prediction_lanes,
 )
-from narrows.control.predictive.push_estimate import Push, no_push, updated_push
 from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.control.settings import FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING, TIME_TOLERANCE
 from narrows.control.steady_course import check_holds, check_inside, check_rudder
@@ -75,15 +74,13 @@ class VoyageOrders:
     _order: float = field(init=False, default=math.nan)
     _stages: list[float] = field(init=False, default_factory=list)  # Orders on their way to the rudder [rad]
 
-    def __post_init__(self) -> None:
-        self.push = no_push(self.course.spread)
-
     def __call__(self, t: float, state: VoyageState) -> float:
         """Return the rudder order [rad], a finite number within its limit for any input."""
         t, *numbers = (math.nan if number is None else number for number in (t, *state))
         state = VoyageState(*numbers)
         if self._seen is None or t < self._seen.t or t - self._seen.t > self.planner.horizon.time:
-            self._begin_anew()
+            self.plan, self._seen, self.push, self.way = None, None, no_push(self.course.spread), 0.0
+            self._order = math.nan
         elif not t - self._seen.t >= self.planner.horizon.period * (1 - TIME_TOLERANCE):
             return self._order  # also if the time is NaN
         with np.errstate(all="ignore"):  # an unphysical state has no plan
@@ -108,20 +105,15 @@ class VoyageOrders:
         self._order = float(min(max(order, -limit), limit))
         return self._order
 
-    def _begin_anew(self) -> None:
-        self.plan, self._seen, self.push, self.way = None, None, no_push(self.course.spread), 0.0
-        self._order = math.nan
-
     def _at_actuation(self, seen: Seen) -> Seen:
         """Predict the state at the time when the steering gear starts to follow the next order."""
         # The rudder is then at the last order, not at the indicated angle, which lags it.
-        x, state, stages, delay = seen.x, seen.state.copy(), self._stages, self.gear.delay
+        stages, delay = self._stages, self.gear.delay
         parts = math.ceil(2 * delay / self.planner.horizon.interval)
         for _ in range(parts):
-            turned, stages = self._turned(float(state[RUDDER]), stages, delay / parts)
-            x, state = self._predicted(x, state, seen.speed, turned, delay / parts)
-        state[RUDDER] = self._order
-        return Seen(seen.t + delay, x, seen.speed, state)
+            turned, stages = self._turned(float(seen.state[RUDDER]), stages, delay / parts)
+            seen = self._predicted(seen, turned, delay / parts)
+        return seen._replace(state=np.append(seen.state[:RUDDER], self._order))
 
     def _turned(self, rudder: float, stages: list[float], time: float) -> tuple[float, list[float]]:
         """Return how far the last orders turn the rudder in a time [rad], and the orders still on their way."""
@@ -135,19 +127,15 @@ class VoyageOrders:
             begun = state.x if math.isfinite(state.x) else 0.0
             return Seen(0.0, begun, self.course.speed, self.course.track.at(np.array([begun]), self.push)[0])
         there = state.rudder if math.isfinite(state.rudder) else self._order
-        x, after = self._predicted(last.x, last.state, last.speed, there - last.state[RUDDER], elapsed)
-        return Seen(last.t + elapsed, x, last.speed, after)
+        return self._predicted(last, there - last.state[RUDDER], elapsed)
 
-    def _predicted(
-        self, x: float, state: np.ndarray, speed: float, turned: float, time: float
-    ) -> tuple[float, np.ndarray]:
-        """Return place and state after a time in which the rudder turns by an angle."""
-        x_twice, both = np.full(2, x), np.tile(state, (2, 1))  # One lane alone would share its inputs
-        push, _ = self.push.at(self._share(x_twice, state[0]))
-        places, after = predict(
-            self.observer, x_twice, both, speed, np.full(2, turned / time), push, time, self.planner.positions
-        )
-        return float(places[0]), after[0]
+    def _predicted(self, seen: Seen, turned: float, time: float) -> Seen:
+        """Return the ship after a time in which the rudder turns by an angle."""
+        x, states = np.full(2, seen.x), np.tile(seen.state, (2, 1))  # One lane alone would share its inputs
+        push, _ = self.push.at(self._share(x, seen.state[0]))
+        rates, positions = np.full(2, turned / time), self.planner.positions
+        places, after = predict(self.observer, x, states, seen.speed, rates, push, time, positions)
+        return Seen(seen.t + time, float(places[0]), seen.speed, after[0])
 
     def _estimate(self, seen: Seen, expected: Seen, elapsed: float) -> None:
         force_of = self.course.track.force_of[0, self.course.track.nearest(seen.x)]
