@@ -243,10 +243,8 @@ class ClosedLoop(BaseSummary):
         gear = self.model.configuration.gear
         slow = f", {gear.dead_time:g} s of dead time, {gear.lag:g} s of lag" if gear.delay else ""
         sees = f" by {', '.join(sensor.name for sensor in self.sensors)}" if self.sensors else ""
-        return (
-            f"{type(self.controller).__name__} at y = {self.y:g} m and u = {self.u:g} m/s{sees}, an order every "
-            f"{self.dt:g} s{slow}"
-        )
+        about = f"{type(self.controller).__name__} at y = {self.y:g} m and u = {self.u:g} m/s"
+        return f"{about}{sees}, an order every {self.dt:g} s{slow}"
 
 
 @accept_aliases
@@ -271,14 +269,10 @@ def closed_loop(
         Estimates the state from the readings; default ``Estimator(model, sensors)``.
     waterway : Waterway, optional
         Waterway instead of the model's own canal.
-    y : float [m], optional
-        Offset of the steady course; default: that of the controller.
-    u : float [m/s], optional
-        Surge velocity through the water; default: that of the controller.
-    x : float [m]
-        Place along the waterway.
-    dt : float [s]
-        Time between orders.
+    y, u : float, optional
+        Offset [m] and surge velocity through the water [m/s] of the steady course; default: those of the controller.
+    x, dt : float
+        Place along the waterway [m], time between orders [s].
     """
     check_rudder(model)
     check_waterway(waterway)

@@ -219,20 +219,15 @@ def design(
     ----------
     model : Model
         A model with terms of a rudder and the covariance of its coefficients.
-    y : float [m]
-        Offset to hold, to starboard of the centreline.
-    u : float [m/s]
-        Surge velocity through the water.
+    y, u : float
+        Offset to hold, to starboard of the centreline [m], and surge velocity through the water [m/s].
     gear : SteeringGear, optional
         Steering gear; the model's own unless given.
     noise : mapping of str to float, optional
         Standard deviations of the regulator's readings: y [m], psi [rad], v [m/s], r [rad/s].
-    ships : int
-        Number of ships for tuning; ten times as many are used for testing.
-    rounds : int
-        Rounds of the search, twelve designs each.
-    seed : int
-        Seed of all random numbers.
+    ships, rounds, seed : int
+        Number of ships for tuning (ten times as many are used for testing), rounds of the search of twelve designs
+        each, seed of all random numbers.
     progress : bool
         Show a bar on stderr.
 

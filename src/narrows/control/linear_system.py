@@ -115,20 +115,10 @@ class LinearSystem(BaseResult):
         return int(np.linalg.matrix_rank(reached, tol=RANK_TOLERANCE * np.linalg.norm(reached, 2)))
 
     def margins(self, gains: Any, control: str = "rudder") -> dict[str, float]:
-        """Return the margins of the loop closed by ``u = -gains x``, broken at one control.
+        """Return the margins of the loop closed by ``u = -gains x``, broken at one control, as ``ClosedLoop.margins``.
 
-        Parameters
-        ----------
-        gains : array (states,) or (states + 2,)
-            Control per deviation of each state. With two more gains they are those of a regulator: the control's rate
-            is proportional to the states, to the control itself and to the integral of the offset.
-        control : str
-            The control.
-
-        Returns
-        -------
-        dict of str to float
-            As ``ClosedLoop.margins``.
+        ``gains``: control per deviation of each state. With two more gains they are those of a regulator: the control's
+        rate is proportional to the states, to the control itself and to the integral of the offset.
         """
         gains, count = np.asarray(gains, float), len(self.states)
         if gains.shape not in ((count,), (count + 2,)):
@@ -199,14 +189,11 @@ class LinearSystem(BaseResult):
             rates = f": the largest growth rate is {growth.min():.3g} to {growth.max():.3g} 1/s" if known.any() else ""
             return f"Motion about {int(known.sum())} steady courses of {known.size} asked for{rates}."
         at = {name: float(value) for name, value in self.course.items()}
-        growth = float(self.eigenvalues()[0].real)
         rudder = f"rudder {np.degrees(at['rudder']):.2f} degrees" if "rudder" in at else "held by forces from outside"
         bend = f" in a bend of {1 / abs(at['curvature']):.4g} m" if at["curvature"] else ""
-        return (
-            f"Motion about the steady course {at['y']:g} m off the middle at {at['u']:.3g} m/s{bend}: "
-            f"{rudder}, heading {np.degrees(at['psi']):.2f} degrees; the largest growth "
-            f"rate is {growth:.3g} 1/s."
-        )
+        where = f"{at['y']:g} m off the middle at {at['u']:.3g} m/s{bend}"
+        held, growth = f"{rudder}, heading {np.degrees(at['psi']):.2f} degrees", float(self.eigenvalues()[0].real)
+        return f"Motion about the steady course {where}: {held}; the largest growth rate is {growth:.3g} 1/s."
 
     def to_dict(self) -> dict[str, Any]:
         """Return the matrices, their names and the course."""

@@ -140,14 +140,11 @@ def linearize(
     ----------
     model : Model
         A model with or without terms of a rudder.
-    y : float or array [m]
-        Offset to starboard of the canal's centreline or of the waterway's line; an array is a dimension of that name.
-    u : float or array [m/s]
-        Surge velocity through the water, likewise.
-    waterway : Waterway, optional
-        Waterway instead of the model's own canal.
-    at : float [m]
-        Place along it.
+    y, u : float or array
+        Offset to starboard of the canal's centreline or of the waterway's line [m], surge velocity through the water
+        [m/s]; an array is a dimension of that name.
+    waterway, at : Waterway, float [m], optional
+        Waterway instead of the model's own canal, and the place along it.
     surge : str
         ``held``: constant speed; ``free``: it is a state. The propeller turns as the steady course needs; without one a
         force X drives the ship.
@@ -173,10 +170,8 @@ def linearize(
     varied = {name: column for (name, column), number in zip(asked.items(), (y, u), strict=True) if np.ndim(number)}
     known = np.isfinite(course["rudder"]) if "rudder" in course else np.ones(1, bool)
     if not varied and not known.any():
-        raise InputError(
-            f"no rudder holds this ship {offsets[0]:g} m off the middle at {speeds[0]:g} m/s; choose a place nearer to "
-            "it"
-        )
+        where = f"{offsets[0]:g} m off the middle at {speeds[0]:g} m/s"
+        raise InputError(f"no rudder holds this ship {where}; choose a place nearer to it")
     return _system(motion, course, varied)
 
 

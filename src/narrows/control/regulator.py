@@ -83,12 +83,11 @@ class Regulator(BaseSummary):
             raise InputError(
                 "a regulator holds one line or more, each from a later time or place than the one before; give them"
             )
-        for name in ("u", "unwinding"):
-            if not (np.isfinite(getattr(self, name)).all() and np.all(np.asarray(getattr(self, name)) > 0)):
-                raise InputError(f"a regulator needs {name} over 0; it is {getattr(self, name)}")
-        for name in ("lead", "integral"):
-            if not np.isfinite(getattr(self, name)).all():
-                raise InputError(f"a regulator with {name} = {getattr(self, name)} steers nothing; give a number")
+        for name, least in (("u", 0.0), ("unwinding", 0.0), ("lead", -np.inf), ("integral", -np.inf)):
+            value = np.asarray(getattr(self, name))
+            if not (np.isfinite(value) & (value > least)).all():
+                remedy = "a finite number" if least else f"{name} over 0"
+                raise InputError(f"a regulator with {name} = {getattr(self, name)} steers nothing; give {remedy}")
 
     def summary(self) -> str:
         """Describe the lines."""
@@ -157,10 +156,9 @@ def regulator(
         Offset to starboard of the canal's centreline or of the waterway's line; each pair holds from its time on.
     u : float [m/s]
         Surge velocity through the water.
-    waterway : Waterway, optional
-        Waterway instead of the model's own canal.
-    at : float or sequence of float [m]
-        Place along it for which the gains are computed; with several, rising, each holds from its place on.
+    waterway, at : Waterway, float or sequence of float [m], optional
+        Waterway instead of the model's own canal, and the place along it for which the gains are computed; with
+        several, rising, each holds from its place on.
     weights : RegulatorWeights
         Weights of the cost: defaults tuned by simulated voyages, or those of ``design``.
     **values : float [SI]

@@ -88,10 +88,8 @@ def regulator_gains(model: Model, linear: LinearSystem, weights: RegulatorWeight
     motion, push = rate_driven(linear.A[None], linear.B[None, :, linear.controls.index("rudder")])
     gains = gains_of(SimulatedShip(model), motion, push, np.array([float(linear.course["u"])]), weights)[0]
     if not np.isfinite(gains).all():
-        y, u = float(linear.course["y"]), float(linear.course["u"])
-        raise InputError(
-            f"no regulator holds this ship {y:g} m off the middle at {u:g} m/s: its rudder has no effect there"
-        )
+        where = f"{float(linear.course['y']):g} m off the middle at {float(linear.course['u']):g} m/s"
+        raise InputError(f"no regulator holds this ship {where}: its rudder has no effect there")
     return tuple(gains.tolist())
 
 

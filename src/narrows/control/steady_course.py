@@ -99,10 +99,8 @@ def check_holds(model: Model, rudder: float, y: float, u: float) -> None:
     """Raise if the rudder of a steady course is beyond its limit, or NaN."""
     gear = model.configuration.gear
     if not abs(rudder) <= gear.limit:
-        raise InputError(
-            f"no rudder up to {gear.limit_deg:g} degrees holds this ship at y = {y:g} m and {u:g} m/s; choose a "
-            "smaller offset"
-        )
+        held = f"no rudder up to {gear.limit_deg:g} degrees holds this ship at y = {y:g} m and {u:g} m/s"
+        raise InputError(f"{held}; choose a smaller offset")
 
 
 def check_inside(y: Any, width: Any, beam: Any) -> None:

@@ -90,13 +90,13 @@ class CourseAhead:
     ) -> None:  # fmt: skip
         self.ship, self.water, self.y, self.margin = ship, water, y, margin
         self.positions, self.weights, self.interval = dict(positions), weights, interval
-        self._start(u, steady_track(ship, water, y, u, margin, positions))
+        self._start(u)
         self._usual = self._regulated(self.narrowest)
         self.spread = self._spread()
 
-    def _start(self, u: float, track: SteadyTrack) -> None:
-        self.speed, self.track = u, track
-        self._known: dict[tuple[int, int], Regulated] = {}
+    def _start(self, u: float) -> None:
+        self.track = steady_track(self.ship, self.water, self.y, u, self.margin, self.positions)
+        self.speed, self._known = u, dict[tuple[int, int], Regulated]()
 
     @property
     def narrowest(self) -> int:
@@ -108,7 +108,7 @@ class CourseAhead:
         """Return the course at a speed; if none is found, the previous one."""
         if u > 0 and abs(u - self.speed) > OTHER_SPEED * self.speed:
             with suppress(InputError):
-                self._start(u, steady_track(self.ship, self.water, self.y, u, self.margin, self.positions))
+                self._start(u)
         return self.track
 
     def regulated(self, x: float, way: float) -> Regulated:
@@ -232,10 +232,6 @@ def margins_of(
     return margin + NormalDist().inv_cdf(confidence) * spread
 
 
-# The linear-quadratic regulator of the rudder's rate: the cost beyond a plan's end, and the helm when there is no plan.
-IN_VAIN = "no helm holds this ship: its rudder has no effect"
-
-
 def weights_of(weights: RegulatorWeights, half_beam: float, passing: float) -> Weights:
     # Bryson and Ho (1975), Applied optimal control, section 5.2.
     rudder = math.radians(weights.rudder_deg)
@@ -244,10 +240,10 @@ def weights_of(weights: RegulatorWeights, half_beam: float, passing: float) -> W
 
 
 def regulator_of(A: np.ndarray, B: np.ndarray, weights: Weights) -> tuple[np.ndarray, np.ndarray]:
-    """Return the gains of the best linear helm (5,) and the infinite-horizon cost matrix (5, 5)."""
+    """Return the best gains (5,) of the rudder's rate and the infinite-horizon cost matrix (5, 5)."""
     with np.errstate(all="ignore"):
         (cost,) = discrete_riccati(A[None], np.outer(B, B)[None] / weights.rate, np.diag(weights.states)[None])
         gains = np.asarray(B @ cost @ A / (weights.rate + B @ cost @ B))
     if not np.isfinite(gains).all() or not np.abs(np.linalg.eigvals(A - np.outer(B, gains))).max() < 1.0:
-        raise InputError(IN_VAIN)
+        raise InputError("no helm holds this ship: its rudder has no effect")
     return gains, np.asarray((cost + cost.T) / 2)

@@ -1,4 +1,4 @@
-"""What a plan knows about the ship's surroundings: the water along the line, and an unexplained external force."""
+"""Surroundings of a plan: the water along the line, and an unexplained external force."""
 
 import math
 from dataclasses import dataclass

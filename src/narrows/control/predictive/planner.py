@@ -169,7 +169,7 @@ class Planner:
         reach = half_length * np.abs(np.sin(psi)) + (1 + settings.LEAST_CLEARANCE) * half_beam
         room = np.maximum((there["keel_starboard"] + there["keel_port"]) / 2 - reach, 0.0)
         limited[:, 0] = middle + np.clip(states[:, 0] - middle, -room, room)
-        most = np.array([settings.MOST_DRIFT, settings.MOST_TURN / half_length]) * speed
+        most = np.array([settings.MOST_DRIFT * speed, settings.MOST_TURN * speed / half_length])
         limited[:, 2:4] = np.clip(states[:, 2:4], -most, most)
         return limited
 
@@ -244,10 +244,8 @@ def horizon_of(passing: float, horizon: float | None, intervals: int, period: fl
     interval = (settings.HORIZON_LENGTHS * passing if horizon is None else horizon) / intervals
     between = interval / settings.PLANS_AN_INTERVAL if period is None else period
     if between > interval:
-        raise InputError(
-            f"a plan every {between:g} s is too seldom for intervals of {interval:.3g} s; shorten the period or "
-            "lengthen the horizon"
-        )
+        seldom = f"a plan every {between:g} s is too seldom for intervals of {interval:.3g} s"
+        raise InputError(f"{seldom}; shorten the period or lengthen the horizon")
     return Horizon(intervals, interval, between)
 
 

@@ -57,19 +57,16 @@ class Seen(NamedTuple):
 class VoyageOrders:
     """A function of time and state that gives rudder orders, with a memory."""
 
-    # It stores the estimated ``push``, the ``plan``, the ``way`` from the offset, 0, to the middle, 1, and the number
-    # of orders ``without_plan``.
-
     planner: Planner  # Makes plans
     course: CourseAhead  # The course to hold
     observer: ShipLanes  # Predicts the state for comparison
     push_time: float  # Time constant of the force estimate [s]
     seconds: float  # Time limit of a plan; 0 for none [s]
     gear: SteeringGear  # Gear that follows the orders
-    push: Push = field(init=False)
+    push: Push = field(init=False)  # Estimated external force
     plan: RudderPlan | None = field(init=False, default=None)
-    way: float = field(init=False, default=0.0)
-    without_plan: int = field(init=False, default=0)
+    way: float = field(init=False, default=0.0)  # From the offset, 0, to the middle, 1
+    without_plan: int = field(init=False, default=0)  # Number of orders by the best linear helm
     _seen: Seen | None = field(init=False, default=None)
     _order: float = field(init=False, default=math.nan)
     _stages: list[float] = field(init=False, default_factory=list)  # Orders on their way to the rudder [rad]
@@ -177,66 +174,31 @@ class PredictiveHelm(BaseSummary):
     has no solution in time, the best linear helm about the same course steers. It is for single voyages:
     ``simulate(model, ..., controller=helm)``.
 
-    Parameters
-    ----------
-    model : Model
-        A model with terms of a rudder; the covariance of its coefficients widens the margin to the banks.
-    y : float [m]
-        Offset to hold, to starboard of the line; without clearance there, the nearest possible.
-    u : float [m/s]
-        Design surge velocity; during a voyage it uses the measured one.
-    waterway : Waterway, optional
-        Waterway instead of the model's own canal; beyond its ends the section is assumed constant.
-    margin : float [m], optional
-        Least distance between hull and bank; 0.15 beams unless given.
-    confidence : float [1]
-        Probability that the hull stays clear, given uncertain coefficients.
-    horizon : float [s], optional
-        Length of plans; the time of 2.4 ship lengths unless given.
-    intervals : int
-        Number of intervals of a plan, each with one rudder rate.
-    period : float [s], optional
-        Time between plans; a fifth of an interval unless given.
-    revolutions : float [1/s], optional
-        Propeller revolutions; those that keep the speed unless given.
-    seconds : float [s]
-        Time limit of a plan's program; 0 for none.
-    weights : RegulatorWeights
-        Weights of offset, heading, rudder and stroke time in a plan; those of the regulator unless given.
-
-    Raises
-    ------
-    InputError
-        If the model has no rudder, the hull is in a bank at the offset, a number is invalid, or DAQP is not installed
-        (``pip install narrows[control]``).
-
     References
     ----------
     Diehl, Bock and Schloeder (2005), A real-time iteration scheme for nonlinear optimization in optimal feedback
     control, SIAM Journal on Control and Optimization 43(5), 1714-1736.
     """
 
-    model: Model
-    y: float = 0.0
-    u: float = 1.0
+    model: Model  # Has terms of a rudder; the covariance of its coefficients widens the margin to the banks
+    y: float = 0.0  # Offset to hold, to starboard of the line [m]; without clearance there, the nearest possible
+    u: float = 1.0  # Design surge velocity [m/s]; during a voyage it uses the measured one
+    # Waterway instead of the model's own canal; beyond its ends the section is assumed constant
     waterway: "Waterway | None" = None
-    margin: float | None = None
-    confidence: float = 0.95
-    horizon: float | None = None
-    intervals: int = INTERVALS
-    period: float | None = None
-    revolutions: float | None = None
-    seconds: float = 0.0
-    weights: RegulatorWeights = DEFAULT_WEIGHTS
+    margin: float | None = None  # Least distance between hull and bank [m]; 0.15 beams unless given
+    confidence: float = 0.95  # Probability that the hull stays clear, given uncertain coefficients [1]
+    horizon: float | None = None  # Length of plans [s]; the time of 2.4 ship lengths unless given
+    intervals: int = INTERVALS  # Number of intervals of a plan, each with one rudder rate
+    period: float | None = None  # Time between plans [s]; a fifth of an interval unless given
+    revolutions: float | None = None  # Propeller revolutions [1/s]; those that keep the speed unless given
+    seconds: float = 0.0  # Time limit of a plan's program [s]; 0 for none
+    weights: RegulatorWeights = DEFAULT_WEIGHTS  # Weights of offset, heading, rudder and stroke time in a plan
 
     def __post_init__(self) -> None:
         check_rudder(self.model)
         check_waterway(self.waterway)
-        given = {"margin": self.margin, "revolutions": self.revolutions}
-        finite_numbers(
-            y=self.y, u=self.u, confidence=self.confidence, seconds=self.seconds,
-            **{name: value for name, value in given.items() if value is not None},
-        )  # fmt: skip
+        given = {name: getattr(self, name) for name in ("y", "u", "confidence", "seconds", "margin", "revolutions")}
+        finite_numbers(**{name: value for name, value in given.items() if value is not None})
         if not self.u > 0:
             raise InputError(f"u = {self.u:g} m/s: a rudder steers nothing without way; give a speed over 0")
         if not 0.5 <= self.confidence < 1:
@@ -261,48 +223,33 @@ class PredictiveHelm(BaseSummary):
 
     def summary(self) -> str:
         """Describe the offset, the horizon and the period."""
-        horizon = self._horizon()
-        where = "" if self.waterway is None else f" of {self.waterway.name}"
-        return (
-            f"holds y = {self.y:g} m{where} at {self.u:g} m/s, plans {horizon.time:.3g} s ahead every "
-            f"{horizon.period:.2g} s"
-        )
+        horizon, where = self._horizon(), "" if self.waterway is None else f" of {self.waterway.name}"
+        plans = f"plans {horizon.time:.3g} s ahead every {horizon.period:.2g} s"
+        return f"holds y = {self.y:g} m{where} at {self.u:g} m/s, {plans}"
 
     def begin(self) -> VoyageOrders:
-        """Return the orders of one voyage, with a memory of their own.
-
-        Raises
-        ------
-        InputError
-            If no rudder angle holds the ship at the offset, or the rudder does not turn it.
-        """
+        """Return the orders of one voyage, with a memory of their own."""
         ship, hull, horizon = SimulatedShip(self.model), self.model.configuration.ship, self._horizon()
-        positions = self._positions()
-        passing = hull.length / self.u
+        positions, passing = {}, hull.length / self.u
+        if self.model.terms.propelled:
+            turns = self_propulsion(self.model, self.u) if self.revolutions is None else self.revolutions
+            positions["revolutions"] = turns
         weights = weights_of(self.weights, hull.beam / 2, passing)
         margin = MARGIN * hull.beam if self.margin is None else self.margin
         water = water_ahead(self.model, self.waterway)
         course = CourseAhead(ship, water, self.y, self.u, margin, positions, weights, horizon.interval)
-        gear, track = self.model.configuration.gear, course.track
         if self.waterway is None:
-            held = float(track.states[0, 0, RUDDER]) if track.known[0, 0] else math.nan
+            held = course.track.states[0, 0, RUDDER] if course.track.known[0, 0] else math.nan
             check_holds(self.model, held, self.y, self.u)
         margins = course.margins(horizon.intervals, self.confidence)
         planner = Planner(ship, self.waterway, water, horizon, margins, weights, positions)
         observer = prediction_lanes(ship, self.waterway, 2)
+        gear = self.model.configuration.gear
         return VoyageOrders(planner, course, observer, PUSH_LENGTHS * passing, self.seconds, gear)
-
-    def _positions(self) -> dict[str, float]:
-        if not self.model.terms.propelled:
-            return {}
-        turns = self_propulsion(self.model, self.u) if self.revolutions is None else self.revolutions
-        return {"revolutions": turns}
 
 
 def _without_gaps(t: float, state: VoyageState, expected: Seen) -> Seen:
     """Return the measured state, with expected values in place of NaN."""
-    sensed = np.array([state.y, state.psi, state.v, state.r, state.rudder], float)
-    whole = np.where(np.isfinite(sensed), sensed, expected.state)
-    x = state.x if math.isfinite(state.x) else expected.x
-    speed = state.u if math.isfinite(state.u) else expected.speed
-    return Seen(t, x, speed, whole)
+    sensed = np.array([state.x, state.u, state.y, state.psi, state.v, state.r, state.rudder], float)
+    whole = np.where(np.isfinite(sensed), sensed, [expected.x, expected.speed, *expected.state])
+    return Seen(t, float(whole[0]), float(whole[1]), whole[2:])
