@@ -122,9 +122,7 @@ def _section(cls: type, name: str, values: Mapping[str, Any]) -> Any:
     for key in values:
         if key not in known:
             raise InputError(f"[{name}] has an unknown key {key!r}{did_you_mean(key, known)}")
-    try:
-        return cls(**values)
-    except TypeError:
-        required = [key for key, entry in known.items() if entry.default is MISSING]
-        missing = [key for key in required if key not in values]
-        raise InputError(f"[{name}] lacks {', '.join(missing)}; add it, in SI units") from None
+    missing = [key for key, entry in known.items() if entry.default is MISSING and key not in values]
+    if missing:
+        raise InputError(f"[{name}] lacks {', '.join(missing)}; add it, in SI units")
+    return cls(**values)
