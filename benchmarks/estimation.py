@@ -8,6 +8,7 @@ measurement; it carries no coefficients, gates nothing and watches no drift. The
 docs/estimation.md.
 """
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -18,7 +19,7 @@ from common import installed, show, sizes
 import narrows as nw
 from narrows.estimation import Estimator, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
 
-SENSORS = (Gnss(), Gyro(), RateOfTurn(), Log(), RudderIndicator())
+SENSORS = (Gnss(), Gyro(math.radians(0.2)), RateOfTurn(math.radians(0.03)), Log(), RudderIndicator())
 SPEED, WIDTH = 4.5, 300.0
 
 

@@ -7,6 +7,7 @@ A thousand samples with the rudder as it is and with the helmsman, for 120 s, 12
 predictor is what bridges have today: the present rate of turn and speed go on, the hull's corners held to the banks.
 """
 
+import math
 import time
 from collections.abc import Callable
 
@@ -22,7 +23,7 @@ from narrows.simulation.ship import SimulatedShip
 from narrows.warning.forecasting.forecaster import Forecaster
 from narrows.warning.forecasting.helmsman import Helmsmen
 
-SENSORS = (Gnss(), Gyro(), RateOfTurn(), Log(), RudderIndicator())
+SENSORS = (Gnss(), Gyro(math.radians(0.2)), RateOfTurn(math.radians(0.03)), Log(), RudderIndicator())
 SPEED, OFFSET, HEADING = 4.5, 20.0, 0.02
 
 

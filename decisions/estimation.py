@@ -32,7 +32,7 @@ from narrows.report.figures import track_figure
 from narrows.terms.tables import table_named
 
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
-SENSORS = (Gnss(), Gyro(), RateOfTurn(), Log(), RudderIndicator())
+SENSORS = (Gnss(), Gyro(math.radians(0.2)), RateOfTurn(math.radians(0.03)), Log(), RudderIndicator())
 WAYS = ("certain", "considered", "estimated")
 Y, U, TWINS = 50.0, 4.5, 4
 BEGUN, SPOOF, LENGTH = 150.0, 0.5, 240.0

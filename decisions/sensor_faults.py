@@ -17,7 +17,7 @@ from estimation import SENSORS, U, Y, model
 from pages import markdown
 
 import narrows as nw
-from narrows.estimation import Estimator, GaussMarkov, Gnss
+from narrows.estimation import Estimator, GaussMarkov, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
 from narrows.estimation.twins import sail_twins
 
 sys.path.append(str(Path(__file__).parent.parent / "benchmarks"))
@@ -72,10 +72,11 @@ def faults() -> str:
 def steered() -> str:
     """Largest offset and rudder travel under true states and under estimates."""
     law, rows = nw.control.regulator(model(), 50.0, U), []
+    others = Gyro(), RateOfTurn(), Log(), RudderIndicator()
     receivers = {"white fixes": Gnss(1.5, coloured=None), "slow errors": Gnss(0.5, coloured=GaussMarkov(1.5, 60.0))}
     pushed = {"calm": {}, **{name: scenes(model())[name].forces() for name in ("bank", "gust")}}
     for name, forces in pushed.items():
-        for seen, sensors in {"true states": (), **{k: (own, *SENSORS[1:]) for k, own in receivers.items()}}.items():
+        for seen, sensors in {"true states": (), **{k: (own, *others) for k, own in receivers.items()}}.items():
             loop = nw.control.closed_loop(model(), law, sensors=sensors)
             voyage = loop.simulate(600.0, 1, **forces)
             travel = np.degrees(np.abs(np.diff(voyage.rudder)).sum())

@@ -1,5 +1,6 @@
 """Transits with what every predictor forecasts of them, kept so that a run can go on; people who act on an alert."""
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from watched.filters import FiltersAbreast, SensorErrors
 from watched.forecasts import COLUMNS, ForecastsAbreast
 from watched.truths import DURATION, LENGTH, Hands, Physics, Ships, departing, modelled, waterway
 
-SENSORS = (Gnss(), Gyro(), RateOfTurn(), Log(), RudderIndicator())
+SENSORS = (Gnss(), Gyro(math.radians(0.2)), RateOfTurn(math.radians(0.03)), Log(), RudderIndicator())
 ABREAST, MEMBERS = 128, 96
 FROM, EVERY, BEFORE, ESCAPED = 120, 2, 300, 180
 """From when on it is forecast, between two forecasts; what is looked at before a contact and after an alert [s]."""

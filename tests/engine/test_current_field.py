@@ -131,7 +131,7 @@ def test_an_estimator_follows_a_current_across_that_it_is_not_told_of() -> None:
     helm, told = nw.control.regulator(model, 0.0, 4.0), {"x": 150.0, "y": 0.0, "u": 4.0, "duration": 700.0, "dt": 1.0}
     voyage = nw.simulate(model, **told, waterway=turning, controller=helm)
     kinds, random = nw.estimation, np.random.default_rng(3)
-    sensors = [kinds.Gnss(), kinds.Gyro(), kinds.RateOfTurn(), kinds.Log(), kinds.RudderIndicator()]
+    sensors = [kinds.Gnss(), kinds.Gyro(0.0035), kinds.RateOfTurn(5e-4), kinds.Log(), kinds.RudderIndicator()]
     one, off = kinds.Estimator(model, sensors, waterway=canal()), []
     for t, x, y, psi, r, u, rudder in zip(
         *(voyage[name] for name in ("t", "x", "y", "psi", "r", "u", "rudder")), strict=True

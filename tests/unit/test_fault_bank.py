@@ -76,7 +76,7 @@ def test_the_right_sensor_is_named_and_the_truth_kept(what: str) -> None:
 def test_a_log_at_0_from_the_start_is_found_out() -> None:
     """At 230 m and 4.5 m/s: within 15 s the speed is that of the fixes, and the log is named."""
     model = nw.scale_model(steered(), 230.0, 1025.0).model
-    one, random = Estimator(model, [Gnss(), Gyro(), RateOfTurn(), Log(), RudderIndicator()]), np.random.default_rng(2)
+    one, random = Estimator(model, [Gnss(), Gyro(0.0035), RateOfTurn(5e-4), Log(), RudderIndicator()]), np.random.default_rng(2)
     for t in range(40):
         noise = random.standard_normal(4)
         fix = 4.5 * t + 1.5 * noise[0], 20.0 + 1.5 * noise[1]
@@ -101,7 +101,7 @@ def wander(t: int) -> float:
 def test_slow_errors_of_fixes_that_are_not_declared_widen_the_band(white: float, slow: Callable[[int], float]) -> None:
     """At 230 m: fixes that count as white have slow errors. They stay in use, and the band is right."""
     model, random = nw.scale_model(steered(), 230.0, 1025.0).model, np.random.default_rng(2)
-    one = Estimator(model, [Gnss(coloured=None), Gyro(), RateOfTurn(), Log(), RudderIndicator()])
+    one = Estimator(model, [Gnss(coloured=None), Gyro(0.0035), RateOfTurn(5e-4), Log(), RudderIndicator()])
     found = []
     for t in range(400):
         noise = random.standard_normal(6)
@@ -167,7 +167,7 @@ def test_adopted_states_are_marginals_of_the_others() -> None:
     np.testing.assert_allclose(back.mean, now.mean)
     np.testing.assert_allclose(back.covariance, now.covariance, rtol=1e-9, atol=1e-15)
     place = more.states.places["gyro_fault"]
-    assert math.sqrt(there.covariance[place, place]) == pytest.approx(100.0 * math.radians(0.2))
+    assert math.sqrt(there.covariance[place, place]) == pytest.approx(100.0 * math.radians(0.15))
 
 
 def test_a_likelihood_is_that_of_the_innovations() -> None:
@@ -182,6 +182,6 @@ def test_a_likelihood_is_that_of_the_innovations() -> None:
 
     now = Gaussian(state, 0.01 * np.eye(size))
     _, seen = one.update(0.0, now, {"log": (1.02,), "gyro": (0.004,)}, one.monitor())
-    spread = np.diag([1e-4 + 0.01**2, 1e-4 + math.radians(0.2) ** 2])
+    spread = np.diag([1e-4 + 0.01**2, 1e-4 + math.radians(0.15) ** 2])
     whole = multivariate_normal([1.0, 0.0], spread).logpdf([1.02, 0.004]) + math.log(2.0 * math.pi)
     assert seen.log_likelihood == pytest.approx(whole)

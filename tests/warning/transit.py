@@ -1,5 +1,6 @@
 """A ship for tests: the KCS at 230 m in a canal 300 m wide that bends, with an estimator of it."""
 
+import math
 from dataclasses import replace
 from functools import cache
 
@@ -11,7 +12,7 @@ from narrows.identification.fitting import bundled_ship
 from narrows.terms.tables import table_named
 from narrows.waterway import Bank, Centreline
 
-SENSORS = (Gnss(), Gyro(), RateOfTurn(), Log(), RudderIndicator())
+SENSORS = (Gnss(), Gyro(math.radians(0.2)), RateOfTurn(math.radians(0.03)), Log(), RudderIndicator())
 SPEED = 4.5
 
 

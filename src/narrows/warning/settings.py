@@ -1,5 +1,7 @@
 """Numbers of the monitor that one may want to change: unit and reason of each."""
 
+import math
+
 # Alerts. Times of IEC 62923-1:2018 where it has one.
 SILENCE = 30.0  # [s] a silenced alert sounds again after this time (IEC 62923-1)
 REPEAT_AFTER = 60.0  # [s] an alert that nobody acknowledges sounds anew after this time
@@ -66,6 +68,7 @@ SIGNAL_K_AGE = 5.0  # [s] that a time of Signal K may be off that of this machin
 MOST_SENDERS = 64  # senders of datagrams whose unfinished lines are kept
 LONGEST_SILENCE = 120.0  # [s] replayed second by second; a longer silence is skipped
 # The monitor
+GYRO_NOISE, TURN_NOISE = math.radians(0.2), math.radians(0.03)  # [rad], [rad/s] of instruments that nobody described
 GROUND_LOG_NOISE = 0.4  # [m/s] of a speed over ground taken for that through water: a current lies between
 GRACE = 20.0  # [s] after the start, in which a missing forecast is no alert
 DRAFT_TOLERANCE = 0.03  # [1] of the draft: reported and modelled draft may differ by this

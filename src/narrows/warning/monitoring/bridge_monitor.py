@@ -49,7 +49,9 @@ from narrows.waterway.waterway import Waterway
 def bridge_sensors(antenna: tuple[float, float] = (0.0, 0.0)) -> list[Any]:
     forward, starboard = antenna
     receiver = Gnss(forward=forward, starboard=starboard), CourseOverGround(forward=forward, starboard=starboard)
-    return [*receiver, Gyro(), RateOfTurn(), Log(), Log(settings.GROUND_LOG_NOISE, name=GROUND_LOG), RudderIndicator()]
+    compass, turn = Gyro(settings.GYRO_NOISE), RateOfTurn(settings.TURN_NOISE)
+    log, ground = Log(), Log(settings.GROUND_LOG_NOISE, name=GROUND_LOG)
+    return [*receiver, compass, turn, log, ground, RudderIndicator()]
 
 
 @dataclass
