@@ -12,7 +12,7 @@ from narrows.files import write_whole
 from narrows.logbook import EnvelopeChange, SteadyFit, SteadyPlan
 from narrows.logbook.envelope_change import rudder_band
 from narrows.logbook.learned_coefficient import ON_TWINS, QUANTILE_95
-from narrows.logbook.steady_legs.learn_steady import SHARED
+from narrows.logbook.steady_legs.steady_readings import SHARED
 from narrows.report.fit_page import figure, render
 from narrows.report.pilot_page import LEARNED_HEADS, learned_rows
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, Margins, panels

@@ -20,6 +20,7 @@ from narrows.logbook.learning.log_posterior import log_posterior, posterior_cova
 from narrows.logbook.settings import CONTRADICTION, WRONG_SIGN_GAIN
 from narrows.logbook.steady_legs.leg_balance import LegFit, LegProblem
 from narrows.logbook.steady_legs.steady_readings import (
+    SHARED,
     UNKNOWN,
     ReadingErrors,
     SteadyConditions,
@@ -77,9 +78,6 @@ class SteadyFit(LearnedAnswer):
     latent: np.ndarray
     checks: SteadyChecks
 
-    def __repr__(self) -> str:
-        return f"<SteadyFit of {self.readings.summary()}>"
-
     @property
     def informative(self) -> bool:
         """True where a coefficient of the bank was learned, and nothing contradicts it."""
@@ -108,15 +106,11 @@ class SteadyFit(LearnedAnswer):
             "informative": self.informative,
             "coefficients": [coefficient.to_dict() for coefficient in self.coefficients.values()],
             "shared": [
-                {"name": name, "unit": SHARED[name][1], "value": value * SHARED[name][2], "std": std * SHARED[name][2],
-                 "prior_std": before * SHARED[name][2]}
-                for (name, (value, std)), before in zip(
-                    self.shared.items(), self.conditions.shared(self.prior).tolist(), strict=True)
+                {"name": name, "unit": unit, "value": factor * value, "std": factor * std, "prior_std": factor * before}
+                for (name, (_, unit, factor)), (value, std), before in zip(
+                    SHARED.items(), self.shared.values(), self.conditions.shared(self.prior).tolist(), strict=True)
             ],
-            "chi_square": self.checks.chi_square,
-            "freedom": self.checks.freedom,
-            "probability": self.checks.probability,
-            "contradicted": self.checks.contradicted,
+            **{name: getattr(self.checks, name) for name in ("chi_square", "freedom", "probability", "contradicted")},
             "legs": self.leg_rows(),
             "source": {"table": self.readings.source, "sha256": self.readings.sha256},
             "notes": list(self.notes),
@@ -185,9 +179,9 @@ def learn_steady(
         model, learned, posterior.covariance, f"learned from {readings.summary()} ({readings.source})",
         abs(read["y"]), read["u"], checks.contradicted,
     )  # fmt: skip
-    std = np.sqrt(np.diag(posterior_covariance(problem, found.information)))[problem.count :] * problem.common
-    value = found.unknowns[problem.count :] * problem.common
-    shared = dict(zip(UNKNOWN, zip(value.tolist(), std.tolist(), strict=True), strict=True))
+    std = np.sqrt(np.diag(posterior_covariance(problem, found.information)))
+    common = problem.common[:, None] * np.stack([found.unknowns, std], axis=1)[problem.count :]
+    shared = dict(zip(UNKNOWN, map(tuple, common.tolist()), strict=True))
     return SteadyFit(after, model, readings, conditions, learned, shared, found.latent, checks)
 
 
@@ -199,28 +193,16 @@ def check_covariance(model: Model) -> None:
         )
 
 
-# Common errors of legs: words, printed unit, factor from SI.
-SHARED = {
-    "wind_Y": ("sway force of the wind", "N", 1.0), "wind_N": ("yaw moment of the wind", "N m", 1.0),
-    "rudder_zero": ("zero of the rudder", "deg", 180 / np.pi), "drift_zero": ("zero of the drift", "deg", 180 / np.pi),
-    "heading_zero": ("zero of the heading", "deg", 180 / np.pi), "y_zero": ("zero of the offset", "m", 1.0),
-}  # fmt: skip
-
 # Quantities that a balance with so many unknowns cannot determine.
 WHOSE = (
     "Legs that agree do not show that they are of this ship: on twins those of one a quarter shorter or longer agree, "
     "and a rudder of the wrong sign may; see to ship, draft and signs."
 )
-
-
-# Readings that are often written with the other sign.
-TURNED = ("rudder", "drift", "heading")
-
+TURNED = ("rudder", "drift", "heading")  # Readings that are often written with the other sign
 ONE_SIDE = (
     "All legs are on one side of the middle: wind and the zeros of rudder and drift do not cancel, and what was "
     "learned rests on how large they were taken to be; hold the other side too."
 )
-
 SCALE = "A steady balance determines ratios of forces: their scale is that of the tests."
 
 
@@ -230,7 +212,8 @@ def steady_checks(readings: SteadyReadings, found: LegFit, problem: LegProblem) 
     each = chdtrc(found.counted // len(readings), np.maximum(found.left_out, 0.0))
     legs = dict(zip(readings.legs, each.tolist(), strict=True))
     chance = float(chdtrc(found.counted, max(found.chi_square, 0.0)))
-    findings = [] if readings.both_sides else [ONE_SIDE]
+    y = readings.values["y"]
+    findings = [] if y.min() < 0 < y.max() else [ONE_SIDE]
     if chance < CONTRADICTION:
         findings.append(
             "The legs contradict the model, each other or their errors: a sum of squares of "
@@ -240,7 +223,7 @@ def steady_checks(readings: SteadyReadings, found: LegFit, problem: LegProblem) 
     findings += _other_sign(readings, found.chi_square, problem)
     if not found.converged:
         findings.append("The search for the true states of the legs did not converge; give smaller errors of y and u.")
-    asked, covered = {"speed": readings.values["u"], "abs_y": np.abs(readings.values["y"])}, problem.model.data_range
+    asked, covered = {"speed": readings.values["u"], "abs_y": np.abs(y)}, problem.model.data_range
     findings += extrapolation(covered, {name: column for name, column in asked.items() if getattr(covered, name)})
     return SteadyChecks(found.chi_square, found.counted, chance, legs, (*findings, SCALE))
 

@@ -9,6 +9,7 @@ record of a log has, and the search and the posterior are those of logs.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,7 +22,6 @@ from narrows.logbook.learning.log_prior import coefficient_prior
 from narrows.logbook.settings import UPDATE_ROUNDS, UPDATE_SETTLED
 from narrows.logbook.steady_legs.steady_readings import UNKNOWN, SteadyConditions, SteadyReadings
 from narrows.model.model import Model
-from narrows.quantities.names import Number
 from narrows.safety.request import keel_at
 from narrows.ship.motion import Motion
 from narrows.simulation.self_propulsion import self_propulsion
@@ -31,17 +31,13 @@ from narrows.simulation.ship import SimulatedShip
 LATENT = ("y", "u", "rudder", "psi")
 # Forces in balance on a steady leg, and the velocity whose rate each makes.
 BALANCED = {"Y": "v", "N": "r"}
-# Which of ``UNKNOWN`` adds to a reading.
-ZEROS = {"rudder": 2, "drift": 3, "heading": 4, "y": 5}
+FORCES = slice(len(BALANCED))
 UNLIKE = (
     "errors of these readings are beyond all measure, or differ by too many powers of ten; check each, and its unit"
 )
 
 
-@dataclass(frozen=True)
-class LegFit:
-    """Most likely coefficients and common errors, and how far each leg agrees."""
-
+class LegFit(NamedTuple):
     unknowns: np.ndarray  # (P,) Scaled coefficients, then ``UNKNOWN`` over their standard deviations
     information: np.ndarray  # (P, P)
     latent: np.ndarray  # (legs, 4) Most likely ``LATENT``
@@ -49,6 +45,13 @@ class LegFit:
     left_out: np.ndarray  # (legs,) The part of it that is gone without each leg [1]
     counted: int  # Degrees of freedom
     converged: bool
+
+
+class LegReadings(NamedTuple):
+    value: np.ndarray  # (legs, 4 or 5) ``LATENT`` as read, the direction as often as it is read
+    size: np.ndarray  # (legs, 4 or 5) Standard deviations
+    zeros: np.ndarray  # (4 or 5, 6) 1 where one of ``UNKNOWN`` adds to a reading
+    balance: "SteadyBalance"
 
 
 @dataclass(frozen=True)
@@ -62,144 +65,97 @@ class LegProblem(Unknowns):
 
     @classmethod
     def of(cls, model: Model, conditions: SteadyConditions) -> "LegProblem":
-        """Return the unknowns of a model with its covariance."""
         prior = coefficient_prior(model, np.asarray(model.covariance), "held")
         return cls(model, prior, conditions.shared(model), conditions.left_over(model))
 
     @property
     def spreads(self) -> np.ndarray:
-        """Prior standard deviations of the common errors, over themselves."""
         return np.ones(len(UNKNOWN))
 
     @cached_property
     def scale(self) -> np.ndarray:
-        """Change of coefficients and common errors, each in its own unit, by the unknowns, (n + 6, P)."""
-        names = self.model.terms.names
-        matrix = np.zeros((len(names) + len(UNKNOWN), self.count + len(UNKNOWN)))
+        """Change of every coefficient by the scaled ones, (n, p)."""
+        names, matrix = self.model.terms.names, np.zeros((len(self.model.terms.names), self.count))
         for place, group in enumerate(self.prior.groups):
             matrix[[names.index(name) for name in group], place] = self.prior.scale[place]
-        matrix[len(names) :, self.count :] = np.diag(self.common)
         return matrix
-
-    def values(self, unknowns: np.ndarray) -> np.ndarray:
-        """Return coefficients and common errors, each in its own unit, (n + 6,)."""
-        mean = [self.model.coefficients[name] for name in self.model.terms.names]
-        return np.asarray(np.append(mean, np.zeros(len(UNKNOWN))) + self.scale @ unknowns)
 
     def fit(self, readings: SteadyReadings) -> LegFit:
         """Search the most likely coefficients, common errors and true states of the legs."""
-        legs = LegReadings.of(self, readings)
-        latent, unknowns, converged = legs.first, np.zeros(len(self.precision)), False
+        legs, unknowns, converged = self._read(readings), np.zeros(len(self.precision)), False
+        latent = legs.value[:, : len(LATENT)]
         for _ in range(UPDATE_ROUNDS):
-            about = legs.linear(latent, self.values(unknowns), self.left_over)
-            value, design = about.whitened(self)
-            rest = value - design @ unknowns
+            value, design, through = self._linear(legs, latent, unknowns)
+            score = np.einsum("lqi,lq->i", design, value - design @ unknowns)
             information = np.einsum("lqi,lqj->ij", design, design)
-            step, _ = bounded_step(self, unknowns, np.einsum("lqi,lq->i", design, rest), information)
+            step, _ = bounded_step(self, unknowns, score, information)
             unknowns = unknowns + step
-            nearer = legs.corrected(about, self.values(unknowns))
+            rest = value - design @ unknowns
+            # The readings less zeros and their share of the rest of the balance
+            errors = legs.zeros @ (self.common * unknowns[self.count :])
+            errors = errors - legs.size**2 * np.einsum("lqi,lq->li", through, rest)
+            nearer = (legs.value - errors)[:, : len(LATENT)]
             near = np.allclose(nearer, latent, rtol=UPDATE_SETTLED, atol=UPDATE_SETTLED)
             latent, converged = nearer, bool(near and (np.abs(step) <= UPDATE_SETTLED).all())
             if converged:
                 break
-        rest = value - design @ unknowns
         chi_square = float(np.sum(rest**2) + unknowns @ self.precision @ unknowns)
         # The residual of a left-out leg is that of the fit over the part of its own error that no fit takes up.
-        share = np.eye(legs.balances) - design @ posterior_covariance(self, information) @ design.swapaxes(1, 2)
+        share = np.eye(rest.shape[1]) - design @ posterior_covariance(self, information) @ design.swapaxes(1, 2)
         left_out = np.einsum("lq,lq->l", rest, np.linalg.solve(share, rest[..., None])[..., 0])
-        return LegFit(unknowns, information, latent, chi_square, left_out, len(readings) * legs.balances, converged)
+        return LegFit(unknowns, information, latent, chi_square, left_out, rest.size, converged)
 
     def informations(self, readings: SteadyReadings) -> np.ndarray:
         """Return the information of each leg that is read exactly as here, (legs, P, P)."""
-        legs = LegReadings.of(self, readings)
-        about = legs.linear(legs.first, self.values(np.zeros(len(self.precision))), self.left_over)
-        design = about.whitened(self)[1]
+        legs = self._read(readings)
+        design = self._linear(legs, legs.value[:, : len(LATENT)], np.zeros(len(self.precision)))[1]
         return np.asarray(design.swapaxes(1, 2) @ design)
 
-
-@dataclass(frozen=True)
-class LinearLegs:
-    """The balance about states of the legs: value = design @ (coefficients, common errors) + error."""
-
-    value: np.ndarray  # (legs, q)
-    design: np.ndarray  # (legs, q, n + 6)
-    covariance: np.ndarray  # (legs, q, q) Covariance of the error
-    through: np.ndarray  # (legs, q, readings) Slopes by the readings
-
-    def whitened(self, problem: LegProblem) -> tuple[np.ndarray, np.ndarray]:
-        """Return values and design by the unknowns, with independent errors of size one."""
-        try:
-            root = np.linalg.cholesky(self.covariance)
-        except np.linalg.LinAlgError:
-            raise InputError(UNLIKE) from None
-        mean = problem.values(np.zeros(problem.scale.shape[1]))
-        value = np.linalg.solve(root, (self.value - self.design @ mean)[..., None])[..., 0]
-        return value, np.linalg.solve(root, self.design @ problem.scale)
-
-
-@dataclass(frozen=True)
-class LegReadings:
-    """Readings of legs with their errors."""
-
-    balance: "SteadyBalance"
-    value: np.ndarray  # (legs, 4 or 5) Readings
-    size: np.ndarray  # (legs, 4 or 5) Standard deviations
-    zeros: tuple[int | None, ...]  # Which of ``UNKNOWN`` adds to each column
-
-    @classmethod
-    def of(cls, problem: LegProblem, readings: SteadyReadings) -> "LegReadings":
-        """Return the readings as columns."""
+    def _read(self, readings: SteadyReadings) -> LegReadings:
         names = ("y", "u", "rudder", *readings.directions)
         value, size = (np.stack([part[name] for name in names], axis=1) for part in (readings.values, readings.errors))
-        given = sinkage_and_revolutions(problem.model, readings.values["u"], readings.values)
-        return cls(SteadyBalance(problem.model, given), value, size, tuple(ZEROS.get(name) for name in names))
+        zeros = np.array([[f"{name}_zero" == unknown for unknown in UNKNOWN] for name in names], float)
+        given = sinkage_and_revolutions(self.model, readings.values["u"], readings.values)
+        return LegReadings(value, size, zeros, SteadyBalance(self.model, given))
 
-    @property
-    def balances(self) -> int:
-        """Number of balances of a leg: sway and yaw, and one for equal directions."""
-        return int(self.value.shape[1]) - len(LATENT) + len(BALANCED)
-
-    @property
-    def first(self) -> np.ndarray:
-        """The readings as states."""
-        return self.value[:, : len(LATENT)]
-
-    def linear(self, latent: np.ndarray, values: np.ndarray, left_over: np.ndarray) -> LinearLegs:
-        """Return the balances about states (legs, 4), at coefficients and common errors (n + 6,)."""
-        count, forces = len(values) - len(UNKNOWN), slice(len(BALANCED))
-        slopes, by_turning, mass = self.balance.slopes(latent, values[:count])
-        through = np.zeros((len(self.value), self.balances, self.value.shape[1]))
-        through[:, forces, : len(LATENT)] = slopes
-        if self.balances > len(BALANCED):
-            through[:, -1, -2:] = -1.0, 1.0
-        design = np.zeros((len(self.value), self.balances, len(values)))
-        design[:, forces, :count] = self.balance.columns(latent)
-        design[:, forces, count : count + len(BALANCED)] = np.eye(len(BALANCED))
-        for column, zero in enumerate(self.zeros):
-            if zero is not None:
-                design[:, :, count + zero] -= through[:, :, column]
-        covariance = np.einsum("lqi,li,lri->lqr", through, self.size**2, through)
+    def _linear(
+        self, legs: LegReadings, latent: np.ndarray, unknowns: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return balances (legs, q) about states with independent errors of size one, and their slopes by unknowns
+        (legs, q, P) and readings: value = design @ unknowns + error.
+        """
+        mean = np.array([self.model.coefficients[name] for name in self.model.terms.names])
+        slopes, by_turning, mass = legs.balance.slopes(latent, mean + self.scale @ unknowns[: self.count])
+        columns, again = legs.balance.columns(latent), legs.value.shape[1] - len(LATENT)
+        through = np.zeros((len(latent), len(BALANCED) + again, legs.value.shape[1]))
+        through[:, FORCES, : len(LATENT)] = slopes
+        through[:, len(BALANCED) :, -2:] = -1.0, 1.0  # Two readings of the direction are equal.
+        common = -through @ legs.zeros
+        common[:, FORCES, FORCES] += np.eye(len(BALANCED))  # Of the wind
+        design = np.zeros((*through.shape[:2], len(unknowns)))
+        design[:, FORCES, : self.count] = columns @ self.scale
+        design[:, :, self.count :] = common * self.common
+        covariance = np.einsum("lqi,li,lri->lqr", through, legs.size**2, through)
         # What wind and a rest of motion leave out of balance
-        moved, turned = mass * left_over[3:], left_over[2] * by_turning
-        covariance[:, forces, forces] += np.diag(left_over[:2] ** 2) + moved @ np.swapaxes(moved, 1, 2)
-        covariance[:, forces, forces] += turned[:, :, None] * turned[:, None]
-        # Readings without errors: the direction as often as it is read
-        again = latent[:, len(LATENT) - 1 :].repeat(self.value.shape[1] - len(LATENT), axis=1)
-        off = self.value - np.concatenate([latent, again], axis=1)
-        return LinearLegs(-np.einsum("lqi,li->lq", through, off), design, covariance, through)
-
-    def corrected(self, about: LinearLegs, values: np.ndarray) -> np.ndarray:
-        """Return the most likely states: the readings less zeros and their share of the rest of the balance."""
-        rest = about.value - about.design @ values
-        weighed = np.linalg.solve(about.covariance, rest[..., None])[..., 0]
-        errors = -(self.size**2) * np.einsum("lqi,lq->li", about.through, weighed)
-        common = values[len(values) - len(UNKNOWN) :]
-        zeros = np.array([0.0 if zero is None else common[zero] for zero in self.zeros])
-        return np.asarray((self.value - zeros - errors)[:, : len(LATENT)])
+        moved, turned = mass * self.left_over[3:], self.left_over[2] * by_turning
+        covariance[:, FORCES, FORCES] += np.diag(self.left_over[:2] ** 2) + moved @ np.swapaxes(moved, 1, 2)
+        covariance[:, FORCES, FORCES] += turned[:, :, None] * turned[:, None]
+        off = legs.value - np.concatenate([latent, latent[:, -1:].repeat(again, axis=1)], axis=1)
+        value = -np.einsum("lqi,li->lq", through, off)
+        value[:, FORCES] -= columns @ mean
+        try:
+            root = np.linalg.cholesky(covariance)
+        except np.linalg.LinAlgError:
+            raise InputError(UNLIKE) from None
+        return np.linalg.solve(root, value[..., None])[..., 0], *(
+            np.linalg.solve(root, own) for own in (design, through)
+        )
 
 
 @dataclass(frozen=True)
 class SteadyBalance:
+    """Sway force and yaw moment along a straight course: the sway velocity goes with heading and speed."""
+
     model: Model  # With terms of a rudder
     given: Mapping[str, np.ndarray]  # (legs,) Heave [m], and revolutions [1/s] if the terms need them
 
@@ -207,25 +163,21 @@ class SteadyBalance:
     def _ship(self) -> SimulatedShip:
         return SimulatedShip(self.model)
 
-    @cached_property
-    def _particulars(self) -> dict[str, Number]:
-        return {**self._ship.values(), **self.given}
-
     def columns(self, latent: np.ndarray) -> np.ndarray:
         """Return what multiplies each coefficient in sway force and yaw moment, (legs, 2, coefficients)."""
-        names = self.model.terms.names
-        values, columns = self._values(latent), np.zeros((len(latent), len(BALANCED), len(names)))
+        (y, u, rudder, psi), terms = latent.T, self.model.terms
+        values = {**self._ship.values(), **Motion.at(psi, y=y, u=u, v=-u * np.tan(psi)).values(), **self.given}
+        values |= next(actuator for actuator in terms.actuators if actuator.name == "rudder").placed(rudder)
+        columns = np.zeros((len(latent), len(BALANCED), len(terms.names)))
         for row, force in enumerate(BALANCED):
-            for term in self.model.terms.forces[force]:
-                columns[:, row, names.index(term.name)] = term.column(values)
+            for term in terms.forces[force]:
+                columns[:, row, terms.names.index(term.name)] = term.column(values)
         return columns
 
     def slopes(self, latent: np.ndarray, coefficients: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return slopes by ``LATENT`` (legs, 2, 4) and by the yaw rate (legs, 2), and the mass (legs, 2, 2)."""
-        # latent (legs, 4); coefficients (coefficients,)
-        # Along a straight course: the sway velocity goes with heading and speed.
         named = dict(zip(self.model.terms.names, coefficients.tolist(), strict=True))
-        linear = self._ship.linearisation({**self._particulars, **named})
+        linear = self._ship.linearisation({**self._ship.values(), **self.given, **named})
         y, u, rudder, psi = latent.T
         at = {"y": y, "u": u, "v": -u * np.tan(psi), "psi": psi, "rudder": rudder, **self.given}
         # The rates are the forces over the mass, which no place changes.
@@ -237,23 +189,14 @@ class SteadyBalance:
         by_psi = by["psi"] - by["v"] * (u / np.cos(psi) ** 2)[:, None]
         return np.stack([by["y"], by_u, by["rudder"], by_psi], axis=-1), by["r"], mass
 
-    def _values(self, latent: np.ndarray) -> dict[str, Number]:
-        y, u, rudder, psi = latent.T
-        values = {**self._particulars, **Motion.at(psi, y=y, u=u, v=-u * np.tan(psi)).values(), **self.given}
-        for actuator in self.model.terms.actuators:
-            if actuator.name == "rudder":
-                values |= actuator.placed(rudder)
-        return values
-
 
 def sinkage_and_revolutions(model: Model, speeds: np.ndarray, read: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return heave [m], and revolutions [1/s] if the terms need them, by the speed of legs."""
-    # speeds (legs,) [m/s]
+    """Return heave [m], and revolutions [1/s] if the terms need them, by the speed of legs (legs,) [m/s]."""
     each, place = np.unique(speeds, return_inverse=True)
     given = {"heave": read["heave"] if "heave" in read else keel_at(model, each).midship[place]}
     if model.terms.propelled:
-        turns = read.get("revolutions")
-        if turns is None:
-            turns = np.array([self_propulsion(model, speed) for speed in each.tolist()])[place]
-        given["revolutions"] = turns
+        given["revolutions"] = (
+            read["revolutions"] if "revolutions" in read
+            else np.array([self_propulsion(model, speed) for speed in each.tolist()])[place]
+        )  # fmt: skip
     return given

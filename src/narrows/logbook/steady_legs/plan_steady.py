@@ -3,25 +3,16 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from narrows.control.steady_course import check_inside, check_rudder, steady_course
 from narrows.errors import InputError, check_count, shown
+from narrows.logbook import settings
 from narrows.logbook.learned_coefficient import ON_TWINS, learnable
 from narrows.logbook.learning.log_posterior import expected_std, log_posterior, regression_on_estimated
-from narrows.logbook.settings import (
-    FASTEST_LEG,
-    LEG_SPEEDS,
-    MOST_LEGS,
-    MOST_PLAN_SAMPLES,
-    OFFSET_STEPS,
-    PLAN_SAMPLES,
-    SETTLING,
-    SLOWEST_LEG,
-)
 from narrows.logbook.steady_legs.learn_steady import check_covariance
 from narrows.logbook.steady_legs.leg_balance import LegProblem
 from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyConditions, SteadyReadings
@@ -111,9 +102,6 @@ class SteadyPlan(BaseResult):
     farthest: tuple[float, float]
     notes: tuple[str, ...]
 
-    def __repr__(self) -> str:
-        return f"<SteadyPlan of {len(self.legs)} legs for {', '.join(self.targets)}>"
-
     @property
     def most_rudder(self) -> float:
         """Rudder [rad] at which a leg is to be broken off: what leaves the reserve."""
@@ -122,32 +110,34 @@ class SteadyPlan(BaseResult):
     @property
     def settling(self) -> float:
         """Settling time on the slowest leg before it is read [s]."""
-        return SETTLING * self.model.configuration.ship.length / min((leg.speed for leg in self.legs), default=np.inf)
+        return (
+            settings.SETTLING
+            * self.model.configuration.ship.length
+            / min((leg.speed for leg in self.legs), default=np.inf)
+        )
 
     def summary(self) -> str:
         """Expected information of the legs, and their largest allowed offset."""
         now, then = self.farthest
         if not self.legs:
             return "No leg off the middle is allowed: what the tests leave open of the rudder is more than its reserve."
-        gains = (f"{name}: standard error {self.std[name][0]:.2g} now, {self.std[name][-1]:.2g} after"
-                 for name in self.targets)  # fmt: skip
-        reach = f"Legs are allowed to {now:.3g} m off the middle now" + (
-            f", and probably to {then:.3g} m after these." if then > now else "."
+        gains = "; ".join(
+            f"{name}: standard error {self.std[name][0]:.2g} now, {self.std[name][-1]:.2g} after"
+            for name in self.targets
         )
-        return "\n".join(
-            (f"{len(self.legs)} legs of {self.conditions.leg_time:g} s: {'; '.join(gains)}.", reach, ON_TWINS)
-        )
+        later = f", and probably to {then:.3g} m after these." if then > now else "."
+        reach = f"Legs are allowed to {now:.3g} m off the middle now{later}"
+        return f"{len(self.legs)} legs of {self.conditions.leg_time:g} s: {gains}.\n{reach}\n{ON_TWINS}"
 
     def rows(self) -> list[dict[str, Any]]:
         """Give a row a leg, in metres, knots and degrees, with the standard errors once it is read."""
-        names = ("low", "median", "high")
         return [
             {"offset": leg.offset, "side": leg.side, "speed": leg.speed / KNOT}
-            | {f"rudder_{name}": float(np.degrees(angle)) for name, angle in zip(names, leg.rudder, strict=True)}
-            | {f"drift_{name}": float(np.degrees(angle)) for name, angle in zip(names, leg.drift, strict=True)}
-            | {f"std {name}": float(self.std[name][i + 1]) for name in self.targets}
-            for i, leg in enumerate(self.legs)
-        ]
+            | {f"{what}_{name}": float(np.degrees(angle)) for what in ("rudder", "drift")
+               for name, angle in zip(("low", "median", "high"), getattr(leg, what), strict=True)}
+            | {f"std {name}": float(self.std[name][i]) for name in self.targets}
+            for i, leg in enumerate(self.legs, start=1)
+        ]  # fmt: skip
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Give the legs as a table."""
@@ -160,9 +150,7 @@ class SteadyPlan(BaseResult):
         return {
             "summary": self.summary(),
             "legs": self.rows(),
-            "targets": {
-                name: {"std": float(std[0]), "std_after": float(std[-1])} for name, std in self.std.items()
-            },
+            "targets": {n: {"std": float(std[0]), "std_after": float(std[-1])} for n, std in self.std.items()},
             "break_off_rudder": float(np.degrees(self.most_rudder)),
             "clearance": self.clearance,
             "considered": self.considered,
@@ -175,7 +163,7 @@ def plan_steady(
     model: Model, offsets: Sequence[float] | np.ndarray | None = None,
     speeds: Sequence[float] | np.ndarray | None = None, *, legs: int = 4,
     targets: Sequence[str] = (), errors: ReadingErrors | None = None, conditions: SteadyConditions | None = None,
-    reserve: float = RESERVE, clearance: float | None = None, samples: int = PLAN_SAMPLES, seed: int = 0,
+    reserve: float = RESERVE, clearance: float | None = None, samples: int = settings.PLAN_SAMPLES, seed: int = 0,
 ) -> SteadyPlan:  # fmt: skip
     """Choose the steady legs that make some coefficients best known, among those that are safe to hold.
 
@@ -227,8 +215,8 @@ def plan_steady(
     ahead = usual_speeds(model) if speeds is None else _rising("speeds", speeds)
     check_inside(beside, model.configuration.canal.width, model.configuration.ship.beam)
     found = candidates(model, beside, ahead, reserve, side, samples, seed)
-    allowed = np.flatnonzero(found.allowed)
-    problem, before = LegProblem.of(model, conditions), np.asarray(model.covariance)
+    allowed, before = np.flatnonzero(found.allowed), np.asarray(model.covariance)
+    problem = LegProblem.of(model, conditions)
     pairs = pair_informations(problem, found, allowed, errors)
     best = best_pairs(problem, pairs.sum(axis=1), names, legs // 2)
     order = sorted(best, key=lambda i: (found.offsets[allowed[i]], found.speeds[allowed[i]]))
@@ -236,21 +224,20 @@ def plan_steady(
     held = [(i, sign) for turn, i in enumerate(order) for sign in ((-1, 1) if turn % 2 else (1, -1))]
     information = np.cumsum([np.zeros(problem.precision.shape), *(pairs[i, int(sign < 0)] for i, sign in held)], axis=0)
     known = [expected_std(model, before, problem, one) for one in information]
-    std = {name: np.array([one[name] for one in known]) for name in names}
     after = log_posterior(model, before, problem, np.zeros(len(information[-1])), information[-1]).covariance
     then = candidates(replace(model, covariance=after), beside, ahead, reserve, side, samples, seed) if order else found
-    planned = tuple(found.leg(allowed[i], sign) for i, sign in held)
     told = (*model.notes, *water_notes(None, model.configuration.canal.depth))
     return SteadyPlan(
-        planned, names, std, model, errors, conditions, reserve, side, len(allowed),
-        (found.farthest, max(found.farthest, then.farthest)),
+        tuple(found.leg(allowed[i], sign) for i, sign in held), names,
+        {name: np.array([one[name] for one in known]) for name in names}, model, errors, conditions, reserve, side,
+        len(allowed), (found.farthest, max(found.farthest, then.farthest)),
         (*told, *_refused(found, reserve, side), f"Assumed: {errors.summary()}; {conditions.summary()}.", WHO_HOLDS),
     )  # fmt: skip
 
 
 def _check(legs: int, samples: int, reserve: float, clearance: float) -> None:
-    check_count("legs", legs, 2, MOST_LEGS)
-    check_count("samples", samples, 1, MOST_PLAN_SAMPLES)
+    check_count("legs", legs, 2, settings.MOST_LEGS)
+    check_count("samples", samples, 1, settings.MOST_PLAN_SAMPLES)
     if legs % 2:
         raise InputError(
             f"legs = {legs}: give an even number, for each side cancels what the other has of wind and zeros"
@@ -265,15 +252,14 @@ def _rising(name: str, values: object) -> np.ndarray:
     try:
         column = np.asarray(values, float)
     except (TypeError, ValueError, OverflowError):
-        column = np.array([np.nan])
+        column = np.empty(0)
     if column.ndim != 1 or not column.size or not (np.isfinite(column) & (column > 0)).all():
         raise InputError(f"the {name} that may be held are finite numbers over 0; give a sequence of them")
     return np.unique(column)
 
 
-@dataclass(frozen=True)
-class Candidates:
-    offsets: np.ndarray  # (places,) Offset to starboard, or 0 [m]
+class Candidates(NamedTuple):
+    offsets: np.ndarray  # (places,) Offset to starboard [m]
     speeds: np.ndarray  # (places,) Through the water [m/s]
     rudder: np.ndarray  # (places,) Rudder with the most likely coefficients [rad]
     psi: np.ndarray  # (places,) Drift with the most likely coefficients [rad]
@@ -289,7 +275,6 @@ class Candidates:
 
     @property
     def farthest(self) -> float:
-        """Largest offset of them [m]."""
         return float(self.offsets[self.allowed].max(initial=0.0))
 
     def leg(self, place: int, sign: int) -> PlannedLeg:
@@ -314,12 +299,12 @@ def _refused(found: Candidates, reserve: float, clearance: float) -> list[str]:
 
 def pair_informations(problem: LegProblem, found: Candidates, allowed: np.ndarray, errors: ReadingErrors) -> np.ndarray:
     """Return the information of the legs to starboard and to port at each allowed place, (places, 2, P, P)."""
-    size = len(problem.precision)
+    size, sides = len(problem.precision), np.array([[1.0], [-1.0]])
     if not allowed.size:
         return np.zeros((0, 2, size, size))
-    values = {name: np.concatenate([column[allowed], sign * column[allowed]])
-              for name, column, sign in (("y", found.offsets, -1), ("u", found.speeds, 1),
-                                         ("rudder", found.rudder, -1), ("drift", found.psi, -1))}  # fmt: skip
+    columns = {"y": sides * found.offsets[allowed], "u": abs(sides) * found.speeds[allowed],
+               "rudder": sides * found.rudder[allowed], "drift": sides * found.psi[allowed]}  # fmt: skip
+    values = {name: column.ravel() for name, column in columns.items()}
     stated = {name: np.full(2 * len(allowed), errors.of(name)) for name in values}
     legs = SteadyReadings(tuple(map(str, range(2 * len(allowed)))), values, stated)
     return problem.informations(legs).reshape(2, len(allowed), size, size).swapaxes(0, 1)
@@ -329,7 +314,7 @@ def best_pairs(problem: LegProblem, pairs: np.ndarray, names: Sequence[str], cou
     """Return the pairs of legs with the least variances of some coefficients, added one by one, then exchanged."""
     # pairs (places, P, P); Fedorov (1972), Theory of Optimal Experiments, on exchange.
     model, before, inside = problem.model, np.asarray(problem.model.covariance), slice(problem.count)
-    places = [model.terms.names.index(name) for name in names if before[model.terms.names.index(name)].any()]
+    places = [place for place in map(model.terms.names.index, names) if before[place].any()]
     rows = (regression_on_estimated(model, before, problem.prior) * problem.prior.scale)[places]
     rows = rows / np.sqrt(np.diag(before))[places, None]
 
@@ -356,8 +341,8 @@ def usual_offsets(model: Model, clearance: float) -> np.ndarray:
     room = (model.configuration.canal.width - model.configuration.ship.beam) / 2 - clearance
     if room <= 0:
         raise InputError(f"a clearance of {clearance:g} m leaves no offset in this canal; give less")
-    power = 10.0 ** math.floor(math.log10(room / OFFSET_STEPS))
-    step = next(nice * power for nice in NICE if nice * power >= room / OFFSET_STEPS)
+    power = 10.0 ** math.floor(math.log10(room / settings.OFFSET_STEPS))
+    step = next(nice * power for nice in NICE if nice * power >= room / settings.OFFSET_STEPS)
     return np.asarray(step * np.arange(1, math.floor(room / step) + 1))
 
 
@@ -366,13 +351,13 @@ def usual_speeds(model: Model) -> np.ndarray:
     choke, covered = keel_at(model, np.empty(0)).choke, model.data_range.speed
     if math.isinf(choke) and covered is None:
         raise InputError("neither a depth nor the tests bound the speed; give the speeds to look at")
-    low, high = SLOWEST_LEG * choke, FASTEST_LEG * choke
+    low, high = settings.SLOWEST_LEG * choke, settings.FASTEST_LEG * choke
     if covered and math.isinf(choke):
-        low, high = covered[1] * SLOWEST_LEG / FASTEST_LEG, covered[1]
+        low, high = covered[1] * settings.SLOWEST_LEG / settings.FASTEST_LEG, covered[1]
     if covered and max(low, covered[0]) < min(high, covered[1]):
         low, high = max(low, covered[0]), min(high, covered[1])
     # In the second digit of knots, that a bridge can steer for.
-    speeds = np.linspace(low, high, LEG_SPEEDS) / KNOT
+    speeds = np.linspace(low, high, settings.LEG_SPEEDS) / KNOT
     digit = 10.0 ** (math.floor(math.log10(high / KNOT)) - 1)
     return np.unique(np.floor(speeds / digit + 0.5) * digit) * KNOT
 

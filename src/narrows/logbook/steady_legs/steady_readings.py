@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.errors import InputError, did_you_mean, shown
+from narrows.errors import InputError, did_you_mean
 from narrows.logbook.sensor_grades import check_sizes
 from narrows.logbook.settings import MISPLACED, MOST_ANGLE, WIND_LEVER, WINDAGE
 from narrows.model.model import Model
@@ -27,13 +27,11 @@ READ = {
     "drift": Quantity("rad", "heading less course over ground, positive where the bow is to starboard of the course"),
     "heading": Quantity("rad", "heading to the canal's direction, clockwise seen from above"),
 }
-
 # Values of a leg that may be given too.
 GIVEN = {
     "heave": Quantity("m", "midship sinkage; that of the squat formula unless given"),
     "revolutions": Quantity("1/s", "of the propeller, for terms that need it"),
 }
-
 LABEL = "leg"
 ERRORS = {f"{name}_error": Quantity(quantity.unit, "standard deviation") for name, quantity in READ.items()}
 COLUMNS = {**READ, **GIVEN, **ERRORS}
@@ -89,9 +87,7 @@ class ReadingErrors(BaseSummary):
         name : str
             ``y``, ``u``, ``rudder``, ``drift`` or ``heading``.
         """
-        if READ[name].unit == "rad":
-            return math.radians(getattr(self, f"{name}_deg"))
-        return float(getattr(self, name))
+        return math.radians(getattr(self, f"{name}_deg")) if READ[name].unit == "rad" else float(getattr(self, name))
 
 
 @dataclass(frozen=True, repr=False)
@@ -126,12 +122,6 @@ class SteadyReadings(BaseSummary):
         """Readings of the direction of the ship: ``drift``, ``heading`` or both."""
         return tuple(name for name in ("drift", "heading") if name in self.values)
 
-    @property
-    def both_sides(self) -> bool:
-        """True where legs lie on both sides of the middle."""
-        y = self.values["y"]
-        return bool(y.min() < 0 < y.max())
-
     def summary(self) -> str:
         """Number of legs, range of offsets, and speeds."""
         y, u = self.values["y"], self.values["u"]
@@ -151,8 +141,9 @@ class SteadyReadings(BaseSummary):
 
 def steady_readings(table: Any, errors: ReadingErrors | None = None) -> SteadyReadings:
     """Read the legs of a ship that was held."""
-    from narrows.readers.cells import as_sheet, labels, name_of, sha256_of_frame
+    from narrows.readers.cells import as_sheet, check_once, labels, name_of, numbers, sha256_of_frame
     from narrows.readers.frames import read_frame
+    from narrows.readers.headers import recognised_in
 
     if isinstance(table, SteadyReadings):
         return table
@@ -161,22 +152,7 @@ def steady_readings(table: Any, errors: ReadingErrors | None = None) -> SteadyRe
     source = Path(table).name if is_file else name_of(table)
     if frame.empty:
         raise InputError(f"{source}: has no leg; give a row for each side and speed at which the ship was held")
-    columns = _columns(frame, source)
-    names = labels(frame, LABEL, source) if LABEL in frame else range(1, len(frame) + 1)
-    readings = SteadyReadings(
-        tuple(map(str, names)), {name: columns[name] for name in (*READ, *GIVEN) if name in columns},
-        _errors(columns, errors or ReadingErrors(), source), source, sha256_of_frame(frame),
-    )  # fmt: skip
-    _check(readings)
-    return readings
-
-
-def _columns(frame: "pd.DataFrame", source: str) -> dict[str, np.ndarray]:
-    from narrows.readers.cells import check_once, numbers
-    from narrows.readers.headers import parse_header
-
-    headers = [str(header) for header in frame.columns]
-    known = [column for header in headers if (column := parse_header(header, COLUMNS)) is not None]
+    headers, known = [str(header) for header in frame.columns], recognised_in(frame, COLUMNS, source)
     check_once(known, headers, COLUMNS, source)
     columns = {column.quantity: column.scale * numbers(frame, column.header, source) for column in known}
     for name in ("y", "u", "rudder"):
@@ -184,34 +160,37 @@ def _columns(frame: "pd.DataFrame", source: str) -> dict[str, np.ndarray]:
             raise InputError(f"{source}: no column is {name}{did_you_mean(name, headers)}")
     if not {"drift", "heading"} & set(columns):
         raise InputError(f"{source}: no column is drift or heading; give one of them, as in 'drift [deg]'")
-    return columns
-
-
-def _errors(columns: Mapping[str, np.ndarray], errors: ReadingErrors, source: str) -> dict[str, np.ndarray]:
-    legs = len(columns["y"])
-    stated = {name: columns.get(f"{name}_error", np.full(legs, errors.of(name))) for name in READ if name in columns}
-    for name, column in stated.items():
-        least = "over 0" if READ[name].unit == "rad" else "from 0"
-        if not (np.isfinite(column) & (column > 0 if least == "over 0" else column >= 0)).all():
-            raise InputError(f"{source}: {name}_error is a finite number {least} on every leg; mend it")
-    return stated
+    own = errors or ReadingErrors()
+    stated = {name: columns.get(f"{name}_error", np.full(len(frame), own.of(name))) for name in READ if name in columns}
+    names = labels(frame, LABEL, source) if LABEL in frame else range(1, len(frame) + 1)
+    values = {name: columns[name] for name in (*READ, *GIVEN) if name in columns}
+    _check(readings := SteadyReadings(tuple(map(str, names)), values, stated, source, sha256_of_frame(frame)))
+    return readings
 
 
 def _check(readings: SteadyReadings) -> None:
+    for name, column in readings.errors.items():
+        least = "over 0" if READ[name].unit == "rad" else "from 0"
+        if not (np.isfinite(column) & (column > 0 if least == "over 0" else column >= 0)).all():
+            raise InputError(f"{readings.source}: {name}_error is a finite number {least} on every leg; mend it")
     for name in ("rudder", *readings.directions):
-        for leg, angle in zip(readings.legs, readings.values[name].tolist(), strict=True):
-            if abs(angle) > MOST_ANGLE:
-                raise InputError(
-                    f"{readings.source}: leg {leg} has a {name} of {shown(angle)} rad; if these are degrees, head the "
-                    f"column '{name} [deg]'"
-                )
+        if (large := np.abs(readings.values[name]) > MOST_ANGLE).any():
+            place = int(np.argmax(large))
+            raise InputError(
+                f"{readings.source}: leg {readings.legs[place]} has a {name} of {readings.values[name][place]} rad; if "
+                f"these are degrees, head the column '{name} [deg]'"
+            )
     if not (readings.values["u"] > 0).all():
         raise InputError(f"{readings.source}: a leg has no speed ahead; give u over 0, through the water")
 
 
-# What all legs of a held ship share and nobody measured: wind, the zeros of the instruments, a rest of motion.
-# What is estimated beside the coefficients: force [N] and moment [N m] of the wind, zeros of angles [rad], y [m].
-UNKNOWN = ("wind_Y", "wind_N", "rudder_zero", "drift_zero", "heading_zero", "y_zero")
+# Common errors of all legs, which are estimated with the coefficients: words, printed unit, factor from SI.
+SHARED = {
+    "wind_Y": ("sway force of the wind", "N", 1.0), "wind_N": ("yaw moment of the wind", "N m", 1.0),
+    "rudder_zero": ("zero of the rudder", "deg", 180 / np.pi), "drift_zero": ("zero of the drift", "deg", 180 / np.pi),
+    "heading_zero": ("zero of the heading", "deg", 180 / np.pi), "y_zero": ("zero of the offset", "m", 1.0),
+}  # fmt: skip
+UNKNOWN = tuple(SHARED)
 
 
 @dataclass(frozen=True, repr=False)
