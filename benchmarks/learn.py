@@ -16,7 +16,7 @@ import numpy as np
 from common import installed, interleaved, show, sizes
 
 import narrows as nw
-from narrows.logbook.filtering.recorded_motion import RecordedMotion
+from narrows.logbook.filtering.log_problem import RecordedMotion
 
 sys.path.append(str(Path(__file__).parents[1] / "decisions"))
 from kvlcc2_log import smoothed

@@ -11,7 +11,7 @@ from faults import ashore
 from logs import bend, bent_waterway, circle, kvlcc2, zigzag
 from narrows.logbook.checking.faults import FAULTS, MISREADINGS, Misreading
 from narrows.logbook.checking.record_checks import RECORD_CHECKS, Checked, Finding
-from narrows.logbook.ship_record import SIGNALS
+from narrows.logbook.ship_log import SIGNALS
 
 
 def checked(record: nw.ShipRecord, waterway: nw.Waterway | None = None) -> Checked:

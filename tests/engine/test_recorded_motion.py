@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.logbook.filtering.recorded_motion import RecordedMotion
+from narrows.logbook.filtering.log_problem import RecordedMotion
 from narrows.physics.hull import drift
 from narrows.physics.propeller import NOTHING
 

@@ -13,7 +13,7 @@ import pytest
 from cases import steered, waterway_for
 
 import narrows as nw
-from narrows.logbook.filtering.recorded_motion import RecordedMotion
+from narrows.logbook.filtering.log_problem import RecordedMotion
 from narrows.quantities.names import FORCES
 
 casadi = pytest.importorskip("casadi", reason="CasADi, the independent differentiation, is not installed")

@@ -11,7 +11,7 @@ import narrows as nw
 from faults import FAULTS, ashore, cut, off, scaled
 from logs import bend, bent_waterway, kvlcc2, zigzag
 from narrows.logbook.checking.check_log import ALL
-from narrows.logbook.checking.score_tests import FaultTest, FaultTests
+from narrows.logbook.checking.faults import FaultTest, FaultTests
 from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_setup import log_problem
 from narrows.logbook.sensor_grades import VDR, sensor_grade

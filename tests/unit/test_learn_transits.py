@@ -8,9 +8,8 @@ import pytest
 
 import narrows as nw
 from logs import PassedTransit
-from narrows.logbook.filtering.predicted_signals import HELM_GAIN
-from narrows.logbook.filtering.record_grid import first_guess, grid_of
-from narrows.logbook.filtering.recorded_motion import RecordedMotion
+from narrows.logbook.filtering.log_problem import RecordedMotion
+from narrows.logbook.filtering.record_grid import HELM_GAIN, first_guess, grid_of
 from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_setup import log_problem
 from narrows.logbook.sensor_grades import AIS, VDR, SensorGrade

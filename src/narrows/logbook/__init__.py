@@ -15,10 +15,10 @@ from narrows.logbook.sensor_grades import GRADES as GRADES
 from narrows.logbook.sensor_grades import SensorGrade as SensorGrade
 from narrows.logbook.sensor_grades import SignalGrade as SignalGrade
 from narrows.logbook.sensor_grades import sensor_grade as sensor_grade
+from narrows.logbook.ship_log import SIGNALS as SIGNALS
 from narrows.logbook.ship_log import ShipLog as ShipLog
-from narrows.logbook.ship_record import SIGNALS as SIGNALS
-from narrows.logbook.ship_record import ShipRecord as ShipRecord
-from narrows.logbook.ship_record import Signal as Signal
+from narrows.logbook.ship_log import ShipRecord as ShipRecord
+from narrows.logbook.ship_log import Signal as Signal
 from narrows.logbook.steady_legs.learn_steady import SteadyFit as SteadyFit
 from narrows.logbook.steady_legs.learn_steady import learn_steady as learn_steady
 from narrows.logbook.steady_legs.plan_steady import PlannedLeg as PlannedLeg

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from narrows.errors import InputError, check_choice, shown
-from narrows.logbook.ship_record import check_signals
+from narrows.logbook.ship_log import check_signals
 from narrows.quantities.names import KNOT
 from narrows.results import BaseSummary
 from narrows.ship.checks import is_finite

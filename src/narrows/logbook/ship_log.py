@@ -1,20 +1,225 @@
-"""A ship's own records, together, and the waterway that they are of."""
+"""A ship's own log: signals, records of manoeuvres and transits, and the waterway that they are of."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
-from narrows.logbook.ship_record import SIGNALS, ShipRecord
+from narrows.quantities.names import Quantity
 from narrows.results import BaseResult
 from narrows.waterway import Waterway
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray
+
+
+@dataclass(frozen=True, eq=False)
+class Signal:
+    """One measured quantity at its own times.
+
+    Times are those received: uneven, with gaps; ``check_log`` finds times that go back.
+
+    Parameters
+    ----------
+    t : array (n,) [s]
+        When.
+    values : array (n,)
+        In the unit of ``SIGNALS``.
+
+    Raises
+    ------
+    InputError
+        Where the two are not of one length, or a number is not finite.
+
+    Examples
+    --------
+    >>> nw.Signal(np.array([0.0, 1.0]), np.array([2.0, 3.0])).values.tolist()
+    [2.0, 3.0]
+    """
+
+    t: np.ndarray
+    values: np.ndarray
+
+    def __post_init__(self) -> None:
+        if np.ndim(self.t) != 1 or np.shape(self.t) != np.shape(self.values):
+            raise InputError(
+                f"a signal with {np.size(self.t)} times and {np.size(self.values)} values; give a value for each time"
+            )
+        if not (np.isfinite(self.t).all() and np.isfinite(self.values).all()):
+            raise InputError("a signal holds what is not finite; leave out the times at which nothing was measured")
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    @property
+    def step(self) -> float:
+        """Usual time between two values [s]; infinite where there are fewer than two."""
+        return float(np.median(np.diff(self.t))) if len(self.t) > 1 else np.inf
+
+    def between(self, start: float, stop: float) -> "Signal":
+        """Return the part from one time to another, both included.
+
+        Parameters
+        ----------
+        start, stop : float [s]
+            Start and end.
+        """
+        kept = (self.t >= start) & (self.t <= stop)
+        return Signal(self.t[kept], self.values[kept])
+
+    def at(self, t: np.ndarray, longest: float = np.inf) -> np.ndarray:
+        """Interpolate between the values, straight; NaN before the first, after the last and in gaps.
+
+        Parameters
+        ----------
+        t : array (times,) [s]
+            When; the signal's own times must rise.
+        longest : float [s]
+            Between two values, over which they are still joined.
+        """
+        if not len(self.t):
+            return np.full(np.shape(t), np.nan)
+        values = np.interp(t, self.t, self.values, left=np.nan, right=np.nan)
+        after = np.clip(np.searchsorted(self.t, t), 1, max(len(self.t) - 1, 1))
+        wide = np.diff(self.t, append=self.t[-1])[after - 1] > longest
+        return np.where(wide & ~np.isin(t, self.t), np.nan, values)
+
+
+@dataclass(frozen=True, eq=False)
+class ShipRecord:
+    """One manoeuvre or transit: signals in SI and rad, in the package's axes and signs (see ``SIGNALS``).
+
+    Parameters
+    ----------
+    name : str
+        Name of the record.
+    signals : mapping of str to Signal
+        By name.
+    antenna : pair of float [m]
+        Place of the antenna of ``x`` and ``y``: forward and to starboard of midship.
+    condition : mapping of str to float
+        What the ship was loaded to and the like, as in ``{"draft": 10.2}``.
+
+    Raises
+    ------
+    InputError
+        Where a name is no signal's, what it names is none, or the antenna is not two numbers.
+
+    Examples
+    --------
+    >>> record = nw.ShipRecord("A", {"u": nw.Signal(np.array([0.0, 1.0]), np.array([2.0, 3.0]))})
+    >>> sorted(record.signals)
+    ['u']
+    """
+
+    name: str
+    signals: Mapping[str, Signal]
+    antenna: tuple[float, float] = (0.0, 0.0)
+    condition: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        check_signals(self.signals)
+        for name, signal in self.signals.items():
+            if not isinstance(signal, Signal):
+                raise InputError(f"record {self.name}: {name} is a {type(signal).__name__}; give nw.Signal(t, values)")
+        if np.shape(self.antenna) != (2,) or not np.isfinite(self.antenna).all():
+            raise InputError(f"record {self.name}: an antenna stands forward and to starboard of midship; give both")
+
+    def __getitem__(self, name: str) -> Signal:
+        if name not in self.signals:
+            raise InputError(f"record {self.name} has no signal {name!r}{did_you_mean(name, self.signals)}")
+        return self.signals[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.signals
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.signals)
+
+    @property
+    def start(self) -> float:
+        """Earliest time of any signal [s]; NaN where there is none."""
+        return min((float(signal.t.min()) for signal in self.signals.values() if len(signal)), default=np.nan)
+
+    @property
+    def stop(self) -> float:
+        """Latest time of any signal [s]; NaN where there is none."""
+        return max((float(signal.t.max()) for signal in self.signals.values() if len(signal)), default=np.nan)
+
+    @property
+    def duration(self) -> float:
+        """Time between the first and the last value [s]."""
+        return self.stop - self.start
+
+    def between(self, start: float, stop: float) -> "ShipRecord":
+        """Return the part from one time to another, both included.
+
+        Parameters
+        ----------
+        start, stop : float [s]
+            Start and end.
+        """
+        return replace(self, signals={name: own.between(start, stop) for name, own in self.signals.items()})
+
+    def with_signals(self, **signals: Signal) -> "ShipRecord":
+        """Return the record with some signals added or replaced.
+
+        Parameters
+        ----------
+        **signals : Signal
+            By name.
+
+        Raises
+        ------
+        InputError
+            Where a name is no signal's.
+        """
+        check_signals(signals)
+        return replace(self, signals={**self.signals, **signals})
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give a row for each time at which anything was measured: NaN where that signal was not."""
+        import pandas as pd
+
+        columns = [pd.Series(own.values, index=own.t, name=name) for name, own in self.signals.items()]
+        once = [column[~column.index.duplicated()] for column in columns]
+        frame = pd.concat(once, axis="columns").sort_index() if once else pd.DataFrame()
+        return frame.rename_axis("t")
+
+
+MEETING = "meeting"
+
+# Every signal: its unit and meaning.
+SIGNALS = {
+    "x": Quantity("m", "antenna or reference point along the waterway, or along the axis that psi is measured from"),
+    "y": Quantity("m", "antenna or reference point to starboard of the centreline, or of that axis"),
+    "psi": Quantity("rad", "heading from that axis or from the waterway's line, positive to starboard, without jumps"),
+    "r": Quantity("rad/s", "yaw rate, positive to starboard"),
+    "u": Quantity("m/s", "surge velocity through the water"),
+    "v": Quantity("m/s", "sway velocity through the water, positive to starboard"),
+    "u_ground": Quantity("m/s", "velocity over ground along the ship"),
+    "v_ground": Quantity("m/s", "velocity over ground across the ship, positive to starboard"),
+    "speed_over_ground": Quantity("m/s", "speed over ground"),
+    "course": Quantity("rad", "course over ground, measured as psi is"),
+    "rudder": Quantity("rad", "rudder angle, positive where it turns the bow to starboard"),
+    "revolutions": Quantity("1/s", "propeller revolutions n"),
+    MEETING: Quantity("1", "1 while another ship passes, else 0: what it pushes is no gust"),
+    "wind_speed": Quantity("m/s", "speed of the wind over ground"),
+    "wind_direction": Quantity("rad", "where the wind comes from, measured as psi is"),
+}
+
+# Directions: a whole turn more is the same.
+TURNING = ("psi", "course", "wind_direction")
+
+
+def check_signals(names: Iterable[str]) -> None:
+    for name in names:
+        if name not in SIGNALS:
+            raise InputError(f"there is no signal {name!r}{did_you_mean(str(name), SIGNALS)}")
 
 
 @dataclass(frozen=True, repr=False, eq=False)

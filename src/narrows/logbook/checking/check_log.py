@@ -7,17 +7,14 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.logbook import settings
-from narrows.logbook.checking.faults import FAULTS
+from narrows.logbook.checking.faults import FAULTS, FaultTest, FaultTests, misreading, stuck
 from narrows.logbook.checking.record_checks import Finding, LogFindings, check_place, checked_record, record_findings
-from narrows.logbook.checking.score_tests import FaultTest, FaultTests, misreading, stuck
-from narrows.logbook.filtering.predicted_signals import RUDDER
-from narrows.logbook.filtering.record_grid import RecordGrid
+from narrows.logbook.filtering.record_grid import RUDDER, RecordGrid
 from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_prior import Spread
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.sensor_grades import SensorGrade
-from narrows.logbook.ship_log import ShipLog
-from narrows.logbook.ship_record import SIGNALS, ShipRecord
+from narrows.logbook.ship_log import SIGNALS, ShipLog, ShipRecord
 from narrows.model.model import Model
 from narrows.progress import stage
 from narrows.results.base_results import with_error

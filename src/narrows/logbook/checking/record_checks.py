@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from narrows.logbook import settings
-from narrows.logbook.filtering.predicted_signals import RUDDER
+from narrows.logbook.filtering.record_grid import RUDDER
 from narrows.logbook.learning.log_setup import speed_of
-from narrows.logbook.ship_record import ShipRecord, Signal
+from narrows.logbook.ship_log import ShipRecord, Signal
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY
 from narrows.results import BaseResult

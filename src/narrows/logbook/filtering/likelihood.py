@@ -6,15 +6,16 @@ information by the slopes of innovations and of their variances.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from narrows.codegen.cache import compiled_loops
 from narrows.logbook.filtering import kalman_loops
-from narrows.logbook.filtering.log_problem import LogProblem, StochasticModel
-from narrows.logbook.filtering.predicted_signals import (
+from narrows.logbook.filtering.log_problem import CURRENT, PUSHES, LogProblem, RecordedMotion, StochasticModel
+from narrows.logbook.filtering.record_grid import (
     CURRENT_X,
     CURRENT_Y,
     OFFSET,
@@ -23,10 +24,10 @@ from narrows.logbook.filtering.predicted_signals import (
     RUDDER,
     RUDDER_OFFSET,
     PredictedSignal,
+    RecordGrid,
     SeenStates,
+    first_guess,
 )
-from narrows.logbook.filtering.record_grid import RecordGrid, first_guess
-from narrows.logbook.filtering.recorded_motion import CURRENT, PUSHES, RecordedMotion
 
 INPUTS = (*PUSHES, RUDDER_OFFSET, REVOLUTIONS_OFFSET, CURRENT_X, CURRENT_Y)
 # Standard deviation of a step of each state, relative to the others.
@@ -45,8 +46,7 @@ LAGS = 400  # readings over which innovations may be correlated
 UNCORRELATED = 0.05  # correlation of innovations below which they count as independent
 
 
-@dataclass(frozen=True)
-class RecordPath:
+class RecordPath(NamedTuple):
     """A path about which a record is linear."""
 
     states: np.ndarray  # (n, 6) x, y, psi, u, v, r at the start of each step
@@ -54,8 +54,7 @@ class RecordPath:
     weights: np.ndarray  # (N,) Weights of readings there
 
 
-@dataclass(frozen=True)
-class Innovations:
+class Innovations(NamedTuple):
     """Readings less their predictions from earlier readings."""
 
     values: np.ndarray  # (N,)
@@ -88,58 +87,47 @@ class LinearRecord:
         met = self.grid.meetings | np.append(self.grid.meetings[1:], False)
         return np.where(self.grid.whole, np.where(met, MET, USUAL), LOOSE)
 
-    def variances(self, model: StochasticModel, weights: np.ndarray) -> np.ndarray:
-        """Return the variances of readings, (N,)."""
-        parts = [model.noise[name] ** 2 / read.counted for name, read in self.grid.readings.items()]
-        return np.asarray(np.concatenate(parts)[self.grid.order] / weights)
-
     def innovations(self, model: StochasticModel, weights: np.ndarray) -> Innovations:
         """Filter the readings."""
-        return self._run(model, weights, 0)[0]
+        return self._filtered(model, weights, 0)[0]
 
     def smoothed(self, model: StochasticModel, weights: np.ndarray) -> np.ndarray:
         """Filter the readings, and return the smoothed states off the reference with the processes, (n, 6 + m)."""
-        found, means, gains, covariances = self._run(model, weights, len(self.slopes))
-        kept = self._kinds(model)[0]
+        found, means, gains, covariances = self._filtered(model, weights, len(self.slopes))
         compiled_loops(kalman_loops).smooth(
-            self.slopes, self.drives, self.kind, kept, self.grid.first_readings, self.rows, found.values,
-            found.variances, gains, means, covariances,
+            self.slopes, self.drives, self.kind, self._kinds(model)[0], self.grid.first_readings, self.rows, *found,
+            gains, means, covariances,
         )  # fmt: skip
         return means
 
-    def _run(
+    def _filtered(
         self, model: StochasticModel, weights: np.ndarray, room: int
     ) -> tuple[Innovations, np.ndarray, np.ndarray, np.ndarray]:
-        size, count = self.rows.shape[1], len(self.rows)
+        (count, size), kind = self.rows.shape, self.kind
         values, spread, gains = np.empty(count), np.empty(count), np.empty((count, size))
         means, covariances = np.empty((room, size)), np.empty((room, size, size))
-        start, kind = np.zeros((size, size)), self.kind
-        start[range(6), range(6)] = (START * self.problem.scales) ** 2
+        start = np.diag(np.append((START * self.problem.scales) ** 2, np.zeros(size - 6)))
         start[6:, 6:] = model.covariance(IN_MEETINGS if kind[0] == MET else 1.0)
+        parts = [model.noise[name] ** 2 / read.counted for name, read in self.grid.readings.items()]
         compiled_loops(kalman_loops).filter_readings(
             np.zeros(size), start, self.slopes, self.misses, self.drives, kind, *self._kinds(model),
-            self.grid.first_readings, self.rows, self.residual, self.variances(model, weights), values, spread, gains,
-            means, covariances,
+            self.grid.first_readings, self.rows, self.residual, np.concatenate(parts)[self.grid.order] / weights,
+            values, spread, gains, means, covariances,
         )  # fmt: skip
         return Innovations(values, spread), means, gains, covariances
 
     def _kinds(self, model: StochasticModel) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the kept part of processes, the new part, and the walk of states, by the kind of a step."""
         step, scale = self.grid.step, self.problem.scales
-        kept = model.kept(step)
-        gusty = np.array([one.name in model.gusts for one in model.processes], bool)
-        met = np.where(gusty, 0.0, kept)
+        kept = np.tile(model.kept(step), (3, 1))
+        kept[MET, [one.name in model.gusts for one in model.processes]] = 0.0
+        fresh = [
+            model.covariance(IN_MEETINGS if kind == MET else 1.0) * (1 - np.outer(own, own))
+            for kind, own in enumerate(kept)
+        ]
         regular = (self.problem.walk * WALKS * scale) ** 2
-        regular[3] += (SPEED_WALK * scale[3]) ** 2 * step * self.problem.speed_is_held
-        return (
-            np.stack([kept, met, kept]),
-            np.stack([
-                model.covariance() * (1 - np.outer(kept, kept)),
-                model.covariance(IN_MEETINGS) * (1 - np.outer(met, met)),
-                model.covariance() * (1 - np.outer(kept, kept)),
-            ]),
-            np.stack([regular, regular, (START * scale) ** 2]),
-        )  # fmt: skip
+        regular[3] += (SPEED_WALK * scale[3]) ** 2 * step * (self.problem.motion.integrator.ship.surge == "held")
+        return kept, np.stack(fresh), np.stack([regular, regular, (START * scale) ** 2])
 
 
 def _slopes(grid: RecordGrid, motion: RecordedMotion, inertia: np.ndarray, along: np.ndarray) -> np.ndarray:
@@ -178,11 +166,12 @@ def _rows(
 def weights_of(record: LinearRecord, model: StochasticModel) -> np.ndarray:
     """Weigh readings by what the reference leaves of them, (N,)."""
     # A reading beyond the limit counts as one at the limit, so that no spike sets the noise that is estimated.
-    parts = []
-    for name, read in record.grid.readings.items():
-        size = np.abs(record.left[name]) / (model.noise[name] / np.sqrt(read.counted))
-        parts.append((OUTLIER / np.maximum(size, OUTLIER)) ** 2)
-    return np.asarray(np.concatenate(parts)[record.grid.order])
+    sizes = [
+        np.abs(record.left[name]) / (model.noise[name] / np.sqrt(read.counted))
+        for name, read in record.grid.readings.items()
+    ]
+    weights = (OUTLIER / np.maximum(np.concatenate(sizes), OUTLIER)) ** 2
+    return np.asarray(weights[record.grid.order])
 
 
 @dataclass(frozen=True)
@@ -258,7 +247,7 @@ class RecordLikelihood:
                 return None
             path = RecordPath(path.states + smooth[:, :6], smooth[:, 6:], path.weights)
             about = self.linear(unknowns, path)
-        return replace(path, weights=weights_of(about, model))
+        return path._replace(weights=weights_of(about, model))
 
     @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
     def cost(self, unknowns: np.ndarray, path: RecordPath) -> float:

@@ -1,18 +1,138 @@
-"""A record on even times: where its actuators are at the ends of the steps, and the readings between."""
+"""A record on even times: positions of actuators, readings between, and each signal as the ship's state predicts it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.logbook.filtering.predicted_signals import HELM, RUDDER
-from narrows.logbook.ship_record import MEETING, TURNING, ShipRecord, Signal
+from narrows.logbook.ship_log import MEETING, TURNING, ShipRecord, Signal
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
+
+# The current along the axes [m/s], which enters signals over ground.
+CURRENT_X, CURRENT_Y = "current_x", "current_y"
+# How much an actuator's position is truly above what is recorded or usual: [rad] to starboard, [1/s].
+OFFSET = "{}_offset".format
+RUDDER, REVOLUTIONS = "rudder", "revolutions"
+RUDDER_OFFSET, REVOLUTIONS_OFFSET = OFFSET(RUDDER), OFFSET(REVOLUTIONS)
+# Name of the constant error of a signal.
+ERROR = "{}_error".format
+
+
+class PredictedSignal(NamedTuple):
+    """A signal as the state predicts it."""
+
+    value: np.ndarray  # (n,) In the unit of the signal
+    by_state: Mapping[int, np.ndarray]  # (n,) Slopes by those of x, y, psi, u, v, r that it depends on
+    by_error: Mapping[str, np.ndarray]  # (n,) Slopes by errors of the sensors and by the current
+
+
+class SeenStates(NamedTuple):
+    """States at the times of the readings of a signal."""
+
+    states: np.ndarray  # (n, 6) x, y, psi, u, v, r
+    errors: Mapping[str, np.ndarray]  # (n,) Errors of the sensors, and the current; 0 where nothing is said
+    antenna: tuple[float, float]  # Forward and to starboard of midship [m]
+    rudder: np.ndarray  # (n,) At the start of the step [rad]
+
+    def error(self, name: str) -> np.ndarray | float:
+        return self.errors.get(name, 0.0)
+
+
+ONE = np.ones(1)
+Predicting = Callable[[SeenStates], PredictedSignal]
+# A function of two velocities, with its slopes by these
+OfVelocities = Callable[[np.ndarray, np.ndarray], tuple[Any, Any, Any]]
+
+
+def _read(name: str, predicting: Predicting) -> Predicting:
+    """A signal with its constant error."""
+
+    def predicted(at: SeenStates) -> PredictedSignal:
+        value, by_state, by_error = predicting(at)
+        return PredictedSignal(value + at.error(ERROR(name)), by_state, {**by_error, ERROR(name): ONE})
+
+    return predicted
+
+
+def _position(axis: int) -> Predicting:
+    """The antenna along an axis."""
+
+    def predicted(at: SeenStates) -> PredictedSignal:
+        cosine, sine = np.cos(at.states[:, 2]), np.sin(at.states[:, 2])
+        ahead, aside = (cosine, sine)[axis], (-sine, cosine)[axis]
+        forward, starboard = at.antenna
+        value = at.states[:, axis] + forward * ahead + starboard * aside
+        return PredictedSignal(value, {axis: ONE, 2: forward * aside - starboard * ahead}, {})
+
+    return predicted
+
+
+def _state(column: int) -> Predicting:
+    return lambda at: PredictedSignal(at.states[:, column], {column: ONE}, {})
+
+
+def _over_ground(at: SeenStates, by: OfVelocities) -> PredictedSignal:
+    """A function of the velocities over ground along and across the ship."""
+    psi, u, v = at.states[:, 2], at.states[:, 3], at.states[:, 4]
+    cosine, sine = np.cos(psi), np.sin(psi)
+    x, y = at.error(CURRENT_X), at.error(CURRENT_Y)
+    along, across = cosine * x + sine * y, cosine * y - sine * x
+    value, by_u, by_v = by(u + along, v + across)
+    return PredictedSignal(
+        value, {2: by_u * across - by_v * along, 3: by_u * ONE, 4: by_v * ONE},
+        {CURRENT_X: by_u * cosine - by_v * sine, CURRENT_Y: by_u * sine + by_v * cosine},
+    )  # fmt: skip
+
+
+def _speed(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    speed = np.maximum(np.hypot(u, v), 1e-9)
+    return speed, u / speed, v / speed
+
+
+def _drift(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    square = np.maximum(u**2 + v**2, 1e-12)
+    return np.arctan2(v, u), -v / square, u / square
+
+
+def _course(at: SeenStates) -> PredictedSignal:
+    value, by_state, by_error = _over_ground(at, _drift)
+    return PredictedSignal(at.states[:, 2] + value, {**by_state, 2: by_state[2] + 1.0}, by_error)
+
+
+# A pilot looks out of the window, so that the rudder holds information on the motion that no sensor has: it is one more
+# signal. Ljung (1999), System Identification, chapter 13: joint input-output identification of a closed loop.
+HELM = "helm"
+# What a pilot sees, by its place among the states; and the gain of each, a state of the filter.
+SEEN = {"y": 1, "psi": 2, "v": 4, "r": 5}
+HELM_GAIN = "helm_by_{}".format
+
+
+def _helm(at: SeenStates) -> PredictedSignal:
+    """The rudder at the end of a step, from where it was and what is seen; the law has a memory, as pilots have."""
+    seen = {name: at.states[:, place] for name, place in SEEN.items()} | {RUDDER: at.rudder}
+    gains = {name: at.error(HELM_GAIN(name)) for name in seen}
+    value = at.rudder + at.error(ERROR(HELM)) + sum(gains[name] * column for name, column in seen.items())
+    by_state = {place: np.asarray(gains[name]) for name, place in SEEN.items()}
+    by_error = {HELM_GAIN(name): column for name, column in seen.items()}
+    return PredictedSignal(value, by_state, {**by_error, ERROR(HELM): ONE})
+
+
+# Prediction of each signal of the motion.
+PREDICTED: Mapping[str, Predicting] = {
+    name: _read(name, predicting)
+    for name, predicting in {
+        "x": _position(0), "y": _position(1), "psi": _state(2), "r": _state(5), "u": _state(3), "v": _state(4),
+        "u_ground": lambda at: _over_ground(at, lambda u, _: (u, 1.0, 0.0)),
+        "v_ground": lambda at: _over_ground(at, lambda _, v: (v, 0.0, 1.0)),
+        "speed_over_ground": lambda at: _over_ground(at, _speed), "course": _course,
+    }.items()
+} | {HELM: _helm}  # fmt: skip
+
 
 # Signals that the motion is held to.
 READ = ("x", "y", "psi", "r", "u", "v", "u_ground", "v_ground", "speed_over_ground", "course")
@@ -24,8 +144,7 @@ FEWEST_STEPS = 8
 NODES, SPIKES = 9, 5
 
 
-@dataclass(frozen=True)
-class Readings:
+class Readings(NamedTuple):
     """Readings of one signal, by the step that each value lies in."""
 
     values: np.ndarray  # (n,) In the unit of the signal
@@ -99,7 +218,9 @@ def grid_of(record: ShipRecord, step: float, usual: Mapping[str, float], pilot: 
     }
     whole = np.ones(count, bool)
     for signal in moved.values():
-        whole &= _is_whole(signal, times, max(GAP * signal.step, step))
+        for i in np.flatnonzero(np.diff(signal.t) > max(GAP * signal.step, step)):
+            low, high = np.searchsorted(times, signal.t[i : i + 2])
+            whole[max(low - 1, 0) : high] = False
     readings = {name: _readings(name, signal, times, whole) for name, signal in read.items()}
     if pilot and RUDDER in moved:
         at = np.flatnonzero(whole)
@@ -119,16 +240,6 @@ def _at_nodes(signal: Signal, times: np.ndarray) -> np.ndarray:
     t, values = np.concatenate([ends[:1], signal.t, ends[1:]]), np.pad(signal.values, 1, mode="edge")
     twice = make_interp_spline(t, values, k=1).antiderivative(2)
     return np.asarray((twice(times - step) - 2 * twice(times) + twice(times + step)) / step**2)
-
-
-def _is_whole(signal: Signal, edges: np.ndarray, longest: float) -> np.ndarray:
-    """Return whether a step has no gap."""
-    open_ = np.flatnonzero(np.diff(signal.t) > longest)
-    whole = np.ones(len(edges) - 1, bool)
-    for i in open_:
-        low, high = np.searchsorted(edges, (signal.t[i], signal.t[i + 1]))
-        whole[max(low - 1, 0) : high] = False
-    return whole
 
 
 def _meetings(record: ShipRecord, edges: np.ndarray) -> np.ndarray:
@@ -156,7 +267,7 @@ def _readings(name: str, signal: Signal, times: np.ndarray, whole: np.ndarray) -
     position = (t - times[0]) / step
     before = np.minimum(position.astype(int), steps - 1)
     kept = whole[before]
-    return Readings(*(column[kept] for column in (values, before, position - before, counted)))
+    return Readings(values[kept], before[kept], (position - before)[kept], counted[kept])
 
 
 def first_guess(grid: RecordGrid, waterway: "Waterway | None") -> np.ndarray:
@@ -164,24 +275,18 @@ def first_guess(grid: RecordGrid, waterway: "Waterway | None") -> np.ndarray:
     seen = {name: _smoothed(grid, read) for name, read in grid.readings.items() if len(read.values)}
     x, y = (seen.get(name, np.zeros(len(grid.times))) for name in ("x", "y"))
     along, across = np.gradient(x, grid.times), np.gradient(y, grid.times)
+    # Of the waterway's line, to which the heading is relative
+    bend = 0.0 if waterway is None else waterway.section(np.clip(x, 0.0, waterway.line.length)).curvature
     psi = seen["psi"] if "psi" in seen else np.unwrap(np.arctan2(across, along))
     cosine, sine = np.cos(psi), np.sin(psi)
     guessed = {
         "u": along * cosine + across * sine,
         "v": across * cosine - along * sine,
-        "r": np.gradient(psi, grid.times) + along * _curvature(waterway, x),
+        "r": np.gradient(psi, grid.times) + along * bend,
     }
     for name, others in (("u", ("u", "u_ground", "speed_over_ground")), ("v", ("v", "v_ground")), ("r", ("r",))):
         guessed[name] = next((seen[other] for other in others if other in seen), guessed[name])
-    states = np.stack([x, y, psi, guessed["u"], guessed["v"], guessed["r"]], axis=1)
-    return np.asarray(states[:-1])
-
-
-def _curvature(waterway: "Waterway | None", x: np.ndarray) -> np.ndarray | float:
-    """Curvature of the waterway's line, to which the heading is relative."""
-    if waterway is None:
-        return 0.0
-    return np.asarray(waterway.section(np.clip(x, 0.0, waterway.line.length)).curvature)
+    return np.stack([x, y, psi, *guessed.values()], axis=1)[:-1]
 
 
 def _smoothed(grid: RecordGrid, read: Readings) -> np.ndarray:

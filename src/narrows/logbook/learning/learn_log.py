@@ -12,7 +12,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.logbook.filtering.log_problem import SWAY, YAW, LogProblem
-from narrows.logbook.filtering.predicted_signals import HELM, REVOLUTIONS_OFFSET, RUDDER
+from narrows.logbook.filtering.record_grid import HELM, REVOLUTIONS_OFFSET, RUDDER
 from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult, search
 from narrows.logbook.learned_coefficient import learned_coefficients, learned_model
 from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise
@@ -21,8 +21,7 @@ from narrows.logbook.learning.log_prior import Spread
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.learning.record_answers import record_answers
 from narrows.logbook.sensor_grades import SensorGrade
-from narrows.logbook.ship_log import ShipLog
-from narrows.logbook.ship_record import ShipRecord
+from narrows.logbook.ship_log import ShipLog, ShipRecord
 from narrows.model.model import Model
 from narrows.model.sections import Source
 from narrows.progress import stage

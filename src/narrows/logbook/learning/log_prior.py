@@ -13,9 +13,10 @@ from narrows.logbook.filtering.log_problem import (
     Estimated,
     LogProblem,
     Process,
+    RecordedMotion,
     StochasticModel,
 )
-from narrows.logbook.filtering.predicted_signals import (
+from narrows.logbook.filtering.record_grid import (
     CURRENT_X,
     CURRENT_Y,
     ERROR,
@@ -27,7 +28,6 @@ from narrows.logbook.filtering.predicted_signals import (
     RUDDER,
     RUDDER_OFFSET,
 )
-from narrows.logbook.filtering.recorded_motion import RecordedMotion
 from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES

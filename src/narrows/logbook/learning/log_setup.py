@@ -10,10 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.errors import InputError, check_choice, did_you_mean
-from narrows.logbook.filtering.log_problem import LogProblem
-from narrows.logbook.filtering.predicted_signals import REVOLUTIONS, RUDDER
-from narrows.logbook.filtering.record_grid import READ, RecordGrid, grid_of
-from narrows.logbook.filtering.recorded_motion import RecordedMotion
+from narrows.logbook.filtering.log_problem import LogProblem, RecordedMotion
+from narrows.logbook.filtering.record_grid import READ, REVOLUTIONS, RUDDER, RecordGrid, grid_of
 from narrows.logbook.learning.log_prior import (
     BASIN,
     LogAssumptions,
@@ -25,8 +23,7 @@ from narrows.logbook.learning.log_prior import (
 )
 from narrows.logbook.reading.read_log import stream_log
 from narrows.logbook.sensor_grades import GRADES, SensorGrade, sensor_grade
-from narrows.logbook.ship_log import ShipLog
-from narrows.logbook.ship_record import ShipRecord, Signal
+from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
 from narrows.model.model import Model
 from narrows.simulation.self_propulsion import steady_revolutions
 from narrows.waterway.current_profile import check_along_only

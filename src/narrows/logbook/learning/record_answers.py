@@ -8,10 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from narrows.logbook.filtering.likelihood import INPUTS, RecordLikelihood, RecordPath, RecordScore
-from narrows.logbook.filtering.log_problem import LogProblem, StochasticModel
-from narrows.logbook.filtering.predicted_signals import CURRENT_X, CURRENT_Y, HELM, OFFSET, RUDDER, RUDDER_OFFSET
-from narrows.logbook.filtering.record_grid import RecordGrid
-from narrows.logbook.filtering.recorded_motion import CURRENT, PUSHES
+from narrows.logbook.filtering.log_problem import CURRENT, PUSHES, LogProblem, StochasticModel
+from narrows.logbook.filtering.record_grid import CURRENT_X, CURRENT_Y, HELM, OFFSET, RUDDER, RUDDER_OFFSET, RecordGrid
 from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
 from narrows.logbook.learning.log_posterior import posterior_covariance
 

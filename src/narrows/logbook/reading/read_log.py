@@ -18,16 +18,15 @@ from narrows.logbook.reading.log_rows import (
     QUANTITIES,
     VOCABULARY,
     LogMapping,
+    Placing,
     RawRecord,
     is_ais_archive,
     log_mapping,
     one_ship,
     renamed,
 )
-from narrows.logbook.reading.placing import Placing
 from narrows.logbook.settings import MOST_ROWS, PIECE_ROWS, RECORD_GAP
-from narrows.logbook.ship_log import ShipLog
-from narrows.logbook.ship_record import ShipRecord
+from narrows.logbook.ship_log import ShipLog, ShipRecord
 from narrows.readers.cells import as_sheet, check_once, labels, name_of, numbers, row_number
 from narrows.readers.frames import STREAMED, notes_of, read_chunks, read_frame
 from narrows.readers.headers import recognised_in

@@ -25,8 +25,7 @@ from narrows.logbook.settings import (
     PUSH_STEP,
     TRANSIT_STEPS,
 )
-from narrows.logbook.ship_log import ShipLog
-from narrows.logbook.ship_record import ShipRecord, Signal
+from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
 from narrows.logbook.steady_legs.steady_readings import BeamWind
 from narrows.model.model import Model
 from narrows.progress import bar, is_shown
