@@ -8,7 +8,14 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.logbook import settings
 from narrows.logbook.checking.faults import FAULTS, FaultTest, FaultTests, misreading, stuck
-from narrows.logbook.checking.record_checks import Finding, LogFindings, check_place, checked_record, record_findings
+from narrows.logbook.checking.record_checks import (
+    RECORD_CHECKS,
+    Finding,
+    LogFindings,
+    check_clock,
+    check_place,
+    checked_record,
+)
 from narrows.logbook.filtering.record_grid import RUDDER, RecordGrid
 from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_prior import Spread
@@ -63,7 +70,8 @@ def check_log(
         record = replace(whole, signals={name: whole[name] for name in whole if len(whole[name]) > 1})
         count += 1
         try:
-            found = list(record_findings(record, model, water))
+            at = checked_record(record, model, water)
+            found = list(check_clock(at)) or [one for check in RECORD_CHECKS[1:-1] for one in check(at)]
         except InputError as error:
             found = [Finding("missing", record.name, str(error), "leave it out, or record what is missing")]
         findings += found

@@ -356,9 +356,9 @@ def stuck(problem: LogProblem, grid: RecordGrid) -> Iterator[tuple[str, float, f
     for name, column in STATES.items():
         if name not in grid.readings:
             continue
-        start, stop = longest_run(grid.record[name].values)
-        begin, end = grid.record[name].t[[start, stop]].tolist()
-        if stop - start < STUCK_READINGS or end - begin < lasting:
+        ends = longest_run(grid.record[name].values)
+        begin, end = grid.record[name].t[ends].tolist()
+        if np.diff(ends) < STUCK_READINGS or end - begin < lasting:
             continue
         read = grid.readings[name]
         t = grid.times_of(read)

@@ -1,5 +1,6 @@
 """Findings, and the checks that need no filter: clocks, gaps, sensors that stand still, sizes that no ship has."""
 
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -9,7 +10,7 @@ import numpy as np
 from narrows.logbook import settings
 from narrows.logbook.filtering.record_grid import RUDDER
 from narrows.logbook.learning.log_setup import speed_of
-from narrows.logbook.ship_log import ShipRecord, Signal
+from narrows.logbook.ship_log import ShipRecord
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY
 from narrows.results import BaseResult
@@ -58,7 +59,7 @@ class LogFindings(BaseResult):
     @property
     def clean(self) -> bool:
         """True where nothing must be mended before a fit."""
-        return not any(finding.wrong for finding in self.findings)
+        return not self.wrong
 
     @property
     def wrong(self) -> tuple[Finding, ...]:
@@ -73,14 +74,13 @@ class LogFindings(BaseResult):
     @staticmethod
     def _lines(findings: Sequence[Finding]) -> list[str]:
         """One for all records in which the same is found, with the numbers of the first."""
-        alike: dict[tuple[str, str], list[Finding]] = {}
-        for own in findings:
-            alike.setdefault((own.check, own.remedy), []).append(own)
-        lines = []
-        for (check, remedy), (first, *others) in alike.items():
-            more, grade = f" and {len(others)} more" if others else "", "" if first.wrong else " (doubtful)"
-            lines.append(f"{check}{grade}: in {first.record}{more}, {first.sentence}; {remedy}.")
-        return lines
+        alike = Counter((own.check, own.remedy) for own in findings)
+        firsts = {(own.check, own.remedy): own for own in reversed(findings)}
+        return [
+            f"{check}{'' if firsts[check, remedy].wrong else ' (doubtful)'}: in {firsts[check, remedy].record}"
+            f"{f' and {count - 1} more' * (count > 1)}, {firsts[check, remedy].sentence}; {remedy}."
+            for (check, remedy), count in alike.items()
+        ]
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -111,8 +111,6 @@ class LogFindings(BaseResult):
 
 
 class Checked(NamedTuple):
-    """A record with the model of its ship."""
-
     record: ShipRecord
     model: Model
     waterway: Waterway | None  # Line of x and y
@@ -122,18 +120,7 @@ class Checked(NamedTuple):
         return Finding(check, self.record.name, sentence, remedy, evidence, wrong)
 
 
-def record_findings(record: ShipRecord, model: Model, waterway: Waterway | None) -> Iterator[Finding]:
-    """Yield what is wrong with a record by itself."""
-    at = checked_record(record, model, waterway)
-    if backward := list(check_clock(at)):
-        yield from backward
-        return
-    for check in RECORD_CHECKS[1:-1]:
-        yield from check(at)
-
-
 def checked_record(record: ShipRecord, model: Model, waterway: Waterway | None) -> Checked:
-    """Return a record with the model of its ship."""
     return Checked(record, model, waterway, model.configuration.ship.length / speed_of(record))
 
 
@@ -205,8 +192,7 @@ def check_rudder(at: Checked) -> Iterator[Finding]:
             "its length: what it did between is unknown",
             "record it each second", False, lengths=lengths,
         )  # fmt: skip
-    start, stop = longest_run(rudder.values)
-    begin, end = float(rudder.t[start]), float(rudder.t[stop])
+    begin, end = rudder.t[longest_run(rudder.values)].tolist()
     confined = at.waterway is not None or at.model.has_bank
     still, swings = (end - begin) / at.pace, _swings(at.record, begin, end)
     if still > settings.RUDDER_REST and (
@@ -221,23 +207,19 @@ def check_rudder(at: Checked) -> Iterator[Finding]:
 
 def _swings(record: ShipRecord, begin: float, end: float) -> int:
     """Return how often the heading turns from one side to the other, beyond any noise."""
+    from scipy.signal import find_peaks
+
     if "psi" not in record or not len(record["psi"]):
         return 0
-    seen, count, low, high, side = np.unwrap(record["psi"].between(begin, end).values), 0, np.inf, -np.inf, 0
-    for value in seen.tolist():
-        low, high = min(low, value), max(high, value)
-        turned = 1 if value - low > settings.LEAST_TURN else -1 if high - value > settings.LEAST_TURN else 0
-        if turned and turned != side:
-            count, side, low, high = count + (side != 0), turned, value, value
-    return count
+    seen = np.unwrap(record["psi"].between(begin, end).values)
+    return sum(len(find_peaks(side * seen, prominence=settings.LEAST_TURN)[0]) for side in (1, -1))
 
 
-def longest_run(values: np.ndarray) -> tuple[int, int]:
+def longest_run(values: np.ndarray) -> list[int]:
     """Return first and last place of the longest stretch of one value."""
-    # values (n,)
-    edges = np.flatnonzero(np.concatenate([[True], np.diff(values) != 0, [True]]))
+    edges = np.flatnonzero(np.diff(values, prepend=np.nan, append=np.nan) != 0)
     longest = int(np.argmax(np.diff(edges)))
-    return int(edges[longest]), int(edges[longest + 1]) - 1
+    return [int(edges[longest]), int(edges[longest + 1]) - 1]
 
 
 def check_place(at: Checked) -> Iterator[Finding]:
@@ -245,30 +227,24 @@ def check_place(at: Checked) -> Iterator[Finding]:
     record, ship = at.record, at.model.configuration.ship
     if not {"x", "y", "psi"} <= record.signals.keys() or not (at.waterway or at.model.has_bank):
         return
-    t = record["x"].t
+    t, x = record["x"].t, record["x"].values
     y, psi = record["y"].at(t), record["psi"].at(t)
     reach = ship.length / 2 * np.abs(np.sin(psi)) + ship.beam / 2 * np.abs(np.cos(psi))
-    beyond = _beyond(at, record["x"], y, reach)
+    starboard = port = np.full(len(y), at.model.configuration.canal.width / 2)
+    if at.waterway is not None:
+        here = at.waterway.keel_section(x, ship.draft)
+        starboard, port = here.width / 2 + here.middle, here.width / 2 - here.middle
+    beyond, turned = (np.fmax(side * y + reach - starboard, reach - side * y - port) for side in (1, -1))
     if not (share := float(np.nanmean(beyond > 0))) > settings.ASHORE:
         return
     worst = int(np.nanargmax(beyond))
-    turned = float(np.nanmean(_beyond(at, record["x"], -y, reach) > 0)) <= settings.ASHORE
     yield at.finding(
         "banks", f"the hull reaches {beyond[worst]:.3g} m into a bank at t = {t[worst]:.6g} s, y = {y[worst]:.4g} m, "
         f"and {share:.1%} of the time into one",
-        'y counts to port: [positive] y = "port"' if turned else "check the waterway, the datum of the position, the "
-        "antenna's place, and whether x and y are along and across it",
+        'y counts to port: [positive] y = "port"' if np.nanmean(turned > 0) <= settings.ASHORE else "check the "
+        "waterway, the datum of the position, the antenna's place, and whether x and y are along and across it",
         beyond=float(beyond[worst]), share=share,
     )  # fmt: skip
-
-
-def _beyond(at: Checked, x: Signal, y: np.ndarray, reach: np.ndarray) -> np.ndarray:
-    """Return how far the hull reaches beyond the nearer bank [m]."""
-    starboard = port = np.full(len(y), at.model.configuration.canal.width / 2)
-    if at.waterway is not None:
-        here = at.waterway.keel_section(x.values, at.model.configuration.ship.draft)
-        starboard, port = here.width / 2 + here.middle, here.width / 2 - here.middle
-    return np.asarray(np.fmax(y + reach - starboard, reach - y - port))
 
 
 RECORD_CHECKS = (check_clock, check_gaps, check_repeats, check_speed, check_rudder, check_place)

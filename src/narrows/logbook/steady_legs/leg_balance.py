@@ -147,9 +147,8 @@ class LegProblem(Unknowns):
             root = np.linalg.cholesky(covariance)
         except np.linalg.LinAlgError:
             raise InputError(UNLIKE) from None
-        return np.linalg.solve(root, value[..., None])[..., 0], *(
-            np.linalg.solve(root, own) for own in (design, through)
-        )
+        white = [np.linalg.solve(root, own) for own in (value[..., None], design, through)]
+        return white[0][..., 0], white[1], white[2]
 
 
 @dataclass(frozen=True)
