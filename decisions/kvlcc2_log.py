@@ -19,8 +19,8 @@ from scipy.signal import savgol_filter
 
 import narrows as nw
 from narrows.logbook.filtering.search import SearchResult, search
-from narrows.logbook.learning.learn_log import LogSource, log_result
-from narrows.logbook.learning.log_prior import covariance_before
+from narrows.logbook.learning.learn_log import log_result
+from narrows.logbook.learning.log_posterior import covariance_before
 from narrows.logbook.learning.log_setup import log_problem
 from narrows.ship.actuators import Actuator
 
@@ -113,7 +113,7 @@ def learned(published: nw.Model, records: list[nw.ShipRecord], spread: float) ->
     """Judge the model of a spread; its marginal likelihood, and the headings it misses of zigzags left out."""
     setup = log_problem(published, records, "basin", spread=spread)
     found = search(setup.problem, setup)
-    fit = log_result(setup, found, LogSource.of(records, "HSVA", "basin"), ())
+    fit = log_result(setup, found, ())
     missed = np.degrees(fit.whole_missed["after"])
     return (*judged(f"learned, spread {spread:g}", fit.model), f"{missed:.2f}", f"{evidence(found):.0f}")
 

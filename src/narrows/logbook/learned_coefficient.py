@@ -18,8 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 LEARNED, SHARPENED, PRIOR, UNRESOLVED = "learned", "sharpened", "from the prior", "unresolved"
-# Standard errors either way, 95 % of a normal distribution.
-QUANTILE_95 = 1.959964
+QUANTILE_95 = 1.959964  # Standard errors either way, 95 % of a normal distribution
 
 
 @dataclass(frozen=True)

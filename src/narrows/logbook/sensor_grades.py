@@ -153,8 +153,7 @@ AIS = SensorGrade(
         "speed_over_ground": SignalGrade(0.05 * KNOT, period=10.0, wander=0.05 * KNOT, memory=300.0),
     },
 )
-# Grades by name, the best first.
-GRADES = {grade.name: grade for grade in (RTK, VDR, AIS)}
+GRADES = {grade.name: grade for grade in (RTK, VDR, AIS)}  # Grades by name, the best first
 
 
 def sensor_grade(sensors: str | SensorGrade) -> SensorGrade:

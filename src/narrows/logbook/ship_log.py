@@ -212,8 +212,7 @@ SIGNALS = {
     "wind_direction": Quantity("rad", "where the wind comes from, measured as psi is"),
 }
 
-# Directions: a whole turn more is the same.
-TURNING = ("psi", "course", "wind_direction")
+TURNING = ("psi", "course", "wind_direction")  # Directions: a whole turn more is the same
 
 
 def check_signals(names: Iterable[str]) -> None:

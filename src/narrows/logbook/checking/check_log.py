@@ -18,7 +18,7 @@ from narrows.logbook.checking.record_checks import (
 )
 from narrows.logbook.filtering.record_grid import RUDDER, RecordGrid
 from narrows.logbook.filtering.search import search
-from narrows.logbook.learning.log_prior import Spread
+from narrows.logbook.learning.log_posterior import Spread
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import SIGNALS, ShipLog, ShipRecord
@@ -91,7 +91,6 @@ def check_log(
 
 
 def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: Spread | None) -> Iterator[Finding]:
-    """Yield the strongest fault of the records by the filter."""
     setup = log_problem(model, log, sensors, spread=spread)
     for note in setup.left_out:
         yield Finding("missing", log.names[0], note.removesuffix("."), "leave it out, or record what is missing")
@@ -146,7 +145,6 @@ def _scores(setup: LogSetup, grids: list[RecordGrid]) -> FaultTests | None:
 
 
 def _finding(test: FaultTest, learned: FaultTests) -> Finding:
-    """Put a test into words."""
     fault, kind = test.fault, FAULTS[test.fault.kind]
     unit, factor = SIGNALS[fault.signal].unit, 1.0
     if unit.startswith("rad") and fault.kind in ("zero", "step"):

@@ -27,8 +27,6 @@ DEGREES = np.pi / 180
 
 
 class FaultKind(NamedTuple):
-    """A kind of fault."""
-
     sentence: str  # With the signal, the size with its error, and the time
     remedy: str
 
@@ -49,8 +47,6 @@ FAULTS = {
 
 
 class Fault(NamedTuple):
-    """A fault of one record."""
-
     kind: str  # One of FAULTS
     signal: str
     mended: Callable[[float], RecordGrid]  # The record without a fault of a size
@@ -84,7 +80,6 @@ def faults_of(grid: RecordGrid, normalised: dict[str, np.ndarray]) -> Iterator[F
 
 
 def _small(name: str) -> float:
-    """Size of a small zero or step, for slopes."""
     return {"rad": DEGREES, "rad/s": 0.01 * DEGREES}.get(SIGNALS[name].unit, 0.1)
 
 
@@ -128,7 +123,6 @@ class Misreading(NamedTuple):
     least: float = 0.0  # Size that some recorded value must reach
 
     def possible(self, record: ShipRecord) -> bool:
-        """Return whether the signals are there and may be read so."""
         return all(
             name in record and np.abs(record[name].values).max(initial=0.0) >= self.least for name in self.signals
         )
@@ -180,17 +174,12 @@ MISREADINGS = (
 )  # fmt: skip
 
 
-# Signals that may be stuck, and their places among the states.
-STATES = {"x": 0, "y": 1, "psi": 2, "r": 5}
-# Least share of the information on a fault that is independent of the fitted numbers [1].
-DETERMINED = 1e-6
-# Least number of records from which a variance of scores is estimated.
-FEWEST = 4
+STATES = {"x": 0, "y": 1, "psi": 2, "r": 5}  # Signals that may be stuck, and their places among the states
+DETERMINED = 1e-6  # Least share of the information on a fault that is independent of the fitted numbers [1]
+FEWEST = 4  # Least number of records from which a variance of scores is estimated
 
 
 class FaultTest(NamedTuple):
-    """A fault, tested."""
-
     place: int  # Among the numbers of the tests
     fault: Fault
     record: str
@@ -200,7 +189,6 @@ class FaultTest(NamedTuple):
 
     @property
     def significance(self) -> float:
-        """Size over its standard error."""
         return self.size / self.error
 
 
@@ -279,7 +267,6 @@ class FaultTests:
         return shift / np.sqrt(np.diag(covariance))[: problem.count], probability
 
     def _variance(self, place: int, direction: np.ndarray, size: float, left: float) -> tuple[float, float]:
-        """Return the variance of a score, and its degrees of freedom."""
         holding = [i for i, part in enumerate(self.parts) if part[place, place] > 0]
         if len(holding) < FEWEST:
             return left, np.inf

@@ -73,7 +73,6 @@ class LogFindings(BaseResult):
 
     @staticmethod
     def _lines(findings: Sequence[Finding]) -> list[str]:
-        """One for all records in which the same is found, with the numbers of the first."""
         alike = Counter((own.check, own.remedy) for own in findings)
         firsts = {(own.check, own.remedy): own for own in reversed(findings)}
         return [

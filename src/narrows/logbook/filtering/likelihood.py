@@ -30,10 +30,8 @@ from narrows.logbook.filtering.record_grid import (
 )
 
 INPUTS = (*PUSHES, RUDDER_OFFSET, REVOLUTIONS_OFFSET, CURRENT_X, CURRENT_Y)
-# Standard deviation of a step of each state, relative to the others.
-WALKS = np.array([1.0, 1.0, 0.3, 1.0, 1.0, 0.3])
-# Random walk of a held speed in a second, over itself.
-SPEED_WALK = 2e-3
+WALKS = np.array([1.0, 1.0, 0.3, 1.0, 1.0, 0.3])  # Standard deviation of a step of each state, relative to the others
+SPEED_WALK = 2e-3  # Random walk of a held speed in a second, over itself
 # Standard deviation of a start about the first guess, over lengths, radians and speeds of the ship.
 START = np.array([0.1, 0.1, 0.2, 0.2, 0.2, 0.3])
 # Factor of gusts while another ship passes.
@@ -47,8 +45,6 @@ UNCORRELATED = 0.05  # correlation of innovations below which they count as inde
 
 
 class RecordPath(NamedTuple):
-    """A path about which a record is linear."""
-
     states: np.ndarray  # (n, 6) x, y, psi, u, v, r at the start of each step
     processes: np.ndarray  # (n, m)
     weights: np.ndarray  # (N,) Weights of readings there
@@ -88,7 +84,6 @@ class LinearRecord:
         return np.where(self.grid.whole, np.where(met, MET, USUAL), LOOSE)
 
     def innovations(self, model: StochasticModel, weights: np.ndarray) -> Innovations:
-        """Filter the readings."""
         return self._filtered(model, weights, 0)[0]
 
     def smoothed(self, model: StochasticModel, weights: np.ndarray) -> np.ndarray:
@@ -117,7 +112,6 @@ class LinearRecord:
         return Innovations(values, spread), means, gains, covariances
 
     def _kinds(self, model: StochasticModel) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return the kept part of processes, the new part, and the walk of states, by the kind of a step."""
         step, scale = self.grid.step, self.problem.scales
         kept = np.tile(model.kept(step), (3, 1))
         kept[MET, [one.name in model.gusts for one in model.processes]] = 0.0
@@ -176,8 +170,6 @@ def weights_of(record: LinearRecord, model: StochasticModel) -> np.ndarray:
 
 @dataclass(frozen=True)
 class RecordScore:
-    """Contribution of one record."""
-
     score: np.ndarray  # (P,) Slope of the log-likelihood
     information: np.ndarray  # (P, P)
     cost: float  # Minus twice the log-likelihood
@@ -196,7 +188,6 @@ class RecordLikelihood:
 
     @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
     def linear(self, unknowns: np.ndarray, path: RecordPath) -> LinearRecord:
-        """Return the record about a path."""
         grid, problem = self.grid, self.problem
         motion, inertia = problem.at(unknowns[: problem.count])
         model = problem.model_at(unknowns)

@@ -19,12 +19,10 @@ from narrows.simulation.steering import PARAMETER
 
 STATES = ("x", "y", "psi", "u", "v", "r")
 PUSHES = ("X", "Y", "N")
-# Quantities of a waterway, along its line.
-CURRENT = "current"
+CURRENT = "current"  # Quantities of a waterway, along its line
 # Name, in the law, of an actuator's position at the end of the step; actuators go there straight within the step.
 RECORDED = "recorded_{}".format
-# Limit and rate of what was recorded: it went where it went.
-UNLIMITED = 1e9
+UNLIMITED = 1e9  # Limit and rate of what was recorded: it went where it went
 
 
 @dataclass(frozen=True, repr=False)
@@ -37,7 +35,6 @@ class RecordedHelm(BaseSummary):
         return f"as recorded: {', '.join(self.positions)}"
 
     def parameters(self) -> Mapping[str, float]:
-        """Return the positions at the end of the step, and how far they are off."""
         offsets = {OFFSET(name): 0.0 for name in self.positions}
         return {RECORDED(name): position for name, position in self.positions.items()} | offsets
 
@@ -45,7 +42,6 @@ class RecordedHelm(BaseSummary):
         return {}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return where the actuators are at the end of the step."""
         return {name: getattr(at, RECORDED(name)) + getattr(at, OFFSET(name)) for name in self.positions}, {}
 
 
@@ -68,12 +64,10 @@ class RecordedMotion:
 
     @cached_property
     def integrator(self) -> TangentIntegrator:
-        """Its lines and numbers."""
         helm = RecordedHelm(dict(self.positions))
         return TangentIntegrator.of(self.model, self.directions, {**self.choices, **self.positions, "controller": helm})
 
     def with_coefficients(self, values: Mapping[str, float]) -> "RecordedMotion":
-        """Return the motion with other coefficients."""
         other = replace(self, model=self.model.with_coefficients(**values))
         other.__dict__["integrator"] = self.integrator.with_coefficients(other.model)
         return other
@@ -107,7 +101,6 @@ class RecordedMotion:
     def _started(
         self, kept: Sequence[str], starts: np.ndarray, positions: Mapping[str, np.ndarray]
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Return the initial memory of each piece, and its slopes."""
         state = dict(zip(STATES, starts.T, strict=True))
         cosine, sine = np.cos(state["psi"]), np.sin(state["psi"])
         state |= {"cos_psi": cosine, "sin_psi": sine, COUNTED: state["psi"], "t": np.zeros(len(starts)), **positions}
@@ -152,8 +145,6 @@ class Estimated(NamedTuple):
 
 @dataclass(frozen=True)
 class StochasticModel:
-    """Processes, and the white noise of readings."""
-
     processes: tuple[Process, ...]
     noise: Mapping[str, float]  # Standard deviation of a reading of each signal
     estimated: tuple[Estimated, ...] = ()
@@ -202,7 +193,6 @@ class CoefficientPrior:
 
     @property
     def members(self) -> tuple[str, ...]:
-        """Every coefficient of every group."""
         return tuple(name for group in self.groups for name in group)
 
     @property
@@ -212,7 +202,6 @@ class CoefficientPrior:
 
     @property
     def free_names(self) -> set[str]:
-        """Every coefficient that may change."""
         return {name for group, free in zip(self.groups, self.free, strict=True) if free for name in group}
 
     def values(self, scaled: np.ndarray) -> dict[str, float]:
@@ -222,7 +211,6 @@ class CoefficientPrior:
 
     @property
     def limits(self) -> tuple[np.ndarray, np.ndarray]:
-        """Lowest and highest in units of the standard deviations."""
         low, high = ((end - self.mean) / self.scale for end in self.bounds.T)
         return low, high
 
@@ -239,7 +227,6 @@ class Unknowns:
 
     @property
     def count(self) -> int:
-        """Number of coefficients."""
         return len(self.prior.groups)
 
     @cached_property
@@ -252,8 +239,6 @@ class Unknowns:
 
 @dataclass(frozen=True)
 class LogProblem(Unknowns):
-    """Unknowns of a fit to records, and how the ship moves."""
-
     motion: RecordedMotion  # How the ship moves under its recorded rudder
     prior: CoefficientPrior
     # (3, 1 + p) Inertia in surge, sway and yaw: its constant part [kg, kg, kg m2], then slopes by the coefficients.

@@ -19,21 +19,16 @@ CURRENT_X, CURRENT_Y = "current_x", "current_y"
 OFFSET = "{}_offset".format
 RUDDER, REVOLUTIONS = "rudder", "revolutions"
 RUDDER_OFFSET, REVOLUTIONS_OFFSET = OFFSET(RUDDER), OFFSET(REVOLUTIONS)
-# Name of the constant error of a signal.
-ERROR = "{}_error".format
+ERROR = "{}_error".format  # Name of the constant error of a signal
 
 
 class PredictedSignal(NamedTuple):
-    """A signal as the state predicts it."""
-
     value: np.ndarray  # (n,) In the unit of the signal
     by_state: Mapping[int, np.ndarray]  # (n,) Slopes by those of x, y, psi, u, v, r that it depends on
     by_error: Mapping[str, np.ndarray]  # (n,) Slopes by errors of the sensors and by the current
 
 
 class SeenStates(NamedTuple):
-    """States at the times of the readings of a signal."""
-
     states: np.ndarray  # (n, 6) x, y, psi, u, v, r
     errors: Mapping[str, np.ndarray]  # (n,) Errors of the sensors, and the current; 0 where nothing is said
     antenna: tuple[float, float]  # Forward and to starboard of midship [m]
@@ -50,8 +45,6 @@ OfVelocities = Callable[[np.ndarray, np.ndarray], tuple[Any, Any, Any]]
 
 
 def _read(name: str, predicting: Predicting) -> Predicting:
-    """A signal with its constant error."""
-
     def predicted(at: SeenStates) -> PredictedSignal:
         value, by_state, by_error = predicting(at)
         return PredictedSignal(value + at.error(ERROR(name)), by_state, {**by_error, ERROR(name): ONE})
@@ -60,8 +53,6 @@ def _read(name: str, predicting: Predicting) -> Predicting:
 
 
 def _position(axis: int) -> Predicting:
-    """The antenna along an axis."""
-
     def predicted(at: SeenStates) -> PredictedSignal:
         cosine, sine = np.cos(at.states[:, 2]), np.sin(at.states[:, 2])
         ahead, aside = (cosine, sine)[axis], (-sine, cosine)[axis]
@@ -136,10 +127,8 @@ PREDICTED: Mapping[str, Predicting] = {
 
 # Signals that the motion is held to.
 READ = ("x", "y", "psi", "r", "u", "v", "u_ground", "v_ground", "speed_over_ground", "course")
-# Usual times between two values; longer gaps are not interpolated.
-GAP = 3.0
-# Steps of a record that a fit needs at least.
-FEWEST_STEPS = 8
+GAP = 3.0  # Usual times between two values; longer gaps are not interpolated
+FEWEST_STEPS = 8  # Steps of a record that a fit needs at least
 # Nodes in the mean, and readings in the median, of a first guess.
 NODES, SPIKES = 9, 5
 
@@ -156,8 +145,6 @@ class Readings(NamedTuple):
 
 @dataclass(frozen=True)
 class RecordGrid:
-    """A record, cut into steps."""
-
     record: ShipRecord  # Record
     times: np.ndarray  # (nodes,) Ends of the steps [s]
     whole: np.ndarray  # (steps,) True where the actuators are known all through it
@@ -166,7 +153,6 @@ class RecordGrid:
     meetings: np.ndarray  # (steps,) True where another ship passes
 
     def __len__(self) -> int:
-        """Number of steps."""
         return len(self.times) - 1
 
     @property

@@ -31,8 +31,6 @@ Grids = Iterable[RecordGrid]
 
 @dataclass(frozen=True)
 class SearchResult:
-    """The maximum of the posterior."""
-
     problem: LogProblem
     unknowns: np.ndarray  # (P,) Scaled coefficients, then the estimated numbers of the stochastic model
     records: tuple[RecordScore, ...]

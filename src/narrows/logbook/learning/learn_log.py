@@ -3,7 +3,7 @@
 import hashlib
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,8 +16,7 @@ from narrows.logbook.filtering.record_grid import HELM, REVOLUTIONS_OFFSET, RUDD
 from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult, search
 from narrows.logbook.learned_coefficient import learned_coefficients, learned_model
 from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise
-from narrows.logbook.learning.log_posterior import LogPosterior, averaged, log_posterior, posterior_mean
-from narrows.logbook.learning.log_prior import Spread
+from narrows.logbook.learning.log_posterior import LogPosterior, Spread, averaged, log_posterior, posterior_mean
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.learning.record_answers import record_answers
 from narrows.logbook.sensor_grades import SensorGrade
@@ -36,10 +35,8 @@ RUNS_AWAY = (
 STRETCHES = (
     "The model does not fit whole records and was fitted to short stretches. Do not predict whole manoeuvres with it."
 )
-# Digits of a hash in a sentence.
-HASH_DIGITS = 12
-# Times after this one count from 1970 [s].
-A_DATE = 1e8
+HASH_DIGITS = 12  # Digits of a hash in a sentence
+A_DATE = 1e8  # Times after this one count from 1970 [s]
 
 
 def learn(
@@ -91,10 +88,9 @@ def learn(
     InputError
         Where the model has neither covariance nor spread, a name is unknown, or no record can be used.
     """
-    given: dict[str, Any] = {"free": free, "spread": spread, "gusts": gusts, "asymmetry": asymmetry}
-    given |= {"waterway": waterway, **choices}
+    given: dict[str, Any] = {"free": free, "spread": spread, "gusts": gusts, "asymmetry": asymmetry, **choices}
+    given["waterway"] = waterway
     setup = log_problem(model, log, sensors, **given)
-    came_from = LogSource.of(setup.log, _name(setup.log), setup.assumptions.grade.name)
     with stage("fitting the records"):
         found = search(setup.problem, setup)
     if found is None:
@@ -107,56 +103,46 @@ def learn(
         joint = log_problem(model, log, sensors, pilot=True, **given)
         with stage("fitting the records with a pilot"):
             piloted = search(joint.problem, joint, scaled=found.scaled)
-    return log_result(setup, found, came_from, free, piloted)
+    return log_result(setup, found, free, piloted)
 
 
-def _name(log: Any) -> str:
+def hash_of(log: Iterable[ShipRecord]) -> tuple[str, float, float]:
+    """Return the hash of all names, times and values of a log, and its first and last time [s]."""
+    hashed, start, stop = hashlib.sha256(), np.inf, -np.inf
+    for record in log:
+        hashed.update(record.name.encode())
+        start, stop = min(start, record.start), max(stop, record.stop)
+        for key in record:
+            hashed.update(key.encode())
+            for column in (record[key].t, record[key].values):
+                hashed.update(np.ascontiguousarray(column, float).tobytes())
+    return hashed.hexdigest(), float(start), float(stop)
+
+
+def _source(log: Iterable[ShipRecord], sensors: str, prior: Model, records: int) -> Source:
+    """Return the source of a learned model: the source of the prior model, then the log."""
+    sha256, start, stop = hash_of(log)
+    name = Path(str(getattr(log, "name", "a log"))).name
     if isinstance(log, ShipLog):
-        return log.names[0] if len(log) == 1 else f"{log.names[0]} to {log.names[-1]}"
-    return Path(str(getattr(log, "name", "a log"))).name
+        name = " to ".join(dict.fromkeys((log.names[0], log.names[-1])))
+    model = hashlib.sha256(repr(sorted(prior.coefficients.items())).encode())
+    model.update(np.ascontiguousarray(prior.covariance, float).tobytes())
+    text = (
+        f"learned from {records} record{'s' * (records > 1)} of the ship itself ({name}, {_when(start)} to "
+        f"{_when(stop)}, sensors {sensors}, sha256 {sha256[:HASH_DIGITS]}...), from the model "
+        f"{model.hexdigest()[:HASH_DIGITS]}..."
+    )
+    before = prior.source
+    pairs = (before.text, text), (before.table, name), (before.sha256, sha256)
+    return Source(*("; ".join(filter(None, pair)) for pair in pairs))
 
 
-@dataclass(frozen=True)
-class LogSource:
-    """Identification of a log."""
-
-    name: str  # Name of the log
-    sensors: str  # The grade that it was taken for
-    sha256: str  # Hash of all names, times and values
-    start: float  # Time of the first value [s]
-    stop: float  # Time of the last value [s]
-
-    @classmethod
-    def of(cls, records: Iterable[ShipRecord], name: str, sensors: str) -> "LogSource":
-        """Return the identification of a log: name, sensors, hash, first and last time."""
-        hashed, start, stop = hashlib.sha256(), np.inf, -np.inf
-        for record in records:
-            hashed.update(record.name.encode())
-            start, stop = min(start, record.start), max(stop, record.stop)
-            for key in record:
-                hashed.update(key.encode())
-                for column in (record[key].t, record[key].values):
-                    hashed.update(np.ascontiguousarray(column, float).tobytes())
-        return cls(name, sensors, hashed.hexdigest(), float(start), float(stop))
-
-    def after(self, prior: Model, records: int) -> Source:
-        """Return the source of a learned model: the source of the prior model, then this log."""
-        several = "1 record" if records == 1 else f"{records} records"
-        model = hashlib.sha256(repr(sorted(prior.coefficients.items())).encode())
-        model.update(np.ascontiguousarray(prior.covariance, float).tobytes())
-        text = (
-            f"learned from {several} of the ship itself ({self.name}, {_when(self.start)} to {_when(self.stop)}, "
-            f"sensors {self.sensors}, sha256 {self.sha256[:HASH_DIGITS]}...), "
-            f"from the model {model.hexdigest()[:HASH_DIGITS]}..."
-        )
-        before = prior.source
-        return Source(*("; ".join(filter(None, pair)) for pair in (
-            (before.text, text), (before.table, self.name), (before.sha256, self.sha256)
-        )))  # fmt: skip
+def _when(t: float) -> str:
+    return f"{datetime.fromtimestamp(t, UTC):%Y-%m-%d %H:%M:%S} UTC" if t > A_DATE else f"{t:.0f} s"
 
 
 def log_result(
-    posed: LogSetup, found: SearchResult, log: LogSource, free: Sequence[str], piloted: SearchResult | None = None
+    posed: LogSetup, found: SearchResult, free: Sequence[str], piloted: SearchResult | None = None
 ) -> LogFit:
     """Return the answer of a search, averaged with that of one with a pilot where there is one."""
     prior = replace(posed.model, covariance=posed.before)
@@ -176,10 +162,10 @@ def log_result(
         *posed.left_out,
         *(stopped,) * found.interrupted,
     )
+    source = _source(posed.log, posed.assumptions.grade.name, prior, len(answers))
     return LogFit(
-        replace(came, source=log.after(prior, len(answers))), prior, learned, answers, _gusts(found), _noise(found),
-        after.disagreement, after.freedom, after.probability, _inertia(posed.model, found.problem), about,
-        found.converged,
+        replace(came, source=source), prior, learned, answers, _gusts(found), _noise(found), after.disagreement,
+        after.freedom, after.probability, _inertia(posed.model, found.problem), about, found.converged,
     )  # fmt: skip
 
 
@@ -204,21 +190,17 @@ def rudder_matters(model: Model, given: LogPosterior, joint: LogPosterior) -> tu
 
 
 def _inertia(model: Model, problem: LogProblem) -> tuple[str, ...]:
-    """Coefficients of the inertia in the motion, one for each group of ties."""
-    seconds = {second for _, second in model.terms.ties}
-    surge = problem.motion.integrator.ship.surge
-    acting = [term for force, terms in model.terms.forces.items() if force != "X" or surge == "free" for term in terms]
+    seconds, free = {second for _, second in model.terms.ties}, problem.motion.integrator.ship.surge == "free"
+    acting = [term for force, terms in model.terms.forces.items() if force != "X" or free for term in terms]
     return tuple(term.name for term in acting if term.kind == TermKind.INERTIA and term.name not in seconds)
 
 
 def _gusts(found: SearchResult) -> Gusts | None:
-    problem = found.problem
-    model = problem.model_at(found.unknowns)
-    sizes = {one.name: one for one in model.processes}
+    problem, model = found.problem, found.problem.model_at(found.unknowns)
     if SWAY not in model.gusts:
         return None
-    usual = {one.name: one.std for one in problem.model.processes}
-    strength = max(sizes[name].std / usual[name] for name in (SWAY, YAW))
+    sizes, usual = ({one.name: one for one in own.processes} for own in (model, problem.model))
+    strength = max(sizes[name].std / usual[name].std for name in (SWAY, YAW))
     return Gusts(sizes[SWAY].std, sizes[YAW].std, sizes[SWAY].memory, model.correlation, float(strength))
 
 
@@ -237,11 +219,9 @@ def _assumptions(problem: LogProblem, free: Sequence[str], met: int) -> Iterator
         yield f"Only {', '.join(free)} may change. Their intervals include the errors of the fixed coefficients."
     model = problem.motion.model
     if model.has_bank:
-        known = "waterway" in problem.motion.choices
         deep = model.configuration.canal.depth
-        depth = (
-            "the waterway's depths" if known else f"a depth of {deep:.3g} m" if deep else "a depth that is not known"
-        )
+        depth = f"a depth of {deep:.3g} m" if deep else "a depth that is not known"
+        depth = "the waterway's depths" if "waterway" in problem.motion.choices else depth
         yield (
             f"Assumed: a draft of {model.configuration.ship.draft:.3g} m, {depth}, and charted banks with one offset "
             "to each record. At another depth or draft the coefficients differ, and a transit does not show it. The "
@@ -255,7 +235,3 @@ def _assumptions(problem: LogProblem, free: Sequence[str], met: int) -> Iterator
         )
     if met:
         yield f"Another ship passed in {met} steps; forces there are not used."
-
-
-def _when(t: float) -> str:
-    return f"{datetime.fromtimestamp(t, UTC):%Y-%m-%d %H:%M:%S} UTC" if t > A_DATE else f"{t:.0f} s"

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,21 +10,20 @@ from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer
 from narrows.logbook.learning.record_answers import RecordAnswer
 from narrows.model.model import Model
 
-# Note for models without bank terms.
-IN_OPEN_WATER = "Learning in open water is tested against measured manoeuvres."
-# Probability below which log and prior contradict each other.
-CONTRADICTION_PROBABILITY = 1e-3
+IN_OPEN_WATER = "Learning in open water is tested against measured manoeuvres."  # Note for models without bank terms
+CONTRADICTION_PROBABILITY = 1e-3  # Probability below which log and prior contradict each other
 # Disturbances over prior gusts that gusts do not explain: of twins in gusts alone 5 % exceed 5, and of twins that
 # another ship passes every ten minutes 90 % exceed 17.
 UNEXPLAINED_GUST_RATIO = 8.0
-# Residual noise of headings that exceeds the error of a compass [rad].
-HEADING_LEFT = np.radians(0.5)
-# Prior standard deviations by which a named coefficient moved.
-MOVED_STDS = 3.0
+HEADING_LEFT = np.radians(0.5)  # Residual noise of headings that exceeds the error of a compass [rad]
+MOVED_STDS = 3.0  # Prior standard deviations by which a named coefficient moved
 
 
-@dataclass(frozen=True)
-class Gusts:
+# What ``to_dict`` gives of each record.
+RECORD_FIELDS = ("name", "duration", "steps", "met", "zeros", "information", "moved", "whole")
+
+
+class Gusts(NamedTuple):
     """Most likely Gauss-Markov disturbance of the records."""
 
     sway: float  # Standard deviation of the acceleration [m/s2]
@@ -34,10 +33,7 @@ class Gusts:
     strength: float  # Standard deviation over the prior one, the larger of sway and yaw [1]
 
 
-@dataclass(frozen=True)
-class SignalNoise:
-    """White noise of a signal."""
-
+class SignalNoise(NamedTuple):
     size: float  # Standard deviation of a reading [unit of the signal]
     beyond: float  # Share of readings that count less as outliers [1]
 
@@ -87,9 +83,6 @@ class LogFit(LearnedAnswer):
     about: tuple[str, ...]
     settled: bool
 
-    def __repr__(self) -> str:
-        return f"<LogFit of {self.model.ship.name}: {self._size}>"
-
     @property
     def _size(self) -> str:
         hours = sum(record.duration for record in self.records) / 3600
@@ -121,7 +114,6 @@ class LogFit(LearnedAnswer):
 
     @property
     def _doubts(self) -> tuple[str, ...]:
-        """Contradictions, failures of the search, errors of forecasts, and disturbances that are no gusts."""
         uncertain = [c for c in self.coefficients.values() if c.prior_std > 0]
         far = [c.name for c in uncertain if abs(c.value - c.prior) > MOVED_STDS * c.prior_std]
         named = f", mainly in {', '.join(far)}" if far else ""
@@ -151,7 +143,7 @@ class LogFit(LearnedAnswer):
 
     @property
     def _prediction(self) -> str:
-        before, after = self.missed("psi")
+        before, after = np.degrees(self.missed("psi"))
         if len(self.records) < 2 or not np.isfinite([before, after]).all():
             return ""
         if self.whole_missed:
@@ -160,9 +152,11 @@ class LogFit(LearnedAnswer):
                 f"Heading error over whole left-out records: {after:.2g} deg; {before:.2g} deg with the prior model, "
                 f"{nomoto:.2g} deg with a nonlinear Nomoto model."
             )
-        words = f"Heading error of forecasts over 3.5 ship lengths in left-out records: {np.degrees(after):.2g} deg"
-        worse = " The log does not improve forecasts." * (after >= before)
-        return f"{words}; {np.degrees(before):.2g} deg with the prior model.{worse}"
+        worse = " The log does not improve forecasts." * bool(after >= before)
+        return (
+            f"Heading error of forecasts over 3.5 ship lengths in left-out records: {after:.2g} deg; {before:.2g} deg "
+            f"with the prior model.{worse}"
+        )
 
     @property
     def whole_missed(self) -> dict[str, float]:
@@ -192,13 +186,11 @@ class LogFit(LearnedAnswer):
             "informative": self.informative,
             "coefficients": [coefficient.to_dict() for coefficient in self.coefficients.values()],
             "disagreement": {"sum": self.disagreement, "freedom": self.freedom, "probability": self.probability},
-            "gusts": None if self.gusts is None else vars(self.gusts),
-            "noise": {name: {"size": left.size, "outliers": left.beyond}
-                      for name, left in self.noise.items()},
+            "gusts": None if self.gusts is None else self.gusts._asdict(),
+            "noise": {name: {"size": left.size, "outliers": left.beyond} for name, left in self.noise.items()},
             "records": [
-                {"name": r.name, "duration": r.duration, "steps": r.steps, "met": r.met, "zeros": r.zeros,
-                 "information": r.information, "moved": r.moved, "whole": dict(r.whole),
-                 "missed": {name: {"before": old, "after": new} for name, (old, new) in r.missed.items()}}
+                {name: getattr(r, name) for name in RECORD_FIELDS}
+                | {"missed": {name: {"before": old, "after": new} for name, (old, new) in r.missed.items()}}
                 for r in self.records
             ],
             "settled": self.settled,

@@ -1,12 +1,19 @@
-"""Posterior of all coefficients after a log: its mean, and standard errors by the scatter of records."""
+"""Coefficients before a log, and after it: prior, posterior mean, and standard errors by the scatter of records."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from narrows.errors import InputError, did_you_mean
 from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem, Unknowns
+from narrows.logbook.filtering.record_grid import RUDDER
 from narrows.logbook.filtering.search import SearchResult
 from narrows.model.model import Model
+from narrows.quantities.names import FORCES
+from narrows.ship.motion import Motion
+from narrows.simulation.ship import SimulatedShip
+from narrows.terms.additions import asymmetry_names, with_asymmetry
 from narrows.terms.term import TermKind
 
 LEAST_REDUCTION = 1e-3  # [1] of the prior variance: below it a log does not count as informative on a combination
@@ -14,11 +21,122 @@ EXPECTED_SCATTER = 10  # records that the expected scatter of scores counts for,
 POINTS, SEED = 4096, 26  # of importance sampling
 WIDER = 1.1  # proposal over the Gaussian at the mode, for its tails
 
+# Standard deviations of coefficients: over their size, or each in its own unit.
+Spread = float | Mapping[str, float]
+# Standard deviation of an asymmetry, as the rudder angle that would hold it: ships steer straight with about a degree.
+RUDDER_ZERO = np.radians(1.0)
+ACCELERATIONS = ("udot", "vdot", "rdot")
+# Share of the largest eigenvalue of a correlation, under which two coefficients are known as one.
+RANK = 1e-9
+NO_PRIOR = (
+    "this model has no covariance of its coefficients, so a log has no prior; identify it from tests, "
+    "or state a spread, as spread=0.1 (--spread 0.1) for a tenth of each"
+)
+
+
+def covariance_before(model: Model, spread: Spread | None) -> np.ndarray:
+    # Inertia is held where a spread is stated: motion determines only forces over inertia.
+    if spread is None:
+        if model.covariance is None:
+            raise InputError(NO_PRIOR)
+        return np.asarray(model.covariance, float)
+    return np.diag(_stated(model, spread) ** 2)
+
+
+def _stated(model: Model, spread: Spread) -> np.ndarray:
+    names = model.terms.names
+    if isinstance(spread, Mapping):
+        for name in spread:
+            if name not in names:
+                raise InputError(f"spread: there is no coefficient {name!r}{did_you_mean(name, names)}")
+        sizes = np.array([float(spread.get(name, 0.0)) for name in names])
+    else:
+        held = {term.name for term in model.terms.terms if term.kind == TermKind.INERTIA}
+        sizes = np.array([spread * abs(model.coefficients[name]) * (name not in held) for name in names])
+    if not (np.isfinite(sizes).all() and (sizes >= 0).all() and sizes.any()):
+        raise InputError(f"a spread of {spread} is none: give a share over 0, or standard deviations by coefficient")
+    return sizes
+
+
+def with_asymmetry_before(model: Model, covariance: np.ndarray, u: float) -> tuple[Model, np.ndarray]:
+    """Return a model with an asymmetry, and the covariance with a prior of it where there is none."""
+    # covariance (n, n); u [m/s]
+    old, names = model.terms.names, asymmetry_names(model.terms)
+    if names[0] not in old:
+        table = with_asymmetry(model.terms)
+        zeros = {**model.coefficients, **dict.fromkeys(names, 0.0)}
+        model = replace(model, terms=table, coefficients={name: zeros[name] for name in table.names}, covariance=None)
+    places, whole = [model.terms.names.index(name) for name in old], np.zeros((len(model.terms),) * 2)
+    whole[np.ix_(places, places)] = covariance
+    for name, size in zip(names, _turned_rudder(model, u), strict=True):
+        place = model.terms.names.index(name)
+        whole[place, place] = whole[place, place] or size**2
+    return model, whole
+
+
+def _turned_rudder(model: Model, u: float) -> list[float]:
+    """Asymmetries as large as what the rudder does at an angle of ``RUDDER_ZERO``."""
+    still = {**SimulatedShip(model).values(), **Motion.at(u=u).values()}
+    rudder = next(actuator for actuator in model.terms.actuators if actuator.name == RUDDER)
+    turned = {**still, **rudder.placed(RUDDER_ZERO)}
+    sizes = []
+    for name, terms in zip(asymmetry_names(model.terms), (model.terms.sway, model.terms.yaw), strict=True):
+        force = sum(model[t.name] * (t.column(turned) - t.column(still)) for t in terms if t.kind == TermKind.RUDDER)
+        sizes.append(abs(float(force / model.terms[name].column(still))))
+    return sizes
+
+
+def coefficient_prior(
+    model: Model, covariance: np.ndarray, surge: str, free: frozenset[str] | None = None
+) -> CoefficientPrior:
+    """Return what is known of the coefficients that a motion can move."""
+    # covariance (n, n)
+    acting = [force for force in FORCES if force != "X" or surge == "free"]
+    names = [term.name for force in acting for term in model.terms.forces[force]]
+    known = {name: covariance[i, i] > 0 for i, name in enumerate(model.terms.names)}
+    groups = _groups(model, [name for name in names if known[name]])
+    places = [model.terms.names.index(group[0]) for group in groups]
+    part = covariance[np.ix_(places, places)]
+    scale = np.sqrt(np.diag(part))
+    ends = [np.array([model.terms[name].bound for name in group]).T for group in groups]
+    bounds = np.array([(low.max(), high.min()) for low, high in ends]).reshape(len(groups), 2)
+    mean = np.array([model.coefficients[group[0]] for group in groups])
+    changes = np.array([free is None or not free.isdisjoint(group) for group in groups])
+    sizes, axes = np.linalg.eigh(part / np.outer(scale, scale))  # Coefficients that are known as one stay so nearly.
+    precision = (axes / np.maximum(sizes, RANK * max(sizes[-1], 1.0))) @ axes.T
+    return CoefficientPrior(groups, mean, scale, precision, bounds, changes)
+
+
+def _groups(model: Model, names: Sequence[str]) -> tuple[tuple[str, ...], ...]:
+    """Coefficients that are one, together."""
+    leader = {name: name for name in names}
+    for first, second in model.terms.ties:
+        if first in leader and second in leader:
+            old, new = leader[second], leader[first]
+            leader = {name: new if head == old else head for name, head in leader.items()}
+    return tuple(tuple(name for name in names if leader[name] == head) for head in dict.fromkeys(leader.values()))
+
+
+def push_inertia(model: Model, prior: CoefficientPrior, u: float, surge_inertia: float | None = None) -> np.ndarray:
+    """Return what resists accelerations, by the terms, (3, 1 + p)."""
+    # u [m/s]; surge_inertia [kg]
+    names = {name: place for place, group in enumerate(prior.groups) for name in group}
+    still = {**SimulatedShip(model).values(), **Motion.at(u=u).values()}
+    inertia = np.zeros((3, 1 + len(prior.groups)))
+    for axis, (terms, acceleration) in enumerate(zip(model.terms.forces.values(), ACCELERATIONS, strict=True)):
+        pushed = {**still, acceleration: 1.0}
+        for term in terms:
+            resists = float(term.column(still) - term.column(pushed))
+            if term.name in names:
+                inertia[axis, 1 + names[term.name]] += resists
+            else:
+                inertia[axis, 0] += resists * model.coefficients[term.name]
+    inertia[0, 0] = surge_inertia or inertia[0, 0] or 1.0
+    return inertia
+
 
 @dataclass(frozen=True)
 class LogPosterior:
-    """Coefficients after a log."""
-
     values: np.ndarray  # (n,) All of them, in the order of the table
     covariance: np.ndarray  # (n, n)
     scaled: np.ndarray  # (p, p) Covariance of the estimated ones, in units of their prior standard deviations [1]

@@ -1,6 +1,6 @@
-"""A log as a problem: its records, what moves the ship, what is known before."""
+"""A log as a problem: its records, what moves the ship, errors of sensors, what is known before."""
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice, pairwise
@@ -10,11 +10,32 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.errors import InputError, check_choice, did_you_mean
-from narrows.logbook.filtering.log_problem import LogProblem, RecordedMotion
-from narrows.logbook.filtering.record_grid import READ, REVOLUTIONS, RUDDER, RecordGrid, grid_of
-from narrows.logbook.learning.log_prior import (
-    BASIN,
-    LogAssumptions,
+from narrows.logbook.filtering.log_problem import (
+    SWAY,
+    YAW,
+    CoefficientPrior,
+    Estimated,
+    LogProblem,
+    Process,
+    RecordedMotion,
+    StochasticModel,
+)
+from narrows.logbook.filtering.record_grid import (
+    CURRENT_X,
+    CURRENT_Y,
+    ERROR,
+    HELM,
+    HELM_GAIN,
+    PREDICTED,
+    READ,
+    REVOLUTIONS,
+    REVOLUTIONS_OFFSET,
+    RUDDER,
+    RUDDER_OFFSET,
+    RecordGrid,
+    grid_of,
+)
+from narrows.logbook.learning.log_posterior import (
     Spread,
     coefficient_prior,
     covariance_before,
@@ -22,7 +43,7 @@ from narrows.logbook.learning.log_prior import (
     with_asymmetry_before,
 )
 from narrows.logbook.reading.read_log import stream_log
-from narrows.logbook.sensor_grades import GRADES, SensorGrade, sensor_grade
+from narrows.logbook.sensor_grades import GRADES, SensorGrade, SignalGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
 from narrows.model.model import Model
 from narrows.simulation.self_propulsion import steady_revolutions
@@ -31,10 +52,148 @@ from narrows.waterway.current_profile import check_along_only
 if TYPE_CHECKING:
     from narrows.waterway import Waterway
 
-# Records by which it is seen what a log holds.
-LOOKED_AT = 50
+# Length of a step, in times of a ship length; in a basin, where the kinks of a rudder in a zigzag matter more.
+STEP, BASIN_STEP = 1 / 25, 1 / 40
+STEADY = "steady_{}".format  # Steady push of a record
+# How long a gust stays before anything is known of it [s], and standard deviations of logarithms: of that, of the
+# strength of gusts, of noise; of the inverse hyperbolic tangent of the correlation between sway and yaw.
+USUAL_MEMORY, SPREAD_OF_MEMORY, SPREAD_OF_STRENGTH, SPREAD_OF_NOISE, SPREAD_OF_CORRELATION = 40.0, 1.0, 1.5, 0.3, 1.0
+# Standard deviations of accelerations before anything is known, over speed squared by length (and by length again for
+# yaw): of gusts, and of a push that stays.
+GUST, STEADY_PUSH = 0.005, 0.1
+SPREAD_OF_CURRENT = 0.3  # Standard deviation of a current that nothing is known of [m/s]
+# Standard deviation of revolutions that are not recorded, over those that keep the usual speed: by hull, propeller and
+# wind a ship needs a fifth more or less.
+SPREAD_OF_REVOLUTIONS = 0.2
+
+DEGREE = np.pi / 180
+# What a model leaves of places in a basin, in lengths of the ship, its memory counted; four times as much of angles,
+# five of yaw rates and twice as much of speeds, over those of the ship.
+USUALLY_LEFT = 0.015
+BASIN_SPREAD = 2.0  # Standard deviation of the logarithm of noise in a basin
+USUALLY_CORRELATED = 60.0  # Readings for each independent one where a model's own error is what is left, to begin with
+# The noise that counts is what the model leaves of the records.
+BASIN = SensorGrade(
+    "basin",
+    "a towing tank: no wind, no current, noise estimated from the records",
+    {
+        **{name: SignalGrade(1e-6) for name in PREDICTED if name != HELM},
+        RUDDER: SignalGrade(1e-9, zero=0.1 * DEGREE),
+    },
+)
+LOOKED_AT = 50  # Records by which it is seen what a log holds
 # Share of readings that differ from the one before, above which rounding leaves a white error [1].
 SELDOM_REPEATED = 0.5
+LONGEST = 6 * 3600.0  # Longest record taken as one [s]: constant errors do not stay constant for ever
+LEGS = 60  # Number of straight legs of a way
+OTHER_DRAFT = 0.02  # Share of a draft, by which a record may differ
+# Values of a log that are kept laid out; of a longer one each record is laid out when its turn comes.
+HELD_VALUES = 20_000_000
+
+
+# A pilot: noise of the rudder from step to step [rad], its trim [rad], and what an aim that wanders adds [rad]; the aim
+# stays for so many times of a ship length. All but the trim are estimated, from these.
+HELM_NOISE, TRIM, AIMED, AIM_STAYS, AIM = 1.0 * DEGREE, 5.0 * DEGREE, 2.0 * DEGREE, 4.0, "helm_aim"
+
+
+def _pilot(length: float, u: float) -> list[Process]:
+    """Gains of a record's pilot, as large as those of a regulator, and the aim."""
+    sizes = {"y": 2.0 / length, "psi": 5.0, "v": 5.0 / u, "r": 2.0 * length / u, RUDDER: 0.5}
+    gains = [Process(HELM_GAIN(name), HELM_GAIN(name), size, np.inf) for name, size in sizes.items()]
+    trim = Process(f"{HELM}_trim", ERROR(HELM), TRIM, np.inf)
+    return [*gains, trim, Process(AIM, ERROR(HELM), AIMED, AIM_STAYS * length / u)]
+
+
+# Errors of signals outside a grade.
+UNGRADED = {
+    "x": SignalGrade(1.0), "y": SignalGrade(1.0), "psi": SignalGrade(0.3 * DEGREE), "r": SignalGrade(0.02 * DEGREE),
+    "u": SignalGrade(0.1), "v": SignalGrade(0.1), "u_ground": SignalGrade(0.1), "v_ground": SignalGrade(0.1),
+    "speed_over_ground": SignalGrade(0.1), "course": SignalGrade(2 * DEGREE), RUDDER: SignalGrade(0.5 * DEGREE),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class LogAssumptions:
+    grade: SensorGrade
+    gusts: bool  # Whether pushes with a memory act
+    surge: str  # Whether the speed is integrated
+    pilot: bool  # Whether the rudder follows what a pilot sees
+    signals: set[str]  # Of the first records
+    rounding: Mapping[str, tuple[float, float]]  # Standard deviation and memory [s] of the rounding error of signals
+    length: float  # Of the ship [m]
+    u: float  # Usual speed [m/s]
+
+    def step(self, u: float) -> float:
+        """Return the length of a step [s]."""
+        return float(f"{(STEP if self.gusts else BASIN_STEP) * self.length / u:.2g}")
+
+    @property
+    def in_basin(self) -> bool:
+        return self.grade.name == BASIN.name
+
+    @property
+    def lacks_revolutions(self) -> bool:
+        """True if propeller revolutions are unknown: not recorded, and not those of a tank's tests."""
+        return REVOLUTIONS not in self.signals and not self.in_basin
+
+    def problem(self, motion: RecordedMotion, prior: CoefficientPrior, inertia: np.ndarray) -> LogProblem:
+        along = {"X": self.u**2 / self.length} if self.surge == "free" else {}
+        sizes = {**along, "Y": self.u**2 / self.length, "N": (self.u / self.length) ** 2}
+        noise, basin = self._noise(), self.in_basin
+        gusts = [Process(name, name, GUST * size, USUAL_MEMORY) for name, size in sizes.items()] if self.gusts else []
+        names = tuple(one.name for one in gusts)
+        processes = [*gusts, *self._errors(motion, noise)]
+        estimated = [Estimated("std", (name,), SPREAD_OF_STRENGTH) for name in names]
+        if gusts:
+            processes += [Process(STEADY(n), n, STEADY_PUSH * size, np.inf) for n, size in sizes.items()]
+            estimated.append(Estimated("memory", names, SPREAD_OF_MEMORY))
+            estimated.append(Estimated("correlation", (SWAY, YAW), SPREAD_OF_CORRELATION))
+        if self.pilot and RUDDER in self.signals:
+            noise[HELM] = HELM_NOISE
+            processes += _pilot(self.length, self.u)
+            estimated += [Estimated(of, (AIM,), SPREAD_OF_STRENGTH) for of in ("std", "memory")]
+        wide = {HELM: SPREAD_OF_STRENGTH, **dict.fromkeys(noise if basin else (), BASIN_SPREAD)}
+        estimated += [Estimated("noise", (name,), wide.get(name, SPREAD_OF_NOISE)) for name in noise]
+        model = StochasticModel(tuple(processes), noise, tuple(estimated), gusts=names)
+        return LogProblem(motion, prior, inertia, model, 1.0 if self.gusts else USUALLY_CORRELATED)
+
+    def _noise(self) -> dict[str, float]:
+        """Noise of the grade; in a basin the usual model error, to begin with."""
+        read = [name for name in PREDICTED if name in self.signals]
+        if not self.in_basin:
+            return {name: self._grade(name).noise for name in read}
+        place, angle = USUALLY_LEFT * self.length, USUALLY_LEFT * 4
+        sizes = {"x": place, "y": place, "psi": angle, "course": angle, "r": USUALLY_LEFT * 5 * self.u / self.length}
+        return {name: sizes.get(name, USUALLY_LEFT * 2 * self.u) for name in read}
+
+    def _grade(self, name: str) -> SignalGrade:
+        """The grade of a signal; of one that the sensors are not said to have, that of the nearest."""
+        nearest = {"u_ground": "u", "speed_over_ground": "u", "course": "psi", "v_ground": "u", "v": "u"}
+        graded = self.grade.signals
+        return graded.get(name) or graded.get(nearest.get(name, name)) or UNGRADED[name]
+
+    def _errors(self, motion: RecordedMotion, noise: Mapping[str, float]) -> list[Process]:
+        found = []
+        if RUDDER in self.signals:
+            rudder = self._grade(RUDDER)
+            white = rudder.noise * np.sqrt(rudder.period / self.step(self.u))
+            found += [Process("rudder_noise", RUDDER_OFFSET, white, 0.0)]
+            found += [Process(RUDDER_OFFSET, RUDDER_OFFSET, rudder.zero, np.inf)]
+        if REVOLUTIONS in motion.positions and self.lacks_revolutions:
+            usual = SPREAD_OF_REVOLUTIONS * motion.positions[REVOLUTIONS]
+            found.append(Process(REVOLUTIONS_OFFSET, REVOLUTIONS_OFFSET, usual, np.inf))
+        for name in noise:
+            grade = self._grade(name)
+            found.append(Process(f"{name}_wander", ERROR(name), grade.wander, grade.memory))
+            if name in self.rounding:
+                found.append(Process(f"{name}_rounding", ERROR(name), *self.rounding[name]))
+            if name != "x":
+                found.append(Process(ERROR(name), ERROR(name), grade.zero, np.inf))
+        if self.signals & {"u_ground", "v_ground", "speed_over_ground", "course", "x"} and not self.in_basin:
+            found.append(Process(CURRENT_X, CURRENT_X, SPREAD_OF_CURRENT, np.inf))
+            if not motion.model.has_bank:
+                found.append(Process(CURRENT_Y, CURRENT_Y, SPREAD_OF_CURRENT, np.inf))
+        return [one for one in found if one.std > 0]
 
 
 @dataclass(frozen=True)
@@ -43,12 +202,11 @@ class LogSetup:
 
     problem: LogProblem  # With the prior
     log: Iterable[ShipRecord]  # That can be gone through again and again
-    assumptions: LogAssumptions  # How long steps are
+    assumptions: LogAssumptions
     before: np.ndarray  # (n, n) Covariance of all coefficients
     model: Model  # With an asymmetry where one is learned
 
     def __iter__(self) -> Iterator[RecordGrid]:
-        """The records."""
         yield from self._held if self._held is not None else self._laid_out([])
 
     @cached_property
@@ -82,8 +240,7 @@ class LogSetup:
                 f"record {record.name} is of a draft of {record.condition['draft']:.3g} m, the model of "
                 f"{ship.draft:.3g} m: leave it out, or give a model of that draft"
             )
-        step = self.assumptions.step(ship.length, speed_of(record))
-        return grid_of(record, step, usual, self.assumptions.pilot)
+        return grid_of(record, self.assumptions.step(speed_of(record)), usual, self.assumptions.pilot)
 
 
 def log_problem(
@@ -91,7 +248,6 @@ def log_problem(
     gusts: bool | None = None, asymmetry: bool | None = None, waterway: "Waterway | None" = None, pilot: bool = False,
     **choices: Any,
 ) -> LogSetup:  # fmt: skip
-    """Return a log as a problem."""
     records = _records(log, waterway)
     if isinstance(sensors, str):
         check_choice("sensors", sensors, (*GRADES, BASIN.name))
@@ -99,7 +255,8 @@ def log_problem(
     gusty = grade.name != BASIN.name if gusts is None else gusts
     surge = choices.setdefault("surge", "free" if model.terms.propelled else "held")
     signals, rounding, u = _looked_at(records)
-    assumptions = LogAssumptions(grade, gusty, surge, pilot and gusty, rounding)
+    length = model.configuration.ship.length
+    assumptions = LogAssumptions(grade, gusty, surge, pilot and gusty, signals, rounding, length, u)
     before = covariance_before(model, spread)
     steered = RUDDER in {own.name for own in model.terms.actuators}
     if steered and (not gusty and not free if asymmetry is None else asymmetry):
@@ -108,15 +265,16 @@ def log_problem(
         if name not in model.terms.names:
             raise InputError(f"free: there is no coefficient {name!r}{did_you_mean(name, model.terms.names)}")
     prior = coefficient_prior(model, before, surge, frozenset(free) or None)
-    positions = _positions(model, signals, u, assumptions.lacks_revolutions(signals))
-    motion = _motion(model, positions, u, choices, waterway or getattr(records, "waterway", None))
+    options = {"contact": "midship" if model.terms.has_bank else "none", "u": u, **choices}
+    if water := waterway or getattr(records, "waterway", None):
+        check_along_only(water, "learning")
+        options |= {"waterway": water, "x": water.line.length / 2}
+    motion = RecordedMotion(model, _positions(model, assumptions), (), options)
     inertia = push_inertia(model, prior, u, choices.get("surge_inertia"))
-    problem = assumptions.problem(motion, prior, inertia, signals, u)
-    return LogSetup(problem, records, assumptions, before, model)
+    return LogSetup(assumptions.problem(motion, prior, inertia), records, assumptions, before, model)
 
 
 def _records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:
-    """Records that can be gone through again and again; files are read each time."""
     if isinstance(log, str | Path):
         return stream_log(log, waterway)
     if isinstance(log, ShipRecord):
@@ -153,49 +311,24 @@ def _rounding(signal: Signal) -> tuple[float, float]:
     return float(moved.min() / np.sqrt(12)), float(np.ptp(signal.t) / len(moved) / 6)
 
 
-def _positions(model: Model, signals: set[str], u: float, assumed: bool) -> dict[str, float]:
+def _positions(model: Model, assumed: LogAssumptions) -> dict[str, float]:
     """Usual positions of the actuators that follow a record, and of a propeller whose revolutions are not recorded."""
     values = model.configuration.values()
-    if assumed:
-        values[REVOLUTIONS] = steady_revolutions(model, u) or values.get(REVOLUTIONS, 0.0)
+    if assumed.lacks_revolutions:
+        values[REVOLUTIONS] = steady_revolutions(model, assumed.u) or values.get(REVOLUTIONS, 0.0)
     return {
         actuator.name: float(values.get(actuator.name) or 0.0)
         for actuator in model.terms.actuators
-        if actuator.name in (RUDDER, REVOLUTIONS) or actuator.name in signals
+        if actuator.name in (RUDDER, REVOLUTIONS) or actuator.name in assumed.signals
     }
-
-
-def _motion(
-    model: Model, positions: dict[str, float], u: float, choices: dict[str, Any], waterway: "Waterway | None"
-) -> RecordedMotion:
-    options = {"contact": "midship" if model.terms.has_bank else "none", "u": u, **choices}
-    if waterway is not None:
-        check_along_only(waterway, "learning")
-        options |= {"waterway": waterway, "x": waterway.line.length / 2}
-    return RecordedMotion(model, positions, (), options)
-
-
-# Records for the search: laid out one by one, long ones in parts; useless ones are left out with a note.
-# Longest record taken as one [s]: constant errors do not stay constant for ever.
-LONGEST = 6 * 3600.0
-
-# Number of straight legs of a way.
-LEGS = 60
-
-# Share of a draft, by which a record may differ.
-OTHER_DRAFT = 0.02
-
-# Values of a log that are kept laid out; of a longer one each record is laid out when its turn comes.
-HELD_VALUES = 20_000_000
 
 
 def parts(record: ShipRecord) -> Iterator[ShipRecord]:
     """Yield a record, a long one in equal parts."""
-    count = int(np.ceil(record.duration / LONGEST)) if record.duration > LONGEST else 1
-    if count == 1:
+    if not record.duration > LONGEST:
         yield record
         return
-    edges = np.linspace(record.start, record.stop, count + 1)
+    edges = np.linspace(record.start, record.stop, int(np.ceil(record.duration / LONGEST)) + 1)
     for number, (start, stop) in enumerate(pairwise(edges), start=1):
         yield replace(record.between(float(start), float(stop)), name=f"{record.name}, part {number}")
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
@@ -27,8 +27,6 @@ READING, START_RATE = 0.01, 0.01
 
 @dataclass(frozen=True)
 class Forecast:
-    """Pieces of a voyage, each begun anew."""
-
     t: np.ndarray  # (n,) Nodes of all pieces, the end of one and the begin of the next at the same time [s]
     states: np.ndarray  # (n, 6) x, y, psi, u, v, r as predicted
     ends: np.ndarray  # (pieces,) Where each piece ends
@@ -38,8 +36,6 @@ class Forecast:
 
 @dataclass(frozen=True)
 class RecordAnswer:
-    """A record and the coefficients."""
-
     name: str  # Name of the record
     duration: float  # How long [s]
     steps: int  # Steps of the filter
@@ -60,14 +56,12 @@ class RecordAnswer:
 
 
 def record_answers(found: SearchResult, grids: Iterable[RecordGrid]) -> tuple[RecordAnswer, ...]:
-    """Return what each record contributed."""
     whole = not found.problem.model.gusts and not found.interrupted and len(found.records) <= MOST_COMPARED
     scales = found.problem.scales
     nomoto = nomoto_missed(grids, scales[0] / scales[3]) if whole else []
-    pairs = enumerate(zip(grids, found.records, strict=False))
     return tuple(
         _answer(found, grid, one, number < MOST_DRAWN, nomoto[number] if whole else None)
-        for number, (grid, one) in pairs
+        for number, (grid, one) in enumerate(zip(grids, found.records, strict=False))
     )
 
 
@@ -88,23 +82,19 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
         "before": whole_missed(problem, before_it, grid, path),
         "after": whole_missed(problem, without_it, grid, path), "nomoto": nomoto,
     }  # fmt: skip
-    constant = [
-        place for place, process in enumerate(model.processes)
+    zeros = {
+        process.name: float(path.processes[0, place]) for place, process in enumerate(model.processes)
         if np.isinf(process.memory) and not process.name.startswith(HELM)
-    ]  # fmt: skip
+    }  # fmt: skip
+    read = {name: grid.readings[name] for name in ("x", *STATES_JUDGED) if drawn and name in grid.readings}
     return RecordAnswer(
-        grid.record.name, float(grid.times[-1] - grid.times[0]), len(grid), int(grid.meetings.sum()),
-        {model.processes[place].name: float(path.processes[0, place]) for place in constant},
+        grid.record.name, float(grid.times[-1] - grid.times[0]), len(grid), int(grid.meetings.sum()), zeros,
         dict(zip(prior.names, gone.tolist(), strict=True)),
         dict(zip(prior.names, (moved * prior.scale).tolist(), strict=True)),
         {name: (before[name], later[name]) for name in STATES_JUDGED},
-        whole, (both[0], both[1]) if drawn else None, _measured(grid) if drawn else {},
+        whole, (both[0], both[1]) if drawn else None,
+        {name: (grid.times_of(own), own.values) for name, own in read.items()},
     )  # fmt: skip
-
-
-def _measured(grid: RecordGrid) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-    read = {name: grid.readings[name] for name in ("x", *STATES_JUDGED) if name in grid.readings}
-    return {name: (grid.times_of(own), own.values) for name, own in read.items()}
 
 
 def forecast(
@@ -178,29 +168,22 @@ def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path
     return float(READING * np.sqrt(np.mean(found.fun[:-4] ** 2)))
 
 
-@dataclass(frozen=True)
-class SteeredHeading:
-    """The part of a record for the Nomoto model: rudder and heading on even times."""
-
-    step: float  # [s]
-    rudder: list[float]  # [rad], at the nodes
-    heading: np.ndarray  # (nodes,) [rad]
-
-    def left(self, numbers: np.ndarray, start: np.ndarray) -> np.ndarray:
-        """Return the headings missed, over READING, by ``rdot = a rudder + b + c r + d |r| r + e r^3`` (Euler)."""
-        # start (2,): heading and yaw rate off those recorded, in units of READING and START_RATE
-        a, b, c, d, e = numbers
-        few = min(10, len(self.heading) - 1)
-        psi = self.heading[0] + READING * start[0]
-        r = (self.heading[few] - self.heading[0]) / few / self.step + START_RATE * start[1]
-        path = np.full(len(self.rudder), 1e3)
-        for place, rudder in enumerate(self.rudder):
-            path[place] = psi
-            psi += self.step * r
-            r += self.step * (a * rudder + b + (c + d * abs(r) + e * r * r) * r)
-            if not abs(r) < 1.0:
-                break
-        return np.asarray((path - self.heading) / READING)
+def _nomoto_off(
+    numbers: np.ndarray, start: np.ndarray, step: float, rudder: list[float], heading: np.ndarray
+) -> np.ndarray:
+    """Return the headings missed, over READING, by ``rdot = a rudder + b + c r + d |r| r + e r^3`` (Euler)."""
+    # start (2,): heading and yaw rate off those recorded, in units of READING and START_RATE
+    a, b, c, d, e = numbers
+    few = min(10, len(heading) - 1)
+    psi, r = heading[0] + READING * start[0], (heading[few] - heading[0]) / few / step + START_RATE * start[1]
+    path = np.full(len(rudder), 1e3)
+    for place, angle in enumerate(rudder):
+        path[place] = psi
+        psi += step * r
+        r += step * (a * angle + b + (c + d * abs(r) + e * r * r) * r)
+        if not abs(r) < 1.0:
+            break
+    return np.asarray((path - heading) / READING)
 
 
 def nomoto_missed(grids: Iterable[RecordGrid], time: float) -> list[float]:
@@ -215,25 +198,22 @@ def nomoto_missed(grids: Iterable[RecordGrid], time: float) -> list[float]:
     scale = np.array([1.0, 0.01, time, time**2, time**3]) / time**2
     first = np.array([USUAL_TURN, 0.0, -1.0, 0.0, -4.0])
 
-    def residuals(unknowns: np.ndarray, records: Sequence[SteeredHeading]) -> np.ndarray:
+    def residuals(unknowns: np.ndarray, records: Sequence[Any]) -> np.ndarray:
         numbers, starts = unknowns[: len(first)] * scale, unknowns[len(first) :].reshape(-1, 2)
-        return np.concatenate([own.left(numbers, start) for own, start in zip(records, starts, strict=True)])
+        return np.concatenate([_nomoto_off(numbers, start, *own) for own, start in zip(records, starts, strict=True)])
 
-    known = {place: _steered_heading(grid) for place, grid in enumerate(grids)}
-    steered = {place: record for place, record in known.items() if record is not None}
-    missed = dict.fromkeys(known, np.nan)
-    for place, record in steered.items():
-        others = [other for other in steered.values() if other is not record] or [record]
-        unknowns = np.append(first, np.zeros(2 * len(others)))
-        numbers = scale * least_squares(residuals, unknowns, args=(others,), max_nfev=40).x[: len(first)]
-        left = least_squares(partial(record.left, numbers), np.zeros(2), max_nfev=40).fun
-        missed[place] = float(np.sqrt(np.mean(left**2)) * READING)
-    return list(missed.values())
-
-
-def _steered_heading(grid: RecordGrid) -> SteeredHeading | None:
-    if "psi" not in grid.readings or RUDDER not in grid.positions:
-        return None
-    read = grid.readings["psi"]
-    heading = np.interp(grid.times, grid.times_of(read), read.values)
-    return SteeredHeading(grid.step, grid.positions[RUDDER].tolist(), heading)
+    known = [
+        (grid.step, grid.positions[RUDDER].tolist(), np.interp(grid.times, grid.times_of(read), read.values))
+        if (read := grid.readings.get("psi")) and RUDDER in grid.positions else None
+        for grid in grids
+    ]  # fmt: skip
+    steered, missed = [record for record in known if record], np.full(len(known), np.nan)
+    for place, record in enumerate(known):
+        if record is not None:
+            others = [other for other in steered if other is not record] or [record]
+            unknowns = np.append(first, np.zeros(2 * len(others)))
+            numbers = scale * least_squares(residuals, unknowns, args=(others,), max_nfev=40).x[: len(first)]
+            left = least_squares(lambda start, *own: _nomoto_off(own[0], start, *own[1:]), np.zeros(2),
+                                 args=(numbers, *record), max_nfev=40).fun  # fmt: skip
+            missed[place] = np.sqrt(np.mean(left**2)) * READING
+    return missed.tolist()

@@ -78,8 +78,7 @@ ALIASES = {
 # Authority (Timestamp, MMSI, Latitude, ...) and of NOAA's MarineCadastre (MMSI, BaseDateTime, LAT, ...).
 ARCHIVE_UNITS = {"speed_over_ground": "kn", "course_over_ground": "deg", "heading": "deg"}
 SHIP = "mmsi"
-# The archives do not document the form of their rate of turn.
-UNDOCUMENTED = "r"
+UNDOCUMENTED = "r"  # The archives do not document the form of their rate of turn
 
 # Codes of AIS for missing values (ITU-R M.1371), as sent and in SI.
 ABSENT = {
@@ -90,7 +89,6 @@ ABSENT = {
 
 
 def is_ais_archive(frame: pd.DataFrame) -> bool:
-    """Whether a table has the headers of an AIS archive: ships by number, and their time without a unit."""
     plain = [_plain(str(header)) for header in frame.columns]
     return SHIP in plain and any(ALIASES.get(header) == "time" for header in plain)
 
@@ -301,7 +299,6 @@ def _smoothly(name: str, signal: Signal) -> Signal:
 
 
 def _once(t: np.ndarray, columns: list[np.ndarray]) -> tuple[np.ndarray, ...]:
-    """Times, each once where it stands several times in a row, and the means of what was measured then."""
     first = np.flatnonzero(np.diff(t, prepend=np.nan) != 0)
     if len(first) == len(t):
         return (t, *columns)

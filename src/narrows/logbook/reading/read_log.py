@@ -155,15 +155,11 @@ def stream_log(
     return StreamedLog(table, log_mapping(mapping, units), water, gap, mmsi)
 
 
-# Degrees that a place on earth has at most.
-EARTH = {"latitude": 90.0, "longitude": 360.0}
-# A date as the Danish archive writes it, 31/12/2015 23:59:59.
-DAY_FIRST = re.compile(r"\d\d/\d\d/\d{4} ")
+EARTH = {"latitude": 90.0, "longitude": 360.0}  # Degrees that a place on earth has at most
+DAY_FIRST = re.compile(r"\d\d/\d\d/\d{4} ")  # A date as the Danish archive writes it, 31/12/2015 23:59:59
 
 
 class LogReading:
-    """One pass through a log: rows in SI, then records."""
-
     def __init__(self, log: StreamedLog) -> None:
         self.log, self.table = log, log.name
         is_recording = isinstance(log.table, Path) and is_nmea(log.table)
@@ -303,7 +299,6 @@ class LogReading:
 
 
 def _repeated(raw: RawRecord) -> int:
-    """Rows that repeat the values and the time of the row above."""
     same = np.diff(raw.t) == 0
     again = [np.isfinite(column[1:]) & np.isfinite(column[:-1]) for column in raw.columns.values()]
     return int((same & np.any(again, axis=0)).sum())

@@ -17,8 +17,7 @@ from narrows.codegen.linearisation import LINEARISED
 from narrows.errors import InputError
 from narrows.logbook.filtering.log_problem import CoefficientPrior, Unknowns
 from narrows.logbook.filtering.search import bounded_step
-from narrows.logbook.learning.log_posterior import posterior_covariance
-from narrows.logbook.learning.log_prior import coefficient_prior
+from narrows.logbook.learning.log_posterior import coefficient_prior, posterior_covariance
 from narrows.logbook.settings import UPDATE_ROUNDS, UPDATE_SETTLED
 from narrows.logbook.steady_legs.steady_readings import UNKNOWN, SteadyConditions, SteadyReadings
 from narrows.model.model import Model
@@ -27,8 +26,7 @@ from narrows.ship.motion import Motion
 from narrows.simulation.self_propulsion import self_propulsion
 from narrows.simulation.ship import SimulatedShip
 
-# True state of a leg, of which its readings are readings.
-LATENT = ("y", "u", "rudder", "psi")
+LATENT = ("y", "u", "rudder", "psi")  # True state of a leg, of which its readings are readings
 # Forces in balance on a steady leg, and the velocity whose rate each makes.
 BALANCED = {"Y": "v", "N": "r"}
 FORCES = slice(len(BALANCED))
@@ -81,7 +79,6 @@ class LegProblem(Unknowns):
         return matrix
 
     def fit(self, readings: SteadyReadings) -> LegFit:
-        """Search the most likely coefficients, common errors and true states of the legs."""
         legs, unknowns, converged = self._read(readings), np.zeros(len(self.precision)), False
         latent = legs.value[:, : len(LATENT)]
         for _ in range(UPDATE_ROUNDS):

@@ -330,10 +330,8 @@ def best_pairs(problem: LegProblem, pairs: np.ndarray, names: Sequence[str], cou
     return best
 
 
-# Number of offsets to either side, about, and their steps times a power of ten.
-NICE = (1.0, 2.0, 2.5, 5.0, 10.0)
-# Quantiles of the samples that are given for rudder and drift [1].
-QUANTILES = (0.05, 0.5, 0.95)
+NICE = (1.0, 2.0, 2.5, 5.0, 10.0)  # Number of offsets to either side, about, and their steps times a power of ten
+QUANTILES = (0.05, 0.5, 0.95)  # Quantiles of the samples that are given for rudder and drift [1]
 
 
 def usual_offsets(model: Model, clearance: float) -> np.ndarray:
@@ -365,7 +363,6 @@ def usual_speeds(model: Model) -> np.ndarray:
 def candidates(
     model: Model, offsets: np.ndarray, speeds: np.ndarray, reserve: float, clearance: float, samples: int, seed: int
 ) -> Candidates:
-    """Find the steady courses at offsets and speeds, and whether a ship may be held there."""
     y, u = (part.ravel() for part in np.meshgrid(offsets, speeds, indexing="ij"))
     keel = keel_at(model, u)
     steady = {name: xr.DataArray(part, dims="place") for name, part in {"y": y, "u": u, "heave": keel.midship}.items()}

@@ -47,8 +47,6 @@ LEAST_GUST_SHARE = 0.01  # Least assumed strength of gusts over the usual one [1
 
 @dataclass(frozen=True)
 class TransitInformation:
-    """Expected information of transits of one kind."""
-
     excursion: Excursion  # Excursion from the middle; the first kind has none
     std: Mapping[str, np.ndarray]  # (transits,) Standard error of each target after so many, in the coefficient's unit
 
@@ -276,7 +274,6 @@ def excursions(safe: float, time: float) -> list[Excursion]:
 def _information(
     plan: TransitTwin, excursion: Excursion, grade: SensorGrade, names: Sequence[str], counts: Sequence[int], seed: int
 ) -> TransitInformation:
-    """Medians of the expected standard errors over simulated transits."""
     push, std = plan.conditions.gust_push(plan.truth), []
     with bar(settings.SIMULATED_TRANSITS, is_shown(), excursion.words) as done:
         for number in range(seed, seed + settings.SIMULATED_TRANSITS):

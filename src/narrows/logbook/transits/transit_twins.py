@@ -145,7 +145,6 @@ class TransitPilot:
         return cls(law.lines[0], float(law.lead), courses, gear.limit, interval, times, aims, waterway)
 
     def begin(self) -> Order:
-        """Return what gives the orders of one voyage: the rudder a step on, by its rate."""
         by_y, by_psi, by_v, by_r, by_rudder, by_integral = (float(gain) for gain in self.line.gains)
         memory = {"t": 0.0, "off": 0.0, "next": 0.0, "order": 0.0}
 
@@ -165,7 +164,6 @@ class TransitPilot:
         return order
 
     def _held(self, t: float, at: VoyageState) -> tuple[Any, ...]:
-        """Aim, rudder, heading and sway velocity there, and the yaw rate of the bend ahead."""
         aim = float(np.interp(t, self.times, self.aims))
         rudder, psi, v = (float(np.interp(aim, self.courses[:, 0], self.courses[:, i])) for i in (1, 2, 3))
         if self.waterway is None:
@@ -178,8 +176,6 @@ class TransitPilot:
 
 @dataclass(frozen=True)
 class Excursion:
-    """Offset that a pilot takes on purpose, and its duration."""
-
     words: str  # What it is like
     offset: float = 0.0  # How far; 0 for none [m]
     sides: tuple[int, ...] = ()  # 1 to starboard, -1 to port, one after the other, spread over the transit
@@ -210,7 +206,6 @@ class TransitTwin:
     waterway: "Waterway | None" = None  # Instead of the model's own canal
 
     def sailed(self, seed: int, excursion: Excursion = ROUTINE) -> Voyage:
-        """Simulate the transit."""
         draw, conditions = np.random.default_rng((seed, 11)), self.conditions
         step = min(AIM_STEP, AIM_LENGTHS * self._length_time)
         times = step * np.arange(math.ceil(self.duration / step) + 1)
