@@ -171,11 +171,32 @@ Signals = dict[str, Signal]
 Fixes = tuple[np.ndarray, np.ndarray]
 
 
-class RawSignals(NamedTuple):
-    raw: RawRecord  # The record
-    late: dict[str, float]  # By how much columns are late [s]
+@dataclass(frozen=True, eq=False)
+class Placing:
+    """The signals of a raw record in the package's axes."""
 
-    def together(self, *names: str) -> tuple[np.ndarray, ...] | None:
+    raw: RawRecord
+    mapping: LogMapping  # Lateness, antenna, loading
+    waterway: Waterway | None  # Line of the positions; a plane where there is none
+    table: str  # The file, for sentences
+    signals: Signals = field(default_factory=dict)
+
+    def record(self) -> ShipRecord:
+        signals, antenna = self.signals, self.mapping.antenna
+        signals |= {name: signal for name in SIGNALS if (signal := self._signal(name)) is not None}
+        fixes = self._fixes()
+        if fixes is not None:
+            self._locate(fixes)
+        self._turn()
+        moved = fixes is not None and "psi" in signals
+        if fixes is not None and moved and any(antenna):
+            self._locate(self._at_midship(fixes))
+            self._turn()
+        self._add_velocities()
+        ordered = {name: signals[name] for name in SIGNALS if name in signals}
+        return ShipRecord(self.raw.name, ordered, (0.0, 0.0) if moved else antenna, self.mapping.condition)
+
+    def _together(self, *names: str) -> tuple[np.ndarray, ...] | None:
         """Return times and columns where all of some were measured at once; None where one never was."""
         # Directions are without jumps; values of one time, which is rounded then, are one by their mean.
         if not set(names) <= self.raw.columns.keys():
@@ -184,45 +205,21 @@ class RawSignals(NamedTuple):
         known = np.isfinite(columns).all(axis=0)
         if not known.any():
             return None
-        t = self.raw.t[known] - self.late.get(names[0], 0.0)
-        columns_known = {name: column[known] for name, column in zip(names, columns, strict=True)}
-        return _once(t, [np.unwrap(column) if name in JUMPING else column for name, column in columns_known.items()])
+        t = self.raw.t[known] - self.mapping.late.get(names[0], 0.0)
+        columns = [column[known] for column in columns]
+        return _once(t, [np.unwrap(own) if name in JUMPING else own for name, own in zip(names, columns, strict=True)])
 
-    def signal(self, name: str) -> Signal | None:
-        return _smoothly(name, Signal(*measured)) if (measured := self.together(name)) else None
+    def _signal(self, name: str) -> Signal | None:
+        return _smoothly(name, Signal(*measured)) if (measured := self._together(name)) else None
 
-
-@dataclass(frozen=True, eq=False)
-class Placing:
-    table: str  # The file, for sentences
-    mapping: LogMapping = field(default_factory=LogMapping)  # Lateness, antenna, loading
-    waterway: Waterway | None = None  # Line of the positions; a plane where there is none
-
-    def record(self, raw: RawRecord) -> ShipRecord:
-        columns, antenna = RawSignals(raw, dict(self.mapping.late)), self.mapping.antenna
-        signals = {name: signal for name in SIGNALS if (signal := columns.signal(name)) is not None}
-        fixes = self._fixes(columns, any(antenna))
-        if fixes is not None:
-            signals |= self._along(fixes)
-        signals |= self._directions(columns, signals)
-        if any(antenna) and fixes is not None and "psi" in signals:
-            signals |= self._along(self._at_midship(fixes, signals, antenna))
-            signals |= self._directions(columns, signals)
-        signals |= self._over_ground(columns, signals)
-        brought = fixes is not None and "psi" in signals
-        return ShipRecord(
-            raw.name, {name: signals[name] for name in SIGNALS if name in signals}, (0.0, 0.0) if brought else antenna,
-            self.mapping.condition,
-        )  # fmt: skip
-
-    def _fixes(self, columns: RawSignals, moved: bool) -> Fixes | None:
+    def _fixes(self) -> Fixes | None:
         """Positions by the map; those along the waterway too where they must be moved."""
-        if measured := columns.together("longitude", "latitude"):
+        if measured := self._together("longitude", "latitude"):
             t, *degrees = measured
             return t, projected(np.stack(degrees, axis=1), self._origin(degrees))
-        if measured := columns.together("east", "north"):
+        if measured := self._together("east", "north"):
             return measured[0], np.stack(measured[1:], axis=1)
-        if moved and (measured := columns.together("x", "y")):
+        if any(self.mapping.antenna) and (measured := self._together("x", "y")):
             t, x, y = measured
             return t, self.waterway.to_map(x, y)[0] if self.waterway else np.stack([y, x], axis=1)
         return None
@@ -237,57 +234,53 @@ class Placing:
             )
         return np.array(self.waterway.origin)
 
-    def _along(self, fixes: Fixes) -> Signals:
-        if self.waterway is None:
-            y, x = fixes[1].T
-        else:
-            x, y = self.waterway.line.locate(fixes[1])
-        return {"x": Signal(fixes[0], x), "y": Signal(fixes[0], y)}
+    def _locate(self, fixes: Fixes) -> None:
+        t, places = fixes
+        x, y = places.T[::-1] if self.waterway is None else self.waterway.line.locate(places)
+        self.signals.update(x=Signal(t, x), y=Signal(t, y))
 
-    def _axis(self, t: np.ndarray, signals: Signals) -> np.ndarray:
+    def _axis(self, t: np.ndarray) -> np.ndarray:
         """Direction of the axis that headings are measured from [rad] from north: of the waterway's line, or north."""
         if self.waterway is None:
             return np.zeros(len(t))
-        if "x" not in signals:
+        if "x" not in self.signals:
             raise InputError(
                 f"{self.table}: a direction from north is measured from a bend of {self.waterway.name} only where the "
                 "position is known; give longitude and latitude, or x"
             )
-        return self.waterway.line.heading(np.interp(t, signals["x"].t, signals["x"].values))
+        return self.waterway.line.heading(np.interp(t, self.signals["x"].t, self.signals["x"].values))
 
-    def _directions(self, columns: RawSignals, signals: Signals) -> Signals:
-        found = {}
+    def _turn(self) -> None:
+        """Directions from the axis, of those from north."""
         for name, by_map in BY_MAP.items():
-            if name not in columns.raw.columns and (signal := columns.signal(by_map)):
-                from_axis = signal.values - self._axis(signal.t, signals)
-                found[name] = _smoothly(name, Signal(signal.t, from_axis))
-        return found
+            if name not in self.raw.columns and (signal := self._signal(by_map)):
+                self.signals[name] = _smoothly(name, Signal(signal.t, signal.values - self._axis(signal.t)))
 
-    def _at_midship(self, fixes: Fixes, signals: Signals, antenna: tuple[float, float]) -> Fixes:
-        t, positions = fixes
-        heading = signals["psi"].at(t, HEADING_GAP) + self._axis(t, signals)
+    def _at_midship(self, fixes: Fixes) -> Fixes:
+        (t, positions), (forward, starboard) = fixes, self.mapping.antenna
+        heading = self.signals["psi"].at(t, HEADING_GAP) + self._axis(t)
         known = np.isfinite(heading)
-        ahead = np.stack([np.sin(heading), np.cos(heading)], axis=1)
-        starboard = np.stack([ahead[:, 1], -ahead[:, 0]], axis=1)
-        moved = positions - antenna[0] * ahead - antenna[1] * starboard
-        return t[known], moved[known]
+        east, north = np.sin(heading), np.cos(heading)
+        off = np.stack([forward * east + starboard * north, forward * north - starboard * east], axis=1)
+        return t[known], (positions - off)[known]
 
-    def _over_ground(self, columns: RawSignals, signals: Signals) -> Signals:
-        """Velocities in fixed axes, along and across the ship; of midship where the yaw rate is known."""
-        by_axes, by_map = columns.together("x_rate", "y_rate"), columns.together("north_rate", "east_rate")
+    def _add_velocities(self) -> None:
+        """Of velocities in fixed axes: along and across the ship; of midship where the yaw rate is known."""
+        by_axes, by_map = self._together("x_rate", "y_rate"), self._together("north_rate", "east_rate")
         measured = by_axes or by_map
-        if measured is None or "u_ground" in signals:
-            return {}
-        if "psi" not in signals:
+        if measured is None or "u_ground" in self.signals:
+            return
+        if "psi" not in self.signals:
             raise InputError(f"{self.table}: velocities in fixed axes need the heading; give psi, or heading")
         t, north, east = measured
-        angle = signals["psi"].at(t, HEADING_GAP) + (0.0 if by_axes else self._axis(t, signals))
+        angle = self.signals["psi"].at(t, HEADING_GAP) + (0.0 if by_axes else self._axis(t))
         forward, starboard = self.mapping.antenna
-        turn = signals["r"].at(t, HEADING_GAP) if "r" in signals and (forward or starboard) else np.zeros(len(t))
+        moved = "r" in self.signals and any(self.mapping.antenna)
+        turn = self.signals["r"].at(t, HEADING_GAP) if moved else np.zeros(len(t))
         u = north * np.cos(angle) + east * np.sin(angle) + starboard * turn
         v = east * np.cos(angle) - north * np.sin(angle) - forward * turn
         known = np.isfinite(u)
-        return {"u_ground": Signal(t[known], u[known]), "v_ground": Signal(t[known], v[known])}
+        self.signals.update(u_ground=Signal(t[known], u[known]), v_ground=Signal(t[known], v[known]))
 
 
 def _smoothly(name: str, signal: Signal) -> Signal:

@@ -123,16 +123,8 @@ def stream_log(
     ----------
     log : str, Path or DataFrame
         CSV, text or Parquet, or a recording of NMEA 0183.
-    waterway : Waterway, str or Path, optional
-        Line of the positions; a plane where there is none.
-    mapping : str, Path or mapping, optional
-        As in ``read_log``, like what follows.
-    units : mapping of str to str, optional
-        Units of columns without one in the header.
-    gap : float [s]
-        A time without a row after which another record begins.
-    mmsi : int, optional
-        Whose AIS reports to read.
+    waterway, mapping, units, gap, mmsi : Any
+        As for ``read_log``, with ``gap`` in [s].
 
     Returns
     -------
@@ -172,10 +164,10 @@ class LogReading:
         self.rounded = self.given = self.cuts = 0
 
     def records(self) -> Iterator[ShipRecord]:
-        placing = Placing(self.table, self.log.mapping, self.log.waterway)
         for raw in self._split(map(self._rows, self._frames())):
-            self.rounded += _repeated(raw)
-            record = placing.record(raw)
+            again = [np.isfinite(column[1:]) & np.isfinite(column[:-1]) for column in raw.columns.values()]
+            self.rounded += int(((np.diff(raw.t) == 0) & np.any(again, axis=0)).sum())
+            record = Placing(raw, self.log.mapping, self.log.waterway, self.table).record()
             self.given += bool(record.signals)
             if record.signals:
                 yield record
@@ -183,18 +175,15 @@ class LogReading:
             raise InputError(f"{self.table}: has no signal of a ship; give a log with at least one row and one signal")
 
     def notes(self) -> tuple[str, ...]:
-        begin = (f"t counts from {self.begin.isoformat()}",) if self.begin is not None else ()
-        absent = [f"{count} of {name} stand for none and were left out" for name, count in self.absent.items()]
+        antenna = any(self.log.mapping.antenna)
         remarks = {
-            f"cut into {self.given} records where nothing came for {self.log.gap:g} s; gap= sets another time": (
-                self.cuts > 0
-            ),
-            "rows whose time repeats that of the row above, as it is rounded, are one by their means": self.rounded > 0,
-            "positions are brought from the antenna to midship, where the heading is known": any(
-                self.log.mapping.antenna
-            ),
+            f"t counts from {self.begin.isoformat() if self.begin else ''}": self.begin is not None,
+            **{f"{count} of {name} stand for none and were left out": True for name, count in self.absent.items()},
+            fX: self.cuts,
+            "rows whose time repeats that of the row above, as it is rounded, are one by their means": self.rounded,
+            "positions are brought from the antenna to midship, where the heading is known": antenna,
         }
-        return (*self.about, *self.mapped, *begin, *absent, *(note for note, holds in remarks.items() if holds))
+        return (*self.about, *self.mapped, *(note for note, holds in remarks.items() if holds))
 
     def _frames(self) -> Iterator[pd.DataFrame]:
         table = self.log.table
@@ -296,9 +285,3 @@ class LogReading:
         return RawRecord(
             self.names[-1], rows.pop("t").to_numpy(), {str(name): column.to_numpy() for name, column in rows.items()}
         )
-
-
-def _repeated(raw: RawRecord) -> int:
-    same = np.diff(raw.t) == 0
-    again = [np.isfinite(column[1:]) & np.isfinite(column[:-1]) for column in raw.columns.values()]
-    return int((same & np.any(again, axis=0)).sum())
