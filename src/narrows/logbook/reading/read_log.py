@@ -179,7 +179,9 @@ class LogReading:
         remarks = {
             f"t counts from {self.begin.isoformat() if self.begin else ''}": self.begin is not None,
             **{f"{count} of {name} stand for none and were left out": True for name, count in self.absent.items()},
-            fX: self.cuts,
+            f"cut into {self.given} records where nothing came for {self.log.gap:g} s; gap= sets another time": (
+                self.cuts
+            ),
             "rows whose time repeats that of the row above, as it is rounded, are one by their means": self.rounded,
             "positions are brought from the antenna to midship, where the heading is known": antenna,
         }
