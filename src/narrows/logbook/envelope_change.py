@@ -1,6 +1,5 @@
 """Change of the safe envelope by a record: the same places with the model before and the model after."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -39,9 +38,6 @@ class EnvelopeChange(BaseResult):
     rudder_before: np.ndarray
     rudder_after: np.ndarray
 
-    def __repr__(self) -> str:
-        return f"<EnvelopeChange of {self.before.description}>"
-
     @property
     def notes(self) -> tuple[str, ...]:
         """Number of cases, and assumptions."""
@@ -63,12 +59,16 @@ class EnvelopeChange(BaseResult):
         data = self.before.data
         middle = data.sizes["u"] // 2
         table = {"offset": data["y"].to_numpy(), "speed": float(data["u"][middle]) / KNOT}
-        for when, angles in (("before", self.rudder_before), ("after", self.rudder_after)):
+        ways = (("before", self.before, self.rudder_before), ("after", self.after, self.rudder_after))
+        for when, _, angles in ways:
             names = (f"rudder_{name}_{when}" for name in ("low", "median", "high"))
             table |= dict(zip(names, np.degrees(angles).T, strict=True))
-        for when, envelope in (("before", self.before), ("after", self.after)):
+        for when, envelope, _ in ways:
             table[f"held_{when}"] = envelope.data["held"].isel(u=middle).to_numpy()
-            table[f"highest_speed_{when}"] = _tops(envelope)
+            # The highest speed that the model has safe at each offset, tested or not; NaN where there is none.
+            safe = envelope.by_model().transpose("y", "u").to_numpy()
+            speeds = pd.DataFrame(np.where(safe, envelope.data["u"].to_numpy() / KNOT, np.nan))
+            table[f"highest_speed_{when}"] = speeds.max(axis=1).to_numpy()
         return pd.DataFrame(table).set_index("offset")
 
     def to_dict(self) -> dict[str, Any]:
@@ -126,9 +126,3 @@ def rudder_band(model: Model, y: np.ndarray, u: float, samples: int = CHANGE_SAM
     ordered = np.where(np.isnan(angles), beyond, angles)
     low, high = RUDDER_BAND
     return np.asarray(np.quantile(ordered, (low, 0.5, high), axis=1, method="higher").T)
-
-
-def _tops(envelope: SafeEnvelope) -> list[float]:
-    """The highest speed that the model has safe at each offset [knots], tested or not; NaN where there is none."""
-    safe, speeds = envelope.by_model().transpose("y", "u").to_numpy(), envelope.data["u"].to_numpy() / KNOT
-    return [float(speeds[np.flatnonzero(row)[-1]]) if row.any() else math.nan for row in safe]

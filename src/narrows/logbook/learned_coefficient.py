@@ -83,27 +83,6 @@ class LearnedCoefficient:
         return f"{words}: unresolved, for {among}"
 
 
-def learned_coefficients(prior: Model, values: np.ndarray, covariance: np.ndarray) -> dict[str, LearnedCoefficient]:
-    before, after = (np.sqrt(np.maximum(np.diag(part), 0.0)) for part in (np.asarray(prior.covariance), covariance))
-    return {
-        term.name: LearnedCoefficient(
-            term.name, term.dimension.unit, prior.coefficients[term.name], float(before[i]), float(values[i]),
-            float(after[i]), term.from_bank,
-        )
-        for i, term in enumerate(prior.terms.terms)
-    }  # fmt: skip
-
-
-def verdicts_after(prior: Model, coefficients: Mapping[str, LearnedCoefficient], contradicted: bool) -> dict[str, str]:
-    """Return the verdicts of the learned model: those of the tests, except for learned coefficients."""
-    learned = [name for name, coefficient in coefficients.items() if coefficient.word == LEARNED]
-    if contradicted:
-        return {**prior.verdicts, **dict.fromkeys(learned, "contradicted by the ship's own record")}
-    open_still = {name for name in learned if UNRESOLVED in coefficients[name].verdict}
-    settled = {name: f"{UNRESOLVED} by the ship's own record" if name in open_still else IDENTIFIED for name in learned}
-    return {**prior.verdicts, **settled}
-
-
 class LearnedAnswer(BaseResult):
     model: Model
     coefficients: Mapping[str, LearnedCoefficient]
@@ -111,17 +90,17 @@ class LearnedAnswer(BaseResult):
     @property
     def std(self) -> dict[str, float]:
         """Standard error of each coefficient."""
-        return {name: coefficient.std for name, coefficient in self.coefficients.items()}
+        return {name: c.std for name, c in self.coefficients.items()}
 
     @property
     def intervals(self) -> dict[str, tuple[float, float]]:
         """95 % interval of each coefficient."""
-        return {name: coefficient.interval for name, coefficient in self.coefficients.items()}
+        return {name: c.interval for name, c in self.coefficients.items()}
 
     @property
     def verdicts(self) -> dict[str, str]:
         """Verdict on each coefficient, in a word or two."""
-        return {name: coefficient.verdict for name, coefficient in self.coefficients.items()}
+        return {name: c.verdict for name, c in self.coefficients.items()}
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Give the coefficients as a table: a row each, before and after."""
@@ -150,12 +129,13 @@ class LearnedAnswer(BaseResult):
         correlation = covariance / np.outer(scale, scale)
         correlation[np.abs(correlation) > TIED_CORRELATION] = 0.0  # Itself, and what is tied to it.
         found: dict[frozenset[str], str] = {}
-        for i, name in enumerate(names):
-            j = int(np.abs(correlation[i]).argmax())
-            by = correlation[i, j]
-            if self.coefficients[name].word != PRIOR and abs(by) >= PAIR_CORRELATION:
-                said = f"{name} and {names[j]} are correlated ({by:+.2f}): a combination"
-                found.setdefault(frozenset((name, names[j])), f"{said} of both is more precise than each.")
+        for name, row in zip(names, correlation, strict=True):
+            other = int(np.abs(row).argmax())
+            if self.coefficients[name].word != PRIOR and abs(row[other]) >= PAIR_CORRELATION:
+                found.setdefault(
+                    frozenset((name, names[other])), f"{name} and {names[other]} are correlated ({row[other]:+.2f}): a "
+                    "combination of both is more precise than each.",
+                )  # fmt: skip
         return list(found.values())
 
 
@@ -178,19 +158,33 @@ ON_TWINS = "Bank coefficients from legs and transits are tested on simulated twi
 
 
 def learned_model(
-    prior: Model, coefficients: Mapping[str, LearnedCoefficient], covariance: np.ndarray, source: str,
-    offsets: np.ndarray, speeds: np.ndarray, contradicted: bool = False,
-) -> Model:  # fmt: skip
-    # offsets [m] and speeds [m/s] that were met
-    met = ((float(part.min()), float(part.max())) for part in (offsets, speeds))
-    return replace(
+    prior: Model, values: np.ndarray, covariance: np.ndarray, source: str, offsets: np.ndarray, speeds: np.ndarray,
+    contradicted: bool = False,
+) -> tuple[Model, dict[str, LearnedCoefficient]]:  # fmt: skip
+    """Return the model after a record, and its coefficients."""
+    # values (n,); covariance (n, n); offsets [m] and speeds [m/s] that were met
+    before, after = (np.sqrt(np.maximum(np.diag(part), 0.0)) for part in (np.asarray(prior.covariance), covariance))
+    columns = zip(prior.terms.terms, *(part.tolist() for part in (before, values, after)), strict=True)
+    learned = {
+        term.name: LearnedCoefficient(
+            term.name, term.dimension.unit, prior.coefficients[term.name], known, value, std, term.from_bank
+        )
+        for term, known, value, std in columns
+    }
+    by_record = {True: f"{UNRESOLVED} by the ship's own record", False: IDENTIFIED}
+    verdicts = {
+        name: "contradicted by the ship's own record" if contradicted else by_record[UNRESOLVED in c.verdict]
+        for name, c in learned.items() if c.word == LEARNED
+    }  # fmt: skip
+    model = replace(
         prior,
-        coefficients={name: coefficient.value for name, coefficient in coefficients.items()},
+        coefficients={name: c.value for name, c in learned.items()},
         covariance=(covariance + covariance.T) / 2,
-        data_range=covered_range(prior, *met),
+        data_range=covered_range(prior, *((float(part.min()), float(part.max())) for part in (offsets, speeds))),
         source=replace(prior.source, text="; ".join(filter(None, (prior.source.text, source)))),
-        verdicts=verdicts_after(prior, coefficients, contradicted),
+        verdicts={**prior.verdicts, **verdicts},
     )
+    return model, learned
 
 
 def covered_range(prior: Model, offsets: Range, speeds: Range) -> DataRange:

@@ -14,7 +14,7 @@ from narrows.errors import InputError
 from narrows.logbook.filtering.log_problem import SWAY, YAW, LogProblem
 from narrows.logbook.filtering.record_grid import HELM, REVOLUTIONS_OFFSET, RUDDER
 from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult, search
-from narrows.logbook.learned_coefficient import learned_coefficients, learned_model
+from narrows.logbook.learned_coefficient import learned_model
 from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise
 from narrows.logbook.learning.log_posterior import LogPosterior, Spread, averaged, log_posterior, posterior_mean
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
@@ -151,9 +151,9 @@ def log_result(
     if piloted is not None and piloted.records and not (piloted.diverged or piloted.interrupted):
         given, joint = after, _posterior(posed, piloted)
         after, apart = averaged(given, joint), rudder_matters(posed.model, given, joint)
-    learned = learned_coefficients(prior, after.values, after.covariance)
     answers = record_answers(found, posed)
-    came = learned_model(prior, learned, after.covariance, "", *np.stack([one.ranges for one in found.records]).T)
+    ranges = np.stack([one.ranges for one in found.records]).T
+    came, learned = learned_model(prior, after.values, after.covariance, "", *ranges)
     stopped = f"The search was interrupted after {found.steps} steps; the result is from {len(answers)} records."
     about = (
         *apart,

@@ -8,14 +8,7 @@ import numpy as np
 
 from narrows.control.steady_course import check_inside, check_rudder
 from narrows.errors import InputError
-from narrows.logbook.learned_coefficient import (
-    LEARNED,
-    ON_TWINS,
-    LearnedAnswer,
-    LearnedCoefficient,
-    learned_coefficients,
-    learned_model,
-)
+from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer, LearnedCoefficient, learned_model
 from narrows.logbook.learning.log_posterior import log_posterior, posterior_covariance
 from narrows.logbook.settings import CONTRADICTION, WRONG_SIGN_GAIN
 from narrows.logbook.steady_legs.leg_balance import LegFit, LegProblem
@@ -174,9 +167,8 @@ def learn_steady(
     found = problem.fit(readings)
     checks = steady_checks(readings, found, problem)
     posterior = log_posterior(model, np.asarray(model.covariance), problem, found.unknowns, found.information)
-    learned = learned_coefficients(model, posterior.values, posterior.covariance)
-    after = learned_model(
-        model, learned, posterior.covariance, f"learned from {readings.summary()} ({readings.source})",
+    after, learned = learned_model(
+        model, posterior.values, posterior.covariance, f"learned from {readings.summary()} ({readings.source})",
         abs(read["y"]), read["u"], checks.contradicted,
     )  # fmt: skip
     std = np.sqrt(np.diag(posterior_covariance(problem, found.information)))

@@ -93,18 +93,14 @@ class InformationForecast(BaseResult):
     safe_offset: float
     reasons: tuple[str, ...]
 
-    def __repr__(self) -> str:
-        return f"<InformationForecast of {', '.join(self.targets)} by sensors {self.grade.name}>"
-
     @property
     def best(self) -> TransitInformation | None:
         """The kind with the smallest standard errors after the fewest transits; None without a prediction."""
-        return min(self.kinds, key=self._left, default=None)
 
-    def _left(self, kind: TransitInformation) -> float:
-        return float(
-            sum((kind.std[name][0] / self.prior_std[name]) ** 2 for name in self.targets if self.prior_std[name])
-        )
+        def left(kind: TransitInformation) -> float:
+            return sum(float(kind.std[name][0] / now) ** 2 for name, now in self.prior_std.items() if now)
+
+        return min(self.kinds, key=left, default=None)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -121,15 +117,13 @@ class InformationForecast(BaseResult):
             return "\n".join((*self.reasons, ON_TWINS))
         routine, best, after = self.kinds[0], self.best, " and ".join(map(str, self.transits))
         gains = "; ".join(
-            f"{name} from {self.prior_std[name]:.2g} to {', '.join(f'{std:.2g}' for std in routine.std[name])}"
-            for name in self.targets
+            f"{name} from {now:.2g} to {', '.join(f'{std:.2g}' for std in routine.std[name])}"
+            for name, now in self.prior_std.items()
         )
         lines = [f"Standard errors after {after} routine transits of {self.duration / 60:.0f} minutes at "
                  f"{self.u / KNOT:.3g} knots, sensors {self.grade.name}: {gains}."]  # fmt: skip
         if best is not None and best is not routine:
-            helped = ", ".join(
-                f"{name} {best.std[name][0]:.2g} instead of {routine.std[name][0]:.2g}" for name in self.targets
-            )
+            helped = ", ".join(f"{n} {best.std[n][0]:.2g} instead of {std[0]:.2g}" for n, std in routine.std.items())
             lines.append(f"The best excursion is {best.excursion.words}: after {self.transits[0]}, {helped}.")
         return "\n".join((*lines, *self.reasons, ON_TWINS))
 
@@ -217,11 +211,12 @@ def predict_information(
     names, grade, conditions = learnable(model, targets), sensor_grade(sensors), conditions or TransitConditions()
     plan = _plan(model, waterway, u, duration, conditions)
     std = dict(zip(model.terms.names, np.sqrt(np.diag(np.asarray(model.covariance))).tolist(), strict=True))
-    common: dict[str, Any] = {"model": model, "grade": grade, "conditions": conditions, "u": plan.u}
-    common |= {"duration": plan.duration, "transits": counts, "targets": names}
-    common |= {"prior_std": {name: std[name] for name in names}}
+    forecast = InformationForecast(
+        (), counts, names, {name: std[name] for name in names}, model, grade, conditions, plan.u, plan.duration, 0.0,
+        (NO_RUDDER,),
+    )  # fmt: skip
     if "rudder" not in grade.signals:
-        return InformationForecast((), safe_offset=0.0, reasons=(NO_RUDDER,), **common)
+        return forecast
     if within is None:
         safe = safe_offset(_narrowest(model, waterway), plan.u, seed)
     elif (safe := finite_numbers(within=within)["within"]) < 0:
@@ -234,7 +229,7 @@ def predict_information(
             reasons.append(f"Left out: {error}.")
     if within is None and not safe:
         reasons.append(NOWHERE.format(plan.u))
-    return InformationForecast(tuple(kinds), safe_offset=safe, reasons=tuple(reasons), **common)
+    return replace(forecast, kinds=tuple(kinds), safe_offset=safe, reasons=tuple(reasons))
 
 
 def _plan(
@@ -243,12 +238,13 @@ def _plan(
     speed = float(usual_speeds(model)[0]) if u is None else finite_numbers(u=u)["u"]
     if speed <= 0:
         raise InputError(f"u = {speed:g} m/s is no speed ahead; give one over 0")
-    lasting = settings.ROUTINE
     if duration is not None:
         lasting = finite_numbers(duration=duration)["duration"]
     elif waterway is not None:
         whole = waterway.line.length / (speed + waterway.reference_current)
         lasting = min(0.95 * whole, settings.LONGEST_TRANSIT)
+    else:
+        lasting = settings.ROUTINE
     if not 0 < lasting <= settings.MOST_TIME:
         raise InputError(f"a transit of {lasting:g} s is none; give a duration over 0, to {settings.MOST_TIME:g}")
     return TransitTwin(model, speed, lasting, conditions, waterway=waterway)

@@ -11,20 +11,8 @@ from narrows.control.regulator import HeldLine, regulator
 from narrows.control.steady_course import steady_course
 from narrows.errors import InputError, shown
 from narrows.identification.fitting import bundled_ship
+from narrows.logbook import settings
 from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
-from narrows.logbook.settings import (
-    AIM_LENGTHS,
-    AIM_STEP,
-    CURRENT,
-    GUST_PIECES,
-    MOST_DRAWS,
-    MOST_SHIPS,
-    ORDER_INTERVAL,
-    ORDERS_A_LENGTH,
-    PILOT_COURSES,
-    PUSH_STEP,
-    TRANSIT_STEPS,
-)
 from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
 from narrows.logbook.steady_legs.steady_readings import BeamWind
 from narrows.model.model import Model
@@ -134,13 +122,13 @@ class TransitPilot:
     ) -> "TransitPilot":
         # u [m/s]; times, aims (n,) [s]
         far = max(float(np.abs(aims).max()), 1e-6)
-        y = np.linspace(-far, far, PILOT_COURSES)
+        y = np.linspace(-far, far, settings.PILOT_COURSES)
         held = steady_course(model, y=xr.DataArray(y, dims="place"), u=u)
         courses = np.stack([y, *(held[name].to_numpy() for name in ("rudder", "psi", "v"))], axis=1)
         if not np.isfinite(courses).all():
             raise InputError(f"no rudder holds this ship {far:.3g} m off the middle at {u:.3g} m/s; aim nearer to it")
         law = regulator(model, far, u)  # Where it is hardest.
-        interval = min(ORDER_INTERVAL, model.configuration.ship.length / u / ORDERS_A_LENGTH)
+        interval = min(settings.ORDER_INTERVAL, model.configuration.ship.length / u / settings.ORDERS_A_LENGTH)
         gear = model.configuration.gear
         return cls(law.lines[0], float(law.lead), courses, gear.limit, interval, times, aims, waterway)
 
@@ -207,16 +195,16 @@ class TransitTwin:
 
     def sailed(self, seed: int, excursion: Excursion = ROUTINE) -> Voyage:
         draw, conditions = np.random.default_rng((seed, 11)), self.conditions
-        step = min(AIM_STEP, AIM_LENGTHS * self._length_time)
+        step = min(settings.AIM_STEP, settings.AIM_LENGTHS * self._length_time)
         times = step * np.arange(math.ceil(self.duration / step) + 1)
         aims = excursion.aims(times, wandering(conditions.wander, conditions.wander_time, step, len(times), draw)[:, 0])
         helm = TransitPilot.of(self.truth, self.u, times, aims, self.waterway)
         started: dict[str, Any] = {"y": float(aims[0]), "u": self.u, **self._pushes(draw)}
         if self.truth.terms.propelled:
             started["revolutions"] = self_propulsion(self.truth, self.u)
-        dt = min(PUSH_STEP, self._length_time / TRANSIT_STEPS)
+        dt = min(settings.PUSH_STEP, self._length_time / settings.TRANSIT_STEPS)
         voyage = simulate(self.truth, duration=self.duration, dt=dt, controller=helm, waterway=self.waterway, **started)
-        if voyage.t[-1] < self.duration - PUSH_STEP:
+        if voyage.t[-1] < self.duration - settings.PUSH_STEP:
             raise InputError(f"{excursion.words}: in these gusts the ship does not come through")
         return voyage
 
@@ -226,18 +214,14 @@ class TransitTwin:
         return self.truth.configuration.ship.length / self.u
 
     def _pushes(self, draw: np.random.Generator) -> dict[str, list[tuple[float, float]]]:
-        """Sway force and yaw moment through the transit: wind and gusts."""
-        conditions, step = self.conditions, min(PUSH_STEP, self.conditions.gust_time / GUST_PIECES)
+        conditions, step = self.conditions, min(settings.PUSH_STEP, self.conditions.gust_time / settings.GUST_PIECES)
         times = np.arange(0.0, self.duration, step)
         gusts = wandering(1.0, conditions.gust_time, step, len(times), draw, 2) @ conditions.gust_push(self.truth).T
         pushes = gusts + draw.standard_normal(2) * conditions.steady_push(self.truth)
-        return {
-            name: list(zip(times.tolist(), column, strict=True))
-            for name, column in zip("YN", pushes.T.tolist(), strict=True)
-        }
+        return {name: list(zip(times.tolist(), pushes[:, i].tolist(), strict=True)) for i, name in enumerate("YN")}
 
 
-def recorded(name: str, voyage: Voyage, grade: SensorGrade, seed: int, current: float = CURRENT) -> ShipRecord:
+def recorded(name: str, voyage: Voyage, grade: SensorGrade, seed: int, current: float = settings.CURRENT) -> ShipRecord:
     draw = np.random.default_rng((seed, 13))
     drift = current * float(draw.standard_normal())
     columns = {own: voyage[own] for own in ("x", "y", "psi", "r", "u", "v", "rudder")}
@@ -260,7 +244,7 @@ def drawn_truth(model: Model, seed: int, **held: float) -> Model:
     names = model.terms.names
     mean = np.array([model.coefficients[name] for name in names])
     bounds = np.array([term.bound for term in model.terms.terms])
-    for values in mean + correlated(np.asarray(model.covariance), MOST_DRAWS, (seed, 17)):
+    for values in mean + correlated(np.asarray(model.covariance), settings.MOST_DRAWS, (seed, 17)):
         if ((values >= bounds[:, 0] - 1e-9) & (values <= bounds[:, 1] + 1e-9)).all():
             return model.with_coefficients(**{**dict(zip(names, values.tolist(), strict=True)), **held})
     raise InputError("no draw of these coefficients is within the bounds of their terms; identify the model again")
@@ -268,36 +252,35 @@ def drawn_truth(model: Model, seed: int, **held: float) -> Model:
 
 # Dimensions of the ship and the canal [m], as in the case of the Suez section.
 LENGTH, WIDTH = 399.94, 205.0
-# Speed and duration of a transit, and duration of a short demonstration.
-SPEED, MINUTES, SHORT_MINUTES = 8 * KNOT, 40.0, 20.0
+# Speed and duration of a transit, and number and duration of those of a demonstration.
+SPEED, MINUTES, DEMONSTRATED, SHORT_MINUTES = 8 * KNOT, 40.0, 10, 20.0
 
 
 def large_container_ship() -> Model:
     return bundled_ship(LENGTH, WIDTH)
 
 
-def demonstrated_log(sensors: SensorGrade, transits: int = 10, seed: int = 1) -> tuple[Model, Model, ShipLog]:
+def demonstrated_log(sensors: SensorGrade) -> tuple[Model, Model, ShipLog]:
     """Return a ship as its captive tests give it, the true ship, and its recorded log."""
     prior = large_container_ship()
-    for ship in range(MOST_SHIPS):
-        truth = drawn_truth(prior, MOST_SHIPS * seed + ship)
+    for seed in range(settings.MOST_SHIPS, 2 * settings.MOST_SHIPS):
+        truth = drawn_truth(prior, seed)
         try:
-            twin = TransitTwin(truth, SPEED, 60 * SHORT_MINUTES)
-            return prior, truth, transits_of(truth, sensors, transits, MOST_SHIPS * seed + ship, twin)
+            log = transits_of(truth, sensors, DEMONSTRATED, seed, TransitTwin(truth, SPEED, 60 * SHORT_MINUTES))
+            return prior, truth, log
         except InputError:
             continue
-    raise InputError("none of the ships that were drawn comes through the canal; take another seed")
+    raise InputError("none of the ships that were drawn comes through the canal")
 
 
 def transits_of(
     truth: Model, sensors: SensorGrade, transits: int, seed: int, twin: TransitTwin | None = None
 ) -> ShipLog:
     template = replace(twin, truth=truth) if twin else TransitTwin(truth, SPEED, 60 * MINUTES)
-    records = []
+    records, current = list[ShipRecord](), 0.0 if template.waterway else settings.CURRENT  # A waterway has its own.
     with bar(transits, is_shown(), "transits") as done:
-        for number in range(transits):
-            voyage = template.sailed(1000 * seed + number)
-            drawn = {"current": 0.0} if template.waterway else {}  # A waterway has its own.
-            records.append(recorded(f"transit {number + 1}", voyage, sensors, 1000 * seed + number, **drawn))
+        for number in range(1000 * seed, 1000 * seed + transits):
+            name = f"transit {len(records) + 1}"
+            records.append(recorded(name, template.sailed(number), sensors, number, current))
             done(1)
     return ShipLog(tuple(records), template.waterway)
