@@ -8,8 +8,8 @@ from _extension.markdown import table
 from narrows.captive.formats import LAYOUTS
 from narrows.estimation.sensors import SENSORS
 from narrows.export.exporters import EXPORTERS
+from narrows.logbook.checking.check_log import RECORD_CHECKS
 from narrows.logbook.checking.faults import FAULTS
-from narrows.logbook.checking.record_checks import RECORD_CHECKS
 from narrows.safety.pilots import PILOTS
 from narrows.simulation.controllers import CONTROLLERS
 

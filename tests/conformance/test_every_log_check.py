@@ -9,8 +9,8 @@ import narrows as nw
 from faults import FAULTS as EXAMPLES
 from faults import ashore
 from logs import bend, bent_waterway, circle, kvlcc2, zigzag
+from narrows.logbook.checking.check_log import RECORD_CHECKS, Checked, Finding
 from narrows.logbook.checking.faults import FAULTS, MISREADINGS, Misreading
-from narrows.logbook.checking.record_checks import RECORD_CHECKS, Checked, Finding
 from narrows.logbook.ship_log import SIGNALS
 
 

@@ -12,8 +12,8 @@ from narrows.captive.columns import COLUMNS
 from narrows.cli import app
 from narrows.estimation.sensors import SENSORS
 from narrows.export.exporters import EXPORTERS
+from narrows.logbook.checking.check_log import RECORD_CHECKS
 from narrows.logbook.checking.faults import FAULTS
-from narrows.logbook.checking.record_checks import RECORD_CHECKS
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS
 from narrows.safety.pilots import PILOTS
 from narrows.terms.tables import BASES

@@ -1,8 +1,8 @@
 """System identification: learn coefficients that the tests did not settle, from a ship's own records."""
 
+from narrows.logbook.checking.check_log import Finding as Finding
+from narrows.logbook.checking.check_log import LogFindings as LogFindings
 from narrows.logbook.checking.check_log import check_log as check_log
-from narrows.logbook.checking.record_checks import Finding as Finding
-from narrows.logbook.checking.record_checks import LogFindings as LogFindings
 from narrows.logbook.envelope_change import EnvelopeChange as EnvelopeChange
 from narrows.logbook.envelope_change import envelope_change as envelope_change
 from narrows.logbook.learned_coefficient import LearnedCoefficient as LearnedCoefficient

@@ -1,7 +1,7 @@
 """A ship's own log: signals, records of manoeuvres and transits, and the waterway that they are of."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -215,6 +215,13 @@ SIGNALS = {
 TURNING = ("psi", "course", "wind_direction")  # Directions: a whole turn more is the same
 
 
+def size_of(durations: Sequence[float], count: int) -> str:
+    """Return the number of records, and how long [s] they are together, in words."""
+    hours = sum(durations) / 3600
+    lasting = f"{hours:.3g} h" if hours >= 1 else f"{60 * hours:.3g} min"
+    return f"{count} record{'s' * (count != 1)}, {lasting}"
+
+
 def check_signals(names: Iterable[str]) -> None:
     for name in names:
         if name not in SIGNALS:
@@ -320,16 +327,20 @@ class ShipLog(BaseResult):
 
     def summary(self) -> str:
         """Number of records, their duration and their signals."""
-        hours = sum(record.duration for record in self.records if np.isfinite(record.duration)) / 3600
-        lasting = f"{hours:.3g} h" if hours >= 1 else f"{60 * hours:.3g} min"
+        size = size_of([record.duration for record in self.records if np.isfinite(record.duration)], len(self))
         where = f" along {self.waterway.name}" if self.waterway else ""
-        several = "record" if len(self) == 1 else "records"
-        return f"{len(self)} {several}, {lasting} together{where}, with {', '.join(self.counts) or 'no signal'}."
+        return f"{size} together{where}, with {', '.join(self.counts) or 'no signal'}."
 
     def to_dict(self) -> dict[str, Any]:
         """Give what each record holds by name: from when to when, values of each signal, antenna and condition."""
         return {
-            "records": {record.name: _held(record) for record in self.records},
+            "records": {
+                record.name: {
+                    "start": record.start, "stop": record.stop, "antenna": list(record.antenna),
+                    "condition": dict(record.condition), "values": {name: len(record[name]) for name in record},
+                }
+                for record in self.records
+            },
             "waterway": self.waterway.name if self.waterway else None,
             "signals": {name: SIGNALS[name].unit for name in self.counts},
             "summary": self.summary(), "notes": list(self.notes),
@@ -356,10 +367,3 @@ class ShipLog(BaseResult):
         coordinates = {"record": ("row", rows["record"].to_numpy()), "t": time}
         attributes = {"summary": self.summary(), "notes": "\n".join(self.notes)}
         return xarray.Dataset(variables, coords=coordinates, attrs=attributes)
-
-
-def _held(record: ShipRecord) -> dict[str, Any]:
-    return {
-        "start": record.start, "stop": record.stop, "antenna": list(record.antenna),
-        "condition": dict(record.condition), "values": {name: len(own) for name, own in record.signals.items()},
-    }  # fmt: skip

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from narrows.files import write_whole
 from narrows.logbook import LogFindings, LogFit, ShipLog, Signal
 from narrows.logbook.learned_coefficient import ON_TWINS, QUANTILE_95, LearnedCoefficient
-from narrows.logbook.learning.record_answers import Forecast, RecordAnswer
+from narrows.logbook.learning.log_fit import Forecast, RecordAnswer
 from narrows.report.fit_page import figure, render
 from narrows.report.pilot_page import LEARNED_HEADS, learned_rows, with_truth
 from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Margins, panels

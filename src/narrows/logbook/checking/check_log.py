@@ -1,32 +1,259 @@
-"""Faults of a ship's own log, by the filter that learns from it."""
+"""Faults of a ship's own log: by the filter that learns from it, and by checks that need none: clocks, gaps, sizes."""
 
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from narrows.errors import InputError
 from narrows.logbook import settings
 from narrows.logbook.checking.faults import FAULTS, FaultTest, FaultTests, misreading, stuck
-from narrows.logbook.checking.record_checks import (
-    RECORD_CHECKS,
-    Finding,
-    LogFindings,
-    check_clock,
-    check_place,
-    checked_record,
-)
 from narrows.logbook.filtering.record_grid import RUDDER, RecordGrid
 from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_posterior import Spread
-from narrows.logbook.learning.log_setup import LogSetup, log_problem
+from narrows.logbook.learning.log_setup import LogSetup, log_problem, speed_of
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import SIGNALS, ShipLog, ShipRecord
 from narrows.model.model import Model
 from narrows.progress import stage
+from narrows.quantities.names import GRAVITY
+from narrows.results import BaseResult
 from narrows.results.base_results import with_error
 from narrows.waterway import Waterway
 
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Finding:
+    """Something that is wrong, or doubtful, with a record."""
+
+    check: str  # What was looked at, as in ``rudder's sign``
+    record: str
+    sentence: str  # What was seen, with its numbers
+    remedy: str
+    evidence: Mapping[str, float] = field(default_factory=dict)
+    wrong: bool = True  # Whether it must be mended before a fit; else it is to be looked at
+
+    def to_dict(self) -> dict[str, Any]:
+        return {**vars(self), "evidence": dict(self.evidence)}
+
+
+@dataclass(frozen=True, repr=False)
+class LogFindings(BaseResult):
+    """Faults and doubts of a log.
+
+    Parameters
+    ----------
+    findings : tuple of Finding
+        In the order of the records.
+    records : int
+        How many were looked at.
+    """
+
+    findings: tuple[Finding, ...]
+    records: int
+
+    def __len__(self) -> int:
+        return len(self.findings)
+
+    def __iter__(self) -> Iterator[Finding]:
+        return iter(self.findings)
+
+    @property
+    def clean(self) -> bool:
+        """True where nothing must be mended before a fit."""
+        return not self.wrong
+
+    @property
+    def wrong(self) -> tuple[Finding, ...]:
+        """Faults that must be mended before a fit."""
+        return tuple(finding for finding in self.findings if finding.wrong)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Doubts, which need not be mended: a sentence for each kind."""
+        return tuple(self._lines([finding for finding in self.findings if not finding.wrong]))
+
+    @staticmethod
+    def _lines(findings: Sequence[Finding]) -> list[str]:
+        alike = Counter((own.check, own.remedy) for own in findings)
+        firsts = {(own.check, own.remedy): own for own in reversed(findings)}
+        return [
+            f"{check}{'' if firsts[check, remedy].wrong else ' (doubtful)'}: in {firsts[check, remedy].record}"
+            f"{f' and {count - 1} more' * (count > 1)}, {firsts[check, remedy].sentence}; {remedy}."
+            for (check, remedy), count in alike.items()
+        ]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """Note that a clean check is no proof."""
+        return ("no finding is no proof: a quiet record has little information on the sign of its rudder",)
+
+    def summary(self) -> str:
+        """Each fault once for all records that have it, with the numbers of the first."""
+        looked = f"{self.records} record{'s' * (self.records > 1)} looked at"
+        if not self.findings:
+            return f"Nothing is wrong: {looked}."
+        lines = self._lines(self.findings)
+        return "\n".join([f"{len(lines)} finding{'s' * (len(lines) > 1)}, {looked}.", *lines])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Give everything by name."""
+        return {
+            "records": self.records, "clean": self.clean, "findings": [own.to_dict() for own in self.findings],
+            "summary": self.summary(), "notes": list(self.notes),
+        }  # fmt: skip
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Give a row for each finding: record, check, whether it is wrong, sentence, remedy."""
+        import pandas as pd
+
+        rows = [(own.record, own.check, own.wrong, own.sentence, own.remedy) for own in self.findings]
+        return pd.DataFrame(rows, columns=["record", "check", "wrong", "sentence", "remedy"])
+
+
+class Checked(NamedTuple):
+    record: ShipRecord
+    model: Model
+    waterway: Waterway | None  # Line of x and y
+    pace: float  # Time of the way of a ship length [s]
+
+    def finding(self, check: str, sentence: str, remedy: str, wrong: bool = True, **evidence: float) -> Finding:
+        return Finding(check, self.record.name, sentence, remedy, evidence, wrong)
+
+
+def checked_record(record: ShipRecord, model: Model, waterway: Waterway | None) -> Checked:
+    return Checked(record, model, waterway, model.configuration.ship.length / speed_of(record))
+
+
+def check_clock(at: Checked) -> Iterator[Finding]:
+    """Find times that go back or stand still."""
+    for name, signal in at.record.signals.items():
+        steps = np.diff(signal.t)
+        if (back := steps <= 0).any():
+            worst, first = float(-steps.min()), float(signal.t[1:][back][0])
+            how = f"goes back by up to {worst:.4g} s" if worst > 0 else "stands still"
+            yield at.finding(
+                "clock", f"the time of {name} {how}, {int(back.sum())} times, first at t = {first:.6g} s",
+                "sort the log by time; where the clock was set, begin another record there", first=first, back=worst,
+            )  # fmt: skip
+            return
+
+
+def check_gaps(at: Checked) -> Iterator[Finding]:
+    """Find times without readings."""
+    longest = {
+        name: float(np.diff(own.t).max())
+        for name, own in at.record.signals.items()
+        if len(own) > 1 and np.diff(own.t).max() > max(settings.GAP_STEPS * own.step, settings.GAP_LENGTHS * at.pace)
+    }
+    if longest:
+        name = max(longest, key=lambda own: longest[own])
+        yield at.finding(
+            "gaps", f"nothing came of {' and '.join(longest)} for up to {longest[name]:.4g} s, where "
+            f"{at.record[name].step:.3g} s is usual",
+            "nothing, if the fit need not join over them; else cut the record there", False, longest=longest[name],
+        )  # fmt: skip
+
+
+def check_repeats(at: Checked) -> Iterator[Finding]:
+    """Find signals that are written more often than they are measured."""
+    for name, signal in at.record.signals.items():
+        runs = np.diff(np.flatnonzero(np.diff(signal.values, prepend=np.nan, append=np.nan) != 0))
+        if len(runs) < settings.FEWEST_RUNS or (usual := int(np.median(runs))) < 2:
+            continue
+        if np.mean(runs == usual) > settings.REGULAR and usual * signal.step > settings.REPEATED_LENGTHS * at.pace:
+            yield at.finding(
+                "repeats", f"{name} is written every {signal.step:.3g} s and changes every {usual * signal.step:.3g} s "
+                "only: values are repeated",
+                "leave repeated values out of the log", repeats=float(usual),
+            )  # fmt: skip
+
+
+def check_speed(at: Checked) -> Iterator[Finding]:
+    """Find speeds that no displacement ship reaches."""
+    length = at.model.configuration.ship.length
+    froude = length / at.pace / np.sqrt(GRAVITY * length)
+    if froude > settings.MOST_FROUDE:
+        yield at.finding(
+            "speed", f"at {length / at.pace:.3g} m/s a ship of {length:.4g} m has a Froude number of {froude:.2f}, "
+            "which no displacement ship reaches",
+            "give the log the model of its own ship's size (nw.scale_model), and positions and speeds in metres",
+            froude=float(froude),
+        )  # fmt: skip
+
+
+def check_rudder(at: Checked) -> Iterator[Finding]:
+    """Find a rudder that is read too seldom, or stands still while the ship swings."""
+    if RUDDER not in at.record or not len(rudder := at.record[RUDDER]):
+        return
+    lengths, moves = rudder.step / at.pace, float(np.std(np.diff(rudder.values))) if len(rudder) > 1 else 0.0
+    if lengths > settings.SELDOM and moves > settings.STILL:
+        yield at.finding(
+            "sampling", f"the rudder is read every {rudder.step:.3g} s only, in which the ship makes {lengths:.2g} of "
+            "its length: what it did between is unknown",
+            "record it each second", False, lengths=lengths,
+        )  # fmt: skip
+    begin, end = rudder.t[longest_run(rudder.values)].tolist()
+    confined = at.waterway is not None or at.model.has_bank
+    still, swings = (end - begin) / at.pace, _swings(at.record, begin, end)
+    if still > settings.RUDDER_REST and (
+        swings >= settings.SWINGS or (confined and still > settings.RUDDER_REST_BETWEEN_BANKS)
+    ):
+        yield at.finding(
+            "rudder", f"the rudder stays where it is from t = {begin:.6g} s for {still:.3g} ship lengths, while the "
+            f"ship swings {swings} times",
+            "look for another column of it, or for a sensor that fell silent", start=begin, end=end,
+        )  # fmt: skip
+
+
+def _swings(record: ShipRecord, begin: float, end: float) -> int:
+    """Return how often the heading turns from one side to the other, beyond any noise."""
+    from scipy.signal import find_peaks
+
+    if "psi" not in record or not len(record["psi"]):
+        return 0
+    seen = np.unwrap(record["psi"].between(begin, end).values)
+    return sum(len(find_peaks(side * seen, prominence=settings.LEAST_TURN)[0]) for side in (1, -1))
+
+
+def longest_run(values: np.ndarray) -> list[int]:
+    """Return first and last place of the longest stretch of one value."""
+    edges = np.flatnonzero(np.diff(values, prepend=np.nan, append=np.nan) != 0)
+    longest = int(np.argmax(np.diff(edges)))
+    return [int(edges[longest]), int(edges[longest + 1]) - 1]
+
+
+def check_place(at: Checked) -> Iterator[Finding]:
+    """Find a hull that would lie in a bank."""
+    record, ship = at.record, at.model.configuration.ship
+    if not {"x", "y", "psi"} <= record.signals.keys() or not (at.waterway or at.model.has_bank):
+        return
+    t, x = record["x"].t, record["x"].values
+    y, psi = record["y"].at(t), record["psi"].at(t)
+    reach = ship.length / 2 * np.abs(np.sin(psi)) + ship.beam / 2 * np.abs(np.cos(psi))
+    starboard = port = np.full(len(y), at.model.configuration.canal.width / 2)
+    if at.waterway is not None:
+        here = at.waterway.keel_section(x, ship.draft)
+        starboard, port = here.width / 2 + here.middle, here.width / 2 - here.middle
+    beyond, turned = (np.fmax(side * y + reach - starboard, reach - side * y - port) for side in (1, -1))
+    if not (share := float(np.nanmean(beyond > 0))) > settings.ASHORE:
+        return
+    worst = int(np.nanargmax(beyond))
+    yield at.finding(
+        "banks", f"the hull reaches {beyond[worst]:.3g} m into a bank at t = {t[worst]:.6g} s, y = {y[worst]:.4g} m, "
+        f"and {share:.1%} of the time into one",
+        'y counts to port: [positive] y = "port"' if np.nanmean(turned > 0) <= settings.ASHORE else "check the "
+        "waterway, the datum of the position, the antenna's place, and whether x and y are along and across it",
+        beyond=float(beyond[worst]), share=share,
+    )  # fmt: skip
+
+
+RECORD_CHECKS = (check_clock, check_gaps, check_repeats, check_speed, check_rudder, check_place)
 ALL = "all records"
 
 
@@ -97,12 +324,11 @@ def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: S
     if not (grids := list(setup)):
         return
     where = grids[0].record.name if len(grids) == 1 else ALL
-    held = [
+    if held := [
         Finding("stuck", grid.record.name, f"{name} keeps one value from t = {begin:.6g} to {end:.6g} s while the ship "
                 "moves by all other signals", "leave that time out, or that signal", {"from": begin, "to": end})
         for grid in grids for name, begin, end in stuck(setup.problem, grid)
-    ]  # fmt: skip
-    if held:
+    ]:  # fmt: skip
         yield from held
     elif best := misreading(setup.problem, grids[: settings.MOST_REREAD]):
         gain, other = best
@@ -125,7 +351,7 @@ def _tested(setup: LogSetup, pushed: LogSetup, grids: list[RecordGrid], where: s
         yield Finding("model", where, said, "look at signs, units and axes, and at the size of the model")
         return
     known = list[int]()
-    while len(known) < settings.MOST_HARMLESS:
+    for _ in range(settings.MOST_HARMLESS):
         tests = scores.tested(known)
         beyond = [one for one in tests if one.probability < settings.FALSE_ALARM / len(tests)]
         if not beyond:
@@ -165,9 +391,8 @@ def _finding(test: FaultTest, learned: FaultTests) -> Finding:
     # The prior alone separates a rudder's fault from another force of the rudder, and here it is contradicted.
     of_model = fault.signal == RUDDER and likely < settings.CONTRADICTION
     if of_model:
-        said += (
-            f", and the coefficients still contradict their prior (p < {settings.CONTRADICTION}): it may be the model"
-        )
+        more = "and the coefficients still contradict their prior"
+        said += f", {more} (p < {settings.CONTRADICTION}): it may be the model"
     evidence = {"size": test.size, "error": test.error, "significance": test.significance, "effect": harm}
     check = fault.kind if fault.kind == "antenna" else f"{name} {fault.kind}"
     remedy = f"{kind.remedy.format(**words)}; then check again"

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from narrows.logbook.checking.record_checks import longest_run
+from narrows.logbook.checking.check_log import longest_run
 from narrows.logbook.filtering.likelihood import DIFFERENCE, RecordLikelihood, RecordScore, score_and_information
 from narrows.logbook.filtering.log_problem import LogProblem
 from narrows.logbook.filtering.record_grid import RUDDER, Readings, RecordGrid, grid_of

@@ -15,10 +15,9 @@ from narrows.logbook.filtering.log_problem import SWAY, YAW, LogProblem
 from narrows.logbook.filtering.record_grid import HELM, REVOLUTIONS_OFFSET, RUDDER
 from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult, search
 from narrows.logbook.learned_coefficient import learned_model
-from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise
+from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise, record_answers
 from narrows.logbook.learning.log_posterior import LogPosterior, Spread, averaged, log_posterior, posterior_mean
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
-from narrows.logbook.learning.record_answers import record_answers
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import ShipLog, ShipRecord
 from narrows.model.model import Model

@@ -1,14 +1,220 @@
-"""Result of learning from a log: learned coefficients, prior coefficients, errors of forecasts."""
+"""Result of learning from a log: coefficients, and what each record contributed and how well others predict it."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from narrows.logbook.filtering.likelihood import INPUTS, RecordLikelihood, RecordPath, RecordScore
+from narrows.logbook.filtering.log_problem import CURRENT, PUSHES, LogProblem, StochasticModel
+from narrows.logbook.filtering.record_grid import CURRENT_X, CURRENT_Y, HELM, OFFSET, RUDDER, RUDDER_OFFSET, RecordGrid
+from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
 from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer, LearnedCoefficient
-from narrows.logbook.learning.record_answers import RecordAnswer
+from narrows.logbook.learning.log_posterior import posterior_covariance
+from narrows.logbook.ship_log import size_of
 from narrows.model.model import Model
+
+MOST_DRAWN = 4  # records whose forecasts are kept to be drawn
+AHEAD = 3.5  # times of a ship length that a forecast reaches
+STATES_JUDGED = {"y": 1, "psi": 2, "r": 5}  # places among the states
+MOST_COMPARED = 50  # records up to which whole records are predicted, and Nomoto models fitted
+# Standard deviations of a fitted start from the smoothed one: heading [rad], and speed, drift and turn over the ship's.
+START_FREE = np.array([0.01, 0.05, 0.05, 0.05])
+# The yaw rate, in turns of one radian a ship length, that the largest rudder of a record turns the ship with, about.
+USUAL_TURN = 0.5
+# Error of a heading [rad] and of the yaw rate at the start [rad/s], which only weigh the start.
+READING, START_RATE = 0.01, 0.01
+
+
+@dataclass(frozen=True)
+class Forecast:
+    t: np.ndarray  # (n,) Nodes of all pieces, the end of one and the begin of the next at the same time [s]
+    states: np.ndarray  # (n, 6) x, y, psi, u, v, r as predicted
+    ends: np.ndarray  # (pieces,) Where each piece ends
+    likely: np.ndarray  # (pieces, 6) The smoothed state of the record there
+    rudder: np.ndarray  # (n,) As recorded, and its zero [rad]
+
+    @property
+    def missed(self) -> dict[str, float]:
+        """Root mean square of the ends of pieces less the smoothed states there."""
+        with np.errstate(all="ignore"):  # What ran away is far off, and may be so without end.
+            off = self.states[self.ends] - self.likely
+            root = np.sqrt(np.mean(off**2, axis=0)) if len(off) else np.full(6, np.nan)
+        return {name: float(root[place]) for name, place in STATES_JUDGED.items()}
+
+
+@dataclass(frozen=True)
+class RecordAnswer:
+    name: str  # Name of the record
+    duration: float  # How long [s]
+    steps: int  # Steps of the filter
+    met: int  # In how many of them another ship passed
+    zeros: dict[str, float]  # Constant errors and disturbances of the record, in SI; disturbances as accelerations
+    information: dict[str, float]  # Share of what is known of each coefficient that is gone without the record [1]
+    moved: dict[str, float]  # How far the record moves each coefficient
+    # Root mean square of what forecasts over 3.5 ship lengths miss of y [m], psi [rad] and r [rad/s]: by the model
+    # before, and by one that learned from all other records
+    missed: dict[str, tuple[float, float]]
+    # Root mean square of what predictions of the whole record under its recorded rudder miss of the heading [rad], the
+    # start fitted: by the model ``before``, ``after`` the other records, and a nonlinear ``nomoto`` model of those;
+    # empty where gusts act
+    whole: Mapping[str, float] = field(default_factory=dict)
+    forecasts: tuple[Forecast, Forecast] | None = None  # By those two models, where they are kept to be drawn
+    # (array, array) Times [s] and readings of x, y, psi and r, where forecasts are kept
+    measured: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
+
+
+def record_answers(found: SearchResult, grids: Iterable[RecordGrid]) -> tuple[RecordAnswer, ...]:
+    whole, scales = not found.problem.model.gusts and not found.interrupted, found.problem.scales
+    nomoto = nomoto_missed(grids, scales[0] / scales[3]) if whole and len(found.records) <= MOST_COMPARED else []
+    return tuple(
+        _answer(found, grid, one, number < MOST_DRAWN, nomoto[number] if nomoto else None)
+        for number, (grid, one) in enumerate(zip(grids, found.records, strict=False))
+    )
+
+
+def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool, nomoto: float | None) -> RecordAnswer:
+    problem, prior, count = found.problem, found.problem.prior, found.problem.count
+    after = posterior_covariance(problem, found.information)
+    without = posterior_covariance(problem, found.information - one.information)
+    moved = (without @ one.score)[:count] * prior.free
+    gone = np.clip(1 - np.diag(after) / np.diag(without), 0.0, 1.0)[:count]
+    path = one.path or RecordLikelihood(problem, grid).smoothed(found.unknowns, None, FIRST_PASSES)
+    assert path is not None
+    before_it = np.zeros(count)  # which is what is known without the only record, too
+    without_it = found.scaled * prior.free - moved if len(found.records) > 1 else before_it
+    model = problem.model_at(found.unknowns)
+    both = [forecast(problem, at, grid, path, model) for at in (before_it, without_it)]
+    before, later = (each.missed for each in both)
+    ends = {"before": before_it, "after": without_it}
+    heading = {name: whole_missed(problem, at, grid, path) for name, at in ends.items() if nomoto is not None}
+    zeros = {
+        process.name: float(path.processes[0, place]) for place, process in enumerate(model.processes)
+        if np.isinf(process.memory) and not process.name.startswith(HELM)
+    }  # fmt: skip
+    read = {name: grid.readings[name] for name in ("x", *STATES_JUDGED) if drawn and name in grid.readings}
+    return RecordAnswer(
+        grid.record.name, float(grid.times[-1] - grid.times[0]), len(grid), int(grid.meetings.sum()), zeros,
+        dict(zip(prior.names, gone.tolist(), strict=True)),
+        dict(zip(prior.names, (moved * prior.scale).tolist(), strict=True)),
+        {name: (before[name], later[name]) for name in STATES_JUDGED},
+        heading if nomoto is None else heading | {"nomoto": nomoto}, (both[0], both[1]) if drawn else None,
+        {name: (grid.times_of(own), own.values) for name, own in read.items()},
+    )  # fmt: skip
+
+
+def forecast(
+    problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: RecordPath, model: StochasticModel
+) -> Forecast:
+    """Return forecasts of a record, begun now and then at the smoothed state, at scaled coefficients (p,).
+
+    Constant disturbances and errors of the record are known, gusts are not.
+    """
+    reach = AHEAD * problem.scales[0] / max(float(np.abs(path.states[:, 3]).mean()), 1e-3)
+    every = max(1, min(round(reach / grid.step), (len(grid) - 1) // 2))
+    begun = np.arange(0, len(grid), every)
+    known = dict.fromkeys(INPUTS, 0.0)
+    for place, process in enumerate(model.processes):
+        if np.isinf(process.memory) and process.adds_to in known:
+            known[process.adds_to] += float(path.processes[0, place])
+    motion, inertia = problem.at(scaled)
+    pushes = np.tile(inertia * [known[name] for name in PUSHES], (len(begun) - 1, 1))
+    offsets = {name: np.full(len(begun) - 1, known.get(OFFSET(name), 0.0)) for name in motion.positions}
+    with np.errstate(all="ignore"):  # A model before the log may run away.
+        states, _ = motion.sailed(
+            path.states[begun[:-1]], pushes, begun, grid.times, grid.positions, offsets, known[CURRENT_X]
+        )
+    nodes = np.concatenate([np.arange(low, high + 1) for low, high in pairwise(begun)])
+    pieces = np.repeat(grid.times[begun[:-1]], every + 1)
+    if CURRENT not in problem.motion.directions:
+        states[:, :2] += np.outer(grid.times[nodes] - pieces, [known[CURRENT_X], known[CURRENT_Y]])
+    rudder = grid.positions.get(RUDDER, np.zeros(len(grid.times)))[nodes] + known[RUDDER_OFFSET]
+    ends = begun[1:] + np.arange(len(begun) - 1)
+    return Forecast(grid.times[nodes], states, ends, path.states[begun[1:]], rudder)
+
+
+def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: RecordPath) -> float:
+    """Return the root mean square of headings missed over a whole record under its recorded rudder [rad].
+
+    Heading, speed, drift and yaw rate at its start are fitted, and nothing else.
+    """
+    from scipy.optimize import least_squares
+
+    if "psi" not in grid.readings:
+        return np.nan
+    motion, read, scales = problem.at(scaled)[0], grid.readings["psi"], problem.scales
+    ends, at, share = np.array([0, len(grid)]), read.step, read.share[:, None]
+    headings = np.column_stack([read.values, np.zeros((len(at), 4))])
+
+    def missed_at(start: np.ndarray) -> np.ndarray:
+        """Return headings missed, over READING, and their slopes by the start, (readings, 5)."""
+        begun = path.states[0].copy()
+        begun[2:] += START_FREE * scales[2:] * start
+        with np.errstate(all="ignore"):
+            states, moved = motion.sailed(begun[None], np.zeros((1, 3)), ends, grid.times, grid.positions)
+            column = np.column_stack([states[:, 2], moved[:, 2, 2:6] * START_FREE * scales[2:]])
+            off = ((1 - share) * column[at] + share * column[at + 1] - headings) / READING
+        return np.asarray(np.nan_to_num(off, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3))
+
+    found = least_squares(
+        lambda start: np.append(missed_at(start)[:, 0], start), np.zeros(4),
+        lambda start: np.append(missed_at(start)[:, 1:], np.eye(4), axis=0), max_nfev=15,
+    )  # fmt: skip
+    return float(READING * np.sqrt(np.mean(found.fun[:-4] ** 2)))
+
+
+def _nomoto_off(
+    numbers: np.ndarray, start: np.ndarray, step: float, rudder: list[float], heading: np.ndarray
+) -> np.ndarray:
+    """Return the headings missed, over READING, by ``rdot = a rudder + b + c r + d |r| r + e r^3`` (Euler)."""
+    # start (2,): heading and yaw rate off those recorded, in units of READING and START_RATE
+    a, b, c, d, e = numbers
+    few = min(10, len(heading) - 1)
+    psi, r = heading[0] + READING * start[0], (heading[few] - heading[0]) / few / step + START_RATE * start[1]
+    path = np.full(len(rudder), 1e3)
+    for place, angle in enumerate(rudder):
+        path[place] = psi
+        psi += step * r
+        r += step * (a * angle + b + (c + d * abs(r) + e * r * r) * r)
+        if not abs(r) < 1.0:
+            break
+    return np.asarray((path - heading) / READING)
+
+
+def nomoto_missed(grids: Iterable[RecordGrid], time: float) -> list[float]:
+    """Return the root mean square of headings missed by Nomoto models, each fitted to all other records [rad].
+
+    The model of an only record is fitted to itself. The start of each record is fitted too. Without rudder or heading
+    a record has NaN.
+    """
+    # time [s], of a ship length
+    from scipy.optimize import least_squares
+
+    scale = np.array([1.0, 0.01, time, time**2, time**3]) / time**2
+    first = np.array([USUAL_TURN, 0.0, -1.0, 0.0, -4.0])
+
+    def residuals(unknowns: np.ndarray, records: Sequence[Any]) -> np.ndarray:
+        numbers, starts = unknowns[: len(first)] * scale, unknowns[len(first) :].reshape(-1, 2)
+        return np.concatenate([_nomoto_off(numbers, start, *own) for own, start in zip(records, starts, strict=True)])
+
+    known = [
+        (grid.step, grid.positions[RUDDER].tolist(), np.interp(grid.times, grid.times_of(read), read.values))
+        if (read := grid.readings.get("psi")) and RUDDER in grid.positions else None
+        for grid in grids
+    ]  # fmt: skip
+    steered, missed = [record for record in known if record], np.full(len(known), np.nan)
+    for place, record in enumerate(known):
+        if record is not None:
+            others = [other for other in steered if other is not record] or [record]
+            unknowns = np.append(first, np.zeros(2 * len(others)))
+            numbers = scale * least_squares(residuals, unknowns, args=(others,), max_nfev=40).x[: len(first)]
+            left = least_squares(lambda start, *own: _nomoto_off(own[0], start, *own[1:]), np.zeros(2),
+                                 args=(numbers, *record), max_nfev=40).fun  # fmt: skip
+            missed[place] = np.sqrt(np.mean(left**2)) * READING
+    return missed.tolist()
+
 
 IN_OPEN_WATER = "Learning in open water is tested against measured manoeuvres."  # Note for models without bank terms
 CONTRADICTION_PROBABILITY = 1e-3  # Probability below which log and prior contradict each other
@@ -17,8 +223,6 @@ CONTRADICTION_PROBABILITY = 1e-3  # Probability below which log and prior contra
 UNEXPLAINED_GUST_RATIO = 8.0
 HEADING_LEFT = np.radians(0.5)  # Residual noise of headings that exceeds the error of a compass [rad]
 MOVED_STDS = 3.0  # Prior standard deviations by which a named coefficient moved
-
-
 # What ``to_dict`` gives of each record.
 RECORD_FIELDS = ("name", "duration", "steps", "met", "zeros", "information", "moved", "whole")
 
@@ -84,12 +288,6 @@ class LogFit(LearnedAnswer):
     settled: bool
 
     @property
-    def _size(self) -> str:
-        hours = sum(record.duration for record in self.records) / 3600
-        lasting = f"{hours:.3g} h" if hours >= 1 else f"{60 * hours:.3g} min"
-        return f"{len(self.records)} {'record' if len(self.records) == 1 else 'records'}, {lasting}"
-
-    @property
     def informative(self) -> bool:
         """True where the log determined a coefficient: one of the bank, where the model has one."""
         asked = [c for c in self.coefficients.values() if c.from_bank or not self.prior.has_bank]
@@ -139,7 +337,8 @@ class LogFit(LearnedAnswer):
             f"Estimated gusts: {self.gusts.sway:.2g} m/s2 in sway and {self.gusts.yaw:.2g} rad/s2 in yaw (standard "
             f"deviations), with a correlation time of {self.gusts.memory:.0f} s."
         )  # fmt: skip
-        return "\n".join(filter(None, (*self._doubts, self._taught(self._size), self._prediction, gusty, ON_TWINS)))
+        taught = self._taught(size_of([record.duration for record in self.records], len(self.records)))
+        return "\n".join(filter(None, (*self._doubts, taught, self._prediction, gusty, ON_TWINS)))
 
     @property
     def _prediction(self) -> str:
