@@ -12,7 +12,6 @@ from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import INPUTS as PUSHED
 from narrows.logbook.filtering.record_grid import OFFSET
 from narrows.model.model import Model
-from narrows.results import BaseSummary
 from narrows.simulation.controllers import Named
 from narrows.simulation.sensitivities import TangentIntegrator
 from narrows.simulation.steering import PARAMETER
@@ -25,14 +24,11 @@ RECORDED = "recorded_{}".format
 UNLIMITED = 1e9  # Limit and rate of what was recorded: it went where it went
 
 
-@dataclass(frozen=True, repr=False)
-class RecordedHelm(BaseSummary):
+@dataclass(frozen=True)
+class RecordedHelm:
     """A control law that follows recorded positions, straight between the ends of the steps."""
 
     positions: Mapping[str, float]  # Positions of the recorded actuators, at the start
-
-    def summary(self) -> str:
-        return f"as recorded: {', '.join(self.positions)}"
 
     def parameters(self) -> Mapping[str, float]:
         offsets = {OFFSET(name): 0.0 for name in self.positions}
@@ -192,17 +188,9 @@ class CoefficientPrior:
     free: np.ndarray  # (p,) Which may change; the others keep mean and covariance
 
     @property
-    def members(self) -> tuple[str, ...]:
-        return tuple(name for group in self.groups for name in group)
-
-    @property
     def names(self) -> tuple[str, ...]:
         """The first of each group."""
         return tuple(group[0] for group in self.groups)
-
-    @property
-    def free_names(self) -> set[str]:
-        return {name for group, free in zip(self.groups, self.free, strict=True) if free for name in group}
 
     def values(self, scaled: np.ndarray) -> dict[str, float]:
         """Return every coefficient by name, from scaled (p,)."""

@@ -19,6 +19,7 @@ from narrows.terms.term import TermKind
 LEAST_REDUCTION = 1e-3  # [1] of the prior variance: below it a log does not count as informative on a combination
 EXPECTED_SCATTER = 10  # records that the expected scatter of scores counts for, against that of the records
 POINTS, SEED = 4096, 26  # of importance sampling
+DIFFERENCE = 1e-4  # of unknowns, for slopes at the mode
 WIDER = 1.1  # proposal over the Gaussian at the mode, for its tails
 
 # Standard deviations of coefficients: over their size, or each in its own unit.
@@ -172,7 +173,8 @@ def log_posterior(
     if not prior.free.all():
         # Schmidt's (1966) Kalman update: held coefficients keep mean and covariance, and their errors count in those of
         # the free ones, which are as in the joint fit; Bierman (1977), Factorization Methods, chapter 8.
-        held = np.flatnonzero([name not in prior.free_names for name in model.terms.names])
+        free = {name for group, free in zip(prior.groups, prior.free, strict=True) if free for name in group}
+        held = np.flatnonzero([name not in free for name in model.terms.names])
         moved[held] = 0.0
         after[np.ix_(held, held)] = before[np.ix_(held, held)]
     values = moved + [model.coefficients[name] for name in model.terms.names]
@@ -253,8 +255,9 @@ def posterior_mean(found: SearchResult) -> tuple[np.ndarray, np.ndarray]:
     sobol = stats.qmc.Sobol(len(mode), seed=SEED).random(POINTS)
     normal = WIDER * special.ndtri(np.clip(sobol, 1e-9, 1 - 1e-9))
     drawn = mode + normal @ np.linalg.cholesky(covariance).T
-    lighter = _inertia(problem, mode) / _inertia(problem, drawn)
-    off = np.linalg.solve(_slopes(problem, mode), (_over_inertia(problem, drawn, mode, lighter) - mode).T).T
+    (over, lighter), aside = _over_inertia(problem, drawn, mode), DIFFERENCE * np.eye(len(mode))
+    ends = [_over_inertia(problem, mode + side, mode)[0] for side in (aside, -aside)]
+    off = np.linalg.solve((ends[0] - ends[1]).T / (2 * DIFFERENCE), (over - mode).T).T
     prior = np.einsum("ij,jk,ik->i", drawn, problem.precision, drawn)
     likelihood = 2.0 * off @ found.score - np.einsum("ij,jk,ik->i", off, information, off)
     logarithm = (likelihood - prior + (normal**2).sum(axis=1) / WIDER**2) / 2.0
@@ -267,30 +270,21 @@ def posterior_mean(found: SearchResult) -> tuple[np.ndarray, np.ndarray]:
     return mean, deviation.T @ (weights[:, None] * deviation)
 
 
-def _inertia(problem: LogProblem, unknowns: np.ndarray) -> np.ndarray:
-    """Inertia in surge, sway and yaw, (..., 3)."""
-    values = problem.prior.mean + problem.prior.scale * unknowns[..., : problem.count]
-    return np.asarray(problem.inertia[:, 0] + values @ problem.inertia[:, 1:].T)
-
-
-def _over_inertia(problem: LogProblem, unknowns: np.ndarray, mode: np.ndarray, lighter: np.ndarray) -> np.ndarray:
-    """Unknowns with forces over inertia and one over inertia in place of both, which agree with them at the mode."""
+def _over_inertia(problem: LogProblem, unknowns: np.ndarray, mode: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return unknowns (..., P) with forces over inertia and one over inertia in place of both, which agree with them at
+    the mode, and the inertia there over theirs, (..., 3).
+    """
     # Accelerations are linear in these.
-    found, (places, axes), prior = unknowns.copy(), _axes(problem), problem.prior
-    centre = (prior.mean / prior.scale)[places]
+    prior, (places, axes) = problem.prior, _axes(problem)
+    at_mode, inertia = (
+        problem.inertia[:, 0] + (prior.mean + prior.scale * own[..., : problem.count]) @ problem.inertia[:, 1:].T
+        for own in (mode, unknowns)
+    )
+    found, lighter, centre = unknowns.copy(), at_mode / inertia, (prior.mean / prior.scale)[places]
     found[..., places] = (centre + unknowns[..., places]) * lighter[..., axes] - centre
     axes, places = np.nonzero(problem.inertia[:, 1:])
     found[..., places] = mode[places] + (unknowns - mode)[..., places] * lighter[..., axes]
-    return found
-
-
-def _slopes(problem: LogProblem, mode: np.ndarray) -> np.ndarray:
-    """Derivatives of ``_over_inertia`` at the mode, (P, P)."""
-    prior, count, (places, axes) = problem.prior, problem.count, _axes(problem)
-    slopes = np.eye(len(mode))
-    by = problem.inertia[:, 1:] * prior.scale / _inertia(problem, mode)[:, None]
-    slopes[places, :count] -= ((prior.mean / prior.scale)[places] + mode[places])[:, None] * by[axes]
-    return slopes
+    return found, lighter
 
 
 def _axes(problem: LogProblem) -> tuple[np.ndarray, np.ndarray]:
