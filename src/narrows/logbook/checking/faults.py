@@ -7,7 +7,7 @@ scatter more than the model predicts, White (1982), Econometrica 50, gives the v
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from narrows.logbook.checking.check_log import longest_run
 from narrows.logbook.filtering.likelihood import DIFFERENCE, RecordLikelihood, RecordScore, score_and_information
 from narrows.logbook.filtering.log_problem import LogProblem
-from narrows.logbook.filtering.record_grid import RUDDER, Readings, RecordGrid, grid_of
+from narrows.logbook.filtering.record_grid import RUDDER, RecordGrid, grid_of
 from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
 from narrows.logbook.settings import FALSE_ALARM, MOST_ANGLE, MOVED, OUTLYING, STUCK_LENGTHS, STUCK_READINGS
 from narrows.logbook.ship_log import SIGNALS, TURNING, ShipRecord, Signal
@@ -49,67 +49,53 @@ FAULTS = {
 class Fault(NamedTuple):
     kind: str  # One of FAULTS
     signal: str
-    mended: Callable[[float], RecordGrid]  # The record without a fault of a size
+    grid: RecordGrid
     scale: float = 1.0  # A small size
     tries: int = 1  # Places among which this one was chosen
-    at: float = np.nan  # Time of a step [s]
+    at: float = -np.inf  # Time of a step [s]
+
+    def mended(self, size: float) -> RecordGrid:
+        """Return the record without a fault of a size."""
+        kind, name, grid = self.kind, self.signal, self.grid
+        if kind == "antenna":
+            ahead, starboard = grid.record.antenna
+            return replace(grid, record=replace(grid.record, antenna=(ahead + size, starboard)))
+        if name == RUDDER:
+            angle = grid.positions[RUDDER]
+            change = {"zero": -np.ones(len(angle)), "gain": angle, "delay": np.gradient(angle, grid.times)}[kind]
+            return replace(grid, positions={**grid.positions, RUDDER: angle + size * change})
+        readings = dict(grid.readings)
+        for own in POSITION if name == "x" and kind == "delay" else (name,):
+            read = readings[own]
+            if kind == "gain":
+                readings[own] = read._replace(gain=1.0 - size)
+            elif kind == "delay":
+                readings[own] = read._replace(share=read.share - size / grid.step)
+            else:
+                readings[own] = read._replace(values=read.values - size * (grid.times_of(read) >= self.at))
+        return replace(grid, readings=readings)
 
 
 def faults_of(grid: RecordGrid, normalised: dict[str, np.ndarray]) -> Iterator[Fault]:
     """Yield the faults that a record may have; a step where the normalised innovations of a signal are largest."""
     for name, read in grid.readings.items():
+        small = {"rad": DEGREES, "rad/s": 0.01 * DEGREES}.get(SIGNALS[name].unit, 0.1)
         if name != "x":  # Nothing fixes where x begins.
-            yield Fault("zero", name, partial(_shifted, grid, name, np.ones(len(read.values))), _small(name))
+            yield Fault("zero", name, grid, small)
             if name not in (*TURNING, *POSITION):  # Neither angles that go round nor places by satellite have a gain.
-                yield Fault("gain", name, partial(_scaled, grid, name))
+                yield Fault("gain", name, grid)
         if name not in POSITION:
-            yield Fault("delay", name, partial(_late, grid, (name,)))
+            yield Fault("delay", name, grid)
         if name in JUMPING and len(read.values) > 2:
-            t = grid.times_of(read)
             place = 1 + int(np.argmax(np.abs(normalised[name][1:])))
-            after = np.where(np.arange(len(t)) >= place, 1.0, 0.0)
-            yield Fault("step", name, partial(_shifted, grid, name, after), _small(name), len(t), float(t[place]))
+            yield Fault("step", name, grid, small, len(read.values), float(grid.times_of(read)[place]))
     if grid.readings.keys() >= set(POSITION):
-        yield Fault("delay", "x", partial(_late, grid, POSITION))
-        yield Fault("antenna", "x", partial(_from_antenna, grid))
+        yield Fault("delay", "x", grid)
+        yield Fault("antenna", "x", grid)
     if RUDDER in grid.positions:
-        angle = grid.positions[RUDDER]
-        yield Fault("zero", RUDDER, partial(_steered, grid, -np.ones(len(angle))), DEGREES)
-        yield Fault("gain", RUDDER, partial(_steered, grid, angle))
-        yield Fault("delay", RUDDER, partial(_steered, grid, np.gradient(angle, grid.times)))
-
-
-def _small(name: str) -> float:
-    return {"rad": DEGREES, "rad/s": 0.01 * DEGREES}.get(SIGNALS[name].unit, 0.1)
-
-
-def _read(grid: RecordGrid, name: str, read: Readings) -> RecordGrid:
-    return replace(grid, readings={**grid.readings, name: read})
-
-
-def _shifted(grid: RecordGrid, name: str, where: np.ndarray, size: float) -> RecordGrid:
-    read = grid.readings[name]
-    return _read(grid, name, read._replace(values=read.values - size * where))
-
-
-def _scaled(grid: RecordGrid, name: str, size: float) -> RecordGrid:
-    return _read(grid, name, grid.readings[name]._replace(gain=1.0 - size))
-
-
-def _late(grid: RecordGrid, names: Sequence[str], delay: float) -> RecordGrid:
-    for name in names:
-        read = grid.readings[name]
-        grid = _read(grid, name, read._replace(share=read.share - delay / grid.step))
-    return grid
-
-
-def _from_antenna(grid: RecordGrid, forward: float) -> RecordGrid:
-    ahead, starboard = grid.record.antenna
-    return replace(grid, record=replace(grid.record, antenna=(ahead + forward, starboard)))
-
-
-def _steered(grid: RecordGrid, change: np.ndarray, size: float) -> RecordGrid:
-    return replace(grid, positions={**grid.positions, RUDDER: grid.positions[RUDDER] + size * change})
+        yield Fault("zero", RUDDER, grid, DEGREES)
+        yield Fault("gain", RUDDER, grid)
+        yield Fault("delay", RUDDER, grid)
 
 
 class Misreading(NamedTuple):

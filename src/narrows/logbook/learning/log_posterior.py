@@ -127,11 +127,9 @@ def push_inertia(model: Model, prior: CoefficientPrior, u: float, surge_inertia:
     for axis, (terms, acceleration) in enumerate(zip(model.terms.forces.values(), ACCELERATIONS, strict=True)):
         pushed = {**still, acceleration: 1.0}
         for term in terms:
+            place = 1 + names.get(term.name, -1)
             resists = float(term.column(still) - term.column(pushed))
-            if term.name in names:
-                inertia[axis, 1 + names[term.name]] += resists
-            else:
-                inertia[axis, 0] += resists * model.coefficients[term.name]
+            inertia[axis, place] += resists * (1.0 if place else model.coefficients[term.name])
     inertia[0, 0] = surge_inertia or inertia[0, 0] or 1.0
     return inertia
 

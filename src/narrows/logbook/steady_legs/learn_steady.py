@@ -221,16 +221,13 @@ def steady_checks(readings: SteadyReadings, found: LegFit, problem: LegProblem) 
 
 
 def _other_sign(readings: SteadyReadings, squares: float, problem: LegProblem) -> list[str]:
-    if squares <= WRONG_SIGN_GAIN:  # There is nothing to be won.
-        return []
     read = readings.values
-    turned = {
-        name: problem.fit(replace(readings, values={**read, name: -read[name]})).chi_square
-        for name in TURNED if name in read
-    }  # fmt: skip
     return [
         f"With the other sign of {name} the legs fit far better, {other:.1f} instead of {squares:.1f}: is it positive "
         "where it turns the bow to starboard, or where the bow is to starboard?"
-        for name, other in turned.items()
-        if squares - other > WRONG_SIGN_GAIN
+        for name in TURNED
+        if name in read
+        and squares > WRONG_SIGN_GAIN  # Else there is nothing to be won.
+        and squares - (other := problem.fit(replace(readings, values={**read, name: -read[name]})).chi_square)
+        > WRONG_SIGN_GAIN
     ]
