@@ -1,9 +1,8 @@
 """Rows of a log to signals: columns with names, units and signs; from the map to the waterway."""
 
-import math
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -16,25 +15,17 @@ from narrows.logbook.ship_log import SIGNALS, TURNING, ShipRecord, Signal
 from narrows.quantities.names import KNOT, Quantity
 from narrows.readers.headers import DEGREE, SUFFIXES, Vocabulary
 from narrows.readers.mapping import ColumnMapping
+from narrows.ship.checks import is_finite
 from narrows.ship.ship_file import load_toml
 from narrows.waterway import Waterway
 from narrows.waterway.map_lines import projected
 
 
-@dataclass(frozen=True)
-class LogMapping:
-    columns: ColumnMapping = field(default_factory=ColumnMapping)  # Names, units and signs
-    late: Mapping[str, float] = field(default_factory=dict)  # [s] lateness by column
+class LogMapping(NamedTuple):
+    columns: ColumnMapping = ColumnMapping()  # Names, units and signs
+    late: Mapping[str, float] = {}  # Lateness by column [s]
     antenna: tuple[float, float] = (0.0, 0.0)  # Place of the antenna: forward and to starboard of midship [m]
-    condition: Mapping[str, float] = field(default_factory=dict)  # Loading, as in ``{"draft": 10.2}``
-
-    def __post_init__(self) -> None:
-        for name in self.late:
-            if name not in QUANTITIES:
-                raise InputError(f"late: there is no column {name!r}{did_you_mean(str(name), QUANTITIES)}")
-        _check_numbers("late", self.late)
-        _check_numbers("condition", self.condition)
-        _check_numbers("antenna", dict(zip(ANTENNA, self.antenna, strict=True)))
+    condition: Mapping[str, float] = {}  # Loading, as in ``{"draft": 10.2}``
 
 
 class RawRecord(NamedTuple):
@@ -88,15 +79,16 @@ ABSENT = {
 }  # fmt: skip
 
 
-def is_ais_archive(frame: pd.DataFrame) -> bool:
-    plain = [_plain(str(header)) for header in frame.columns]
-    return SHIP in plain and any(ALIASES.get(header) == "time" for header in plain)
+def one_ship(frame: pd.DataFrame, mmsi: int | None, table: str) -> tuple[pd.DataFrame, int | None] | None:
+    """Return the rows of one ship of an AIS archive, with the units of AIS in the headers, and its number.
 
-
-def one_ship(frame: pd.DataFrame, mmsi: int | None, table: str) -> tuple[pd.DataFrame, int | None]:
-    """Return the rows of one ship of an archive, with the units of AIS in the headers, and its number."""
+    None where the table has not the headers of an archive: ships by number, and their time without a unit.
+    """
     plain = {str(header): _plain(str(header)) for header in frame.columns}
-    ships = pd.to_numeric(frame[next(header for header, name in plain.items() if name == SHIP)], errors="coerce")
+    number = next((header for header, name in plain.items() if name == SHIP), None)
+    if number is None or not any(ALIASES.get(name) == "time" for name in plain.values()):
+        return None
+    ships = pd.to_numeric(frame[number], errors="coerce")
     if mmsi is None and ships.nunique() > 1:
         raise InputError(f"{table}: holds several ships; name one by its number, as mmsi={int(ships.iloc[0])}")
     mmsi = int(ships.iloc[0]) if mmsi is None and ships.notna().any() else mmsi
@@ -130,37 +122,28 @@ def _bare(header: str) -> str:
 
 
 OF_COLUMNS = ("columns", "units", "positive")
-ANTENNA = ("forward", "starboard")
+# Sections of numbers, and the keys of each; any key of a loading.
+OF_NUMBERS: Mapping[str, Iterable[str]] = {"late": QUANTITIES, "antenna": ("forward", "starboard"), "condition": ()}
 
 
 def log_mapping(mapping: str | Path | Mapping[str, Any] | None, units: Mapping[str, str] | None = None) -> LogMapping:
     """Read the mapping of a log; units given as an argument take precedence over those of the file."""
-    tables, name = _tables(mapping)
+    tables = {} if mapping is None else mapping if isinstance(mapping, Mapping) else load_toml(mapping)
+    name = Path(mapping).name if isinstance(mapping, str | Path) else "the mapping"
+    for section, table in tables.items():
+        if section not in (known := (*OF_COLUMNS, *OF_NUMBERS)):
+            raise InputError(f"{name}: unknown section [{section}]{did_you_mean(str(section), known)}")
+        if not isinstance(table, Mapping):
+            raise InputError(f"{name}: {section} = {shown(table)} is no section; write [{section}] and keys below it")
+        for key, value in table.items() if section in OF_NUMBERS else ():
+            if (keys := OF_NUMBERS[section]) and key not in keys:
+                raise InputError(f"{name}: [{section}] has no {key!r}{did_you_mean(str(key), keys)}")
+            if not is_finite(value):
+                raise InputError(f"{name}: [{section}] {key} = {shown(value)} is no number; give one")
     place, parts = tables.get("antenna", {}), {section: tables.get(section, {}) for section in OF_COLUMNS}
     columns = ColumnMapping(**{**parts, "units": {**parts["units"], **(units or {})}}, name=name)
     antenna = place.get("forward", 0.0), place.get("starboard", 0.0)
     return LogMapping(columns, tables.get("late", {}), antenna, tables.get("condition", {}))
-
-
-def _tables(mapping: str | Path | Mapping[str, Any] | None) -> tuple[Mapping[str, Any], str]:
-    tables = {} if mapping is None else mapping if isinstance(mapping, Mapping) else load_toml(mapping)
-    name = Path(mapping).name if isinstance(mapping, str | Path) else "the mapping"
-    sections = (*OF_COLUMNS, *(own.name for own in fields(LogMapping)[1:]))
-    for section, table in tables.items():
-        if section not in sections:
-            raise InputError(f"{name}: unknown section [{section}]{did_you_mean(str(section), sections)}")
-        if not isinstance(table, Mapping):
-            raise InputError(f"{name}: {section} = {shown(table)} is no section; write [{section}] and keys below it")
-    for key in tables.get("antenna", {}):
-        if key not in ANTENNA:
-            raise InputError(f"{name}: [antenna] has no {key!r}{did_you_mean(str(key), ANTENNA)}")
-    return tables, name
-
-
-def _check_numbers(what: str, values: Mapping[str, object]) -> None:
-    for name, value in values.items():
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            raise InputError(f"{what}: {name} = {shown(value)} is no number; give one")
 
 
 # Directions from north, for those from the axes of the record.

@@ -20,7 +20,6 @@ from narrows.logbook.reading.log_rows import (
     LogMapping,
     Placing,
     RawRecord,
-    is_ais_archive,
     log_mapping,
     one_ship,
     renamed,
@@ -206,8 +205,8 @@ class LogReading:
     def _rows(self, raw: pd.DataFrame) -> pd.DataFrame:
         """A table in SI: t, record if it has one, and signals with NaN where nothing was measured."""
         mapped = self.log.mapping.columns
-        if archive := is_ais_archive(raw):
-            raw, self.mmsi = one_ship(raw, self.mmsi, self.table)
+        if archive := one_ship(raw, self.mmsi, self.table):
+            raw, self.mmsi = archive
             units = {name: unit for name, unit in ARCHIVE_UNITS.items() if name in mapped.columns}
             mapped = replace(mapped, units={**units, **mapped.units})
         elif self.mmsi is not None:
