@@ -17,12 +17,12 @@ from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.transits.transit_twins import recorded, wandering
 from narrows.simulation.controllers import Order
 
-STEPS, INPUTS, READINGS = 5, 6, 3
+STEPS, READINGS = 5, 3
 
 
 @dataclass(frozen=True)
 class System:
-    """A random linear system: six states and three processes, of which one drives sway and one the rudder."""
+    """A random linear system: six states and three processes, of which two drive the ship."""
 
     seed: int
 
@@ -33,9 +33,8 @@ class System:
         fresh = np.stack([root[:3, :3] @ root[:3, :3].T for root in roots[:2]])
         return {
             "covariance": roots[2] @ roots[2].T,
-            "slopes": 0.5 * draw.normal(size=(STEPS, 6, 6 + INPUTS)),
+            "slopes": 0.5 * draw.normal(size=(STEPS, 6, 9)) * (np.arange(9) != 7),
             "misses": draw.normal(size=(STEPS, 6)),
-            "drives": np.array([1, -1, 3]),
             "kind": np.array([0, 1, 0, 1, 0]),
             "kept": draw.uniform(0.2, 1.0, (2, 3)),
             "fresh": fresh,
@@ -53,9 +52,9 @@ class System:
         innovations, spread, gains = np.empty(count), np.empty(count), np.empty((count, 9))
         means, covariances = np.empty((STEPS, 9)), np.empty((STEPS, 9, 9))
         loops = compiled_loops(kalman_loops)
-        loops.filter_readings(np.zeros(9), *p.values(), innovations, spread, gains, means, covariances)
+        loops.filter_readings(*p.values(), innovations, spread, gains, means, covariances)
         loops.smooth(
-            p["slopes"], p["drives"], p["kind"], p["kept"], p["first"], p["rows"], innovations, spread, gains, means,
+            p["slopes"], p["kind"], p["kept"], p["first"], p["rows"], innovations, spread, gains, means,
             covariances,
         )  # fmt: skip
         return innovations, spread, means
@@ -69,8 +68,7 @@ class System:
         for k in range(STEPS - 1):
             here, then, kind = slice(9 * k, 9 * k + 9), slice(9 * k + 9, 9 * k + 18), p["kind"][k]
             moved = np.zeros((9, 9))
-            moved[:6, :6] = p["slopes"][k, :, :6]
-            moved[:6, 6], moved[:6, 8] = p["slopes"][k, :, 6 + 1], p["slopes"][k, :, 6 + 3]
+            moved[:6] = p["slopes"][k]
             moved[6:, 6:] = np.diag(p["kept"][kind])
             noise = np.zeros((9, 9))
             noise[:6, :6], noise[6:, 6:] = np.diag(p["walk"][kind]), p["fresh"][kind]

@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.logbook import settings
-from narrows.logbook.checking.faults import FAULTS, FaultTest, FaultTests, misreading, stuck
+from narrows.logbook.checking.faults import FAULTS, FaultTest, FaultTests, longest_run, misreading, stuck
 from narrows.logbook.filtering.record_grid import RUDDER, RecordGrid
 from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_posterior import Spread
@@ -219,13 +219,6 @@ def _swings(record: ShipRecord, begin: float, end: float) -> int:
         return 0
     seen = np.unwrap(record["psi"].between(begin, end).values)
     return sum(len(find_peaks(side * seen, prominence=settings.LEAST_TURN)[0]) for side in (1, -1))
-
-
-def longest_run(values: np.ndarray) -> list[int]:
-    """Return first and last place of the longest stretch of one value."""
-    edges = np.flatnonzero(np.diff(values, prepend=np.nan, append=np.nan) != 0)
-    longest = int(np.argmax(np.diff(edges)))
-    return [int(edges[longest]), int(edges[longest + 1]) - 1]
 
 
 def check_place(at: Checked) -> Iterator[Finding]:

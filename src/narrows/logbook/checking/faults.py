@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from narrows.logbook.checking.check_log import longest_run
 from narrows.logbook.filtering.likelihood import DIFFERENCE, RecordLikelihood, RecordScore, score_and_information
 from narrows.logbook.filtering.log_problem import LogProblem
 from narrows.logbook.filtering.record_grid import RUDDER, RecordGrid, grid_of
@@ -344,3 +343,10 @@ def stuck(problem: LogProblem, grid: RecordGrid) -> Iterator[tuple[str, float, f
         during = (grid.times[:-1] > begin) & (grid.times[:-1] < end)
         if path and during.any() and np.ptp(path.states[during, column]) > MOVED * problem.model.noise[name]:
             yield name, begin, end
+
+
+def longest_run(values: np.ndarray) -> list[int]:
+    """Return first and last place of the longest stretch of one value."""
+    edges = np.flatnonzero(np.diff(values, prepend=np.nan, append=np.nan) != 0)
+    longest = int(np.argmax(np.diff(edges)))
+    return [int(edges[longest]), int(edges[longest + 1]) - 1]

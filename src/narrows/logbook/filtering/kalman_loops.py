@@ -5,64 +5,29 @@ import math
 import numpy as np
 
 # A state is x, y, psi, u, v, r off the reference path, then first-order Gauss-Markov processes: disturbances and sensor
-# errors. Step k has a kind, which chooses how much of a process is kept and how much is new.
+# errors. Step k has a kind, which chooses how much of a process is kept and how much is new. Most slopes are 0.
 
 
 def filter_readings(
-    mean: np.ndarray, covariance: np.ndarray, slopes: np.ndarray, misses: np.ndarray, drives: np.ndarray,
-    kind: np.ndarray, kept: np.ndarray, fresh: np.ndarray, walk: np.ndarray, first: np.ndarray, rows: np.ndarray,
-    residual: np.ndarray, variance: np.ndarray, innovation: np.ndarray, spread: np.ndarray, gains: np.ndarray,
-    means: np.ndarray, covariances: np.ndarray,
+    covariance: np.ndarray, slopes: np.ndarray, misses: np.ndarray, kind: np.ndarray, kept: np.ndarray,
+    fresh: np.ndarray, walk: np.ndarray, first: np.ndarray, rows: np.ndarray, residual: np.ndarray,
+    variance: np.ndarray, innovation: np.ndarray, spread: np.ndarray, gains: np.ndarray, means: np.ndarray,
+    covariances: np.ndarray,
 ) -> None:  # fmt: skip
     """Write innovations, their variances and gains; predicted means and covariances too where there is room."""
-    # mean (d,); covariance (d, d); slopes (n, 6, 6 + inputs); misses (n, 6); drives (m,) input of each process or -1;
-    # kind (n,); kept (kinds, m); fresh (kinds, m, m); walk (kinds, 6); first (n + 1,); rows (N, d); residual, variance,
-    # innovation, spread (N,); gains (N, d); means (n, d) or (0, d); covariances likewise
+    # covariance (d, d); slopes (n, 6, d); misses (n, 6); kind (n,); kept (kinds, m); fresh (kinds, m, m);
+    # walk (kinds, 6); first (n + 1,); rows (N, d); residual, variance, innovation, spread (N,); gains (N, d);
+    # means (n, d) or (0, d); covariances likewise
     # Scalar updates one after the other: Anderson and Moore (1979), Optimal Filtering, section 6.4.
-    size, count = len(mean), len(drives)
-    z, cov, moved, after = mean.copy(), covariance.copy(), np.empty((6, size)), np.empty(6)
+    z, cov, moved = np.zeros(len(covariance)), covariance.copy(), np.empty((6, len(covariance)))
     for k in range(len(kind)):
         if len(means):
             means[k] = z
             covariances[k] = cov
         for i in range(first[k], first[k + 1]):
             update(z, cov, rows[i], residual[i], variance[i], innovation, spread, gains, i)
-        here, a = slopes[k], kind[k]
-        for i in range(6):
-            value = misses[k, i]
-            for j in range(6):
-                value += here[i, j] * z[j]
-            for q in range(size):
-                total = 0.0
-                for j in range(6):
-                    total += here[i, j] * cov[j, q]
-                moved[i, q] = total
-            for p in range(count):
-                if drives[p] >= 0:
-                    slope = here[i, 6 + drives[p]]
-                    value += slope * z[6 + p]
-                    for q in range(size):
-                        moved[i, q] += slope * cov[6 + p, q]
-            after[i] = value
-        for i in range(6):
-            z[i] = after[i]
-            for j in range(i + 1):
-                total = 0.0
-                for q in range(6):
-                    total += moved[i, q] * here[j, q]
-                for p in range(count):
-                    if drives[p] >= 0:
-                        total += moved[i, 6 + p] * here[j, 6 + drives[p]]
-                cov[i, j] = total
-                cov[j, i] = total
-            cov[i, i] += walk[a, i]
-        for p in range(count):
-            z[6 + p] *= kept[a, p]
-            for i in range(6):
-                cov[i, 6 + p] = moved[i, 6 + p] * kept[a, p]
-                cov[6 + p, i] = cov[i, 6 + p]
-            for q in range(count):
-                cov[6 + p, 6 + q] = cov[6 + p, 6 + q] * kept[a, p] * kept[a, q] + fresh[a, p, q]
+        a = kind[k]
+        predict(z, cov, moved, slopes[k], misses[k], kept[a], fresh[a], walk[a])
 
 
 def update(
@@ -73,13 +38,13 @@ def update(
     size = len(z)
     e, s = residual, variance
     gain = gains[i]
+    gain[:] = 0.0
+    for q in range(size):
+        if row[q] != 0.0:
+            e -= row[q] * z[q]
+            for p in range(size):
+                gain[p] += row[q] * cov[q, p]
     for p in range(size):
-        total = 0.0
-        for q in range(size):
-            total += row[q] * cov[q, p]
-        gain[p] = total
-    for p in range(size):
-        e -= row[p] * z[p]
         s += row[p] * gain[p]
     for p in range(size):
         z[p] += gain[p] * e / s
@@ -90,27 +55,49 @@ def update(
     innovation[i], spread[i] = e, s
 
 
+def predict(
+    z: np.ndarray, cov: np.ndarray, moved: np.ndarray, here: np.ndarray, miss: np.ndarray, kept: np.ndarray,
+    fresh: np.ndarray, walk: np.ndarray,
+) -> None:  # fmt: skip
+    """Take mean and covariance to the end of a step."""
+    size, after = len(z), miss.copy()
+    moved[:] = 0.0
+    for i in range(6):
+        for j in range(size):
+            if here[i, j] != 0.0:
+                after[i] += here[i, j] * z[j]
+                for q in range(size):
+                    moved[i, q] += here[i, j] * cov[j, q]
+    for i in range(6):
+        z[i] = after[i]
+        for j in range(i + 1):
+            total = 0.0
+            for q in range(size):
+                total += moved[i, q] * here[j, q]
+            cov[i, j] = cov[j, i] = total
+        cov[i, i] += walk[i]
+    for p in range(6, size):
+        z[p] *= kept[p - 6]
+        for i in range(6):
+            cov[i, p] = cov[p, i] = moved[i, p] * kept[p - 6]
+        for q in range(6, size):
+            cov[p, q] = cov[p, q] * kept[p - 6] * kept[q - 6] + fresh[p - 6, q - 6]
+
+
 def smooth(
-    slopes: np.ndarray, drives: np.ndarray, kind: np.ndarray, kept: np.ndarray, first: np.ndarray, rows: np.ndarray,
+    slopes: np.ndarray, kind: np.ndarray, kept: np.ndarray, first: np.ndarray, rows: np.ndarray,
     innovation: np.ndarray, spread: np.ndarray, gains: np.ndarray, means: np.ndarray, covariances: np.ndarray,
 ) -> None:  # fmt: skip
     """Write smoothed means in the place of the predicted ones."""
     # The modified Bryson-Frazier smoother, which inverts nothing: Bierman (1973), Automatica 9.
-    size, count = means.shape[1], len(drives)
+    size = means.shape[1]
     adjoint, before = np.zeros(size), np.zeros(size)
     for k in range(len(kind) - 1, -1, -1):
-        here, a = slopes[k], kind[k]
-        for j in range(6):
-            before[j] = 0.0
+        for j in range(size):
+            before[j] = kept[kind[k], j - 6] * adjoint[j] if j >= 6 else 0.0
             for i in range(6):
-                before[j] += here[i, j] * adjoint[i]
-        for p in range(count):
-            before[6 + p] = kept[a, p] * adjoint[6 + p]
-            if drives[p] >= 0:
-                for i in range(6):
-                    before[6 + p] += here[i, 6 + drives[p]] * adjoint[i]
-        for p in range(size):
-            adjoint[p] = before[p]
+                before[j] += slopes[k, i, j] * adjoint[i]
+        adjoint[:] = before
         for i in range(first[k + 1] - 1, first[k] - 1, -1):
             weight = innovation[i] / spread[i]
             for p in range(size):

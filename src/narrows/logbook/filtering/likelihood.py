@@ -24,6 +24,7 @@ from narrows.logbook.filtering.record_grid import (
     RUDDER,
     RUDDER_OFFSET,
     PredictedSignal,
+    Readings,
     RecordGrid,
     SeenStates,
     first_guess,
@@ -70,9 +71,8 @@ class LinearRecord:
 
     grid: RecordGrid
     problem: LogProblem
-    slopes: np.ndarray  # (n, 6, 6 + inputs)
+    slopes: np.ndarray  # (n, 6, 6 + m)
     misses: np.ndarray  # (n, 6) End of a step of the reference, less the begin of the next
-    drives: np.ndarray  # (m,) The input of each process, or -1
     rows: np.ndarray  # (N, 6 + m) Slopes of readings
     residual: np.ndarray  # (N,) Readings less those of the reference with no process
     left: Mapping[str, np.ndarray]  # Readings less those of the reference, by signal
@@ -90,7 +90,7 @@ class LinearRecord:
         """Filter the readings, and return the smoothed states off the reference with the processes, (n, 6 + m)."""
         found, means, gains, covariances = self._filtered(model, weights, len(self.slopes))
         compiled_loops(kalman_loops).smooth(
-            self.slopes, self.drives, self.kind, self._kinds(model)[0], self.grid.first_readings, self.rows, *found,
+            self.slopes, self.kind, self._kinds(model)[0], self.grid.first_readings, self.rows, *found,
             gains, means, covariances,
         )  # fmt: skip
         return means
@@ -105,7 +105,7 @@ class LinearRecord:
         start[6:, 6:] = model.covariance(IN_MEETINGS if kind[0] == MET else 1.0)
         parts = [model.noise[name] ** 2 / read.counted for name, read in self.grid.readings.items()]
         compiled_loops(kalman_loops).filter_readings(
-            np.zeros(size), start, self.slopes, self.misses, self.drives, kind, *self._kinds(model),
+            start, self.slopes, self.misses, kind, *self._kinds(model),
             self.grid.first_readings, self.rows, self.residual, np.concatenate(parts)[self.grid.order] / weights,
             values, spread, gains, means, covariances,
         )  # fmt: skip
@@ -124,32 +124,29 @@ class LinearRecord:
         return kept, np.stack(fresh), np.stack([regular, regular, (START * scale) ** 2])
 
 
-def _slopes(grid: RecordGrid, motion: RecordedMotion, inertia: np.ndarray, along: np.ndarray) -> np.ndarray:
-    """Slopes of the ends of steps by states and inputs, (n, 6, 6 + inputs)."""
-    slopes, lasting = np.zeros((len(along), 6, 6 + len(INPUTS))), np.diff(grid.times)
-    slopes[:, :, :6] = along[:, :, :6]
-    factors = dict.fromkeys((*INPUTS, CURRENT), 1.0) | dict(zip(PUSHES, inertia.tolist(), strict=True))
-    for place, name in enumerate(motion.directions):
-        if name in factors:
-            slopes[:, :, 6 + INPUTS.index(CURRENT_X if name == CURRENT else name)] = along[:, :, place] * factors[name]
-    if CURRENT not in motion.directions:
-        slopes[:, 0, 6 + INPUTS.index(CURRENT_X)] = lasting
-        slopes[:, 1, 6 + INPUTS.index(CURRENT_Y)] = lasting
-    return slopes
-
-
-def _rows(
-    seen: PredictedSignal, slopes: np.ndarray, share: np.ndarray, drives: np.ndarray, names: list[str]
+def _slopes(
+    grid: RecordGrid, motion: RecordedMotion, inertia: np.ndarray, along: np.ndarray, names: list[str]
 ) -> np.ndarray:
+    """Slopes of the ends of steps by states and processes, (n, 6, 6 + m)."""
+    found, lasting = np.zeros((len(along), 6, 6 + len(names))), np.diff(grid.times)
+    found[:, :, :6] = along[:, :, :6]
+    places, known = {name: place for place, name in enumerate(motion.directions)}, CURRENT in motion.directions
+    for place, name in enumerate(names, start=6):
+        source = CURRENT if known and name == CURRENT_X else name
+        if source in places:
+            found[:, :, place] = along[:, :, places[source]] * (inertia[PUSHES.index(name)] if name in PUSHES else 1.0)
+        elif name in (CURRENT_X, CURRENT_Y) and not known:
+            found[:, (CURRENT_X, CURRENT_Y).index(name), place] = lasting
+    return found
+
+
+def _rows(seen: PredictedSignal, slopes: np.ndarray, read: Readings, names: list[str]) -> np.ndarray:
     """Slopes of readings by states and processes at the start of their step."""
-    row = np.zeros((len(share), 6 + len(names)))
+    row, share = np.zeros((len(read.step), 6 + len(names))), read.share[:, None]
     for state, slope in seen.by_state.items():
         by = np.broadcast_to(slope, len(share))[:, None]
-        row[:, state] += (by * (1 - share))[:, 0]
-        row[:, :6] += by * share * slopes[:, state, :6]
-        for place, drive in enumerate(drives):
-            if drive >= 0:
-                row[:, 6 + place] += (by * share)[:, 0] * slopes[:, state, 6 + drive]
+        row[:, [state]] += by * (1 - share)
+        row += by * share * slopes[read.step, state]
     for place, name in enumerate(names):
         if name in seen.by_error:
             row[:, 6 + place] += seen.by_error[name]
@@ -192,7 +189,6 @@ class RecordLikelihood:
         motion, inertia = problem.at(unknowns[: problem.count])
         model = problem.model_at(unknowns)
         names = [one.adds_to for one in model.processes]
-        drives = np.array([INPUTS.index(name) if name in INPUTS else -1 for name in names], np.int64)
         sums = {name: np.zeros(len(grid)) for name in (*INPUTS, *names)}
         for place, name in enumerate(names):
             sums[name] = sums[name] + path.processes[:, place]
@@ -203,11 +199,11 @@ class RecordLikelihood:
         states, along = motion.sailed(
             path.states, pushes, np.arange(len(grid) + 1), grid.times, grid.positions, offsets, current
         )
-        ends, slopes = states[1::2], _slopes(grid, motion, inertia, along[1::2])
+        ends, slopes = states[1::2], _slopes(grid, motion, inertia, along[1::2], names)
         if not known:
             for place, name in enumerate((CURRENT_X, CURRENT_Y)):
                 ends[:, place] += sums[name] * np.diff(grid.times)
-        driven = np.einsum("nij,nj->ni", slopes[:, :, 6:], np.stack([sums[name] for name in INPUTS], axis=1))
+        driven = np.einsum("nij,nj->ni", slopes[:, :, 6:], path.processes)
         misses = ends - np.append(path.states[1:], ends[-1:], axis=0) - driven
         rows, residual, left, rudder = [], [], {}, grid.positions.get(RUDDER, np.zeros(len(grid)))
         for name, read in grid.readings.items():
@@ -215,12 +211,12 @@ class RecordLikelihood:
             there = (1 - share) * path.states[at] + share * ends[at]
             errors = {key: value[at] for key, value in sums.items()}
             seen = PREDICTED[name](SeenStates(there, errors, grid.record.antenna, rudder[at]))
-            row = read.gain * _rows(seen, slopes[at], share, drives, names)
+            row = read.gain * _rows(seen, slopes, read, names)
             left[name] = read.values - read.gain * seen.value
             rows.append(row)
             residual.append(left[name] + np.einsum("ni,ni->n", row[:, 6:], path.processes[at]))
         return LinearRecord(
-            grid, problem, np.ascontiguousarray(slopes), misses, drives, np.concatenate(rows)[grid.order],
+            grid, problem, slopes, misses, np.concatenate(rows)[grid.order],
             np.concatenate(residual)[grid.order], left,
         )  # fmt: skip
 
