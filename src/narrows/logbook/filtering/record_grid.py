@@ -261,7 +261,7 @@ def first_guess(grid: RecordGrid, waterway: "Waterway | None") -> np.ndarray:
     seen = {name: _smoothed(grid, read) for name, read in grid.readings.items() if len(read.values)}
     x, y = (seen.get(name, np.zeros(len(grid.times))) for name in ("x", "y"))
     along, across = np.gradient(x, grid.times), np.gradient(y, grid.times)
-    # Of the waterway's line, to which the heading is relative
+    # Curvature of the waterway's line, to which the heading is relative
     bend = 0.0 if waterway is None else waterway.section(np.clip(x, 0.0, waterway.line.length)).curvature
     psi = seen["psi"] if "psi" in seen else np.unwrap(np.arctan2(across, along))
     cosine, sine = np.cos(psi), np.sin(psi)

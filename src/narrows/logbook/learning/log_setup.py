@@ -118,9 +118,9 @@ class LogAssumptions:
     gusts: bool  # Whether pushes with a memory act
     surge: str  # Whether the speed is integrated
     pilot: bool  # Whether the rudder follows what a pilot sees
-    signals: set[str]  # Of the first records
+    signals: set[str]  # Signals of the first records
     rounding: Mapping[str, tuple[float, float]]  # Standard deviation and memory [s] of the rounding error of signals
-    length: float  # Of the ship [m]
+    length: float  # Length of the ship [m]
     u: float  # Usual speed [m/s]
 
     def step(self, u: float) -> float:

@@ -248,7 +248,7 @@ class Placing:
         return t[known], (positions - off)[known]
 
     def _add_velocities(self) -> None:
-        """Of velocities in fixed axes: along and across the ship; of midship where the yaw rate is known."""
+        """Velocities along and across the ship by those in fixed axes; of midship where the yaw rate is known."""
         by_axes, by_map = self._together("x_rate", "y_rate"), self._together("north_rate", "east_rate")
         measured = by_axes or by_map
         if measured is None or "u_ground" in self.signals:

@@ -128,7 +128,7 @@ class LegProblem(Unknowns):
         through[:, FORCES, : len(LATENT)] = slopes
         through[:, len(BALANCED) :, -2:] = -1.0, 1.0  # Two readings of the direction are equal.
         common = -through @ legs.zeros
-        common[:, FORCES, FORCES] += np.eye(len(BALANCED))  # Of the wind
+        common[:, FORCES, FORCES] += np.eye(len(BALANCED))  # Slopes by the wind
         design = np.zeros((*through.shape[:2], len(unknowns)))
         design[:, FORCES, : self.count] = columns @ self.scale
         design[:, :, self.count :] = common * self.common
