@@ -158,10 +158,13 @@ def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path
             off = ((1 - share) * column[at] + share * column[at + 1] - headings) / READING
         return np.asarray(np.nan_to_num(off, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3))
 
-    found = least_squares(
-        lambda start: np.append(missed_at(start)[:, 0], start), np.zeros(4),
-        lambda start: np.append(missed_at(start)[:, 1:], np.eye(4), axis=0), max_nfev=15,
-    )  # fmt: skip
+    def penalised(start: np.ndarray) -> np.ndarray:
+        return np.append(missed_at(start)[:, 0], start)
+
+    def slopes(start: np.ndarray) -> np.ndarray:
+        return np.append(missed_at(start)[:, 1:], np.eye(4), axis=0)
+
+    found = least_squares(penalised, np.zeros(4), slopes, max_nfev=15)
     return float(READING * np.sqrt(np.mean(found.fun[:-4] ** 2)))
 
 
