@@ -27,7 +27,7 @@ from narrows.estimation import (
     RudderIndicator,
     consistency,
 )
-from narrows.estimation.twins import sail_twins
+from narrows.estimation.consistency import sail_twins
 from narrows.report.figures import track_figure
 from narrows.terms.tables import table_named
 

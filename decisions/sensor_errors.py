@@ -11,7 +11,7 @@ from pages import markdown, publish
 
 import narrows as nw
 from narrows.estimation import Estimator, GaussMarkov, Gnss
-from narrows.estimation.twins import sail_twins
+from narrows.estimation.consistency import sail_twins
 
 TWINS, DURATION, SETTLED = 20, 420.0, 60.0
 MULTIPATH, BEGINS, ENDS = 6.0, 200.0, 320.0

@@ -18,7 +18,7 @@ from pages import markdown
 
 import narrows as nw
 from narrows.estimation import Estimator, GaussMarkov, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
-from narrows.estimation.twins import sail_twins
+from narrows.estimation.consistency import sail_twins
 
 sys.path.append(str(Path(__file__).parent.parent / "benchmarks"))
 from scenes.five_scenes import scenes

@@ -11,10 +11,10 @@ import pytest
 import narrows as nw
 from engine_models import steered
 from narrows.estimation import Estimator, GaussMarkov, Gnss, Gyro, Log, RateOfTurn, RudderIndicator, Sensor
+from narrows.estimation.consistency import Twins, sail_twins
 from narrows.estimation.sensor import Measuring
 from narrows.estimation.sensors import SENSORS
 from narrows.estimation.states import STATES, Columns, StateNames
-from narrows.estimation.twins import Twins, sail_twins
 
 every_sensor = pytest.mark.parametrize("make", SENSORS.values(), ids=list(SENSORS))
 OTHERS = (Gnss(0.05, period=0.2), Gyro(0.01, period=0.2), RateOfTurn(0.005, period=0.2), Log(0.02, period=0.2))

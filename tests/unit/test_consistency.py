@@ -13,7 +13,7 @@ from test_estimator import SENSORS, steered
 import narrows as nw
 from engine_models import bent
 from narrows.estimation import Consistency, Estimator, Gnss, Prior, ProcessNoise, RudderIndicator, consistency
-from narrows.estimation.twins import sail_twins
+from narrows.estimation.consistency import sail_twins
 from narrows.results import Result, to_json
 
 ALL = (*SENSORS, RudderIndicator())
@@ -159,7 +159,7 @@ def test_results_speak_and_draw() -> None:
 
 def test_late_and_seldom_sensors_come_when_they_are_due() -> None:
     from narrows.estimation import Estimator
-    from narrows.estimation.twins import sail_twins
+    from narrows.estimation.consistency import sail_twins
 
     one = Estimator(steered(), [*SENSORS[1:], Gnss(0.02, period=0.6, late=0.4, coloured=None), RudderIndicator()])
     pilot = nw.track_pilot(steered(), 0.4, 1.0)

@@ -27,9 +27,9 @@ from narrows.estimation import (
     RudderIndicator,
     square_roots,
 )
+from narrows.estimation.consistency import sail_twins
 from narrows.estimation.ship_filter import MEMORIES
 from narrows.estimation.states import Columns, StateNames
-from narrows.estimation.twins import sail_twins
 from narrows.estimation.unscented import Gaussian
 
 SENSORS = (Gnss(0.02, period=0.2), Gyro(period=0.2), RateOfTurn(0.002, period=0.2), Log(0.01, period=0.2))

@@ -158,7 +158,7 @@ def test_a_start_from_wrong_readings_is_begun_anew() -> None:
 def test_adopted_states_are_marginals_of_the_others() -> None:
     """To a filter with a fault and back: the state is the same; with it, the fault is at its prior."""
     filter = estimator().filter
-    bank = FaultBank(filter, 0.0)
+    bank = FaultBank(filter, {})
     now = estimated(lambda t, readings: None)[0][30].joint
     assert now is not None
     more = bank.faulty(frozenset({"gyro"}))

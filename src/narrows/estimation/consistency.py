@@ -12,14 +12,28 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.codegen.choices import STAGES
+from narrows.control.closed_loop import LawOrders
 from narrows.errors import InputError, check_count
 from narrows.estimation.estimator import Estimator
-from narrows.estimation.settings import CONFIDENCE, REFERENCE_LENGTH, SETTLING_TIME
-from narrows.estimation.states import described
-from narrows.estimation.twins import Twins, sail_twins
+from narrows.estimation.sensor import Sensor, drawn_reading
+from narrows.estimation.settings import (
+    CONFIDENCE,
+    REFERENCE_LENGTH,
+    SETTLING_TIME,
+    STEPS_A_PERIOD,
+    TWIN_SIDE_TIME,
+    TWIN_START_STD,
+)
+from narrows.estimation.ship_filter import ShipFilter, default_step
+from narrows.estimation.states import Columns, described
 from narrows.model.model import Model
+from narrows.physics.rudder import gear_motion
+from narrows.quantities.arithmetic import COLUMNS
 from narrows.results import BaseResult
 from narrows.simulation.controllers import ControlLaw
+from narrows.simulation.grid import sampled
+from narrows.simulation.ship_lanes import RUDDER, ShipLanes
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -160,11 +174,8 @@ class Consistency(BaseResult):
         """Return one row per state: unit, root mean square error, share within the band of 95 %."""
         import pandas as pd
 
-        columns = {
-            "unit": {name: described(name)[0] for name in self.states},
-            "rmse": self.rmse,
-            "covered": self.covered,
-        }
+        units = {name: described(name)[0] for name in self.states}
+        columns = {"unit": units, "rmse": self.rmse, "covered": self.covered}
         return pd.DataFrame(columns, index=pd.Index(self.states, name="state"))
 
     def dataset(self) -> "xarray.Dataset":
@@ -174,13 +185,22 @@ class Consistency(BaseResult):
         over = ("twin", "t")
         data: dict[str, Any] = {"nees": (over, self.nees, {"units": "1"})}
         for place, name in enumerate(self.states):
-            units = {"units": described(name)[0], "long_name": described(name)[1]}
-            data |= {
-                f"{name}_error": (over, self.error[..., place], units),
-                f"{name}_std": (over, self.std[..., place], units),
-            }
+            units = dict(zip(("units", "long_name"), described(name), strict=True))
+            data[f"{name}_error"] = over, self.error[..., place], units
+            data[f"{name}_std"] = over, self.std[..., place], units
         data |= {f"{name}_nis": (over, nis, {"units": "1"}) for name, nis in self.nis.items()}
         return xarray.Dataset(data, coords={"t": ("t", self.t, {"units": "s"})}, attrs={"summary": self.summary()})
+
+
+@dataclass(frozen=True)
+class Twins:
+    """True states of ships, and their readings."""
+
+    t: np.ndarray  # (times,) Time [s]
+    states: np.ndarray  # (times, twins, states) The truth
+    indicated: np.ndarray  # (times, twins, actuators) Indicated positions of the actuators
+    readings: dict[str, np.ndarray]  # (times, twins, numbers) Readings of each sensor; NaN where none was due
+    aground: np.ndarray  # (twins,) True if a twin met a bank
 
 
 def consistency(
@@ -279,12 +299,99 @@ def _told(first: Estimator, truth: Twins, afloat: np.ndarray, fault: Fault | Non
             nees[row, number] = off @ np.linalg.solve(estimate.covariance, off)
             for name, value in estimate.nis.items():
                 nis[name][row, number] = value
-            for name in estimate.refused:
-                refused[name][row, number] = True
-            for name in suspected.keys() & set(estimate.suspects):
-                suspected[name][row, number] = True
+            for name in filter.sensors:
+                refused[name][row, number] = name in estimate.refused
+                suspected[name][row, number] = name in estimate.suspects
     numbers = {name: len(sensor.fields) for name, sensor in filter.sensors.items()}
     return Consistency(
         truth.t, error, std, nees, nis, refused, suspected, numbers, filter.states.names, settled,
         int(truth.aground.sum()), first.notes,
     )  # fmt: skip
+
+
+def sail_twins(
+    filter: ShipFilter, law: ControlLaw | None, start: tuple[float, float, float, float], count: int, duration: float,
+    drawn: bool, excitation: float, seed: int,
+) -> Twins:  # fmt: skip
+    """Simulate ships from x, y, u, psi by the model, with the process noise of the estimator."""
+    fleet = _Fleet(filter, law, max(count, 2), drawn, excitation, seed)  # One lane alone would share its inputs
+    times = fleet.dt * np.arange(math.floor(duration / fleet.dt + 1e-9) + 1)
+    states, indicated, aground = fleet.sail(start, times)
+    noisy = indicated.copy()
+    if RUDDER in filter.actuators and filter.indicator.noise:
+        place = filter.actuators.index(RUDDER)
+        noisy[..., place] += filter.indicator.noise * fleet.random.standard_normal(noisy.shape[:2])
+    readings = {name: fleet.readings(sensor, times, states)[:, :count] for name, sensor in filter.sensors.items()}
+    return Twins(times, states[:, :count], noisy[:, :count], readings, aground[:count])
+
+
+class _Fleet:
+    def __init__(
+        self, filter: ShipFilter, law: ControlLaw | None, count: int, drawn: bool, excitation: float, seed: int
+    ) -> None:
+        model, gear = filter.model, filter.model.configuration.gear
+        self.filter, self.count, self.excitation, self.random = filter, count, excitation, np.random.default_rng(seed)
+        self.dt = min(sensor.period for sensor in filter.sensors.values())
+        coefficients = np.tile(filter.middle, (count, 1))
+        if drawn:
+            columns = sampled(model, count, seed)
+            coefficients = np.stack([columns[name].to_numpy() for name in model.terms.names], axis=1)
+        self.lanes = ShipLanes(filter.ship, filter.states.names, count, filter.waterway, coefficients)
+        self.process, self.limit, self.stages = filter.process(), gear.limit, list[np.ndarray]()
+        self.gear = {name.removeprefix("rudder_"): value for name, value in gear.values().items()}
+        self.side = TWIN_SIDE_TIME * STEPS_A_PERIOD * default_step(model)
+        self.orders = LawOrders(model, law, self.dt, filter.waterway) if law else None
+
+    def sail(self, start: tuple[float, ...], times: np.ndarray) -> tuple[np.ndarray, ...]:
+        dt, positions = self.dt, np.tile(self.filter.at_rest, (self.count, 1))
+        now, parts = self._started(*start), max(1, math.ceil(dt / self.filter.step - 1e-9))
+        states, indicated, aground = [now], [positions], np.zeros(self.count, bool)
+        for t in times[:-1]:
+            after = self._steered(now, positions, float(t))
+            for part in range(parts):
+                here, there = (positions + share * (after - positions) for share in (part / parts, (part + 1) / parts))
+                now = self.lanes.advance(now, dt / parts, here, there)
+                aground |= self.lanes.aground
+                now = self.process.after(now, dt / parts, self.random)
+            positions = after
+            states.append(now)
+            indicated.append(positions)
+        return np.array(states), np.array(indicated), aground
+
+    def _started(self, x: float, y: float, u: float, psi: float) -> np.ndarray:
+        """Draw the initial states of the twins."""
+        filter = self.filter
+        current = float(filter.waterway.current_at(x)) if filter.waterway else 0.0
+        means = filter.states.vector({"x": x, "y": y, "psi": psi, "u": u, "current": current})
+        spreads = {**filter.spreads, "y": TWIN_START_STD[0] * filter.time_scale**2, "psi": TWIN_START_STD[1]}
+        size = np.array([spreads.get(name, 0.0) for name in filter.states.names])
+        return np.asarray(means + size * self.random.standard_normal((self.count, len(size))))
+
+    def _steered(self, states: np.ndarray, positions: np.ndarray, t: float) -> np.ndarray:
+        """Return the positions of the actuators a step later."""
+        after, names = positions.copy(), self.filter.actuators
+        if self.orders is None or RUDDER not in names:
+            return after
+        place, turn = names.index(RUDDER), int(t / self.side)
+        known = {**dict(zip(self.filter.states.names, states.T, strict=True)), **dict(zip(names, after.T, strict=True))}
+        swing = self.excitation * (turn % 2 * 2 - 1) * (turn % 3 == 0)
+        order = np.clip(self.orders.orders(t, known)[RUDDER] + swing, -self.limit, self.limit)
+        stages = self.stages or [positions[:, place]] * STAGES
+        moved, self.stages = gear_motion(
+            order, positions[:, place], stages, self.gear, self.dt, {**COLUMNS, "exp": np.exp}
+        )
+        after[:, place] += moved
+        return after
+
+    def readings(self, sensor: Sensor, times: np.ndarray, states: np.ndarray) -> np.ndarray:
+        """Readings of a sensor by time of arrival, from the state when measured, linear between the times."""
+        readings = np.full((len(times), self.count, len(sensor.fields)), np.nan)
+        for number in range(0, len(times), max(1, round(sensor.period / self.dt))):
+            if times[number] < sensor.late:
+                continue
+            measured = (times[number] - sensor.late) / self.dt
+            before = min(int(measured), len(times) - 2)
+            then = states[before] + (measured - before) * (states[before + 1] - states[before])
+            at = Columns(then, self.filter.states, self.lanes.bend(float(then[0, 0])))
+            readings[number] = np.stack(drawn_reading(sensor, at, vars(at), self.random), axis=1)
+        return readings

@@ -12,7 +12,7 @@ from narrows.aliases import accept_aliases
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice
 from narrows.estimation.estimate import Estimate, EstimatedTrack
-from narrows.estimation.fault_bank import FaultBank
+from narrows.estimation.fault_bank import FaultBank, Faults
 from narrows.estimation.filter_run import FilterRun, Moment
 from narrows.estimation.records import Reading, checked_readings, records_of
 from narrows.estimation.sensors import split_sensors
@@ -93,20 +93,19 @@ class Estimator(BaseSummary):
             prior or Prior.of_length(length), coefficients, refusing,
             default_step(model) if step is None else float(step), float(memory), surge, surge_inertia, coriolis,
         )  # fmt: skip
-        self._bank = FaultBank(self.filter, max(sensor.late for sensor in by_name.values()))
-        self._last: Gaussian | None = None
-        self._begin_anew()
-
-    def _begin_anew(self) -> None:
-        self._start = Start(self.filter)
-        self._run: FilterRun | None = None
-        self._last_reading: dict[str, float] = {}
-        self._verdict = ""
+        self._filters: dict[tuple[Faults, Faults], ShipFilter] = {}
+        self.forget()
 
     def forget(self) -> None:
         """Restart, as before the first reading."""
-        self._last = None
-        self._begin_anew()
+        self._last: Gaussian | None = None
+        self._begin_anew(0.0)
+
+    def _begin_anew(self, t: float) -> None:
+        self._start, self._bank = Start(self.filter), FaultBank(self.filter, self._filters, t)
+        self._run: FilterRun | None = None
+        self._last_reading: dict[str, float] = {}
+        self._verdict = ""
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -125,9 +124,8 @@ class Estimator(BaseSummary):
     def update(self, t: float, readings: Mapping[str, Any] | None = None, **named: Reading) -> Estimate:
         """Use the readings of a time, and return the estimate at that time.
 
-        A sensor's delay is subtracted from the time of its reading; a late reading is inserted at its time, and later
-        updates are repeated. NaN means no reading. Rudder angle and propeller revolutions keep their value until the
-        next reading.
+        A late reading is inserted at its time, and later updates are repeated. NaN means no reading. Rudder angle and
+        propeller revolutions keep their value until the next reading.
 
         Parameters
         ----------
@@ -157,7 +155,7 @@ class Estimator(BaseSummary):
         if abs(gap) > LONGEST_GAP:
             what = f"No reading for {gap:.0f} s" if gap > 0.0 else f"The time went back by {-gap:.0f} s"
             notes.append(f"{what}: the estimate begins anew.")
-            self._begin_anew()
+            self._begin_anew(t)
         go_on = self._waited if self._run is None else self._went_on
         return go_on(float(t), measured, positions, notes)
 
@@ -228,20 +226,20 @@ class Estimator(BaseSummary):
         self, t: float, measured: dict[str, tuple[float, ...]], positions: dict[str, float], notes: list[str]
     ) -> Estimate:
         start = self._start
-        for name in [name for name, last in self._last_reading.items() if self._quiet(name, t - last)]:
-            start.readings.pop(name, None)  # Too old for a start
+        for name, last in self._last_reading.items():
+            if self._quiet(name, t - last):
+                start.readings.pop(name, None)  # Too old for a start
         late = max((self.filter.sensors[name].late for name in measured), default=0.0)
         start.add(t - late, measured)
         self._last_reading.update(dict.fromkeys(measured, t))
         if start.missing:
             notes.append(f"An estimate starts from {START_READINGS} readings each; it still lacks {start.missing}.")
             return self._estimate(t, self._last, False, notes)
-        at = self.filter.at_rest.copy()
-        for number, name in enumerate(self.filter.actuators):
-            at[number] = positions.get(name, at[number])
-        first = Moment(t - late, start.state(t - late), at, {}, self.filter.monitor())
+        first = Moment(
+            t - late, start.state(t - late), self._indicated(positions, self.filter.at_rest), {}, self.filter.monitor()
+        )
+        self._bank = FaultBank(self.filter, self._filters, t)
         self._run = FilterRun(self.filter, [first], self._bank.horizon, self._bank.kept)
-        self._bank.begin(t)
         return self._went_on(t, {}, positions, notes)
 
     def _went_on(
@@ -252,13 +250,11 @@ class Estimator(BaseSummary):
         if t < last.t - SAME_TIME:
             notes.append(f"The time went back from {last.t:g} to {t:g} s: the readings count as late.")
         now = max(t, last.t)
-        at = last.positions.copy()
-        for number, name in enumerate(self.filter.actuators):
-            at[number] = positions.get(name, at[number]) if t >= last.t - SAME_TIME else at[number]
+        at = self._indicated(positions, last.positions) if t >= last.t - SAME_TIME else last.positions
         self._last_reading.update(dict.fromkeys(measured, now))
         if not self._run.update(t, measured, at, notes):
             notes.append(AGROUND.format(t))
-            self._begin_anew()
+            self._begin_anew(t)
             return self._waited(t, measured, positions, notes)
         results = self._run.results
         self._run, verdict = self._bank.test_hypotheses(self._run)
@@ -266,13 +262,14 @@ class Estimator(BaseSummary):
         self._last = self.filter.adopt(self._run.last.state, self._run.filter)
         return self._estimate(now, self._last, True, [*notes, *self._silences(now)], results)
 
+    def _indicated(self, positions: dict[str, float], before: np.ndarray) -> np.ndarray:
+        """Return the positions of all actuators, unchanged without a reading."""
+        both = zip(self.filter.actuators, before.tolist(), strict=True)
+        return np.array([positions.get(name, last) for name, last in both], float)
+
     def _silences(self, now: float) -> list[str]:
-        silent = []
-        for name in self.filter.sensors:
-            quiet = now - self._last_reading.setdefault(name, now)
-            if self._quiet(name, quiet):
-                silent.append(f"No reading of {name} came for {quiet:.0f} s.")
-        return silent
+        quiet = {name: now - self._last_reading.setdefault(name, now) for name in self.filter.sensors}
+        return [f"No reading of {n} came for {time:.0f} s." for n, time in quiet.items() if self._quiet(n, time)]
 
     def _quiet(self, name: str, time: float) -> bool:
         return not 0.0 <= time <= SILENT_PERIODS * self.filter.sensors[name].period
@@ -280,24 +277,22 @@ class Estimator(BaseSummary):
     def _estimate(
         self, t: float, joint: Gaussian | None, ready: bool, notes: list[str], results: Sequence[UpdateResult] = ()
     ) -> Estimate:
-        nis: dict[str, float] = {}
-        for result in results:
-            nis |= result.nis
+        nis = {name: square for result in results for name, square in result.nis.items()}
         faults = tuple(sorted(self._bank.faults)) if self._run else ()
-        refused = tuple(name for result in results for name in result.refused)
-        surprising = tuple(name for result in results for name in result.surprising)
-        drifting = [name for result in results for name in result.suspects]
-        suspects = tuple(dict.fromkeys([*(name for name in faults if name != MODEL), *drifting]))
-        if refused:
-            notes.append(f"The reading of {' and '.join(refused)} is too far from the prediction: refused.")
-        if surprising:
-            notes.append(f"The readings of {' and '.join(surprising)} contradict the prediction: the model is wrong.")
-        if drifting:
-            notes.append(f"The readings of {' and '.join(drifting)} are biased: it drifts, or is spoofed.")
-        if self._verdict:
-            notes.append(self._verdict)
+        refused, surprising, drifting = (
+            [name for result in results for name in getattr(result, kind)]
+            for kind in ("refused", "surprising", "suspects")
+        )
+        said = {
+            "The reading of {} is too far from the prediction: refused.": refused,
+            "The readings of {} contradict the prediction: the model is wrong.": surprising,
+            "The readings of {} are biased: it drifts, or is spoofed.": drifting,
+            "{}": [self._verdict] * bool(self._verdict),
+        }
+        notes += [sentence.format(" and ".join(names)) for sentence, names in said.items() if names]
         if not faults:
             self._verdict = ""
+        suspects = tuple(dict.fromkeys([*(name for name in faults if name != MODEL), *drifting]))
         size = len(self.filter.states)
         state = None if joint is None else Gaussian(joint.mean[:size], joint.root[:size])
-        return Estimate(t, self.filter.states, state, ready, nis, refused, suspects, tuple(notes), joint, faults)
+        return Estimate(t, self.filter.states, state, ready, nis, tuple(refused), suspects, tuple(notes), joint, faults)

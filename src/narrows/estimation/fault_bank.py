@@ -11,7 +11,6 @@ systems, IEEE Transactions on Automatic Control 21. Time-outs, and a restart aft
 
 import math
 from bisect import bisect_left
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
@@ -83,35 +82,32 @@ class WhitenessTest:
 @dataclass
 class FaultBank:
     filter: ShipFilter  # Filter without faults
-    horizon: float  # Largest delay of a reading [s]
+    filters: dict[tuple[Faults, Faults], ShipFilter]  # Filters by faults and slow errors, kept from start to start
+    t: float = 0.0  # Time of the start [s]
     faults: Faults = frozenset()  # Current faults: sensors, the rudder's indicator, the model
     slow: Faults = frozenset()  # Sensors with slow errors that were not declared
-    _filters: dict[tuple[Faults, Faults], ShipFilter] = field(default_factory=dict)
     _whiteness: dict[str, WhitenessTest] = field(default_factory=dict)
     _refused: dict[str, float] = field(default_factory=dict)
     _same: dict[str, tuple[tuple[float, ...], int]] = field(default_factory=dict)
     _since: dict[str, float] = field(default_factory=dict)
     _watched: float | None = None
-    _next: float = 0.0
-    _routine: float = 0.0
 
     def __post_init__(self) -> None:
+        self.horizon = max(sensor.late for sensor in self.filter.sensors.values())  # Largest delay of a reading [s]
         self.scale = self.filter.time_scale
         self.kept = max(self.horizon, REPLAY_TIME * self.scale)
-        self._filters[frozenset(), frozenset()] = self.filter
-
-    def begin(self, t: float) -> None:
-        self.slow = frozenset()
-        self.faults, self._watched, self._next, self._routine = frozenset(), None, t, t
-        self._refused, self._same, self._since, self._whiteness = {}, {}, {}, {}
+        self.filters.setdefault((frozenset(), frozenset()), self.filter)
+        self._next = self._routine = self.t
+        # Receivers without a slow error, neither declared nor found
+        self._white = frozenset(name for name, one in self.filter.sensors.items() if is_white(one))
 
     def faulty(self, faults: Faults, slow: Faults | None = None) -> ShipFilter:
         """Return the filter with faults and undeclared slow errors, those found unless given."""
         key = faults, self.slow if slow is None else slow
-        if key not in self._filters:
+        if key not in self.filters:
             sensors = {name: slowed(one) if name in key[1] else one for name, one in self.filter.sensors.items()}
-            self._filters[key] = replace(self.filter, sensors=sensors, faults=faults)
-        return self._filters[key]
+            self.filters[key] = replace(self.filter, sensors=sensors, faults=faults)
+        return self.filters[key]
 
     def test_hypotheses(self, run: FilterRun) -> tuple[FilterRun, str]:
         """Return the run of the most likely hypothesis, and a sentence if the hypothesis changed."""
@@ -131,7 +127,7 @@ class FaultBank:
         # explains.
         anew = self._started_anew(run) if young or best is None or (refusing and _at_odds(best.run)) else None
         cost = 0.0 if young else FAULT_PRIOR
-        if anew and (best is None or anew.score - cost > _likelihood(best.run, anew.run.begun) - _price(best)):
+        if anew and (best is None or anew.score - cost > _likelihood(best.run, anew.run.begun) - _price(best.faults)):
             best = anew
         if best is None or (best.faults == self.faults and best.slow == self.slow and not best.anew):
             return run, ""
@@ -153,17 +149,13 @@ class FaultBank:
         said = _sentence(t, self.faults, best.faults, best.slow - self.slow, best.anew)
         self._since |= dict.fromkeys(best.faults - self.faults, t)
         self.faults, self.slow, self._refused, after.results = best.faults, best.slow, {}, []
+        self._white -= self.slow
         return after, said
 
     @property
     def _suspects(self) -> list[str]:
         rudder = [RUDDER] if RUDDER in self.filter.actuators else []
         return [*self.filter.sensors, *rudder, MODEL]
-
-    @property
-    def _white(self) -> Faults:
-        """Receivers without a slow error, neither declared nor found."""
-        return frozenset(name for name, one in self.filter.sensors.items() if is_white(one)) - self.slow
 
     def _coloured(self, run: FilterRun) -> Faults:
         """Return receivers that count as white and whose innovations are correlated."""
@@ -204,50 +196,40 @@ class FaultBank:
             self._same[name] = (reading, count + 1 if reading == value else 1)
         return frozenset(name for name, (_, count) in self._same.items() if count >= STUCK_READINGS)
 
-    def _hypotheses(self, run: FilterRun, suspects: list[str], refusing: bool, stuck: Faults) -> Iterator[Hypothesis]:
-        """Return the hypotheses: no change, one sensor sound again, one more with a drift, a step or a slow error."""
+    def _hypotheses(self, run: FilterRun, suspects: list[str], refusing: bool, stuck: Faults) -> list[Hypothesis]:
+        """Return the hypotheses: no change, one sensor sound again, a slow error, one more with a drift or a step."""
         moments, t, before = run.history, run.last.t, self.faulty(self.faults)
-        begun = before.adopt(moments[0].state, run.filter)
-        base = self._tried(self.faults, begun, moments, stuck)
-        if base:
-            yield base
+        begun, known = before.adopt(moments[0].state, run.filter), self.faults | stuck
+        base = self._tried(before, self.slow, begun, moments, known)
+        tried = [base]
         for one in self.faults - stuck:
-            sound = self.faults - {one}
-            again = self._tried(sound, self.faulty(sound).adopt(begun, before), moments, stuck)
-            if again:
-                lasting = base is not None and t - self._since[one] < LONGEST_FAULT * self.scale
-                cost = self._simplicity(one) if lasting and base and not self._small(base.run, one) else 0.0
-                yield again._replace(score=again.score - cost)
+            lasting = base is not None and t - self._since[one] < LONGEST_FAULT * self.scale
+            cost = self._simplicity(one) if lasting and base and not self._small(base.run, one) else 0.0
+            own = self.faulty(self.faults - {one})
+            tried.append(self._tried(own, self.slow, own.adopt(begun, before), moments, known, cost))
         for one in self._white - self.faults:
-            slow = self.slow | {one}
-            wider = self._tried(self.faults, self.faulty(self.faults, slow).adopt(begun, before), moments, stuck, slow)
-            if wider:
-                yield wider._replace(score=wider.score - FAULT_PRIOR)
-        if base is None:
-            return
+            own, slow = self.faulty(self.faults, self.slow | {one}), self.slow | {one}
+            tried.append(self._tried(own, slow, own.adopt(begun, before), moments, known, FAULT_PRIOR))
         step = min(self._refused.values()) if refusing else t - JUDGE_WAIT * self.scale
         onsets = [(t - ago * self.scale, DRIFT_START) for ago in DRIFT_ONSETS]
         onsets.append((step, 1.0 if refusing else STEP_START))
+        if base is None:
+            return [one for one in tried if one]
         for one in suspects:
-            more = self.faults | {one}
-            for onset, size in onsets if more != self.faults else ():
+            own = self.faulty(self.faults | {one})
+            for onset, size in onsets if own is not before else ():
                 place = max(bisect_left(moments, onset, key=lambda moment: moment.t) - 1, 0)
-                then = self.faulty(more).adopt(base.run.history[place].state, before, size)
-                tried = self._tried(more, then, moments[place:], stuck)
-                if tried:
-                    known = _likelihood(base.run) - _likelihood(base.run, moments[place].t)
-                    yield tried._replace(score=tried.score + known - math.log(len(onsets)))
+                then = own.adopt(base.run.history[place].state, before, size)
+                cost = math.log(len(onsets)) + _likelihood(base.run, moments[place].t) - _likelihood(base.run)
+                tried.append(self._tried(own, self.slow, then, moments[place:], known, cost))
+        return [one for one in tried if one]
 
     def _tried(
-        self, faults: Faults, state: Gaussian, moments: list[Moment], stuck: Faults, slow: Faults | None = None
+        self, own: ShipFilter, slow: Faults, state: Gaussian, moments: list[Moment], known: Faults, cost: float = 0.0
     ) -> Hypothesis | None:
-        slow = self.slow if slow is None else slow
-        own = self.faulty(faults, slow)
         run = replay(own, moments[0]._replace(state=state, monitor=own.monitor()), moments[1:], self.horizon, self.kept)
-        if run is None:
-            return None
-        tried = Hypothesis(faults, state, moments, run, 0.0, slow)
-        return tried._replace(score=_likelihood(run) - _price(tried, self.faults | stuck))
+        score = _likelihood(run) - _price(own.faults, known) - cost if run else 0.0
+        return Hypothesis(own.faults, state, moments, run, score, slow) if run else None
 
     def _simplicity(self, name: str) -> float:
         """Log-likelihood [1] that a filter gains by having no wide error of a sensor, whether right or wrong."""
@@ -277,7 +259,8 @@ class FaultBank:
         suspects = [one for one in self._suspects if one not in placing or len(placing) > 1]
         sets: list[Faults] = [frozenset(), *(frozenset({one}) for one in suspects)]
         begun = ((one, replace(start, filter=self.faulty(one)).state(first.t)) for one in sets)
-        tried = [self._tried(one, state, [first, *recent], frozenset()) for one, state in begun]
+        moments = [first, *recent]
+        tried = [self._tried(self.faulty(one), self.slow, state, moments, self.faults) for one, state in begun]
         best = max((one for one in tried if one), key=lambda one: one.score, default=None)
         return best._replace(anew=True) if best else None
 
@@ -294,23 +277,18 @@ def _likelihood(run: FilterRun, since: float = -math.inf) -> float:
     return math.fsum(result.log_likelihood for result in run.results if result.t > since + SAME_TIME)
 
 
-def _price(tried: Hypothesis, known: Faults = frozenset()) -> float:
+def _price(faults: Faults, known: Faults = frozenset()) -> float:
     """Return the penalty of faults without other evidence."""
-    return FAULT_PRIOR * len(tried.faults - known) * len(tried.faults)
+    return FAULT_PRIOR * len(faults - known) * len(faults)
 
 
 def _sentence(t: float, before: Faults, after: Faults, slow: Faults, anew: bool) -> str:
     new, back = sorted(after - before), sorted(before - after)
-    parts = []
-    if anew:
-        parts.append("the estimate contradicted the readings and started again from the sensors that agree")
-    if new:
-        parts.append(f"{' and '.join(new)} contradicts the others: left out, and the estimate is less certain")
-    if back:
-        parts.append(f"{' and '.join(back)} agrees with the others again: used")
-    if slow:
-        parts.append(
-            f"{' and '.join(sorted(slow))} has slow errors that were not declared: the estimate is less certain"
-        )
-    said = "; ".join(parts)
+    parts = [
+        (anew, "the estimate contradicted the readings and started again from the sensors that agree"),
+        (new, f"{' and '.join(new)} contradicts the others: left out, and the estimate is less certain"),
+        (back, f"{' and '.join(back)} agrees with the others again: used"),
+        (slow, f"{' and '.join(sorted(slow))} has slow errors that were not declared: the estimate is less certain"),
+    ]
+    said = "; ".join(sentence for holds, sentence in parts if holds)
     return f"At t = {t:g} s {said}." if said else ""

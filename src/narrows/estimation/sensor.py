@@ -31,22 +31,10 @@ class Sensor(Protocol):
     name: str
     period: float
     late: float
-
-    @property
-    def fields(self) -> tuple[str, ...]:
-        """Names of its components."""
-
-    @property
-    def sigma(self) -> tuple[float, ...]:
-        """Standard deviations of the white errors of its components."""
-
-    @property
-    def angles(self) -> tuple[bool, ...]:
-        """True for components that are angles."""
-
-    @property
-    def straight(self) -> bool:
-        """True if its components are linear in the states."""
+    fields: tuple[str, ...]
+    sigma: tuple[float, ...]
+    angles: tuple[bool, ...]
+    straight: bool
 
     def measured(self, at: Columns) -> Values:
         """Return its components without errors, from states."""
@@ -89,7 +77,7 @@ class GaussMarkov:
 
 @dataclass(frozen=True)
 class Measuring:
-    """Base of the package's own sensors: one noise level for all components."""
+    """Base of the package's own sensors: one noise level for all components; by default one, which is a state."""
 
     noise: float  # Standard deviation of the white error of each component [SI]
     _: KW_ONLY
@@ -99,6 +87,8 @@ class Measuring:
     bias: float = 0.0  # Standard deviation of a constant error [SI]
     coloured: GaussMarkov | None = None  # Error correlated in time
     angles: ClassVar[tuple[bool, ...]] = (False,)
+    suffixes: ClassVar[tuple[str, ...]] = ("",)  # Ends of the names of the components
+    state: ClassVar[str]  # Name of the state that it measures
 
     def __post_init__(self) -> None:
         for name in ("period", "noise"):
@@ -111,31 +101,31 @@ class Measuring:
 
     @property
     def fields(self) -> tuple[str, ...]:
-        """Its name, for one component."""
-        return (self.name,)
+        return tuple(self.name + suffix for suffix in self.suffixes)
 
     @property
     def sigma(self) -> tuple[float, ...]:
-        """Standard deviations of the white errors of its components."""
         return (self.noise,) * len(self.angles)
 
     @property
     def errors(self) -> tuple[GaussMarkov, ...]:
-        """Errors correlated in time."""
         return (*((GaussMarkov(self.bias),) if self.bias else ()), *((self.coloured,) if self.coloured else ()))
 
     @property
     def straight(self) -> bool:
-        """True: its components are linear in the states."""
         return True
 
     def numbers(self, reading: Sequence[float]) -> Values:
-        """Return a reading unchanged."""
         return tuple(reading)
 
     def reading(self, numbers: Values) -> Values:
-        """Return the components unchanged."""
         return numbers
+
+    def measured(self, at: Columns) -> Values:
+        return (getattr(at, self.state),)
+
+    def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
+        return {self.state: (reading[0], self.noise)}
 
 
 def check_std(*sizes: float) -> None:

@@ -15,22 +15,8 @@ from narrows.estimation.states import Columns
 __all__ = ["CourseOverGround", "Gnss", "Gyro", "Log", "RateOfTurn", "RudderIndicator"]
 
 
-class ScalarSensor(Measuring):
-    """Base of sensors with one component, which is one state."""
-
-    state: ClassVar[str]
-
-    def measured(self, at: Columns) -> Values:
-        """Return the state that it measures."""
-        return (getattr(at, self.state),)
-
-    def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
-        """Return the state that it measures."""
-        return {self.state: (reading[0], self.noise)}
-
-
 @dataclass(frozen=True)
-class Gyro(ScalarSensor):
+class Gyro(Measuring):
     """A gyrocompass: the heading to the canal's direction.
 
     Parameters
@@ -63,7 +49,7 @@ class Gyro(ScalarSensor):
 
 
 @dataclass(frozen=True)
-class RateOfTurn(ScalarSensor):
+class RateOfTurn(Measuring):
     """A rate gyro: the yaw rate.
 
     Parameters
@@ -73,11 +59,6 @@ class RateOfTurn(ScalarSensor):
         and 5 % of the rate. A rate by differences of headings has several times as much.
     period, late, name, bias, coloured : optional
         As for ``Gyro``.
-
-    Raises
-    ------
-    InputError
-        If a number is invalid.
     """
 
     noise: float = math.radians(0.01)
@@ -87,7 +68,7 @@ class RateOfTurn(ScalarSensor):
 
 
 @dataclass(frozen=True)
-class Log(ScalarSensor):
+class Log(Measuring):
     """A speed log: the surge velocity through the water.
 
     Parameters
@@ -96,11 +77,6 @@ class Log(ScalarSensor):
         Standard deviation of the white error.
     period, late, name, bias, coloured : optional
         As for ``Gyro``.
-
-    Raises
-    ------
-    InputError
-        If a number is invalid.
     """
 
     noise: float = 0.05
@@ -121,11 +97,6 @@ class RudderIndicator:
         Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
     name : str
         Name of its readings.
-
-    Raises
-    ------
-    InputError
-        If a number is invalid.
     """
 
     noise: float = 0.0
@@ -175,37 +146,25 @@ class Gnss(Antenna):
         usual for receivers. ``None``: white errors alone.
     forward, starboard : float [m]
         Position of the antenna relative to midship.
-
-    Raises
-    ------
-    InputError
-        If a number is invalid.
     """
 
     noise: float = 1.5
     _: KW_ONLY
     name: str = "gnss"
+    suffixes: ClassVar[tuple[str, ...]] = ("_x", "_y")
     coloured: GaussMarkov | Literal["usual"] | None = "usual"  # type: ignore[assignment]
 
     @property
     def errors(self) -> tuple[GaussMarkov, ...]:
-        """Errors correlated in time."""
         usual = replace(self, coloured=GaussMarkov(self.noise, GNSS_TIME)) if self.coloured == "usual" else self
         return super(Gnss, usual).errors
 
     @property
     def straight(self) -> bool:
-        """True if the antenna is at midship."""
         return not (self.forward or self.starboard)
 
-    @property
-    def fields(self) -> tuple[str, ...]:
-        """Names of the components along and across."""
-        return (f"{self.name}_x", f"{self.name}_y")
-
     def measured(self, at: Columns) -> Values:
-        """Return the antenna's position; in a bend by the circle that approximates the line."""
-        if not (self.forward or self.starboard):
+        if self.straight:
             return at.x, at.y
         cosine, sine = np.cos(at.psi), np.sin(at.psi)
         ahead = self.forward * cosine - self.starboard * sine
@@ -213,14 +172,11 @@ class Gnss(Antenna):
         bend = at.curvature
         if abs(bend) < STRAIGHT:
             return at.x + ahead, side
-        inward, along = 1.0 - bend * side, bend * ahead
-        reach = np.hypot(inward, along)
-        return at.x + np.arctan2(along, inward) / bend, (2.0 * side - bend * (side * side + ahead * ahead)) / (
-            1.0 + reach
-        )
+        inward, along = 1.0 - bend * side, bend * ahead  # A circle approximates the line
+        across = (2.0 * side - bend * (side * side + ahead * ahead)) / (1.0 + np.hypot(inward, along))
+        return at.x + np.arctan2(along, inward) / bend, across
 
     def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
-        """Return the antenna's position, which the estimator converts to midship."""
         return {"x": (reading[0], self.noise), "y": (reading[1], self.noise)}
 
 
@@ -235,49 +191,33 @@ class CourseOverGround(Antenna):
     ----------
     noise : float [m/s]
         Standard deviation of the white error of the velocity along and across.
-    period, late, name, bias, coloured : optional
-        As for ``Gyro``.
-    forward, starboard : float [m]
-        Position of the antenna relative to midship.
-
-    Raises
-    ------
-    InputError
-        If a number is invalid.
+    period, late, name, bias, coloured, forward, starboard : optional
+        As for ``Gyro`` and ``Gnss``.
     """
 
     noise: float = 0.05
     _: KW_ONLY
     name: str = "course"
+    suffixes: ClassVar[tuple[str, ...]] = ("_over_ground", "_speed")
 
     @property
     def straight(self) -> bool:
-        """False: the components are not linear in the heading."""
         return False
 
-    @property
-    def fields(self) -> tuple[str, ...]:
-        """Course [rad] and speed [m/s]."""
-        return (f"{self.name}_over_ground", f"{self.name}_speed")
-
     def numbers(self, reading: Sequence[float]) -> Values:
-        """Return the velocities along and across [m/s]."""
         course, speed = reading
         return speed * math.cos(course), speed * math.sin(course)
 
     def reading(self, numbers: Values) -> Values:
-        """Return course [rad] and speed [m/s] of velocities along and across."""
         return np.arctan2(numbers[1], numbers[0]), np.hypot(*numbers)
 
     def measured(self, at: Columns) -> Values:
-        """Return the velocities of the antenna along and across."""
         cosine, sine = np.cos(at.psi), np.sin(at.psi)
         ahead, side = at.u - at.r * self.starboard, at.v + at.r * self.forward
         return ahead * cosine - side * sine + at.current, ahead * sine + side * cosine + at.current_across
 
     def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
-        """Return nothing: current and drift separate these velocities from the state."""
-        return {}
+        return {}  # Current and drift separate these velocities from the state
 
 
 def is_white(sensor: object) -> bool:

@@ -1,8 +1,9 @@
 """The estimated states: pose, velocities and disturbances, with units."""
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -32,6 +33,8 @@ def described(name: str) -> tuple[str, str]:
     return STATES.get(name, ("SI", f"error of a sensor, {name.replace('_', ' ')}"))
 
 
+# States of the motions whose walks are given.
+MOTIONS = {"surge": "u", "sway": "v", "yaw": "r"}
 # Default values of states that are omitted or unknown; the others are 0.
 RESTING = {"bank": 1.0}
 
@@ -76,16 +79,32 @@ class Columns:
         self.curvature = curvature
 
 
-def _check(numbers: object) -> None:
-    for field in fields(numbers):  # type: ignore[arg-type]
-        value = getattr(numbers, field.name)
-        if not (math.isfinite(value) and value >= 0.0):
-            what = type(numbers).__name__
-            raise InputError(f"{what}: {field.name} = {value} is no standard deviation; give a finite number from 0")
+class Scaled:
+    """Standard deviations for a ship of 230 m; Froude's law gives those of another length."""
+
+    POWERS: ClassVar[dict[str, float]]  # Powers of the ratio of the lengths
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not (math.isfinite(value) and value >= 0.0):
+                what = f"{type(self).__name__}: {name} = {value}"
+                raise InputError(f"{what} is no standard deviation; give a finite number from 0")
+
+    @classmethod
+    def of_length(cls, length: float) -> Self:
+        """Return the defaults for a ship, by Froude's law from one of 230 m.
+
+        Parameters
+        ----------
+        length : float [m]
+            Length of the ship.
+        """
+        scale = length / REFERENCE_LENGTH
+        return cls(**{name: getattr(cls, name) * scale**power for name, power in cls.POWERS.items()})
 
 
 @dataclass(frozen=True)
-class ProcessNoise:
+class ProcessNoise(Scaled):
     """Random walks added to the model: standard deviations after one second.
 
     Parameters
@@ -114,34 +133,18 @@ class ProcessNoise:
     current: float = 0.002
     current_across: float = 0.003
     rudder_bias: float = 1e-5
-
-    def __post_init__(self) -> None:
-        _check(self)
-
-    @classmethod
-    def of_length(cls, length: float) -> "ProcessNoise":
-        """Return the default noise of a ship, by Froude's law from one of 230 m.
-
-        Parameters
-        ----------
-        length : float [m]
-            Length of the ship.
-        """
-        usual, scale = cls(), length / REFERENCE_LENGTH
-        velocity, per_root_second = scale**0.25, scale**-0.25
-        return cls(
-            usual.surge * velocity, usual.sway * velocity, usual.yaw * scale**-0.75, usual.bank * per_root_second,
-            usual.current * velocity, usual.current_across * velocity, usual.rudder_bias * per_root_second,
-        )  # fmt: skip
+    POWERS: ClassVar = {
+        "surge": 0.25, "sway": 0.25, "yaw": -0.75, "bank": -0.25, "current": 0.25, "current_across": 0.25,
+        "rudder_bias": -0.25,
+    }  # fmt: skip
 
     def by_state(self) -> dict[str, float]:
-        walks = {"u": self.surge, "v": self.sway, "r": self.yaw, "bank": self.bank, "current": self.current}
-        walks |= {"current_across": self.current_across, "rudder_bias": self.rudder_bias}
-        return {**walks, "x": 0.0, "y": 0.0, "psi": 0.0}
+        walks = {MOTIONS.get(name, name): walk for name, walk in vars(self).items()}
+        return {"x": 0.0, "y": 0.0, "psi": 0.0, **walks}
 
 
 @dataclass(frozen=True)
-class Prior:
+class Prior(Scaled):
     """Uncertainty before any measurement: standard deviations about the defaults and the model.
 
     Position, heading and speed come from the first readings; biases of sensors are defined with the sensors.
@@ -168,19 +171,4 @@ class Prior:
     bank: float = 0.2
     current: float = 0.3
     current_across: float = 0.05
-
-    def __post_init__(self) -> None:
-        _check(self)
-
-    @classmethod
-    def of_length(cls, length: float) -> "Prior":
-        """Return the default prior of a ship, by Froude's law from one of 230 m.
-
-        Parameters
-        ----------
-        length : float [m]
-            Length of the ship.
-        """
-        usual, root = cls(), math.sqrt(length / REFERENCE_LENGTH)
-        speeds = (usual.current * root, usual.current_across * root)
-        return cls(usual.sway * root, usual.yaw_rate / root, usual.bank, *speeds)
+    POWERS: ClassVar = {"sway": 0.5, "yaw_rate": -0.5, "bank": 0.0, "current": 0.5, "current_across": 0.5}
