@@ -76,7 +76,8 @@ def test_the_right_sensor_is_named_and_the_truth_kept(what: str) -> None:
 def test_a_log_at_0_from_the_start_is_found_out() -> None:
     """At 230 m and 4.5 m/s: within 15 s the speed is that of the fixes, and the log is named."""
     model = nw.scale_model(steered(), 230.0, 1025.0).model
-    one, random = Estimator(model, [Gnss(), Gyro(0.0035), RateOfTurn(5e-4), Log(), RudderIndicator()]), np.random.default_rng(2)
+    one = Estimator(model, [Gnss(), Gyro(0.0035), RateOfTurn(5e-4), Log(), RudderIndicator()])
+    random = np.random.default_rng(2)
     for t in range(40):
         noise = random.standard_normal(4)
         fix = 4.5 * t + 1.5 * noise[0], 20.0 + 1.5 * noise[1]

@@ -79,7 +79,7 @@ class Columns:
         self.curvature = curvature
 
 
-class Scaled:
+class ScaledNoise:
     """Standard deviations for a ship of 230 m; Froude's law gives those of another length."""
 
     POWERS: ClassVar[dict[str, float]]  # Powers of the ratio of the lengths
@@ -104,7 +104,7 @@ class Scaled:
 
 
 @dataclass(frozen=True)
-class ProcessNoise(Scaled):
+class ProcessNoise(ScaledNoise):
     """Random walks added to the model: standard deviations after one second.
 
     Parameters
@@ -144,7 +144,7 @@ class ProcessNoise(Scaled):
 
 
 @dataclass(frozen=True)
-class Prior(Scaled):
+class Prior(ScaledNoise):
     """Uncertainty before any measurement: standard deviations about the defaults and the model.
 
     Position, heading and speed come from the first readings; biases of sensors are defined with the sensors.
