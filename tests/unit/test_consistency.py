@@ -133,7 +133,7 @@ def test_twins_see_the_bend_ahead_as_a_voyage_does() -> None:
     """The regulator, on twins without noise: where they are is where the engine's own voyage is."""
     way, model = bent(6.0, 7.5), steered()
     helm = nw.control.regulator(model, 0.2, 1.0, waterway=way)
-    calm = ProcessNoise(**dict.fromkeys(ProcessNoise.__dataclass_fields__, 0.0))
+    calm = ProcessNoise(**dict.fromkeys(vars(ProcessNoise()), 0.0))
     known = Prior(sway=0.0, yaw_rate=0.0, bank=0.0, current=0.0, current_across=0.0)
     sensors = (*SENSORS, RudderIndicator(bias=0.0, noise=0.0))
     silent = Estimator(model, sensors, waterway=way, noise=calm, prior=known).filter
