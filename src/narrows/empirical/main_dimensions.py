@@ -193,12 +193,7 @@ def _completed(ship: Ship | Mapping[str, Any], kind: str | None) -> tuple[Ship, 
         given[name] = given[of] / ratio if of else usual.block_coefficient
         unit = "" if name == "block_coefficient" else " m"
         filled.append(f"{name.replace('_', ' ')} {given[name]:.3g}{unit}")
-    try:
-        known = Ship(**given)
-    except TypeError:
-        raise InputError(
-            f"a ship takes {', '.join(NEEDED)} and other particulars of a ship file; check the names"
-        ) from None
+    known = Ship(**given)
     check_shape(known)
     return known, filled
 
