@@ -16,7 +16,7 @@ URGENT = {**ALARM, SHIP_OR_WATER: Condition(Priority.CAUTION, "Beyond the data: 
 
 @pytest.fixture(scope="module")
 def pulse() -> Iterator[Pulse]:
-    pytest.importorskip("fastapi", reason="of the extra monitor")
+    pytest.importorskip("websockets", reason="of the extra monitor")
     page = BridgePage()
     with page.open() as address, Pulse(page, Watched()).running() as pulse:
         pulse.address = address

@@ -92,7 +92,7 @@ SERVER_TIMEOUT = 10.0  # [s] for the server to start or to end
 LONGEST_REQUEST = 512  # [characters]
 REQUEST_QUEUE = 64  # requests between two updates
 SEND_TIMEOUT = 5.0  # [s] for one message to one client; then that client is let go
-SEND_INTERVAL = 0.1  # [s] between messages to one client
+SEND_INTERVAL = 0.05  # [s] between looks for messages to one client
 ANSWER_QUEUE = 16  # answers that wait for one client
 MOST_CLIENTS = 32  # clients at a time
 # Scores

@@ -4,17 +4,19 @@ import asyncio
 import hmac
 import ipaddress
 import json
+import logging
 import secrets
 import socket
 import time
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from collections import deque
+from collections.abc import Callable, Coroutine, Iterable, Iterator
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib.resources import files
 from queue import Empty, Full, Queue
 from threading import Thread
-from typing import TYPE_CHECKING, Any, NamedTuple
-from urllib.parse import urlsplit
+from typing import Any, NamedTuple
+from urllib.parse import parse_qs, urlsplit
 
 from narrows.errors import InputError, needs, reason
 from narrows.warning import settings
@@ -23,16 +25,26 @@ from narrows.warning.alerts.alert_sentences import acn, notifications
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_status import BridgeStatus
-from narrows.warning.page.page_updates import COMMANDS, Client, Clients, ending, packed, refusal, update_of
+from narrows.warning.page.page_updates import COMMANDS, Clients, ending, packed, refusal, update_of
 from narrows.web import asset
-
-if TYPE_CHECKING:
-    from fastapi import FastAPI, Response, WebSocket
 
 UPDATES, SIGNAL_K = "/updates", "/signalk/v1/stream"
 ENDED = "The watch has ended: nothing on this page is kept up to date."
-# The server of the page: one uvicorn in a thread beside the monitor.
 LOOPBACK = "127.0.0.1"
+SHARED = ("canal.js", "palette.css")
+KINDS = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
+# Nothing from elsewhere, nothing kept, and the token sent to nobody.
+HEADERS = {
+    "Cache-Control": "no-store",
+    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
+    "img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+}
+CROWDED = "As many look on as there is room for; close another page first."
+FORBIDDEN, MISSING, TOO_MANY = 403, 404, 503
+# Browsers that break off are no errors of the monitor.
+LOGGER = logging.Logger("narrows.page", logging.CRITICAL)
 # Who may look on and acknowledge: whoever has the token, from a page of this server and of no other.
 TOKEN_BYTES = 18
 
@@ -52,22 +64,62 @@ class PageAccess:
         return "" if hmac.compare_digest(token.encode(), self.token.encode()) else NO_TOKEN
 
 
+# Receives a command of a client, and answers it.
+Take = Callable[[str, Callable[[str], None]], None]
+
+
+class Stream(NamedTuple):
+    clients: Clients  # Who receive updates
+    take: Take  # Takes what they say
+
+
 class BridgePage:
     def __init__(self, access: PageAccess | None = None) -> None:
         self.access = access or PageAccess()
         self.updates, self.notices, self.requests = Clients(settings.OLDEST_UPDATE), Clients(), PageRequests()
         self._noticed: list[Any] = []
         # Clients of Signal K only listen here.
-        notices = Stream(SIGNAL_K, self.notices, lambda text, client: None)
-        self.app = page_app(self.access, Stream(UPDATES, self.updates, self._take), notices)
+        notices = Stream(self.notices, lambda text, answer: None)
+        self._streams = {UPDATES: Stream(self.updates, self._take), SIGNAL_K: notices}
+        folder = files(__package__).joinpath("assets")
+        self._texts = {f"/assets/{path.name}": path.read_text(encoding="utf-8") for path in folder.iterdir()}
+        self._texts |= {f"/assets/{name}": asset(name) for name in SHARED}
+        self._index = self._texts.pop("/assets/index.html")
 
     @contextmanager
     def open(self, host: str = LOOPBACK, port: int = 0) -> Iterator[str]:
-        """Serve the page; give its address, with the token."""
-        with served(self.app, host, port) as at:
-            yield f"http://{address_of(host)}:{at}/?token={self.access.token}"
-            self.updates.publish(packed(ending(ENDED)))
-            time.sleep(settings.FAREWELL * bool(self.updates))
+        """Serve the page in a thread beside the monitor; give its address, with the token."""
+        with needs("monitor", "the monitor's page"):
+            from websockets.asyncio.server import serve
+
+        async def begin() -> Any:
+            return await serve(
+                self._attend, sock=listening, process_request=self._respond, create_connection=capped_connection(),
+                open_timeout=settings.HEADER_TIMEOUT, ping_interval=settings.PING_INTERVAL,
+                ping_timeout=settings.PING_INTERVAL, close_timeout=1.0, max_size=settings.LARGEST_MESSAGE,
+                server_header=None, logger=LOGGER,
+            )  # fmt: skip
+
+        async def end() -> None:
+            server.close()
+            await server.wait_closed()
+
+        def run(work: Coroutine[Any, Any, Any]) -> Any:
+            return asyncio.run_coroutine_threadsafe(work, loop).result(settings.SERVER_TIMEOUT)
+
+        with _listening(host, port) as listening, closing(asyncio.new_event_loop()) as loop:
+            thread = Thread(target=loop.run_forever, daemon=True)
+            thread.start()
+            server = run(begin())
+            try:
+                yield f"http://{address_of(host)}:{listening.getsockname()[1]}/?token={self.access.token}"
+                self.updates.publish(packed(ending(ENDED)))
+                time.sleep(settings.FAREWELL * bool(self.updates))
+            finally:
+                with suppress(TimeoutError):
+                    run(end())
+                loop.call_soon_threadsafe(loop.stop)
+                thread.join(settings.SERVER_TIMEOUT)
 
     def watch(self, ticks: Iterable[Tick], monitored: BridgeMonitor) -> Iterator[Tick]:
         return self.requests.joined(ticks, monitored.desk)
@@ -79,8 +131,41 @@ class BridgePage:
             self._noticed = values
             self.notices.publish(packed(notice))
 
-    def _take(self, text: str, client: Client) -> None:
-        self.requests.take(text, lambda why: client.answer(packed(refusal(why))))
+    def _take(self, text: str, answer: "Answer") -> None:
+        self.requests.take(text, lambda why: answer(packed(refusal(why))))
+
+    def _respond(self, connection: Any, request: Any) -> Any:
+        """Answer what asks for no updates, or for none that it may have."""
+        asked, heads = urlsplit(request.path), request.headers
+        if asked.path in self._texts:  # The package's own files are no secret: they need no token.
+            return _response(connection, 200, self._texts[asked.path], asked.path[asked.path.rindex(".") :])
+        if asked.path != "/" and asked.path not in self._streams:
+            return _response(connection, MISSING, "There is no such file.")
+        token = parse_qs(asked.query).get("token", [""])[0]
+        if why := self.access.refusal(token, heads.get("Host", ""), heads.get("Origin")):
+            return _response(connection, FORBIDDEN, why)
+        if asked.path == "/":
+            return _response(connection, 200, self._index, ".html")
+        return _response(connection, TOO_MANY, CROWDED) if self._streams[asked.path].clients.full else None
+
+    async def _attend(self, connection: Any) -> None:
+        stream, answers = (
+            self._streams[urlsplit(connection.request.path).path],
+            deque[str](maxlen=settings.ANSWER_QUEUE),
+        )
+
+        async def hear() -> None:
+            async for text in connection:
+                stream.take(text, answers.append)
+                await asyncio.sleep(
+                    settings.SEND_INTERVAL
+                )  # Who talks without pause waits: the monitor needs the machine.
+
+        tasks = [asyncio.create_task(work) for work in (stream.clients.serve(answers, connection.send), hear())]
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
 
 
 def address_of(host: str) -> str:
@@ -89,139 +174,31 @@ def address_of(host: str) -> str:
     return f"[{host}]" if ":" in host else host
 
 
-# The page's application: one page, its scripts, updates over a websocket, notifications as Signal K has them.
-SHARED = ("canal.js", "palette.css")
-KINDS = {".js": "text/javascript", ".css": "text/css", ".html": "text/html"}
-
-# Nothing from elsewhere, nothing kept, and the token sent to nobody.
-HEADERS = {
-    "Cache-Control": "no-store",
-    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; "
-    "img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
-    "Referrer-Policy": "no-referrer",
-    "X-Content-Type-Options": "nosniff",
-}
-
-CROWDED = "As many look on as there is room for; close another page first."
-FORBIDDEN, MISSING, TOO_MANY = 403, 404, 503
-# Receives the commands of a client.
-Take = Callable[[str, Client], None]
+def _response(connection: Any, status: int, text: str, suffix: str = "") -> Any:
+    response = connection.respond(status, text)
+    del response.headers["Content-Type"]
+    response.headers.update({**HEADERS, "Content-Type": f"{KINDS.get(suffix, 'text/plain')}; charset=utf-8"})
+    return response
 
 
-class Stream(NamedTuple):
-    path: str  # Path of the page
-    clients: Clients  # Who receive updates
-    take: Take  # Takes what they say
+def capped_connection() -> Any:
+    """Return the server's connection with a cap on how many are open: requests that never end exhaust nothing."""
+    from websockets.asyncio.server import ServerConnection
 
+    class Capped(ServerConnection):  # type: ignore[misc]
+        count = 0
 
-def page_app(access: PageAccess, *streams: Stream) -> "FastAPI":
-    with needs("monitor", "the monitor's page"):
-        from fastapi import FastAPI, Request
-    app = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
-    texts = {path.name: path.read_text(encoding="utf-8") for path in files(__package__).joinpath("assets").iterdir()}
-    texts |= {name: asset(name) for name in SHARED}
-
-    async def page(request: Request) -> Any:
-        why = access.refusal(request.query_params.get("token", ""), request.headers.get("host", ""))
-        return _response(why, ".txt", FORBIDDEN) if why else _response(texts["index.html"], ".html")
-
-    async def part(name: str, request: Request) -> Any:
-        # The package's own files are no secret: they need no token.
-        known = name in texts and name != "index.html"
-        absent = _response("There is no such file.", "", MISSING)
-        return _response(texts[name], name[name.rindex(".") :]) if known else absent
-
-    app.add_api_route("/", page, methods=["GET"])
-    app.add_api_route("/assets/{name}", part, methods=["GET"])
-    for stream in streams:
-        app.add_api_websocket_route(stream.path, _route(access, stream))
-    return app
-
-
-def _response(text: str, suffix: str, status: int = 200) -> "Response":
-    from fastapi import Response
-
-    kind = f"{KINDS.get(suffix, 'text/plain')}; charset=utf-8"
-    return Response(text, status, HEADERS, kind)
-
-
-def _route(access: PageAccess, stream: Stream) -> Any:
-    from fastapi import WebSocket
-
-    async def route(websocket: WebSocket) -> None:
-        token, heads = websocket.query_params.get("token", ""), websocket.headers
-        why = access.refusal(token, heads.get("host", ""), heads.get("origin"))
-        if why or stream.clients.full:
-            refused = _response(why, "", FORBIDDEN) if why else _response(CROWDED, "", TOO_MANY)
-            await websocket.send_denial_response(refused)
-            return
-        await websocket.accept()
-        await _look_on(websocket, stream)
-
-    return route
-
-
-async def _look_on(websocket: "WebSocket", stream: Stream) -> None:
-    client = stream.clients.enter()
-    sending = asyncio.create_task(stream.clients.serve(client, websocket.send_text))
-    receiving = asyncio.create_task(_hear(websocket, client, stream.take))
-    try:
-        await asyncio.wait({sending, receiving}, return_when=asyncio.FIRST_COMPLETED)
-    finally:
-        stream.clients.leave(client)
-        sending.cancel(), receiving.cancel()
-        await asyncio.gather(sending, receiving, return_exceptions=True)
-        with suppress(Exception):  # However it ended: it is over.
-            await asyncio.wait_for(websocket.close(), 1.0)
-
-
-async def _hear(websocket: "WebSocket", client: Client, take: Take) -> None:
-    async for text in websocket.iter_text():
-        take(text, client)
-        await asyncio.sleep(settings.SEND_INTERVAL)  # Who talks without pause waits: the monitor needs the machine.
-
-
-@contextmanager
-def served(app: "FastAPI", host: str, port: int) -> Iterator[int]:
-    """Serve an application; give the port."""
-    with needs("monitor", "the monitor's page"):
-        import uvicorn
-    with _listening(host, port) as listening:
-        config = uvicorn.Config(
-            app, http=guarded_protocol(), backlog=settings.MOST_CONNECTIONS,
-            log_level="error", access_log=False, lifespan="off", ws="websockets-sansio",
-            ws_max_size=settings.LARGEST_MESSAGE, ws_ping_interval=settings.PING_INTERVAL,
-            ws_ping_timeout=settings.PING_INTERVAL, timeout_graceful_shutdown=1, server_header=False,
-        )  # fmt: skip
-        server = uvicorn.Server(config)
-        thread = Thread(target=server.run, args=([listening],), daemon=True)
-        thread.start()
-        deadline = time.monotonic() + settings.SERVER_TIMEOUT
-        while not server.started and thread.is_alive() and time.monotonic() < deadline:
-            time.sleep(0.01)
-        try:
-            yield int(listening.getsockname()[1])
-        finally:
-            server.should_exit = True
-            thread.join(settings.SERVER_TIMEOUT)
-
-
-def guarded_protocol() -> Any:
-    """Return the server's protocol with a cap on open connections and a time-out for requests that never end."""
-    from uvicorn.protocols.http.h11_impl import H11Protocol
-
-    class Guarded(H11Protocol):  # type: ignore[misc]
         def connection_made(self, transport: Any) -> None:
             super().connection_made(transport)
-            if len(self.connections) > settings.MOST_CONNECTIONS:
+            Capped.count += 1
+            if Capped.count > settings.MOST_CONNECTIONS:
                 transport.abort()
-            self.loop.call_later(settings.HEADER_TIMEOUT, self._let_go)
 
-        def _let_go(self) -> None:
-            if self.cycle is None and self.transport.get_protocol() is self:  # Neither asked nor a websocket by now.
-                self.transport.abort()
+        def connection_lost(self, error: Exception | None) -> None:
+            Capped.count -= 1
+            super().connection_lost(error)
 
-    return Guarded
+    return Capped
 
 
 def _listening(host: str, port: int) -> socket.socket:

@@ -6,7 +6,6 @@ import math
 import time
 from collections import deque
 from collections.abc import Awaitable, Callable, Mapping
-from contextlib import suppress
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,7 @@ from narrows.warning.alerts.alert import Command
 from narrows.warning.forecasting.forecast import Tracks
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_status import BridgeStatus, alert_to_dict
-from narrows.warning.settings import ANSWER_QUEUE, MOST_CLIENTS, SEND_INTERVAL, SEND_TIMEOUT
+from narrows.warning.settings import MOST_CLIENTS, SEND_INTERVAL, SEND_TIMEOUT
 from narrows.waterway.waterway import Waterway
 
 # Commands of the page, by the word in its messages.
@@ -120,79 +119,35 @@ def _rounded(line: np.ndarray, part: slice) -> list[list[float]]:
 Send = Callable[[str], Awaitable[None]]
 
 
-class _Call:
-    """Request a function call in an event loop from any thread; requests before the call runs count as one."""
-
-    def __init__(self, loop: asyncio.AbstractEventLoop, function: Callable[[], None]) -> None:
-        self.loop, self._function, self._waits = loop, function, False
-
-    def __call__(self) -> None:
-        if self._waits:  # One pending call is enough, even if the loop is blocked.
-            return
-        self._waits = True
-        with suppress(RuntimeError):  # The loop is closed, so no client is left.
-            self.loop.call_soon_threadsafe(self._run)
-
-    def _run(self) -> None:
-        self._waits = False
-        self._function()
-
-
-class Client:
-    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
-        self.awake, self.answers = asyncio.Event(), deque[str](maxlen=ANSWER_QUEUE)
-        self.awake.set()
-        self._wake = _Call(loop, self.awake.set)
-
-    def answer(self, message: str) -> None:
-        """Queue a message for this client alone; callable from any thread."""
-        self.answers.append(message)
-        self._wake()
-
-
 class Clients:
+    """Who look on: each receives the newest message, at its own pace, and answers to it alone."""
+
     def __init__(self, lasts: float = math.inf) -> None:
-        self.lasts, self.newest, self.number = lasts, "", 0
+        self.lasts, self.newest, self.number, self.count = lasts, "", 0, 0
         self._at = -math.inf
-        self._all: set[Client] = set()
-        self._call: _Call | None = None
 
     def __len__(self) -> int:
-        return len(self._all)
+        return self.count
 
     @property
     def full(self) -> bool:
-        return len(self._all) >= MOST_CLIENTS
-
-    def enter(self) -> Client:
-        loop = asyncio.get_running_loop()
-        if self._call is None or self._call.loop is not loop:
-            self._call = _Call(loop, self._wake)
-        client = Client(loop)
-        self._all.add(client)
-        return client
-
-    def leave(self, client: Client) -> None:
-        self._all.discard(client)
+        return self.count >= MOST_CLIENTS
 
     def publish(self, message: str) -> None:
         """Leave the newest message, in any thread, without waiting for anything."""
         self.newest, self.number, self._at = message, self.number + 1, time.monotonic()
-        if self._call is not None:
-            self._call()
 
-    async def serve(self, client: Client, send: Send) -> None:
+    async def serve(self, answers: deque[str], send: Send) -> None:
+        """Send answers and the newest message as they come; looking for them needs no wake-up from other threads."""
         sent = 0
-        while True:
-            await client.awake.wait()
-            client.awake.clear()
-            while client.answers:
-                await asyncio.wait_for(send(client.answers.popleft()), SEND_TIMEOUT)
-            if sent != self.number and time.monotonic() - self._at <= self.lasts:
-                sent = self.number
-                await asyncio.wait_for(send(self.newest), SEND_TIMEOUT)
-            await asyncio.sleep(SEND_INTERVAL)
-
-    def _wake(self) -> None:
-        for client in self._all:
-            client.awake.set()
+        self.count += 1
+        try:
+            while True:
+                while answers:
+                    await asyncio.wait_for(send(answers.popleft()), SEND_TIMEOUT)
+                if sent != self.number and time.monotonic() - self._at <= self.lasts:
+                    sent = self.number
+                    await asyncio.wait_for(send(self.newest), SEND_TIMEOUT)
+                await asyncio.sleep(SEND_INTERVAL)
+        finally:
+            self.count -= 1
