@@ -11,9 +11,8 @@ import pytest
 
 import narrows as nw
 from narrows.captive.tests import CaptiveTests
-from narrows.identification.mixed_model import BlockErrors, Conditional, MixedModel, one_thread
+from narrows.identification.mixed_model import Conditional, MixedModel, ScaleMixture, integrate, one_thread, search
 from narrows.identification.motions import numbered
-from narrows.identification.scale_integration import ScaleMixture, integrate, search
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "decisions"))
 from trust_kinds import honest, zero_of_a_day
@@ -30,15 +29,13 @@ DYESTUFF = np.array(
 
 def grouped(x: np.ndarray, y: np.ndarray, z: np.ndarray, noise: float) -> MixedModel:
     """A model with one group of random effects, whose scale has the prior 50, and independent errors."""
-    rows = len(y)
-    nothing = np.zeros(1)
-    errors = BlockErrors(
-        np.array([0]), np.zeros((rows, 3)), np.array([noise]), nothing, nothing, np.ones(1), np.array([True]),
-        np.array([3]), np.array([4]),
+    rows, groups = len(y), z.shape[1]
+    no_errors, group, nothing_taken = np.zeros((rows, 0)), np.zeros(groups, int), np.zeros((x.shape[1], groups))
+    prior, freedom = np.array([50.0]), np.array([1e9])
+    return MixedModel(
+        ("batch",), np.column_stack([x, z]), y, np.array([0]), np.full(rows, noise), no_errors, no_errors, group, prior,
+        freedom, nothing_taken,
     )  # fmt: skip
-    group = np.full(z.shape[1], 5)
-    prior = np.array([0.0, 0.0, 0.0, 0.0, 0.0, 50.0])
-    return MixedModel(np.column_stack([x, z]), y, x.shape[1], group, errors, prior, np.full(6, 1e9))
 
 
 def test_dyestuff_as_lme4_prints_it() -> None:
@@ -48,7 +45,7 @@ def test_dyestuff_as_lme4_prints_it() -> None:
 
     def coordinate(scale: float) -> np.ndarray:
         """Where the half-normal prior of the batches' scale, here of 50, has it."""
-        return np.array([0.0, 0.0, 0.0, 0.0, 0.0, NormalDist().inv_cdf(2 * NormalDist().cdf(scale / 50) - 1)])
+        return np.array([NormalDist().inv_cdf(2 * NormalDist().cdf(scale / 50) - 1)])
 
     def criterion(scale: float) -> float:
         z = coordinate(scale)
@@ -65,8 +62,8 @@ def test_dyestuff_as_lme4_prints_it() -> None:
 @pytest.mark.parametrize("freedom", [1.5, 2.0, 3.0, 4.0, 6.0, 30.0])
 def test_a_scale_far_below_its_prior_divides_by_no_zero(freedom: float) -> None:
     batches = grouped(np.full((30, 1), 1000.0), DYESTUFF.ravel(), np.kron(np.eye(6), np.ones((5, 1))), 49.51**2)
-    model = replace(batches, freedom=np.full(6, freedom))
-    at = [model.at(np.array([0.0, 0.0, 0.0, 0.0, 0.0, z])).mean[0] for z in (-4.0, -6.8)]
+    model = replace(batches, freedom=np.full(1, freedom))
+    at = [model.at(np.array([z])).mean[0] for z in (-4.0, -6.8)]
     assert at == pytest.approx([1.5275, 1.5275], abs=1e-6)
 
 
@@ -147,7 +144,7 @@ def test_measured_motions_that_were_left_out_are_inside_their_intervals(kcs: nw.
 class TwoHills:
     """A density of two normal hills, half each, of which the search finds the first."""
 
-    prior, learned, rivals = np.ones(2), np.arange(2), ()
+    prior, rivals = np.ones(2), ()
     centres, widths = np.array([[-1.0, 0.0], [0.6, 0.9]]), np.array([0.5, 0.4])
 
     def at(self, z: np.ndarray, gradient: bool = False) -> Conditional:
@@ -182,9 +179,10 @@ def test_a_shift_is_what_an_effect_of_known_size_takes_from_the_estimates(fit: n
         i = names.index(name)
         column = model.x[:, model.fixed + i]
         x, group = np.delete(model.x, model.fixed + i, axis=1), np.delete(model.group, i)
-        absent, present = (replace(model, x=x, group=group, y=model.y - size * column, taken=None) for size in (0, 1))
+        taken = np.zeros((model.fixed, len(group)))
+        absent, present = (replace(model, x=x, group=group, y=model.y - size * column, taken=taken) for size in (0, 1))
         expected = (present.at(at).mean - absent.at(at).mean)[: model.fixed]
-        part = ScaleMixture(replace(model, taken=None), at, at[None], np.ones(1), [model.at(at)])
+        part = ScaleMixture(replace(model, taken=0 * model.taken), at, at[None], np.ones(1), [model.at(at)])
         np.testing.assert_allclose(part.shifts[:, i], expected, rtol=1e-4, atol=1e-6 * np.abs(expected).max())
 
 

@@ -217,7 +217,7 @@ def expected_std(
         within = np.array([noise[f] ** 2 * max(1.0, 2 * correlation_time * RATE) for f in own])
         rows = ForceRows(equations, motions, problem, own, within)
         model, _, unit = assemble(rows, errors, truth.configuration)
-        spread = model.at(np.where(model.prior > 0, np.log(TYPICAL), 0.0)).covariance
+        spread = model.at(np.full(len(model.prior), np.log(TYPICAL))).covariance
         size = np.sqrt(np.diag(spread)[: len(unit)]) * unit
         std |= {term.name: float(size[rows.free_parameters.index(problem.slot[term.name])]) for _, term in rows.terms}
     return std

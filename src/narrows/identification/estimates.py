@@ -9,10 +9,9 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.least_squares import Problem, solve
-from narrows.identification.mixed_model import one_thread
+from narrows.identification.mixed_model import ScaleMixture, integrate, one_thread
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.normal_equations import NormalEquations
-from narrows.identification.scale_integration import ScaleMixture, integrate
 from narrows.identification.systematic_effects import Effect, RunErrors, assemble
 from narrows.ship.particulars import Configuration
 
@@ -47,11 +46,8 @@ class ForcePosterior:
     @property
     def scales(self) -> dict[str, float]:
         """Estimated size of each error: shares of the force, and multiples of the usual sizes."""
-        of_forces = [f"{kind} of {force}" for kind in ("form", "zero") for force in self.rows.forces]
-        groups = dict.fromkeys(effect.group for effect in self.effects if effect.learned)
-        found = self.posterior.model.scales(self.posterior.weights @ self.posterior.points)[:-1]
-        names = ["gain", "form of the bank", "scatter", *of_forces, *groups]
-        return dict(zip(names, found.tolist(), strict=True))
+        found = self.posterior.model.scales(self.posterior.weights @ self.posterior.points)
+        return dict(zip(self.posterior.model.names, found.tolist(), strict=False))
 
 
 @dataclass(frozen=True)

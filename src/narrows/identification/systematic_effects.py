@@ -9,7 +9,7 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.identification.design_matrix import ONE
 from narrows.identification.force_rows import ForceRows
-from narrows.identification.mixed_model import BlockErrors, MixedModel
+from narrows.identification.mixed_model import MixedModel
 from narrows.quantities.names import FORCES
 from narrows.ship.particulars import Configuration
 
@@ -315,20 +315,50 @@ def assemble(
 ) -> tuple[MixedModel, list[Effect], np.ndarray]:
     """The mixed model of some forces, its effects, and the unit of each scaled coefficient."""
     effects, columns = _effects(rows, errors, configuration)
-    groups = list(dict.fromkeys(effect.group for effect in effects if effect.learned))
     unit = rows.units()
     x = np.column_stack([rows.x * unit, *columns])
-    bank = SIZES["bank form"] * errors.bank * (not errors.none)
-    scatter = 0.0 if errors.none else errors.scatter
-    runs = [errors.gain, bank, scatter, *[errors.form] * rows.count, *[errors.zero] * rows.count]
-    places = {name: len(runs) + i for i, name in enumerate([*groups, FIXED])}
-    group = np.array([places[effect.group] for effect in effects], int)
-    prior = np.array([*runs, *[1.0] * len(groups)])
-    freedom = np.array([USUAL_FREEDOM] * len(runs) + [FREEDOM.get(name, USUAL_FREEDOM) for name in groups])
-    rivals = tuple(places[name] for name in RIVALS if name in places)
-    taken = _taken(rows, x, effects)
-    model = MixedModel(x, rows.y, len(rows.free_parameters), group, _block_errors(rows), prior, freedom, rivals, taken)
+    runs = {name: parts for name, parts in _run_errors(rows, errors).items() if parts[0] > 0 and not errors.none}
+    priors = {name: size for name, (size, _, _) in runs.items()}
+    priors |= {effect.group: 1.0 for effect in effects if effect.learned}
+    places = {name: i for i, name in enumerate((*priors, FIXED))}
+    model = MixedModel(
+        tuple(priors), x, rows.y,
+        starts=np.concatenate([rows.starts + f * rows.each for f in range(rows.count)]),
+        noise=np.outer(rows.noise, 1 / np.repeat(rows.runs, rows.sizes)).ravel(),
+        shared=np.reshape([shared for _, shared, _ in runs.values()], (len(runs), len(x))).T,
+        apart=np.reshape([apart for _, _, apart in runs.values()], (len(runs), len(x))).T,
+        group=np.array([places[effect.group] for effect in effects], int),
+        prior=np.array(list(priors.values())),
+        freedom=np.array([FREEDOM.get(name, USUAL_FREEDOM) for name in priors]),
+        taken=_taken(rows, x, effects),
+        rivals=tuple(places[name] for name in RIVALS if name in places),
+    )  # fmt: skip
     return model, effects, unit
+
+
+# Prior scale of an error within blocks; what it adds in proportion to each row, and its variance of each row alone.
+RunErrorParts = tuple[float, np.ndarray, np.ndarray]
+
+
+def _run_errors(rows: ForceRows, errors: RunErrors) -> dict[str, RunErrorParts]:
+    fitted, one, nothing = rows.fitted(rows.reference), rows.reference[:, rows.names[ONE]], np.zeros(len(rows.y))
+    runs, sizes = np.repeat(rows.runs, rows.sizes), np.repeat(rows.sizes, rows.sizes)
+    bank = rows.fitted(rows.reference, bank=True) * rows.of_mean
+    scatter = np.outer(rows.level**2, rows.length**2 / sizes / runs)
+    parts = {
+        "gain": (errors.gain, (fitted / np.sqrt(runs)).ravel(), nothing),
+        "form of the bank": (SIZES["bank form"] * errors.bank, bank.ravel(), nothing),
+        "scatter": (errors.scatter, nothing, scatter.ravel()),
+    }
+    # A form error spreads half along the force itself and half over all directions.
+    for f, force in enumerate(rows.forces):
+        square = np.add.reduceat(rows.reference[:, rows.names[force]] ** 2, rows.starts)
+        spread = np.repeat(square / rows.sizes, rows.sizes)
+        halves = rows.of(f, fitted[f] * rows.of_mean * np.sqrt(0.5)), rows.of(f, 0.5 * spread * rows.of_mean)
+        parts[f"form of {force}"] = (errors.form, *halves)
+    for f, force in enumerate(rows.forces):
+        parts[f"zero of {force}"] = (errors.zero, rows.of(f, rows.level[f] * one / np.sqrt(runs)), nothing)
+    return parts
 
 
 def _taken(rows: ForceRows, x: np.ndarray, effects: list[Effect]) -> np.ndarray:
@@ -346,24 +376,3 @@ def _taken(rows: ForceRows, x: np.ndarray, effects: list[Effect]) -> np.ndarray:
     size = np.where(size > COLLINEAR * size.max(initial=0.0), size, np.inf)
     taken[np.ix_(hull, changes)] = np.linalg.pinv(a / size, rcond=COLLINEAR) @ scaled[:, p:][:, changes] / size[:, None]
     return taken
-
-
-def _block_errors(rows: ForceRows) -> BlockErrors:
-    starts, runs, reference, count = rows.starts, rows.runs, rows.reference, rows.count
-    one = np.outer(rows.level, reference[:, rows.names[ONE]])
-    shapes = [rows.fitted(reference), rows.fitted(reference, bank=True), one]
-    measured = [reference[:, rows.names[force]] for force in rows.forces]
-    # A form error spreads half along the force itself and half over all directions.
-    form = [0.5 * np.add.reduceat(force**2, starts) / rows.sizes for force in measured]
-    share = rows.length[starts] ** 2 / rows.sizes / runs
-    return BlockErrors(
-        starts=np.concatenate([starts + f * rows.each for f in range(count)]),
-        shapes=np.column_stack([shape.ravel() for shape in shapes]),
-        noise=np.outer(rows.noise, 1 / runs).ravel(),
-        form=np.concatenate(form),
-        scatter=np.outer(rows.level**2, share).ravel(),
-        runs=np.tile(runs, count),
-        is_mean=np.tile(rows.is_mean, count),
-        form_scale=np.repeat(3 + np.arange(count), len(runs)),
-        zero_scale=np.repeat(3 + count + np.arange(count), len(runs)),
-    )
