@@ -136,7 +136,7 @@ def test_tangents_of_a_step_in_a_waterway_are_differences(name: str, law: str) -
     more, slopes_of = with_tangents(lines, unit, len(moved))
     rows = {n: system.step.out[n] for n in (*kept, "clearance", "side")}
     out = [*rows.values(), *(entry for value in rows.values() for entry in slopes_of(value))]
-    text = function_text("tangent", tuple(everything), more.needed_for(out).assignments, out, table=True)
+    text = function_text("tangent", ("table", *everything), more.needed_for(out).assignments, out)
     table = channel.water.table.tolist()
     found = function_of(text, "tangent", SCALAR)(table, *everything.values())
 

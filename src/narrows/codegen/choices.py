@@ -37,8 +37,8 @@ SHARED = ("least_cos", "x_last", "x_first", "cells_a_metre", "most_speed", "most
 # First fields of a lane, before its state: the queue of vessels reads and writes them.
 BOOK = ("step_length", "share", "left", "flag", "clearance", "side", "clearance_before")
 
-# Lanes of a block of derivatives; more directions need more passes.
-DIRECTIONS = 32
+# Lanes of a block of vessels; those of a block of derivatives, where more directions need more passes.
+LANES, DIRECTIONS = 64, 32
 
 # An external force from ``push_end`` on, by its name before it.
 AFTER = "{}_after".format

@@ -3,9 +3,7 @@
 Each line depends on few earlier ones, so its derivatives stay short; those of whole formulas do not.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Callable, Mapping, Sequence
 
 import sympy
 from sympy import Integer, sympify
@@ -14,8 +12,8 @@ from narrows.codegen.choices import DIRECTIONS, LENGTH, Actuated, Choices
 from narrows.codegen.free_motion import ACCELERATIONS, STATE, Expr, FreeMotion, symbol
 from narrows.codegen.kernels.elementary import module_text
 from narrows.codegen.linearisation import LINEARISED, arguments, controlled
-from narrows.codegen.lines import FUNCTIONS, Assignment, Lines, real, straight_lines
-from narrows.codegen.printers.python import Arithmetic, constants_text, function_text
+from narrows.codegen.lines import FUNCTIONS, Assignment, Lines, asked_by, real, straight_lines
+from narrows.codegen.printers.python import constants_text, function_text, plain
 from narrows.codegen.rates import Rates
 from narrows.codegen.step import Step
 from narrows.quantities.names import FORCES
@@ -26,13 +24,13 @@ positive = FUNCTIONS["positive"]
 SLOPES: dict[str, Callable[..., tuple[Expr, ...]]] = {
     "minimum": lambda a, b: (positive(b - a), 1 - positive(b - a)),
     "maximum": lambda a, b: (positive(a - b), 1 - positive(a - b)),
-    "choice": lambda test, over, under: (sympy.Integer(0), positive(test), 1 - positive(test)),
+    "choice": lambda test, over, under: (Integer(0), positive(test), 1 - positive(test)),
     "sine": lambda a: (FUNCTIONS["cosine"](a),),
     "cosine": lambda a: (-FUNCTIONS["sine"](a),),
     "angle": lambda c, s: (-s / (c * c + s * s), c / (c * c + s * s)),
-    "whole": lambda number: (sympy.Integer(0),),
-    "entry": lambda column, cell: (sympy.Integer(0), sympy.Integer(0)),
-    "positive": lambda test: (sympy.Integer(0),),
+    "whole": lambda number: (Integer(0),),
+    "entry": lambda column, cell: (Integer(0), Integer(0)),
+    "positive": lambda test: (Integer(0),),
 }
 
 
@@ -41,12 +39,12 @@ def with_tangents(
 ) -> tuple[Lines, Callable[[Expr], list[Expr]]]:
     """Return a program with the derivatives of its lines along some directions."""
     out = Lines(_taken={str(name) for name, _ in lines.assignments})
-    slopes = {name: [sympy.sympify(slope) for slope in along] for name, along in inputs.items()}
+    slopes = {name: [sympify(slope) for slope in along] for name, along in inputs.items()}
 
     def through(value: Expr, name: str) -> list[Expr]:
         moving = [s for s in sorted(value.free_symbols, key=str) if s in slopes]
         partial = {s: out.put(f"{name}_by_{s}", slope(value, s)) for s in moving}
-        totals = [sum((d * slopes[s][k] for s, d in partial.items()), sympy.Integer(0)) for k in range(directions)]
+        totals = [sum((d * slopes[s][k] for s, d in partial.items()), Integer(0)) for k in range(directions)]
         return [out.put(f"{name}_d{k}", total) for k, total in enumerate(totals)]
 
     for line in lines.program:
@@ -57,19 +55,17 @@ def with_tangents(
                 slopes[name] = through(value, str(name))
 
     def of(value: Expr) -> list[Expr]:
-        value = sympy.sympify(value)
+        value = sympify(value)
         if value.is_Symbol:
-            return slopes.get(value, [sympy.Integer(0)] * directions)
+            return slopes.get(value, [Integer(0)] * directions)
         return through(value, "out")
 
     return out, of
 
 
 def slope(value: Expr, by: Expr) -> Expr:
-    if value == by:
-        return sympy.Integer(1)
-    if by not in value.free_symbols:
-        return sympy.Integer(0)
+    if value == by or by not in value.free_symbols:
+        return Integer(value == by)
     parts = [slope(argument, by) for argument in value.args]
     if value.is_Add:
         return sympy.Add(*parts)
@@ -91,38 +87,36 @@ def slope(value: Expr, by: Expr) -> Expr:
 
 
 def _power_slope(base: Expr, power: Expr, base_slope: Expr, power_slope: Expr) -> Expr:
-    by_base = power * base ** (power - 1) * base_slope if base_slope != 0 else sympy.Integer(0)
+    by_base = power * base ** (power - 1) * base_slope if base_slope != 0 else Integer(0)
     return by_base + base**power * sympy.log(base) * power_slope if power_slope != 0 else by_base
 
 
 # Exact derivatives of the motion from the same trace: by state, by control, by coefficient.
 def jacobian_text(
-    motion: FreeMotion, names: Sequence[str], actuators: Sequence[Actuated], section: Sequence[str] = ()
+    motion: FreeMotion, names: Sequence[str], actuators: Sequence[Actuated], section: Sequence[str]
 ) -> str:
+    """Write the derivatives of the motion as functions of values and constants."""
     rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
     lines = Lines()
     values = {name: real(name) for name in (*STATE, *rates.moving)}
-    functions = {"linear": _linear(rates, actuators)}
-    functions["coefficients"] = lines, coefficient_slopes(lines, rates, names, values)
-    # Both define constants of their own, so the function of constants comes after them.
-    inputs = (*arguments(actuators, section), *rates.constants.names)
-    texts = [
-        function_text(name, inputs, program.needed_for(results).assignments, results)
-        for name, (program, results) in functions.items()
-    ]
+    linear = _linear(rates, actuators)
+    slopes = coefficient_slopes(lines, rates, names, values)
+    # Both define constants of their own, so the texts come after them.
+    texts = [_jacobian("linear", rates, *linear), _jacobian("coefficients", rates, lines, slopes)]
     return "\n\n".join([constants_text(rates.parameters, rates.constants), *texts])
 
 
-def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], section: Sequence[str] = ()) -> str:
+def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], section: Sequence[str]) -> str:
     """Write the module of derivatives by state and control, for compilation."""
     rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
-    (lines, results), printer = _linear(rates, actuators), Arithmetic()
-    body = [f"{name} = values[{index}]" for index, name in enumerate(arguments(actuators, section))]
-    body += [f"{name} = constants[{index}]" for index, name in enumerate(rates.constants.names)]
-    body += [f"{name} = {printer.doprint(value)}" for name, value in lines.needed_for(results).assignments]
-    body.append(f"return ({', '.join(printer.doprint(sympify(value)) for value in results)},)")
-    text = "\n    ".join(["@quiet\ndef linear(values, constants):", *body]) + "\n"
-    return module_text("float64", 0, text)
+    linear = _linear(rates, actuators)
+    return module_text("float64", 0, f"@quiet\n{_jacobian('linear', rates, *linear)}")
+
+
+def _jacobian(name: str, rates: Rates, lines: Lines, results: Sequence[Expr]) -> str:
+    head = [f"{own} = values[{index}]" for index, own in enumerate((*STATE, *rates.moving))]
+    head += [f"{own} = constants[{index}]" for index, own in enumerate(rates.constants.names)]
+    return function_text(name, ("values", "constants"), lines.needed_for(results).assignments, results, head)
 
 
 def _linear(rates: Rates, actuators: Sequence[Actuated]) -> tuple[Lines, list[Expr]]:
@@ -172,74 +166,35 @@ def coefficient_slopes(lines: Lines, rates: Rates, names: Sequence[str], values:
 SLOPE = "d_{}".format
 
 
-@dataclass(frozen=True)
-class Tangent:
-    """A step and its derivatives, split into floats and lanes."""
-
-    step: Step  # Whole steps
-    kept: tuple[str, ...]  # Quantities carried from step to step
-    moving: tuple[str, ...]  # Further inputs with derivatives
-
-    @cached_property
-    def _program(self) -> tuple[Lines, dict[str, Expr], dict[str, Expr]]:
-        out = {name: self.step.out[name] for name in self.kept}
-        seeds = {real(name): [real(SLOPE(name))] for name in (*self.kept, *self.moving)}
-        lines, slopes_of = with_tangents(self.step.lines.needed_for(list(out.values())), seeds, 1)
-        slopes = {name: slopes_of(value)[0] for name, value in out.items()}
-        return lines.needed_for([*out.values(), *slopes.values()]), out, slopes
-
-    @cached_property
-    def _parts(self) -> tuple[list[Assignment], list[Assignment]]:
-        """Split the lines into floats, and lanes: those that depend on a derivative."""
-        lanes = {real(SLOPE(name)) for name in (*self.kept, *self.moving)}
-        floats: list[Assignment] = []
-        slopes: list[Assignment] = []
-        for name, value in self._program[0].assignments:
-            if value.free_symbols & lanes:
-                lanes.add(name)
-                slopes.append((name, value))
-            else:
-                floats.append((name, value))
-        return floats, slopes
-
-    @cached_property
-    def inputs(self) -> tuple[str, ...]:
-        """Further inputs of the step; those with derivatives first."""
-        asked = {*self._program[0].inputs, LENGTH}
-        asked |= {str(s) for value in self._program[1].values() for s in value.free_symbols}
-        made = {str(name) for name, _ in self._program[0].assignments}
-        known = {SLOPE(name) for name in (*self.kept, *self.moving)}
-        rest = sorted(asked - made - known - {*self.kept, *self.moving})
-        return (*self.moving, *rest)
-
-    def text(self, printer: Arithmetic) -> str:
-        """Print the function ``step(z, block, inputs, table)``, in place."""
-        body = "\n    ".join(self._body(printer))
-        return f"@quiet\ndef step(z, block, inputs, table):\n    {body}\n"
-
-    def _body(self, printer: Arithmetic) -> Iterator[str]:
-        floats, slopes = self._parts
-        _, out, slopes_out = self._program
-        yield from (f"{name} = z[{i}]" for i, name in enumerate(self.kept))
-        yield from (f"{name} = inputs[{i}]" for i, name in enumerate(self.inputs))
-        yield from (f"{name} = {printer.doprint(value)}" for name, value in floats)
-        yield from (f"z[{i}] = {printer.doprint(out[name])}" for i, name in enumerate(self.kept))
-        yield f"for lane in range({DIRECTIONS}):"
-        fields = (*self.kept, *self.moving)
-        yield from (f"    {SLOPE(name)} = block[{i * DIRECTIONS} + lane]" for i, name in enumerate(fields))
-        yield from (f"    {name} = {printer.doprint(value)}" for name, value in slopes)
-        for i, name in enumerate(self.kept):
-            yield f"    block[{i * DIRECTIONS} + lane] = {printer.doprint(slopes_out[name])}"
-
-
 def tangent_text(step: Step, choices: Choices, moving: Sequence[str]) -> str:
-    """Write the module that integrates a voyage with its derivatives."""
-    kept, printer = choices.kept, Arithmetic()
-    tangent = Tangent(step.with_whole_steps(), kept, tuple(moving))
-    body = tangent.text(printer)
-    numbers = {"INPUTS": tangent.inputs, "KEPT": len(kept), "MOVING": len(moving)}
+    """Write the module of the function ``step(z, block, inputs, table)``, in place."""
+    kept, fields = choices.kept, (*choices.kept, *moving)
+    whole = step.with_whole_steps()
+    out, seeds = [whole.out[name] for name in kept], {real(name): [real(SLOPE(name))] for name in fields}
+    lines, slopes_of = with_tangents(whole.lines.needed_for(out), seeds, 1)
+    slopes = [slopes_of(value)[0] for value in out]
+    program = lines.needed_for([*out, *slopes]).assignments
+    rest = {LENGTH, *asked_by(program, out)} - {*fields, *map(SLOPE, fields)}
+    inputs = (*moving, *sorted(rest))
+    numbers = {"INPUTS": inputs, "KEPT": len(kept), "MOVING": len(moving)}
     names = "\n".join(f"{name} = {value!r}" for name, value in numbers.items())
-    return module_text("float64", choices.row, names, body)
+    # The lines split into floats, and lanes: those that depend on a derivative.
+    lanes, parts = {real(SLOPE(name)) for name in fields}, {False: list[Assignment](), True: list[Assignment]()}
+    for name, value in program:
+        parts[bool(value.free_symbols & lanes)].append((name, value))
+        lanes |= {name} if value.free_symbols & lanes else set()
+    body = [
+        *(f"{name} = z[{i}]" for i, name in enumerate(kept)),
+        *(f"{name} = inputs[{i}]" for i, name in enumerate(inputs)),
+        *(f"{name} = {plain.doprint(value)}" for name, value in parts[False]),
+        *(f"z[{i}] = {plain.doprint(value)}" for i, value in enumerate(out)),
+        f"for lane in range({DIRECTIONS}):",
+        *(f"    {SLOPE(name)} = block[{i * DIRECTIONS} + lane]" for i, name in enumerate(fields)),
+        *(f"    {name} = {plain.doprint(value)}" for name, value in parts[True]),
+        *(f"    block[{i * DIRECTIONS} + lane] = {plain.doprint(value)}" for i, value in enumerate(slopes)),
+    ]
+    text = "\n    ".join(["@quiet\ndef step(z, block, inputs, table):", *body])
+    return module_text("float64", choices.row, names, f"{text}\n")
 
 
 def constants_slopes_text(rates: Rates) -> str:

@@ -1,84 +1,148 @@
-"""Functions of a model that are compiled for fleets: a step over a block of lanes, clearance and ends."""
+"""Functions of a model as text: those of floats or columns, and those of fleets as loops over a block of lanes.
 
-from collections.abc import Iterator, Mapping
+Each round of a step is a loop of its own, since a long loop is a longer chain than a processor looks ahead. No loop
+branches on data, so that it is written as vectors.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import sympy
 
-from narrows.codegen.choices import SHARED, Choices
+from narrows.codegen.choices import BOOK, LANES, SHARED, Choices
 from narrows.codegen.free_motion import MIDSHIP, OPEN, STATE, Expr
 from narrows.codegen.kernels.elementary import module_text
-from narrows.codegen.lines import Lines, real
-from narrows.codegen.printers.lanes import LaneArithmetic, Lanes
+from narrows.codegen.lines import LaneFields, Lines, asked_by, real, rounds
 from narrows.codegen.printers.python import Arithmetic, constants_text, function_text
-from narrows.codegen.rates import Rates
-from narrows.codegen.step import Step, ends_left, least_clearance
+from narrows.codegen.rates import ITEM, RATES, CalledRates, Rates
+from narrows.codegen.step import Step, ends_left, least_clearance, step_of
 
-
-def kernel_text(lanes: Lanes, choices: Choices, precision: str) -> str:
-    """Write the functions of a model that the queue of vessels calls."""
-    printer = LaneArithmetic()
-    functions = [*_end_texts(lanes, choices, printer), lanes.rates_text(printer), lanes.text(printer, choices.leaves)]
-    numbers = {
-        "LANES": lanes.count, "FIELDS": lanes.layout.size,
-        "KEPT_NAMES": lanes.kept, "VESSEL_INPUTS": lanes.vessel_inputs,
-        "EXACT": choices.waterway and choices.contact not in (MIDSHIP, OPEN), "LEAVES": choices.leaves,
-    }  # fmt: skip
-    names = "\n".join(f"{name} = {value!r}" for name, value in numbers.items())
-    return module_text(precision, choices.row, names, *functions)
-
-
-def _end_texts(lanes: Lanes, choices: Choices, printer: Arithmetic) -> Iterator[str]:
-    """Write the clearance of one lane and its margins to every end but a bank."""
-    state = {name: real(name) for name in STATE}
-    own, ends = Lines(), Lines()
-    yield _of_one("clearance_of(block, lane, table, shared)", own, least_clearance(own, choices, state), lanes, printer)
-    left = ends_of(ends, choices, state)
-    yield _of_one("ends_of(block, lane, first, table, shared)", ends, left, lanes, printer, "first * LANES + ")
-
-
-# Margin [m] to an end that a voyage cannot meet.
+SPEED_LIMITS = {"u": "most_speed", "v": "most_speed", "r": "most_rate"}
+# Margin [m] to an end that a voyage cannot meet, and the ends but a bank.
 UNREACHED = sympy.Integer(10) ** 9
+ENDS = ("heading", "ahead", "astern", "afloat")
 
 
-def ends_of(lines: Lines, choices: Choices, state: Mapping[str, Expr]) -> tuple[Expr, ...]:
-    left = ends_left(lines, choices, state)
-    return tuple(left.get(name, UNREACHED) for name in ("heading", "ahead", "astern", "afloat"))
-
-
-def _of_one(
-    head: str, lines: Lines, results: tuple[Expr, ...], lanes: Lanes, printer: Arithmetic, kept_from: str = ""
-) -> str:
-    body = []
-    for name in lines.inputs:
-        place = f"shared[{SHARED.index(name)}]" if name in SHARED else lanes.entry(name)
-        body.append(f"{name} = {place.replace('[', f'[{kept_from}') if name in lanes.kept else place}")
-    body += [f"{target} = {printer.doprint(value)}" for target, value in lines.assignments]
-    body.append(f"return {', '.join(printer.doprint(result) for result in results)}")
-    return "\n    ".join([f"def {head}:", *body]) + "\n"
-
-
-# The plain module of a system: constants, rates, step and clearance as functions of floats or columns.
 def plain_text(choices: Choices, rates: Rates, step: Step) -> str:
+    """Write constants, rates, step and clearance of a system as functions of floats or columns."""
     kept, lines, ends, state = choices.kept, Lines(), Lines(), {name: real(name) for name in STATE}
     clearance, side = least_clearance(lines, choices, state)
-    left = dict(zip(("heading", "ahead", "astern", "afloat"), ends_of(ends, choices, state), strict=True))
+    left = dict(zip(ENDS, ends_of(ends, choices, state), strict=True))
     program, derivatives = rates.program()
     parts = [
         '"""Made by narrows from a table of terms: made again where it is missing, so do not edit."""\n',
         constants_text(rates.parameters, rates.constants),
-        _function("rates", program, {name: derivatives[name] for name in STATE}, STATE, False),
-        _function("step", step.lines, {name: step.out[name] for name in (*kept, "clearance", "side")}, kept, True),
-        _function("least_clearance", lines, {"clearance": clearance, "side": side}, STATE[:5], True),
-        _function("ends", ends, left, STATE[:5], True),
+        _function("rates", program, {name: derivatives[name] for name in STATE}, STATE),
+        _function("step", step.lines, {name: step.out[name] for name in (*kept, "clearance", "side")}, kept, "table"),
+        _function("least_clearance", lines, {"clearance": clearance, "side": side}, STATE[:5], "table"),
+        _function("ends", ends, left, STATE[:5], "table"),
     ]
     return "\n\n".join(parts)
 
 
-def _function(name: str, lines: Lines, out: Mapping[str, Expr], first: tuple[str, ...], table: bool) -> str:
+def _function(name: str, lines: Lines, out: Mapping[str, Expr], first: tuple[str, ...], *table: str) -> str:
     """Return a function and the names of its arguments after the first ones."""
-    program = lines.needed_for(list(out.values()))
-    asked = {str(s) for value in out.values() for s in real(name).free_symbols | value.free_symbols}
-    made = {str(target) for target, _ in program.assignments}
-    rest = tuple(sorted((set(program.inputs) | asked) - made - {*first, name}))
-    text = function_text(name, (*first, *rest), program.assignments, list(out.values()), table)
+    program, results = lines.needed_for(list(out.values())).assignments, [*out.values()]
+    rest = tuple(sorted({*asked_by(program, results)} - {*first}))
+    text = function_text(name, (*table, *first, *rest), program, results)
     return f"{name.upper()}_INPUTS = {rest!r}\n\n\n{text}"
+
+
+def ends_of(lines: Lines, choices: Choices, state: Mapping[str, Expr]) -> tuple[Expr, ...]:
+    left = ends_left(lines, choices, state)
+    return tuple(left.get(name, UNREACHED) for name in ENDS)
+
+
+def kernel_text(choices: Choices, rates: Rates, precision: str) -> str:
+    """Write the functions of a model that the queue of vessels calls."""
+    called = CalledRates(rates.motion, rates.moving, rates.pushed)
+    step, (lines, derivatives) = step_of(called, choices).with_whole_steps(), called.program()
+    results = [derivatives[name] for name in STATE]
+    program, out = lines.needed_for(results).assignments, tuple(step.out.values())
+    needed = step.lines.needed_for(out)
+    own = sorted({*asked_by(program, results)} - {*called.arguments})
+    inputs = {*asked_by(needed.assignments, out), *SPEED_LIMITS.values(), *own} - {*choices.kept, *BOOK}
+    vessel_inputs = tuple(sorted(inputs - {*SHARED}))
+    fields = (*BOOK, *choices.kept, *(f"old {name}" for name in choices.kept), *vessel_inputs)
+    lanes = Lanes(step, choices, tuple(sorted(inputs & {*SHARED})), LaneFields(rounds(needed), out, fields))
+    numbers = {
+        "LANES": LANES, "FIELDS": lanes.layout.size, "KEPT_NAMES": choices.kept, "VESSEL_INPUTS": vessel_inputs,
+        "EXACT": choices.waterway and choices.contact not in (MIDSHIP, OPEN), "LEAVES": choices.leaves,
+    }  # fmt: skip
+    arguments = ("block", "lane", *called.arguments)
+    of_rates = function_text("rates", arguments, program, results, [f"{name} = {lanes.place(name)}" for name in own])
+    names = "\n".join(f"{name} = {value!r}" for name, value in numbers.items())
+    return module_text(precision, choices.row, names, *lanes.end_texts(), of_rates, lanes.text())
+
+
+class LaneArithmetic(Arithmetic):
+    """Arithmetic of one lane, which calls the rates of the same lane."""
+
+    def _print_Function(self, value: Expr) -> str:
+        if value.func == RATES:
+            return self.called("rates", "block", "lane", *map(self._print, value.args))
+        if value.func == ITEM:
+            return f"{self._print(value.args[0])}[{value.args[1]}]"
+        return str(super()._print_Function(value))
+
+
+printed = LaneArithmetic().doprint
+
+
+@dataclass(frozen=True)
+class Lanes:
+    """A block of vessels, field after field in one flat array."""
+
+    step: Step  # The program, which calls the rates
+    choices: Choices
+    shared: tuple[str, ...]  # Inputs that all vessels share
+    layout: LaneFields
+
+    def place(self, name: str, first: str = "") -> str:
+        if name in SHARED:
+            return f"shared[{SHARED.index(name)}]"
+        return f"block[{first * (name in self.choices.kept)}{self.layout.fields[name] * LANES} + lane]"
+
+    def end_texts(self) -> Iterator[str]:
+        """Write the clearance of one lane and its margins to every end but a bank."""
+        state, own, ends = {name: real(name) for name in STATE}, Lines(), Lines()
+        for name, lines, results, first in (
+            ("clearance_of", own, least_clearance(own, self.choices, state), ""),
+            ("ends_of", ends, ends_of(ends, self.choices, state), "first"),
+        ):
+            arguments = ("block", "lane", *filter(None, [first]), "table", "shared")
+            head = [f"{one} = {self.place(one, f'{first} * LANES + ' * bool(first))}" for one in lines.inputs]
+            yield function_text(name, arguments, lines.assignments, results, head)
+
+    def text(self) -> str:
+        """Print the function ``step(block, table, shared)``, which returns whether any lane needs attention."""
+        body = [*(f"{name} = {self.place(name)}" for name in self.shared), "all_well = True"]
+        for number, part in enumerate(self.layout.parts):
+            body.append(f"for lane in range({LANES}):")
+            body += [f"    {line}" for line in self._round(number, part)]
+        return "\n    ".join(["def step(block, table, shared):", *body, "return not all_well"]) + "\n"
+
+    def _round(self, number: int, part: Sequence[tuple[Expr, Expr]]) -> Iterator[str]:
+        last = number == len(self.layout.parts) - 1
+        read = self.layout.read(number) | (set(self.choices.kept) if last else set())
+        yield from (f"{name} = {self.place(name)}" for name in sorted(read - {*self.shared}))
+        yield from (f"{target} = {printed(value)}" for target, value in part)
+        yield from (f"{self.place(name)} = {name}" for name in self.layout.stored(number))
+        if last:
+            yield from self._close()
+
+    def _close(self) -> Iterator[str]:
+        """Store the state before the step and after it, and whether the lane continues."""
+        out = {name: printed(sympy.sympify(value)) for name, value in self.step.out.items()}
+        yield from (f"{self.place(f'old {name}')} = {name}" for name in self.choices.kept)
+        yield f"clearance_before = {self.place('clearance')}"
+        yield f"{self.place('clearance_before')} = clearance_before"
+        stored = (name for name in ("clearance", "side", *self.choices.kept) if name in out)
+        yield from (f"{self.place(name)} = {out[name]}" for name in stored)
+        yield f"left = {self.place('left')} - 1.0"
+        yield f"{self.place('left')} = left"
+        must = f"{self.choices.leaves!r} * clearance_before" if self.choices.leaves else "0.0"
+        sane = " & ".join(f"(abs({out[name]}) < {most})" for name, most in SPEED_LIMITS.items())
+        yield f"well = (left > 0.0) & ({out['clearance']} > {must}) & {sane}"
+        yield f"{self.place('flag')} = 0.0 if well else 1.0"
+        yield "all_well = all_well & well"

@@ -48,11 +48,7 @@ class Linearisation:
 
     def batch(self, points: int) -> "JacobianBatch":
         """Return the same, compiled, for many points of one ship; its arrays are allocated once."""
-        columns = len(arguments(self.actuators, self.section))
-        size = len(LINEARISED) * (len(LINEARISED) + len(self.controlled))
-        constants = np.array([float(np.ravel(value)[0]) for value in self.constants])
-        values, out = np.zeros((points, columns)), np.zeros((points, size))
-        return JacobianBatch(self.compiled(), constants, values, out, self.actuators, self.section)
+        return JacobianBatch(self, points)
 
     def state(self, at: Mapping[str, Number]) -> np.ndarray:
         """Differentiate the rates of x, y, psi, u, v, r by x, y, psi, u, v, r: (..., 6, 6)."""
@@ -68,9 +64,9 @@ class Linearisation:
         return np.concatenate([np.zeros_like(slopes), slopes], axis=-2)
 
     def _matrix(self, name: str, at: Mapping[str, Number], rows: int) -> np.ndarray:
-        values = [*argument_values(at, self.actuators, self.section), *self.constants]
-        entries = self.functions[name](*values)
-        shape = np.broadcast_shapes(*(np.shape(value) for value in values))
+        values = argument_values(at, self.actuators, self.section)
+        entries = self.functions[name](values, self.constants)
+        shape = np.broadcast_shapes(*(np.shape(value) for value in (*values, *self.constants)))
         matrix = np.empty((*shape, len(entries)))
         for index, entry in enumerate(entries):
             matrix[..., index] = entry
@@ -88,20 +84,18 @@ def argument_values(
     return [values[name] if name in section else values.get(name, 0.0) for name in arguments(actuators, section)]
 
 
-@dataclass(frozen=True)
 class JacobianBatch:
     """Derivatives by state and control at many points of one ship, compiled."""
 
-    module: ModuleType  # The generated functions
-    constants: np.ndarray  # Constants of the ship
-    values: np.ndarray  # (points, arguments) Arguments at each point; ``points`` fills it
-    out: np.ndarray  # (points, entries) The derivatives, row by row
-    actuators: tuple[Actuated, ...]  # Actuators of the model
-    section: tuple[str, ...] = ()  # Water quantities that points give
+    def __init__(self, linear: Linearisation, points: int) -> None:
+        self.linear = linear
+        directions = len(LINEARISED) + len(linear.controlled)
+        self.values = np.zeros((points, len(arguments(linear.actuators, linear.section))))
+        self.out = np.zeros((points, len(LINEARISED), directions))
 
     def points(self, at: Mapping[str, Number]) -> np.ndarray:
         """Return the arguments of the functions at points, (points, arguments)."""
-        for column, value in enumerate(argument_values(at, self.actuators, self.section)):
+        for column, value in enumerate(argument_values(at, self.linear.actuators, self.linear.section)):
             self.values[:, column] = value
         return self.values
 
@@ -111,9 +105,13 @@ class JacobianBatch:
         from narrows.codegen.addresses import entry
         from narrows.codegen.kernels import loops
 
-        return partial(compiled_loops(loops).at_points, entry(self.module, "linear"))
+        return partial(compiled_loops(loops).at_points, entry(self.linear.compiled(), "linear"))
+
+    @cached_property
+    def _constants(self) -> np.ndarray:
+        return np.array([float(np.ravel(value)[0]) for value in self.linear.constants])
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
         """Return the derivatives at points, (points, 6, 6 + n), in an array that the next call overwrites."""
-        self._fill(values, self.constants, self.out)
-        return self.out.reshape(len(self.out), len(LINEARISED), -1)
+        self._fill(values, self._constants, self.out.reshape(len(self.out), -1))
+        return self.out

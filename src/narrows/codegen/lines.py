@@ -85,25 +85,19 @@ class Lines:
         return [line for line in self.program if line is not None]
 
     def needed_for(self, results: Sequence[Expr]) -> "Lines":
-        wanted = {str(s) for result in results for s in sympy.sympify(result).free_symbols}
+        wanted = {name for result in results for name in names_in(result)}
         kept: list[Assignment | None] = []
         for line in reversed(self.program):
             if line is None:
                 kept.append(line)
             elif str(line[0]) in wanted:
                 kept.append(line)
-                wanted |= {str(s) for s in line[1].free_symbols}
+                wanted |= names_in(line[1])
         return Lines(kept[::-1], set(self._taken))
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Names used before they are assigned, in alphabetical order."""
-        made: set[str] = set()
-        asked: set[str] = set()
-        for name, value in self.assignments:
-            asked |= {str(s) for s in value.free_symbols} - made
-            made.add(str(name))
-        return tuple(sorted(asked))
+        return asked_by(self.assignments)
 
 
 @dataclass(frozen=True)
@@ -117,11 +111,18 @@ class Program:
 
     @cached_property
     def asked(self) -> tuple[str, ...]:
-        """Names that it uses and does not assign, in alphabetical order."""
-        made = {str(name) for name, _ in self.assignments}
-        values = [*(value for _, value in self.assignments), *self.results]
-        used = {str(s) for value in values for s in sympy.sympify(value).free_symbols}
-        return tuple(sorted(used - made))
+        return asked_by(self.assignments, self.results)
+
+
+def asked_by(assignments: Iterable[Assignment], results: Iterable[Expr] = ()) -> tuple[str, ...]:
+    """Return the names that lines and results use and no line assigns, in alphabetical order."""
+    lines = list(assignments)
+    used = {name for value in (*(value for _, value in lines), *results) for name in names_in(value)}
+    return tuple(sorted(used - {str(name) for name, _ in lines}))
+
+
+def names_in(value: Expr) -> set[str]:
+    return {str(s) for s in sympy.sympify(value).free_symbols}
 
 
 # Formulas become straight lines: parts of parameters alone are constants, common subexpressions are written once.
@@ -174,19 +175,7 @@ def straight_lines(expressions: Sequence[Expr], prefix: str = "t") -> tuple[list
 
 def rounds(lines: Lines, apart: Callable[[Expr], bool] = lambda value: False) -> list[list[Assignment]]:
     """Split a program into loops over lanes: at its cuts, and so that some lines stand apart from all others."""
-    if any(apart(value) for _, value in lines.assignments):
-        return _scheduled(lines, apart)
-    parts: list[list[Assignment]] = [[]]
-    for line in lines.program:
-        if line is CUT:
-            parts.append([])
-        else:
-            parts[-1].append(line)
-    return [part for part in parts if part]
-
-
-def _scheduled(lines: Lines, apart: Callable[[Expr], bool]) -> list[list[Assignment]]:
-    """Put each line into the earliest round that has its inputs: odd rounds hold those apart."""
+    # Each line is in the earliest round that has its inputs: odd rounds hold those apart.
     level: dict[Expr, int] = {}
     scheduled: dict[int, list[Assignment]] = {}
     floor = 0
@@ -204,3 +193,48 @@ def _scheduled(lines: Lines, apart: Callable[[Expr], bool]) -> list[list[Assignm
         level[name] = index
         scheduled.setdefault(index, []).append(line)
     return [scheduled[index] for index in sorted(scheduled)]
+
+
+# Places of numbers that one loop over lanes computes and a later one reads.
+@dataclass(frozen=True)
+class LaneFields:
+    """Fields of a lane; a field is reused once its number is no longer needed."""
+
+    parts: Sequence[Sequence[Assignment]]  # The rounds, one loop over lanes each
+    results: tuple[Expr, ...]  # Results of the last round
+    first: tuple[str, ...] = ()  # Numbers with the first fields, never reused
+
+    @cached_property
+    def _last_use(self) -> dict[str, int]:
+        """The last round in which each number is read."""
+        last = {name: number for number, part in enumerate(self.parts) for _, value in part for name in names_in(value)}
+        return last | {name: len(self.parts) - 1 for value in self.results for name in names_in(value)}
+
+    @cached_property
+    def fields(self) -> dict[str, int]:
+        """The field of each number that lives from round to round."""
+        index = {name: number for number, name in enumerate(self.first)}
+        total, free, busy = len(index), list[int](), list[str]()
+        for number, part in enumerate(self.parts):
+            for name in [name for name in busy if self._last_use[name] < number]:
+                busy.remove(name)
+                free.append(index[name])
+            for name in (str(target) for target, _ in part):
+                if self._last_use.get(name, -1) > number:
+                    index[name] = free.pop() if free else total
+                    total += index[name] == total
+                    busy.append(name)
+        return index
+
+    @property
+    def size(self) -> int:
+        return max(self.fields.values(), default=-1) + 1
+
+    def read(self, number: int) -> set[str]:
+        """Return the inputs of a round; the last one also needs the results."""
+        return set(asked_by(self.parts[number], self.results if number == len(self.parts) - 1 else ()))
+
+    def stored(self, number: int) -> list[str]:
+        """Return the numbers that later rounds need, in alphabetical order."""
+        made = {str(target) for target, _ in self.parts[number]}
+        return sorted(name for name in made if self._last_use.get(name, -1) > number)

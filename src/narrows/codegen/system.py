@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from types import ModuleType, SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -68,26 +68,17 @@ class System:
     @cached_property
     def scalar(self) -> SimpleNamespace:
         """Functions of floats with the names of their arguments."""
-        return self._plain(scalar_functions(self.choices.row))
+        return SimpleNamespace(**self._executed("plain", scalar_functions(self.choices.row)))
 
     @cached_property
     def columns(self) -> SimpleNamespace:
         """The same functions for both floats and columns."""
-        return self._plain(column_functions(self.choices.row))
-
-    def _plain(self, functions: Mapping[str, Callable[..., Any]]) -> SimpleNamespace:
-        def text() -> str:
-            from narrows.codegen.kernel import plain_text
-
-            return plain_text(self.choices, self.rates, self.step)
-
-        return SimpleNamespace(**_run("plain", self.key, text, functions))
+        return SimpleNamespace(**self._executed("plain", column_functions(self.choices.row)))
 
     @cached_property
     def key(self) -> tuple[object, ...]:
-        law = self.choices.law
+        one, law = self.choices, self.choices.law
         of_law = (law.trace.text, law.memory, law.ordered) if law else ()
-        one = self.choices
         choices = (one.contact, one.waterway, one.pushed, one.bottom, one.across, of_law)
         return (self.trace.text, self._forces, self.surge, self.coriolis, *choices)
 
@@ -101,44 +92,45 @@ class System:
     ) -> "Linearisation":
         from narrows.codegen.linearisation import Linearisation
 
-        scope = _derivatives(self, tuple(actuators), section)
+        parts = tuple(actuators), section
+        scope = _derivatives(self, *parts)
         constants = _evaluated(scope["constants"], scope["PARAMETERS"], values)
-        batch = self._batch(tuple(actuators), section)
-        return Linearisation(scope, constants, self.table.names, tuple(actuators), batch, section)
-
-    def _batch(self, actuators: tuple["Actuated", ...], section: tuple[str, ...]) -> Callable[[], ModuleType]:
-        def text() -> str:
-            from narrows.codegen.derivatives import batch_text
-
-            return batch_text(self.rates.motion, actuators, section)
-
-        return lambda: generated("jacobian_batch", (*self.key, actuators, section), text)
+        batch = partial(self._module, "jacobian_batch", *parts)
+        return Linearisation(scope, constants, self.table.names, parts[0], batch, section)
 
     def kernel(self, precision: str) -> ModuleType:
         """Return the functions that integrate a fleet; they compile at their first use."""
-
-        def text() -> str:
-            from narrows.codegen.kernel import kernel_text
-            from narrows.codegen.kernels.queue import LANES
-            from narrows.codegen.printers.lanes import Lanes
-            from narrows.codegen.rates import CalledRates
-            from narrows.codegen.step import step_of
-
-            rates = CalledRates(self.rates.motion, self.rates.moving, self.rates.pushed)
-            lanes = Lanes(rates, step_of(rates, self.choices).with_whole_steps(), self.choices.kept, LANES)
-            return kernel_text(lanes, self.choices, precision)
-
-        return generated("kernel", (*self.key, precision), text)
+        return self._module("kernel", precision)
 
     def tangent(self, moving: tuple[str, ...]) -> ModuleType:
         """Return the step of a voyage with derivatives; it compiles at its first use."""
+        return self._module("tangent", moving)
 
-        def text() -> str:
-            from narrows.codegen.derivatives import tangent_text
+    def _module(self, name: str, *parts: Any) -> ModuleType:
+        return generated(name, (*self.key, *parts), lambda: self._written(name, *parts))
 
-            return tangent_text(self.step, self.choices, moving)
+    def _executed(self, name: str, functions: Mapping[str, Callable[..., Any]], *parts: Any) -> dict[str, Any]:
+        """Execute a generated text with the elementary functions that it calls; return its definitions."""
+        scope: dict[str, Any] = dict(functions)
+        text = source(name, (*self.key, *parts), lambda: self._written(name, *parts))
+        exec(compile(text, f"<{name}>", "exec"), scope)
+        return scope
 
-        return generated("tangent", (*self.key, moving), text)
+    def _written(self, name: str, *parts: Any) -> str:
+        from narrows.codegen import derivatives, kernel  # They need SymPy, which a cached text does not
+
+        match name:
+            case "plain":
+                return kernel.plain_text(self.choices, self.rates, self.step)
+            case "kernel":
+                return kernel.kernel_text(self.choices, self.rates, *parts)
+            case "tangent":
+                return derivatives.tangent_text(self.step, self.choices, *parts)
+            case "jacobian":
+                return derivatives.jacobian_text(self.rates.motion, self.table.names, *parts)
+            case "jacobian_batch":
+                return derivatives.batch_text(self.rates.motion, *parts)
+        return derivatives.constants_slopes_text(self.rates)
 
     def constants_slopes(
         self, values: Mapping[str, Number], slopes: Mapping[str, np.ndarray]
@@ -152,12 +144,7 @@ class System:
 
     @cached_property
     def _constants_slopes(self) -> SimpleNamespace:
-        def text() -> str:
-            from narrows.codegen.derivatives import constants_slopes_text
-
-            return constants_slopes_text(self.rates)
-
-        return SimpleNamespace(**_run("constants", self.key, text, column_functions()))
+        return SimpleNamespace(**self._executed("constants", column_functions()))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Another process finds the generated modules, or makes its own.
@@ -165,22 +152,8 @@ class System:
 
 
 @lru_cache(maxsize=64)
-def _derivatives(system: System, actuators: tuple["Actuated", ...], section: tuple[str, ...]) -> Mapping[str, Any]:
-    def text() -> str:
-        from narrows.codegen.derivatives import jacobian_text
-
-        return jacobian_text(system.rates.motion, system.table.names, actuators, section)
-
-    return _run("jacobian", (*system.key, actuators, section), text, column_functions())
-
-
-def _run(
-    name: str, key: tuple[object, ...], make: Callable[[], str], functions: Mapping[str, Callable[..., Any]]
-) -> dict[str, Any]:
-    """Execute a generated text with the elementary functions that it calls; return its definitions."""
-    scope: dict[str, Any] = dict(functions)
-    exec(compile(source(name, key, make), f"<{name}>", "exec"), scope)
-    return scope
+def _derivatives(system: System, *parts: Any) -> Mapping[str, Any]:
+    return system._executed("jacobian", column_functions(), *parts)
 
 
 def _evaluated(

@@ -14,7 +14,7 @@ from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program
 from narrows.codegen.printers.c import BlockC, C, CTranslation, c_block, lane_functions
 from narrows.codegen.printers.language import JavaScript, Matlab, PythonFile
-from narrows.codegen.printers.translation import JavaScriptTranslation
+from narrows.codegen.printers.translation import Translation
 from narrows.export.exported_ship import ExportedNumber, ExportedShip
 from narrows.export.fmu_variables import HEADING
 from narrows.export.rendering import (
@@ -66,7 +66,7 @@ def javascript_text(exported: ExportedShip, derivatives: bool = True) -> str:
     language = JavaScript()
     return rendered(
         "model.js.j2", exported, language, f=bodies_of(exported, language), water=water_of(exported, language),
-        derivatives=derivatives, **translated(exported, JavaScriptTranslation),
+        derivatives=derivatives, **translated(exported, Translation),
     )  # fmt: skip
 
 

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from narrows.codegen.addresses import call, call_into
-from narrows.codegen.choices import BOOK, SHARED
+from narrows.codegen.choices import BOOK, LANES, SHARED
 from narrows.codegen.kernels.event import (
     ASTERN,
     BACK,
@@ -31,7 +31,6 @@ from narrows.waterway.bank_clearance import exact_clearance
 
 Array = Any
 
-LANES = 64
 # Fields of a lane: these, the rest of the state, the state before the step, and the vessel's inputs.
 STEP_LENGTH, SHARE, LEFT, FLAG, CLEARANCE, NEARER_SIDE, CLEARANCE_BEFORE = (
     BOOK.index(name) for name in ("step_length", "share", "left", "flag", "clearance", "side", "clearance_before")

@@ -4,16 +4,15 @@ import ast
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import factorial
 from textwrap import wrap
+from typing import ClassVar
 
 import sympy
 
 from narrows.codegen.free_motion import Expr
 from narrows.codegen.kernels.elementary import SINE_TERMS, WIDTHS
-from narrows.codegen.lines import Lines, rounds
-from narrows.codegen.printers.lanes import LaneFields
+from narrows.codegen.lines import LaneFields, Lines, asked_by, rounds
 from narrows.codegen.printers.language import Language
-from narrows.codegen.printers.python import PlainSource
-from narrows.codegen.printers.translation import Translation
+from narrows.codegen.printers.translation import Translation, parts_of
 
 WIDTH, TIED = 108, "\0=\0"
 
@@ -58,18 +57,20 @@ STRUCTURES = {"Inputs": "inputs", "Constants": "constants", "Place": "waterway"}
 class CTranslation(Translation):
     """Plain functions in C; the caller provides the array for a returned tuple."""
 
-    def __init__(self, source: PlainSource, prefix: str) -> None:
-        super().__init__(source)
-        self.prefix = prefix
+    OPERATORS: ClassVar = Translation.OPERATORS | {
+        ast.Eq: "==", ast.NotEq: "!=", ast.FloorDiv: "{} / {}", ast.Mod: "fmod({}, {})",
+    }  # fmt: skip
+    INFINITE, NO_NUMBER = C.INFINITE, C.NO_NUMBER
+    FIELD, ARRAY, HELD = C.FIELD, "double {}[{}] = {{0.0}};", "const double {} = {};"
 
     def head(self) -> str:
         arguments = [text for one in self.parameters() for text in self._declared(one)]
-        if self._size(self.function):
+        returns, kind = self.function.returns, "void"
+        if isinstance(returns, ast.Subscript):
             arguments.append("double *result")
-        returns = self.function.returns
-        kind = returns.id if isinstance(returns, ast.Name) else "void"
-        text = f"static inline {kind.replace('float', 'double')} {self.prefix}_{self.function.name}"
-        return f"{text}({', '.join(arguments)}) {{"
+        elif isinstance(returns, ast.Name):
+            kind = returns.id.replace("float", "double")
+        return f"static inline {kind} {self.prefix}_{self.function.name}({', '.join(arguments)}) {{"
 
     def _declared(self, argument: ast.arg) -> Iterator[str]:
         kind = ast.unparse(argument.annotation) if argument.annotation else ""
@@ -79,26 +80,17 @@ class CTranslation(Translation):
         elif kind in STRUCTURES:
             yield f"const {self.prefix}_{STRUCTURES[kind]} *{argument.arg}"
         else:
-            constant = "const " if kind == "Array" and argument.arg not in self._written() else ""
+            constant = "const " if kind == "Array" and argument.arg not in self._written_arrays() else ""
             yield constant + TYPES[kind].format(self.variable(argument.arg))
 
     def variable(self, name: str) -> str:
         return name if name in STRUCTURES.values() or name in ("state", "after") else C().named(name)
 
-    def _written(self) -> set[str]:
-        written = {"closeness", "end", "after"}
+    def _written_arrays(self) -> set[str]:
         stored = (node for node in ast.walk(self.function) if isinstance(node, ast.Subscript))
-        return written | {
+        return {"closeness", "end", "after"} | {
             node.value.id for node in stored if isinstance(node.ctx, ast.Store) and isinstance(node.value, ast.Name)
         }
-
-    @staticmethod
-    def _size(function: ast.FunctionDef) -> int:
-        """Number of values that a function returns; 0 if it returns none."""
-        returns = function.returns
-        if not isinstance(returns, ast.Subscript):
-            return 0
-        return len(returns.slice.elts) if isinstance(returns.slice, ast.Tuple) else 1
 
     def declarations(self) -> list[str]:
         names = {one.arg for one in self.parameters()}
@@ -116,47 +108,37 @@ class CTranslation(Translation):
     def _whole(self, variables: Mapping[str, Sequence[ast.expr | None]]) -> set[str]:
         """Variables that only ever hold whole numbers."""
         parameters = {one.arg for one in self.parameters() if one.annotation and ast.unparse(one.annotation) == "int"}
-        whole = set(variables)
-        while True:
-            kept = {
-                n for n in whole if all(value and self._is_whole(value, whole | parameters) for value in variables[n])
-            }
-            if kept == whole:
-                return whole
+        kept, whole = set(variables), set[str]()
+        while kept != whole:
             whole = kept
+            kept = {
+                name for name in whole if all(self._is_whole(value, whole | parameters) for value in variables[name])
+            }
+        return whole
 
-    def _is_whole(self, value: ast.expr, whole: set[str]) -> bool:
-        if isinstance(value, ast.Constant):
-            return isinstance(value.value, int) and not isinstance(value.value, bool)
-        if isinstance(value, ast.Name):
-            known = self.source.constants.get(value.id, 0.0)
-            return value.id in whole or (isinstance(known, int) and not isinstance(known, bool))
-        if isinstance(value, ast.UnaryOp):
-            return self._is_whole(value.operand, whole)
-        if isinstance(value, ast.BinOp):
-            return all(self._is_whole(one, whole) for one in (value.left, value.right))
-        if isinstance(value, ast.IfExp):
-            return all(self._is_whole(one, whole) for one in (value.body, value.orelse))
-        if isinstance(value, ast.Tuple):
-            return all(self._is_whole(one, whole) for one in value.elts)
-        return isinstance(value, ast.Call) and self._gives_whole(value)
-
-    def _gives_whole(self, call: ast.Call) -> bool:
-        name = call.func.id if isinstance(call.func, ast.Name) else ""
-        function = self.source.functions.get(name)
-        returned = function.returns if function else None
-        return name in ("int", "len", "range") or (isinstance(returned, ast.Name) and returned.id == "int")
-
-    def array(self, name: str, size: str) -> str:
-        return f"double {name}[{size}] = {{0.0}};"
-
-    def held(self, name: str, value: str) -> str:
-        return f"const double {name} = {value};"
+    def _is_whole(self, value: ast.expr | None, whole: set[str]) -> bool:
+        match value:
+            case ast.Constant(value=number):
+                return type(number) is int
+            case ast.Name(id=name):
+                return name in whole or type(self.source.constants.get(name)) is int
+            case ast.UnaryOp(operand=one):
+                parts = [one]
+            case ast.BinOp(left=one, right=other) | ast.IfExp(body=one, orelse=other):
+                parts = [one, other]
+            case ast.Tuple(elts=parts):
+                pass
+            case ast.Call(func=ast.Name(id=name)):
+                returned = self.source.functions[name].returns if name in self.source.functions else None
+                return name in ("int", "len", "range") or (isinstance(returned, ast.Name) and returned.id == "int")
+            case _:
+                return False
+        return all(self._is_whole(one, whole) for one in parts)
 
     def from_call(self, targets: Sequence[ast.expr], call: ast.Call) -> Iterator[str]:
         assert isinstance(call.func, ast.Name)
         name, self.held_numbers = f"held_{self.held_numbers}", self.held_numbers + 1
-        yield self.array(name, str(len(targets)))
+        yield self.ARRAY.format(name, len(targets))
         yield f"{self._call_of(call.func.id, self.arguments(call), name)};"
         for number, (target, whole) in enumerate(zip(targets, self.whole_results(call), strict=True)):
             yield f"{self.expression(target)} = {'(int)' if whole else ''}{name}[{number}];"
@@ -166,57 +148,37 @@ class CTranslation(Translation):
             yield f"result[{number}] = {self.expression(value)};"
         yield "return;"
 
-    def over_tuple(self, node: ast.For) -> Iterator[str]:
-        assert isinstance(node.iter, ast.Tuple)
-        targets = node.target.elts if isinstance(node.target, ast.Tuple) else [node.target]
-        rows = [row.elts if isinstance(row, ast.Tuple) else [row] for row in node.iter.elts]
+    def over_tuple(self, target: ast.expr, values: ast.expr) -> Iterator[str]:
         name, self.held_numbers = f"turn_{self.held_numbers}", self.held_numbers + 1
-        for number in range(len(targets)):
-            values = [self.expression(row[number]) for row in rows]
-            kind = "int" if all(value.lstrip("-").isdigit() for value in values) else "double"
-            yield f"const {kind} {name}_{number}[] = {{{', '.join(values)}}};"
-        yield f"for (int {name} = 0; {name} < {len(rows)}; ++{name}) {{"
-        for number, target in enumerate(targets):
-            yield f"    {self.expression(target)} = {name}_{number}[{name}];"
+        columns = [*zip(*map(parts_of, parts_of(values)), strict=True)]
+        for number, column in enumerate(columns):
+            texts = [self.expression(one) for one in column]
+            kind = "int" if all(text.lstrip("-").isdigit() for text in texts) else "double"
+            yield f"const {kind} {name}_{number}[] = {{{', '.join(texts)}}};"
+        yield f"for (int {name} = 0; {name} < {len(parts_of(values))}; ++{name}) {{"
+        for number, one in enumerate(parts_of(target)):
+            yield f"    {self.expression(one)} = {name}_{number}[{name}];"
 
     def called(self, name: str, arguments: Sequence[ast.expr]) -> str:
         if name == "len":
-            return self._length(arguments[0])
-        texts = [self.expression(one) for one in arguments]
+            return f"{self.expression(arguments[0])}_length"
+        texts = ", ".join(self.expression(one) for one in arguments)
         if name in ("int", "float"):
-            return f"({'int' if name == 'int' else 'double'})({texts[0]})"
+            return f"({'int' if name == 'int' else 'double'})({texts})"
         if name in LIBRARY:
-            return f"{LIBRARY[name]}({', '.join(texts)})"
-        if name in ("min", "max"):
-            return f"{self.prefix}_{name}({', '.join(texts)})"
-        return self._call_of(name, arguments, None)
+            return f"{LIBRARY[name]}({texts})"
+        return self._call_of(name, arguments)
 
-    def _call_of(self, name: str, arguments: Sequence[ast.expr], result: str | None) -> str:
+    def _call_of(self, name: str, arguments: Sequence[ast.expr], *results: str) -> str:
         function = self.source.functions.get(name)
-        texts = []
         known = [one for one in function.args.args if one.arg not in self.source.absent] if function else []
+        texts = []
         for number, argument in enumerate(arguments):
             texts.append(self.expression(argument))
             kind = known[number].annotation if known else None
             if kind is not None and ast.unparse(kind).startswith("Sequence"):
-                texts.append(self._length(argument))
-        return f"{self.prefix}_{name}({', '.join([*texts, *([result] if result else [])])})"
-
-    def _length(self, array: ast.expr) -> str:
-        return f"{self.expression(array)}_length"
-
-    def attribute(self, structure: str, name: str) -> str:
-        return f"{structure}->{name}"
-
-    def constant(self, name: str) -> str:
-        self.used.add(name)
-        return f"{self.prefix.upper()}_{name}"
-
-    def whole_quotient(self, left: str, right: str) -> str:
-        return f"{left} / {right}"
-
-    def remainder(self, left: str, right: str) -> str:
-        return f"fmod({left}, {right})"
+                texts.append(f"{texts[-1]}_length")
+        return f"{self.prefix}_{name}({', '.join([*texts, *results])})"
 
 
 # Plain functions that return a truth value.
@@ -224,10 +186,11 @@ TRUTHS = ("is_sane", "can_integrate", "can_fill")
 
 
 def _is_truth(value: ast.expr | None) -> bool:
-    if isinstance(value, ast.Constant):
-        return isinstance(value.value, bool)
-    if isinstance(value, ast.Call):
-        return isinstance(value.func, ast.Name) and value.func.id in TRUTHS
+    match value:
+        case ast.Constant(value=known):
+            return isinstance(known, bool)
+        case ast.Call(func=ast.Name(id=name)):
+            return name in TRUTHS
     return isinstance(value, ast.Compare | ast.BoolOp)
 
 
@@ -271,9 +234,10 @@ def c_block(lines: Lines, results: Mapping[str, Expr], places: Mapping[str, str]
     # Calls of the library and reads of a waterway's table at a computed place have loops of their own, so that a
     # compiler makes vectors of the others.
     values = tuple(map(sympy.sympify, results.values()))
-    parts = rounds(lines.needed_for(values), lambda value: str(value.func) == "entry" or _calls(value, printer))
+    needed = lines.needed_for(values)
+    parts = rounds(needed, lambda value: str(value.func) == "entry" or _calls(value, printer))
     layout = LaneFields(parts, values)
-    shared = [name for name in _asked(layout) if "[lane]" not in places[name]]
+    shared = [name for name in asked_by(needed.assignments, values) if "[lane]" not in places[name]]
     scratch = [f"double rows[{layout.size}][{lanes}];"] if layout.size else []
     body = [*printer.unpacked(shared, places), *scratch]
     for number in range(len(parts)):
@@ -282,12 +246,6 @@ def c_block(lines: Lines, results: Mapping[str, Expr], places: Mapping[str, str]
         body += [f"    {line}" for line in _round(layout, number, last, places, printer)]
         body += ["}"]
     return body
-
-
-def _asked(layout: LaneFields) -> list[str]:
-    """Names that the rounds read and none of them assigns."""
-    made = {str(target) for part in layout.parts for target, _ in part}
-    return sorted({name for number in range(len(layout.parts)) for name in layout.read(number)} - made)
 
 
 def _round(

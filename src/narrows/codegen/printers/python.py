@@ -81,12 +81,12 @@ def statements(
 
 
 def function_text(
-    name: str, arguments: Sequence[str], assignments: Iterable[Assignment], results: Sequence[Expr], table: bool = False
-) -> str:
-    parameters = (*(("table",) if table else ()), *arguments)
-    body = [f"{target} = {plain.doprint(value)}" for target, value in assignments]
+    name: str, arguments: Sequence[str], assignments: Iterable[Assignment], results: Iterable[Expr],
+    head: Iterable[str] = (),
+) -> str:  # fmt: skip
+    body = [*head, *(f"{target} = {plain.doprint(value)}" for target, value in assignments)]
     values = ", ".join(plain.doprint(sympy.sympify(value)) for value in results)
-    return "\n    ".join([f"def {name}({', '.join(parameters)}):", *body, f"return ({values},)"]) + "\n"
+    return "\n    ".join([f"def {name}({', '.join(arguments)}):", *body, f"return ({values},)"]) + "\n"
 
 
 def constants_text(parameters: Mapping[str, Expr], constants: Constants) -> str:
