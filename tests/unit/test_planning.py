@@ -7,8 +7,9 @@ import pandas as pd
 import pytest
 
 import narrows as nw
+from narrows.captive.synthetic import motion_of
 from narrows.experiment_design.candidates import candidates
-from narrows.experiment_design.information import RATE, choose, planned_run, spread
+from narrows.experiment_design.information import RATE, choose, information_of, spread
 from narrows.experiment_design.plan import expected_model
 from narrows.identification.least_squares import free_parameters
 
@@ -35,23 +36,27 @@ def test_candidates_fit_the_tank() -> None:
         assert max(np.abs(columns["psi"]).max(), drift.max()) <= np.radians(25.0) + 1e-9
 
 
-def test_what_a_run_tells_is_its_second_level() -> None:
-    """D'D is the sum of products of its columns, and the errors on it those of the fit to its twin."""
-    errors, truth = nw.RunErrors(0.03, 0.01, 0.02), expected_model(SETTING)
+def test_the_information_of_a_run_is_that_of_generalised_least_squares() -> None:
+    errors, truth, level = nw.RunErrors(0.03, 0.01, 0.02), expected_model(SETTING), {"X": 1.0, "Y": 9.0, "N": 12.0}
+    noise, slot = {"X": 0.5, "Y": 0.3, "N": 0.4}, free_parameters(nw.PAPER)
     for run in candidates(SETTING, TANK)[::25]:
-        told = planned_run(run, SETTING, nw.PAPER, truth, {"X": 1.0, "Y": 9.0, "N": 12.0}, errors=errors)
-        tests = nw.twin(runs=[run], rate=RATE, noise={})
-        values = {**SETTING.values(), **tests.columns}
-        slot, gram = free_parameters(nw.PAPER), np.zeros(2 * (told.d.shape[2],))
-        for part in nw.PAPER.forces.values():
-            block = np.zeros((tests.rows, told.d.shape[2]))
-            for term in part:
-                block[:, slot[term.name]] += term.column(values)
-            gram += block.T @ block
-        size = np.sqrt(np.maximum(np.diag(gram), 1e-12))
-        np.testing.assert_allclose(told.gram / np.outer(size, size), gram / np.outer(size, size), atol=1e-6)
-        assert (np.linalg.eigvalsh(told.v) > 0).all()
-        assert np.linalg.eigvalsh(told.information).min() > -1e-6 * np.abs(told.information).max()
+        columns = run.columns(RATE)
+        motion, rows = motion_of(columns), len(columns["t"])
+        values, forces = {**SETTING.values(), **motion.values()}, truth.forces(motion)
+        side = 0 if isinstance(run, nw.HarmonicRun) else 1 if run.offset >= 0 else 2
+        expected = np.zeros((max(slot.values()) + 10,) * 2)
+        for i, (force, part) in enumerate(nw.PAPER.forces.items()):
+            a = np.stack([*(np.broadcast_to(term.column(values), rows) for term in part), np.ones(rows)], axis=1)
+            whole = np.broadcast_to(forces[force], rows)
+            rank = np.linalg.matrix_rank(a / np.maximum(np.linalg.norm(a, axis=0), 1e-300), rtol=3e-5)
+            fitted = a @ np.linalg.lstsq(a, whole, rcond=1e-9)[0]
+            v = 0.03**2 * np.outer(fitted, fitted) + (0.01 * level[force]) ** 2
+            v += (5 * noise[force] ** 2 + 0.02**2 * whole @ whole / rank) * np.eye(rows)
+            places = [*(slot[term.name] for term in part), max(slot.values()) + 1 + 3 * i + side]
+            expected[np.ix_(places, places)] += a.T @ np.linalg.solve(v, a)
+        found = information_of(run, SETTING, [nw.PAPER], truth, level, noise, 0.5, errors)[0]
+        size = np.sqrt(np.maximum(np.diag(expected), 1e-12))
+        np.testing.assert_allclose(found / np.outer(size, size), expected / np.outer(size, size), atol=1e-6)
 
 
 @pytest.mark.parametrize("criterion", ["c", "d"])

@@ -1,14 +1,14 @@
-"""Fisher information of a planned run: its columns as a few rows for each force, with run errors."""
+"""Fisher information of planned runs, the best choice of them, and the errors that are expected after it."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from itertools import product
 
 import numpy as np
 
-from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.synthetic import Run, StraightRun, motion_of, twin
 from narrows.errors import InputError
+from narrows.identification.collinearity import Diagnostics
+from narrows.identification.design_matrix import ONE
 from narrows.identification.estimates import joint_forces
 from narrows.identification.fit import Fit
 from narrows.identification.force_rows import ForceRows
@@ -22,124 +22,77 @@ from narrows.terms.term import TermTable
 
 # Sampling rate [Hz]; a run's information depends on its noise per time, not on its sampling rate.
 RATE = 5.0
-
 # Zero offsets: of harmonic runs, of steady ones to starboard and to port, often made on different days.
 ZEROS = 3
-
-
-@dataclass(frozen=True)
-class PlannedRun:
-    """Summary of a run: ``y = D theta + error`` in a few rows for each force."""
-
-    d: np.ndarray  # (forces, q, p) Columns of the parameters
-    one: np.ndarray  # (forces, q) Column of a constant force
-    v: np.ndarray  # (forces, q, q) Covariance of the rows; ones on the diagonal of empty ones
-    zero: int  # Index of its zero: 0 for harmonic runs, 1 for steady ones to starboard, 2 to port
-
-    @cached_property
-    def gram(self) -> np.ndarray:
-        """D'D, (p, p)."""
-        return np.asarray(np.einsum("fqi,fqj->ij", self.d, self.d))
-
-    @cached_property
-    def information(self) -> np.ndarray:
-        """Information (p + zeros, p + zeros), with unknown zeros of each force and kind of run."""
-        forces = np.arange(len(self.one))
-        zeros = np.zeros((*self.one.shape, len(forces) * ZEROS))
-        zeros[forces, :, forces * ZEROS + self.zero] = self.one
-        white = np.linalg.solve(np.linalg.cholesky(self.v), np.concatenate([self.d, zeros], axis=2))
-        return np.asarray(np.einsum("fqi,fqj->ij", white, white))
+# Least singular value of scaled columns over the largest: below it a direction is rounding.
+DIRECTION = 3e-5
+# Median ratio of fitted run-error scales to their priors, for good tests.
+TYPICAL = 0.7
+CRITERIA = ("c", "d")
+ROUNDS = 20
+# Prior information relative to the largest of each parameter: almost none.
+RIDGE = 1e-9
+# Relative difference of the criterion within which runs count as equal: while a parameter is unknown, rounding over the
+# ridge moves the criterion by about 1e-5.
+TIE = 1e-4
 
 
 def zero_of(steady: np.ndarray, offset: np.ndarray) -> np.ndarray:
-    """Return the index of each run's zero, as in ``PlannedRun``."""
+    """Return the index of each run's zero: 0 for harmonic runs, 1 for steady ones to starboard, 2 to port."""
     # steady (runs,); offset (runs,) [m]
     return np.asarray(np.where(steady, np.where(offset >= 0, 1, 2), 0))
 
 
-def planned_run(
-    run: Run, configuration: Configuration, terms: TermTable, truth: Model, level: Mapping[str, float],
-    noise: Mapping[str, float] = FORCE_NOISE, correlation_time: float = 0.5, errors: RunErrors | None = None,
-) -> PlannedRun:  # fmt: skip
-    """Compute the information of one run."""
+def information_of(
+    run: Run, configuration: Configuration, tables: Sequence[TermTable], truth: Model, level: Mapping[str, float],
+    noise: Mapping[str, float], correlation_time: float, errors: RunErrors,
+) -> np.ndarray:  # fmt: skip
+    """Information of one run under each table (tables, p + zeros, p + zeros), zeros by force and kind of run."""
     # Gain errors are proportional to the forces of truth; level [N, N, N m]; noise [N, N, N m]; correlation_time [s]
-    errors = errors or RunErrors()
     columns = run.columns(RATE)
     motion, rows = motion_of(columns), len(columns["t"])
-    depth = {} if run.depth is None else {"depth": run.depth}
-    values = {**configuration.values(), **motion.values(), **depth}
-    for name in terms.inputs:
+    values = {**configuration.values(), **motion.values(), **({} if run.depth is None else {"depth": run.depth})}
+    for name in tables[0].inputs:
         if name not in values:
             raise InputError(f"the terms need {name}, which the ship file does not give; add it")
-    fitted = {force: part for force, part in terms.forces.items() if part}
-    width = 1 + max(len(part) for part in fitted.values())
-    slot, expected = free_parameters(terms), truth.forces(motion)
-    d = np.zeros((len(fitted), width, max(slot.values()) + 1))
-    one, v = np.zeros(d.shape[:2]), np.tile(np.eye(width), (len(fitted), 1, 1))
-    for i, (force, part) in enumerate(fitted.items()):
+    expected, forces = truth.forces(motion), [force for force, part in tables[0].forces.items() if part]
+    slot = free_parameters(tables[0])
+    size = max(slot.values()) + 1
+    information = np.zeros((len(tables), *(size + ZEROS * len(forces),) * 2))
+    zero = int(zero_of(np.array(isinstance(run, StraightRun)), np.array(np.mean(columns["y"]))))
+    for (t, table), (i, force) in product(enumerate(tables), enumerate(forces)):
+        part, whole = table.forces[force], np.broadcast_to(np.asarray(expected.get(force, 0.0), float), rows)
         a = np.array([*(np.broadcast_to(term.column(values), rows) for term in part), np.ones(rows)])
-        root, inverse, live = _root(a @ a.T)
-        q = len(live)
-        for j, term in enumerate(part):
-            d[i, :q, slot[term.name]] += root[:, j]
-        one[i, :q] = root[:, -1]
-        force_of_run = np.broadcast_to(np.asarray(expected.get(force, 0.0), float), rows)
-        fitted = inverse @ (a @ force_of_run)
-        within = noise[force] ** 2 * max(1.0, 2 * correlation_time * RATE)
-        within += errors.form**2 * float(force_of_run @ force_of_run) / max(int(live.sum()), 1)
-        v[i, :q, :q] = (
-            errors.gain**2 * np.outer(fitted, fitted)
-            + (errors.zero * level.get(force, 0.0)) ** 2 * np.outer(one[i, :q], one[i, :q])
-            + np.diag(np.where(live, within, 1.0))
-        )
-    zero = zero_of(np.array(isinstance(run, StraightRun)), np.array(np.mean(columns["y"])))
-    return PlannedRun(d, one, v, int(zero))
+        scaled = a / np.maximum(np.linalg.norm(a, axis=1), 1e-300)[:, None]
+        found, _, rank, _ = np.linalg.lstsq(scaled.T, whole, rcond=DIRECTION)
+        variance = noise[force] ** 2 * max(1.0, 2 * correlation_time * RATE)
+        variance += errors.form**2 * float(whole @ whole) / max(rank, 1)
+        shared = np.stack([errors.gain * (found @ scaled), np.full(rows, errors.zero * level.get(force, 0.0))])
+        cross = a @ shared.T
+        left = a @ a.T - cross @ np.linalg.solve(variance * np.eye(2) + shared @ shared.T, cross.T)
+        places = np.array([*(slot[term.name] for term in part), size + ZEROS * i + zero])
+        np.add.at(information[t], np.ix_(places, places), left / variance)
+    return information
 
 
-# Share of the largest eigenvalue of scaled products: below it a direction is rounding.
-DIRECTION = 1e-9
-
-
-def _eigen(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Sizes of columns by their products (k, k), then eigenvalues, eigenvectors and which hold data, of unit sizes."""
-    size = np.sqrt(np.maximum(np.diag(gram), 0.0))
-    unit = np.where(size > 0, size, 1.0)
-    values, vectors = np.linalg.eigh(gram / np.outer(unit, unit))
-    return size, values, vectors, values > DIRECTION * max(values[-1], 1e-300)
-
-
-def _root(gram: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Factor products, H = R'R: R (k, k), its left inverse for H z = g, and which rows have data."""
-    size, values, vectors, live = _eigen(gram)
-    root = np.sqrt(np.where(live, values, 0.0))[:, None]
-    turned = vectors.T * (size > 0)  # An empty column stays exactly zero
-    inverse = np.where(live[:, None], turned / np.where(live[:, None], root, 1.0), 0.0)
-    return root * turned * size, inverse / np.where(size > 0, size, 1.0), live
-
-
-def inflation(runs: Sequence[PlannedRun], known: np.ndarray | None = None) -> np.ndarray:
-    """Variance inflation of each parameter under some runs, (p,); infinite if they do not determine it."""
-    # known (p + zeros, p + zeros): information of earlier tests
-    gram = np.sum([run.gram for run in runs], axis=0)
-    if known is not None:
-        gram = gram + known[: len(gram), : len(gram)]
-    size, values, vectors, live = _eigen(gram)
-    share = vectors**2 * live
-    determined = (share.sum(axis=1) > 1 - 1e-5) & (size > 0)
-    return np.where(determined, (share / np.where(live, values, 1.0)).sum(axis=1), np.inf)
-
-
-# The best few of many runs for some coefficients under any form of the bank: greedy choice, then exchanges.
-CRITERIA = ("c", "d")
-
-ROUNDS = 20
-
-# Prior information relative to the largest of each parameter: almost none.
-RIDGE = 1e-9
-
-# Relative difference of the criterion within which runs count as equal: while a parameter is unknown, rounding over the
-# ridge moves the criterion by about 1e-5.
-TIE = 1e-4
+def known_information(made: Sequence[Fit], shape: tuple[int, ...]) -> np.ndarray:
+    """Information of earlier tests, of each table, (tables, p + zeros, p + zeros)."""
+    information = np.zeros(shape)
+    for i, fit in enumerate(made):
+        zero = zero_of(fit.motions.steady, fit.motions.features["side"])
+        fitted = [force for force, part in fit.terms.forces.items() if part]
+        for part in fit.estimates.forces:
+            rows, model = part.rows, part.posterior.model
+            for f, force in enumerate(rows.forces):
+                own = np.arange(f * rows.each, (f + 1) * rows.each)[rows.of_mean]
+                columns = np.zeros((len(own), shape[-1]))
+                columns[:, rows.free_parameters] = rows.x[own]
+                number = fitted.index(force) * ZEROS + zero[rows.motion][own - f * rows.each]
+                one = rows.raw(ONE)[own - f * rows.each]
+                columns[np.arange(len(own)), shape[-1] - ZEROS * len(fitted) + number] = one
+                errors = model.covariance_of(part.posterior.mode, own)
+                information[i] += columns.T @ np.linalg.solve(errors, columns)
+    return information
 
 
 def spread(information: np.ndarray, targets: Sequence[int], criterion: str) -> np.ndarray:
@@ -198,29 +151,31 @@ def _in_order(
     return order
 
 
-# Median ratio of fitted run-error scales to their priors, for good tests.
-TYPICAL = 0.7
+def expected_errors(
+    runs: Sequence[Run], counts: Sequence[int], targets: Sequence[str], truth: Model, terms: TermTable,
+    noise: Mapping[str, float], correlation_time: float, errors: RunErrors, made: Fit | None,
+) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
+    """Standard errors of some coefficients after the first of the runs and earlier tests, (counts, targets).
 
-
-def expected_std(
-    runs: Sequence[Run], truth: Model, terms: TermTable, noise: Mapping[str, float], correlation_time: float,
-    errors: RunErrors, made: Fit | None = None,
-) -> dict[str, float]:  # fmt: skip
-    """Standard error of each coefficient after some runs, with earlier tests."""
-    tests = twin(truth, tuple(runs), {}, rate=RATE)
-    equations, _ = accumulate(tests, terms)
-    if made is not None:
-        equations = _joined(made.normal_equations, equations)
-    motions, problem = distinct_motions(equations), reduced(equations, terms)
-    std: dict[str, float] = {}
-    for own in joint_forces(problem):
-        within = np.array([noise[f] ** 2 * max(1.0, 2 * correlation_time * RATE) for f in own])
-        rows = ForceRows(equations, motions, problem, own, within)
-        model, _, unit = assemble(rows, errors, truth.configuration)
-        spread = model.at(np.full(len(model.prior), np.log(TYPICAL))).covariance
-        size = np.sqrt(np.diag(spread)[: len(unit)]) * unit
-        std |= {term.name: float(size[rows.free_parameters.index(problem.slot[term.name])]) for _, term in rows.terms}
-    return std
+    They are infinite where the tests do not determine a coefficient. Then the variance inflation under all runs.
+    """
+    planned, _ = accumulate(twin(truth, tuple(runs), {}, rate=RATE), terms)
+    within = {force: size**2 * max(1.0, 2 * correlation_time * RATE) for force, size in noise.items()}
+    table = []
+    for count in counts:
+        equations = planned.of_tests([run.name for run in runs[:count]])
+        equations = equations if made is None else _joined(made.normal_equations, equations)
+        motions, problem = distinct_motions(equations), reduced(equations, terms)
+        std = np.zeros(len(problem.scale))
+        for own in joint_forces(problem):
+            rows = ForceRows(equations, motions, problem, own, np.array([within[force] for force in own]))
+            model, _, unit = assemble(rows, errors, truth.configuration)
+            spread = model.at(np.full(len(model.prior), np.log(TYPICAL))).covariance
+            std[rows.free_parameters] = np.sqrt(np.diag(spread)[: len(unit)]) * unit
+        known = Diagnostics(equations, terms, motions).determined
+        table.append([std[problem.slot[name]] if known(name) else np.inf for name in targets])
+    overall = Diagnostics(planned, terms, distinct_motions(planned)).overall.values()
+    return np.array(table), {name: vif for one in overall for name, vif in one.vif.items() if name in targets}
 
 
 def _joined(made: NormalEquations, planned: NormalEquations) -> NormalEquations:

@@ -15,17 +15,12 @@ from narrows.errors import InputError
 from narrows.experiment_design.candidates import Tank, candidates
 from narrows.experiment_design.information import (
     CRITERIA,
-    ZEROS,
-    PlannedRun,
     choose,
-    expected_std,
-    inflation,
-    planned_run,
-    zero_of,
+    expected_errors,
+    information_of,
+    known_information,
 )
-from narrows.identification.design_matrix import ONE
 from narrows.identification.estimates import HALF
-from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.least_squares import free_parameters
 from narrows.identification.systematic_effects import RunErrors
@@ -52,6 +47,9 @@ MOST_STEPS = 24
 
 # Number of straight runs at the start of a plan for the bank.
 SEPARATING = 4
+
+# Ratio of highest to lowest speed, less one, within which earlier tests count as one speed.
+SAME_SPEED_TOLERANCE = 0.05
 
 # Further forms of the bank for which a plan must work.
 OTHER_FORMS = ("distance", "tapered")
@@ -222,11 +220,8 @@ def plan_tests(
     offered = candidates(configuration, tank)
     truth = expected_model(configuration)
     level = usual_forces(offered, truth)
-    evaluated = [
-        [planned_run(run, configuration, table, truth, level, noise, correlation_time, errors) for table in tables]
-        for run in offered
-    ]
-    adds = np.array([[run.information for run in forms] for forms in evaluated])
+    assumed = (noise, correlation_time, errors)
+    adds = np.array([information_of(run, configuration, tables, truth, level, *assumed) for run in offered])
     known = known_information(made, adds.shape[1:])
     index = [free_parameters(terms)[name] for name in names]
     parameters = sorted(set(index))  # tied coefficients are equal
@@ -237,38 +232,23 @@ def plan_tests(
     centred = [i for i, run in enumerate(offered) if isinstance(run, HarmonicRun) and run.offset == 0]
     # A tank too small for harmonic runs offers no other plan for comparison.
     best_harmonic = [centred[i] for i in choose(adds[centred], known, len(best), parameters, criterion)] or best
-    assumed = (truth, terms, noise, correlation_time, errors, made[0] if made else None)
-    std = _std_after_each(best, offered, evaluated, known[0], index, names, assumed)
-    usual_std = _std(best_harmonic, offered, evaluated, known[0], index, names, assumed)
-    after, before = (inflation([evaluated[i][0] for i in chosen])[index] for chosen in (best, best_harmonic))
+    given = (names, truth, terms, *assumed, made[0] if made else None)
+    # In long plans standard errors are those after some runs, repeated for the runs before.
+    after = np.unique(np.linspace(1, len(best), min(len(best), MOST_STEPS)).astype(int))
+    std, vif = expected_errors([offered[i] for i in best], after, *given)
+    usual, usual_vif = expected_errors([offered[i] for i in best_harmonic], [len(best_harmonic)], *given)
+    each = std[np.searchsorted(after, np.arange(1, len(best) + 1))]
     return Plan(
         tuple(offered[i] for i in best),
         names,
-        {name: np.array([one[name] for one in std]) for name in names},
-        dict(zip(names, after.tolist(), strict=True)),
-        {name: HALF * std[-1][name] for name in names},
-        {name: usual_std[name] for name in names},
-        dict(zip(names, before.tolist(), strict=True)),
+        dict(zip(names, each.T, strict=True)),
+        vif,
+        dict(zip(names, (HALF * std[-1]).tolist(), strict=True)),
+        dict(zip(names, usual[-1].tolist(), strict=True)),
+        usual_vif,
         len(offered),
         (_assumed(noise, correlation_time, tank, configuration), _differing(errors), *limits),
     )
-
-
-def _std_after_each(best: list[int], *known: Any) -> list[dict[str, float]]:
-    """Standard errors after each run; in long plans after some, repeated for the runs before."""
-    after = np.unique(np.linspace(1, len(best), min(len(best), MOST_STEPS)).astype(int))
-    found = {int(count): _std(best[:count], *known) for count in after}
-    return [found[int(after[np.searchsorted(after, k + 1)])] for k in range(len(best))]
-
-
-def _std(
-    chosen: list[int], offered: list[Run], evaluated: list[list[PlannedRun]], known: np.ndarray, index: list[int],
-    names: tuple[str, ...], assumed: tuple[Any, ...],
-) -> dict[str, float]:  # fmt: skip
-    """Standard error of each target after some runs; infinite if they do not determine it."""
-    found = expected_std([offered[i] for i in chosen], *assumed)
-    lost = ~np.isfinite(inflation([evaluated[i][0] for i in chosen], known)[index])
-    return {name: float("inf") if gone else found[name] for name, gone in zip(names, lost, strict=True)}
 
 
 def _bank(terms: TermTable) -> set[str]:
@@ -350,10 +330,6 @@ def usual_forces(offered: list[Run], truth: Model) -> dict[str, float]:
     return {force: float(np.sqrt(np.mean([np.mean(np.square(one[force])) for one in forces]))) for force in forces[0]}
 
 
-# Ratio of highest to lowest speed, less one, within which earlier tests count as one speed.
-SAME_SPEED_TOLERANCE = 0.05
-
-
 def within_tested(tank: Tank, tested: DataRange | None) -> tuple[Tank, tuple[str, ...]]:
     """Return a tank limited to the tested speeds and offsets, unless others were set."""
     notes = []
@@ -366,23 +342,3 @@ def within_tested(tank: Tank, tested: DataRange | None) -> tuple[Tank, tuple[str
         tank = replace(tank, reach=tested.abs_y[1])
         notes.append(f"Offsets are within those tested, {tested.abs_y[1]:.3g} m, as no reach was asked for.")
     return tank, tuple(notes)
-
-
-def known_information(made: list[Fit], shape: tuple[int, ...]) -> np.ndarray:
-    """Return the information of earlier tests, of each table, (tables, p + zeros, p + zeros)."""
-    information = np.zeros(shape)
-    for i, fit in enumerate(made):
-        zero = zero_of(fit.motions.steady, fit.motions.features["side"])
-        fitted = [force for force, part in fit.terms.forces.items() if part]
-        for part in fit.estimates.forces:
-            rows, model = part.rows, part.posterior.model
-            for f, force in enumerate(rows.forces):
-                own = np.arange(f * rows.each, (f + 1) * rows.each)[rows.of_mean]
-                columns = np.zeros((len(own), shape[-1]))
-                columns[:, rows.free_parameters] = rows.x[own]
-                number = fitted.index(force) * ZEROS + zero[rows.motion][own - f * rows.each]
-                one = rows.raw(ONE)[own - f * rows.each]
-                columns[np.arange(len(own)), shape[-1] - ZEROS * len(fitted) + number] = one
-                errors = model.covariance_of(part.posterior.mode, own)
-                information[i] += columns.T @ np.linalg.solve(errors, columns)
-    return information
