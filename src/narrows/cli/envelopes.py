@@ -3,21 +3,17 @@
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
+import numpy as np
+
+import narrows as nw
 from narrows.cli.declarations import Argument, Option
 from narrows.cli.options import DatasetDelivery, numbers, speeds, verb
 from narrows.cli.options import speed as read_speed
 from narrows.cli.voyage_options import CurrentText, read_current
+from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
-
-if TYPE_CHECKING:
-    import numpy as np
-
-    from narrows.model.model import Model
-    from narrows.safety import Disturbance
-    from narrows.waterway import Waterway
-
 
 # Number of places of ``--along all``.
 ALONG_PLACES = 11
@@ -36,12 +32,12 @@ class GridOptions:
     ] = None
 
     @property
-    def offsets(self) -> "np.ndarray | None":
+    def offsets(self) -> np.ndarray | None:
         """Offsets from the centreline [m], if given."""
         return None if self.y is None else numbers("--y", self.y)
 
     @property
-    def speeds(self) -> "np.ndarray | None":
+    def speeds(self) -> np.ndarray | None:
         """Speeds through the water [m/s], if given."""
         return None if self.speed is None else speeds("--speed", self.speed)
 
@@ -69,18 +65,17 @@ class SectionOptions:
         if self.waterway is not None and not (self.width is None and self.depth is None):
             raise InputError("--width and --depth are those of a canal, and --waterway has its own; leave one out")
 
-    def read(self) -> "Waterway":
-        from narrows.waterway import read_waterway
+    def read(self) -> "nw.Waterway":
 
         assert self.waterway is not None
-        return read_waterway(self.waterway).with_water(read_current(self.current), self.level)
+        return nw.read_waterway(self.waterway).with_water(read_current(self.current), self.level)
 
-    def places(self, waterway: "Waterway") -> list[float]:
+    def places(self, waterway: "nw.Waterway") -> list[float]:
         """Return the places of ``--along`` [m]: ``all`` are evenly spaced from end to end."""
         everywhere = f"0:{waterway.line.length}:{ALONG_PLACES}"
         return list(numbers("--along", everywhere if self.along == "all" else str(self.along)).tolist())
 
-    def placed(self, model: "Model") -> "tuple[Model, dict[str, Any], tuple[str, ...]]":
+    def placed(self, model: "nw.Model") -> "tuple[nw.Model, dict[str, Any], tuple[str, ...]]":
         """Return the model there, what the envelope is asked of the place, and notes on the place."""
         if self.waterway is None:
             return model, {}, ()
@@ -108,16 +103,15 @@ class WeatherOptions:
     gust_lever: Annotated[float, Option(help="Lever of wind and gust, forward of midship [m].")] = 0.0
     gust_time: Annotated[float, Option(help="Duration of the gust [s].")] = 60.0
 
-    def disturbance(self) -> "Disturbance":
-        from narrows.safety import Disturbance, wind_force
+    def disturbance(self) -> "nw.Disturbance":
 
         wind = read_speed("--wind", self.wind)
         if bool(wind) != bool(self.windage):
             raise InputError("wind needs both --wind and --windage; give both, or neither")
         if not 1 <= self.gusts < 10:
             raise InputError(f"--gusts {self.gusts:g}: a gust is as fast as the wind or faster; give 1 to 10")
-        steady = wind_force(wind, self.windage)
-        return Disturbance(
+        steady = nw.wind_force(wind, self.windage)
+        return nw.Disturbance(
             self.heading_deg, gust=(self.gusts**2 - 1) * steady, gust_lever=self.gust_lever, gust_time=self.gust_time,
             wind=wind or None, steady=steady,
         )  # fmt: skip
@@ -167,16 +161,13 @@ def envelope(
 
     MODEL is a model file at the ship's own size, with the terms of a rudder (see scale, and docs/safe-envelope.md).
     """
-    from narrows.empirical.fleet import model_named
-    from narrows.model.rudder_transfer import borrow_rudder
     from narrows.report.envelope_chart import envelope_chart, print_envelope
-    from narrows.safety import envelope_along, safe_envelope
 
     section.check()
     if (model is None) != demo:
         raise InputError("give a model file or the name of a ship (narrows ships lists them), or --demo for an example")
     disturbance, ship = weather.disturbance(), model_named(model or DEMO_SHIP, section.width, section.depth)
-    ship = borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
+    ship = nw.borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
     asked: dict[str, Any] = {
         "y": grid.offsets, "u": grid.speeds, "disturbance": disturbance, **vars(reserves), **vars(cases), "bank": bank,
         "controller": controller, "progress": sys.stderr.isatty() and not delivery.json,
@@ -184,14 +175,14 @@ def envelope(
     if section.along is not None:
         asked = {name: value for name, value in asked.items() if (name, value) != ("samples", None)}
         waterway = section.read()
-        along = envelope_along(ship, waterway, section.places(waterway), **asked)
+        along = nw.envelope_along(ship, waterway, section.places(waterway), **asked)
         from narrows.report.envelope_along_chart import envelope_along_chart, print_envelope_along
 
         delivery.write(along.save, lambda: envelope_along_chart(along))
         delivery.show(along.to_dict, lambda: print_envelope_along(along))
         raise SystemExit(int(bool(along.to_dataframe()["highest_speed"].isna().all())))
     ship, reach, notes = section.placed(ship)
-    result = safe_envelope(ship, **asked, **reach)
+    result = nw.safe_envelope(ship, **asked, **reach)
     result = result.noting(*notes)
     delivery.write(result.save, lambda: envelope_chart(result))
     delivery.show(result.to_dict, lambda: print_envelope(result))

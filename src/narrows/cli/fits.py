@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import click
 
+import narrows as nw
 from narrows.cli.declarations import Argument, Option
 from narrows.cli.options import (
     AsJson,
@@ -22,17 +23,19 @@ from narrows.cli.options import (
     TableDelivery,
     TermsName,
     folder,
+    numbers,
     output_of,
     print_json,
     print_written,
+    speeds,
     verb,
 )
+from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
+from narrows.progress import stage
 
 if TYPE_CHECKING:
     from narrows.captive.tests import Tests
-    from narrows.experiment_design import Tank
-    from narrows.identification import Fit
     from narrows.identification.bank_summary import BankSummary
     from narrows.terms.term import TermTable
 
@@ -78,18 +81,15 @@ def identify(
 
     A table that holds several conditions (water depths) gives one model each.
     """
-    from narrows.captive import read_captive, stream_captive
-    from narrows.identification.fitting import identify_conditions
-    from narrows.progress import stage
 
     if stream and delivery.report:
         raise InputError("--report draws the rows, which --stream does not keep; leave one of them out")
-    options, read = fitting.options(), stream_captive if stream else read_captive
+    options, read = fitting.options(), nw.stream_captive if stream else nw.read_captive
     mapping = selection.mapping_of(table)
     try:
         tests = read(table, ship, selection.where, mapping=mapping)
         with stage("fitting"):
-            fits = identify_conditions(tests, selection.condition, **options)
+            fits = nw.identify_conditions(tests, selection.condition, **options)
     except InputError as error:
         raise InputError(f"{error}{'' if mapping else _drafted(table, ship)}") from None
     publish(fits, table.stem, delivery)
@@ -130,25 +130,23 @@ def demo(
 
     The first are simulated tests of the DTC with a known bank; then measured ones of the KCS at three depths.
     """
-    from narrows.captive.measured import measured_tests
-    from narrows.identification.fitting import identify_conditions
 
     folder(out)
-    fits = identify_conditions(measured_tests("kcs"))
+    fits = nw.identify_conditions(nw.measured_tests("kcs"))
     delivery = ModelDelivery(out / "kcs.toml", out / "report.html", json)
     publish(fits, "simulated and measured tests", delivery, {"simulated tests": _simulated()})
 
 
-def _simulated() -> "Fit":
+def _simulated() -> "nw.Fit":
     """A fit to simulated tests that separate the bank from the hull: harmonic runs, straight runs to both sides."""
-    from narrows.captive import HarmonicRun, StraightRun, twin
-    from narrows.identification import identify as identified
 
     yaw_and_sway = product(("yaw", "sway"), SIMULATED_SPEEDS, (14.0, 23.0))
     offsets = product((-2.0, -1.0, 1.0, 1.5, 2.0), SIMULATED_SPEEDS)
-    harmonic = [HarmonicRun(f"{kind} {u} m/s {period} s", kind, 0.5, period, u, 2) for kind, u, period in yaw_and_sway]
-    straight = [StraightRun(f"straight {y} m {u} m/s", y, u, 20.0) for y, u in offsets]
-    return identified(twin(runs=[*harmonic, *straight], rate=5.0))
+    harmonic = [
+        nw.HarmonicRun(f"{kind} {u} m/s {period} s", kind, 0.5, period, u, 2) for kind, u, period in yaw_and_sway
+    ]
+    straight = [nw.StraightRun(f"straight {y} m {u} m/s", y, u, 20.0) for y, u in offsets]
+    return nw.identify(nw.twin(runs=[*harmonic, *straight], rate=5.0))
 
 
 @verb("narrows explain out/kcs-C0101A01.toml kcs.csv --condition C0101A01 --report explained.html")
@@ -168,23 +166,20 @@ def explain(
 
     MODEL is a model file, or the name of a published model.
     """
-    from narrows.captive import read_captive
-    from narrows.empirical.fleet import model_named
-    from narrows.identification import explain as explained
     from narrows.identification.fitting import the_condition
     from narrows.report.explanation_report import print_explanation, write_explanation
 
     chosen = model_named(model)
     mapping = selection.mapping_of(table)
-    read = read_captive(table, ship or chosen.configuration, selection.where, chosen.terms.actuators, mapping)
-    result = explained(chosen, the_condition(read, selection.condition), tuple(filter(None, compare.split(","))))
+    read = nw.read_captive(table, ship or chosen.configuration, selection.where, chosen.terms.actuators, mapping)
+    result = nw.explain(chosen, the_condition(read, selection.condition), tuple(filter(None, compare.split(","))))
     title = f"{model} on {table.name}"
     delivery.write(result.save, report=lambda path: write_explanation(result, path, title))
     delivery.show(result.to_dict, lambda: print_explanation(result, selection.condition or ""))
 
 
 def publish(
-    fits: dict[str, "Fit"], title: str, delivery: ModelDelivery, first: Mapping[str, "Fit"] = MappingProxyType({})
+    fits: dict[str, "nw.Fit"], title: str, delivery: ModelDelivery, first: Mapping[str, "nw.Fit"] = MappingProxyType({})
 ) -> None:
     """Save, report and print fits; earlier ones are not saved."""
     from narrows.identification.bank_summary import summarise_bank
@@ -193,18 +188,15 @@ def publish(
     answers = {label: summarise_bank(fit) for label, fit in every.items()}
     written = [_save(fit, delivery.output, label if len(fits) > 1 else "") for label, fit in fits.items()]
     if delivery.report:
-        from narrows.progress import stage
-        from narrows.report.fit_page import write_report
-
         with stage("drawing the report"):
-            write_report(every, delivery.report, title, answers)
+            nw.report.write_report(every, delivery.report, title, answers)
     _show(every, answers, delivery.json)
     print_written([*written, delivery.report], delivery.json)
     if any(fit.implausible or not fit.solution.kkt.satisfied for fit in fits.values()):
         raise SystemExit(1)
 
 
-def _save(fit: "Fit", output: Path | None, label: str) -> Path | None:
+def _save(fit: "nw.Fit", output: Path | None, label: str) -> Path | None:
     """Write a model if requested, with the label of its condition in its name; return its path."""
     if output is None:
         return None
@@ -213,7 +205,7 @@ def _save(fit: "Fit", output: Path | None, label: str) -> Path | None:
     return path
 
 
-def _show(fits: dict[str, "Fit"], answers: dict[str, "BankSummary"], json: bool) -> None:
+def _show(fits: dict[str, "nw.Fit"], answers: dict[str, "BankSummary"], json: bool) -> None:
     if json:
         shown = {label: {"answer": answers[label].to_dict(), **fit.to_dict()} for label, fit in fits.items()}
         print_json(next(iter(shown.values())) if len(shown) == 1 else {"conditions": shown})
@@ -261,13 +253,11 @@ class RunOptions:
         float | None, Option(help="Largest offset from the centreline [m]; default: the tested range.")
     ] = None
 
-    def tank(self) -> "Tank":
-        from narrows.cli.options import numbers, speeds
-        from narrows.experiment_design import Tank
+    def tank(self) -> "nw.Tank":
 
         at_speeds = () if self.speed is None else tuple(speeds("--speed", self.speed).tolist())
         at_depths = () if self.depths is None else tuple(numbers("--depths", self.depths).tolist())
-        return Tank(self.run_length, self.clearance, speeds=at_speeds, depths=at_depths, reach=self.reach)
+        return nw.Tank(self.run_length, self.clearance, speeds=at_speeds, depths=at_depths, reach=self.reach)
 
 
 @dataclass(frozen=True)
@@ -298,26 +288,24 @@ def plan(
     after: Annotated[Path | None, Option(help="Earlier captive tests.")] = None,
 ) -> None:
     """Choose captive tests that identify the bank."""
-    from narrows.experiment_design import plan_tests
     from narrows.report.printed_tables import print_plan
     from narrows.terms.tables import table_named
 
     terms = table_named(aim.terms)
     made = _made(after, ship, selection, terms)
     tested = made.configuration if made else ship
-    result = plan_tests(tested, runs.runs, tank=runs.tank(), after=made, **aim.options(terms))
+    result = nw.plan_tests(tested, runs.runs, tank=runs.tank(), after=made, **aim.options(terms))
     delivery.write(result.save)
     delivery.show(result.to_dict, lambda: print_plan(result))
     raise SystemExit(int(not result.determined))
 
 
 def _made(after: Path | None, ship: Path, selection: SelectionOptions, terms: "TermTable") -> "Tests | None":
-    from narrows.captive import read_captive
     from narrows.identification.fitting import the_condition
 
     if after is None:
         if selection != SelectionOptions():
             raise InputError("--where, --mapping and --condition are of tests that were made; give those by --after")
         return None
-    read = read_captive(after, ship, selection.where, terms.actuators, selection.mapping_of(after))
+    read = nw.read_captive(after, ship, selection.where, terms.actuators, selection.mapping_of(after))
     return the_condition(read, selection.condition)

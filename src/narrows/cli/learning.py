@@ -1,27 +1,20 @@
 """``learn``: improve a model from the ship's own records."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
+import narrows as nw
 from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import ModelDelivery, WaterwayFile, named, print_json, print_written, verb
+from narrows.cli.options import ModelDelivery, WaterwayFile, named, numbers, print_json, print_written, speeds, verb
+from narrows.cli.options import speed as read_speed
+from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
+from narrows.progress import LARGE_FILE, stage
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from narrows.logbook import (
-        EnvelopeChange,
-        InformationForecast,
-        LogFit,
-        ShipLog,
-        SteadyConditions,
-        SteadyFit,
-        SteadyPlan,
-        StreamedLog,
-    )
-    from narrows.model.model import Model
+    from narrows.logbook import StreamedLog
 
 # Parts of the JSON output; null if not requested.
 PARTS = ("log", "truth", "steady", "envelope", "plan", "information")
@@ -67,11 +60,8 @@ class LegOptions:
     y: Annotated[str | None, Option(help="Allowed offsets [m] to either side: a,b,c or from:to:count.")] = None
     wind: Annotated[str, Option(help="Standard deviation of beam wind: 8m/s, 16kn.")] = "8m/s"
 
-    def conditions(self) -> "SteadyConditions":
-        from narrows.cli.options import speed
-        from narrows.logbook import SteadyConditions
-
-        return SteadyConditions(wind=speed("--wind", self.wind))
+    def conditions(self) -> "nw.SteadyConditions":
+        return nw.SteadyConditions(wind=read_speed("--wind", self.wind))
 
 
 @dataclass(frozen=True)
@@ -99,7 +89,6 @@ def learn(
 
     MODEL is a model file at the ship's own size, with the terms of a rudder and the covariance of its fit.
     """
-    from narrows.empirical.fleet import model_named
 
     _check(model, logs, logged, legs, ahead, delivery)
     if logged.demo:
@@ -135,53 +124,47 @@ def _check(
 
 
 def _learn(
-    model: "Model", logs: list[Path], logged: LogOptions, ahead: InformationOptions, delivery: ModelDelivery
+    model: "nw.Model", logs: list[Path], logged: LogOptions, ahead: InformationOptions, delivery: ModelDelivery
 ) -> bool:
     """Learn from logs; return whether they carry information."""
-    from narrows.logbook import learn as learned
 
     log = _read(logs, logged, ahead)
     doubts = () if logged.unchecked else _doubts(model, log, logged)
     free = tuple(filter(None, map(str.strip, logged.free.split(","))))
-    fit = learned(model, log, free=free, sensors=logged.sensors, spread=logged.spread)
+    fit = nw.learn(model, log, free=free, sensors=logged.sensors, spread=logged.spread)
     return _deliver(replace(fit, about=(*doubts, *fit.about)), delivery)
 
 
-def _doubts(model: "Model", log: "ShipLog | StreamedLog", logged: LogOptions) -> tuple[str, ...]:
-    from narrows.logbook import check_log
+def _doubts(model: "nw.Model", log: "nw.ShipLog | StreamedLog", logged: LogOptions) -> tuple[str, ...]:
 
-    findings = check_log(log, model, sensors=logged.sensors, spread=logged.spread)
+    findings = nw.check_log(log, model, sensors=logged.sensors, spread=logged.spread)
     if wrong := findings.wrong:
         more = f" ({len(wrong) - 1} more: see nw.check_log)" if len(wrong) > 1 else ""
         raise InputError(f"{wrong[0].record}: {wrong[0].sentence}; {wrong[0].remedy}{more}, or give --unchecked")
     return findings.doubts
 
 
-def _read(logs: list[Path], logged: LogOptions, ahead: InformationOptions) -> "ShipLog | StreamedLog":
+def _read(logs: list[Path], logged: LogOptions, ahead: InformationOptions) -> "nw.ShipLog | StreamedLog":
     """Logs in memory, or read from disk at each pass if one is large."""
-    from narrows.logbook import read_log, stream_log
-    from narrows.progress import LARGE_FILE
-    from narrows.waterway import read_waterway
 
     twice = next((log for place, log in enumerate(logs) if log in logs[:place]), None)
     if twice is not None:
         raise InputError(f"{twice} is given twice and would count twice; give each log once")
-    way = None if ahead.waterway is None else read_waterway(ahead.waterway)
+    way = None if ahead.waterway is None else nw.read_waterway(ahead.waterway)
     if len(logs) == 1 and logs[0].is_file() and logs[0].stat().st_size >= LARGE_FILE:
-        return stream_log(logs[0], way, logged.mapping)
-    return read_log(logs, way, logged.mapping)
+        return nw.stream_log(logs[0], way, logged.mapping)
+    return nw.read_log(logs, way, logged.mapping)
 
 
 def _demonstrate(logged: LogOptions, delivery: ModelDelivery) -> bool:
-    from narrows.logbook import learn as learned
     from narrows.logbook import sensor_grade
     from narrows.logbook.transits.transit_twins import demonstrated_log
 
     prior, truth, log = demonstrated_log(sensor_grade(logged.sensors))
-    return _deliver(learned(prior, log, sensors=logged.sensors), delivery, truth.coefficients)
+    return _deliver(nw.learn(prior, log, sensors=logged.sensors), delivery, truth.coefficients)
 
 
-def _deliver(fit: "LogFit", delivery: ModelDelivery, truth: "Mapping[str, float] | None" = None) -> bool:
+def _deliver(fit: "nw.LogFit", delivery: ModelDelivery, truth: Mapping[str, float] | None = None) -> bool:
     from narrows.report.log_report import print_log_fit, write_log_report
 
     delivery.write(fit.model.save, report=lambda path: write_log_report(fit, path, truth))
@@ -190,11 +173,10 @@ def _deliver(fit: "LogFit", delivery: ModelDelivery, truth: "Mapping[str, float]
     return fit.informative
 
 
-def _learn_steady(model: "Model", legs: LegOptions, table: Path, delivery: ModelDelivery) -> bool:
-    from narrows.logbook import learn_steady
+def _learn_steady(model: "nw.Model", legs: LegOptions, table: Path, delivery: ModelDelivery) -> bool:
     from narrows.report.steady_report import print_steady_fit, write_steady_report
 
-    fit = learn_steady(model, table, conditions=legs.conditions())
+    fit = nw.learn_steady(model, table, conditions=legs.conditions())
     change = _change(fit)
     delivery.write(fit.model.save, report=lambda path: write_steady_report(fit, change, path))
     result = _told(fit, steady=fit.to_dict(), envelope=change.to_dict())
@@ -202,9 +184,8 @@ def _learn_steady(model: "Model", legs: LegOptions, table: Path, delivery: Model
     return fit.informative
 
 
-def _change(fit: "SteadyFit") -> "EnvelopeChange":
+def _change(fit: "nw.SteadyFit") -> "nw.EnvelopeChange":
     from narrows.logbook.envelope_change import envelope_change, places_of
-    from narrows.progress import stage
 
     configuration, read = fit.prior.configuration, fit.readings.values
     room = (configuration.canal.width - configuration.ship.beam) / 2
@@ -212,15 +193,13 @@ def _change(fit: "SteadyFit") -> "EnvelopeChange":
         return envelope_change(fit.prior, fit.model, *places_of(read["y"], read["u"], room))
 
 
-def _plan(model: "Model", legs: LegOptions, page: Path, speed: str | None, json: bool) -> bool:
-    from narrows.cli.options import numbers, speeds
-    from narrows.logbook import plan_steady
+def _plan(model: "nw.Model", legs: LegOptions, page: Path, speed: str | None, json: bool) -> bool:
     from narrows.report.pilot_page import write_pilot_page
     from narrows.report.steady_report import print_steady_plan
 
     offsets = None if legs.y is None else numbers("--y", legs.y)
     ahead = None if speed is None else speeds("--speed", speed)
-    plan = plan_steady(model, offsets, ahead, legs=legs.legs, conditions=legs.conditions())
+    plan = nw.plan_steady(model, offsets, ahead, legs=legs.legs, conditions=legs.conditions())
     if plan.legs:
         write_pilot_page(plan, page)
     print_json(_told(plan, plan=plan.to_dict())) if json else print_steady_plan(plan)
@@ -228,18 +207,15 @@ def _plan(model: "Model", legs: LegOptions, page: Path, speed: str | None, json:
     return bool(plan.legs)
 
 
-def _predict_information(model: "Model", ahead: InformationOptions, speed: str | None, json: bool) -> bool:
-    from narrows.cli.options import speed as read_speed
-    from narrows.logbook import predict_information
+def _predict_information(model: "nw.Model", ahead: InformationOptions, speed: str | None, json: bool) -> bool:
     from narrows.report.pilot_page import print_information
-    from narrows.waterway import read_waterway
 
-    way = None if ahead.waterway is None else read_waterway(ahead.waterway)
+    way = None if ahead.waterway is None else nw.read_waterway(ahead.waterway)
     u = None if speed is None else read_speed("--speed", speed)
-    found = predict_information(model, way, ahead.predict_information or "", u=u)
+    found = nw.predict_information(model, way, ahead.predict_information or "", u=u)
     print_json(_told(found, information=found.to_dict())) if json else print_information(found)
     return bool(found.kinds)
 
 
-def _told(result: "LogFit | SteadyFit | SteadyPlan | InformationForecast", **parts: Any) -> dict[str, Any]:
+def _told(result: "nw.LogFit | nw.SteadyFit | nw.SteadyPlan | nw.InformationForecast", **parts: Any) -> dict[str, Any]:
     return {"summary": result.summary(), **dict.fromkeys(PARTS), **parts, "notes": list(result.notes)}

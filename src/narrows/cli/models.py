@@ -3,20 +3,18 @@
 from dataclasses import dataclass
 from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import click
 
+import narrows as nw
 from narrows.cli.declarations import Argument, Option
 from narrows.cli.options import AsJson, ModelFile, PlainModelDelivery, print_json, print_written, verb
 from narrows.cli.options import speed as read_speed
 from narrows.cli.voyage_options import HelmOptions, PhysicsOptions, WaterOptions
+from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
 from narrows.export.exporters import EXPORTERS
-
-if TYPE_CHECKING:
-    from narrows.model.model import Model
-    from narrows.waterway import Waterway
 
 *_FIRST, _LAST = map(repr, EXPORTERS)
 WHAT = f"What to write: {', '.join(_FIRST)} or {_LAST}."
@@ -50,8 +48,6 @@ def scale(
 
     MODEL is a model file, or the name of a published model.
     """
-    from narrows.empirical.fleet import model_named
-    from narrows.model.froude import Friction, scale_model
     from narrows.report.printed_tables import print_scaled
 
     friction = None
@@ -60,10 +56,9 @@ def scale(
     if form_factor is not None:
         if wetted_surface is None or at_speed is None:
             raise InputError("--form-factor needs --wetted-surface and --at-speed of the old hull; add them")
-
-        friction = Friction(wetted_surface, form_factor, read_speed("--at-speed", at_speed))
+        friction = nw.Friction(wetted_surface, form_factor, read_speed("--at-speed", at_speed))
     old = model_named(model)
-    scaled = scale_model(old, length, density, width, depth, friction)
+    scaled = nw.scale_model(old, length, density, width, depth, friction)
     delivery.write(scaled.model.save)
     delivery.show(scaled.to_dict, lambda: print_scaled(scaled))
 
@@ -88,7 +83,6 @@ def export(
 
     MODEL is a model file, or the name of a published model.
     """
-    from narrows.empirical.fleet import model_named
 
     if kind not in EXPORTERS:
         kinds = ", ".join(f"{name} ({' '.join(own.suffixes)})" for name, own in EXPORTERS.items())
@@ -114,7 +108,7 @@ def export(
     print_written([output])
 
 
-def _helm(model: "Model", hold: float | None, speed: str | None, way: "Waterway | None") -> Any:
+def _helm(model: "nw.Model", hold: float | None, speed: str | None, way: "nw.Waterway | None") -> Any:
     """Regulator for the exported file."""
     if hold is None:
         if speed is not None:
@@ -149,16 +143,14 @@ def estimate(
 
     Its uncertainty is the error of the formulas on known ships.
     """
-    from narrows.empirical.main_dimensions import estimate_model
     from narrows.report.printed_tables import estimate_summary, print_estimate
-    from narrows.ship.particulars import Canal, Water
 
     own = dimensions
     ship = {
         "length": own.length, "beam": own.beam, "draft": own.draft, "block_coefficient": own.block, "name": own.name,
     }  # fmt: skip
     service = None if speed is None else read_speed("--speed", speed)
-    model = estimate_model(ship, Canal(own.width, own.depth), Water(own.density), kind=kind, speed=service)
+    model = nw.estimate_model(ship, nw.Canal(own.width, own.depth), nw.Water(own.density), kind=kind, speed=service)
     delivery.write(model.save)
     delivery.show(lambda: estimate_summary(model), lambda: print_estimate(model))
 
@@ -166,10 +158,9 @@ def estimate(
 @verb("narrows ships")
 def ships(json: AsJson = False) -> None:
     """List the available ships: each name replaces a model file."""
-    from narrows.empirical.fleet import ready_ships
     from narrows.report.printed_tables import print_ships
 
-    table = ready_ships()
+    table = nw.ready_ships()
     if json:
         summary = f"{len(table)} ships; each name replaces a model file"
         print_json({"ships": table.reset_index().to_dict("records"), "summary": summary, "notes": []})

@@ -12,8 +12,9 @@ import numpy as np
 from narrows.cli.app import app
 from narrows.cli.declarations import Argument, Option, command
 from narrows.errors import InputError, shown
-from narrows.files import PICTURES, form_of, is_stream
+from narrows.files import PICTURES, form_of, is_stream, save_figure
 from narrows.quantities.names import KNOT
+from narrows.results import to_json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -64,8 +65,6 @@ def output_of(path: Path, label: str) -> Path:
 
 
 def print_json(value: object) -> None:
-    from narrows.results import to_json
-
     click.echo(to_json(value))
 
 
@@ -209,8 +208,6 @@ class Delivery:
         if self.report and report:
             report(self.report)
         if self.plot and draw:
-            from narrows.files import save_figure
-
             save_figure(draw(), self.plot)
 
     def show(self, values: Callable[[], Any], words: Callable[[], None]) -> None:
@@ -265,4 +262,10 @@ class TrackDelivery(Delivery):
 class DatasetDelivery(Delivery):
     output: DatasetOutput = None
     plot: Plot = None
+    json: AsJson = False
+
+
+@dataclass(frozen=True)
+class WaterwayDelivery(Delivery):
+    output: WaterwayOutput = None
     json: AsJson = False

@@ -1,21 +1,20 @@
 """Groups of options of ``simulate`` and ``map``: start, forces, helm, time, physics, water."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import radians
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
+
+import narrows as nw
 from narrows.cli.declarations import Option
 from narrows.cli.options import WaterwayFile, numbers, speeds
 from narrows.cli.options import speed as read_speed
 from narrows.errors import InputError, check_choice
 
 if TYPE_CHECKING:
-    import numpy as np
-
-    from narrows.model.model import Model
     from narrows.simulation.initial_state import VoyageDefaults
-    from narrows.waterway import Waterway
 
 HELMS = ("regulator", "predictive", "track")
 ContactKind = Annotated[
@@ -69,7 +68,7 @@ class HelmOptions:
         str | None, Option(help="Helm: regulator, predictive, or track for the one without an integral.")
     ] = None
 
-    def of(self, model: "Model", u: float, x: float, way: "Waterway | None") -> Any:
+    def of(self, model: "nw.Model", u: float, x: float, way: "nw.Waterway | None") -> Any:
         """Return the helm for the model's own canal, or for the section of a waterway at the ship's start."""
         if self.controller is not None:
             check_choice("--controller", self.controller, HELMS)
@@ -88,18 +87,14 @@ class HelmOptions:
         return regulator(model, self.hold, u, waterway=way, at=0.0 if way is None else x)
 
 
-def _track_pilot(model: "Model", hold: float, u: float, x: float, way: "Waterway | None") -> Any:
-    from dataclasses import replace
-
-    from narrows.control.regulator import track_pilot
-
+def _track_pilot(model: "nw.Model", hold: float, u: float, x: float, way: "nw.Waterway | None") -> Any:
     if way is None:
-        return track_pilot(model, hold, u)
+        return nw.track_pilot(model, hold, u)
     canal = way.canal(x)
     canal = canal if canal.depth else replace(canal, depth=model.configuration.canal.depth)
     there = replace(model, configuration=replace(model.configuration, canal=canal))
     # Offsets in that section count from its middle, those of the voyage from the line.
-    return replace(track_pilot(there, hold - float(way.section(x).middle), u), y=hold)
+    return replace(nw.track_pilot(there, hold - float(way.section(x).middle), u), y=hold)
 
 
 @dataclass(frozen=True)
@@ -133,7 +128,7 @@ class WaterOptions:
         str | None, Option(help="Rise of the current along for each metre to starboard [1/s]: 0.002; or 0:0.001,900:0.")
     ] = None
 
-    def read(self) -> "Waterway | None":
+    def read(self) -> "nw.Waterway | None":
         water = (self.current, self.level, self.current_across, self.current_shear)
         if self.waterway is None:
             if any(own is not None for own in water):
@@ -142,11 +137,10 @@ class WaterOptions:
                     "leave them out"
                 )
             return None
-        from narrows.waterway import read_waterway
 
         across = read_current(self.current_across, "--current-across")
         shear = read_current(self.current_shear, "--current-shear", _number)
-        return read_waterway(self.waterway).with_water(read_current(self.current), self.level, across, shear)
+        return nw.read_waterway(self.waterway).with_water(read_current(self.current), self.level, across, shear)
 
 
 def read_current(
@@ -178,13 +172,11 @@ class VariedOptions:
     x: Annotated[str, Option(help="Start along the waterway [m], likewise.")] = "0"
 
     @property
-    def u(self) -> "np.ndarray | None":
+    def u(self) -> np.ndarray | None:
         """Surge velocities [m/s], if given."""
         return None if self.speed is None else speeds("--speed", self.speed)
 
     def values(self, defaults: "VoyageDefaults", offsets: int) -> dict[str, Any]:
-        import numpy as np
-
         aside = np.linspace(-defaults.offset, defaults.offset, offsets)
         vary = {
             "y": aside if self.y is None else numbers("--y", self.y),

@@ -1,24 +1,16 @@
 """``simulate``, ``map``, ``trials`` and ``waterway``: voyages, maps of grounding, manoeuvres, waterway files."""
 
 import sys
+from math import radians
 from pathlib import Path
 from typing import Annotated, Any
 
 import click
 
-import narrows
+import narrows as nw
 from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import (
-    AsJson,
-    ChartDelivery,
-    DatasetDelivery,
-    ModelFile,
-    TrackDelivery,
-    WaterwayOutput,
-    print_json,
-    print_written,
-    verb,
-)
+from narrows.cli.options import ChartDelivery, DatasetDelivery, ModelFile, TrackDelivery, WaterwayDelivery, verb
+from narrows.cli.options import speed as read_speed
 from narrows.cli.voyage_options import (
     ContactKind,
     HelmOptions,
@@ -30,7 +22,9 @@ from narrows.cli.voyage_options import (
     VariedOptions,
     WaterOptions,
 )
+from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
+from narrows.results import save_dataset
 
 # Distance below which two places are one in words [m].
 SAME_PLACE = 0.05
@@ -56,17 +50,15 @@ def simulate(
 
     MODEL is a model file, or the name of a published model.
     """
-    from math import radians
-
-    from narrows.empirical.fleet import model_named
     from narrows.simulation.initial_state import voyage_defaults
-    from narrows.simulation.voyage import simulate as run
 
     chosen, waterway = model_named(model), water.read()
     u = voyage_defaults(chosen).speed if start.u is None else start.u
     options: dict[str, Any] = start.values() | push.values() | vars(time) | vars(physics) | {"bottom": bottom}
     controller = helm.of(chosen, u, start.x, waterway)
-    voyage = run(chosen, u=u, rudder=radians(helm.rudder_deg), waterway=waterway, controller=controller, **options)
+    voyage = nw.simulate(
+        chosen, u=u, rudder=radians(helm.rudder_deg), waterway=waterway, controller=controller, **options
+    )
     delivery.write(voyage.save, voyage.plot)
     unsteered = controller is None and any(actuator.name == "rudder" for actuator in chosen.terms.actuators)
     fixed = (
@@ -90,22 +82,19 @@ def map_(
 
     MODEL is a model file, or the name of a published model.
     """
-    from narrows.empirical.fleet import model_named
-    from narrows.results import save_dataset
-    from narrows.simulation.ensemble import ensemble
     from narrows.simulation.initial_state import voyage_defaults
     from narrows.simulation.maps import map_summary
 
     chosen, waterway = model_named(model), water.read()
     defaults = voyage_defaults(chosen, varied.u)
     vary, choices = varied.values(defaults, OFFSETS), dict[str, Any](contact=contact)
-    voyages = ensemble(
+    voyages = nw.ensemble(
         chosen, samples=samples.samples, seed=samples.seed, waterway=waterway,
         progress=sys.stderr.isatty() and not delivery.json, **vars(time), **choices, **vary,
     )  # fmt: skip
     delivery.write(
         lambda path: save_dataset(voyages, path),
-        lambda: narrows.report.map_figure(voyages, chosen, samples.within, waterway, vary),
+        lambda: nw.report.map_figure(voyages, chosen, samples.within, waterway, vary),
     )
     summary = map_summary(voyages)
     delivery.show(lambda: summary, lambda: click.echo(summary["summary"]))
@@ -127,12 +116,9 @@ def trials(
 
     MODEL is a model file with the terms of a rudder, or the name of a published model. Terms of the banks are left out.
     """
-    from narrows.cli.options import speed as read_speed
-    from narrows.empirical.fleet import model_named
-    from narrows.manoeuvres.manoeuvring_trials import sail_trials
     from narrows.report.manoeuvre_report import manoeuvres_figure, print_manoeuvres
 
-    result = sail_trials(model_named(model), read_speed("--speed", speed), turn_deg, _zigzags(zigzags), dt)
+    result = nw.sail_trials(model_named(model), read_speed("--speed", speed), turn_deg, _zigzags(zigzags), dt)
     delivery.write(result.save, lambda: manoeuvres_figure(result))
     delivery.show(result.to_dict, lambda: print_manoeuvres(result))
 
@@ -155,35 +141,26 @@ def waterway(
     depth: Annotated[float | None, Option(help="Water depth [m], if the file gives none.")] = None,
     reach: Annotated[float, Option(help="Search distance for a bank in a chart [m].")] = REACH,
     draft: Annotated[float, Option(help="Draft of a ship [m]: the width is then that available to the keel.")] = 0.0,
-    output: WaterwayOutput = None,
-    json: AsJson = False,
+    delivery: WaterwayDelivery = WaterwayDelivery(),
 ) -> None:
     """Make or check a waterway file.
 
     The source is a line with a width and a depth, a chart, or a GeoJSON file.
     """
     from narrows.report.printed_tables import print_waterway, waterway_summary
-    from narrows.waterway import write_waterway
 
     _check_together(file, line, width, reach)
     if not 0 <= draft < 1000:
         raise InputError(f"--draft {draft} is invalid; give metres from 0 to 1000")
     result, notes = _made(file, line, width, depth, reach)
-    if output:
-        write_waterway(result, output)
-    if json:
-        summary = waterway_summary(result, draft)
-        print_json({**summary, "notes": [*summary["notes"], *notes]})
-        return
-    print_waterway(result, draft, notes)
-    print_written([output])
+    delivery.write(lambda path: nw.write_waterway(result, path))
+    delivery.show(lambda: waterway_summary(result, draft, notes), lambda: print_waterway(result, draft, notes))
 
 
 def _made(
     file: Path | None, line: Path | None, width: float | None, depth: float | None, reach: float
-) -> tuple["narrows.Waterway", tuple[str, ...]]:
+) -> tuple["nw.Waterway", tuple[str, ...]]:
     """Return the waterway of a file, of a line with a width, or of a chart along a line, with notes."""
-    from narrows.waterway import read_waterway
     from narrows.waterway.geojson import farthest, read_line, waterway_from_line, with_depth
 
     if file is None:
@@ -194,7 +171,7 @@ def _made(
         smoothed = (f"the line is smoothed, by up to {moved:.1f} m: as drawn it bends inside its banks",)
         return result, smoothed * bool(moved > SAME_PLACE)
     if line is None:
-        return read_waterway(file) if depth is None else with_depth(read_waterway(file), depth), ()
+        return nw.read_waterway(file) if depth is None else with_depth(nw.read_waterway(file), depth), ()
     from narrows.waterway.from_chart import chart_of_area, read_chart, waterway_from_chart
 
     of_chart = file.suffix == ".000"

@@ -4,25 +4,31 @@ import math
 import signal
 import sys
 import threading
-from collections.abc import Callable, Iterable, Iterator
+import time
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from queue import SimpleQueue
 from typing import TYPE_CHECKING, Annotated
 
 import click
 
+import narrows as nw
 from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import ReportDelivery, WaterwayFile, named, verb
+from narrows.cli.options import ReportDelivery, WaterwayFile, named, numbers, verb
+from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
+from narrows.files import write_whole
+from narrows.progress import stage
 
 if TYPE_CHECKING:
     from narrows.warning.inputs.bridge_readings import Tick
-    from narrows.warning.monitoring.alert_publisher import AlertPublisher
+    from narrows.warning.monitoring.alert_publisher import AlertPublisher, SignalKSender
     from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
     from narrows.warning.monitoring.bridge_status import BridgeStatus
     from narrows.warning.monitoring.watched_transit import WatchedTransit
+    from narrows.warning.page.bridge_page import BridgePage
 
 # Seconds between lines without changes.
 SAID_EVERY = 10
@@ -101,12 +107,12 @@ def monitor(
         return _score(inputs, model or "", waterway, y, delivery)
     pace = inputs.pace or (1.0 if page.page else math.inf)
     with ExitStack() as stack:
-        publisher, outlets = publisher_of(alerts, stack), outlets_of(alerts, page, stack)
+        publisher, senders, shown = publisher_of(alerts, stack), _senders(alerts, stack), _page(page, stack)
         if inputs.demo:
             monitored, ticks = _demonstrated(pace, alerts, publisher)
         else:
             monitored, ticks = _monitor_of(model or "", waterway, inputs, y, publisher), _ticks_of(inputs, pace, stack)
-        transit = _watched(monitored, ticks, outlets, delivery.json)
+        transit = _watched(monitored, ticks, senders, shown, delivery.json)
     if inputs.replay and not len(transit.columns["t"]):
         raise InputError(f"{inputs.replay}: it has no valid sentence; give a recording of NMEA 0183")
     _deliver(transit, delivery)
@@ -129,16 +135,13 @@ def _check(inputs: InputOptions, alerts: AlertOptions, model: str | None, waterw
 def _monitor_of(
     model: str, waterway: Path | None, inputs: InputOptions, y: float, publisher: "AlertPublisher"
 ) -> "BridgeMonitor":
-    from narrows.cli.options import numbers
-    from narrows.empirical.fleet import model_named
     from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
-    from narrows.waterway import read_waterway
 
     antenna = numbers("--antenna", inputs.antenna)
     if len(antenna) != 2:
         raise InputError(f"--antenna {inputs.antenna}: give metres forward and to starboard, as in -70,6")
     place = float(antenna[0]), float(antenna[1])
-    water, live = read_waterway(str(waterway)), bool(inputs.listen)
+    water, live = nw.read_waterway(str(waterway)), bool(inputs.listen)
     return BridgeMonitor(model_named(model), water, y, place, publisher=publisher, live=live)
 
 
@@ -152,7 +155,6 @@ def _ticks_of(inputs: InputOptions, pace: float, stack: ExitStack) -> Iterator["
 
 
 def _score(inputs: InputOptions, model: str, waterway: Path | None, y: float, delivery: ReportDelivery) -> None:
-    from narrows.progress import stage
     from narrows.warning.monitoring.alert_publisher import AlertPublisher
     from narrows.warning.transit_scores import TransitScorer, score_transits
 
@@ -180,8 +182,6 @@ def _replayed(path: Path, pace: float, mmsi: int | None) -> Iterator["Tick"]:
 def _demonstrated(
     pace: float, alerts: AlertOptions, publisher: "AlertPublisher"
 ) -> tuple["BridgeMonitor", Iterator["Tick"]]:
-    from narrows.files import write_whole
-    from narrows.progress import stage
     from narrows.warning.inputs.replay import paced
     from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
     from narrows.warning.monitoring.demonstration import LINE, demonstration
@@ -194,29 +194,10 @@ def _demonstrated(
     return monitored, paced(shown.ticks(), pace)
 
 
-Receive = Callable[["BridgeMonitor", "BridgeStatus", float], None]
-AddCommands = Callable[[Iterable["Tick"], "BridgeMonitor"], Iterable["Tick"]]
-
-
-@dataclass
-class Outlets:
-    receivers: list[Receive] = field(default_factory=list)
-    commanders: list[AddCommands] = field(default_factory=list)
-
-    def publish(self, monitored: "BridgeMonitor", status: "BridgeStatus", since_1970: float) -> None:
-        for receive in self.receivers:
-            receive(monitored, status, since_1970)
-
-    def add_commands(self, ticks: Iterable["Tick"], monitored: "BridgeMonitor") -> Iterable["Tick"]:
-        for add in self.commanders:
-            ticks = add(ticks, monitored)
-        return ticks
-
-
-def _watched(monitored: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outlets, json: bool) -> "WatchedTransit":
-    import time
-
-    from narrows.progress import stage
+def _watched(
+    monitored: "BridgeMonitor", ticks: Iterable["Tick"], senders: Iterable["SignalKSender"],
+    page: "BridgePage | None", json: bool,
+) -> "WatchedTransit":  # fmt: skip
     from narrows.warning.monitoring.watched_transit import TransitLog
 
     with stage("compiling the missing parts"):
@@ -224,13 +205,16 @@ def _watched(monitored: "BridgeMonitor", ticks: Iterable["Tick"], outlets: Outle
     if not json and sys.stdin.isatty():
         click.echo(HINT)
         ticks = with_keys(ticks, monitored)
-    ticks = outlets.add_commands(ticks, monitored)
+    ticks = page.watch(ticks, monitored) if page else ticks
     log = TransitLog(monitored.model.configuration, monitored.waterway)
     with suppress(KeyboardInterrupt), _ended_by_sigterm():
         for number, tick in enumerate(ticks):
             now = time.time()
             status = monitored.update(tick, now)
-            outlets.publish(monitored, status, now)
+            for sender in senders:
+                sender.send(monitored.desk, now)
+            if page:
+                page.publish(monitored, status, now)
             log.add(status)
             if not json:
                 _say(number, status)
@@ -290,33 +274,23 @@ def publisher_of(alerts: AlertOptions, stack: ExitStack) -> "AlertPublisher":
     return AlertPublisher(log, send)
 
 
-def outlets_of(alerts: AlertOptions, page: PageOptions, stack: ExitStack) -> Outlets:
-    if not page.page and (page.host, page.port) != (LOOPBACK, PORT):
-        raise InputError("--host and --port are those of the page; give --page too")
-    outlets = Outlets()
-    for address in alerts.send or ():
-        if address.startswith(SIGNAL_K):
-            outlets.receivers.append(_to_signal_k(address, stack))
-    if page.page:
-        _open_page(page, outlets, stack)
-    return outlets
-
-
-def _to_signal_k(address: str, stack: ExitStack) -> Receive:
+def _senders(alerts: AlertOptions, stack: ExitStack) -> list["SignalKSender"]:
     from narrows.warning.monitoring.alert_publisher import SignalKSender
 
-    sender = stack.enter_context(SignalKSender(address))
-    return lambda monitored, status, since_1970: sender.send(monitored.desk, since_1970)
+    addresses = [address for address in alerts.send or () if address.startswith(SIGNAL_K)]
+    return [stack.enter_context(SignalKSender(address)) for address in addresses]
 
 
-def _open_page(page: PageOptions, outlets: Outlets, stack: ExitStack) -> None:
+def _page(page: PageOptions, stack: ExitStack) -> "BridgePage | None":
     from narrows.warning.page.bridge_page import BridgePage
 
+    if not page.page:
+        if (page.host, page.port) != (LOOPBACK, PORT):
+            raise InputError("--host and --port are those of the page; give --page too")
+        return None
     shown = BridgePage()
-    address = stack.enter_context(shown.open(page.host, page.port))
-    click.secho(f"The page: {address}", err=True, bold=True)
-    outlets.receivers.append(shown.publish)
-    outlets.commanders.append(shown.watch)
+    click.secho(f"The page: {stack.enter_context(shown.open(page.host, page.port))}", err=True, bold=True)
+    return shown
 
 
 HINT = "a and Enter acknowledges what is alerted, s and Enter silences it for 30 s, Ctrl-C ends the watch."

@@ -16,19 +16,7 @@ from narrows.logbook.learned_coefficient import ON_TWINS, PRIOR, LearnedCoeffici
 from narrows.quantities.names import KNOT
 from narrows.report.fit_page import figure as captioned
 from narrows.report.fit_page import render
-from narrows.report.style import (
-    BLACK,
-    BLUE,
-    DASHES,
-    FONT,
-    GREEN,
-    GREY,
-    ORANGE,
-    PURPLE,
-    Margins,
-    Picture,
-    panels,
-)
+from narrows.report.style import BLACK, BLUE, DASHES, FONT, GREEN, GREY, ORANGE, PURPLE, Margins, Picture, panels
 from narrows.report.terminal import print_result, table_of
 from narrows.results.base_results import interval, with_error
 

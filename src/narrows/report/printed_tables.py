@@ -117,7 +117,7 @@ STATIONS, CROSSINGS_SHOWN = 2001, 11
 NEGLIGIBLE = 0.002
 
 
-def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
+def waterway_summary(waterway: Waterway, draft: float = 0.0, more: tuple[str, ...] = ()) -> dict[str, Any]:
     """Return a waterway's dimensions as plain values: metres, degrees."""
     s = np.linspace(0, waterway.line.length, STATIONS)
     here = waterway.keel_section(s, draft)
@@ -139,7 +139,7 @@ def waterway_summary(waterway: Waterway, draft: float = 0.0) -> dict[str, Any]:
         "sharpest": dict(zip(("radius", "at", "over"), sharpest, strict=True)) if sharpest else None,
         "stations": _stations(waterway, draft),
     }
-    notes = [*_not_drawn(waterway), *(NO_DEPTH,) * (waterway.depths is None)]
+    notes = [*_not_drawn(waterway), *(NO_DEPTH,) * (waterway.depths is None), *more]
     return {**summary, "summary": _sentence(summary, waterway), "notes": notes}
 
 
@@ -165,7 +165,7 @@ def _stations(waterway: Waterway, draft: float) -> list[dict[str, float]]:
 
 
 def print_waterway(waterway: Waterway, draft: float = 0.0, notes: tuple[str, ...] = ()) -> None:
-    console, summary = console_of(), waterway_summary(waterway, draft)
+    console, summary = console_of(), waterway_summary(waterway, draft, notes)
     rows = (
         (f"{at:.0f}", f"{heading:.1f}", *(f"{value:.1f}" if math.isfinite(value) else "-" for value in rest))
         for at, heading, *rest in (row.values() for row in summary["stations"])
@@ -175,7 +175,7 @@ def print_waterway(waterway: Waterway, draft: float = 0.0, notes: tuple[str, ...
         console.print(f"{waterway.name}: {waterway.place_check}")
     console.print(table_of(heads, rows))
     console.print(summary["summary"])
-    print_notes(console, [*summary["notes"], *notes])
+    print_notes(console, summary["notes"])
 
 
 def _sentence(summary: dict[str, Any], waterway: Waterway) -> str:
