@@ -253,7 +253,7 @@ def test_a_cable_is_not_larger_than_its_tipping_point() -> None:
         found = nw.identify(tests)
         if found.verdicts["b_bank"].status == "identified":
             told = {effect.name: size for effect, size in found.estimates.limits["b_bank"]}
-            assert told["force proportional to y in Y"] < 3.0 * found.motions.reach.max() / 1.7
+            assert told["force proportional to y in Y"] < 3.0 * found.motions.features["reach"].max() / 1.7
 
 
 def test_tests_of_the_kcs_are_predicted_by_the_others(kcs_fits: dict[int, nw.Fit]) -> None:

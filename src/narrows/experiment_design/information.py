@@ -183,7 +183,7 @@ def _joined(made: NormalEquations, planned: NormalEquations) -> NormalEquations:
     names = set(planned.moved) & set(made.moved)
     return NormalEquations(
         planned.columns,
-        np.concatenate([made.unweighted, planned.sums]),
+        np.concatenate([made.unweighted, planned.unweighted]),
         (*made.tests, *(f"planned {name}" for name in planned.tests)),
         {name: np.concatenate([made.moved[name], planned.moved[name]]) for name in names},
         planned.length,

@@ -141,7 +141,7 @@ def preferred_fit(fit: Fit) -> Fit | None:
 def missing_runs(fit: Fit) -> list[str]:
     """Name the kinds of runs that separate bank and hull and are missing in the tests."""
     motions = fit.motions
-    off = motions.steady & (motions.reach > OFF_CENTRE * fit.tests.configuration.canal.width / 2)
+    off = motions.steady & (motions.features["reach"] > OFF_CENTRE * fit.tests.configuration.canal.width / 2)
     fastest = f"{max(round(float(motions.features['speed'][group].mean()), 2) for group in motions.by_speed):g} m/s"
     asks = []
     if len(set(motions.level("side")[off].tolist())) < 2:

@@ -30,8 +30,7 @@ class Diagnosis:
     # where the column is a combination of others, NaN where it is zero [1]
     vif: Mapping[str, float]
     correlation: np.ndarray  # (n, n) Correlation of the columns; NaN where one does not vary
-    # (n, n) Cosine between the columns, the correlation of a model without intercept; NaN where one is zero
-    alignment: np.ndarray
+    alignment: np.ndarray  # (n, n) Cosine between the columns; NaN where one is zero
     empty: tuple[str, ...]  # Coefficients whose column is zero
     # (k, n) Directions without data, of unit length, among the columns that are not zero, each scaled to one
     missing: np.ndarray
@@ -123,12 +122,10 @@ class Diagnostics:
 class CorrelatedPair:
     """Two coefficients that the tests hardly separate."""
 
-    first: str  # Coefficients
-    second: str  # Coefficients
+    first: str
+    second: str
     correlation: float  # Correlation of their estimates, by the columns alone [1]
-    # Change of ``second`` for a change of ``first`` by one, the fit staying as good as it can, in the unit of
-    # ``second`` over that of ``first``
-    slope: float
+    slope: float  # Change of ``second`` for a change of ``first`` by one, the fit staying as good as it can
 
     @property
     def sentence(self) -> str:

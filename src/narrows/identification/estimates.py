@@ -111,8 +111,7 @@ def estimates(
         model, effects, unit = assemble(rows, errors, configuration)
         parts.append(part := ForcePosterior(rows, effects, unit, integrate(model)))
         at = np.array(part.free_parameters)
-        bounds = np.stack([problem.lower, problem.upper], axis=1)[at] / problem.scale[at, None]
-        table[at], covariance[np.ix_(at, at)] = _within_bounds(part, bounds)
+        table[at], covariance[np.ix_(at, at)] = _within_bounds(part, problem.bounds[at])
     order = np.array([problem.slot[name] for name in problem.terms.names])
     table = table[order]
     (free, free_half, values, std), ends, held = table[:, :4].T, table[:, 4:6], table[:, 6] > 0
@@ -152,6 +151,8 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
     free = np.where(held, free, weights @ means)
     free_half = np.where(held, free_half, 0.5 * np.diff(np.quantile(draws, TAILS, axis=0), axis=0)[0])
     values = _nearest(weights @ means, np.atleast_2d(np.cov(draws.T)), bounds)
+    for edge in (low, high):  # A value that differs from its bound by rounding is the bound.
+        values = np.where(np.isclose(values, edge, rtol=1e-9, atol=0.0), edge, values)
     ends = np.quantile(inside, TAILS, axis=0)
     near = (np.abs(free[:, None] - bounds).min(axis=1) < BOUND_HALF_WIDTHS * free_half) & ~held
     for i in np.flatnonzero(near):
@@ -174,12 +175,12 @@ def _widened(ends: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 def _truncated_std(beyond: np.ndarray, std: np.ndarray) -> np.ndarray:
     """Standard deviation of the tail of a normal distribution, ``beyond`` the mean."""
-    from scipy import special
+    from scipy import stats
 
+    # Farther out than 50 standard deviations the tail is an exponential one, and the difference of moments is rounding.
     t = beyond / np.maximum(std, 1e-12 * beyond + 1e-150)
-    near = np.minimum(t, 50.0)  # Farther out the tail is an exponential one, and the difference below is rounding.
-    hazard = np.exp(-0.5 * near**2 - special.log_ndtr(-near)) / np.sqrt(2 * np.pi)
-    return np.asarray(std * np.where(t < 50.0, np.sqrt(1 - hazard * (hazard - near)), 1 / np.maximum(t, 50.0)))
+    near = stats.truncnorm.std(np.minimum(t, 50.0), np.inf)
+    return np.asarray(std * np.where(t < 50.0, near, 1 / np.maximum(t, 50.0)))
 
 
 def _nearest(mean: np.ndarray, covariance: np.ndarray, bounds: np.ndarray) -> np.ndarray:

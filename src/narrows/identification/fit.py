@@ -14,7 +14,7 @@ from narrows.identification.collinearity import CorrelatedPair, Diagnostics, cor
 from narrows.identification.design_matrix import ONE, DesignMatrix
 from narrows.identification.estimates import CoefficientEstimates, estimates
 from narrows.identification.least_squares import Problem, Solution
-from narrows.identification.motions import DistinctMotions
+from narrows.identification.motions import DistinctMotions, distinct_motions
 from narrows.identification.normal_equations import NormalEquations, Score, score
 from narrows.identification.plausibility import implausible, noise_sentence, unmodelled_rudder
 from narrows.identification.prediction import Prediction
@@ -55,10 +55,6 @@ class Fit(Prediction):
         Sums over the rows.
     problem : Problem
         The terms, their bounds and ties.
-    solution : Solution
-        The optimum, with its Karush-Kuhn-Tucker check.
-    motions : DistinctMotions
-        The distinct motions, which the standard errors treat as independent.
     left_out : mapping of str to Score
         R2 and RMSE of each force on rows left out.
     split : str
@@ -77,8 +73,6 @@ class Fit(Prediction):
     tests: Tests
     normal_equations: NormalEquations
     problem: Problem
-    solution: Solution
-    motions: DistinctMotions
     left_out: Mapping[str, Score]
     split: str
     data_range: DataRange
@@ -99,16 +93,17 @@ class Fit(Prediction):
     @cached_property
     def coefficients(self) -> dict[str, float]:
         """Estimates of the mixed model within the bounds, each in its term's SI unit: the model's values."""
-        # The bound itself where a value differs from it by rounding.
-        return {
-            name: next((edge for edge in self._edges(name) if np.isclose(value, edge, rtol=1e-9, atol=0.0)), value)
-            for name, value in zip(self.terms.names, self.estimates.values.tolist(), strict=True)
-        }
+        return dict(zip(self.terms.names, self.estimates.values.tolist(), strict=True))
 
-    def _edges(self, name: str) -> list[float]:
-        """Bounds of a coefficient and of those that are tied to it."""
-        slot = self.problem.slot
-        return [edge for term in self.terms.terms if slot[term.name] == slot[name] for edge in term.bound]
+    @cached_property
+    def motions(self) -> DistinctMotions:
+        """The distinct motions, which the standard errors treat as independent."""
+        return distinct_motions(self.normal_equations)
+
+    @cached_property
+    def solution(self) -> Solution:
+        """The optimum of the paper's problem, with its Karush-Kuhn-Tucker check."""
+        return self.problem.solve(self.normal_equations.total)
 
     @property
     def least_squares(self) -> dict[str, float]:
@@ -118,7 +113,8 @@ class Fit(Prediction):
     @property
     def at_bound(self) -> tuple[str, ...]:
         """Coefficients at a bound."""
-        return tuple(name for name, value in self.coefficients.items() if value in self._edges(name))
+        bounds, slot = self.problem.bounds, self.problem.slot
+        return tuple(name for name, value in self.coefficients.items() if value in bounds[slot[name]])
 
     @property
     def vif(self) -> dict[str, float]:

@@ -118,16 +118,15 @@ def identify(
     if len(equations.tests) < 2:
         raise InputError(f"one row of test {equations.tests[0]} is all there is; standard errors need two or more")
     problem = reduced(equations, terms, weights)
-    solution = problem.solve(equations.total)
     motions = distinct_motions(equations)
     if checked is not None:
         rest, _ = accumulate(checked, terms, balance=balance)
-        left_out = score(rest, rest.total, terms, problem.named(solution.z))
+        left_out = score(rest, rest.total[None], terms, problem.fits(equations.total[None]))
     elif len(motions) > 1:
         left_out = score(equations, motions.sums, terms, problem.fits(motions.without))
     else:
         left_out = {force: Score(float("nan"), float("nan")) for force, part in terms.forces.items() if part}
-    return Fit(fitted, equations, problem, solution, motions, left_out, split, data_range, errors)
+    return Fit(fitted, equations, problem, left_out, split, data_range, errors)
 
 
 def depths_of(tests: Tests) -> list[float]:

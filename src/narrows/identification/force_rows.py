@@ -77,7 +77,7 @@ class ForceRows:
         logs = (np.log(self.speed), np.log(np.maximum(depth[self.motion], 1e-9)))
         self.speeds, self.depths = (values - 0.5 * (values.min() + values.max()) for values in logs)
         self.side = np.sign(self.reference[:, self.names["column y"]] * self.reference[:, self.names[ONE]])
-        self.reach = float(max(motions.reach.max(), 1e-9))
+        self.reach = float(max(motions.features["reach"].max(), 1e-9))
 
     def place(self, term: Term) -> int:
         """Return the column of ``x`` that a term adds to."""
@@ -90,6 +90,16 @@ class ForceRows:
     def all(self, column: np.ndarray) -> np.ndarray:
         """A column in the rows of every force."""
         return np.tile(column, self.count)
+
+    @property
+    def lateral(self) -> list[int]:
+        """Forces that a side force, an offset or another hull form changes: sway and yaw."""
+        return [f for f, force in enumerate(self.forces) if force != "X"]
+
+    def side_force(self, force: np.ndarray, lever: float) -> np.ndarray:
+        """A side force and its yaw moment, in the rows of every force."""
+        levers = {"Y": 1.0, "N": lever}
+        return np.outer([levers.get(name, 0.0) for name in self.forces], force).ravel()
 
     def raw(self, name: str) -> np.ndarray:
         """A column of the sums."""

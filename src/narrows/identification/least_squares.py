@@ -27,11 +27,18 @@ class Problem:
 
     slot: Mapping[str, int]  # The free parameter of each coefficient; tied coefficients share one
     scale: np.ndarray  # (p,) Norm of each parameter's column; 1 where the column is zero
-    lower: np.ndarray  # (p,) Bounds of z
-    upper: np.ndarray  # (p,)
+    bounds: np.ndarray  # (p, 2) of the parameters
     weights: Mapping[str, float]  # Weight of each force in the sum
     terms: TermTable
     columns: Mapping[str, int]  # Column of the sums of each coefficient's regressor or force
+
+    @property
+    def lower(self) -> np.ndarray:
+        return np.asarray(self.bounds[:, 0] * self.scale)
+
+    @property
+    def upper(self) -> np.ndarray:
+        return np.asarray(self.bounds[:, 1] * self.scale)
 
     def normal(self, sums: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Assemble H (..., p, p) and g (..., p) from sums of products (..., m, m)."""
@@ -68,7 +75,7 @@ def reduced(equations: NormalEquations, terms: TermTable, weights: Weights = "pa
     check_choice("weights", weights, get_args(Weights))
     slot, by_force = free_parameters(terms), {}
     size = max(slot.values()) + 1
-    square, lower, upper = np.zeros(size), np.full(size, -np.inf), np.full(size, np.inf)
+    square, bounds = np.zeros(size), np.tile([-np.inf, np.inf], (size, 1))
     for force, part in terms.forces.items():
         if part:
             (rows, total), (_, squares) = equations.pick(equations.total, [ONE, force])
@@ -77,12 +84,13 @@ def reduced(equations: NormalEquations, terms: TermTable, weights: Weights = "pa
         for term in part:
             i, j = slot[term.name], equations.columns[term.name]
             square[i] += by_force[force] * equations.total[j, j]
-            lower[i], upper[i] = max(lower[i], term.bound[0]), min(upper[i], term.bound[1])
+            bounds[i] = max(bounds[i, 0], term.bound[0]), min(bounds[i, 1], term.bound[1])
     for name, i in slot.items():
-        if not lower[i] < upper[i]:
-            raise InputError(f"bounds {lower[i]:g} to {upper[i]:g} leave {name} no room; widen them")
+        low, high = bounds[i]
+        if not low < high:
+            raise InputError(f"bounds {low:g} to {high:g} leave {name} no room; widen them")
     scale = np.sqrt(np.where(square > 0, square, 1.0))
-    return Problem(slot, scale, lower * scale, upper * scale, by_force, terms, equations.columns)
+    return Problem(slot, scale, bounds, by_force, terms, equations.columns)
 
 
 def free_parameters(terms: TermTable) -> dict[str, int]:

@@ -37,10 +37,6 @@ class DistinctMotions:
     def __len__(self) -> int:
         return len(self.members)
 
-    @property
-    def reach(self) -> np.ndarray:
-        return self.features["reach"]
-
     def level(self, feature: str) -> np.ndarray:
         """Number of the speed, period, depth or side of each motion, (motions,)."""
         return numbered(self.features[feature])

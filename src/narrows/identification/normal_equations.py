@@ -1,7 +1,6 @@
 """Sums of products of every column with every other, test by test: the normal equations before a force is chosen.
 
-All results of identification (fit, standard errors, left-out errors, rank, VIF, Shapley shares) follow
-from these sums, so cost and memory do not grow with the rows after one pass over them.
+All results follow from these sums, so cost and memory do not grow with the rows after one pass over them.
 """
 
 import os
@@ -34,34 +33,26 @@ NOT_SET = ("x", "cos_psi", "heave")  # Quantities of terms that follow from the 
 
 @dataclass(frozen=True)
 class NormalEquations:
-    """Sums of products over the rows of each piece of each test, each row by its weight."""
+    """Sums of products over the rows of each piece of each test."""
 
     # Which column of the sums is which coefficient's regressor, force, or the constant ``1``; coefficients with the
     # same regressor share one
     columns: Mapping[str, int]
-    sums: np.ndarray  # (pieces, m, m) Products of columns, summed over rows
+    unweighted: np.ndarray  # (pieces, m, m) Products of columns, summed over rows
     tests: tuple[str, ...]  # The test of each piece
     # (pieces, 3) Rows, sum and sum of squares of each quantity that describes the motion of a test
     moved: Mapping[str, np.ndarray]
     length: float  # Length of the ship [m]
-    # (pieces,) Weight of a row of each piece, one on average over all rows; one unless given [1]
-    weights: np.ndarray | None = None
+    balance: Balance = "rows"
 
-    def balanced(self) -> "NormalEquations":
-        """Return the same with each test counting alike, however many rows it has."""
+    @cached_property
+    def sums(self) -> np.ndarray:
+        """The sums of rows by their weights, (pieces, m, m): by ``tests`` each test counts alike."""
+        if self.balance == "rows":
+            return self.unweighted
         one = self.columns[ONE]
-        rows = self.by_test(self.sums[:, one, one])
-        weights = (rows.mean() / rows)[self.test]
-        return replace(self, sums=self.sums * weights[:, None, None], weights=weights)
-
-    @property
-    def balance(self) -> Balance:
-        return "rows" if self.weights is None else "tests"
-
-    @property
-    def unweighted(self) -> np.ndarray:
-        """The sums of plain rows, (pieces, m, m)."""
-        return self.sums if self.weights is None else self.sums / self.weights[:, None, None]
+        rows = self.by_test(self.unweighted[:, one, one])
+        return np.asarray(self.unweighted * (rows.mean() / rows)[self.test][:, None, None])
 
     @cached_property
     def total(self) -> np.ndarray:
@@ -88,11 +79,9 @@ class NormalEquations:
     def of_tests(self, names: Collection[str]) -> "NormalEquations":
         """Return those of some tests alone."""
         keep = np.array([name in names for name in self.tests])
-        return replace(
-            self, sums=self.sums[keep], tests=tuple(name for name in self.tests if name in names),
-            moved={name: moments[keep] for name, moments in self.moved.items()},
-            weights=None if self.weights is None else self.weights[keep],
-        )  # fmt: skip
+        moved = {name: moments[keep] for name, moments in self.moved.items()}
+        tests = tuple(name for name in self.tests if name in names)
+        return replace(self, unweighted=self.unweighted[keep], tests=tests, moved=moved)
 
     def pick(self, sums: np.ndarray, rows: list[str], columns: list[str] | None = None) -> np.ndarray:
         """Return the sums (..., m, m) of some columns."""
@@ -126,8 +115,8 @@ def accumulate(
             test = names[int(np.argmax(wrong))]
             raise InputError(f"the column of {name} is not finite in test {test}; mend its regressor or leave rows out")
     length = tests.configuration.ship.length
-    equations = NormalEquations(matrix.columns, total, names, dict(zip(moved, by_quantity, strict=True)), length)
-    return equations.balanced() if balance == "tests" else equations, DataRange(**ranges)
+    described = dict(zip(moved, by_quantity, strict=True))
+    return NormalEquations(matrix.columns, total, names, described, length, balance), DataRange(**ranges)
 
 
 def products(design: np.ndarray) -> np.ndarray:

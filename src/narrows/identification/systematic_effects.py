@@ -118,14 +118,11 @@ class RunErrors:
     campaign: float = 1.0
 
     def __post_init__(self) -> None:
-        for name in ("gain", "zero", "form", "scatter"):
-            if not 0 <= getattr(self, name) < 1.0:
-                raise InputError(
-                    f"run errors: {name} = {getattr(self, name)} is no share of a force; give 0.02 for 2 %"
-                )
-        for name in ("hull", "bank", "campaign"):
-            if not getattr(self, name) >= 0:
-                raise InputError(f"run errors: {name} = {getattr(self, name)} must not be negative; give 1")
+        for name, size in vars(self).items():
+            share = name in ("gain", "zero", "form", "scatter")
+            if not 0 <= size < (1.0 if share else np.inf):
+                what = "is no share of a force; give 0.02 for 2 %" if share else "must not be negative; give 1"
+                raise InputError(f"run errors: {name} = {size} {what}")
 
     @property
     def none(self) -> bool:
@@ -135,18 +132,14 @@ class RunErrors:
 
 def run_errors_of(written: str) -> RunErrors:
     """Read errors of runs, ``gain,zero,form`` and, if wished, ``scatter,hull,bank,campaign``."""
-    parts = written.split(",")
     names = [entry.name for entry in fields(RunErrors)]
     try:
-        if not 3 <= len(parts) <= len(names):
-            raise ValueError
-        return RunErrors(**dict(zip(names, map(float, parts), strict=False)))
-    except ValueError as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(
-            f"run errors {written!r} are not understood; give gain,zero,form as in 0.02,0.02,0.02"
-        ) from None
+        sizes = [float(part) for part in written.split(",")]
+    except ValueError:
+        sizes = []
+    if not 3 <= len(sizes) <= len(names):
+        raise InputError(f"run errors {written!r} are not understood; give gain,zero,form as in 0.02,0.02,0.02")
+    return RunErrors(**dict(zip(names, sizes, strict=False)))
 
 
 # Name, column of one unit, usual size in that unit, group and unit of an error.
@@ -171,16 +164,11 @@ def _hull(rows: ForceRows) -> Iterator[EffectRow]:
         if rows.mixed and kind == DAMPING:
             still = rows.of(f, slope * rows.steady)
             yield f"{term.name} in straight runs", still, SIZES["damping in straight runs"], HULL, ""
-    for f in _lateral(rows):
+    for f in rows.lateral:
         for name in ("v3", "r3", "|r|v", "|v|r"):
             yield _scaled(rows, f, name, SIZES["other hull terms"], HULL)
         for name in ("v y2", "r y2"):
             yield _scaled(rows, f, name, SIZES["walls"], HULL)
-
-
-def _lateral(rows: ForceRows) -> list[int]:
-    """Forces that a side force, an offset or another hull form changes: sway and yaw."""
-    return [f for f, force in enumerate(rows.forces) if force != "X"]
 
 
 def _scaled(rows: ForceRows, f: int, name: str, usual: float, group: str) -> EffectRow:
@@ -199,16 +187,16 @@ def _bank(rows: ForceRows) -> Iterator[EffectRow]:
             continue
         size, own = rows.size(f, term), rows.raw(term.name)
         # All are zero at the centreline and in straight runs: there the coefficient is what it is called.
-        forms = {
-            "as y2": rows.raw(f"near of {term.name}") / typical**2,
-            "as y6": rows.raw(f"wall of {term.name}") / typical**6,
-            "as the root of y": rows.raw(f"far of {term.name}") / np.sqrt(typical),
-            "by side": rows.raw(f"side of {term.name}"),
-            "with depth": own * rows.depths * (np.ptp(rows.depths) > ONE_LEVEL),
-            "with speed": own * rows.speeds * (np.ptp(rows.speeds) > ONE_LEVEL),
-        }
-        for name, column in forms.items():
-            group = SHAPE if name.startswith("as") else BANK
+        near, wall, far = (rows.raw(f"{kind} of {term.name}") for kind in ("near", "wall", "far"))
+        forms = (
+            ("as y2", near / typical**2, SHAPE),
+            ("as y6", wall / typical**6, SHAPE),
+            ("as the root of y", far / np.sqrt(typical), SHAPE),
+            ("by side", rows.raw(f"side of {term.name}"), BANK),
+            ("with depth", own * rows.depths * (np.ptp(rows.depths) > ONE_LEVEL), BANK),
+            ("with speed", own * rows.speeds * (np.ptp(rows.speeds) > ONE_LEVEL), BANK),
+        )
+        for name, column, group in forms:
             yield f"{term.name} {name}", rows.of(f, column * size), SIZES["bank form"], group, ""
         harmonic = rows.of(f, own * (1 - rows.steady) * size) / 100
         yield f"{term.name} in harmonic runs", harmonic, 100 * SIZES["type of run"], TYPES, "%"
@@ -220,7 +208,7 @@ def _with_offset(rows: ForceRows, configuration: Configuration) -> Iterator[Effe
     """Effects that vary with the offset as a bank does: a cable, a trimmed heading or rudder, a crossflow."""
     speed, ship, place = float(np.median(rows.speed)), configuration.ship, f"at {rows.reach:.2g} m"
     powers = {"y": 1.0, "y u": speed, "y u2": speed**2, "y2 u2": speed**2 * rows.reach}
-    for f in _lateral(rows):
+    for f in rows.lateral:
         force, usual = rows.forces[f], SIZES["force with y"] * rows.level[f]
         for name, scale in powers.items():
             column = rows.of(f, rows.raw(f"column {name}") / (scale * rows.reach))
@@ -232,14 +220,8 @@ def _with_offset(rows: ForceRows, configuration: Configuration) -> Iterator[Effe
     across = turned / rows.all(rows.speed) * 0.01
     yield "crossflow proportional to y", across, SIZES["crossflow with y"], WITH_OFFSET, f"cm/s {place}"
     side_force = RUDDER * configuration.water.density * ship.length * ship.draft * along
-    trimmed = _lateral_force(rows, side_force, -ship.length / 2)
+    trimmed = rows.side_force(side_force, -ship.length / 2)
     yield "rudder angle proportional to y", trimmed, SIZES["rudder with y"], WITH_OFFSET, f"deg {place}"
-
-
-def _lateral_force(rows: ForceRows, force: np.ndarray, lever: float) -> np.ndarray:
-    """A side force and its yaw moment, in the rows of every force."""
-    levers = {"Y": 1.0, "N": lever}
-    return np.outer([levers.get(name, 0.0) for name in rows.forces], force).ravel()
 
 
 def _unexcited_sway(rows: ForceRows, configuration: Configuration, column: np.ndarray) -> np.ndarray:
@@ -250,7 +232,7 @@ def _unexcited_sway(rows: ForceRows, configuration: Configuration, column: np.nd
         return np.zeros(rows.each * rows.count)
     sway = np.pi * ship.draft / ship.length + 1.4 * ship.block_coefficient * ship.beam / ship.length
     size = 0.5 * configuration.water.density * ship.length * ship.draft
-    return _lateral_force(rows, sway * size * column, 0.35 * ship.length / sway)
+    return rows.side_force(sway * size * column, 0.35 * ship.length / sway)
 
 
 def _motion(rows: ForceRows, configuration: Configuration) -> Iterator[EffectRow]:
@@ -295,15 +277,15 @@ def _effects(rows: ForceRows, errors: RunErrors, configuration: Configuration) -
     """The effects with a force and a size, and their columns, each of a usual size."""
     multiples = dict.fromkeys((HULL, DAMPING, INERTIA), errors.hull) | dict.fromkeys((BANK, SHAPE), errors.bank)
     tables = [] if errors.none else [_hull(rows)]
-    if tables and rows.forces != ("X",):
+    if tables and rows.lateral:
         tables += [_bank(rows), _with_offset(rows, configuration), _motion(rows, configuration), _gauges(rows)]
     effects, columns = [], []
     for name, column, size, group, unit in chain(*tables):
         usual = size * multiples.get(group.split(" by ")[0], errors.campaign)
-        if usual > 0 and np.abs(column).max(initial=0.0) > 0:
+        sizes = [rows.rms(part) / level for part, level in zip(np.split(column, rows.count), rows.level, strict=True)]
+        if usual > 0 and max(sizes) > 0:
             # Size at which the largest root mean square of the column is the level of its force.
-            parts = zip(column.reshape(rows.count, -1), rows.level, strict=True)
-            whole = 1 / float(max(rows.rms(part) / level for part, level in parts))
+            whole = 1 / max(sizes)
             most, linear = LARGEST_SIZES.get(unit.split(" ")[0], whole), LINEAR * whole if name in BENT else np.inf
             effects.append(Effect(name, unit, usual, group, most, linear))
             columns.append(column * usual)
