@@ -174,12 +174,17 @@ def test_sections_of_a_waterway_are_straight_between(ships: Any) -> None:
     close(np.arctan2(track[9 * 121 + 3], track[9 * 121 + 2]), 0.01 / 2 * 40.0, 1e-12)
 
 
+OUTLINE = [(2.0, 0.0), (1.4, 0.3), (-1.9, 0.3), (-1.9, -0.3), (1.4, -0.3)]
+
+
 @pytest.mark.parametrize(
-    "contact", ["midship", [(2.0, 0.0), (1.4, 0.3), (-1.9, 0.3), (-1.9, -0.3), (1.4, -0.3)]], ids=["midship", "outline"]
-)
-def test_hulls_of_other_shapes(ships: Any, contact: Any) -> None:
+    ("name", "contact"), [("paper", "midship"), ("paper", OUTLINE), ("steered", OUTLINE)],
+    ids=["midship", "outline", "outline in a waterway"],
+)  # fmt: skip
+def test_hulls_of_other_shapes(ships: Any, name: str, contact: Any) -> None:
+    water = bent(name) if name == "steered" else None
     # At midship the suction ends infinite, and the velocities with it: there the pose is what can be held.
-    voyages_agree(ships("paper", False, contact), "paper", None, contact, 3 if contact == "midship" else 6)
+    voyages_agree(ships(name, bool(water), contact), name, water, contact, 3 if contact == "midship" else 6)
 
 
 def voyages_agree(ship: CompiledShip, name: str, waterway: Any, contact: Any, held: int = 6) -> None:

@@ -23,24 +23,8 @@ from narrows.codegen.choices import (
     Actuated,
     Choices,
 )
-from narrows.codegen.free_motion import (
-    CORNERS,
-    INPUTS,
-    MIDSHIP,
-    OPEN,
-    STATE,
-    Expr,
-    exact_number,
-    point_names,
-)
-from narrows.codegen.lines import (
-    FUNCTIONS,
-    Lines,
-    clipped,
-    greatest,
-    least,
-    real,
-)
+from narrows.codegen.free_motion import CORNERS, INPUTS, MIDSHIP, OPEN, STATE, Expr, exact_number, point_names
+from narrows.codegen.lines import FUNCTIONS, Lines, clipped, greatest, least, real
 from narrows.codegen.rates import TURNED, Rates
 from narrows.physics.current import current_gradient
 from narrows.physics.rudder import gear_motion

@@ -162,8 +162,7 @@ class ExportedShip:
 
     @cached_property
     def _values(self) -> dict[str, Any]:
-        channel = self.channel.inputs if self.waterway is None else {}
-        outline = {name: value for name, value in channel.items() if name.startswith("outline_")}
+        outline = {name: value for name, value in self.channel.inputs.items() if name.startswith("outline_")}
         return {**DEFAULTS, **self.ship.values(), **outline}
 
     @cached_property
@@ -175,15 +174,14 @@ class ExportedShip:
     @cached_property
     def parameters(self) -> tuple[ExportedNumber, ...]:
         symbols = {str(symbol): name for name, symbol in self.portable.parameters.items()}
-        asked = self.programs["constants"].asked
-        missing = [symbols.get(name, name) for name in asked if self._values.get(symbols.get(name, name)) is None]
-        if missing:
-            raise InputError(f"the equations of motion need {missing[0]}; give it in the ship or the model file")
-        return tuple(self._parameter(name, symbols.get(name, name)) for name in asked)
-
-    def _parameter(self, name: str, known_as: str) -> ExportedNumber:
-        unit, meaning = self._quantity(known_as)
-        return ExportedNumber(name, float(np.ravel(self._values[known_as])[0]), unit, meaning)
+        known = {name: symbols.get(name, name) for name in self.programs["constants"].asked}
+        for name in known.values():
+            if self._values.get(name) is None:
+                raise InputError(f"the equations of motion need {name}; give it in the ship or the model file")
+        return tuple(
+            ExportedNumber(name, float(np.ravel(self._values[own])[0]), *self._quantity(own))
+            for name, own in known.items()
+        )
 
     def _quantity(self, name: str) -> Quantity:
         terms, actuators = self.ship.model.terms, self.ship.model.terms.actuators

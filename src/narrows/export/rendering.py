@@ -2,19 +2,20 @@
 
 import ast
 from collections.abc import Callable, Iterator, Mapping, Sequence, Set
-from importlib.util import find_spec
-from pathlib import Path
+from inspect import getsource
 from textwrap import wrap
 from typing import Any
 
 from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS, COUNTED, LENGTH
 from narrows.codegen.free_motion import INPUTS, STATE
+from narrows.codegen.kernels import event, filling, single
 from narrows.codegen.portable import PLACES
 from narrows.codegen.printers.language import Language
 from narrows.codegen.printers.python import PlainSource
 from narrows.codegen.printers.translation import Translation
 from narrows.export.exported_ship import ExportedShip
 from narrows.export.passport import RANGE_BITS, bits_in_words, ends_of_data
+from narrows.waterway import bank_clearance
 
 WIDTH = 108
 # Outcomes of a voyage, in the order of their codes.
@@ -25,17 +26,12 @@ CANNOT_INTEGRATE = (
 )
 
 # Modules of plain functions: the rule for ends of a voyage, banks of a waterway, one vessel to its end, tables.
-PLAIN = (
-    "narrows.codegen.kernels.event",
-    "narrows.waterway.bank_clearance",
-    "narrows.codegen.kernels.single",
-    "narrows.codegen.kernels.filling",
-)
+PLAIN = (event, bank_clearance, single, filling)
 
 
 def plain_functions(exported: ExportedShip) -> PlainSource:
     absent = frozenset[str]() if exported.waterway else frozenset({"waterway"})
-    return PlainSource(tuple(map(text_of, PLAIN)), exported.rule, absent)
+    return PlainSource(tuple(map(getsource, PLAIN)), exported.rule, absent)
 
 
 def places_in(exported: ExportedShip, language: Language) -> dict[str, str]:
@@ -104,13 +100,6 @@ def water_of(exported: ExportedShip, language: Language) -> dict[str, Any] | Non
     }
     places = {name: language.literal(channel.inputs[name]) for name in PLACES}
     return {"arrays": text, "lengths": {name: len(values) for name, values in arrays.items()}, "places": places}
-
-
-def text_of(module: str) -> str:
-    spec = find_spec(module)
-    assert spec is not None
-    assert spec.origin is not None
-    return Path(spec.origin).read_text(encoding="utf-8")
 
 
 def commented(text: str) -> str:

@@ -76,18 +76,19 @@ class Controller(Protocol):
 
 
 class _Law(BaseSummary):
+    # Each law writes these; the protocol documents them.
+    parameters, memory, orders = ControlLaw.parameters, ControlLaw.memory, ControlLaw.orders
+
     def summary(self) -> str:
         """Describe its numbers."""
-        return ", ".join(f"{name} = {_short(value)}" for name, value in vars(self).items())
-
-
-def _short(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else shortened(" ".join(str(value).split()), 40)
+        numbers = {
+            name: f"{v:.4g}" if isinstance(v, float) else " ".join(str(v).split()) for name, v in vars(self).items()
+        }
+        return ", ".join(f"{name} = {shortened(text, 40)}" for name, text in numbers.items())
 
 
 class _WithoutMemory(_Law):
     def memory(self, start: Named) -> Named:
-        """Return nothing: this law uses the present state alone."""
         return {}
 
 
@@ -118,17 +119,9 @@ class ConstantRudder(_WithoutMemory):
             raise InputError(f"a rudder held at {self.rudder} is no order; give its angle")
 
     def parameters(self) -> Mapping[str, Any]:
-        """Return the angle."""
         return {"angle": self.rudder}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the angle.
-
-        Parameters
-        ----------
-        at : object
-            Quantities by name.
-        """
         return {"rudder": at.angle}, {}
 
 
@@ -164,18 +157,10 @@ class RudderSchedule(_WithoutMemory):
             raise InputError("a schedule of the rudder needs finite times that rise, each with an angle; mend it")
 
     def parameters(self) -> Mapping[str, Any]:
-        """Return times and orders."""
         numbered = list(enumerate(self.pairs))
         return {f"time_{i}": float(t) for i, (t, _) in numbered} | {f"order_{i}": float(o) for i, (_, o) in numbered}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the current order.
-
-        Parameters
-        ----------
-        at : object
-            Quantities by name.
-        """
         order: Number = 0.0
         for number in range(len(self.pairs)):
             early = getattr(at, f"time_{number}") - at.t - ORDER_TOLERANCE * at.dt
@@ -220,27 +205,13 @@ class Zigzag(_Law):
             raise InputError("a zigzag needs a rudder angle and a positive change of heading; give both")
 
     def parameters(self) -> Mapping[str, Any]:
-        """Return rudder, heading, and the side of the first turn."""
         return {"angle": self.rudder, "change": self.heading, "first": np.sign(self.rudder)}
 
     def memory(self, start: Named) -> Named:
-        """Return the side of the current order relative to the first, and the heading at the start.
-
-        Parameters
-        ----------
-        start : mapping of str to number
-            The state at the start.
-        """
+        # The side of the current order relative to the first, and the heading at the start.
         return {"side": 1.0, "cos_start": start["cos_psi"], "sin_start": start["sin_psi"]}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the order, reversed if the heading has changed enough.
-
-        Parameters
-        ----------
-        at : object
-            Quantities by name.
-        """
         turned = angle(
             at.cos_psi * at.cos_start + at.sin_psi * at.sin_start, at.sin_psi * at.cos_start - at.cos_psi * at.sin_start
         )
@@ -292,18 +263,10 @@ class Autopilot(_WithoutMemory):
                 raise InputError(f"an autopilot with {number} steers nothing; give finite numbers")
 
     def parameters(self) -> Mapping[str, Any]:
-        """Return the steady course and the gains."""
         held = {"held_y": self.y, "held_psi": self.psi, "held_v": self.v, "held_rudder": self.rudder}
         return held | dict(zip(("by_y", "by_psi", "by_v", "by_r"), self.gains, strict=True))
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the order.
-
-        Parameters
-        ----------
-        at : object
-            Quantities by name.
-        """
         off = at.by_y * (at.y - at.held_y) + at.by_psi * (at.psi - at.held_psi)
         return {"rudder": at.held_rudder - (off + at.by_v * (at.v - at.held_v) + at.by_r * at.r)}, {}
 
@@ -323,11 +286,9 @@ class ExternalOrder(_WithoutMemory):
     """The law of a controller of Python: its order is a number, set before each step."""
 
     def parameters(self) -> Mapping[str, Any]:
-        """Return the order, amidships until the controller gives one."""
         return {"order": 0.0}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the order."""
         return {"rudder": at.order}, {}
 
 
@@ -340,7 +301,7 @@ STEERS, SINCE, ORDERED = "steers", "since", "ordered"
 
 
 @dataclass(frozen=True)
-class SwitchedLaw:
+class SwitchedLaw(ControlLaw):
     """Any control law with a switch; while it is off, an angle is ordered, which the law stores as its last."""
 
     law: ControlLaw  # Law used when it is on
@@ -348,26 +309,18 @@ class SwitchedLaw:
     since: Any = None  # Time of switching on [s]
 
     def parameters(self) -> Mapping[str, Any]:
-        """Return the law's numbers, the angle, and the switch or the time."""
         switch = {STEERS: 0.0} if self.since is None else {SINCE: self.since}
         return {**self.law.parameters(), ORDERED: self.angle, **switch}
 
     def memory(self, start: Named) -> Named:
-        """Return the law's memory."""
         return self.law.memory(start)
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the law's orders or the angle, and the memory."""
         orders, memory = self.law.orders(at)
-        on = self._on(at)
+        on = at.steers if self.since is None else at.t - at.since + ORDER_TOLERANCE * at.dt  # Over 0 if the law steers
         before = {name: at.ordered if name == LAST_ORDER else getattr(at, name) for name in memory}
         kept = {name: choice(on, value, before[name]) for name, value in memory.items()}
         return {**orders, "rudder": choice(on, orders["rudder"], at.ordered)}, kept
-
-    def _on(self, at: Any) -> Number:
-        """Return a number over 0 if the law steers."""
-        on: Number = at.steers if self.since is None else at.t - at.since + ORDER_TOLERANCE * at.dt
-        return on
 
 
 # An example of each law for a ship of a length [m], by name: docs list them, the tests run them in every engine.

@@ -105,9 +105,10 @@ def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
     0.1
     """
     numbers = state_of(state)
-    options = {name: given.pop(name) for name in ("surge", "surge_inertia", "coriolis") if name in given}
+    ship = SimulatedShip(
+        model, **{name: given.pop(name) for name in ("surge", "surge_inertia", "coriolis") if name in given}
+    )
     pushes = {INPUTS[force]: given.pop(force, 0.0) for force in FORCES}
-    ship = SimulatedShip(model, **options)
     check_positions(given, ship)
     known = finite_numbers(**numbers, **given)
     finite_numbers(**pushes, dt=dt)
@@ -201,30 +202,10 @@ def jacobian(
     ----------
     model : Model
         The ship in its canal.
-    y : float [m]
-        Midship to starboard of the centreline.
-    u : float [m/s]
-        Surge velocity.
-    x : float [m]
-        Along the canal.
-    psi : float [rad]
-        Heading.
-    v : float [m/s]
-        Sway velocity.
-    r : float [rad/s]
-        Yaw rate.
-    X, Y : float [N]
-        External surge and sway force.
-    N : float [N m]
-        External yaw moment.
-    surge : str
-        ``held``: constant speed; ``free``: it changes.
-    surge_inertia : float [kg], optional
-        Mass in surge with its added mass, for ``free`` if a_udot was not identifiable.
-    coriolis : bool
-        Add the rigid body's Coriolis force.
-    **positions : float
-        Positions of actuators by name: rudder [rad], revolutions [1/s]; at rest unless given.
+    y, u, x, psi, v, r : float [m, m/s, m, rad, m/s, rad/s]
+        The state; y is to starboard of the centreline.
+    X, Y, N, surge, surge_inertia, coriolis, **positions
+        As for ``derivative`` [N, N m, kg].
 
     Returns
     -------

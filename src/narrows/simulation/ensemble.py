@@ -18,14 +18,7 @@ from narrows.progress import bar
 from narrows.ship.actuators import PROPELLER
 from narrows.simulation.grid import Grid, grid_of, with_values
 from narrows.simulation.initial_state import check_irrelevant, voyage_defaults
-from narrows.simulation.inputs import (
-    Contact,
-    Precision,
-    check_steps,
-    check_vessels,
-    check_waterway,
-    check_workers,
-)
+from narrows.simulation.inputs import Contact, Precision, check_steps, check_vessels, check_waterway, check_workers
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
 from narrows.simulation.maps import Fleet
 from narrows.simulation.outcome import Code, measured, outside_notes, water_notes
@@ -62,18 +55,12 @@ def ensemble(
         Number of coefficient samples from the fit's covariance: a dimension ``sample``.
     seed : int
         Seed of the samples.
-    surge : str
-        ``held`` or ``free``.
-    surge_inertia : float [kg], optional
-        Mass in surge for a free speed where a_udot was not identifiable.
-    coriolis : bool
-        Add the rigid body's Coriolis force.
-    contact : str or points [m]
-        ``corners``, ``midship`` or an outline; ``none`` in open water.
+    surge, surge_inertia, coriolis, contact
+        As for ``simulate`` [kg, m].
     precision : str
         ``float64`` or ``float32``; single precision is for maps, not for numbers.
-    waterway : Waterway, optional
-        Waterway instead of the model's own canal, as in ``simulate``.
+    waterway
+        As for ``simulate``.
     controller : ControlLaw, optional
         A law in arithmetic that gives orders each step; its numbers may be DataArrays.
     workers : int, optional
@@ -84,8 +71,8 @@ def ensemble(
         Zarr folder for output block by block; an interrupted run continues from there.
     client : dask.distributed.Client, optional
         Run on a cluster, with a ``store`` that all its workers can reach.
-    bottom : bool
-        End voyages where the ship touches the bottom or chokes the section, as in ``simulate``.
+    bottom
+        As for ``simulate``.
     **vary : number, sequence or DataArray
         Start (x, y [m], psi [rad], u, v [m/s], r [rad/s]), inputs (X, Y [N], N [N m]), heave [m], rudder [rad],
         particulars (width, depth, length, beam, draft [m], block_coefficient [1], density [kg/m3]) and coefficients
@@ -214,14 +201,11 @@ def _beyond(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> Iterator[str]:
     start, ship, every = grid.values, {**run.ship.values(), **grid.values}, xr.zeros_like(voyages["outcome"], bool)
     end = {"x": start["x"] + voyages["distance"], **{name: voyages[f"{name}_end"] for name in ("y", "psi", "u", "r")}}
     channel = None if run.waterway is None else run.channel({})
-    sections = [
-        {name: at["x"].copy(data=column) for name, column in (channel.section(at["x"]) if channel else {}).items()}
-        for at in (start, end)
-    ]
-    moments = [
-        measured(at, {**ship, **section}, run.ship.shape != OPEN)
-        for at, section in zip((start, end), sections, strict=True)
-    ]
+    moments = []
+    for at in (start, end):
+        section = channel.section(at["x"]) if channel else {}
+        local = {name: at["x"].copy(data=column) for name, column in section.items()}
+        moments.append(measured(at, {**ship, **local}, run.ship.shape != OPEN))
 
     def beyond(measure: Measure, covered: str, outside: Any, values: Any) -> str:
         share, article = float((every | outside).mean()), "an" if measure.words[0] in "aeiou" else "a"

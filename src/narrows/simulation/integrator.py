@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from narrows.codegen.choices import LENGTH, SHARE, Choices
 from narrows.codegen.free_motion import MIDSHIP, OPEN
-from narrows.codegen.kernels import event
+from narrows.codegen.kernels import event, single
 from narrows.simulation.channel import Channel
 from narrows.simulation.controllers import Order, VoyageState
 from narrows.simulation.outcome import Code
@@ -37,16 +37,6 @@ class Row(NamedTuple):
 class End(NamedTuple):
     outcome: int  # Outcome code of ``event``
     side: float  # Clearance to port minus clearance to starboard [m]
-
-
-class StepAttempt(NamedTuple):
-    row: Row  # Start of the step
-    after: State  # State at its end
-    clearance: float  # Clearance there [m]
-    side: float  # Side there [m]
-    sane: bool  # True if that state is physical
-    before: float  # Clearance at its start [m]
-    left: float  # Planned steps after it
 
 
 @dataclass
@@ -108,8 +98,7 @@ class VoyageIntegrator:
         return Code.DIVERGED if outcome == event.LOST else event.cause(*self._ends(state), CONTACT_CLOSENESS)
 
     def _ends(self, state: State) -> tuple[float, float, float, float]:
-        left: tuple[float, float, float, float] = self.functions.ends(self._table, *state[:5], *self._end_inputs)
-        return left
+        return self.functions.ends(self._table, *state[:5], *self._end_inputs)  # type: ignore[no-any-return]
 
     def least_clearance(self, rows: Sequence[Row]) -> float | None:
         """Return the least clearance between hull and banks of a waterway [m]; None without an outline of the hull."""
@@ -138,47 +127,41 @@ class VoyageIntegrator:
     def integrate(self, rows: list[Row], stop: float, dt: float) -> End | None:
         """Integrate to a time, or to an earlier end of the voyage; return None if the time was reached."""
         begun, state, *_ = rows.pop()
-        book, within = schedule(stop - begun, dt), False
+        book, within, leaves = [0.0] * event.PLACES, False, self.choices.leaves
+        single.schedule(book, dt, stop - begun)
+        left, done, before = book[event.COUNT], 0, self.clearance(state, exact=False)[0]
         while book[event.COUNT] > 0:
-            tried = self._tried(rows, Row(begun + book[event.CLOCK], state, whole=not within), book)
-            leaves = self.choices.leaves
-            outcome = event.accept_step(
-                book, tried.left, tried.clearance, tried.before, tried.sane, CONTACT_TOLERANCE, self.near, leaves
-            )
+            # Equal steps while they are clear; the first that is not needs a decision.
+            trying, length = book[event.TRIES] > 0, book[event.NEXT]
+            t, left, done = begun + book[event.CLOCK] + done * length, left - 1, done + 1
+            self._ask(t, state)
+            after, clearance, side = self.stepped(state, length)
+            row, sane = Row(t, state, length, self._step_inputs[self._order], not within), self.sane(after, clearance)
+            if self._exact and sane and (clearance <= 0 or trying):
+                clearance, side = self._from_banks(after)
+            clear = sane and event.cleared(clearance, before, leaves) > 0
+            if clear and left > 0 and not trying:
+                rows.append(row)
+                state, before = after, clearance
+                continue
+            if self._exact and (trying or not clear):
+                before = self._from_banks(state)[0]
+            outcome = event.accept_step(book, left, clearance, before, sane, CONTACT_TOLERANCE, self.near, leaves)
             if outcome == event.LOST:
-                rows.append(Row(tried.row.t, tried.row.state))
-                return End(event.CLOSED if tried.before <= self.near else outcome, self.clearance(tried.row.state)[1])
+                rows.append(Row(t, state))
+                return End(event.CLOSED if before <= self.near else outcome, self.clearance(state)[1])
             if outcome != event.BACK:
-                rows.append(tried.row)
-            state = tried.row.state if outcome == event.BACK else tried.after
+                rows.append(row)
+                state = after
             if outcome == event.CLOSED:
                 rows.append(Row(begun + book[event.CLOCK], state))
-                return End(outcome, tried.side)
+                return End(outcome, side)
             within = book[event.TRIES] > 0 and (within or outcome == event.ON)
             if outcome == event.FINISHED:
                 break
+            left, done, before = book[event.COUNT], 0, self.clearance(state, exact=False)[0]
         rows.append(Row(stop, state))
         return None
-
-    def _tried(self, rows: list[Row], row: Row, book: event.StepState) -> StepAttempt:
-        """Take equal steps while they are clear, and return the first that needs a decision."""
-        trying, length, left = book[event.TRIES] > 0, book[event.NEXT], book[event.COUNT] - 1
-        begun, state, leaves, done = row.t, row.state, self.choices.leaves, 0
-        before = self.clearance(state, exact=False)[0]
-        while True:
-            t = begun + done * length
-            self._ask(t, state)
-            after, clearance, side = self.stepped(state, length)
-            sane = self.sane(after, clearance)
-            if self._exact and sane and (clearance <= 0 or trying):
-                clearance, side = self._from_banks(after)
-            passed = Row(t, state, length, self._step_inputs[self._order], row.whole)
-            clear = sane and event.cleared(clearance, before, leaves) > 0
-            if not clear or left <= 0 or trying:
-                before = self._from_banks(state)[0] if self._exact and (trying or not clear) else before
-                return StepAttempt(passed, after, clearance, side, sane, before, left)
-            rows.append(passed)
-            state, before, left, done = after, clearance, left - 1, done + 1
 
     def _ask(self, t: float, state: State) -> None:
         if self.order is None or t == self._asked:
@@ -203,15 +186,6 @@ class VoyageIntegrator:
         return interpolated
 
 
-def schedule(duration: float, dt: float) -> event.StepState:
-    """Return the plan of a voyage of whole steps and a last, shorter one."""
-    count = math.floor(duration / dt + 1e-9)
-    rest = duration - count * dt
-    book = [0.0] * event.PLACES
-    event.begin(book, dt, float(count), rest if rest > 1e-9 * dt else 0.0)
-    return book
-
-
 def near_the_bank(values: Mapping[str, Any]) -> float:
     """Return the distance at which a diverging motion counts as contact [m]."""
     return NEAR_THE_BANK * float(values["width"])
@@ -219,16 +193,12 @@ def near_the_bank(values: Mapping[str, Any]) -> float:
 
 def track_error(integrator: VoyageIntegrator, rows: Sequence[Row], dt: float) -> float:
     """Estimate the error of a voyage's final position due to its time step [m]."""
-    # Richardson extrapolation: some steps are repeated in two halves with the rudder held. Their errors add up over the
-    # voyage; growth of an error by the motion itself is ignored.
+    # Richardson extrapolation: some steps are repeated in two halves with the rudder held, and the error of a step of
+    # order 4 is 16/15 of the difference. The errors add up; growth of an error by the motion itself is ignored.
     integrator.set(rudder_rate=0.0, revolutions_rate=0.0)
-    whole = [row.state for row in rows[:-1] if row.ahead == dt]
-    errors = [_step_error(integrator, state, dt) for state in whole[:: max(1, len(whole) // STEP_CHECK_STEPS)]]
+    states, errors = [row.state for row in rows[:-1] if row.ahead == dt], []
+    for state in states[:: max(1, len(states) // STEP_CHECK_STEPS)]:
+        whole = integrator.stepped(state, dt)[0]
+        halves = integrator.stepped(integrator.stepped(state, dt / 2)[0], dt / 2)[0]
+        errors.append(16 / 15 * math.hypot(whole[0] - halves[0], whole[1] - halves[1]))
     return (rows[-1].t - rows[0].t) / dt * sum(errors) / max(len(errors), 1)
-
-
-def _step_error(integrator: VoyageIntegrator, state: tuple[float, ...], dt: float) -> float:
-    whole = integrator.stepped(state, dt)[0]
-    halves = integrator.stepped(integrator.stepped(state, dt / 2)[0], dt / 2)[0]
-    # The error of a step of order 4 is 16/15 of its difference from two halves.
-    return 16 / 15 * math.hypot(whole[0] - halves[0], whole[1] - halves[1])

@@ -82,31 +82,23 @@ class ColumnRun:
     def _stepped(self, vessels: np.ndarray, length: np.ndarray) -> np.ndarray:
         functions, before = self.system.columns, self.end[vessels].T
         asked = {**self.inputs, LENGTH: length, SHARE: 1.0}
-        inputs = [self._own(name, asked[name], vessels) for name in functions.STEP_INPUTS]
-        table = self.channel.water.table
+        table, leaves = self.channel.water.table, self.system.choices.leaves
         with np.errstate(all="ignore"):
-            *after, clearance, _ = functions.step(table, *before, *inputs)
-            clear = self._clear(
-                np.array([np.broadcast_to(one, len(vessels)) for one in after]), clearance, before, vessels
-            )
+            inputs = [self._own(name, asked[name], vessels) for name in functions.STEP_INPUTS]
+            *state, left, _ = functions.step(table, *before, *inputs)
+            after = np.array([np.broadcast_to(one, len(vessels)) for one in state])
+            if leaves:
+                inputs = [self._own(name, self.inputs[name], vessels) for name in functions.LEAST_CLEARANCE_INPUTS]
+                left = left - leaves * functions.least_clearance(table, *before[:5], *inputs)[0]
+            # Far from every contact, the end of a step needs no check.
+            most = np.array([self.inputs[name] for name in ("most_speed", "most_speed", "most_rate")])
+            clear = (np.abs(after[4:7]) < most[:, None]).all(axis=0) & (np.asarray(left) > 0)
         went = vessels[clear]
-        self.end[went] = np.array([np.broadcast_to(one, len(vessels))[clear] for one in after]).T
+        self.end[went] = after[:, clear].T
         self.time[went] += length[clear]
-        judged = [
-            self._judged(vessel, duration) for vessel, duration in zip(vessels[~clear], length[~clear], strict=True)
-        ]
-        return np.sort(np.concatenate([went, vessels[~clear][np.array(judged, bool)]]))
-
-    def _clear(self, after: np.ndarray, clearance: Any, before: np.ndarray, vessels: np.ndarray) -> np.ndarray:
-        """Return whether a step is far from every contact, so that its end needs no check."""
-        u, v, r = after[4:7]
-        fast, turning = self.inputs["most_speed"], self.inputs["most_rate"]
-        left = np.asarray(clearance)
-        if leaves := self.system.choices.leaves:
-            functions = self.system.columns
-            inputs = [self._own(name, self.inputs[name], vessels) for name in functions.LEAST_CLEARANCE_INPUTS]
-            left = left - leaves * functions.least_clearance(self.channel.water.table, *before[:5], *inputs)[0]
-        return np.asarray((np.abs(u) < fast) & (np.abs(v) < fast) & (np.abs(r) < turning) & (left > 0))
+        near = zip(vessels[~clear], length[~clear], strict=True)
+        judged = [vessel for vessel, duration in near if self._judged(vessel, duration)]
+        return np.sort(np.concatenate([went, np.array(judged, int)]))
 
     @staticmethod
     def _own(name: str, value: Any, vessels: np.ndarray) -> Any:
@@ -117,8 +109,11 @@ class ColumnRun:
 
     def _judged(self, vessel: int, length: float) -> bool:
         """Take one step of one vessel as in a single voyage, and return whether it continues."""
-        integrator = self._integrator(vessel)
-        begun = tuple(self.end[vessel].tolist())
+        one, begun = np.array([vessel]), tuple(self.end[vessel].tolist())
+        inputs = {name: float(np.ravel(self._own(name, value, one))[0]) for name, value in self.inputs.items()
+                  if isinstance(value, int | float | np.ndarray | np.number)}  # fmt: skip
+        near = near_the_bank({"width": inputs.get("width", 1.0)})
+        integrator = VoyageIntegrator(self.system.scalar, self.system.choices, inputs, self.channel, near)
         clearance, side = integrator.clearance(begun)
         if clearance <= 0 and begun[0] != self.channel.start:
             self._over(vessel, integrator, event.CLOSED, side)
@@ -130,13 +125,6 @@ class ColumnRun:
         if ended is not None:
             self._over(vessel, integrator, ended.outcome, ended.side)
         return ended is None
-
-    def _integrator(self, vessel: int) -> VoyageIntegrator:
-        one = np.array([vessel])
-        inputs = {name: float(np.ravel(self._own(name, value, one))[0]) for name, value in self.inputs.items()
-                  if isinstance(value, int | float | np.ndarray | np.number)}  # fmt: skip
-        near = near_the_bank({"width": inputs.get("width", 1.0)})
-        return VoyageIntegrator(self.system.scalar, self.system.choices, inputs, self.channel, near)
 
     def _over(self, vessel: int, integrator: VoyageIntegrator, outcome: int, side: float) -> None:
         code = integrator.cause(outcome, tuple(self.end[vessel].tolist()))

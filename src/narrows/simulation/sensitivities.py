@@ -157,16 +157,8 @@ def sensitivities(
     by : sequence of str, optional
         Names: x, y, psi, u, v, r at the start; rudder and other actuators there; external X, Y, N; current, in a
         waterway; coefficients; particulars; numbers of a control law. Default: all coefficients.
-    y : float [m]
-        Start to starboard of the centreline.
-    u : float [m/s], optional
-        Surge velocity at the start.
-    duration : float [s], optional
-        Longest duration.
-    dt : float [s], optional
-        Step; the defaults of all three suit the ship.
-    **voyage : Any
-        As for ``simulate``.
+    y, u, duration, dt, **voyage
+        As for ``simulate`` [m, m/s, s].
 
     Returns
     -------
@@ -223,39 +215,37 @@ class TangentIntegrator:
         check_angles(numbers)
         pushed = any(name in by or np.any(schedule) for name, schedule in schedules.items())
         integrator, start = initial_state(ship, steering, numbers, waterway, pushed)
-        return cls(ship, steering, integrator, start, numbers, schedules, tuple(by), waterway is not None)._checked()
+        tangent = cls(ship, steering, integrator, start, numbers, schedules, tuple(by), waterway is not None)
+        for name in by:
+            if name not in tangent.values:
+                known = list(tangent.values)
+                raise InputError(f"a voyage has no {name!r} to differentiate by{did_you_mean(name, known)}")
+        if len(set(by)) < len(by):
+            raise InputError("a name to differentiate by stands twice; give each once")
+        return tangent
 
     def with_coefficients(self, model: Model) -> "TangentIntegrator":
         """Return the same start and choices for a model that differs in its coefficients alone, without checks."""
         ship, channel = replace(self.ship, model=model), self.integrator.channel
-        values = ship.values(**self._positions)
+        moved = replace(self, ship=ship)
+        values = moved._ship_values
         inputs = {**self.integrator.inputs, **values, **self._system.constants(values), **channel.inputs}
-        moved = replace(self, ship=ship, integrator=replace(self.integrator, inputs=inputs))
+        moved = replace(moved, integrator=replace(self.integrator, inputs=inputs))
         # The generated code depends on terms and choices.
         moved.__dict__.update({name: getattr(self, name) for name in ("_system", "_module", "_integrate")})
         return moved
 
-    def _checked(self) -> "TangentIntegrator":
-        for name in self.by:
-            if name not in self.values:
-                raise InputError(f"a voyage has no {name!r} to differentiate by{did_you_mean(name, list(self.values))}")
-        if len(set(self.by)) < len(self.by):
-            raise InputError("a name to differentiate by stands twice; give each once")
-        return self
-
-    @property
-    def _positions(self) -> dict[str, float]:
-        return {name: value for name, value in self.numbers.items() if name not in START}
-
     @cached_property
     def _ship_values(self) -> dict[str, Any]:
-        return self.ship.values(**self._positions)
+        return self.ship.values(**{name: value for name, value in self.numbers.items() if name not in START})
 
     @cached_property
     def values(self) -> dict[str, float]:
         """Quantities that allow differentiation, with their values."""
         parameters = self._system.parameters
-        particulars = {name: self._ship_values[name] for name in parameters if name in self._particulars}
+        particulars = {
+            name: self._ship_values[name] for name in parameters if name in self.ship.model.configuration.values()
+        }
         law = self.steering.parameters if self.steering else {}
         return {
             **{name: self.numbers[name] for name in START},
@@ -266,10 +256,6 @@ class TangentIntegrator:
             **({"current": float(self.integrator.inputs["current"])} if self.waterway else {}),
             **{name.removeprefix(PARAMETER("")): float(np.ravel(value)[0]) for name, value in law.items()},
         }
-
-    @cached_property
-    def _particulars(self) -> tuple[str, ...]:
-        return tuple(self.ship.model.configuration.values())
 
     @cached_property
     def _system(self) -> System:
@@ -353,16 +339,15 @@ class TangentIntegrator:
         moving, module = self.input_slopes, self._module
         inputs = {LENGTH: 0.0, **self.integrator.inputs, **others}
         values = np.array([float(inputs[name]) for name in module.INPUTS])
-        along = np.array([moving.get(name, np.zeros(len(self.by))) for name in module.INPUTS[: module.MOVING]])
+        along = [moving.get(name, np.zeros(len(self.by))) for name in module.INPUTS[: module.MOVING]]
         known = [name for name in module.INPUTS if name in orders]
         places = np.array([module.INPUTS.index(name) for name in known], np.int64)
         changing = np.array([orders[name] for name in known], float).reshape(len(known), len(lengths))
         count, by = len(lengths) + len(starts), len(self.by)
         states, slopes = np.empty((count, module.KEPT)), np.empty((count, module.KEPT, by))
         self._integrate(
-            np.ascontiguousarray(starts, float), np.ascontiguousarray(start_slopes),
-            np.asarray(first, np.int64), values,
-            along.reshape(module.MOVING, by), places, np.ascontiguousarray(changing.T), lengths, 1,
+            np.ascontiguousarray(starts, float), np.ascontiguousarray(start_slopes), np.asarray(first, np.int64),
+            values, np.reshape(along, (module.MOVING, by)), places, np.ascontiguousarray(changing.T), lengths, 1,
             self.integrator.channel.water.table, states, slopes,
         )  # fmt: skip
         return states, slopes
@@ -371,7 +356,7 @@ class TangentIntegrator:
     def _module(self) -> ModuleType:
         # All inputs that can have a derivative, whatever ``by`` is, so that few modules are ever made.
         law, scalar = self.steering.parameters if self.steering else {}, self._system.scalar
-        can = {*scalar.CONSTANTS, *law, *INPUTS.values(), *self._particulars, "current"}
+        can = {*scalar.CONSTANTS, *law, *INPUTS.values(), *self.ship.model.configuration.values(), "current"}
         return self._system.tangent(tuple(name for name in scalar.STEP_INPUTS if name in can))
 
     @cached_property

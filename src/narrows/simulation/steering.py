@@ -29,26 +29,22 @@ class Steering:
 
 
 def steering_of(controller: Any, actuators: Sequence[Actuated]) -> Steering | None:
+    law, asked = controller, None
     if controller is None:
         return None
-    if isinstance(controller, ControlLaw):
-        return _steering(controller, tuple(actuators), None)
-    if isinstance(controller, Controller):
-        return _steering(ExternalOrder(), tuple(actuators), controller)
-    if callable(controller) and not isinstance(controller, type):
-        return _steering(ExternalOrder(), tuple(actuators), Ordering(controller))
-    raise InputError(
-        f"a {type(controller).__name__} is no controller: it has neither `orders` (a law in arithmetic) nor `begin`, "
-        "and is no function of time and state"
-    )
-
-
-def _steering(controller: ControlLaw, actuators: tuple[Actuated, ...], asked: Controller | None) -> Steering:
-    parameters = dict(controller.parameters())
-    start = dict.fromkeys((*STATE, *(actuator.name for actuator in actuators)), 0.0)
-    memory = tuple(controller.memory(start))
-    law = _law(controller, tuple(parameters), memory, actuators)
-    return Steering(law, {PARAMETER(name): value for name, value in parameters.items()}, controller, asked)
+    if not isinstance(controller, ControlLaw):
+        law, asked = ExternalOrder(), controller
+        if not isinstance(controller, Controller):
+            if not callable(controller) or isinstance(controller, type):
+                raise InputError(
+                    f"a {type(controller).__name__} is no controller: it has neither `orders` (a law in arithmetic) "
+                    "nor `begin`, and is no function of time and state"
+                )
+            asked = Ordering(controller)
+    parameters = dict(law.parameters())
+    memory = tuple(law.memory(dict.fromkeys((*STATE, *(actuator.name for actuator in actuators)), 0.0)))
+    traced = _law(law, tuple(parameters), memory, tuple(actuators))
+    return Steering(traced, {PARAMETER(name): value for name, value in parameters.items()}, law, asked)
 
 
 def _law(

@@ -214,7 +214,7 @@ def lane_functions() -> dict[str, tuple[str, str]]:
     return {
         "sine": _estrin("q", [sign / factorial(2 * k + 1) for k, sign in enumerate(signs)]),
         "cosine": _estrin("q", [sign / factorial(2 * k) for k, sign in enumerate(signs)]),
-        "exp": _estrin("r", [1 / factorial(k) for k in range(WIDTHS["float64"].degree + 1)]),
+        "exp": _estrin("r", [1 / factorial(k) for k in range(WIDTHS["float64"]["degree"] + 1)]),
     }
 
 
