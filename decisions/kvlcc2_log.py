@@ -20,7 +20,7 @@ from scipy.signal import savgol_filter
 import narrows as nw
 from narrows.logbook.filtering.search import SearchResult, search
 from narrows.logbook.learning.learn_log import log_result
-from narrows.logbook.learning.log_posterior import covariance_before
+from narrows.logbook.learning.log_posterior import with_spread
 from narrows.logbook.learning.log_setup import log_problem
 from narrows.ship.actuators import Actuator
 
@@ -50,7 +50,8 @@ def hsva(folder: Path) -> list[nw.ShipRecord]:
 
 def smoothed(model: nw.Model, records: Iterable[nw.ShipRecord], seconds: float, spread: float) -> nw.Model:
     """The rival: velocities and accelerations by smoothing, then one regression of the balance of forces."""
-    names = [n for n, size in zip(model.terms.names, np.diag(covariance_before(model, spread)), strict=True) if size]
+    sizes = np.diag(with_spread(model, spread).covariance)
+    names = [n for n, size in zip(model.terms.names, sizes, strict=True) if size]
     rows, right, force_of = [], [], []
     for record in records:
         values = _smoothed_motion(model, record, seconds)

@@ -7,7 +7,7 @@ import numpy as np
 import narrows as nw
 from narrows.logbook.filtering.likelihood import RecordLikelihood
 from narrows.logbook.filtering.search import SearchResult, search
-from narrows.logbook.learning.log_posterior import posterior_covariance, posterior_mean
+from narrows.logbook.learning.log_posterior import posterior_mean
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
 
 KCS = nw.published("estimated_kcs").in_open_water()
@@ -38,7 +38,7 @@ def test_mean_and_covariance_are_those_of_a_quadrature() -> None:
     (grid,), path = setup, result.records[0].path
     assert path is not None
     likelihood = RecordLikelihood(problem, grid)
-    sizes, axes = np.linalg.eigh(posterior_covariance(problem, result.information))
+    sizes, axes = np.linalg.eigh(problem.covariance(result.information))
     nodes = np.stack(np.meshgrid(*2 * [np.linspace(-REACH, REACH, NODES)]), axis=-1).reshape(-1, 2)
     unknowns = mode + nodes * np.sqrt(sizes) @ axes.T
     cost = np.array([likelihood.cost(at, path) + at @ problem.precision @ at for at in unknowns])
@@ -57,4 +57,4 @@ def test_with_known_inertia_the_mean_is_the_mode() -> None:
     _, result = found({"N_rudder": 0.4})
     ours, spread = posterior_mean(result)
     np.testing.assert_array_equal(ours, result.unknowns)
-    np.testing.assert_array_equal(spread, posterior_covariance(result.problem, result.information))
+    np.testing.assert_array_equal(spread, result.problem.covariance(result.information))

@@ -57,9 +57,7 @@ def posed(*seeds: int) -> LogSetup:
 def expected(log: LogSetup, copies: int = 1) -> dict[str, float]:
     """Standard errors by the expected information."""
     push = BREEZE.gust_push(ship())
-    return expected_std(
-        ship(), log.before, log.problem, copies * expected_information(log, push @ push.T, BREEZE.gust_time)
-    )
+    return expected_std(log.problem, copies * expected_information(log, push @ push.T, BREEZE.gust_time))
 
 
 def test_what_is_predicted_of_transits_is_what_fits_to_them_find() -> None:

@@ -180,6 +180,7 @@ class StochasticModel:
 class CoefficientPrior:
     """Normal prior of the coefficients, in units of their standard deviations."""
 
+    model: Model  # Mean and covariance of all coefficients
     groups: tuple[tuple[str, ...], ...]  # Coefficients that are estimated; those of a group are one
     mean: np.ndarray  # (p,) Mean of each group, in its own unit
     scale: np.ndarray  # (p,) Its standard deviation
@@ -223,6 +224,11 @@ class Unknowns:
         matrix = np.diag(np.concatenate([np.zeros(self.count), self.spreads**-2.0]))
         matrix[: self.count, : self.count] = self.prior.precision
         return matrix
+
+    def covariance(self, information: np.ndarray) -> np.ndarray:
+        """Return the covariance of all unknowns by information and prior, (P, P)."""
+        covariance = np.linalg.inv(information + self.precision)
+        return np.asarray((covariance + covariance.T) / 2)
 
 
 @dataclass(frozen=True)

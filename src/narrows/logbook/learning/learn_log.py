@@ -144,12 +144,12 @@ def log_result(
     posed: LogSetup, found: SearchResult, free: Sequence[str], piloted: SearchResult | None = None
 ) -> LogFit:
     """Return the answer of a search, averaged with that of one with a pilot where there is one."""
-    prior = replace(posed.model, covariance=posed.before)
-    after = _posterior(posed, found)
+    prior = posed.problem.prior.model
+    after = _posterior(found)
     apart: tuple[str, ...] = ()
     if piloted is not None and piloted.records and not (piloted.diverged or piloted.interrupted):
-        given, joint = after, _posterior(posed, piloted)
-        after, apart = averaged(given, joint), rudder_matters(posed.model, given, joint)
+        given, joint = after, _posterior(piloted)
+        after, apart = averaged(given, joint), rudder_matters(prior, given, joint)
     answers = record_answers(found, posed)
     ranges = np.stack([one.ranges for one in found.records]).T
     came, learned = learned_model(prior, after.values, after.covariance, "", *ranges)
@@ -164,14 +164,13 @@ def log_result(
     source = _source(posed.log, posed.assumptions.grade.name, prior, len(answers))
     return LogFit(
         replace(came, source=source), prior, learned, answers, _gusts(found), _noise(found), after.disagreement,
-        after.freedom, after.probability, _inertia(posed.model, found.problem), about, found.converged,
+        after.freedom, after.probability, _inertia(found.problem), about, found.converged,
     )  # fmt: skip
 
 
-def _posterior(posed: LogSetup, found: SearchResult) -> LogPosterior:
+def _posterior(found: SearchResult) -> LogPosterior:
     scores = np.stack([one.score for one in found.records])
-    known = posed.model, posed.before, found.problem, found.unknowns, found.information, scores
-    return log_posterior(*known, posterior_mean(found))
+    return log_posterior(found.problem, found.unknowns, found.information, scores, posterior_mean(found))
 
 
 def rudder_matters(model: Model, given: LogPosterior, joint: LogPosterior) -> tuple[str, ...]:
@@ -188,7 +187,8 @@ def rudder_matters(model: Model, given: LogPosterior, joint: LogPosterior) -> tu
     )
 
 
-def _inertia(model: Model, problem: LogProblem) -> tuple[str, ...]:
+def _inertia(problem: LogProblem) -> tuple[str, ...]:
+    model = problem.prior.model
     seconds, free = {second for _, second in model.terms.ties}, problem.motion.integrator.ship.surge == "free"
     acting = [term for force, terms in model.terms.forces.items() if force != "X" or free for term in terms]
     return tuple(term.name for term in acting if term.kind == TermKind.INERTIA and term.name not in seconds)

@@ -12,7 +12,6 @@ from narrows.logbook.filtering.log_problem import CURRENT, PUSHES, LogProblem, S
 from narrows.logbook.filtering.record_grid import CURRENT_X, CURRENT_Y, HELM, OFFSET, RUDDER, RUDDER_OFFSET, RecordGrid
 from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
 from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer, LearnedCoefficient
-from narrows.logbook.learning.log_posterior import posterior_covariance
 from narrows.logbook.ship_log import size_of
 from narrows.model.model import Model
 
@@ -77,8 +76,8 @@ def record_answers(found: SearchResult, grids: Iterable[RecordGrid]) -> tuple[Re
 
 def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool, nomoto: float | None) -> RecordAnswer:
     problem, prior, count = found.problem, found.problem.prior, found.problem.count
-    after = posterior_covariance(problem, found.information)
-    without = posterior_covariance(problem, found.information - one.information)
+    after = problem.covariance(found.information)
+    without = problem.covariance(found.information - one.information)
     moved = (without @ one.score)[:count] * prior.free
     gone = np.clip(1 - np.diag(after) / np.diag(without), 0.0, 1.0)[:count]
     path = one.path or RecordLikelihood(problem, grid).smoothed(found.unknowns, None, FIRST_PASSES)

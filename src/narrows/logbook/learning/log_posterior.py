@@ -1,6 +1,6 @@
 """Coefficients before a log, and after it: prior, posterior mean, and standard errors by the scatter of records."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,16 +35,13 @@ NO_PRIOR = (
 )
 
 
-def covariance_before(model: Model, spread: Spread | None) -> np.ndarray:
+def with_spread(model: Model, spread: Spread | None) -> Model:
+    """Return a model with the covariance of a stated spread, or its own."""
     # Inertia is held where a spread is stated: motion determines only forces over inertia.
     if spread is None:
         if model.covariance is None:
             raise InputError(NO_PRIOR)
-        return np.asarray(model.covariance, float)
-    return np.diag(_stated(model, spread) ** 2)
-
-
-def _stated(model: Model, spread: Spread) -> np.ndarray:
+        return model
     names = model.terms.names
     if isinstance(spread, Mapping):
         for name in spread:
@@ -56,23 +53,23 @@ def _stated(model: Model, spread: Spread) -> np.ndarray:
         sizes = np.array([spread * abs(model.coefficients[name]) * (name not in held) for name in names])
     if not (np.isfinite(sizes).all() and (sizes >= 0).all() and sizes.any()):
         raise InputError(f"a spread of {spread} is none: give a share over 0, or standard deviations by coefficient")
-    return sizes
+    return replace(model, covariance=np.diag(sizes**2))
 
 
-def with_asymmetry_before(model: Model, covariance: np.ndarray, u: float) -> tuple[Model, np.ndarray]:
-    """Return a model with an asymmetry, and the covariance with a prior of it where there is none."""
-    # covariance (n, n); u [m/s]
+def with_uncertain_asymmetry(model: Model, u: float) -> Model:
+    """Return a model with an asymmetry, as uncertain as that of a turned rudder where its size is not known."""
+    # u [m/s]
     old, names = model.terms.names, asymmetry_names(model.terms)
     if names[0] not in old:
         table = with_asymmetry(model.terms)
         zeros = {**model.coefficients, **dict.fromkeys(names, 0.0)}
-        model = replace(model, terms=table, coefficients={name: zeros[name] for name in table.names}, covariance=None)
+        model = replace(model, terms=table, coefficients={name: zeros[name] for name in table.names})
     places, whole = [model.terms.names.index(name) for name in old], np.zeros((len(model.terms),) * 2)
-    whole[np.ix_(places, places)] = covariance
+    whole[np.ix_(places, places)] = model.covariance
     for name, size in zip(names, _turned_rudder(model, u), strict=True):
         place = model.terms.names.index(name)
         whole[place, place] = whole[place, place] or size**2
-    return model, whole
+    return replace(model, covariance=whole)
 
 
 def _turned_rudder(model: Model, u: float) -> list[float]:
@@ -87,11 +84,9 @@ def _turned_rudder(model: Model, u: float) -> list[float]:
     return sizes
 
 
-def coefficient_prior(
-    model: Model, covariance: np.ndarray, surge: str, free: frozenset[str] | None = None
-) -> CoefficientPrior:
-    """Return what is known of the coefficients that a motion can move."""
-    # covariance (n, n)
+def coefficient_prior(model: Model, surge: str, free: Collection[str] = ()) -> CoefficientPrior:
+    """Return what is known of the coefficients that a motion can move; those of ``free``, or all, may change."""
+    covariance = np.asarray(model.covariance)
     acting = [force for force in FORCES if force != "X" or surge == "free"]
     names = [term.name for force in acting for term in model.terms.forces[force]]
     known = {name: covariance[i, i] > 0 for i, name in enumerate(model.terms.names)}
@@ -102,10 +97,10 @@ def coefficient_prior(
     ends = [np.array([model.terms[name].bound for name in group]).T for group in groups]
     bounds = np.array([(low.max(), high.min()) for low, high in ends]).reshape(len(groups), 2)
     mean = np.array([model.coefficients[group[0]] for group in groups])
-    changes = np.array([free is None or not free.isdisjoint(group) for group in groups])
+    changes = np.array([not free or not set(free).isdisjoint(group) for group in groups])
     sizes, axes = np.linalg.eigh(part / np.outer(scale, scale))  # Coefficients that are known as one stay so nearly.
     precision = (axes / np.maximum(sizes, RANK * max(sizes[-1], 1.0))) @ axes.T
-    return CoefficientPrior(groups, mean, scale, precision, bounds, changes)
+    return CoefficientPrior(model, groups, mean, scale, precision, bounds, changes)
 
 
 def _groups(model: Model, names: Sequence[str]) -> tuple[tuple[str, ...], ...]:
@@ -118,9 +113,10 @@ def _groups(model: Model, names: Sequence[str]) -> tuple[tuple[str, ...], ...]:
     return tuple(tuple(name for name in names if leader[name] == head) for head in dict.fromkeys(leader.values()))
 
 
-def push_inertia(model: Model, prior: CoefficientPrior, u: float, surge_inertia: float | None = None) -> np.ndarray:
+def push_inertia(prior: CoefficientPrior, u: float, surge_inertia: float | None = None) -> np.ndarray:
     """Return what resists accelerations, by the terms, (3, 1 + p)."""
     # u [m/s]; surge_inertia [kg]
+    model = prior.model
     names = {name: place for place, group in enumerate(prior.groups) for name in group}
     still = {**SimulatedShip(model).values(), **Motion.at(u=u).values()}
     inertia = np.zeros((3, 1 + len(prior.groups)))
@@ -138,7 +134,6 @@ def push_inertia(model: Model, prior: CoefficientPrior, u: float, surge_inertia:
 class LogPosterior:
     values: np.ndarray  # (n,) All of them, in the order of the table
     covariance: np.ndarray  # (n, n)
-    scaled: np.ndarray  # (p, p) Covariance of the estimated ones, in units of their prior standard deviations [1]
     disagreement: float  # Square of how far the log moved them, over what was expected of it [1]
     freedom: int  # How many combinations of them the log determines
 
@@ -151,19 +146,20 @@ class LogPosterior:
 
 
 def log_posterior(
-    model: Model, before: np.ndarray, problem: Unknowns, unknowns: np.ndarray, information: np.ndarray,
-    scores: np.ndarray | None = None, moments: tuple[np.ndarray, np.ndarray] | None = None,
+    problem: Unknowns, unknowns: np.ndarray, information: np.ndarray, scores: np.ndarray | None = None,
+    moments: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> LogPosterior:  # fmt: skip
-    """Return the posterior by the covariance before (n, n), the information (P, P), and scores of records (N, P).
+    """Return the posterior of all coefficients by the information (P, P), and scores of records (N, P).
 
     It has the unknowns (P,) as its mean and the covariance of prior and information unless moments (P,), (P, P) are
     given.
     """
-    prior, count = problem.prior, problem.count
-    mean, covariance = moments or (unknowns, posterior_covariance(problem, information))
+    prior, count, model = problem.prior, problem.count, problem.prior.model
+    mean, covariance = moments or (unknowns, problem.covariance(information))
     if scores is not None and len(scores) > 1:
         covariance = sandwich(covariance, information, scores)
-    weights = regression_on_estimated(model, before, prior)
+    before = np.asarray(model.covariance)
+    weights = regression_on_estimated(prior)
     places = [model.terms.names.index(name) for name in prior.names]
     known = covariance[:count, :count] * np.outer(prior.scale, prior.scale)
     after = before + weights @ (known - before[np.ix_(places, places)]) @ weights.T
@@ -177,7 +173,7 @@ def log_posterior(
         after[np.ix_(held, held)] = before[np.ix_(held, held)]
     values = moved + [model.coefficients[name] for name in model.terms.names]
     disagreement = _disagreement(problem, information, unknowns[:count])
-    return LogPosterior(values, (after + after.T) / 2, covariance[:count, :count], *disagreement)
+    return LogPosterior(values, (after + after.T) / 2, *disagreement)
 
 
 def averaged(one: LogPosterior, other: LogPosterior) -> LogPosterior:
@@ -190,10 +186,10 @@ def averaged(one: LogPosterior, other: LogPosterior) -> LogPosterior:
     return replace(agreeing, values=one.values - apart, covariance=covariance)
 
 
-def expected_std(model: Model, before: np.ndarray, problem: Unknowns, information: np.ndarray) -> dict[str, float]:
+def expected_std(problem: Unknowns, information: np.ndarray) -> dict[str, float]:
     """Return the standard error of every coefficient that this information (P, P) leaves."""
-    after = log_posterior(model, before, problem, np.zeros(len(information)), information)
-    return dict(zip(model.terms.names, np.sqrt(np.diag(after.covariance)).tolist(), strict=True))
+    after = log_posterior(problem, np.zeros(len(information)), information)
+    return dict(zip(problem.prior.model.terms.names, np.sqrt(np.diag(after.covariance)).tolist(), strict=True))
 
 
 def sandwich(covariance: np.ndarray, information: np.ndarray, scores: np.ndarray) -> np.ndarray:
@@ -210,17 +206,11 @@ def sandwich(covariance: np.ndarray, information: np.ndarray, scores: np.ndarray
     return np.asarray(covariance + root @ wider @ root.T)
 
 
-def posterior_covariance(problem: Unknowns, information: np.ndarray) -> np.ndarray:
-    """Return the covariance of all unknowns by information (P, P) and prior."""
-    covariance = np.linalg.inv(information + problem.precision)
-    return np.asarray((covariance + covariance.T) / 2)
-
-
-def regression_on_estimated(model: Model, before: np.ndarray, prior: CoefficientPrior) -> np.ndarray:
+def regression_on_estimated(prior: CoefficientPrior) -> np.ndarray:
     """Return the regression of every coefficient on the estimated ones: ties, and correlations of the prior."""
-    names = model.terms.names
+    names = prior.model.terms.names
     places = [names.index(name) for name in prior.names]
-    across = before[:, places] / prior.scale @ prior.precision / prior.scale
+    across = np.asarray(prior.model.covariance)[:, places] / prior.scale @ prior.precision / prior.scale
     for place, group in enumerate(prior.groups):
         for name in group:
             across[names.index(name)] = np.eye(len(places))[place]
@@ -247,7 +237,7 @@ def posterior_mean(found: SearchResult) -> tuple[np.ndarray, np.ndarray]:
     from scipy import special, stats
 
     problem, mode, information = found.problem, found.unknowns, found.information
-    covariance = posterior_covariance(problem, information)
+    covariance = problem.covariance(information)
     if not problem.inertia[:, 1:].any():
         return mode, covariance
     sobol = stats.qmc.Sobol(len(mode), seed=SEED).random(POINTS)
@@ -289,7 +279,7 @@ def _axes(problem: LogProblem) -> tuple[np.ndarray, np.ndarray]:
     """Places of the coefficients of forces that one axis of motion alone takes, and these axes."""
     axes = {
         term.name: axis
-        for axis, terms in enumerate(problem.motion.model.terms.forces.values())
+        for axis, terms in enumerate(problem.prior.model.terms.forces.values())
         for term in terms
         if term.kind != TermKind.INERTIA
     }

@@ -38,9 +38,9 @@ from narrows.logbook.filtering.record_grid import (
 from narrows.logbook.learning.log_posterior import (
     Spread,
     coefficient_prior,
-    covariance_before,
     push_inertia,
-    with_asymmetry_before,
+    with_spread,
+    with_uncertain_asymmetry,
 )
 from narrows.logbook.reading.read_log import stream_log
 from narrows.logbook.sensor_grades import GRADES, SensorGrade, SignalGrade, sensor_grade
@@ -203,8 +203,6 @@ class LogSetup:
     problem: LogProblem  # With the prior
     log: Iterable[ShipRecord]  # That can be gone through again and again
     assumptions: LogAssumptions
-    before: np.ndarray  # (n, n) Covariance of all coefficients
-    model: Model  # With an asymmetry where one is learned
 
     def __iter__(self) -> Iterator[RecordGrid]:
         yield from self._held if self._held is not None else self._laid_out([])
@@ -232,7 +230,7 @@ class LogSetup:
                     notes.append(f"{error}.")
 
     def _grid(self, record: ShipRecord) -> RecordGrid:
-        usual, ship = self.problem.motion.positions, self.model.configuration.ship
+        usual, ship = self.problem.motion.positions, self.problem.prior.model.configuration.ship
         if RUDDER in usual and not (RUDDER in record and len(record[RUDDER])):
             raise InputError(f"record {record.name} has no rudder angle: bank and helm cannot be separated; record it")
         if abs(record.condition.get("draft", ship.draft) / ship.draft - 1) > OTHER_DRAFT:
@@ -257,21 +255,21 @@ def log_problem(
     signals, rounding, u = _looked_at(records)
     length = model.configuration.ship.length
     assumptions = LogAssumptions(grade, gusty, surge, pilot and gusty, signals, rounding, length, u)
-    before = covariance_before(model, spread)
+    model = with_spread(model, spread)
     steered = RUDDER in {own.name for own in model.terms.actuators}
     if steered and (not gusty and not free if asymmetry is None else asymmetry):
-        model, before = with_asymmetry_before(model, before, u)
+        model = with_uncertain_asymmetry(model, u)
     for name in free:
         if name not in model.terms.names:
             raise InputError(f"free: there is no coefficient {name!r}{did_you_mean(name, model.terms.names)}")
-    prior = coefficient_prior(model, before, surge, frozenset(free) or None)
+    prior = coefficient_prior(model, surge, free)
     options = {"contact": "midship" if model.terms.has_bank else "none", "u": u, **choices}
     if water := waterway or getattr(records, "waterway", None):
         check_along_only(water, "learning")
         options |= {"waterway": water, "x": water.line.length / 2}
     motion = RecordedMotion(model, _positions(model, assumptions), (), options)
-    inertia = push_inertia(model, prior, u, choices.get("surge_inertia"))
-    return LogSetup(assumptions.problem(motion, prior, inertia), records, assumptions, before, model)
+    inertia = push_inertia(prior, u, choices.get("surge_inertia"))
+    return LogSetup(assumptions.problem(motion, prior, inertia), records, assumptions)
 
 
 def _records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:

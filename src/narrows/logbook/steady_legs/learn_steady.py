@@ -9,7 +9,7 @@ import numpy as np
 from narrows.control.steady_course import check_inside, check_rudder
 from narrows.errors import InputError
 from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer, LearnedCoefficient, learned_model
-from narrows.logbook.learning.log_posterior import log_posterior, posterior_covariance
+from narrows.logbook.learning.log_posterior import log_posterior
 from narrows.logbook.settings import CONTRADICTION, WRONG_SIGN_GAIN
 from narrows.logbook.steady_legs.leg_balance import LegFit, LegProblem
 from narrows.logbook.steady_legs.steady_readings import (
@@ -166,12 +166,12 @@ def learn_steady(
     problem = LegProblem.of(model, conditions)
     found = problem.fit(readings)
     checks = steady_checks(readings, found, problem)
-    posterior = log_posterior(model, np.asarray(model.covariance), problem, found.unknowns, found.information)
+    posterior = log_posterior(problem, found.unknowns, found.information)
     after, learned = learned_model(
         model, posterior.values, posterior.covariance, f"learned from {readings.summary()} ({readings.source})",
         abs(read["y"]), read["u"], checks.contradicted,
     )  # fmt: skip
-    std = np.sqrt(np.diag(posterior_covariance(problem, found.information)))
+    std = np.sqrt(np.diag(problem.covariance(found.information)))
     common = problem.common[:, None] * np.stack([found.unknowns, std], axis=1)[problem.count :]
     shared = dict(zip(UNKNOWN, map(tuple, common.tolist()), strict=True))
     return SteadyFit(after, model, readings, conditions, learned, shared, found.latent, checks)
@@ -215,7 +215,7 @@ def steady_checks(readings: SteadyReadings, found: LegFit, problem: LegProblem) 
     findings += _other_sign(readings, found.chi_square, problem)
     if not found.converged:
         findings.append("The search for the true states of the legs did not converge; give smaller errors of y and u.")
-    asked, covered = {"speed": readings.values["u"], "abs_y": np.abs(y)}, problem.model.data_range
+    asked, covered = {"speed": readings.values["u"], "abs_y": np.abs(y)}, problem.prior.model.data_range
     findings += extrapolation(covered, {name: column for name, column in asked.items() if getattr(covered, name)})
     return SteadyChecks(found.chi_square, found.counted, chance, legs, (*findings, SCALE))
 

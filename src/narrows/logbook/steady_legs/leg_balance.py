@@ -17,7 +17,7 @@ from narrows.codegen.linearisation import LINEARISED
 from narrows.errors import InputError
 from narrows.logbook.filtering.log_problem import CoefficientPrior, Unknowns
 from narrows.logbook.filtering.search import bounded_step
-from narrows.logbook.learning.log_posterior import coefficient_prior, posterior_covariance
+from narrows.logbook.learning.log_posterior import coefficient_prior
 from narrows.logbook.settings import UPDATE_ROUNDS, UPDATE_SETTLED
 from narrows.logbook.steady_legs.steady_readings import UNKNOWN, SteadyConditions, SteadyReadings
 from narrows.model.model import Model
@@ -56,15 +56,13 @@ class LegReadings(NamedTuple):
 class LegProblem(Unknowns):
     """Unknowns of steady legs: coefficients, then common errors over their standard deviations."""
 
-    model: Model  # With terms of a rudder
-    prior: CoefficientPrior
+    prior: CoefficientPrior  # Of a model with terms of a rudder
     common: np.ndarray  # (6,) Standard deviations of ``UNKNOWN``
     left_over: np.ndarray  # (5,) ``SteadyConditions.left_over``
 
     @classmethod
     def of(cls, model: Model, conditions: SteadyConditions) -> "LegProblem":
-        prior = coefficient_prior(model, np.asarray(model.covariance), "held")
-        return cls(model, prior, conditions.shared(model), conditions.left_over(model))
+        return cls(coefficient_prior(model, "held"), conditions.shared(model), conditions.left_over(model))
 
     @property
     def spreads(self) -> np.ndarray:
@@ -73,7 +71,8 @@ class LegProblem(Unknowns):
     @cached_property
     def scale(self) -> np.ndarray:
         """Change of every coefficient by the scaled ones, (n, p)."""
-        names, matrix = self.model.terms.names, np.zeros((len(self.model.terms.names), self.count))
+        names = self.prior.model.terms.names
+        matrix = np.zeros((len(names), self.count))
         for place, group in enumerate(self.prior.groups):
             matrix[[names.index(name) for name in group], place] = self.prior.scale[place]
         return matrix
@@ -98,7 +97,7 @@ class LegProblem(Unknowns):
                 break
         chi_square = float(np.sum(rest**2) + unknowns @ self.precision @ unknowns)
         # The residual of a left-out leg is that of the fit over the part of its own error that no fit takes up.
-        share = np.eye(rest.shape[1]) - design @ posterior_covariance(self, information) @ design.swapaxes(1, 2)
+        share = np.eye(rest.shape[1]) - design @ self.covariance(information) @ design.swapaxes(1, 2)
         left_out = np.einsum("lq,lq->l", rest, np.linalg.solve(share, rest[..., None])[..., 0])
         return LegFit(unknowns, information, latent, chi_square, left_out, rest.size, converged)
 
@@ -112,8 +111,9 @@ class LegProblem(Unknowns):
         names = ("y", "u", "rudder", *readings.directions)
         value, size = (np.stack([part[name] for name in names], axis=1) for part in (readings.values, readings.errors))
         zeros = np.array([[f"{name}_zero" == unknown for unknown in UNKNOWN] for name in names], float)
-        given = sinkage_and_revolutions(self.model, readings.values["u"], readings.values)
-        return LegReadings(value, size, zeros, SteadyBalance(self.model, given))
+        model = self.prior.model
+        given = sinkage_and_revolutions(model, readings.values["u"], readings.values)
+        return LegReadings(value, size, zeros, SteadyBalance(model, given))
 
     def _linear(
         self, legs: LegReadings, latent: np.ndarray, unknowns: np.ndarray
@@ -121,7 +121,8 @@ class LegProblem(Unknowns):
         """Return balances (legs, q) about states with independent errors of size one, and their slopes by unknowns
         (legs, q, P) and readings: value = design @ unknowns + error.
         """
-        mean = np.array([self.model.coefficients[name] for name in self.model.terms.names])
+        model = self.prior.model
+        mean = np.array([model.coefficients[name] for name in model.terms.names])
         slopes, by_turning, mass = legs.balance.slopes(latent, mean + self.scale @ unknowns[: self.count])
         columns, again = legs.balance.columns(latent), legs.value.shape[1] - len(LATENT)
         through = np.zeros((len(latent), len(BALANCED) + again, legs.value.shape[1]))

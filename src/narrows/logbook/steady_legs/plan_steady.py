@@ -215,7 +215,7 @@ def plan_steady(
     ahead = usual_speeds(model) if speeds is None else _rising("speeds", speeds)
     check_inside(beside, model.configuration.canal.width, model.configuration.ship.beam)
     found = candidates(model, beside, ahead, reserve, side, samples, seed)
-    allowed, before = np.flatnonzero(found.allowed), np.asarray(model.covariance)
+    allowed = np.flatnonzero(found.allowed)
     problem = LegProblem.of(model, conditions)
     pairs = pair_informations(problem, found, allowed, errors)
     best = best_pairs(problem, pairs.sum(axis=1), names, legs // 2)
@@ -223,8 +223,8 @@ def plan_steady(
     # The sides come first in turn, so that what grows with time cancels too.
     held = [(i, sign) for turn, i in enumerate(order) for sign in ((-1, 1) if turn % 2 else (1, -1))]
     information = np.cumsum([np.zeros(problem.precision.shape), *(pairs[i, int(sign < 0)] for i, sign in held)], axis=0)
-    known = [expected_std(model, before, problem, one) for one in information]
-    after = log_posterior(model, before, problem, np.zeros(len(information[-1])), information[-1]).covariance
+    known = [expected_std(problem, one) for one in information]
+    after = log_posterior(problem, np.zeros(len(information[-1])), information[-1]).covariance
     then = candidates(replace(model, covariance=after), beside, ahead, reserve, side, samples, seed) if order else found
     told = (*model.notes, *water_notes(None, model.configuration.canal.depth))
     return SteadyPlan(
@@ -313,9 +313,10 @@ def pair_informations(problem: LegProblem, found: Candidates, allowed: np.ndarra
 def best_pairs(problem: LegProblem, pairs: np.ndarray, names: Sequence[str], count: int) -> list[int]:
     """Return the pairs of legs with the least variances of some coefficients, added one by one, then exchanged."""
     # pairs (places, P, P); Fedorov (1972), Theory of Optimal Experiments, on exchange.
-    model, before, inside = problem.model, np.asarray(problem.model.covariance), slice(problem.count)
+    model, inside = problem.prior.model, slice(problem.count)
+    before = np.asarray(model.covariance)
     places = [place for place in map(model.terms.names.index, names) if before[place].any()]
-    rows = (regression_on_estimated(model, before, problem.prior) * problem.prior.scale)[places]
+    rows = (regression_on_estimated(problem.prior) * problem.prior.scale)[places]
     rows = rows / np.sqrt(np.diag(before))[places, None]
 
     def next_pair(held: list[int]) -> int:

@@ -276,7 +276,7 @@ def _information(
             record = recorded(f"transit {number}", plan.sailed(number, excursion), grade, number, current=0.0)
             setup = log_problem(plan.truth, ShipLog((record,), plan.waterway), grade, gusts=True)
             one = expected_information(setup, push @ push.T, plan.conditions.gust_time)
-            after = [expected_std(plan.truth, setup.before, setup.problem, count * one) for count in counts]
+            after = [expected_std(setup.problem, count * one) for count in counts]
             std.append([[each[name] for name in names] for each in after])
             done(1)
     return TransitInformation(excursion, dict(zip(names, np.median(std, axis=0).T, strict=True)))
