@@ -40,7 +40,7 @@ class EnvelopeChange(BaseResult):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Number of cases, and assumptions."""
+        """Number of cases, and the label of results from twins."""
         return f"{self.before.samples} cases at each place: a look; narrows envelope settles the edges.", ON_TWINS
 
     def summary(self) -> str:
@@ -49,8 +49,7 @@ class EnvelopeChange(BaseResult):
 
     def rows(self) -> list[dict[str, float]]:
         """Give a row an offset [m]: at the middle speed rudder [deg] and share held, and the highest speed [knots]."""
-        table = self.to_dataframe().reset_index()
-        return [dict(zip(table.columns, row, strict=True)) for row in table.to_numpy().tolist()]
+        return self.to_dataframe().reset_index().to_dict("records")
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Give the rows as a table."""
@@ -59,11 +58,10 @@ class EnvelopeChange(BaseResult):
         data = self.before.data
         middle = data.sizes["u"] // 2
         table = {"offset": data["y"].to_numpy(), "speed": float(data["u"][middle]) / KNOT}
-        ways = (("before", self.before, self.rudder_before), ("after", self.after, self.rudder_after))
-        for when, _, angles in ways:
+        for when, angles in (("before", self.rudder_before), ("after", self.rudder_after)):
             names = (f"rudder_{name}_{when}" for name in ("low", "median", "high"))
             table |= dict(zip(names, np.degrees(angles).T, strict=True))
-        for when, envelope, _ in ways:
+        for when, envelope in (("before", self.before), ("after", self.after)):
             table[f"held_{when}"] = envelope.data["held"].isel(u=middle).to_numpy()
             # The highest speed that the model has safe at each offset, tested or not; NaN where there is none.
             safe = envelope.by_model().transpose("y", "u").to_numpy()
@@ -73,8 +71,8 @@ class EnvelopeChange(BaseResult):
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name: part of what ``learn --json`` prints."""
-        values = {"summary": self.summary(), "samples": self.before.samples, "offsets": self.rows()}
-        return {**values, "notes": list(self.notes)}
+        found = {"samples": self.before.samples, "offsets": self.rows()}
+        return {"summary": self.summary(), **found, "notes": list(self.notes)}
 
 
 def envelope_change(
@@ -87,21 +85,12 @@ def envelope_change(
     ----------
     before, after : Model
         The ship in one canal.
-    y : sequence of float [m]
-        Offsets to starboard of the middle, rising.
-    u : sequence of float [m/s]
-        Speeds through the water, rising.
-    samples : int
-        Number of samples of coefficients and disturbances.
-    seed : int
-        Seed of the samples.
+    y, u : sequence of float [m], [m/s]
+        Offsets to starboard of the middle and speeds through the water, rising.
+    samples, seed : int
+        Number and seed of the samples of coefficients and disturbances.
     **envelope : Any
         As for ``safe_envelope``.
-
-    Raises
-    ------
-    InputError
-        As ``safe_envelope``.
     """
     offsets, speeds = np.asarray(y, float), np.asarray(u, float)
     found = [safe_envelope(model, offsets, speeds, samples=samples, seed=seed, **envelope) for model in (before, after)]

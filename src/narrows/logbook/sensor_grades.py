@@ -43,14 +43,10 @@ class SignalGrade:
 
     Parameters
     ----------
-    noise : float [unit of the signal]
-        Standard deviation from reading to reading.
-    period : float [s]
-        Time between two readings.
-    wander : float [unit of the signal]
-        Standard deviation of an error correlated in time.
-    memory : float [s]
-        Correlation time of that error, a first-order process.
+    noise, period : float [unit of the signal], [s]
+        Standard deviation from reading to reading, and the time between two readings.
+    wander, memory : float [unit of the signal], [s]
+        Standard deviation and correlation time of an error of a first-order process.
     zero : float [unit of the signal]
         Standard deviation of an error that is constant over a record.
     source : str
@@ -84,10 +80,8 @@ class SensorGrade(BaseSummary):
 
     Parameters
     ----------
-    name : str
-        Name of the grade.
-    words : str
-        What it stands for.
+    name, words : str
+        Name of the grade, and its meaning.
     signals : mapping of str to SignalGrade
         By the names of ``SIGNALS``; what is not there is not measured.
 

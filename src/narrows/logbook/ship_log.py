@@ -19,16 +19,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """One measured quantity at its own times.
-
-    Times are those received: uneven, with gaps; ``check_log`` finds times that go back.
+    """One measured quantity at its own times, as received: uneven, with gaps.
 
     Parameters
     ----------
-    t : array (n,) [s]
-        When.
-    values : array (n,)
-        In the unit of ``SIGNALS``.
+    t, values : array (n,)
+        Times [s], and values in the unit of ``SIGNALS``.
 
     Raises
     ------
@@ -66,7 +62,7 @@ class Signal:
         Parameters
         ----------
         start, stop : float [s]
-            Start and end.
+            The two times.
         """
         kept = (self.t >= start) & (self.t <= stop)
         return Signal(self.t[kept], self.values[kept])
@@ -76,10 +72,8 @@ class Signal:
 
         Parameters
         ----------
-        t : array (times,) [s]
-            When; the signal's own times must rise.
-        longest : float [s]
-            Between two values, over which they are still joined.
+        t, longest : array (times,) and float [s]
+            Times; longest gap between two values that is interpolated. The signal's own times must rise.
         """
         if not len(self.t):
             return np.full(np.shape(t), np.nan)
@@ -95,14 +89,12 @@ class ShipRecord:
 
     Parameters
     ----------
-    name : str
-        Name of the record.
-    signals : mapping of str to Signal
-        By name.
+    name, signals : str and mapping of str to Signal
+        Name of the record, and its signals by name.
     antenna : pair of float [m]
         Place of the antenna of ``x`` and ``y``: forward and to starboard of midship.
     condition : mapping of str to float
-        What the ship was loaded to and the like, as in ``{"draft": 10.2}``.
+        Loading, as in ``{"draft": 10.2}``.
 
     Raises
     ------
@@ -161,7 +153,7 @@ class ShipRecord:
         Parameters
         ----------
         start, stop : float [s]
-            Start and end.
+            The two times.
         """
         return replace(self, signals={name: own.between(start, stop) for name, own in self.signals.items()})
 
@@ -172,23 +164,16 @@ class ShipRecord:
         ----------
         **signals : Signal
             By name.
-
-        Raises
-        ------
-        InputError
-            Where a name is no signal's.
         """
-        check_signals(signals)
         return replace(self, signals={**self.signals, **signals})
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Give a row for each time at which anything was measured: NaN where that signal was not."""
         import pandas as pd
 
-        columns = [pd.Series(own.values, index=own.t, name=name) for name, own in self.signals.items()]
-        once = [column[~column.index.duplicated()] for column in columns]
-        frame = pd.concat(once, axis="columns").sort_index() if once else pd.DataFrame()
-        return frame.rename_axis("t")
+        columns = {name: pd.Series(own.values, index=own.t) for name, own in self.signals.items()}
+        once = {name: column[~column.index.duplicated()] for name, column in columns.items()}
+        return pd.DataFrame(once).sort_index().rename_axis("t")
 
 
 MEETING = "meeting"
@@ -235,7 +220,7 @@ class ShipLog(BaseResult):
     Parameters
     ----------
     records : tuple of ShipRecord
-        In their order.
+        Each with a name of its own.
     waterway : Waterway, optional
         Line of x, y, psi and course; a plane without one.
     notes : tuple of str
@@ -248,8 +233,7 @@ class ShipLog(BaseResult):
 
     Examples
     --------
-    >>> signal = nw.Signal(np.array([0.0, 1.0]), np.array([2.0, 3.0]))
-    >>> len(nw.ShipLog((nw.ShipRecord("A", {"u": signal}),)).records)
+    >>> len(nw.ShipLog((nw.ShipRecord("A", {}),)))
     1
     """
 
@@ -292,11 +276,6 @@ class ShipLog(BaseResult):
         ----------
         *names : str
             Names of the records to keep.
-
-        Raises
-        ------
-        InputError
-            Where there is no such record.
         """
         return replace(self, records=tuple(self[name] for name in names))
 
@@ -313,17 +292,16 @@ class ShipLog(BaseResult):
         InputError
             Where there is no such record, or none is left.
         """
-        out = {self[name].name for name in names}
-        if not (left := [name for name in self.names if name not in out]):
+        left = [name for name in self.names if name not in [self[own].name for own in names]]
+        if not left:
             raise InputError("no record is left after the selection; leave out fewer")
         return self.select(*left)
 
     @property
     def counts(self) -> dict[str, int]:
         """Values of each signal in all records."""
-        return {
-            name: count for name in SIGNALS if (count := sum(len(own[name]) for own in self.records if name in own))
-        }
+        counts = {name: sum(len(own[name]) for own in self.records if name in own) for name in SIGNALS}
+        return {name: count for name, count in counts.items() if count}
 
     def summary(self) -> str:
         """Number of records, their duration and their signals."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from narrows.logbook.filtering.likelihood import DIFFERENCE, RecordLikelihood, RecordScore, score_and_information
 from narrows.logbook.filtering.log_problem import LogProblem
-from narrows.logbook.filtering.record_grid import RUDDER, RecordGrid, grid_of
+from narrows.logbook.filtering.record_grid import RUDDER, STATES, RecordGrid, grid_of
 from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
 from narrows.logbook.settings import FALSE_ALARM, MOST_ANGLE, MOVED, OUTLYING, STUCK_LENGTHS, STUCK_READINGS
 from narrows.logbook.ship_log import SIGNALS, TURNING, ShipRecord, Signal
@@ -159,7 +159,7 @@ MISREADINGS = (
 )  # fmt: skip
 
 
-STATES = {"x": 0, "y": 1, "psi": 2, "r": 5}  # Signals that may be stuck, and their places among the states
+MAY_BE_STUCK = ("x", "y", "psi", "r")  # Signals
 DETERMINED = 1e-6  # Least share of the information on a fault that is independent of the fitted numbers [1]
 FEWEST = 4  # Least number of records from which a variance of scores is estimated
 
@@ -325,7 +325,7 @@ def _scatter(values: np.ndarray) -> float:
 def stuck(problem: LogProblem, grid: RecordGrid) -> Iterator[tuple[str, float, float]]:
     """Yield signals that repeat one value for long while the ship moves by all others: from when to when [s]."""
     lasting = STUCK_LENGTHS * problem.scales[0] / problem.scales[3]
-    for name, column in STATES.items():
+    for name in MAY_BE_STUCK:
         if name not in grid.readings:
             continue
         ends = longest_run(grid.record[name].values)
@@ -341,7 +341,8 @@ def stuck(problem: LogProblem, grid: RecordGrid) -> Iterator[tuple[str, float, f
         )
         path = likelihood.smoothed(np.zeros(len(problem.precision)), None, FIRST_PASSES)
         during = (grid.times[:-1] > begin) & (grid.times[:-1] < end)
-        if path and during.any() and np.ptp(path.states[during, column]) > MOVED * problem.model.noise[name]:
+        moved = np.ptp(path.states[during, STATES.index(name)]) if path and during.any() else 0.0
+        if moved > MOVED * problem.model.noise[name]:
             yield name, begin, end
 
 

@@ -19,15 +19,14 @@ from narrows.logbook.filtering.record_grid import (
     CURRENT_X,
     CURRENT_Y,
     OFFSET,
-    PREDICTED,
     REVOLUTIONS_OFFSET,
     RUDDER,
     RUDDER_OFFSET,
     PredictedSignal,
     Readings,
     RecordGrid,
-    SeenStates,
     first_guess,
+    predicted_signal,
 )
 
 INPUTS = (*PUSHES, RUDDER_OFFSET, REVOLUTIONS_OFFSET, CURRENT_X, CURRENT_Y)
@@ -210,7 +209,7 @@ class RecordLikelihood:
             share, at = read.share[:, None], read.step
             there = (1 - share) * path.states[at] + share * ends[at]
             errors = {key: value[at] for key, value in sums.items()}
-            seen = PREDICTED[name](SeenStates(there, errors, grid.record.antenna, rudder[at]))
+            seen = predicted_signal(name, there, errors, grid.record.antenna, rudder[at])
             row = read.gain * _rows(seen, slopes, read, names)
             left[name] = read.values - read.gain * seen.value
             rows.append(row)

@@ -10,13 +10,12 @@ import numpy as np
 
 from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import INPUTS as PUSHED
-from narrows.logbook.filtering.record_grid import OFFSET
+from narrows.logbook.filtering.record_grid import OFFSET, STATES
 from narrows.model.model import Model
 from narrows.simulation.controllers import Named
 from narrows.simulation.sensitivities import TangentIntegrator
 from narrows.simulation.steering import PARAMETER
 
-STATES = ("x", "y", "psi", "u", "v", "r")
 PUSHES = ("X", "Y", "N")
 CURRENT = "current"  # Quantities of a waterway, along its line
 # Name, in the law, of an actuator's position at the end of the step; actuators go there straight within the step.

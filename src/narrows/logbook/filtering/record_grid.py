@@ -1,6 +1,6 @@
 """A record on even times: positions of actuators, readings between, and each signal as the ship's state predicts it."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -22,107 +22,68 @@ RUDDER_OFFSET, REVOLUTIONS_OFFSET = OFFSET(RUDDER), OFFSET(REVOLUTIONS)
 ERROR = "{}_error".format  # Name of the constant error of a signal
 
 
+STATES = ("x", "y", "psi", "u", "v", "r")
+# A pilot looks out of the window, so that the rudder holds information on the motion that no sensor has: it is one more
+# signal. Ljung (1999), System Identification, chapter 13: joint input-output identification of a closed loop.
+HELM = "helm"
+SEEN = ("y", "psi", "v", "r")  # States that a pilot sees
+HELM_GAIN = "helm_by_{}".format  # Gain of each, a state of the filter
+ONE = np.ones(1)
+
+
 class PredictedSignal(NamedTuple):
     value: np.ndarray  # (n,) In the unit of the signal
-    by_state: Mapping[int, np.ndarray]  # (n,) Slopes by those of x, y, psi, u, v, r that it depends on
+    by_state: Mapping[int, np.ndarray]  # (n,) Slopes by those of ``STATES`` that it depends on
     by_error: Mapping[str, np.ndarray]  # (n,) Slopes by errors of the sensors and by the current
 
 
-class SeenStates(NamedTuple):
-    states: np.ndarray  # (n, 6) x, y, psi, u, v, r
-    errors: Mapping[str, np.ndarray]  # (n,) Errors of the sensors, and the current; 0 where nothing is said
-    antenna: tuple[float, float]  # Forward and to starboard of midship [m]
-    rudder: np.ndarray  # (n,) At the start of the step [rad]
-
-    def error(self, name: str) -> np.ndarray | float:
-        return self.errors.get(name, 0.0)
-
-
-ONE = np.ones(1)
-Predicting = Callable[[SeenStates], PredictedSignal]
-# A function of two velocities, with its slopes by these
-OfVelocities = Callable[[np.ndarray, np.ndarray], tuple[Any, Any, Any]]
-
-
-def _read(name: str, predicting: Predicting) -> Predicting:
-    def predicted(at: SeenStates) -> PredictedSignal:
-        value, by_state, by_error = predicting(at)
-        return PredictedSignal(value + at.error(ERROR(name)), by_state, {**by_error, ERROR(name): ONE})
-
-    return predicted
-
-
-def _position(axis: int) -> Predicting:
-    def predicted(at: SeenStates) -> PredictedSignal:
-        cosine, sine = np.cos(at.states[:, 2]), np.sin(at.states[:, 2])
-        ahead, aside = (cosine, sine)[axis], (-sine, cosine)[axis]
-        forward, starboard = at.antenna
-        value = at.states[:, axis] + forward * ahead + starboard * aside
-        return PredictedSignal(value, {axis: ONE, 2: forward * aside - starboard * ahead}, {})
-
-    return predicted
-
-
-def _state(column: int) -> Predicting:
-    return lambda at: PredictedSignal(at.states[:, column], {column: ONE}, {})
-
-
-def _over_ground(at: SeenStates, by: OfVelocities) -> PredictedSignal:
-    """A function of the velocities over ground along and across the ship."""
-    psi, u, v = at.states[:, 2], at.states[:, 3], at.states[:, 4]
+def predicted_signal(
+    name: str, states: np.ndarray, errors: Mapping[str, Any], antenna: tuple[float, float], rudder: np.ndarray
+) -> PredictedSignal:
+    """Predict readings of a signal from states (n, 6), errors of sensors and the rudder before the step (n,) [rad]."""
+    if name == HELM:
+        return _predicted_helm(states, errors, rudder)
+    psi, u, v = states[:, 2:5].T
     cosine, sine = np.cos(psi), np.sin(psi)
-    x, y = at.error(CURRENT_X), at.error(CURRENT_Y)
-    along, across = cosine * x + sine * y, cosine * y - sine * x
-    value, by_u, by_v = by(u + along, v + across)
-    return PredictedSignal(
-        value, {2: by_u * across - by_v * along, 3: by_u * ONE, 4: by_v * ONE},
-        {CURRENT_X: by_u * cosine - by_v * sine, CURRENT_Y: by_u * sine + by_v * cosine},
-    )  # fmt: skip
+    by_error = {ERROR(name): ONE}
+    if name in STATES:
+        place = STATES.index(name)
+        value, by_state = states[:, place], {place: ONE}
+        if name in ("x", "y"):
+            (forward, starboard), ahead, aside = antenna, (cosine, sine)[place], (-sine, cosine)[place]
+            value = value + forward * ahead + starboard * aside
+            by_state[2] = forward * aside - starboard * ahead
+    else:
+        x, y = errors.get(CURRENT_X, 0.0), errors.get(CURRENT_Y, 0.0)
+        along, across = cosine * x + sine * y, cosine * y - sine * x
+        value, by_u, by_v = _over_ground(name, u + along, v + across)
+        by_state = {2: by_u * across - by_v * along, 3: by_u * ONE, 4: by_v * ONE}
+        by_error |= {CURRENT_X: by_u * cosine - by_v * sine, CURRENT_Y: by_u * sine + by_v * cosine}
+        if name == "course":
+            value, by_state[2] = value + psi, by_state[2] + 1.0
+    return PredictedSignal(value + errors.get(ERROR(name), 0.0), by_state, by_error)
 
 
-def _speed(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _over_ground(name: str, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, Any, Any]:
+    """A signal by the velocities over ground along and across the ship, with its slopes; the course off the bow."""
+    if name == "u_ground":
+        return u, 1.0, 0.0
+    if name == "v_ground":
+        return v, 0.0, 1.0
+    if name == "course":
+        square = np.maximum(u**2 + v**2, 1e-12)
+        return np.arctan2(v, u), -v / square, u / square
     speed = np.maximum(np.hypot(u, v), 1e-9)
     return speed, u / speed, v / speed
 
 
-def _drift(u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    square = np.maximum(u**2 + v**2, 1e-12)
-    return np.arctan2(v, u), -v / square, u / square
-
-
-def _course(at: SeenStates) -> PredictedSignal:
-    value, by_state, by_error = _over_ground(at, _drift)
-    return PredictedSignal(at.states[:, 2] + value, {**by_state, 2: by_state[2] + 1.0}, by_error)
-
-
-# A pilot looks out of the window, so that the rudder holds information on the motion that no sensor has: it is one more
-# signal. Ljung (1999), System Identification, chapter 13: joint input-output identification of a closed loop.
-HELM = "helm"
-# What a pilot sees, by its place among the states; and the gain of each, a state of the filter.
-SEEN = {"y": 1, "psi": 2, "v": 4, "r": 5}
-HELM_GAIN = "helm_by_{}".format
-
-
-def _helm(at: SeenStates) -> PredictedSignal:
+def _predicted_helm(states: np.ndarray, errors: Mapping[str, Any], rudder: np.ndarray) -> PredictedSignal:
     """The rudder at the end of a step, from where it was and what is seen; the law has a memory, as pilots have."""
-    seen = {name: at.states[:, place] for name, place in SEEN.items()} | {RUDDER: at.rudder}
-    gains = {name: at.error(HELM_GAIN(name)) for name in seen}
-    value = at.rudder + at.error(ERROR(HELM)) + sum(gains[name] * column for name, column in seen.items())
-    by_state = {place: np.asarray(gains[name]) for name, place in SEEN.items()}
-    by_error = {HELM_GAIN(name): column for name, column in seen.items()}
-    return PredictedSignal(value, by_state, {**by_error, ERROR(HELM): ONE})
-
-
-# Prediction of each signal of the motion.
-PREDICTED: Mapping[str, Predicting] = {
-    name: _read(name, predicting)
-    for name, predicting in {
-        "x": _position(0), "y": _position(1), "psi": _state(2), "r": _state(5), "u": _state(3), "v": _state(4),
-        "u_ground": lambda at: _over_ground(at, lambda u, _: (u, 1.0, 0.0)),
-        "v_ground": lambda at: _over_ground(at, lambda _, v: (v, 0.0, 1.0)),
-        "speed_over_ground": lambda at: _over_ground(at, _speed), "course": _course,
-    }.items()
-} | {HELM: _helm}  # fmt: skip
+    seen = {name: states[:, STATES.index(name)] for name in SEEN} | {RUDDER: rudder}
+    gains = {name: errors.get(HELM_GAIN(name), 0.0) for name in seen}
+    value = rudder + errors.get(ERROR(HELM), 0.0) + sum(gains[name] * column for name, column in seen.items())
+    by_error = {HELM_GAIN(name): column for name, column in seen.items()} | {ERROR(HELM): ONE}
+    return PredictedSignal(value, {STATES.index(name): np.asarray(gains[name]) for name in SEEN}, by_error)
 
 
 # Signals that the motion is held to.

@@ -9,7 +9,16 @@ import numpy as np
 
 from narrows.logbook.filtering.likelihood import INPUTS, RecordLikelihood, RecordPath, RecordScore
 from narrows.logbook.filtering.log_problem import CURRENT, PUSHES, LogProblem, StochasticModel
-from narrows.logbook.filtering.record_grid import CURRENT_X, CURRENT_Y, HELM, OFFSET, RUDDER, RUDDER_OFFSET, RecordGrid
+from narrows.logbook.filtering.record_grid import (
+    CURRENT_X,
+    CURRENT_Y,
+    HELM,
+    OFFSET,
+    RUDDER,
+    RUDDER_OFFSET,
+    STATES,
+    RecordGrid,
+)
 from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
 from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer, LearnedCoefficient
 from narrows.logbook.ship_log import size_of
@@ -17,7 +26,7 @@ from narrows.model.model import Model
 
 MOST_DRAWN = 4  # records whose forecasts are kept to be drawn
 AHEAD = 3.5  # times of a ship length that a forecast reaches
-STATES_JUDGED = {"y": 1, "psi": 2, "r": 5}  # places among the states
+JUDGED = ("y", "psi", "r")  # States whose forecasts are judged
 MOST_COMPARED = 50  # records up to which whole records are predicted, and Nomoto models fitted
 # Standard deviations of a fitted start from the smoothed one: heading [rad], and speed, drift and turn over the ship's.
 START_FREE = np.array([0.01, 0.05, 0.05, 0.05])
@@ -41,7 +50,7 @@ class Forecast:
         with np.errstate(all="ignore"):  # What ran away is far off, and may be so without end.
             off = self.states[self.ends] - self.likely
             root = np.sqrt(np.mean(off**2, axis=0)) if len(off) else np.full(6, np.nan)
-        return {name: float(root[place]) for name, place in STATES_JUDGED.items()}
+        return {name: float(root[STATES.index(name)]) for name in JUDGED}
 
 
 @dataclass(frozen=True)
@@ -93,12 +102,12 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
         process.name: float(path.processes[0, place]) for place, process in enumerate(model.processes)
         if np.isinf(process.memory) and not process.name.startswith(HELM)
     }  # fmt: skip
-    read = {name: grid.readings[name] for name in ("x", *STATES_JUDGED) if drawn and name in grid.readings}
+    read = {name: grid.readings[name] for name in ("x", *JUDGED) if drawn and name in grid.readings}
     return RecordAnswer(
         grid.record.name, float(grid.times[-1] - grid.times[0]), len(grid), int(grid.meetings.sum()), zeros,
         dict(zip(prior.names, gone.tolist(), strict=True)),
         dict(zip(prior.names, (moved * prior.scale).tolist(), strict=True)),
-        {name: (before[name], later[name]) for name in STATES_JUDGED},
+        {name: (before[name], later[name]) for name in JUDGED},
         heading if nomoto is None else heading | {"nomoto": nomoto}, (both[0], both[1]) if drawn else None,
         {name: (grid.times_of(own), own.values) for name, own in read.items()},
     )  # fmt: skip

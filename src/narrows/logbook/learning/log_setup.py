@@ -26,7 +26,6 @@ from narrows.logbook.filtering.record_grid import (
     ERROR,
     HELM,
     HELM_GAIN,
-    PREDICTED,
     READ,
     REVOLUTIONS,
     REVOLUTIONS_OFFSET,
@@ -77,7 +76,7 @@ BASIN = SensorGrade(
     "basin",
     "a towing tank: no wind, no current, noise estimated from the records",
     {
-        **{name: SignalGrade(1e-6) for name in PREDICTED if name != HELM},
+        **{name: SignalGrade(1e-6) for name in READ},
         RUDDER: SignalGrade(1e-9, zero=0.1 * DEGREE),
     },
 )
@@ -159,7 +158,7 @@ class LogAssumptions:
 
     def _noise(self) -> dict[str, float]:
         """Noise of the grade; in a basin the usual model error, to begin with."""
-        read = [name for name in PREDICTED if name in self.signals]
+        read = [name for name in READ if name in self.signals]
         if not self.in_basin:
             return {name: self._grade(name).noise for name in read}
         place, angle = USUALLY_LEFT * self.length, USUALLY_LEFT * 4

@@ -43,14 +43,10 @@ class SteadyFit(LearnedAnswer):
 
     Parameters
     ----------
-    model : Model
-        The model that comes out.
-    prior : Model
-        The model before.
-    readings : SteadyReadings
-        The legs.
-    conditions : SteadyConditions
-        Assumptions on wind, zeros and remaining motion.
+    model, prior : Model
+        The model after the legs, and before.
+    readings, conditions : SteadyReadings, SteadyConditions
+        The legs, and assumptions on wind, zeros and remaining motion.
     coefficients : mapping of str to LearnedCoefficient
         Each before and after.
     shared : mapping of str to (float, float)
@@ -111,16 +107,15 @@ class SteadyFit(LearnedAnswer):
 
     def leg_rows(self) -> list[dict[str, Any]]:
         """Give a row a leg: what was read, where the ship most likely was, and how well the leg fits the others."""
-        read = self.readings.values
-        direction = read[self.readings.directions[0]]
+        read, (y, _, rudder, heading) = self.readings.values, self.latent.T
+        columns = {
+            "y": read["y"], "u": read["u"], "rudder_deg": np.degrees(read["rudder"]),
+            "direction_deg": np.degrees(read[self.readings.directions[0]]), "likely_y": y,
+            "likely_rudder_deg": np.degrees(rudder), "likely_heading_deg": np.degrees(heading),
+        }  # fmt: skip
         return [
-            {
-                "leg": leg, "y": float(read["y"][i]), "u": float(read["u"][i]),
-                "rudder_deg": float(np.degrees(read["rudder"][i])), "direction_deg": float(np.degrees(direction[i])),
-                "likely_y": float(self.latent[i, 0]), "likely_rudder_deg": float(np.degrees(self.latent[i, 2])),
-                "likely_heading_deg": float(np.degrees(self.latent[i, 3])),
-                "probability": self.checks.leg_probabilities[leg],
-            }
+            {"leg": leg, **{name: float(column[i]) for name, column in columns.items()},
+             "probability": self.checks.leg_probabilities[leg]}
             for i, leg in enumerate(self.readings.legs)
         ]  # fmt: skip
 
@@ -142,10 +137,8 @@ def learn_steady(
     observations : DataFrame, mapping of str to array, str or Path
         A row a leg: y [m], u [m/s], rudder, drift or heading, and their errors ``y_error`` and so on where they are
         known; SI and radians unless a header has a unit (``rudder [deg]``).
-    errors : ReadingErrors, optional
-        Values that the rows lack.
-    conditions : SteadyConditions, optional
-        Sizes of wind and zeros, and the remaining motion on a leg.
+    errors, conditions : ReadingErrors, SteadyConditions, optional
+        Errors that the rows lack; sizes of wind and zeros, and the remaining motion on a leg.
 
     Returns
     -------

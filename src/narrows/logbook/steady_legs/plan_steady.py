@@ -39,14 +39,11 @@ class PlannedLeg:
 
     Parameters
     ----------
-    offset : float [m]
-        Offset to starboard of the middle.
-    speed : float [m/s]
-        Through the water.
-    rudder : tuple of float [rad]
-        Rudder that holds it: 5 %, 50 % and 95 % quantiles, given the uncertainty of the tests.
-    drift : tuple of float [rad]
-        Likewise; the bow to starboard of the course is positive.
+    offset, speed : float [m], [m/s]
+        Offset to starboard of the middle, and speed through the water.
+    rudder, drift : tuple of float [rad]
+        Rudder that holds it, and drift (bow to starboard positive): 5 %, 50 % and 95 % quantiles, given the uncertainty
+        of the tests.
     """
 
     offset: float
@@ -68,20 +65,12 @@ class SteadyPlan(BaseResult):
     ----------
     legs : tuple of PlannedLeg
         Nearest the middle first; none where none is allowed.
-    targets : tuple of str
-        The coefficients that they are chosen for.
-    std : mapping of str to array (legs + 1,)
-        Standard error of each of them before the first leg and after each, in the coefficient's unit.
-    model : Model
-        The ship.
-    errors : ReadingErrors
-        Errors of the readings.
-    conditions : SteadyConditions
-        Wind, zeros and what is left of motion.
-    reserve : float [1]
-        Rudder that every leg leaves.
-    clearance : float [m]
-        Clearance from the hull's side to a bank that every leg leaves.
+    targets, std : tuple of str, and mapping of str to array (legs + 1,)
+        The coefficients that they are chosen for, and the standard error of each before the first leg and after each.
+    model, errors, conditions : Model, ReadingErrors, SteadyConditions
+        The ship, errors of the readings, and wind, zeros and what is left of motion.
+    reserve, clearance : float [1], [m]
+        Rudder, and clearance from the hull's side to a bank, that every leg leaves.
     considered : int
         Number of candidate pairs of legs.
     farthest : tuple of float [m]
@@ -110,11 +99,8 @@ class SteadyPlan(BaseResult):
     @property
     def settling(self) -> float:
         """Settling time on the slowest leg before it is read [s]."""
-        return (
-            settings.SETTLING
-            * self.model.configuration.ship.length
-            / min((leg.speed for leg in self.legs), default=np.inf)
-        )
+        slowest = min((leg.speed for leg in self.legs), default=np.inf)
+        return settings.SETTLING * self.model.configuration.ship.length / slowest
 
     def summary(self) -> str:
         """Expected information of the legs, and their largest allowed offset."""
@@ -175,26 +161,18 @@ def plan_steady(
     ----------
     model : Model
         Model of the ship at its own size in its canal, with a rudder and a covariance.
-    offsets : sequence of float [m], optional
-        Largest offset, to either side, that may be held.
-    speeds : sequence of float [m/s], optional
-        Through the water, likewise.
+    offsets, speeds : sequence of float [m], [m/s], optional
+        Offsets to either side, and speeds through the water, that may be held.
     legs : int
         Number of legs; even.
     targets : sequence of str
         The coefficients that matter; those of the bank unless given.
-    errors : ReadingErrors, optional
-        Errors of the readings.
-    conditions : SteadyConditions, optional
-        Wind, zeros, and what is left of motion.
-    reserve : float [1]
-        Rudder to be left.
-    clearance : float [m], optional
-        Clearance from the hull's side to a bank; half a beam unless given.
-    samples : int
-        Number of samples of the coefficients.
-    seed : int
-        Seed of the samples.
+    errors, conditions : ReadingErrors, SteadyConditions, optional
+        Errors of the readings; wind, zeros, and what is left of motion.
+    reserve, clearance : float [1], [m], optional
+        Rudder, and clearance from the hull's side to a bank, to be left; half a beam unless given.
+    samples, seed : int
+        Number and seed of the samples of the coefficients.
 
     Returns
     -------
@@ -210,7 +188,14 @@ def plan_steady(
     check_covariance(model)
     names, conditions, errors = learnable(model, targets), conditions or SteadyConditions(), errors or ReadingErrors()
     side = model.configuration.ship.beam / 2 if clearance is None else clearance
-    _check(legs, samples, reserve, side)
+    check_count("legs", legs, 2, settings.MOST_LEGS)
+    check_count("samples", samples, 1, settings.MOST_PLAN_SAMPLES)
+    if legs % 2:
+        raise InputError(f"legs = {legs}: give an even number, for wind and zeros cancel over both sides")
+    if not (is_finite(reserve) and 0 <= reserve < 1 and is_finite(side) and side >= 0):
+        raise InputError(
+            f"a reserve of {shown(reserve)} and {shown(side)} m of clearance: give a share under 1, metres from 0"
+        )
     beside = usual_offsets(model, side) if offsets is None else _rising("offsets", offsets)
     ahead = usual_speeds(model) if speeds is None else _rising("speeds", speeds)
     check_inside(beside, model.configuration.canal.width, model.configuration.ship.beam)
@@ -233,19 +218,6 @@ def plan_steady(
         len(allowed), (found.farthest, max(found.farthest, then.farthest)),
         (*told, *_refused(found, reserve, side), f"Assumed: {errors.summary()}; {conditions.summary()}.", WHO_HOLDS),
     )  # fmt: skip
-
-
-def _check(legs: int, samples: int, reserve: float, clearance: float) -> None:
-    check_count("legs", legs, 2, settings.MOST_LEGS)
-    check_count("samples", samples, 1, settings.MOST_PLAN_SAMPLES)
-    if legs % 2:
-        raise InputError(
-            f"legs = {legs}: give an even number, for each side cancels what the other has of wind and zeros"
-        )
-    if not (is_finite(reserve) and 0 <= reserve < 1 and is_finite(clearance) and clearance >= 0):
-        raise InputError(
-            f"a reserve of {shown(reserve)} and {shown(clearance)} m of clearance: give a share under 1, metres from 0"
-        )
 
 
 def _rising(name: str, values: object) -> np.ndarray:
@@ -302,9 +274,9 @@ def pair_informations(problem: LegProblem, found: Candidates, allowed: np.ndarra
     size, sides = len(problem.precision), np.array([[1.0], [-1.0]])
     if not allowed.size:
         return np.zeros((0, 2, size, size))
-    columns = {"y": sides * found.offsets[allowed], "u": abs(sides) * found.speeds[allowed],
-               "rudder": sides * found.rudder[allowed], "drift": sides * found.psi[allowed]}  # fmt: skip
-    values = {name: column.ravel() for name, column in columns.items()}
+    columns = {"y": sides * found.offsets, "u": abs(sides) * found.speeds,
+               "rudder": sides * found.rudder, "drift": sides * found.psi}  # fmt: skip
+    values = {name: column[:, allowed].ravel() for name, column in columns.items()}
     stated = {name: np.full(2 * len(allowed), errors.of(name)) for name in values}
     legs = SteadyReadings(tuple(map(str, range(2 * len(allowed)))), values, stated)
     return problem.informations(legs).reshape(2, len(allowed), size, size).swapaxes(0, 1)
@@ -316,8 +288,7 @@ def best_pairs(problem: LegProblem, pairs: np.ndarray, names: Sequence[str], cou
     model, inside = problem.prior.model, slice(problem.count)
     before = np.asarray(model.covariance)
     places = [place for place in map(model.terms.names.index, names) if before[place].any()]
-    rows = (regression_on_estimated(problem.prior) * problem.prior.scale)[places]
-    rows = rows / np.sqrt(np.diag(before))[places, None]
+    rows = regression_on_estimated(problem.prior)[places] * problem.prior.scale / np.sqrt(np.diag(before))[places, None]
 
     def next_pair(held: list[int]) -> int:
         after = np.linalg.inv(problem.precision + pairs[held].sum(axis=0) + pairs)[:, inside, inside]

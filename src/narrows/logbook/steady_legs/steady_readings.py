@@ -45,12 +45,8 @@ class ReadingErrors(BaseSummary):
 
     Parameters
     ----------
-    y : float [m]
-        Error of the offset.
-    u : float [m/s]
-        Error of the speed through the water.
-    rudder_deg, drift_deg, heading_deg : float [deg]
-        Error of the angles.
+    y, u, rudder_deg, drift_deg, heading_deg : float [m], [m/s], [deg]
+        Errors of the offset, of the speed through the water, and of the angles.
 
     Raises
     ------
@@ -84,8 +80,8 @@ class ReadingErrors(BaseSummary):
 
         Parameters
         ----------
-        name : str
-            ``y``, ``u``, ``rudder``, ``drift`` or ``heading``.
+        name : {"y", "u", "rudder", "drift", "heading"}
+            The quantity.
         """
         return math.radians(getattr(self, f"{name}_deg")) if READ[name].unit == "rad" else float(getattr(self, name))
 
@@ -97,15 +93,12 @@ class SteadyReadings(BaseSummary):
     Parameters
     ----------
     legs : tuple of str
-        What each is called.
-    values : mapping of str to array (legs,)
-        ``y``, ``u``, ``rudder``, ``drift`` or ``heading`` or both; ``heave``, ``revolutions`` where they were read.
-    errors : mapping of str to array (legs,)
-        Standard deviations of the first five.
-    source : str
-        The file, or what it was.
-    sha256 : str
-        Hash of the rows.
+        Their names.
+    values, errors : mapping of str to array (legs,)
+        ``y``, ``u``, ``rudder``, ``drift`` or ``heading`` or both, with their standard deviations; ``heave`` and
+        ``revolutions`` where they were read.
+    source, sha256 : str
+        The file, or what it was; hash of the rows.
     """
 
     legs: tuple[str, ...]
@@ -205,13 +198,7 @@ class BeamWind(BaseSummary):
         check_sizes(self, over=[name for name in vars(self) if name.endswith("_time")])
 
     def steady_push(self, model: Model) -> np.ndarray:
-        """Return sway force [N] and yaw moment [N m] of the wind, (2,).
-
-        Parameters
-        ----------
-        model : Model
-            The ship.
-        """
+        """Return sway force [N] and yaw moment [N m] of the wind, (2,)."""
         length = model.configuration.ship.length
         force = wind_force(self.wind, WINDAGE * length**2 if self.windage is None else self.windage)
         return np.array([force, force * (WIND_LEVER * length if self.wind_lever is None else self.wind_lever)])
@@ -227,24 +214,18 @@ class SteadyConditions(BeamWind):
     Parameters
     ----------
     wind : float [m/s]
-        Speed of a beam wind of one standard deviation, from either side.
-    windage : float [m2], optional
-        Lateral area above the water; a tenth of the square of the length unless given.
-    wind_lever : float [m], optional
-        Standard deviation of where the wind's force acts, off midship; a tenth of the length unless given.
+        Beam wind, from either side.
+    windage, wind_lever : float [m2], [m], optional
+        Lateral area above the water, and where the wind's force acts, off midship; by default a tenth of the square of
+        the length, and a tenth of the length.
     wind_change : float [1]
         Change of force and moment of the wind, from leg to leg.
     rudder_zero_deg, drift_zero_deg, heading_zero_deg : float [deg]
         Zero errors of the readings, the same on every leg.
     y_zero : float [m], optional
-        Zero error of the offset, from the places of banks and antenna; a thirtieth of the beam unless
-        given.
-    yaw_rate_deg : float [deg/s]
-        Mean over a leg: what is left of turning.
-    yaw_change_deg : float [deg/s]
-        Change of the yaw rate over a leg.
-    sway_change : float [m/s]
-        Change of the sway velocity, likewise.
+        Zero error of the offset, from the places of banks and antenna; a thirtieth of the beam unless given.
+    yaw_rate_deg, yaw_change_deg, sway_change : float [deg/s], [deg/s], [m/s]
+        Mean yaw rate over a leg, and the changes of yaw rate and sway velocity over it.
     leg_time : float [s]
         Duration of the readings of a leg.
 
@@ -279,7 +260,7 @@ class SteadyConditions(BeamWind):
         )
 
     def shared(self, model: Model) -> np.ndarray:
-        """Return the standard deviations of ``UNKNOWN`` for a ship, (6,) [N, N m, rad, rad, rad, m].
+        """Return the standard deviations of ``UNKNOWN``, (6,) [N, N m, rad, rad, rad, m].
 
         Parameters
         ----------

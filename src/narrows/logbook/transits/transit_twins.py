@@ -36,21 +36,15 @@ class TransitConditions(BeamWind):
     Parameters
     ----------
     wind : float [m/s]
-        Speed of a beam wind of one standard deviation, from either side, the same all through a transit.
-    windage : float [m2], optional
-        Lateral area above the water; a tenth of the square of the length unless given.
-    wind_lever : float [m], optional
-        Standard deviation of where the force acts, off midship; a tenth of the length unless given.
-    gust : float [1]
-        Force and moment that come and go, over those of the wind.
-    gust_time : float [s]
-        How long a gust stays: a first-order process.
-    wander : float [m]
-        Wander of a pilot's aim about the middle.
-    wander_time : float [s]
-        How long an aim stays.
+        Beam wind, from either side, the same all through a transit.
+    windage, wind_lever : float [m2], [m], optional
+        As in ``SteadyConditions``.
+    gust, gust_time : float [1], [s]
+        Force and moment of gusts over those of the wind, and their correlation time.
+    wander, wander_time : float [m], [s]
+        Wander of a pilot's aim about the middle, and its correlation time.
     gust_correlation : float [1]
-        Between force and moment of gusts: 1 where they act at one place ahead of midship all through.
+        Between force and moment of gusts: 1 where they act at one place ahead of midship.
 
     Raises
     ------
