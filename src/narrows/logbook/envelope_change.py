@@ -47,7 +47,7 @@ class EnvelopeChange(BaseResult):
         """Safe area before, and now."""
         return f"Before: {self.before.summary()}\nAfter: {self.after.summary()}"
 
-    def rows(self) -> list[dict[str, float]]:
+    def rows(self) -> list[dict[Any, Any]]:
         """Give a row an offset [m]: at the middle speed rudder [deg] and share held, and the highest speed [knots]."""
         return self.to_dataframe().reset_index().to_dict("records")
 

@@ -5,6 +5,7 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -55,10 +56,8 @@ def learn(
 
     Parameters
     ----------
-    model : Model
-        With the covariance of its fit, which is the prior, all of it; at the ship's own size.
-    log : ShipLog, StreamedLog, ShipRecord, path, or a sequence of records
-        What was recorded.
+    model, log : Model; ShipLog, StreamedLog, ShipRecord, path, or a sequence of records
+        A model at the ship's own size with the covariance of its fit, which is the prior; what was recorded.
     free : sequence of str, optional
         Coefficients that may change, all that have a spread unless given. The others keep their mean and covariance,
         and their errors are part of the standard errors of the free ones (Schmidt's Kalman update).
@@ -87,9 +86,9 @@ def learn(
     InputError
         Where the model has neither covariance nor spread, a name is unknown, or no record can be used.
     """
-    given: dict[str, Any] = {"free": free, "spread": spread, "gusts": gusts, "asymmetry": asymmetry, **choices}
-    given["waterway"] = waterway
-    setup = log_problem(model, log, sensors, **given)
+    posed = partial(log_problem, model, log, sensors, free=free, spread=spread, gusts=gusts, asymmetry=asymmetry,
+                    waterway=waterway, **choices)  # fmt: skip
+    setup = posed()
     with stage("fitting the records"):
         found = search(setup.problem, setup)
     if found is None:
@@ -99,7 +98,7 @@ def learn(
         raise InputError(f"no record of this log can be used: {why}")
     piloted = None
     if setup.assumptions.gusts and RUDDER in setup.problem.motion.positions and not found.interrupted:
-        joint = log_problem(model, log, sensors, pilot=True, **given)
+        joint = posed(pilot=True)
         with stage("fitting the records with a pilot"):
             piloted = search(joint.problem, joint, scaled=found.scaled)
     return log_result(setup, found, free, piloted)

@@ -94,7 +94,7 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
     before_it = np.zeros(count)  # which is what is known without the only record, too
     without_it = found.scaled * prior.free - moved if len(found.records) > 1 else before_it
     model = problem.model_at(found.unknowns)
-    both = [forecast(problem, at, grid, path, model) for at in (before_it, without_it)]
+    both = forecast(problem, before_it, grid, path, model), forecast(problem, without_it, grid, path, model)
     before, later = (each.missed for each in both)
     ends = {"before": before_it, "after": without_it}
     heading = {name: whole_missed(problem, at, grid, path) for name, at in ends.items() if nomoto is not None}
@@ -108,7 +108,7 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
         dict(zip(prior.names, gone.tolist(), strict=True)),
         dict(zip(prior.names, (moved * prior.scale).tolist(), strict=True)),
         {name: (before[name], later[name]) for name in JUDGED},
-        heading if nomoto is None else heading | {"nomoto": nomoto}, (both[0], both[1]) if drawn else None,
+        heading if nomoto is None else heading | {"nomoto": nomoto}, both if drawn else None,
         {name: (grid.times_of(own), own.values) for name, own in read.items()},
     )  # fmt: skip
 
@@ -177,7 +177,7 @@ def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path
 
 
 def _nomoto_off(
-    numbers: np.ndarray, start: np.ndarray, step: float, rudder: list[float], heading: np.ndarray
+    start: np.ndarray, numbers: np.ndarray, step: float, rudder: list[float], heading: np.ndarray
 ) -> np.ndarray:
     """Return the headings missed, over READING, by ``rdot = a rudder + b + c r + d |r| r + e r^3`` (Euler)."""
     # start (2,): heading and yaw rate off those recorded, in units of READING and START_RATE
@@ -208,7 +208,7 @@ def nomoto_missed(grids: Iterable[RecordGrid], time: float) -> list[float]:
 
     def residuals(unknowns: np.ndarray, records: Sequence[Any]) -> np.ndarray:
         numbers, starts = unknowns[: len(first)] * scale, unknowns[len(first) :].reshape(-1, 2)
-        return np.concatenate([_nomoto_off(numbers, start, *own) for own, start in zip(records, starts, strict=True)])
+        return np.concatenate([_nomoto_off(start, numbers, *own) for own, start in zip(records, starts, strict=True)])
 
     known = [
         (grid.step, grid.positions[RUDDER].tolist(), np.interp(grid.times, grid.times_of(read), read.values))
@@ -221,8 +221,7 @@ def nomoto_missed(grids: Iterable[RecordGrid], time: float) -> list[float]:
             others = [other for other in steered if other is not record] or [record]
             unknowns = np.append(first, np.zeros(2 * len(others)))
             numbers = scale * least_squares(residuals, unknowns, args=(others,), max_nfev=40).x[: len(first)]
-            left = least_squares(lambda start, *own: _nomoto_off(own[0], start, *own[1:]), np.zeros(2),
-                                 args=(numbers, *record), max_nfev=40).fun  # fmt: skip
+            left = least_squares(_nomoto_off, np.zeros(2), args=(numbers, *record), max_nfev=40).fun
             missed[place] = np.sqrt(np.mean(left**2)) * READING
     return missed.tolist()
 
@@ -259,24 +258,17 @@ class LogFit(LearnedAnswer):
 
     Parameters
     ----------
-    model : Model
-        Learned model.
-    prior : Model
-        Model and covariance before the log.
+    model, prior : Model
+        Learned model, and the model and covariance before the log.
     coefficients : mapping of str to LearnedCoefficient
         Coefficients before and after.
     records : tuple of RecordAnswer
         Contribution of each record.
-    gusts : Gusts, optional
-        None if gusts were not estimated.
-    noise : mapping of str to SignalNoise
-        Most likely noise of a reading of each signal.
-    disagreement : float [1]
-        Sum of squared changes of the coefficients over their expected errors.
-    freedom : int
-        Number of combinations of coefficients that the log determines.
-    probability : float [1]
-        Probability of at least this disagreement if log and prior belong to one ship.
+    gusts, noise : Gusts, optional; mapping of str to SignalNoise
+        Most likely gusts, if they were estimated, and noise of a reading of each signal.
+    disagreement, freedom, probability : float [1], int, float [1]
+        Sum of squared changes of the coefficients over their expected errors, number of combinations of coefficients
+        that the log determines, and probability of at least this sum if log and prior belong to one ship.
     held : tuple of str
         Inertia coefficients that keep their prior: motion determines only ratios of forces to inertia.
     about : tuple of str

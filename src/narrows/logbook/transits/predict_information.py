@@ -57,24 +57,14 @@ class InformationForecast(BaseResult):
 
     Parameters
     ----------
-    kinds : tuple of TransitInformation
-        Routine first, then with excursions; only routine where none is safe.
-    transits : tuple of int
-        How many are sailed.
-    targets : tuple of str
-        The coefficients.
-    prior_std : mapping of str to float
-        Their standard errors now.
-    model : Model
-        The ship.
-    grade : SensorGrade
-        Its sensors.
-    conditions : TransitConditions
-        Wind, gusts, wander of the aim.
-    u : float [m/s]
-        Through the water.
-    duration : float [s]
-        Duration of a transit.
+    kinds, transits : tuple of TransitInformation, tuple of int
+        Routine transits, then those with excursions; only routine where none is safe. How many are sailed.
+    targets, prior_std : tuple of str, mapping of str to float
+        The coefficients, and their standard errors now.
+    model, grade, conditions : Model, SensorGrade, TransitConditions
+        The ship, its sensors, and wind, gusts and wander of the aim.
+    u, duration : float [m/s], [s]
+        Speed through the water, and duration of a transit.
     safe_offset : float [m]
         How far off the middle the safe envelope lets it go on purpose.
     reasons : tuple of str
@@ -172,23 +162,18 @@ def predict_information(
         Model of the ship at its own size, with a rudder and a covariance.
     waterway : Waterway, optional
         Instead of the model's own canal.
-    sensors : str or SensorGrade
-        ``rtk``, ``vdr``, ``ais``, or your own.
-    transits : int or sequence of int
-        Numbers of transits to predict for.
-    u : float [m/s], optional
-        Through the water; a speed that the canal and the tests allow unless given.
-    duration : float [s], optional
-        Duration of a transit; 40 minutes, or the waterway's length to an hour, unless given.
+    sensors, transits : str or SensorGrade, int or sequence of int
+        ``rtk``, ``vdr``, ``ais``, or your own; numbers of transits to predict for.
+    u, duration : float [m/s], [s], optional
+        Speed through the water, by default one that the canal and the tests allow; duration of a transit, by default 40
+        minutes, or the waterway's length to an hour.
     targets : sequence of str
         Coefficients of interest; those of the bank unless given.
     within : float [m], optional
         How far off the middle excursions may go, 0 for none; unless given, as far as a quick safe envelope lets the
         ship.
-    conditions : TransitConditions, optional
-        Wind, gusts, wander of the aim.
-    seed : int
-        Seed of gusts, wander and the samples of the envelope.
+    conditions, seed : TransitConditions, int
+        Wind, gusts, wander of the aim; seed of these and of the samples of the envelope.
 
     Returns
     -------
@@ -210,11 +195,9 @@ def predict_information(
         check_count("transits", count, 1)
     names, grade, conditions = learnable(model, targets), sensor_grade(sensors), conditions or TransitConditions()
     plan = _plan(model, waterway, u, duration, conditions)
-    std = dict(zip(model.terms.names, np.sqrt(np.diag(np.asarray(model.covariance))).tolist(), strict=True))
-    forecast = InformationForecast(
-        (), counts, names, {name: std[name] for name in names}, model, grade, conditions, plan.u, plan.duration, 0.0,
-        (NO_RUDDER,),
-    )  # fmt: skip
+    std = model.to_dataframe()["std"]
+    told = counts, names, {name: float(std[name]) for name in names}, model, grade, conditions, plan.u, plan.duration
+    forecast = InformationForecast((), *told, 0.0, (NO_RUDDER,))
     if "rudder" not in grade.signals:
         return forecast
     if within is None:
@@ -285,26 +268,26 @@ def _information(
 def _narrowest(model: Model, waterway: "Waterway | None") -> Model:
     if waterway is None:
         return model
-    canals = [waterway.canal(float(x)) for x in np.linspace(0, waterway.line.length, 101)]
-    canal = min(canals, key=lambda one: one.width)
-    depth = canal.depth if canal.depth is not None else model.configuration.canal.depth
-    return replace(model, configuration=replace(model.configuration, canal=replace(canal, depth=depth)))
+    canal = min(
+        (waterway.canal(float(x)) for x in np.linspace(0, waterway.line.length, 101)), key=lambda one: one.width
+    )
+    canal = replace(canal, depth=canal.depth or model.configuration.canal.depth)
+    return replace(model, configuration=replace(model.configuration, canal=canal))
 
 
 def expected_information(setup: LogSetup, gusts: np.ndarray, memory: float) -> np.ndarray:
     """Return the information of records at the prior mean, with gusts of covariance (2, 2) and memory [s], (P, P)."""
     problem = setup.problem
     unknowns, usual = np.zeros(len(problem.precision)), {one.name: one for one in problem.model.processes}
-    size = np.sqrt(np.diag(gusts)) / problem.at(np.zeros(problem.count))[1][1:]
-    strong = dict(zip((SWAY, YAW), size.tolist(), strict=True))
+    std = np.sqrt(np.diag(gusts))
+    size = dict(zip((SWAY, YAW), std / problem.at(np.zeros(problem.count))[1][1:], strict=True))
     for place, (of, names, _) in enumerate(problem.model.estimated, start=problem.count):
-        if of == "std" and names[0] in strong:
-            unknowns[place] = np.log(max(strong[names[0]] / usual[names[0]].std, LEAST_GUST_SHARE))
+        if of == "std" and names[0] in size:
+            unknowns[place] = np.log(max(size[names[0]] / usual[names[0]].std, LEAST_GUST_SHARE))
         elif of == "memory" and SWAY in names:
             unknowns[place] = np.log(memory / usual[SWAY].memory)
         elif of == "correlation":
-            product = max(float(np.sqrt(gusts[0, 0] * gusts[1, 1])), np.finfo(float).tiny)
-            unknowns[place] = np.arctanh(np.clip(gusts[0, 1] / product, -0.99, 0.99))
+            unknowns[place] = np.arctanh(np.clip(gusts[0, 1] / max(std.prod(), np.finfo(float).tiny), -0.99, 0.99))
     found = scored(problem, setup, unknowns, [], FIRST_PASSES)
     if found is None:
         raise InputError(TOO_COARSE)

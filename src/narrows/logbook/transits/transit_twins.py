@@ -1,6 +1,7 @@
 """Twins of a ship's own log: transits of a ship whose truth is known, in wind and gusts, as its sensors record them."""
 
 import math
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -259,11 +260,9 @@ def demonstrated_log(sensors: SensorGrade) -> tuple[Model, Model, ShipLog]:
     prior = large_container_ship()
     for seed in range(settings.MOST_SHIPS, 2 * settings.MOST_SHIPS):
         truth = drawn_truth(prior, seed)
-        try:
-            log = transits_of(truth, sensors, DEMONSTRATED, seed, TransitTwin(truth, SPEED, 60 * SHORT_MINUTES))
-            return prior, truth, log
-        except InputError:
-            continue
+        with suppress(InputError):
+            twin = TransitTwin(truth, SPEED, 60 * SHORT_MINUTES)
+            return prior, truth, transits_of(truth, sensors, DEMONSTRATED, seed, twin)
     raise InputError("none of the ships that were drawn comes through the canal")
 
 
@@ -273,8 +272,8 @@ def transits_of(
     template = replace(twin, truth=truth) if twin else TransitTwin(truth, SPEED, 60 * MINUTES)
     records, current = list[ShipRecord](), 0.0 if template.waterway else settings.CURRENT  # A waterway has its own.
     with bar(transits, is_shown(), "transits") as done:
-        for number in range(1000 * seed, 1000 * seed + transits):
-            name = f"transit {len(records) + 1}"
-            records.append(recorded(name, template.sailed(number), sensors, number, current))
+        for number in range(transits):
+            own = 1000 * seed + number
+            records.append(recorded(f"transit {number + 1}", template.sailed(own), sensors, own, current))
             done(1)
     return ShipLog(tuple(records), template.waterway)
