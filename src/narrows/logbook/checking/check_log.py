@@ -1,6 +1,5 @@
 """Faults of a ship's own log: by the filter that learns from it, and by checks that need none: clocks, gaps, sizes."""
 
-from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -48,10 +47,8 @@ class LogFindings(BaseResult):
 
     Parameters
     ----------
-    findings : tuple of Finding
-        In the order of the records.
-    records : int
-        How many were looked at.
+    findings, records : tuple of Finding, int
+        In the order of the records, and how many of these were looked at.
     """
 
     findings: tuple[Finding, ...]
@@ -80,12 +77,13 @@ class LogFindings(BaseResult):
 
     @staticmethod
     def _lines(findings: Sequence[Finding]) -> list[str]:
-        alike = Counter((own.check, own.remedy) for own in findings)
-        firsts = {(own.check, own.remedy): own for own in reversed(findings)}
+        alike = dict[tuple[str, str], list[Finding]]()
+        for own in findings:
+            alike.setdefault((own.check, own.remedy), []).append(own)
         return [
-            f"{check}{'' if firsts[check, remedy].wrong else ' (doubtful)'}: in {firsts[check, remedy].record}"
-            f"{f' and {count - 1} more' * (count > 1)}, {firsts[check, remedy].sentence}; {remedy}."
-            for (check, remedy), count in alike.items()
+            f"{check}{'' if first.wrong else ' (doubtful)'}: in {first.record}"
+            f"{f' and {len(others)} more' * bool(others)}, {first.sentence}; {remedy}."
+            for (check, remedy), (first, *others) in alike.items()
         ]
 
     @property
@@ -112,8 +110,7 @@ class LogFindings(BaseResult):
         """Give a row for each finding: record, check, whether it is wrong, sentence, remedy."""
         import pandas as pd
 
-        rows = [(own.record, own.check, own.wrong, own.sentence, own.remedy) for own in self.findings]
-        return pd.DataFrame(rows, columns=["record", "check", "wrong", "sentence", "remedy"])
+        return pd.DataFrame(map(vars, self.findings), columns=["record", "check", "wrong", "sentence", "remedy"])
 
 
 class Checked(NamedTuple):
@@ -122,12 +119,12 @@ class Checked(NamedTuple):
     waterway: Waterway | None  # Line of x and y
     pace: float  # Time of the way of a ship length [s]
 
+    @classmethod
+    def of(cls, record: ShipRecord, model: Model, waterway: Waterway | None) -> "Checked":
+        return cls(record, model, waterway, model.configuration.ship.length / speed_of(record))
+
     def finding(self, check: str, sentence: str, remedy: str, wrong: bool = True, **evidence: float) -> Finding:
         return Finding(check, self.record.name, sentence, remedy, evidence, wrong)
-
-
-def checked_record(record: ShipRecord, model: Model, waterway: Waterway | None) -> Checked:
-    return Checked(record, model, waterway, model.configuration.ship.length / speed_of(record))
 
 
 def check_clock(at: Checked) -> Iterator[Finding]:
@@ -229,11 +226,11 @@ def check_place(at: Checked) -> Iterator[Finding]:
     t, x = record["x"].t, record["x"].values
     y, psi = record["y"].at(t), record["psi"].at(t)
     reach = ship.length / 2 * np.abs(np.sin(psi)) + ship.beam / 2 * np.abs(np.cos(psi))
-    starboard = port = np.full(len(y), at.model.configuration.canal.width / 2)
+    half, middle = at.model.configuration.canal.width / 2, np.zeros(len(y))
     if at.waterway is not None:
         here = at.waterway.keel_section(x, ship.draft)
-        starboard, port = here.width / 2 + here.middle, here.width / 2 - here.middle
-    beyond, turned = (np.fmax(side * y + reach - starboard, reach - side * y - port) for side in (1, -1))
+        half, middle = here.width / 2, here.middle
+    beyond, turned = (reach - half + np.abs(side * y - middle) for side in (1, -1))
     if not (share := float(np.nanmean(beyond > 0))) > settings.ASHORE:
         return
     worst = int(np.nanargmax(beyond))
@@ -263,15 +260,11 @@ def check_log(
 
     Parameters
     ----------
-    log : ShipLog, StreamedLog or sequence of ShipRecord
-        Records of the ship.
-    model : Model
-        Model of the ship, at its size.
+    log, model : ShipLog, StreamedLog or sequence of ShipRecord; Model
+        Records of the ship, and a model of it at its size.
     waterway : Waterway, optional
         Line of x and y, and banks; default: the log's own.
-    sensors : {"rtk", "vdr", "ais", "basin"} or SensorGrade
-        Grade of the sensors.
-    spread : float or mapping of str to float, optional
+    sensors, spread : str or SensorGrade; float or mapping of str to float, optional
         As for ``learn``; a tenth of each coefficient where the model has no covariance.
 
     Returns
@@ -286,11 +279,10 @@ def check_log(
     """
     water = getattr(log, "waterway", None) if waterway is None else waterway
     findings, good, count = list[Finding](), list[ShipRecord](), 0
-    for whole in log:
+    for count, whole in enumerate(log, start=1):
         record = replace(whole, signals={name: whole[name] for name in whole if len(whole[name]) > 1})
-        count += 1
         try:
-            at = checked_record(record, model, water)
+            at = Checked.of(record, model, water)
             found = list(check_clock(at)) or [one for check in RECORD_CHECKS[1:-1] for one in check(at)]
         except InputError as error:
             found = [Finding("missing", record.name, str(error), "leave it out, or record what is missing")]
@@ -306,7 +298,7 @@ def check_log(
         with stage("checking the records"):
             findings += _by_filter(checked, model, sensors, spread)
         if not any(one.wrong for one in findings):  # A hull in a bank is a consequence of other faults.
-            findings += [one for record in good for one in check_place(checked_record(record, model, water))]
+            findings += [one for record in good for one in check_place(Checked.of(record, model, water))]
     return LogFindings(tuple(findings), count)
 
 

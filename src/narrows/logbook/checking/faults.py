@@ -14,7 +14,7 @@ import numpy as np
 
 from narrows.logbook.filtering.likelihood import DIFFERENCE, RecordLikelihood, RecordScore, score_and_information
 from narrows.logbook.filtering.log_problem import LogProblem
-from narrows.logbook.filtering.record_grid import RUDDER, STATES, RecordGrid, grid_of
+from narrows.logbook.filtering.record_grid import RUDDER, STATES, Readings, RecordGrid, grid_of
 from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
 from narrows.logbook.settings import FALSE_ALARM, MOST_ANGLE, MOVED, OUTLYING, STUCK_LENGTHS, STUCK_READINGS
 from narrows.logbook.ship_log import SIGNALS, TURNING, ShipRecord, Signal
@@ -89,12 +89,9 @@ def faults_of(grid: RecordGrid, normalised: dict[str, np.ndarray]) -> Iterator[F
             place = 1 + int(np.argmax(np.abs(normalised[name][1:])))
             yield Fault("step", name, grid, small, len(read.values), float(grid.times_of(read)[place]))
     if grid.readings.keys() >= set(POSITION):
-        yield Fault("delay", "x", grid)
-        yield Fault("antenna", "x", grid)
+        yield from (Fault(kind, "x", grid) for kind in ("delay", "antenna"))
     if RUDDER in grid.positions:
-        yield Fault("zero", RUDDER, grid, DEGREES)
-        yield Fault("gain", RUDDER, grid)
-        yield Fault("delay", RUDDER, grid)
+        yield from (Fault(kind, RUDDER, grid, scale) for kind, scale in (("zero", DEGREES), ("gain", 1), ("delay", 1)))
 
 
 class Misreading(NamedTuple):
@@ -136,12 +133,9 @@ def _turned(by: complex, remedy: str) -> Misreading:
     return Misreading((*names, "psi"), "u_ground and v_ground are along other axes", remedy, reread, 0.0)
 
 
-def _port(name: str) -> Misreading:
-    return _times_as_much(-1.0, name, remedy=f'turn its sign ([positive] {name} = "port")')
-
-
 MISREADINGS = (
-    *(_port(name) for name in (RUDDER, "psi", "r", "y", "v", "v_ground", "course")),
+    *(_times_as_much(-1.0, name, remedy=f'turn its sign ([positive] {name} = "port")')
+      for name in (RUDDER, "psi", "r", "y", "v", "v_ground", "course")),
     # Read as degrees a rudder nearly vanishes; where the model's rudder is too strong, that alone is more likely.
     _times_as_much(DEGREES, RUDDER, remedy="it looks like degrees: head it 'rudder [deg]'", least=MOST_ANGLE),
     *(_times_as_much(DEGREES, name, remedy=f"it looks like degrees: head it '{name} [deg]'")
@@ -270,10 +264,9 @@ def _of_record(
     path = path or likelihood.smoothed(found.unknowns, None, FIRST_PASSES)
     if path is None:
         return grid.record.name, [], record.score, record.information
-    at, by_value, by_variance = likelihood.slopes(found.unknowns, path)
-    model, e, s = problem.model_at(found.unknowns), at.values, at.variances
+    (e, s), by_value, by_variance = likelihood.slopes(found.unknowns, path)
+    model, values, variances = problem.model_at(found.unknowns), [*by_value], [*by_variance]
     faults = list(faults_of(grid, grid.by_signal(e / np.sqrt(s))))
-    values, variances = [*by_value], [*by_variance]
     for fault in faults:
         size = DIFFERENCE * fault.scale
         about = RecordLikelihood(problem, fault.mended(size)).linear(found.unknowns, path)
@@ -335,10 +328,8 @@ def stuck(problem: LogProblem, grid: RecordGrid) -> Iterator[tuple[str, float, f
         read = grid.readings[name]
         t = grid.times_of(read)
         kept = (t < begin) | (t > end)
-        without = {own: getattr(read, own)[kept] for own in ("values", "step", "share", "counted")}
-        likelihood = RecordLikelihood(
-            problem, replace(grid, readings={**grid.readings, name: read._replace(**without)})
-        )
+        without = Readings(*(column[kept] for column in read[:4]))
+        likelihood = RecordLikelihood(problem, replace(grid, readings={**grid.readings, name: without}))
         path = likelihood.smoothed(np.zeros(len(problem.precision)), None, FIRST_PASSES)
         during = (grid.times[:-1] > begin) & (grid.times[:-1] < end)
         moved = np.ptp(path.states[during, STATES.index(name)]) if path and during.any() else 0.0
