@@ -226,7 +226,7 @@ def check_place(at: Checked) -> Iterator[Finding]:
     t, x = record["x"].t, record["x"].values
     y, psi = record["y"].at(t), record["psi"].at(t)
     reach = ship.length / 2 * np.abs(np.sin(psi)) + ship.beam / 2 * np.abs(np.cos(psi))
-    half, middle = at.model.configuration.canal.width / 2, np.zeros(len(y))
+    half, middle = np.full(len(y), at.model.configuration.canal.width / 2), np.zeros(len(y))
     if at.waterway is not None:
         here = at.waterway.keel_section(x, ship.draft)
         half, middle = here.width / 2, here.middle
