@@ -56,7 +56,7 @@ class LegReadings(NamedTuple):
 class LegProblem(Unknowns):
     """Unknowns of steady legs: coefficients, then common errors over their standard deviations."""
 
-    prior: CoefficientPrior  # Of a model with terms of a rudder
+    prior: CoefficientPrior  # Prior of a model with terms of a rudder
     common: np.ndarray  # (6,) Standard deviations of ``UNKNOWN``
     left_over: np.ndarray  # (5,) ``SteadyConditions.left_over``
 
