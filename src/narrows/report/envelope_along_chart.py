@@ -32,8 +32,6 @@ def envelope_along_chart(along: EnvelopeAlong) -> Figure:
     offset.set_ylabel("widest safe offsets [m]\nport above, starboard below")
     offset.invert_yaxis()
     offset.set_xlabel("distance along the waterway [m]; ticks: the computed sections")
-    for panel in (speed, offset):
-        panel.grid(alpha=0.3)
     figure.legend(
         handles=[
             Patch(facecolor=PALE, edgecolor=BLACK, label="safe with 95 % probability"),

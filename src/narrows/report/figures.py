@@ -1,7 +1,7 @@
 """The figure of each kind of result, for its ``plot()``."""
 
 import math
-from functools import singledispatch
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -51,8 +51,10 @@ def figure_of(result: Any, axes: Axes | None = None) -> Figure:
     if axes is not None and not isinstance(axes, Axes):
         raise InputError(f"ax = {shown(axes)} is no Axes of Matplotlib; give one, as plt.subplots() makes")
     with drawing_on(axes):
-        figure: Figure = _drawn(result)
-    return figure
+        draw = next((draw for kind, draw in FIGURES.items() if isinstance(result, kind)), None)
+        if draw is None:
+            raise InputError(f"nothing is drawn of a {type(result).__name__}; take its data frame or dataset")
+        return draw(result)
 
 
 def residuals_figure(fit: Fit, axes: Axes | None = None, force: str | None = None) -> Figure:
@@ -63,20 +65,6 @@ def residuals_figure(fit: Fit, axes: Axes | None = None, force: str | None = Non
         fitted = [force]
     with drawing_on(axes):
         return force_residuals_figure(fit, fitted[:1] if axes is not None else fitted)
-
-
-@singledispatch
-def _drawn(result: Any) -> Figure:
-    raise InputError(f"nothing is drawn of a {type(result).__name__}; take its data frame or dataset")
-
-
-_drawn.register(Fit, intervals_figure)
-
-_drawn.register(SafeEnvelope, envelope_chart)
-
-_drawn.register(EnvelopeAlong, envelope_along_chart)
-
-_drawn.register(Waterway, waterway_figure)
 
 
 def rules_figure(rules: OutsideRules) -> Figure:
@@ -90,11 +78,7 @@ def rules_figure(rules: OutsideRules) -> Figure:
         panel.axvline(wall, color=BLACK, lw=3)
     panel.set(xlabel="offset from the middle [m]: port is negative", ylabel="speed through the water [knots]")
     panel.legend(handles=keys, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
-    panel.grid(alpha=0.3)
     return figure
-
-
-_drawn.register(OutsideRules, rules_figure)
 
 
 def track_figure(track: EstimatedTrack, truth: np.ndarray | None = None) -> Figure:
@@ -106,16 +90,12 @@ def track_figure(track: EstimatedTrack, truth: np.ndarray | None = None) -> Figu
     for axis, name in zip(axes[first:, 0], names, strict=True):
         _state(axis, track, name, None if truth is None else truth[:, track.states.index(name)])
     for axis in axes[:, 0]:
-        axis.grid(alpha=0.3)
         _mark(axis, track)
     handles, labels = axes[first, 0].get_legend_handles_labels()
     figure.legend(handles, labels, frameon=False, ncols=4, loc="outside upper left")
     axes[-1, 0].set_xlabel("time [s]")
     notes_below(figure, track.notes)
     return figure
-
-
-_drawn.register(EstimatedTrack, track_figure)
 
 
 def consistency_figure(result: Consistency) -> Figure:
@@ -132,27 +112,8 @@ def consistency_figure(result: Consistency) -> Figure:
     right.axvline(0.95, color=BLACK, linestyle="--", linewidth=1.0)
     right.set(xlabel="errors within the 95 % band [1]", xlim=(0.0, 1.0))
     right.invert_yaxis()
-    for axis in (left, right):
-        axis.grid(alpha=0.3)
     notes_below(figure, result.notes)
     return figure
-
-
-_drawn.register(Consistency, consistency_figure)
-
-_drawn.register(ShipLog, log_figure)
-
-_drawn.register(LogFindings, findings_figure)
-
-_drawn.register(Trials, manoeuvres_figure)
-
-_drawn.register(Turning, turning_figure)
-
-_drawn.register(ZigzagTest, zigzag_figure)
-
-_drawn.register(Voyage, voyage_figure)
-
-_drawn.register(CaptiveTests, motions_figure)
 
 
 def model_figure(model: Model) -> Figure:
@@ -171,7 +132,6 @@ def model_figure(model: Model) -> Figure:
         if model.has_bank:
             panel.plot(place, np.broadcast_to(banks[force], place.shape), "--", color=ORANGE, label="bank's part")
         panel.set_ylabel(FORCE_LABELS[force])
-        panel.grid(alpha=0.3)
     axes[0, 0].set_title(f"{model.ship.in_words}; {speed:.3g} m/s", loc="left")
     axes[0, 0].legend(frameon=False)
     axes[-1, 0].set_xlabel(label)
@@ -179,105 +139,51 @@ def model_figure(model: Model) -> Figure:
     return figure
 
 
-_drawn.register(Model, model_figure)
-
-_drawn.register(SteadyFit, steady_figure)
-
-_drawn.register(InformationForecast, information_figure)
-
-_drawn.register(EnvelopeChange, change_figure)
-
-_drawn.register(WatchedTransit, transit_figure)
-
-
-@_drawn.register
-def _(result: Jacobian) -> Figure:
-    return _eigenvalues(result.poles())
-
-
-@_drawn.register
-def _(result: LinearSystem) -> Figure:
-    return _eigenvalues(result.eigenvalues())
-
-
 def _eigenvalues(poles: np.ndarray) -> Figure:
     figure, axes = panels(1, 1, 3.2)
     axes[0, 0].plot(poles.real.ravel(), poles.imag.ravel(), "x", color=BLUE)
     axes[0, 0].axvline(0, color=BLACK, linewidth=0.7)
     axes[0, 0].set(xlabel="growth rate [1/s]; right of the line: runs away", ylabel="angular frequency [rad/s]")
-    axes[0, 0].grid(alpha=0.3)
     return figure
 
 
-@_drawn.register
-def _(result: Sensitivities) -> Figure:
+def _sensitivities(result: Sensitivities) -> Figure:
     """Change of the offset per 1 % of each quantity, the largest ones."""
     figure, axes = panels(1, 1, 3.2)
     for name in list(result.for_one_percent())[:MOST_CURVES]:
         axes[0, 0].plot(result.voyage.t, 0.01 * result.values[name] * result.of("y", name), label=name)
     axes[0, 0].set(xlabel="time [s]", ylabel="offset moved by one percent more [m]")
-    axes[0, 0].grid(alpha=0.3)
     axes[0, 0].legend(frameon=False)
     return figure
 
 
-@_drawn.register
-def _(result: SteadyPlan) -> Figure:
+def _pilot_page(result: SteadyPlan) -> Figure:
     if not result.legs:
         raise InputError("a plan without legs has no page; its summary gives the reason")
     return pilot_page(result)
 
 
-@_drawn.register
-def _(result: Comparison) -> Figure:
-    return comparison_figure(result.rows(), result.forces)
-
-
-@_drawn.register
-def _(result: Explanation) -> Figure:
-    return comparison_figure(result.comparison.rows(), result.comparison.forces)
-
-
-@_drawn.register
-def _(result: Reproduction) -> Figure:
-    return paths_figure(list(result.voyages.values()), result.truth.configuration)
-
-
-@_drawn.register
-def _(result: DepthCorrected) -> Figure:
-    return _bars(dict(result.factors), "factor on the coefficient [1]")
-
-
-@_drawn.register
-def _(result: Scaled) -> Figure:
+def _ratios(result: Scaled) -> Figure:
     ratios = {name: value / result.original.coefficients[name] for name, value in result.model.coefficients.items()
               if result.original.coefficients[name]}  # fmt: skip
     return _bars(ratios, "coefficient at the new scale over that at the old [1]", log=True)
 
 
-@_drawn.register
-def _(result: Squat) -> Figure:
-    return _bars({f"{result.gives}, by {result.formula}": result.sinkage}, "sinkage [m]")
-
-
-@_drawn.register
-def _(result: Plan) -> Figure:
+def _plan(result: Plan) -> Figure:
     figure, axes = panels(1, len(result.targets), 2.6)
     for panel, name in zip(axes[0], result.targets, strict=True):
         panel.plot(range(1, len(result.runs) + 1), result.std[name], color=BLUE, marker="o", label="these runs")
         panel.axhline(result.usual[name], color=ORANGE, linestyle="--", label="as many about the centreline")
         panel.set(ylim=(0.0, None), xlabel="run [1]", ylabel=f"standard error of {name} [1]")
-        panel.grid(alpha=0.3)
     axes[0, 0].legend(frameon=False)
     return figure
 
 
 def _bars(values: dict[str, float], label: str, log: bool = False) -> Figure:
-    figure, axes = panels(1, 1, 0.9 + 0.22 * len(values))
+    figure, axes = panels(1, 1, 0.9 + 0.22 * len(values), grid="x")
     axes[0, 0].barh(list(values), list(values.values()), color=BLUE, log=log)
     axes[0, 0].invert_yaxis()
     axes[0, 0].set_xlabel(label)
-    axes[0, 0].grid(alpha=0.3, axis="x")
     return figure
 
 
@@ -325,3 +231,38 @@ def _speed(model: Model) -> float:
     """Middle of the tested speed range [m/s]."""
     covered = model.data_range.speed
     return float(np.mean(covered)) if covered else SPEED_OF_LENGTH * float(np.sqrt(9.81 * model.ship.length))
+
+
+# The picture of each kind of result.
+FIGURES: dict[type, Callable[[Any], Figure]] = {
+    Fit: intervals_figure,
+    Comparison: lambda result: comparison_figure(result.rows(), result.forces),
+    Explanation: lambda result: comparison_figure(result.comparison.rows(), result.comparison.forces),
+    CaptiveTests: motions_figure,
+    Plan: _plan,
+    Model: model_figure,
+    Scaled: _ratios,
+    DepthCorrected: lambda result: _bars(dict(result.factors), "factor on the coefficient [1]"),
+    Squat: lambda result: _bars({f"{result.gives}, by {result.formula}": result.sinkage}, "sinkage [m]"),
+    Reproduction: lambda result: paths_figure(list(result.voyages.values()), result.truth.configuration),
+    Voyage: voyage_figure,
+    Waterway: waterway_figure,
+    Trials: manoeuvres_figure,
+    Turning: turning_figure,
+    ZigzagTest: zigzag_figure,
+    Jacobian: lambda result: _eigenvalues(result.poles()),
+    LinearSystem: lambda result: _eigenvalues(result.eigenvalues()),
+    Sensitivities: _sensitivities,
+    SafeEnvelope: envelope_chart,
+    EnvelopeAlong: envelope_along_chart,
+    OutsideRules: rules_figure,
+    EstimatedTrack: track_figure,
+    Consistency: consistency_figure,
+    ShipLog: log_figure,
+    LogFindings: findings_figure,
+    InformationForecast: information_figure,
+    SteadyPlan: _pilot_page,
+    SteadyFit: steady_figure,
+    EnvelopeChange: change_figure,
+    WatchedTransit: transit_figure,
+}

@@ -38,7 +38,7 @@ def estimate(fit: Fit, tests: CaptiveTests, names: tuple[str, ...]) -> np.ndarra
 
 def forces_figure(fit: Fit, tests: CaptiveTests) -> Figure:
     """Draw forces measured and estimated, with the bank's part (the paper's fig. result)."""
-    figure, axes = panels(3, 1, 6.2, Margins(), sharex=True)
+    figure, axes = panels(3, 1, 6.2, Margins(), "", sharex=True)
     for panel, (force, label) in zip(axes[:, 0], FORCE_LABELS.items(), strict=True):
         terms = fit.terms.forces[force]
         names = tuple(term.name for term in terms)
@@ -64,7 +64,6 @@ def force_residuals_figure(fit: Fit, forces: list[str]) -> Figure:
         panel.axhline(0.0, color=BLACK, linewidth=0.7)
         name, _, unit = FORCE_LABELS[force].rpartition(" [")
         panel.set(xlabel=f"estimated {name} [{unit}", ylabel=f"measured less\nestimated {force} [{unit}")
-        panel.grid(alpha=0.3)
     return figure
 
 
@@ -75,7 +74,7 @@ def left_out_figure(fit: Fit, tests: CaptiveTests) -> Figure:
     motion = {name: i for i, members in enumerate(fit.motions.members) for name in members}
     rows = np.repeat([motion[name] for name in tests.names], np.diff(tests.starts))
     forces = [force for force in ("Y", "N") if fit.terms.forces[force]]
-    figure, axes = panels(1, len(forces), 3.2, Margins(across=0.6))
+    figure, axes = panels(1, len(forces), 3.2, Margins(across=0.6), "")
     for panel, force in zip(axes[0], forces, strict=True):
         names = [term.name for term in fit.terms.forces[force]]
         columns = np.stack([np.broadcast_to(fit.terms[name].column(values), tests.rows) for name in names], axis=1)
@@ -93,7 +92,7 @@ def left_out_figure(fit: Fit, tests: CaptiveTests) -> Figure:
 def intervals_figure(fit: Fit) -> Figure:
     """Draw each coefficient's 95 % interval relative to its value; with an open marker if poorly identified."""
     names = tuple(n for n in fit.terms.names if fit.verdicts[n].determined and fit.coefficients[n])
-    figure, axes = panels(1, 1, 0.9 + 0.22 * len(names), Margins(left=1.0))
+    figure, axes = panels(1, 1, 0.9 + 0.22 * len(names), Margins(left=1.0), "x")
     panel = axes[0, 0]
     for i, name in enumerate(names):
         size, sure = abs(fit.coefficients[name]), fit.verdicts[name].status == IDENTIFIED
@@ -105,7 +104,6 @@ def intervals_figure(fit: Fit) -> Figure:
     panel.set_yticks(range(len(names)), names)
     panel.set(xlim=(-3.5, 3.5), ylim=(max(len(names), 1) - 0.5, -0.5), ylabel="coefficient [-]")
     panel.set_xlabel("value and 95 % interval over the size of the value [1]; filled: identified, open: not")
-    panel.grid(alpha=0.3, axis="x")
     return figure
 
 
@@ -115,7 +113,7 @@ def shapley_figure(fit: Fit) -> Figure:
     forces = list(shares[KINDS[0]])
     sizes = [len(shares["mse"][f]) for f in forces]
     figure, axes = panels(
-        1, len(forces), 2.9, Margins(bottom=0.85, top=0.3, across=0.15), sharey=True, width_ratios=sizes
+        1, len(forces), 2.9, Margins(bottom=0.85, top=0.3, across=0.15), "y", sharey=True, width_ratios=sizes
     )
     for panel, force in zip(axes[0], forces, strict=True):
         names = tuple(shares["mse"][force])
@@ -127,7 +125,6 @@ def shapley_figure(fit: Fit) -> Figure:
         panel.set_xticks(range(len(names)), names, rotation=90)
         panel.set_title(force, y=1.0)
         panel.set_xlabel("coefficient [-]")
-        panel.grid(alpha=0.3, axis="y")
     axes[0, 0].set_ylabel("Shapley share [1]")
     axes[0, -1].legend(frameon=False)
     return figure
@@ -148,7 +145,6 @@ def delta_figure(configuration: Configuration, covered: Range | None) -> Figure:
     panel.plot(y, delta(y, 1.0, width, beam), color=BLUE, label="delta")
     panel.plot(y, taper(y, width) * delta(y, 1.0, width, beam), color=ORANGE, linestyle="--", label="with taper")
     panel.set(ylim=(-4.5, 4.5), xlabel="offset y [m]", ylabel="delta [1]")
-    panel.grid(alpha=0.3)
     panel.legend(frameon=False)
     return figure
 
@@ -159,7 +155,7 @@ def delta_surface_figure(configuration: Configuration) -> Figure:
     y = np.linspace(-1, 1, 301) * 0.93 * (width - beam) / 2
     psi = np.linspace(-89, 89, 241)
     values = delta(y[None, :], np.cos(np.radians(psi))[:, None], width, beam)
-    figure, axes = panels(1, 1, 3.2, Margins())
+    figure, axes = panels(1, 1, 3.2, Margins(), "")
     panel = axes[0, 0]
     levels = [-4, -2, -1, -0.5, -0.2, -0.1, 0, 0.1, 0.2, 0.5, 1, 2, 4]
     filled = panel.contourf(y, psi, values, levels=levels, cmap="PuOr", extend="both", norm="symlog")
@@ -181,7 +177,7 @@ def correlation_figure(fit: Fit) -> Figure:
     overall = fit.diagnostics.overall
     sizes = [max(4, len(d.names)) for d in overall.values()]
     margins = Margins(left=0.65, right=0.65, bottom=0.65, top=0.4, across=0.6)
-    figure, axes = panels(1, len(overall), 3.3, margins, width_ratios=sizes)
+    figure, axes = panels(1, len(overall), 3.3, margins, "", width_ratios=sizes)
     image = None
     for panel, (force, diagnosis) in zip(axes[0], overall.items(), strict=True):
         image = _matrix(panel, diagnosis)
@@ -214,7 +210,7 @@ def _ink(value: float) -> str:
 def inflation_figure(fit: Fit) -> Figure:
     """Draw the variance inflation of each coefficient, over all rows and within each speed."""
     names = tuple(term.name for term in (*fit.terms.sway, *fit.terms.yaw))
-    figure, axes = panels(1, 1, 3.2, Margins(left=0.9, bottom=0.85, top=0.35))
+    figure, axes = panels(1, 1, 3.2, Margins(left=0.9, bottom=0.85, top=0.35), "y")
     panel = axes[0, 0]
     everywhere = {n: d.vif[n] for d in fit.diagnostics.overall.values() for n in d.names}
     panel.plot(range(len(names)), [_finite(everywhere[n]) for n in names], "k_", markersize=14, label="all rows")
@@ -228,7 +224,6 @@ def inflation_figure(fit: Fit) -> Figure:
     panel.yaxis.set_major_formatter("{x:g}")
     panel.yaxis.set_minor_formatter(NullFormatter())
     panel.set_xticks(range(len(names)), names, rotation=90)
-    panel.grid(alpha=0.3, axis="y")
     panel.legend(frameon=False, ncols=4, loc="upper center", bbox_to_anchor=(0.5, 1.15))
     return figure
 
@@ -248,7 +243,7 @@ def influence_figure(fit: Fit) -> Figure:
     shown = np.argsort(-influence.information.max(axis=1))[:MOST_TESTS]
     shown = np.sort(shown)
     left = 0.5 + 0.05 * max(len(influence.tests[i]) for i in shown)
-    figure, axes = panels(1, 1, 1.6 + 0.13 * len(shown), Margins(left=min(left, 3.0), right=0.1, bottom=0.85))
+    figure, axes = panels(1, 1, 1.6 + 0.13 * len(shown), Margins(left=min(left, 3.0), right=0.1, bottom=0.85), "")
     panel = axes[0, 0]
     image = panel.imshow(influence.information[shown], cmap="Blues", vmin=0, vmax=1, aspect="auto")
     panel.set_xticks(range(len(influence.names)), influence.names, rotation=90)
@@ -280,7 +275,6 @@ def comparison_figure(rows: list[dict], forces: tuple[str, ...] = ("Y", "N")) ->
         panel.xaxis.set_minor_formatter(NullFormatter())
         panel.set(xlabel=f"RMSE of {force} [{'N m' if force == 'N' else 'N'}]")
         panel.set_yticks(range(len(names)), names)
-        panel.grid(alpha=0.3)
     axes[0, 0].set_ylim(len(names) - 0.5, -0.5)
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, frameon=False, fontsize=7, loc="outside upper center", ncols=3)
@@ -290,7 +284,7 @@ def comparison_figure(rows: list[dict], forces: tuple[str, ...] = ("Y", "N")) ->
 def forms_figure(comparisons: Mapping[str, Comparison]) -> Figure:
     """Draw the error of each form of the bank term on left-out tests relative to the best, for sets of tests."""
     names = [name.removeprefix("bank only: ") for name in next(iter(comparisons.values())).fits]
-    figure, axes = panels(2, 1, 5.6, sharex=True)
+    figure, axes = panels(2, 1, 5.6, grid="y", sharex=True)
     for panel, force in zip(axes[:, 0], ("Y", "N"), strict=True):
         for i, (label, comparison) in enumerate(comparisons.items()):
             errors = np.array([fit.left_out[force].rmse for fit in comparison.fits.values()])
@@ -298,7 +292,6 @@ def forms_figure(comparisons: Mapping[str, Comparison]) -> Figure:
             panel.plot(np.arange(len(names)) + 0.09 * (i - 2.5), errors / errors.min(), label=label, **style)
         panel.set(yscale="log", ylabel=f"RMSE of left-out {force},\nover the best form's [1]")
         panel.yaxis.set_major_formatter("{x:g}")
-        panel.grid(alpha=0.3, axis="y")
     axes[1, 0].set_xticks(range(len(names)), names, rotation=20, ha="right")
     axes[1, 0].set_xlabel("form of the bank term [-]")
     axes[0, 0].legend(frameon=False, fontsize=6.5, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=1)
@@ -318,7 +311,6 @@ def motions_figure(tests: CaptiveTests) -> Figure:
     for panel, (name, label, scale) in zip(axes[:, 0], shown, strict=True):
         _draw(panel, tests, name, scale)
         panel.set_ylabel(label)
-        panel.grid(alpha=0.3)
     if _timed(tests):
         axes[0, 0].legend(ncols=len(tests.names), frameon=False, loc="upper right")
     axes[-1, 0].set_xlabel("time [s]" if _timed(tests) else "row of the table [1]; dashed: test boundaries")

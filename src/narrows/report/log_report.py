@@ -79,8 +79,6 @@ def log_fit_figure(fit: LogFit) -> Figure:
     _draw_coefficients(axes[0, 0], known[::-1])
     _draw_missed(axes[0, 1], fit.records)
     figure.legend(*axes[0, 1].get_legend_handles_labels(), loc="lower right", ncols=2, frameon=False, fontsize=7)
-    for panel in axes[0]:
-        panel.grid(alpha=0.3)
     return figure
 
 
@@ -114,12 +112,11 @@ def forecast_figure(record: RecordAnswer) -> Figure:
         if name in record.measured:
             t, values = record.measured[name]
             panel.plot(t, factor * values, ".", color=GREY, ms=1.5, label="measured", rasterized=True)
+            panel.set_ylim(_about(factor * values, ROOM_ACROSS, 1e-9))  # A prediction that diverges hides no other.
         for (colour, words), predicted in zip(BY, record.forecasts, strict=True):
             draw_pieces(panel, predicted, predicted.t, factor * predicted.states[:, place], color=colour, label=words)
         panel.set(ylabel=label)
-    _within(axes[1:, 0], record)
     for panel in axes[:, 0]:
-        panel.grid(alpha=0.3)
         panel.set_xlim(record.forecasts[1].t[0], record.forecasts[1].t[-1])
         panel.tick_params(labelbottom=panel is axes[-1, 0])
     axes[-1, 0].set_xlabel("time [s]")
@@ -132,14 +129,6 @@ def draw_pieces(axes: Axes, predicted: Forecast, across: np.ndarray, up: np.ndar
     for number, (begin, end) in enumerate(zip(begins, predicted.ends, strict=True)):
         piece = slice(begin, end + 1)
         axes.plot(across[piece], up[piece], color=color, lw=1.0, label=None if number else label)
-
-
-def _within(axes: np.ndarray, record: RecordAnswer) -> None:
-    """Limit an axis so that a diverging prediction does not hide the rest."""
-    for panel, (name, factor) in zip(axes, (("r", 180 / np.pi), ("psi", 180 / np.pi), ("y", 1.0)), strict=True):
-        if name in record.measured:
-            values = factor * record.measured[name][1]
-            panel.set_ylim(_about(values, ROOM_ACROSS, 1e-9))
 
 
 # Largest and smallest height of the figure [in].
@@ -170,7 +159,6 @@ def log_track_figure(record: RecordAnswer) -> Figure:
     shape = "to scale" if to_scale else "not to scale: y is stretched"
     panel.set_title(f"{record.name} from above, {shape}")
     panel.set_aspect("equal" if to_scale else "auto", adjustable="datalim")
-    panel.grid(alpha=0.3)
     figure.legend(*panel.get_legend_handles_labels(), loc="lower center", ncols=3, frameon=False, fontsize=7)
     return figure
 
@@ -206,11 +194,11 @@ def log_figure(log: ShipLog) -> Figure:
             if name := next((name for name in names if name in record), None):
                 curve = _thinned(record[name])
                 panel.plot(curve.t - record.start, factor * curve.values, color=colour, linewidth=0.8)
-    _finish(track, "along x [m]", "to starboard y [m]")
+    track.set(xlabel="along x [m]", ylabel="to starboard y [m]")
     if len(log) <= LEGEND_RECORDS and track.lines:
         track.legend(frameon=False)
     for panel, (_, _, label) in zip(others, CURVES, strict=True):
-        _finish(panel, "time of the record [s]", label)
+        panel.set(xlabel="time of the record [s]", ylabel=label)
     return figure
 
 
@@ -229,15 +217,10 @@ def _thinned(signal: Signal) -> Signal:
     return Signal(signal.t[::step], signal.values[::step])
 
 
-def _finish(axes: Axes, below: str, beside: str) -> None:
-    axes.set(xlabel=below, ylabel=beside)
-    axes.grid(alpha=0.3)
-
-
 def findings_figure(result: LogFindings) -> Figure:
     records = list(dict.fromkeys(finding.record for finding in result))
     checks = list(dict.fromkeys(finding.check for finding in result))
-    figure, axes = panels(1, 1, 1.4 + 0.22 * max(len(records), 1))
+    figure, axes = panels(1, 1, 1.4 + 0.22 * max(len(records), 1), grid="")
     for wrong, colour, mark, label in ((True, ORANGE, "X", "wrong"), (False, BLUE, "o", "doubtful")):
         marked = [finding for finding in result if finding.wrong is wrong]
         places = [(checks.index(own.check), records.index(own.record)) for own in marked]

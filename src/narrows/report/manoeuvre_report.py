@@ -1,6 +1,7 @@
 """Turning circles and zigzags: tables and tracks."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,6 +12,9 @@ from narrows.report.style import BLUE, DASHES, GREEN, ORANGE, PURPLE, notes_belo
 from narrows.report.terminal import console_of, print_notes, table_of
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
+LEGEND: dict[str, Any] = {
+    "frameon": False, "loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "ncols": 2, "fontsize": 7,
+}  # fmt: skip
 
 
 def print_manoeuvres(trials: Trials) -> None:
@@ -57,7 +61,7 @@ def _circles_on(axes: Axes, circles: Mapping[str, Turning]) -> None:
     axes.set_aspect("equal")
     axes.set_xlabel("transfer [ship lengths], starboard positive")
     axes.set_ylabel("advance [ship lengths]")
-    _legend(axes)
+    axes.legend(**LEGEND)
 
 
 def _zigzags_on(axes: Axes, tests: Mapping[str, ZigzagTest]) -> None:
@@ -68,9 +72,4 @@ def _zigzags_on(axes: Axes, tests: Mapping[str, ZigzagTest]) -> None:
         axes.plot(time, np.degrees(voyage.rudder), color=colour, ls=":", label="its rudder" if order else "rudder")
     axes.set_xlabel("time [ship lengths at the approach speed]")
     axes.set_ylabel("heading, rudder [deg], starboard positive")
-    _legend(axes)
-
-
-def _legend(axes: Axes) -> None:
-    axes.grid(alpha=0.3)
-    axes.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2, fontsize=7)
+    axes.legend(**LEGEND)

@@ -216,7 +216,6 @@ def information_figure(information: InformationForecast) -> Figure:
         panel.set_xticks(information.transits, [str(count) for count in information.transits])
         panel.minorticks_off()
         panel.set_ylim(bottom=0)
-        panel.grid(alpha=0.3)
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="lower center", ncols=1 + (len(labels) > 3), frameon=False, fontsize=7)
     return figure

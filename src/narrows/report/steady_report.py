@@ -48,7 +48,7 @@ OFFSETS, BESIDE = 21, 1.5
 def steady_figure(fit: SteadyFit) -> Figure:
     banks = [c for c in fit.coefficients.values() if c.from_bank and c.prior_std > 0]
     wide = {"gridspec_kw": {"width_ratios": (2.2, *(1.0 for _ in banks))}}
-    figure, axes = panels(1, 1 + len(banks), 3.6, Margins(bottom=0.95, top=0.25, across=0.6), **wide)
+    figure, axes = panels(1, 1 + len(banks), 3.6, Margins(bottom=0.95, top=0.25, across=0.6), "y", **wide)
     _draw_rudder(axes[0, 0], fit)
     for panel, coefficient in zip(axes[0, 1:], banks, strict=True):
         for place, (value, std, colour) in enumerate(
@@ -58,7 +58,6 @@ def steady_figure(fit: SteadyFit) -> Figure:
         panel.axhline(0, color=BLACK, lw=0.6)
         panel.set(xticks=[0, 1], xlim=(-0.6, 1.6), xticklabels=["before", "after"])
         panel.set_title(f"{coefficient.name}, 95 %")
-        panel.grid(alpha=0.3, axis="y")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="lower center", ncols=3, frameon=False, fontsize=7)
     return figure
 
@@ -97,7 +96,6 @@ def change_figure(change: EnvelopeChange) -> Figure:
     for panel in axes[0]:
         panel.set(xlabel="offset from the middle [m]", title=f"at {frame['speed'].iloc[0]:.1f} knots")
         panel.legend(frameon=False, fontsize=7)
-        panel.grid(alpha=0.3)
     return figure
 
 

@@ -75,17 +75,20 @@ def titled(axes: Axes, sentences: Iterable[str]) -> None:
 
 
 def panels(
-    rows: int, columns: int, height: float, margins: Margins | None = None, **options: Any
+    rows: int, columns: int, height: float, margins: Margins | None = None, grid: str = "both", **options: Any
 ) -> tuple[Figure, Any]:
-    """Make a figure of the page's width and its axes, (rows, columns)."""
+    """Make a figure of the page's width and its axes, (rows, columns), with a grid for values of x, y, both or none."""
     if given := given_axes():
         if rows * columns > 1:
             raise InputError(f"this picture has {rows * columns} panels, which one ax cannot hold; leave ax out")
-        return given[0], np.array([[given[1]]])
-    with rc_context(FONT):
-        figure = Picture(figsize=(WIDTH, height), layout=None if margins else "constrained")
-        axes = figure.subplots(rows, columns, squeeze=False, **options)
-    if margins:
+        figure, axes = given[0], np.array([[given[1]]])
+    else:
+        with rc_context(FONT):
+            figure = Picture(figsize=(WIDTH, height), layout=None if margins else "constrained")
+            axes = figure.subplots(rows, columns, squeeze=False, **options)
+    for panel in axes.flat if grid else ():
+        panel.grid(alpha=0.3, axis=grid)
+    if margins and not given:
         left, right, bottom, top, across, down = margins
         wide, high = WIDTH - left - right, height - bottom - top
         figure.subplots_adjust(

@@ -74,7 +74,6 @@ def transit_figure(transit: WatchedTransit) -> Figure:
         for values, colour, words in lines:
             panel.plot(t, np.where(np.isfinite(values), values, np.nan), color=colour, lw=1.2, label=words)
         panel.set_ylabel(label)
-        panel.grid(alpha=0.3)
         panel.legend(frameon=False, fontsize=7, loc="best")
     axes[0, 0].axhline(NEAR_MISS, color=BLACK, lw=0.7, ls="--")
     axes[-1, 0].set_xlabel("time since the watch began [s]")
@@ -99,7 +98,6 @@ def transit_track_figure(transit: WatchedTransit) -> Figure:
     panel.set(xlim=(first, last), xlabel="along the waterway [m]", ylabel="y, to starboard [m]")
     panel.invert_yaxis()
     panel.set_title("from above, starboard down; not to scale")
-    panel.grid(alpha=0.3)
     swept = Patch(facecolor=GREY, alpha=0.5, label="hull, no alert")
     lines = panel.get_legend_handles_labels()[0]
     figure.legend(handles=[*lines, swept, *_patches(0.5)], loc="lower center", ncols=4, frameon=False, fontsize=7)
