@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -116,7 +117,7 @@ def by_dual_numbers(tangent: TangentIntegrator, times: np.ndarray) -> np.ndarray
 
     table = tangent.integrator.channel.water.table
     system = tangent._system
-    scope = system._plain(functions(table, ROW))
+    scope = SimpleNamespace(**system._executed("plain", functions(table, ROW)))
     unit = {name: np.array([float(name == other) for other in tangent.by]) for name in tangent.by}
     none = np.zeros(len(tangent.by))
     asked = {name: tangent._ship_values.get(name) or 0.0 for name in (*scope.PARAMETERS, *scope.STEP_INPUTS)}
