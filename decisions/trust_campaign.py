@@ -148,7 +148,8 @@ def shown(rows: Rows) -> str:
         lines.append((name.partition(": ")[2], *ends))
     silent = max(float(row[HEADER[3]].rstrip("%")) for row in found)
     table = markdown(("error", "size", "identified and missed [%]"), lines)
-    return f"{table}\n\nVerdicts that do not name the error: at most {silent:.0f} %."
+    named = f"Up to {silent:.0f} % of the verdicts do not name the error." if silent else "Every verdict names the error."
+    return f"{table}\n\n{named}"
 
 
 if __name__ == "__main__":
