@@ -148,7 +148,9 @@ def shown(rows: Rows) -> str:
         lines.append((name.partition(": ")[2], *ends))
     silent = max(float(row[HEADER[3]].rstrip("%")) for row in found)
     table = markdown(("error", "size", "identified and missed [%]"), lines)
-    named = f"Up to {silent:.0f} % of the verdicts do not name the error." if silent else "Every verdict names the error."
+    named = (
+        f"Up to {silent:.0f} % of the verdicts do not name the error." if silent else "Every verdict names the error."
+    )
     return f"{table}\n\n{named}"
 
 

@@ -90,8 +90,8 @@ def shown(rows: Rows) -> str:
     *sizes, last = records(rows, "prior")
     gains = [float(row[name]) for row in sizes for name in HEADER[1:]]
     return (
-        f"Quadrupling any of {len(sizes)} groups of sizes changes the density by {min(gains):.0f} to {max(gains):+.0f}; "
-        f"a half-normal prior of the added masses by {last[HEADER[1]]} and {last[HEADER[2]]}."
+        f"Quadrupling any of {len(sizes)} groups of sizes changes the density by {min(gains):.0f} to "
+        f"{max(gains):+.0f}; a half-normal prior of the added masses by {last[HEADER[1]]} and {last[HEADER[2]]}."
     )
 
 

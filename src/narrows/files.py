@@ -61,7 +61,7 @@ def reading(path: str | Path, kind: str) -> Iterator[None]:
     except OSError as error:
         raise InputError(f"{path}: cannot be read ({reason(error)}); check the path") from None
     except Exception as error:  # Readers raise many kinds of errors on files of another format
-        raise InputError(f"{path}: is not {kind} ({reason(error)}); mend it there") from None
+        raise InputError(f"{path}: is not {kind} ({reason(error)}); mend it, or give another file") from None
 
 
 def form_of(path: str | Path, forms: tuple[str, ...]) -> str:
@@ -92,7 +92,10 @@ def matlab_of(columns: Mapping[str, Any]) -> bytes:
     from scipy.io import savemat
 
     memory: Any = BytesIO()
-    names = {name: re.sub(r"\W+", "_", str(name)).strip("_") or "column" for name in columns}
+    plain = {name: re.sub(r"\W+", "_", str(name), flags=re.ASCII).strip("_") for name in columns}
+    names = {name: word if word[:1].isalpha() else f"column{word}" for name, word in plain.items()}
+    if len(set(names.values())) < len(names):
+        raise InputError(f"in MATLAB {', '.join(map(str, columns))} are not all different; rename one")
     savemat(memory, {names[name]: column for name, column in columns.items()}, long_field_names=True, oned_as="column")
     return bytes(memory.getvalue())
 
@@ -102,17 +105,23 @@ def write_zarr(dataset: "xarray.Dataset", path: str | Path) -> None:
     target = Path(path)
     if target.exists() and not (target / "zarr.json").exists():
         raise InputError(f"{path}: exists and is not a Zarr folder; choose another name, or remove it")
-    temporary = target.parent / f".narrows-{uuid4().hex}"
+    temporary, old = (target.parent / f".narrows-{uuid4().hex}" for _ in range(2))
     try:
         with needs("cluster", f"{path}: Zarr"):
             import zarr  # noqa: F401  # xarray needs it
         dataset.to_zarr(temporary, mode="w", consolidated=False, zarr_format=3)
-        shutil.rmtree(target, ignore_errors=True)
+        if target.exists():
+            os.replace(target, old)
         os.replace(temporary, target)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{path}: Zarr does not hold these labels ({reason(error)}); give others") from None
     except OSError as error:
+        if old.exists():
+            os.replace(old, target)
         raise InputError(f"{path}: cannot be written ({reason(error)}); check its folder and the disk") from None
     finally:
-        shutil.rmtree(temporary, ignore_errors=True)
+        for folder in (temporary, old):
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def picture_of(figure: "Figure", suffix: str) -> bytes:

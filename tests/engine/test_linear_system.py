@@ -157,7 +157,7 @@ def test_many_courses_are_each_as_by_itself() -> None:
 
 def test_where_no_rudder_holds_it_many_say_nan_and_one_says_so() -> None:
     strong = steered().with_coefficients(c_bank=40.0)
-    with pytest.raises(nw.InputError, match=r"no rudder holds this ship 3 m off the middle at 1 m/s"):
+    with pytest.raises(nw.InputError, match=r"no rudder holds this ship at y = 3 m and 1 m/s"):
         linearize(strong, y=3.0, u=1.0)
     linear = linearize(strong, y=[0.0, 3.0], u=1.0)
     assert np.isfinite(linear.A[0]).all()

@@ -229,12 +229,12 @@ def test_between_plans_the_order_stands() -> None:
 def test_the_linear_quadratic_regulator_steers_where_a_program_has_no_answer(
     fails: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    answered, asked = planner_module.solution, iter(range(10**9))
+    answered, asked = planner_module.solve_program, iter(range(10**9))
 
-    def solution(program: Any, seconds: float = 0.0) -> Any:
+    def solve_program(program: Any, seconds: float = 0.0) -> Any:
         return None if fails == "always" or next(asked) % 2 else answered(program, seconds)
 
-    monkeypatch.setattr(planner_module, "solution", solution)
+    monkeypatch.setattr(planner_module, "solve_program", solve_program)
     order = helm().begin()
 
     class Known:

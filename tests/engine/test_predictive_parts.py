@@ -27,7 +27,7 @@ from narrows.control.predictive.line_frame import (
     no_push,
     over_interval,
     share_of,
-    updated_push,
+    update_push,
     water_ahead,
 )
 from narrows.control.predictive.planner import (
@@ -35,7 +35,7 @@ from narrows.control.predictive.planner import (
     horizon_of,
     later,
     program_of,
-    solution,
+    solve_program,
 )
 from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.simulation.ship import SimulatedShip
@@ -189,7 +189,7 @@ def test_daqp_agrees_with_scipy() -> None:
             cost, start, jac=lambda z, p=program: p.H @ z + p.f, constraints=limits, method="SLSQP",
             options={"ftol": 1e-12, "maxiter": 500},
         )  # fmt: skip
-        z = solution(program)
+        z = solve_program(program)
         assert z is not None
         assert (everything @ z <= program.upper + 1e-6).all()
         assert (everything @ z >= program.lower - 1e-6).all()
@@ -204,10 +204,10 @@ def cost_of(program: QuadraticProgram, z: np.ndarray) -> float:
 def test_a_program_without_numbers_or_without_an_answer_has_none() -> None:
     pytest.importorskip("daqp")
     program = next(programs())
-    assert solution(replace(program, f=np.full_like(program.f, np.nan))) is None
+    assert solve_program(replace(program, f=np.full_like(program.f, np.nan))) is None
     beyond = program.upper.copy()
     beyond[len(program.f)] = -50.0  # a rudder that no rate brings within its limit
-    assert solution(replace(program, upper=beyond, lower=np.minimum(program.lower, beyond))) is None
+    assert solve_program(replace(program, upper=beyond, lower=np.minimum(program.lower, beyond))) is None
 
 
 def test_weights_are_those_of_brysons_rule() -> None:
@@ -241,7 +241,7 @@ def estimated(truth: Push, places: np.ndarray, noise: float = 0.0) -> Push:
     draw, push = np.random.default_rng(1).standard_normal((len(places), 2)), no_push(truth.spread)
     for share, wrong in zip(places, draw, strict=True):
         missing = truth.at(np.array([share]))[0][0] - push.at(np.array([share]))[0][0] + noise * wrong
-        push = updated_push(push, missing, float(share), 1.0, 15.0)
+        push = update_push(push, missing, float(share), 1.0, 15.0)
     return push
 
 
@@ -266,7 +266,7 @@ def test_in_the_middle_a_push_is_none_of_the_bank() -> None:
 @pytest.mark.parametrize("wrong", [np.nan, np.inf])
 def test_what_is_no_number_tells_nothing_of_a_push(wrong: float) -> None:
     push = no_push(WALLS)
-    assert updated_push(push, np.array([wrong, 1.0]), 0.1, 1.0, 15.0) is push
+    assert update_push(push, np.array([wrong, 1.0]), 0.1, 1.0, 15.0) is push
 
 
 def test_the_spread_of_the_banks_is_straight_between_its_places_and_stays_beyond() -> None:

@@ -95,7 +95,7 @@ def test_every_motion_has_an_inertia() -> None:
         system_of(bare).constants({})
 
 
-@pytest.mark.parametrize("name", ["u", "width", "Y_in", "lambda", "__debug__"])
+@pytest.mark.parametrize("name", ["u", "width", "rudder", "revolutions", "Y_in", "lambda", "__debug__"])
 def test_a_coefficient_has_a_name_of_its_own(name: str) -> None:
     with pytest.raises(nw.InputError, match=f"cannot be called '{name}'|term {name}: the name already means something"):
         system_of(nw.PAPER.with_terms("bad", sway=[nw.Term(name, "b", cross_flow, dim.NUMBER)])).constants({})

@@ -196,6 +196,15 @@ def test_a_late_reading_is_put_where_it_belongs() -> None:
     np.testing.assert_allclose(then.covariance, now.covariance, rtol=1e-6, atol=1e-12)
 
 
+def test_fixes_before_the_start_are_carried_by_the_current() -> None:
+    """Three fixes 10 s apart, at 1 m/s through water that flows at 0.3 m/s."""
+    flowing = replace(nw.straight_waterway(nw.Canal(7.0), 100.0), current=0.3)
+    one = estimator(Gnss(0.02, period=10.0), Gyro(period=10.0), Log(0.01, period=10.0), waterway=flowing)
+    for t in (0.0, 10.0, 20.0):
+        now = one.update(t, gnss=(1.3 * t, 0.4), gyro=0.0, log=1.0, rudder=0.0)
+    assert now["x"] == pytest.approx(26.0, abs=0.1)
+
+
 def test_a_turn_more_is_the_same_heading() -> None:
     table, _ = record()
     turned = {**table, "gyro": table["gyro"] + 2 * math.pi}

@@ -14,7 +14,7 @@ from test_estimator import SENSORS, estimator, record, steered
 import narrows as nw
 from narrows.estimation import Estimate, Estimator, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
 from narrows.estimation.fault_bank import FaultBank, WhitenessTest
-from narrows.estimation.settings import WHITENESS_THRESHOLD
+from narrows.estimation.settings import STUCK_READINGS, WHITENESS_THRESHOLD
 
 BEGUN = 10.0
 Fault = Callable[[float, dict[str, Any]], None]
@@ -71,6 +71,16 @@ def test_the_right_sensor_is_named_and_the_truth_kept(what: str) -> None:
     off = np.abs([found[-1][state] - truth[-1, place] for place, state in enumerate(("x", "y", "psi", "u"))])
     np.testing.assert_array_less(off, [0.5, 0.12, 0.05, 0.2])
     assert (off < 3.5 * np.array([found[-1].std[state] for state in ("x", "y", "psi", "u")])).all()
+
+
+def test_equal_readings_of_a_late_sensor_are_counted() -> None:
+    one = estimator(SENSORS[0], Gyro(period=0.2, late=0.4), *SENSORS[2:])
+    for k, across in enumerate(np.random.default_rng(1).standard_normal(STUCK_READINGS + 5)):
+        t = 0.2 * k
+        one.update(
+            t, gnss=(t, 0.02 * across), gyro=0.01, rate_of_turn=1e-4 * across, log=1.0 + 0.01 * across, rudder=0.0
+        )
+    assert one._bank._stuck({}) == {"gyro", "rudder"}
 
 
 def test_a_log_at_0_from_the_start_is_found_out() -> None:

@@ -10,14 +10,16 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from functools import cache
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.io import loadmat
 
 import narrows as nw
-from narrows.files import is_stream, save_figure, write_whole
+from narrows.files import is_stream, matlab_of, save_figure, write_whole
 from narrows.report.fit_page import write_report
 from narrows.report.voyage_figures import voyage_figure
 from narrows.results import save_dataset
@@ -202,6 +204,30 @@ def test_labels_that_the_format_does_not_hold(labels: list, tmp_path: Path) -> N
     with pytest.raises(nw.InputError, match="NetCDF does not hold these labels"):
         save_dataset(dataset, tmp_path / "fleet.nc")
     assert not list(tmp_path.iterdir())
+
+
+def test_columns_of_one_name_in_matlab_are_refused() -> None:
+    with pytest.raises(nw.InputError, match="not all different"):
+        matlab_of({"a-b": [1.0], "a_b": [2.0]})
+    assert {"column5_deg", "column"} <= set(loadmat(BytesIO(matlab_of({"5_deg": [1.0], "ψ": [2.0]}))))
+
+
+def test_a_zarr_folder_whose_successor_fails_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The second of two moves fails: the old folder is back."""
+    pytest.importorskip("zarr")
+    old, path, moves = os.replace, tmp_path / "fleet.zarr", iter(range(9))
+    save_dataset(xr.Dataset({"u": ("ship", [0.5])}), path)
+
+    def failing(source: str, target: str) -> None:
+        if next(moves) == 1:
+            raise OSError(28, "No space left on device")
+        old(source, target)
+
+    monkeypatch.setattr("narrows.files.os.replace", failing)
+    with pytest.raises(nw.InputError, match="No space left"):
+        save_dataset(xr.Dataset({"u": ("ship", [0.9])}), path)
+    assert float(xr.open_zarr(path, consolidated=False).u[0]) == 0.5
+    assert list(tmp_path.iterdir()) == [path]
 
 
 def test_a_name_as_long_as_names_may_be(tmp_path: Path) -> None:

@@ -81,8 +81,8 @@ class LocalMotion:
         names = (*LINEARISED, *FORCES, *(actuator.name for actuator in self.ship.actuators))
         rows = [LINEARISED.index(name) for name in MOVED]
         columns = {name: matrix[..., rows, index] for index, name in enumerate(names)}
-        curvature, pace, room = _along(at)
-        for name, slope in (("current", -curvature / room), ("curvature", -pace / room)):
+        curvature, speed_along, radius_share = _along(at)
+        for name, slope in (("current", -curvature / radius_share), ("curvature", -speed_along / radius_share)):
             columns[name] = np.zeros((*matrix.shape[:-2], len(MOVED)))
             columns[name][..., MOVED.index("psi")] = slope
         return columns
@@ -91,21 +91,21 @@ class LocalMotion:
 def along_line(matrix: np.ndarray, at: Mapping[str, Any]) -> np.ndarray:
     """Return derivatives of the rates in the frame of a curved line, (..., 6, n), from those in a straight frame."""
     # The line turns under the ship by its curvature times the speed along it.
-    curvature, pace, room = _along(at)
+    curvature, speed_along, radius_share = _along(at)
     if not np.any(curvature):
         return matrix
     x, y, psi = (LINEARISED.index(name) for name in ("x", "y", "psi"))
     matrix = matrix.copy()
-    matrix[..., psi, :] -= np.asarray(curvature / room)[..., None] * matrix[..., x, :]
-    matrix[..., psi, y] -= curvature**2 * pace / room
+    matrix[..., psi, :] -= np.asarray(curvature / radius_share)[..., None] * matrix[..., x, :]
+    matrix[..., psi, y] -= curvature**2 * speed_along / radius_share
     return matrix
 
 
 def _along(at: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Curvature of the line, speed along it, and the share of its radius between centre and ship."""
     curvature, current = (np.asarray(at.get(name, 0.0), float) for name in WATER[::-1])
-    room = 1 - curvature * at["y"]
-    return curvature, (at["u"] * np.cos(at["psi"]) - at["v"] * np.sin(at["psi"]) + current) / room, room
+    radius_share = 1 - curvature * at["y"]
+    return curvature, (at["u"] * np.cos(at["psi"]) - at["v"] * np.sin(at["psi"]) + current) / radius_share, radius_share
 
 
 def local_water(model: Model, waterway: "Waterway | None", at: float) -> LocalWater:
@@ -170,8 +170,8 @@ def linearize(
     varied = {name: column for (name, column), number in zip(asked.items(), (y, u), strict=True) if np.ndim(number)}
     known = np.isfinite(course["rudder"]) if "rudder" in course else np.ones(1, bool)
     if not varied and not known.any():
-        where = f"{offsets[0]:g} m off the middle at {speeds[0]:g} m/s"
-        raise InputError(f"no rudder holds this ship {where}; choose a place nearer to it")
+        where = f"at y = {offsets[0]:g} m and {speeds[0]:g} m/s"
+        raise InputError(f"no rudder holds this ship {where}; choose a smaller offset")
     return _system(motion, course, varied)
 
 
@@ -220,22 +220,24 @@ def steady_courses(
             known = {**fixed, **forces, **turns, "path_curvature": bend, "current": water.current}
             v, steered["rudder"] = solved(ship, {**known, "y": y - water.middle, "u": u}, len(y), 1)
         psi = 0.0 - np.arctan(v / u)
-        pace = u * np.cos(psi) - v * np.sin(psi) + water.current
-        course = {"y": y, "u": u, "psi": psi, "v": v, "r": bend * pace, **steered, **movers, **turns, **forces}
+        speed_along = u * np.cos(psi) - v * np.sin(psi) + water.current
+        course = {"y": y, "u": u, "psi": psi, "v": v, "r": bend * speed_along, **steered, **movers, **turns, **forces}
         course |= {"current": water.current, "curvature": water.curvature} | ({"X": 0.0} if is_free else {})
         course = {name: np.broadcast_to(np.asarray(value, float), y.shape) for name, value in course.items()}
         change = _to_balance(motion, course) if is_steered and is_free and turns else np.zeros(1)
         if not (np.abs(change) > 1e-11 * np.abs(course.get("revolutions", change))).any():
             break
         turns = {"revolutions": turns["revolutions"] + np.nan_to_num(change)}
+    else:
+        raise InputError("no revolutions were found that keep this speed; hold it (surge='held'), or choose another")
     if is_steered and is_free and not turns:  # Without a propeller a force keeps the ship's speed
         sought = ("X",)
     if sought:
         rows = [MOVED.index(name) for force, name in zip("XYN", ("u", "v", "r"), strict=True) if force in sought]
         slopes, rates = motion.slopes(course), motion.rates(course)
         matrix = np.stack([slopes[name][:, rows] for name in sought], axis=-1)
-        away = np.stack([np.broadcast_to(rates[MOVED[row]], y.shape) for row in rows], axis=-1)
-        course |= dict(zip(sought, -np.linalg.solve(matrix, away[..., None])[..., 0].T, strict=True))
+        residual_rates = np.stack([np.broadcast_to(rates[MOVED[row]], y.shape) for row in rows], axis=-1)
+        course |= dict(zip(sought, -np.linalg.solve(matrix, residual_rates[..., None])[..., 0].T, strict=True))
     return motion, course
 
 

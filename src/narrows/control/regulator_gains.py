@@ -43,7 +43,8 @@ class RegulatorWeights:
             value = getattr(self, entry.name)
             right = 0 <= value <= 1 if entry.name == "bank" else value > 0
             if not (right and isfinite(value)):
-                raise InputError(f"weights of a regulator: {entry.name} = {value} is out of range; see its docstring")
+                span = "0 to 1" if entry.name == "bank" else "a number over 0"
+                raise InputError(f"weights of a regulator: {entry.name} = {value} is none; give {span}")
 
 
 DEFAULT_WEIGHTS = RegulatorWeights()
@@ -63,11 +64,11 @@ def gains_of(
     rate = np.minimum(rudder / (weights.stroke_time * time), gear.rate)
     scaled = time[:, None, None] * motion * size[:, None, :] / size[:, :, None]
     drive = (time * rate)[:, None] * push / size
-    trusting = best_gains(scaled, drive, SCALED_WEIGHTS)
-    doubting = scaled.copy()
-    doubting[:, :4, 0] *= weights.bank
-    gains = best_gains(doubting, drive, SCALED_WEIGHTS)
-    gains = np.where(holding(scaled, drive, gains)[:, None], gains, trusting)
+    by_full_slope = best_gains(scaled, drive, SCALED_WEIGHTS)
+    reduced = scaled.copy()
+    reduced[:, :4, 0] *= weights.bank
+    gains = best_gains(reduced, drive, SCALED_WEIGHTS)
+    gains = np.where(stabilised(scaled, drive, gains)[:, None], gains, by_full_slope)
     return np.asarray(gains * rate[:, None] / size)
 
 
@@ -88,7 +89,7 @@ def regulator_gains(model: Model, linear: LinearSystem, weights: RegulatorWeight
     motion, push = rate_driven(linear.A[None], linear.B[None, :, linear.controls.index("rudder")])
     gains = gains_of(SimulatedShip(model), motion, push, np.array([float(linear.course["u"])]), weights)[0]
     if not np.isfinite(gains).all():
-        where = f"{float(linear.course['y']):g} m off the middle at {float(linear.course['u']):g} m/s"
+        where = f"at y = {float(linear.course['y']):g} m and {float(linear.course['u']):g} m/s"
         raise InputError(f"no regulator holds this ship {where}: its rudder has no effect there")
     return tuple(gains.tolist())
 
@@ -101,7 +102,7 @@ def rate_driven(A: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return driven, push
 
 
-def holding(motion: np.ndarray, push: np.ndarray, gains: np.ndarray) -> np.ndarray:
+def stabilised(motion: np.ndarray, push: np.ndarray, gains: np.ndarray) -> np.ndarray:
     """Return which of many systems the gains stabilise (n,); false if a gain is NaN."""
     known = np.isfinite(gains).all(axis=1) & np.isfinite(motion).all(axis=(1, 2))
     poles = np.linalg.eigvals(np.where(known[:, None, None], motion - push[:, :, None] * gains[:, None, :], 0.0))
@@ -118,24 +119,24 @@ def best_gains(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.
     if not known.size:
         return gains
     with np.errstate(all="ignore"):
-        cost = _doubled(motion[known], push[known, :, None] * push[known, None, :], weights)
+        cost = riccati_solutions(motion[known], push[known, :, None] * push[known, None, :], weights)
         found = np.einsum("ni,nij->nj", push[known], cost)
-    holds = holding(motion[known], push[known], found)
+    holds = stabilised(motion[known], push[known], found)
     gains[known[holds]] = found[holds]
     return gains
 
 
-def _doubled(motion: np.ndarray, effect: np.ndarray, weights: np.ndarray) -> np.ndarray:
+def riccati_solutions(motion: np.ndarray, effect: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Return the stabilising solution of many continuous-time Riccati equations; infinite or NaN if there is none."""
     # A Cayley transform to discrete time. effect: the controls' B R^-1 B'.
     size = motion.shape[-1]
     shift = 1.1 * np.maximum(np.abs(motion).sum(axis=2).max(axis=1), 1.0)[:, None, None]
     moved = motion - shift * np.eye(size)
-    driven = _solved(moved, effect)
-    inverse = _solved(moved.swapaxes(1, 2) + weights @ driven, np.broadcast_to(np.eye(size), moved.shape))
+    driven = solved_or_nan(moved, effect)
+    inverse = solved_or_nan(moved.swapaxes(1, 2) + weights @ driven, np.broadcast_to(np.eye(size), moved.shape))
     step = np.eye(size) + 2 * shift * inverse.swapaxes(1, 2)
     reach = 2 * shift * driven @ inverse
-    cost = 2 * shift * inverse @ weights @ _solved(moved, np.broadcast_to(np.eye(size), moved.shape))
+    cost = 2 * shift * inverse @ weights @ solved_or_nan(moved, np.broadcast_to(np.eye(size), moved.shape))
     return discrete_riccati(step, reach, cost)
 
 
@@ -143,7 +144,7 @@ def discrete_riccati(step: np.ndarray, reach: np.ndarray, cost: np.ndarray) -> n
     """Return the stabilising solution of many discrete-time equations from A, B R^-1 B' and Q; NaN for none."""
     size = step.shape[-1]
     for _ in range(40):  # Each round doubles the time horizon
-        both = _solved(np.eye(size) + reach @ cost, np.concatenate([step, reach], axis=2))
+        both = solved_or_nan(np.eye(size) + reach @ cost, np.concatenate([step, reach], axis=2))
         back, change = step.swapaxes(1, 2), step.swapaxes(1, 2) @ cost @ both[..., :size]
         reach = reach + step @ both[..., size:] @ back
         step, cost = step @ both[..., :size], cost + change
@@ -152,7 +153,7 @@ def discrete_riccati(step: np.ndarray, reach: np.ndarray, cost: np.ndarray) -> n
     return np.asarray(cost)
 
 
-def _solved(matrices: np.ndarray, right: np.ndarray) -> np.ndarray:
+def solved_or_nan(matrices: np.ndarray, right: np.ndarray) -> np.ndarray:
     """Solutions of many systems; NaN if any matrix is singular to the last bit."""
     try:
         return np.linalg.solve(matrices, right)
@@ -188,6 +189,8 @@ def lqr(linear: Any, Q: Any, R: Any, *controls: str) -> tuple[np.ndarray, np.nda
     ----------
     Anderson and Moore (1990), Optimal Control: Linear Quadratic Methods.
     """
+    from scipy.linalg import solve_continuous_are
+
     system: LinearSystem = linear if isinstance(linear, LinearSystem) else linear.linearize()
     A, B = system.matrices(*controls)
     weights = []
@@ -197,10 +200,10 @@ def lqr(linear: Any, Q: Any, R: Any, *controls: str) -> tuple[np.ndarray, np.nda
         if matrix.shape != (len(names), len(names)):
             raise InputError(f"{name} has the shape {matrix.shape}; give a row and a column for {', '.join(names)}")
         weights.append(matrix)
-    with np.errstate(all="ignore"):
-        riccati = _doubled(A[None], (B @ _solved(weights[1][None], B.T[None])[0])[None], weights[0])[0]
-    gains = _solved(weights[1][None], (B.T @ riccati)[None])[0]
-    poles = np.linalg.eigvals(A - B @ gains) if np.isfinite(gains).all() else np.full(len(A), np.inf)
-    if not poles.real.max() < 0:
-        raise InputError("no gains hold this ship with these weights; give R over 0, and Q over 0 for y")
+    try:
+        riccati = np.asarray(solve_continuous_are(A, B, weights[0], weights[1]))
+        gains = np.linalg.solve(weights[1], B.T @ riccati)
+    except (np.linalg.LinAlgError, ValueError):
+        raise InputError("no gains hold this ship with these weights; give R over 0, and Q over 0 for y") from None
+    poles = np.linalg.eigvals(A - B @ gains)
     return gains, riccati, poles

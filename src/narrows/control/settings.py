@@ -34,7 +34,7 @@ TIME_TOLERANCE = 1e-6
 STEPS = 2
 # Default of the least distance between hull and bank [beams].
 MARGIN = 0.15
-# Linear and quadratic cost of half a beam of missing clearance.
+# Cost of half a beam of missing clearance, and its second derivative.
 SHORT, SHORT_SQUARED = 50.0, 10.0
 # Clearance beyond the margin above which a corner needs no constraint [half beams]: less is used up between plans.
 FREE_CLEARANCE = 4.0

@@ -79,14 +79,14 @@ class SpeedGovernor(BaseSummary):
             speed = speed + slope * covered
             revolutions = revolutions + getattr(at, f"plan_slope_revolutions_{i}") * covered
             rate = rate + choice(at.x - first, choice(last - at.x, slope * at.u, 0.0), 0.0)
-        lacking, shortfall = speed - at.u, getattr(at, SHORTFALL)
-        wanted = revolutions + at.surge_inertia_gain * rate + at.surge_gain * lacking
-        asked = wanted + at.surge_integral_gain * (shortfall + at.dt * lacking)
+        speed_error, shortfall = speed - at.u, getattr(at, SHORTFALL)
+        wanted = revolutions + at.surge_inertia_gain * rate + at.surge_gain * speed_error
+        unlimited = wanted + at.surge_integral_gain * (shortfall + at.dt * speed_error)
         limited = math.isfinite(self.most_revolutions)
         most = minimum(at.revolutions_limit, at.most_revolutions) if limited else at.revolutions_limit
-        order = _within(asked, most)
+        order = _within(unlimited, most)
         # At a limit the integral must not grow further.
-        shortfall = shortfall + choice(abs(asked - order), 0.0, at.dt * lacking)
+        shortfall = shortfall + choice(abs(unlimited - order), 0.0, at.dt * speed_error)
         return {**orders, "revolutions": order}, {**kept, SHORTFALL: shortfall}
 
 
@@ -97,7 +97,8 @@ def speed_governor(
     """Return a governor that keeps a ship's speed to limits along its way and decelerates in time.
 
     Speed and revolutions are those of a ship straight ahead in the model's own water; the governor corrects for the
-    resistance of a section, a bend or a rudder.
+    resistance of a section, a bend or a rudder. The distance for braking is that of still water: with a current from
+    astern begin earlier.
 
     Parameters
     ----------
@@ -119,14 +120,14 @@ def speed_governor(
     places, speeds = _checked(limits)
     revolutions = [self_propulsion(model, speed) for speed in speeds]
     slowest = min(speeds)
-    loses = -float(derivative(model, {"u": slowest}, surge="free", revolutions=0.0)[3])
-    rate = settings.EASE * loses if deceleration is None else deceleration
+    coasting = -float(derivative(model, {"u": slowest}, surge="free", revolutions=0.0)[3])
+    rate = settings.EASE * coasting if deceleration is None else deceleration
     if not (math.isfinite(rate) and rate > 0):
         raise InputError(f"deceleration = {rate} slows nothing; give it in m/s2, over 0")
-    if rate > loses:
+    if rate > coasting:
         raise InputError(
-            f"deceleration = {rate:g} m/s2 is more than the {loses:.3g} that this ship loses at {slowest:g} m/s with "
-            "its propeller stopped; give less, or leave it out"
+            f"deceleration = {rate:g} m/s2 is more than the {coasting:.3g} that this ship loses at {slowest:g} m/s "
+            "with its propeller stopped; give less, or leave it out"
         )
     x = _points(places, speeds, rate)
     u = [planned_speed(place, places, speeds, rate) for place in x]

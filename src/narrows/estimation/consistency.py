@@ -232,7 +232,7 @@ def consistency(
     x : float [m]
         Start along the waterway.
     controller : ControlLaw, optional
-        Controller of the twins; the track pilot of this offset and speed unless given.
+        Controller of the twins; unless given, the track pilot of this offset and speed in the model's own canal.
     excitation : float [rad]
         Alternating rudder added to the orders, so that the motion carries information.
     fault : callable, optional
@@ -274,10 +274,10 @@ def consistency(
     if not len(afloat):
         raise InputError("every twin ran aground; choose an offset and a speed at which the controller holds the ship")
     settled = min(SETTLING_TIME * math.sqrt(model.configuration.ship.length / REFERENCE_LENGTH), duration / 2)
-    return _told(first, truth, afloat, fault, settled)
+    return _evaluated(first, truth, afloat, fault, settled)
 
 
-def _told(first: Estimator, truth: Twins, afloat: np.ndarray, fault: Fault | None, settled: float) -> Consistency:
+def _evaluated(first: Estimator, truth: Twins, afloat: np.ndarray, fault: Fault | None, settled: float) -> Consistency:
     filter = first.filter
     shape = (len(afloat), len(truth.t))
     error, std = np.full((2, *shape, len(filter.states)), np.nan)

@@ -93,7 +93,6 @@ class Estimate(BaseSummary):
         return "\n".join([*lines, *self.notes])
 
 
-# A voyage as estimated: states with their standard deviations over time.
 @dataclass(frozen=True, repr=False, eq=False)
 class EstimatedTrack(Tabulated):
     """States of a ship over time.

@@ -24,6 +24,7 @@ from narrows.estimation.states import Prior, ProcessNoise
 from narrows.estimation.unscented import Gaussian
 from narrows.model.model import Model
 from narrows.results import BaseSummary
+from narrows.simulation.ship_lanes import RUDDER
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -156,8 +157,8 @@ class Estimator(BaseSummary):
             what = f"No reading for {gap:.0f} s" if gap > 0.0 else f"The time went back by {-gap:.0f} s"
             notes.append(f"{what}: the estimate begins anew.")
             self._begin_anew(t)
-        go_on = self._waited if self._run is None else self._went_on
-        return go_on(float(t), measured, positions, notes)
+        process = self._collect_start if self._run is None else self._advance
+        return process(float(t), measured, positions, notes)
 
     def run(self, records: Any) -> EstimatedTrack:
         """Estimate a whole record as in real time, after a restart.
@@ -187,8 +188,8 @@ class Estimator(BaseSummary):
                 f"these records lack {self._start.missing}; an estimate starts from {START_READINGS} readings of each"
             )
         flags = [
-            {name: np.array([name in said(estimate) for estimate in known]) for name in self.filter.sensors}
-            for said in (attrgetter("refused"), attrgetter("suspects"))
+            {name: np.array([name in sentences(estimate) for estimate in known]) for name in self.filter.sensors}
+            for sentences in (attrgetter("refused"), attrgetter("suspects"))
         ]
         mean = np.array([list(estimate.values.values()) for estimate in known])
         covariance = np.array([estimate.covariance for estimate in known])
@@ -222,7 +223,7 @@ class Estimator(BaseSummary):
         track, resets = smooth(self.filter, recorded)
         return replace(track, notes=(*self.notes, *map(AGROUND.format, resets)))
 
-    def _waited(
+    def _collect_start(
         self, t: float, measured: dict[str, tuple[float, ...]], positions: dict[str, float], notes: list[str]
     ) -> Estimate:
         start = self._start
@@ -240,9 +241,9 @@ class Estimator(BaseSummary):
         )
         self._bank = FaultBank(self.filter, self._filters, t)
         self._run = FilterRun(self.filter, [first], self._bank.horizon, self._bank.kept)
-        return self._went_on(t, {}, positions, notes)
+        return self._advance(t, {}, positions, notes)
 
-    def _went_on(
+    def _advance(
         self, t: float, measured: dict[str, tuple[float, ...]], positions: dict[str, float], notes: list[str]
     ) -> Estimate:
         assert self._run is not None
@@ -255,9 +256,10 @@ class Estimator(BaseSummary):
         if not self._run.update(t, measured, at, notes):
             notes.append(AGROUND.format(t))
             self._begin_anew(t)
-            return self._waited(t, measured, positions, notes)
+            return self._collect_start(t, measured, positions, notes)
         results = self._run.results
-        self._run, verdict = self._bank.test_hypotheses(self._run)
+        indicated = {RUDDER: (positions[RUDDER],)} if RUDDER in positions else {}
+        self._run, verdict = self._bank.test_hypotheses(self._run, {**measured, **indicated})
         self._verdict = verdict or self._verdict
         self._last = self.filter.adopt(self._run.last.state, self._run.filter)
         return self._estimate(now, self._last, True, [*notes, *self._silences(now)], results)
@@ -283,13 +285,13 @@ class Estimator(BaseSummary):
             [name for result in results for name in getattr(result, kind)]
             for kind in ("refused", "surprising", "suspects")
         )
-        said = {
+        sentences = {
             "The reading of {} is too far from the prediction: refused.": refused,
             "The readings of {} contradict the prediction: the model is wrong.": surprising,
             "The readings of {} are biased: it drifts, or is spoofed.": drifting,
             "{}": [self._verdict] * bool(self._verdict),
         }
-        notes += [sentence.format(" and ".join(names)) for sentence, names in said.items() if names]
+        notes += [sentence.format(" and ".join(names)) for sentence, names in sentences.items() if names]
         if not faults:
             self._verdict = ""
         suspects = tuple(dict.fromkeys([*(name for name in faults if name != MODEL), *drifting]))

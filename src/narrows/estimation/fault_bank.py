@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from narrows.estimation.filter_run import FilterRun, Moment, replay
+from narrows.estimation.filter_run import FilterRun, Moment, Readings, replay
 from narrows.estimation.sensors import is_white, slowed
 from narrows.estimation.settings import (
     BANK_THRESHOLD,
@@ -55,7 +55,7 @@ class Hypothesis(NamedTuple):
     run: FilterRun  # Filter run over them
     score: float  # Log-likelihood of all readings in the bank's window, less the penalty of the faults
     slow: Faults = frozenset()  # Sensors with slow errors that were not declared
-    anew: bool = False  # True if it starts from readings and not from the estimate
+    is_restart: bool = False  # True if it starts from readings and not from the estimate
 
 
 @dataclass
@@ -109,13 +109,13 @@ class FaultBank:
             self.filters[key] = replace(self.filter, sensors=sensors, faults=faults)
         return self.filters[key]
 
-    def test_hypotheses(self, run: FilterRun) -> tuple[FilterRun, str]:
-        """Return the run of the most likely hypothesis, and a sentence if the hypothesis changed."""
-        t, coloured = run.last.t, self.slow | self._coloured(run)
+    def test_hypotheses(self, run: FilterRun, read: Readings) -> tuple[FilterRun, str]:
+        """Return the run of the most likely hypothesis on new readings, and a sentence if the hypothesis changed."""
+        t, coloured = run.last.t, self.slow | self._correlated(run)
         if coloured != self.slow:
             state = self.faulty(self.faults, coloured).adopt(run.history[0].state, run.filter)
-            return self._adopted(run, Hypothesis(self.faults, state, run.history, run, 0.0, coloured), t)
-        refusing, drifting, stuck = self._refusing(run, t), self._drifting(run, t), self._stuck(run)
+            return self._switched_to(run, Hypothesis(self.faults, state, run.history, run, 0.0, coloured), t)
+        refusing, drifting, stuck = self._refusing(run, t), self._drifting(run, t), self._stuck(read)
         routine = bool(stuck - self.faults or self.faults) and t >= self._routine
         young = t - run.begun < REPLAY_TIME * self.scale
         if t < max(self._next, run.begun + 2 * JUDGE_WAIT * self.scale) or not (refusing or drifting or routine):
@@ -125,15 +125,20 @@ class FaultBank:
         best = max(self._hypotheses(run, suspects, refusing, stuck), key=lambda one: one.score, default=None)
         # A ship does not jump: a restart is for an estimate that was wrong from its start, or that no hypothesis
         # explains.
-        anew = self._started_anew(run) if young or best is None or (refusing and _at_odds(best.run)) else None
+        restart = (
+            self._restart_hypothesis(run) if young or best is None or (refusing and _still_refused(best.run)) else None
+        )
         cost = 0.0 if young else FAULT_PRIOR
-        if anew and (best is None or anew.score - cost > _likelihood(best.run, anew.run.begun) - _price(best.faults)):
-            best = anew
-        if best is None or (best.faults == self.faults and best.slow == self.slow and not best.anew):
+        if restart and (
+            best is None
+            or restart.score - cost > _likelihood(best.run, restart.run.begun) - _penalty_of_faults(best.faults)
+        ):
+            best = restart
+        if best is None or (best.faults == self.faults and best.slow == self.slow and not best.is_restart):
             return run, ""
-        return self._adopted(run, best, t)
+        return self._switched_to(run, best, t)
 
-    def _adopted(self, run: FilterRun, best: Hypothesis, t: float) -> tuple[FilterRun, str]:
+    def _switched_to(self, run: FilterRun, best: Hypothesis, t: float) -> tuple[FilterRun, str]:
         """Return the run without the faulty sensors."""
         own = self.faulty(best.faults & {RUDDER, MODEL}, best.slow)
         state = own.adopt(best.state, self.faulty(best.faults, best.slow))
@@ -141,12 +146,12 @@ class FaultBank:
         after = replay(own, first, best.moments[1:], self.horizon, self.kept, best.faults)
         if after is None:
             return run, ""
-        if not best.anew:
+        if not best.is_restart:
             after.begun = run.begun
             if own.states == run.filter.states:
                 before = bisect_left(run.history, first.t - SAME_TIME, key=lambda one: one.t)
                 after.history[:0] = run.history[:before]
-        said = _sentence(t, self.faults, best.faults, best.slow - self.slow, best.anew)
+        said = _sentence(t, self.faults, best.faults, best.slow - self.slow, best.is_restart)
         self._since |= dict.fromkeys(best.faults - self.faults, t)
         self.faults, self.slow, self._refused, after.results = best.faults, best.slow, {}, []
         self._white -= self.slow
@@ -157,7 +162,7 @@ class FaultBank:
         rudder = [RUDDER] if RUDDER in self.filter.actuators else []
         return [*self.filter.sensors, *rudder, MODEL]
 
-    def _coloured(self, run: FilterRun) -> Faults:
+    def _correlated(self, run: FilterRun) -> Faults:
         """Return receivers that count as white and whose innovations are correlated."""
         found = set()
         for name in self._white - self.faults:
@@ -189,9 +194,9 @@ class FaultBank:
             return True
         return drift > DRIFT_THRESHOLD
 
-    def _stuck(self, run: FilterRun) -> Faults:
+    def _stuck(self, read: Readings) -> Faults:
         """Sensors, or the rudder's indicator, with a constant value for long: either stuck, or the motion is steady."""
-        for name, reading in {**run.last.readings, RUDDER: tuple(run.last.positions)}.items():
+        for name, reading in read.items():
             value, count = self._same.get(name, (None, 0))
             self._same[name] = (reading, count + 1 if reading == value else 1)
         return frozenset(name for name, (_, count) in self._same.items() if count >= STUCK_READINGS)
@@ -200,16 +205,16 @@ class FaultBank:
         """Return the hypotheses: no change, one sensor sound again, a slow error, one more with a drift or a step."""
         moments, t, before = run.history, run.last.t, self.faulty(self.faults)
         begun, known = before.adopt(moments[0].state, run.filter), self.faults | stuck
-        base = self._tried(before, self.slow, begun, moments, known)
+        base = self._scored(before, self.slow, begun, moments, known)
         tried = [base]
         for one in self.faults - stuck:
             lasting = base is not None and t - self._since[one] < LONGEST_FAULT * self.scale
-            cost = self._simplicity(one) if lasting and base and not self._small(base.run, one) else 0.0
+            cost = self._occam_factor(one) if lasting and base and not self._small(base.run, one) else 0.0
             own = self.faulty(self.faults - {one})
-            tried.append(self._tried(own, self.slow, own.adopt(begun, before), moments, known, cost))
+            tried.append(self._scored(own, self.slow, own.adopt(begun, before), moments, known, cost))
         for one in self._white - self.faults:
             own, slow = self.faulty(self.faults, self.slow | {one}), self.slow | {one}
-            tried.append(self._tried(own, slow, own.adopt(begun, before), moments, known, FAULT_PRIOR))
+            tried.append(self._scored(own, slow, own.adopt(begun, before), moments, known, FAULT_PRIOR))
         step = min(self._refused.values()) if refusing else t - JUDGE_WAIT * self.scale
         onsets = [(t - ago * self.scale, DRIFT_START) for ago in DRIFT_ONSETS]
         onsets.append((step, 1.0 if refusing else STEP_START))
@@ -221,17 +226,17 @@ class FaultBank:
                 place = max(bisect_left(moments, onset, key=lambda moment: moment.t) - 1, 0)
                 then = own.adopt(base.run.history[place].state, before, size)
                 cost = math.log(len(onsets)) + _likelihood(base.run, moments[place].t) - _likelihood(base.run)
-                tried.append(self._tried(own, self.slow, then, moments[place:], known, cost))
+                tried.append(self._scored(own, self.slow, then, moments[place:], known, cost))
         return [one for one in tried if one]
 
-    def _tried(
+    def _scored(
         self, own: ShipFilter, slow: Faults, state: Gaussian, moments: list[Moment], known: Faults, cost: float = 0.0
     ) -> Hypothesis | None:
         run = replay(own, moments[0]._replace(state=state, monitor=own.monitor()), moments[1:], self.horizon, self.kept)
-        score = _likelihood(run) - _price(own.faults, known) - cost if run else 0.0
+        score = _likelihood(run) - _penalty_of_faults(own.faults, known) - cost if run else 0.0
         return Hypothesis(own.faults, state, moments, run, score, slow) if run else None
 
-    def _simplicity(self, name: str) -> float:
+    def _occam_factor(self, name: str) -> float:
         """Log-likelihood [1] that a filter gains by having no wide error of a sensor, whether right or wrong."""
         numbers = len(self.filter.sensors[name].fields) if name in self.filter.sensors else 1
         return FAULT_PRIOR + numbers * math.log(FAULT_STD)
@@ -244,7 +249,7 @@ class FaultBank:
         means = (abs(run.last.state.mean[places[f"{field}_fault"]]) for field in sensor.fields)
         return all(mean <= 2.0 * sigma for mean, sigma in zip(means, sensor.sigma, strict=True))
 
-    def _started_anew(self, run: FilterRun) -> Hypothesis | None:
+    def _restart_hypothesis(self, run: FilterRun) -> Hypothesis | None:
         """Return the most likely restart from recent readings, without the previous state."""
         since = min(self._refused.values(), default=run.last.t - RESTART_TIME * self.scale)
         recent = [one for one in run.history if one.t >= since]
@@ -260,12 +265,12 @@ class FaultBank:
         sets: list[Faults] = [frozenset(), *(frozenset({one}) for one in suspects)]
         begun = ((one, replace(start, filter=self.faulty(one)).state(first.t)) for one in sets)
         moments = [first, *recent]
-        tried = [self._tried(self.faulty(one), self.slow, state, moments, self.faults) for one, state in begun]
+        tried = [self._scored(self.faulty(one), self.slow, state, moments, self.faults) for one, state in begun]
         best = max((one for one in tried if one), key=lambda one: one.score, default=None)
-        return best._replace(anew=True) if best else None
+        return best._replace(is_restart=True) if best else None
 
 
-def _at_odds(run: FilterRun) -> bool:
+def _still_refused(run: FilterRun) -> bool:
     """Return whether a sensor contradicts a run until its end."""
     names = {name for result in run.results for name in result.nis}
     recent = {name: [one for one in run.results if name in one.nis][-int(REFUSED_PERIODS) :] for name in names}
@@ -277,15 +282,15 @@ def _likelihood(run: FilterRun, since: float = -math.inf) -> float:
     return math.fsum(result.log_likelihood for result in run.results if result.t > since + SAME_TIME)
 
 
-def _price(faults: Faults, known: Faults = frozenset()) -> float:
+def _penalty_of_faults(faults: Faults, known: Faults = frozenset()) -> float:
     """Return the penalty of faults without other evidence."""
     return FAULT_PRIOR * len(faults - known) * len(faults)
 
 
-def _sentence(t: float, before: Faults, after: Faults, slow: Faults, anew: bool) -> str:
+def _sentence(t: float, before: Faults, after: Faults, slow: Faults, is_restart: bool) -> str:
     new, back = sorted(after - before), sorted(before - after)
     parts = [
-        (anew, "the estimate contradicted the readings and started again from the sensors that agree"),
+        (is_restart, "the estimate contradicted the readings and started again from the sensors that agree"),
         (new, f"{' and '.join(new)} contradicts the others: left out, and the estimate is less certain"),
         (back, f"{' and '.join(back)} agrees with the others again: used"),
         (slow, f"{' and '.join(sorted(slow))} has slow errors that were not declared: the estimate is less certain"),

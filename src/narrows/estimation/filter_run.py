@@ -100,5 +100,5 @@ def replay(
 ) -> FilterRun | None:  # fmt: skip
     """Repeat a filter from a stored moment over later readings; None if it meets a bank."""
     run = FilterRun(filter, [first], horizon, kept, left_out)
-    alike = all(run.advance(moment.t, moment.positions, moment.readings) for moment in later)
-    return run if alike else None
+    afloat = all(run.advance(moment.t, moment.positions, moment.readings) for moment in later)
+    return run if afloat else None

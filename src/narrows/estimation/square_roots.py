@@ -73,12 +73,12 @@ def update(
     odd, likelihood = tests[1] > 0.0, -np.log(np.diag(factor)).sum()
     # Sensors of several sources agree against the prediction: the model is wrong, and they are used.
     agree = odd.any() and sources[odd].max() > sources[odd].min() and (tests[0][odd] <= gross).all()
-    told = np.concatenate((rows, innovation.reshape(1, -1)))
+    stacked = np.concatenate((rows, innovation.reshape(1, -1)))
     if odd.any() and not agree:
-        told, likelihood = told[:, kept], likelihood - 0.5 * gates[odd].sum()
-        factor = cholesky(told[:-1].T @ told[:-1])
+        stacked, likelihood = stacked[:, kept], likelihood - 0.5 * gates[odd].sum()
+        factor = cholesky(stacked[:-1].T @ stacked[:-1])
     # Joseph's form is a sum of squares: it stays a covariance for any gain.
-    white = whiten(told, factor)
+    white = whiten(stacked, factor)
     gain = white[:size].T @ root.T
     after = -(white[:-1] @ gain)
     after[:size] += root.T

@@ -64,13 +64,14 @@ class Start:
         for name, (_, entries) in known.items():
             for other, entry in entries.items():
                 full[places[name], p + places[other]] = entry
-        return Gaussian(np.concatenate([self._at_midship(t, mean, full[:size]), np.zeros(more)]), full)
+        return Gaussian(np.concatenate([self._at_midship(t, mean, full[:size], current), np.zeros(more)]), full)
 
-    def _at_midship(self, t: float, mean: np.ndarray, root: np.ndarray) -> np.ndarray:
+    def _at_midship(self, t: float, mean: np.ndarray, root: np.ndarray, current: float) -> np.ndarray:
         """Convert antenna positions to one time and to midship, in the root too, since the heading is uncertain."""
         filter = self.filter
         name = next(name for name, rows in self.readings.items() if "x" in filter.sensors[name].start(rows[-1][1]))
-        sensor, way = filter.sensors[name], mean[3] * np.array([math.cos(mean[2]), math.sin(mean[2])])
+        sensor, u, psi = filter.sensors[name], mean[3], mean[2]
+        way = np.array([u * math.cos(psi) + current, u * math.sin(psi)])
         place = np.median([np.array(reading) + (t - then) * way for then, reading in self.readings[name]], axis=0)
         bend = filter.lanes.bend(float(place[0]))
 

@@ -65,16 +65,16 @@ def predict(
 ) -> tuple[Gaussian, np.ndarray]:
     """Return the distribution after a motion with noise (j, n), and its slopes along the root's columns, (k, n)."""
     mean, rows = weights.transform(now, move)
-    return joined(mean, np.concatenate([rows, noise]), weights.considered), rows[: len(weights.distance)]
+    return gaussian_of_rows(mean, np.concatenate([rows, noise]), weights.considered), rows[: len(weights.distance)]
 
 
 def update(now: Gaussian, considered: int, *measurement: Any) -> tuple[Any, ...]:
     """Return the distribution after a measurement, and the tests of its readings, see ``square_roots.update``."""
     mean, rows, *tests = compiled_loops(square_roots).update(*now, *measurement)
-    return joined(mean, rows, considered), *tests
+    return gaussian_of_rows(mean, rows, considered), *tests
 
 
-def joined(mean: np.ndarray, rows: np.ndarray, considered: int) -> Gaussian:
+def gaussian_of_rows(mean: np.ndarray, rows: np.ndarray, considered: int) -> Gaussian:
     """Return the distribution of a mean and of rows, the first of them of considered errors."""
     root = triangular_root(rows[considered:])
     return Gaussian(mean, np.concatenate([rows[:considered].T, root], axis=1) if considered else root)

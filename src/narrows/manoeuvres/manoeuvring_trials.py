@@ -101,7 +101,7 @@ class Turning(BaseResult):
 
     def over_length(self) -> dict[str, float]:
         """Return the measures over the ship's length, and the steady speed over that of the approach [1]."""
-        length, u = self.voyage.configuration.ship.length, self.voyage.u
+        length, u = self.voyage.configuration.ship.length, np.hypot(self.voyage.u, self.voyage.v)
         measures = {f"{name}_over_length": getattr(self, name) / length for name in MEASURES}
         return {**measures, "speed_over_approach": float(u[-1] / u[0])}
 
@@ -230,7 +230,7 @@ def turning_circle(model: Model, rudder: float = 35.0, speed: float | None = Non
 
 @accept_aliases
 def zigzag(model: Model, rudder: float = 10.0, heading: float = 10.0, speed: float | None = None) -> ZigzagTest:
-    """Simulate a zigzag in open water, the rudder first to starboard.
+    """Simulate a zigzag in open water.
 
     Parameters
     ----------
@@ -280,8 +280,8 @@ def sail_trials(
     Raises
     ------
     InputError
-        If the model has no rudder or the gear does not reach an angle, the speed or the step is not positive, or it
-        does not turn far enough.
+        If the model has no rudder or the gear does not reach an angle, the speed or the step is not positive, or the
+        ship does not turn far enough.
     """
     ship = _TrialShip.of(model, speed, dt)
     ship.check(rudder=turn_deg)
@@ -309,14 +309,14 @@ class _TrialShip:
     def of(cls, model: Model, speed: float | None, dt: float | None = None) -> "_TrialShip":
         u = voyage_defaults(model).speed if speed is None else finite_numbers(speed=speed)["speed"]
         if not u > 0:
-            raise InputError(f"an approach at {u} m/s is none; give its speed over 0")
+            raise InputError(f"speed = {u} m/s of the approach must be over 0; give it in m/s")
         ship, hull = model.in_open_water(), model.configuration.ship
         notes = [note for note in ship.notes if note != ship.bank_note]
         notes += extrapolation(ship.data_range, {"speed": u})
         ship, steady = steady_ahead(ship, u)
         notes += [steady] * bool(steady)
         if not ship.surge_inertia > 0:
-            notes.append("the speed is held: the model has no term for surge resistance")
+            notes.append("the speed is held: the model has no inertia in surge (a_udot)")
         if model.configuration.steering is None and hull.length < MODEL_LENGTH:
             notes.append("the gear is as slow as a ship's, and this is a model's size: give [steering] its rate")
         if model.terms.has_bank:

@@ -276,7 +276,8 @@ class Model(Configured, Operations):
         Raises
         ------
         InputError
-            If a term needs a particular that the configuration lacks, or there is no such actuator.
+            If a term needs a particular that the configuration lacks, or divides by a speed of 0, or there is no such
+            actuator.
         """
         if motion is None:
             given = {name: others.pop(name) for name in ("psi", *MOTION) if name in others}
@@ -286,7 +287,10 @@ class Model(Configured, Operations):
         check_ahead(revolutions)
         asked = {"rudder": rudder, "revolutions": revolutions, **others}
         values = self._values(motion, {name: position for name, position in asked.items() if position is not None})
-        return {force: self._sum(terms, values) for force, terms in self.terms.forces.items()}
+        try:
+            return {force: self._sum(terms, values) for force, terms in self.terms.forces.items()}
+        except ZeroDivisionError:
+            raise InputError("terms of this model divide by the speed; give u over 0") from None
 
     def resistance(self, u: float, **positions: Number) -> float:
         """Return the resistance of water and actuators straight ahead on the centreline [N].

@@ -126,7 +126,7 @@ def at_depth(model: Model, depth: float) -> DepthCorrected:
 
 def _notes(model: Model, factors: Mapping[str, float], depth: float) -> tuple[str, ...]:
     kept = [term.name for term in (*model.terms.sway, *model.terms.yaw) if term.name not in factors]
-    notes = [f"Not corrected: {', '.join(kept)}."]
+    notes = [f"Not corrected: {', '.join(kept)}."] * bool(kept)
     unverified = [term.name for term in model.terms.terms if term.depth_law and not term.depth_law.verified]
     if unverified:
         notes.append(f"The exponent for {', '.join(unverified)} is from memory, not verified.")

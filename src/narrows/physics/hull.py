@@ -46,17 +46,17 @@ class HullPower:
 
 
 def rigid_surge(udot: Number, v: Number, r: Number, mass: Number, x_g: Number) -> Number:
-    """Surge force on the rig of the ship's own mass [N], -m (udot - v r - x_G r^2). Source: Newton, about midship."""
+    """Surge force of the ship's mass on the carriage [N], -m (udot - v r - x_G r^2). Source: Newton, about midship."""
     return -mass * (udot - v * r - x_g * r * r)
 
 
 def rigid_sway(vdot: Number, rdot: Number, u: Number, r: Number, mass: Number, x_g: Number) -> Number:
-    """Sway force on the rig of the ship's own mass [N], -m (vdot + u r + x_G rdot). Source: Newton, about midship."""
+    """Sway force of the ship's mass on the carriage [N], -m (vdot + u r + x_G rdot). Source: Newton, about midship."""
     return -mass * (vdot + u * r + x_g * rdot)
 
 
 def rigid_yaw(vdot: Number, rdot: Number, u: Number, r: Number, mass: Number, x_g: Number, inertia: Number) -> Number:
-    """Yaw moment on the rig of the ship's own mass [N m]. Source: Newton, about midship."""
+    """Yaw moment of the ship's mass on the carriage [N m]. Source: Newton, about midship."""
     return -inertia * rdot - mass * x_g * (vdot + u * r)
 
 

@@ -121,7 +121,7 @@ def other_end(block_coefficient: Number) -> Number:
 
 
 def _fullness(block_coefficient: Number) -> Number:
-    """Block coefficient over that of a ship without trim [1], limited to tested ships."""
+    """Block coefficient less that of a ship without trim [1], limited to tested ships."""
     return clip(block_coefficient - TRIMLESS, 0.15)
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-# Reductions of a data frame that are of its numbers alone.
+# Methods of a data frame that need columns of numbers.
 OF_NUMBERS = ("mean", "std", "var", "sem", "median", "quantile", "skew", "kurt", "corr", "cov", "abs")
 
 # Marks methods in the tables of names.
@@ -291,11 +291,11 @@ class Tabulated(BaseResult):
                 return getattr(table.select_dtypes("number") if name in OF_NUMBERS else table, name)
 
 
-LONG = 1e5
+LONG, MOST_DECIMALS = 1e5, 8
 
 
 def readable(value: float, std: float = math.nan) -> str:
-    """Write a number to the second digit of its standard error, or to four digits; from LONG on with a power of ten."""
+    """Write a number to the second digit of its standard error, or to four digits; some by powers of ten."""
     if not math.isfinite(value):
         return "-" if math.isnan(value) else ("inf" if value > 0 else "-inf")
     if not (math.isfinite(std) and std > 0):
@@ -303,7 +303,9 @@ def readable(value: float, std: float = math.nan) -> str:
     digits = 1 - math.floor(math.log10(std))
     if abs(value) >= LONG:
         return f"{value:.{max(1, digits + 1 + math.floor(math.log10(abs(value))))}g}"
-    return f"{round(value, digits):.{min(max(digits, 0), 8)}f}"
+    if digits > MOST_DECIMALS:
+        return f"{value:.{max(1, digits + 1 + math.floor(math.log10(abs(value))))}g}" if value else "0"
+    return f"{round(value, digits):.{max(digits, 0)}f}"
 
 
 def with_error(value: float, error: float) -> str:

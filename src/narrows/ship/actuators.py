@@ -221,7 +221,7 @@ class SteeringGear(Part):
 
     @classmethod
     def known_as(cls, number: str) -> str:
-        """Return the key itself: terms use neither."""
+        """Return the key unchanged: terms do not use the numbers of the gear."""
         return number
 
     @property
@@ -252,7 +252,10 @@ class SteeringGear(Part):
 
 @dataclass(frozen=True)
 class Actuator:
-    """An actuator."""
+    """An actuator moves at a command; here is what tables of tests, terms, files and scaling need of it.
+
+    Its position is a quantity of its name. It enters the terms directly, or as cosine and sine if it is an angle.
+    """
 
     name: str  # Name of its position: the column of a table of tests, the argument of ``forces`` and ``simulate``
     unit: str  # SI unit of its position
@@ -327,9 +330,7 @@ def particulars_with(actuators: Iterable[Actuator] = ()) -> dict[str, Quantity]:
     }
 
 
-# An actuator moves at a command; this class holds what tables of tests, terms, files and scaling need. Its position is
-# a quantity with the actuator's name. It enters the terms directly, or as cosine and sine if it is an angle;
-# ``<name>_limit`` and ``<name>_rate`` are its largest size and its fastest change.
+# Ends of the names of an actuator's largest size and of its fastest change.
 ENDS = ("limit", "rate")
 
 

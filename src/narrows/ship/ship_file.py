@@ -69,7 +69,7 @@ def actuator_sections(actuators: Iterable[Actuator] = ()) -> dict[str, type[Part
 
 def load_toml(path: str | Path) -> dict[str, Any]:
     with reading(path, "valid TOML"):
-        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        return tomllib.loads(Path(path).read_text(encoding="utf-8-sig"))
 
 
 def configuration_from(tables: Mapping[str, Any], file: str, actuators: Iterable[Actuator] = ()) -> Configuration:
@@ -86,9 +86,8 @@ def configuration_from(tables: Mapping[str, Any], file: str, actuators: Iterable
         main = {name: _section(cls, name, tables.get(name, {})) for name, cls in NEEDED.items()}
         parts = [_section(cls, name, tables[name]) for name, cls in sections.items() if name in tables]
         assumed = assumptions(main["water"])
-        notes = [
-            note for (name, key), note in assumed.items() if key not in tables.get(name, {} if name in NEEDED else key)
-        ]
+        given = {**{name: {} for name in NEEDED}, **tables}
+        notes = [note for (name, key), note in assumed.items() if name in given and key not in given[name]]
         return Configuration(**main, depths=dict(tables.get("depths", {})), notes=tuple(notes)).with_parts(parts)
     except InputError as error:
         raise InputError(f"{file}: {error}") from None
@@ -124,5 +123,5 @@ def _section(cls: type, name: str, values: Mapping[str, Any]) -> Any:
             raise InputError(f"[{name}] has an unknown key {key!r}{did_you_mean(key, known)}")
     missing = [key for key, entry in known.items() if entry.default is MISSING and key not in values]
     if missing:
-        raise InputError(f"[{name}] lacks {', '.join(missing)}; add it, in SI units")
+        raise InputError(f"[{name}] lacks {', '.join(missing)}; give all in SI units")
     return cls(**values)

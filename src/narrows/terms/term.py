@@ -35,11 +35,11 @@ ARITHMETIC = "arithmetic, abs() and minimum, maximum, clip and choice of narrows
 # Replacements for functions in a regressor, by name.
 INSTEAD = {
     "sin cos tan": "sin_psi and cos_psi (quantities, as y and u are) for sine and cosine of the heading, and "
-    "v / (u**2 + v**2) ** 0.5 for the sine of the drift angle",
+    "-v / (u**2 + v**2) ** 0.5 for the sine of the drift angle",
     "sqrt hypot": "x ** 0.5 for a root",
     "exp": "math.e ** x for an exponential",
     "fabs absolute": "abs(x) for a size",
-    "sign copysign": "x / abs(x) for a sign",
+    "sign copysign": "choice(x, 1.0, -1.0) for a sign",
     "min max minimum maximum clip where heaviside": "minimum(x, y), maximum(x, y) or clip(x, most)",
     "pow power square": "x ** 2 for a power",
 }
@@ -50,7 +50,6 @@ BRANCH = "choice(v, a, b) for a where v is over 0 and b elsewhere, instead of an
 LETTERS = ("a", "b", "c")
 
 
-# Properties of a term besides its regressor: its kind, its depth law, its scale effects.
 class TermKind(StrEnum):
     """Kind of a term.
 
@@ -144,7 +143,8 @@ class Term(BaseSummary):
     actuator: Actuator | None = None
 
     def __post_init__(self) -> None:
-        if not NAME.fullmatch(self.name) or iskeyword(self.name) or self.name in REGRESSOR_INPUTS:
+        taken = {*self._vocabulary, *(actuator.name for actuator in self._known)}
+        if not NAME.fullmatch(self.name) or iskeyword(self.name) or self.name in taken:
             raise InputError(f"a coefficient cannot be called {shown(self.name)}; give it a name such as b_vv")
         for word in self.inputs:
             if word not in self._vocabulary:

@@ -119,7 +119,7 @@ def no_push(spread: BankSpread) -> Push:
     return Push(np.zeros(2), np.zeros(2), spread, np.outer([0.0, 1.0, 0.0], np.ones(2)), np.zeros(2))
 
 
-def updated_push(push: Push, residual: np.ndarray, share: float, elapsed: float, time: float) -> Push:
+def update_push(push: Push, residual: np.ndarray, share: float, elapsed: float, time: float) -> Push:
     """Return the estimate after another residual: a Kalman filter of a random walk and a constant, each axis alone."""
     # Muske and Badgwell (2002), Disturbance modeling for offset-free linear model predictive control, Journal of
     # Process Control 12(5), 617-632. The noise is estimated from the residual; the random walk alone would give the

@@ -77,7 +77,7 @@ class RudderPlan:
         pace = self.x[-1] - self.x[-2]
         places[1:] = x + np.maximum(places[1:] - places[0], 0.0)
         count = min(int(np.ceil(share)), len(self.rates))
-        if count:  # the last node stays where it is, so that the ship keeps its speed
+        if count:  # ``later`` repeats the last place, and the ship goes on at its speed
             places[-count:] = places[-count - 1] + pace * np.arange(1, count + 1)
         places[0], states[0] = x, state
         rates = later(np.append(self.rates, 0.0), share)[:-1]
@@ -140,7 +140,7 @@ class Planner:
         interval, nodes = self.horizon.interval, plan.states.copy()
         water = self.water.at(plan.x)
         there, ends = ({name: column[part] for name, column in water.items()} for part in (np.s_[:-1], np.s_[1:]))
-        nodes[1:] = self._within_reason(ends, nodes[1:], speed)
+        nodes[1:] = self._within_domain(ends, nodes[1:], speed)
         plan = replace(plan, states=nodes)
         pushes, by_share = push.at(share_of(plan.states[:-1, 0], there))
         end, reached = predict(
@@ -154,14 +154,14 @@ class Planner:
         e, G = compiled_loops(plan_loops).condensed(A, integral[..., RUDDER], reached - plan.states[1:])
         x = np.append(plan.x[0], plan.x[0] + np.cumsum(end - plan.x[:-1]))
         program = self._program(replace(plan, x=x), e, G, reference(x)[1:], beyond)
-        z = solution(program, seconds)
+        z = solve_program(program, seconds)
         if z is None:
             return None
         states = plan.states.copy()
         states[1:] += e + G @ z[:-1]
         return RudderPlan(x, states, plan.rates + z[:-1])
 
-    def _within_reason(self, there: Mapping[str, np.ndarray], states: np.ndarray, speed: float) -> np.ndarray:
+    def _within_domain(self, there: Mapping[str, np.ndarray], states: np.ndarray, speed: float) -> np.ndarray:
         """Limit states to the model's domain: clear of the banks, not across the canal, finite rates."""
         (half_length, half_beam), limited = self.hull, states.copy()
         middle = (there["keel_starboard"] - there["keel_port"]) / 2
@@ -179,7 +179,7 @@ class Planner:
         """Derivatives in the middle of each interval: of all rates by the state, of the forced ones by a push."""
         x = (plan.x[:-1] + end) / 2
         there = self.water.at(x)
-        middle = self._within_reason(there, (plan.states[:-1] + reached) / 2, speed)
+        middle = self._within_domain(there, (plan.states[:-1] + reached) / 2, speed)
         y, psi, v, r, rudder = middle.T
         at = {"psi": psi, "u": speed, "v": v, "r": r, "rudder": rudder, **self.positions}
         section = {} if self.water.straight else {name: there[name] for name in SECTION}
@@ -221,7 +221,7 @@ def program_of(
     return QuadraticProgram(H, f, A, lower, upper)
 
 
-def solution(program: QuadraticProgram, seconds: float = 0.0) -> np.ndarray | None:
+def solve_program(program: QuadraticProgram, seconds: float = 0.0) -> np.ndarray | None:
     """Solve by DAQP: z, or None if it finds no solution in time."""
     # Arnstrom, Bemporad and Axehill (2022), A dual active-set solver for embedded quadratic programming using
     # recursive LDL^T updates, IEEE Transactions on Automatic Control 67(8), 4362-4369.

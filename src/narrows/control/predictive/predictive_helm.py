@@ -11,7 +11,7 @@ import numpy as np
 
 from narrows.codegen.choices import STAGES
 from narrows.control.predictive.course_ahead import CourseAhead, weights_of
-from narrows.control.predictive.line_frame import FORCED, RUDDER, Push, no_push, share_of, updated_push, water_ahead
+from narrows.control.predictive.line_frame import FORCED, RUDDER, Push, no_push, share_of, update_push, water_ahead
 from narrows.control.predictive.planner import (
     Horizon,
     Planner,
@@ -138,7 +138,7 @@ class VoyageOrders:
         force_of = self.course.track.force_of[0, self.course.track.nearest(seen.x)]
         missing = force_of @ (seen.state - expected.state)[FORCED] / elapsed
         share = self._share(np.array([seen.x]), seen.state[0])
-        self.push = updated_push(self.push, missing, float(share[0]), elapsed, self.push_time)
+        self.push = update_push(self.push, missing, float(share[0]), elapsed, self.push_time)
 
     def _share(self, x: np.ndarray, y: float) -> np.ndarray:
         return share_of(np.full(len(x), y), self.course.water.at(x))
