@@ -8,7 +8,7 @@ import numpy as np
 
 from narrows.captive.synthetic import HarmonicRun, Run, StraightRun
 from narrows.errors import InputError
-from narrows.ship.particulars import Configuration, half_swept
+from narrows.ship.particulars import Configuration, Ship, half_swept
 
 # Default speeds over the root of g L: slow ships, as in canals.
 FROUDE = (0.08, 0.12, 0.16)
@@ -67,16 +67,11 @@ class Tank:
     reach: float | None = None
 
     def __post_init__(self) -> None:
-        length = 1.0 if self.run_length is None else self.run_length
-        named = {"run_length": length, "clearance": self.clearance, "heading": self.heading}
-        for name, value in (
-            *named.items(),
-            *(("speeds", u) for u in self.speeds),
-            *(("depths", h) for h in self.depths),
-            ("reach", 1.0 if self.reach is None else self.reach),
-        ):
-            if not 0 < value < MOST:
-                raise InputError(f"tank: {name} = {value} must be positive, and of a tank's size")
+        numbers = {"run_length": self.run_length, "clearance": self.clearance, "heading": self.heading}
+        for name, values in {**numbers, "speeds": self.speeds, "depths": self.depths, "reach": self.reach}.items():
+            for value in () if values is None else np.ravel(values):
+                if not 0 < value < MOST:
+                    raise InputError(f"tank: {name} = {value} must be positive, and of a tank's size")
 
     def length_for(self, configuration: Configuration) -> float:
         """Return the length of steady motion in a run [m].
@@ -91,69 +86,49 @@ class Tank:
 
 def candidates(configuration: Configuration, tank: Tank) -> list[Run]:
     """List the runs that fit between the walls and into the length of a tank."""
-    if _room(configuration, tank) <= 0:
+    ship, length = configuration.ship, tank.length_for(configuration)
+    clear = configuration.canal.width / 2 - ship.beam * (0.5 + tank.clearance)
+    room = UNASKED * clear if tank.reach is None else min(clear, tank.reach)
+    if room <= 0:
         raise InputError("no run fits between the walls of this tank; check the ship file, or ask for less clearance")
-    for depth in tank.depths:
-        if depth <= configuration.ship.draft:
-            raise InputError(
-                f"a depth of {depth} m leaves no water under a draft of {configuration.ship.draft} m; raise it"
-            )
+    dry = [depth for depth in tank.depths if depth <= ship.draft]
+    if dry:
+        raise InputError(f"a depth of {dry[0]} m leaves no water under a draft of {ship.draft} m; raise it")
+    wave = (9.81 * ship.length) ** 0.5
     for speed in tank.speeds:
-        if (
-            speed > MOST_FROUDE * (9.81 * configuration.ship.length) ** 0.5
-            or tank.length_for(configuration) / speed > MOST_SAMPLES
-        ):
-            raise InputError(
-                f"{speed:g} m/s is no speed for a ship {configuration.ship.length:g} m long in a tank; check it"
-            )
-    speeds = tank.speeds or [round(f * float(np.sqrt(9.81 * configuration.ship.length)), 3) for f in FROUDE]
-    return [
-        run
-        for speed, depth in product(speeds, tank.depths or (None,))
-        for run in (*_straight(configuration, tank, speed, depth), *_harmonic(configuration, tank, speed, depth))
-        if _fits(run, configuration, tank)
-    ]
+        if speed > MOST_FROUDE * wave or length / speed > MOST_SAMPLES:
+            raise InputError(f"{speed:g} m/s is no speed for a ship {ship.length:g} m long in a tank; check it")
+    runs = []
+    for speed, depth in product(tank.speeds or [round(f * wave, 3) for f in FROUDE], tank.depths or (None,)):
+        runs += [*_straight(room, length, speed, depth), *_harmonic(room, length, tank.heading, speed, depth)]
+    limit = configuration.canal.width / 2 - tank.clearance * ship.beam + 1e-9
+    return [run for run in runs if _reach(run, ship) <= limit]
 
 
-def _room(configuration: Configuration, tank: Tank) -> float:
-    clear = configuration.canal.width / 2 - configuration.ship.beam * (0.5 + tank.clearance)
-    return UNASKED * clear if tank.reach is None else min(clear, tank.reach)
-
-
-def _straight(configuration: Configuration, tank: Tank, speed: float, depth: float | None) -> Iterator[Run]:
-    shares = (0.0, 0.25, 0.5, 0.75, 1.0)
-    for share, side, drift in product(shares, SIDES, STRAIGHT_DRIFTS):
-        offset, drift = side * round(share * _room(configuration, tank), 3), side * drift + 0.0  # Never -0
+def _straight(room: float, length: float, speed: float, depth: float | None) -> Iterator[Run]:
+    for share, side, drift in product((0.0, 0.25, 0.5, 0.75, 1.0), SIDES, STRAIGHT_DRIFTS):
+        offset, drift = side * round(share * room, 3), side * drift + 0.0  # Never -0
         if (share or drift) and (share or side > 0):
             name = f"straight y={offset:g} drift={drift:g} u={speed:g}{_at(depth)}"
-            yield StraightRun(
-                name, offset, speed, tank.length_for(configuration) / speed, float(np.radians(drift)), depth
-            )
+            yield StraightRun(name, offset, speed, length / speed, float(np.radians(drift)), depth)
 
 
-def _harmonic(configuration: Configuration, tank: Tank, speed: float, depth: float | None) -> Iterator[Run]:
+def _harmonic(room: float, length: float, heading: float, speed: float, depth: float | None) -> Iterator[Run]:
     for kind, offset_share, side, share, cycles in product(("yaw", "sway"), OFFSETS, SIDES, AMPLITUDES, CYCLES):
-        room = _room(configuration, tank)
         offset = side * round(offset_share * room, 3)
-        if not offset and side < 0:
-            continue
-        amplitude = round(share * (room - abs(offset)), 3)
-        period = round(tank.length_for(configuration) / speed / cycles, 2)
+        amplitude, period = round(share * (room - abs(offset)), 3), round(length / speed / cycles, 2)
         # Path angle at the centre crossing: a yaw run moves along its heading (sine), a sway run drifts (tangent).
-        steep = np.sin if kind == "yaw" else np.tan
-        if not 0 < amplitude * 2 * np.pi / period < speed * steep(np.radians(tank.heading)):
-            continue
-        name = f"{kind} A={amplitude:g} y={offset:g} T={period:g} u={speed:g}{_at(depth)}"
-        yield HarmonicRun(name, kind, amplitude, period, speed, cycles, offset, depth)
+        steepest = speed * (np.sin if kind == "yaw" else np.tan)(np.radians(heading))
+        if (offset or side > 0) and 0 < amplitude * 2 * np.pi / period < steepest:
+            name = f"{kind} A={amplitude:g} y={offset:g} T={period:g} u={speed:g}{_at(depth)}"
+            yield HarmonicRun(name, kind, amplitude, period, speed, cycles, offset, depth)
 
 
 def _at(depth: float | None) -> str:
     return "" if depth is None else f" h={depth:g}"
 
 
-def _fits(run: Run, configuration: Configuration, tank: Tank) -> bool:
-    """Return whether the corners of the hull stay clear of the walls."""
+def _reach(run: Run, ship: Ship) -> float:
+    """Largest distance of the hull's corners from the centreline."""
     columns = run.columns(SAMPLES / run.duration)
-    ship = configuration.ship
-    reach = np.abs(columns["y"]) + half_swept(ship, columns["psi"])
-    return bool((reach <= configuration.canal.width / 2 - tank.clearance * ship.beam + 1e-9).all())
+    return float((np.abs(columns["y"]) + half_swept(ship, columns["psi"])).max())

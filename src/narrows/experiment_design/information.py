@@ -112,23 +112,24 @@ def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[in
     outer = scale[:, :, None] * scale[:, None, :]
     runs, known = runs / outer, known / outer
     base = known + RIDGE * np.eye(known.shape[-1])
+
+    def best(taken: list[int], offered: Sequence[int]) -> int:
+        left = np.array([i for i in offered if i not in taken])
+        return int(left[_least(base + runs[taken].sum(axis=0) + runs[left], targets, criterion)])
+
     chosen: list[int] = []
     for _ in range(min(count, len(runs))):
-        chosen.append(_best(runs, base + runs[chosen].sum(axis=0), chosen, targets, criterion))
+        chosen.append(best(chosen, range(len(runs))))
     for _ in range(ROUNDS):
         before = list(chosen)
         for i in range(len(chosen)):
-            rest = chosen[:i] + chosen[i + 1 :]
-            best = _best(runs, base + runs[rest].sum(axis=0), rest, targets, criterion)
-            chosen = [*chosen[:i], best, *chosen[i + 1 :]]
+            chosen[i] = best(chosen[:i] + chosen[i + 1 :], range(len(runs)))
         if chosen == before:
             break
-    return _in_order(runs, base, chosen, targets, criterion)
-
-
-def _best(runs: np.ndarray, so_far: np.ndarray, taken: list[int], targets: Sequence[int], criterion: str) -> int:
-    rest = np.setdiff1d(np.arange(len(runs)), taken)
-    return int(rest[_least(so_far + runs[rest], targets, criterion)])
+    order: list[int] = []
+    for _ in chosen:
+        order.append(best(order, chosen))
+    return order
 
 
 def _least(information: np.ndarray, targets: Sequence[int], criterion: str) -> int:
@@ -137,18 +138,6 @@ def _least(information: np.ndarray, targets: Sequence[int], criterion: str) -> i
     tied = np.flatnonzero(worth <= worth.min() + TIE * (worth.min() if criterion == "c" else 1.0))
     volume = spread(information[tied], targets, "d")
     return int(tied[np.flatnonzero(volume <= volume.min() + TIE)[0]])
-
-
-def _in_order(
-    runs: np.ndarray, base: np.ndarray, chosen: list[int], targets: Sequence[int], criterion: str
-) -> list[int]:
-    """Order the runs by their own benefit."""
-    left = list(chosen)
-    order: list[int] = []
-    while left:
-        so_far = base + runs[order].sum(axis=0)
-        order.append(left.pop(_least(so_far + runs[left], targets, criterion)))
-    return order
 
 
 def expected_errors(

@@ -225,7 +225,8 @@ def plan_tests(
     known = known_information(made, adds.shape[1:])
     index = [free_parameters(terms)[name] for name in names]
     parameters = sorted(set(index))  # tied coefficients are equal
-    best = _separating(offered, adds, known, min(runs, SEPARATING) * bool(_bank(terms) & set(names)), parameters)
+    for_bank = any(term.from_bank and term.name in names for term in terms.terms)
+    best = _separating(offered, adds, known, min(runs, SEPARATING) if for_bank else 0, parameters)
     rest = np.setdiff1d(np.arange(len(offered)), best)
     more = choose(adds[rest], known + adds[best].sum(axis=0), runs - len(best), parameters, criterion)
     best = [*best, *rest[more].tolist()]
@@ -251,21 +252,17 @@ def plan_tests(
     )
 
 
-def _bank(terms: TermTable) -> set[str]:
-    return {term.name for term in terms.terms if term.from_bank}
-
-
 def _separating(
     offered: list[Run], adds: np.ndarray, known: np.ndarray, count: int, parameters: list[int]
 ) -> list[int]:
     """Straight runs at the highest speed, each mirrored: they separate the bank from period-dependent hull forces."""
     steady = {_path(run): i for i, run in enumerate(offered) if isinstance(run, StraightRun)}
     fastest = max((speed for _, _, speed, _ in steady), default=0.0)
-    half = {path: i for path, i in steady.items() if path[0] > 0 and path[2] == fastest}
+    half = [path for path in steady if path[0] > 0 and path[2] == fastest]
     pairs = min(count // 2, len(half))
-    best = choose(adds[list(half.values())], 0 * known, pairs, parameters, "c") if pairs else []
-    chosen = [list(half)[i] for i in best]
-    return [steady[path] for y, drift, *rest in chosen for path in ((y, drift, *rest), (-y, -drift, *rest))]
+    best = choose(adds[[steady[path] for path in half]], 0 * known, pairs, parameters, "c") if pairs else []
+    mirrored = [((y, drift, *rest), (-y, -drift, *rest)) for y, drift, *rest in (half[i] for i in best)]
+    return [steady[path] for pair in mirrored for path in pair]
 
 
 def _path(run: StraightRun) -> tuple[float, ...]:

@@ -57,10 +57,6 @@ class Comparison(BaseResult):
     def __repr__(self) -> str:
         return f"<Comparison of {', '.join(self.fits)}>"
 
-    def _errors(self, force: str) -> dict[str, float]:
-        """Root mean squared error of each table with this force on left-out tests."""
-        return {name: fit.left_out[force].rmse for name, fit in self.fits.items() if force in fit.left_out}
-
     def best(self, force: str) -> str:
         """Return the table with the smallest error on tests left out.
 
@@ -69,8 +65,7 @@ class Comparison(BaseResult):
         force : str
             ``X``, ``Y`` or ``N``.
         """
-        errors = self._errors(force)
-        return min(errors, key=errors.__getitem__)
+        return min((fit.left_out[force].rmse, name) for name, fit in self.fits.items() if force in fit.left_out)[1]
 
     @property
     def forces(self) -> tuple[str, ...]:
@@ -84,11 +79,11 @@ class Comparison(BaseResult):
 
     def summary(self) -> str:
         """Best table for each force on left-out tests, compared with the first table: a line each."""
-        first, sentences = next(iter(self.fits)), []
+        (first, own), sentences = next(iter(self.fits.items())), []
         for force in self.forces:
-            best, errors = self.best(force), self._errors(force)
-            against = f"; {first}: {errors[first]:.3g}" if best != first and first in errors else ""
-            error = f"{errors[best]:.3g} {FORCES[force].unit}{against}"
+            best = self.best(force)
+            against = f"; {first}: {own.left_out[force].rmse:.3g}" if best != first and force in own.left_out else ""
+            error = f"{self.fits[best].left_out[force].rmse:.3g} {FORCES[force].unit}{against}"
             sentences.append(f"{force}: {best} has the least error on left-out tests, {error}.")
         return "\n".join(sentences)
 
@@ -114,23 +109,17 @@ class Comparison(BaseResult):
 
 def _row(table: str, fit: Fit, force: str) -> dict[str, Any]:
     terms, speeds = fit.terms.forces[force], fit.left_out_speeds.get(force)
+    value, ends, verdicts = fit.coefficients, fit.intervals, fit.verdicts
+    bank = [term.name for term in terms if term.from_bank]
     return {
         "table": table,
         "force": force,
         "coefficients": len(terms),
-        "not_separable": sum(fit.verdicts[term.name].status == NOT_SEPARABLE for term in terms),
+        "not_separable": sum(verdicts[term.name].status == NOT_SEPARABLE for term in terms),
         "rmse": fit.scores[force].rmse,
         "rmse_left_out": fit.left_out[force].rmse,
         "rmse_other_speeds": speeds.rmse if speeds else float("nan"),
-        "bank": {
-            term.name: {
-                "value": fit.coefficients[term.name],
-                "ci95": list(fit.intervals[term.name]),
-                "verdict": fit.verdicts[term.name].status,
-            }
-            for term in terms
-            if term.from_bank
-        },
+        "bank": {n: {"value": value[n], "ci95": list(ends[n]), "verdict": verdicts[n].status} for n in bank},
     }
 
 
@@ -218,12 +207,13 @@ class Explanation(BaseResult):
     @cached_property
     def distance(self) -> dict[str, float]:
         """Distance of the model's coefficients from those of these tests, in joint standard errors; NaN if unknown."""
-        variances = 0.0 if self.model.covariance is None else np.diag(self.model.covariance)
-        parts = self.model.coefficients, self.fit.coefficients, self.fit.std
-        own, other, std = ([part[name] for name in self.fit.terms.names] for part in parts)
-        joint = np.sqrt(np.square(std) + variances)
-        distances = np.subtract(own, other) / np.where(joint > 0, joint, np.nan)
-        return dict(zip(self.fit.terms.names, distances.tolist(), strict=True))
+        names, covariance = self.fit.terms.names, self.model.covariance
+        own, fitted, std = (
+            np.array([part[name] for name in names])
+            for part in (self.model.coefficients, self.fit.coefficients, self.fit.std)
+        )
+        joint = np.sqrt(std**2 + (0.0 if covariance is None else np.diag(covariance)))
+        return dict(zip(names, ((own - fitted) / np.where(joint > 0, joint, np.nan)).tolist(), strict=True))
 
     @property
     def fitted_on_these(self) -> bool:
@@ -253,11 +243,9 @@ class Explanation(BaseResult):
                 f"{force}: RMS error {fitted.rmse:.3g} {unit} (R2 {fitted.r2:.3f}); {self.fit.scores[force].rmse:.3g} "
                 f"for a fit to these tests. It is largest on {worst}, {self.by_test[worst][force].rmse:.3g}."
             )
-        apart = [name for name, far in self.distance.items() if abs(far) > APART_ERRORS]
+        apart = ", ".join(name for name, far in self.distance.items() if abs(far) > APART_ERRORS)
         if apart and not self.fitted_on_these:
-            sentences.append(
-                f"More than {APART_ERRORS:.0f} standard errors from a fit to these tests: {', '.join(apart)}."
-            )
+            sentences.append(f"More than {APART_ERRORS:.0f} standard errors from a fit to these tests: {apart}.")
         return "\n".join(sentences)
 
     def to_dict(self) -> dict[str, Any]:
@@ -267,9 +255,7 @@ class Explanation(BaseResult):
             "summary": self.summary(),
             "notes": list(self.notes),
             "model": {force: errors._asdict() for force, errors in self.scores.items()},
-            "by_test": {
-                test: {force: errors.rmse for force, errors in scores.items()} for test, scores in self.by_test.items()
-            },
+            "by_test": {test: {f: own.rmse for f, own in scores.items()} for test, scores in self.by_test.items()},
             "distance": dict(self.distance),
             "shapley": self.shares,
             "these_tests": self.fit.to_dict(),
@@ -319,10 +305,6 @@ def explain(model: Model, tests: Any, tables: Sequence[str] = (), ship: ShipSour
     fit = identify(tests, model.terms, pass_over="rudder")
     equations, known = fit.normal_equations, (model.terms, model.coefficients)
     by_test = zip(equations.names, equations.by_test(equations.sums), strict=True)
-    return Explanation(
-        model,
-        fit,
-        score(equations, equations.total, *known),
-        {name: score(equations, sums, *known) for name, sums in by_test},
-        compare(tests, (model.terms, *(t for t in tables or ready_tables() if t != model.terms.name))),
-    )
+    scores = {name: score(equations, sums, *known) for name, sums in by_test}
+    comparison = compare(tests, (model.terms, *(t for t in tables or ready_tables() if t != model.terms.name)))
+    return Explanation(model, fit, score(equations, equations.total, *known), scores, comparison)

@@ -195,14 +195,12 @@ def the_condition(tests: Tests, condition: str | None) -> Tests:
     """Return the tests of one condition."""
     parts = _by_condition(tests)
     known = [label for label in parts if label]
-    if condition is None:
-        if len(parts) > 1:
-            raise InputError(f"the table holds several conditions: choose one with --condition {known[0]}")
-        return next(iter(parts.values()))
-    if condition not in parts:
+    if condition is None and len(parts) > 1:
+        raise InputError(f"the table holds several conditions: choose one with --condition {known[0]}")
+    if condition is not None and condition not in parts:
         hint = did_you_mean(condition, known) if known else "; it names none, select rows instead"
         raise InputError(f"the table has no condition {condition!r}{hint}")
-    return parts[condition]
+    return next(iter(parts.values())) if condition is None else parts[condition]
 
 
 def _by_condition(tests: Tests) -> Mapping[str, Tests]:

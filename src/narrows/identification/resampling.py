@@ -233,18 +233,17 @@ def depth_tests(
     depth, group = motions.features["depth"], motions.level("depth")
     if group.max() == 0 or not bank:
         return {}
-    by_depth = {}
-    for number in range(int(group.max()) + 1):
+    depths, found = [], []
+    for number in np.argsort([depth[group == number].mean() for number in range(group.max() + 1)]):
         names = {name for i in np.flatnonzero(group == number) for name in motions.members[i]}
         part = equations.of_tests(names)
-        known = part, distinct_motions(part), problem, errors, configuration
-        by_depth[round(float(depth[group == number].mean()), 9)] = estimates(*known)
-    depths, tests = sorted(by_depth), {}
-    for i in bank:
-        value = np.array([by_depth[h].free_values[i] for h in depths])
-        std = np.array([by_depth[h].free_std[i] for h in depths])
-        mean = (value / std**2).sum() / (1 / std**2).sum()
-        p = float(chdtrc(len(value) - 1, (((value - mean) / std) ** 2).sum()))
-        values, errors_of = (dict(zip(depths, column.tolist(), strict=True)) for column in (value, std))
-        tests[problem.terms.names[i]] = DepthTest(values, errors_of, p)
+        depths.append(round(float(depth[group == number].mean()), 9))
+        found.append(estimates(part, distinct_motions(part), problem, errors, configuration))
+    values, std = np.array([(one.free_values[bank], one.free_std[bank]) for one in found]).transpose(1, 2, 0)
+    means = (values / std**2).sum(axis=1) / (1 / std**2).sum(axis=1)
+    p = chdtrc(len(depths) - 1, (((values - means[:, None]) / std) ** 2).sum(axis=1))
+    tests = {}
+    for k, i in enumerate(bank):
+        own, errors_of = (dict(zip(depths, part[k].tolist(), strict=True)) for part in (values, std))
+        tests[problem.terms.names[i]] = DepthTest(own, errors_of, float(p[k]))
     return tests
