@@ -12,11 +12,10 @@ import numpy as np
 
 from narrows.results import plain
 from narrows.warning.alerts.alert import Command
-from narrows.warning.forecasting.forecast import Tracks
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_status import BridgeStatus, alert_to_dict
 from narrows.warning.settings import MOST_CLIENTS, SEND_INTERVAL, SEND_TIMEOUT
-from narrows.waterway.waterway import Waterway
+from narrows.waterway.waterway import Section
 
 # Commands of the page, by the word in its messages.
 COMMANDS = {"acknowledge": Command.ACKNOWLEDGE, "silence": Command.SILENCE}
@@ -50,70 +49,40 @@ def packed(message: Mapping[str, Any]) -> str:
 # The page draws the ship, the banks about it, and its forecast tracks, in metres east and north.
 # Length of bank drawn astern and ahead of the ship, and distance between points [m].
 ASTERN, AHEAD, EVERY = 800.0, 2400.0, 20.0
-SIDES = (-1, 1)
-# Columns of (north, east [m], heading [rad]) for a point, and for a pose.
-POINT, POSE = slice(2), slice(3)
+# Digits that are sent: a decimetre north and east, a ten-thousandth of a radian.
+DIGITS = np.array([10.0, 10.0, 1e4])
 
 
 def scene(monitored: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | None:
-    """Return what the page draws, points as [north, east] [m]; None until the position is known."""
+    """Return what the page draws, points as [north, east] [m], poses with a heading [rad]; None without a position."""
     if not status.estimate.ready:
         return None
     way, ship, now = monitored.waterway, monitored.model.configuration.ship, status.estimate.values
-    pose, along = np.array([now["x"], now["y"], now["psi"]]), min(max(now["x"], 0.0), way.line.length)
-    fan, middle = _drawable(status), np.array([along, float(way.keel_section(along, ship.draft).middle), 0.0])
-    own = {"pose": pose[None], "middle": middle[None]}
-    lines = {**own, **_banks(way, along, None), **_banks(way, along, ship.draft), **(_tracks(pose, fan) if fan else {})}
-    drawn = _on_map(way, lines)
-    return {
-        "ship": {"pose": _rounded(drawn["pose"], POSE)[0], "length": ship.length, "beam": ship.beam},
-        "middle": _rounded(drawn["middle"], POSE)[0],
-        **{name: [_rounded(drawn[f"{name} {side}"], POINT) for side in SIDES] for name in ("banks", "limits")},
-        "fan": _fan(drawn, fan) if fan else None,
-    }
-
-
-def _drawable(status: BridgeStatus) -> Tracks | None:
-    """Tracks of what can be drawn: a ship that diverges has no place."""
-    tracks = status.forecast.tracks if status.forecast else None
-    if tracks is None or not np.isfinite([tracks.as_is, tracks.escape]).all():
-        return None
-    return tracks._replace(fan=tracks.fan[np.isfinite(tracks.fan).all(axis=(1, 2))])
-
-
-def _banks(way: Waterway, along: float, draft: float | None) -> dict[str, np.ndarray]:
+    pose, along = [now[name] for name in ("x", "y", "psi")], min(max(now["x"], 0.0), way.line.length)
     first, last = max(along - ASTERN, 0.0), min(along + AHEAD, way.line.length)
     s = np.linspace(first, last, max(2, round((last - first) / EVERY) + 1))
-    name, here = ("banks", way.section(s)) if draft is None else ("limits", way.keel_section(s, draft))
-    off = {side: here.middle + side * here.width / 2 for side in SIDES}
-    return {f"{name} {side}": np.stack([s, off[side], np.zeros_like(s)], axis=1) for side in SIDES}
 
+    def drawn(place: Any, offset: Any, psi: Any = 0.0) -> Any:
+        positions, headings = way.to_map(place, offset, psi)
+        poses = np.concatenate([positions[..., ::-1], headings[..., None]], axis=-1)
+        return np.round(poses * DIGITS) / DIGITS
 
-def _tracks(pose: np.ndarray, tracks: Tracks) -> dict[str, np.ndarray]:
-    members = np.insert(tracks.fan, 0, pose, axis=1)
-    return {"members": members.reshape(-1, 3), "likely": tracks.as_is, "escape": tracks.escape}
+    def sides(here: Section) -> list[Any]:
+        return [drawn(s, here.middle + side * here.width / 2)[:, :2].tolist() for side in (-1, 1)]
 
-
-def _on_map(way: Waterway, lines: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """All at once: north, east [m], heading [rad] of each."""
-    places, headings = way.to_map(*np.concatenate(list(lines.values())).T)
-    drawn = np.concatenate([places[:, ::-1], headings[:, None]], axis=1)
-    stops = np.cumsum([len(line) for line in lines.values()])[:-1]
-    return dict(zip(lines, np.split(drawn, stops), strict=True))
-
-
-def _fan(drawn: Mapping[str, np.ndarray], tracks: Tracks) -> dict[str, Any]:
-    members = drawn["members"].reshape(len(tracks.fan), -1, 3)
+    fan, tracks = None, status.forecast.tracks if status.forecast else None
+    if tracks is not None and np.isfinite([tracks.as_is, tracks.escape]).all():
+        whole = tracks.fan[np.isfinite(tracks.fan).all(axis=(1, 2))]  # A ship that diverges has no place.
+        fan = {
+            "times": tracks.times.tolist(),
+            "members": drawn(*np.moveaxis(np.insert(whole, 0, pose, axis=1), -1, 0))[..., :2].tolist(),
+            "likely": drawn(*tracks.as_is.T).tolist(), "escape": drawn(*tracks.escape.T).tolist(),
+        }  # fmt: skip
     return {
-        "times": tracks.times.tolist(),
-        "members": [_rounded(member, POINT) for member in members],
-        **{name: _rounded(drawn[name], POSE) for name in ("likely", "escape")},
-    }
-
-
-def _rounded(line: np.ndarray, part: slice) -> list[list[float]]:
-    """Round to a decimetre and to a ten-thousandth of a radian."""
-    return (np.round(line * [10.0, 10.0, 1e4]) / [10.0, 10.0, 1e4])[:, part].tolist()  # type: ignore[no-any-return]
+        "ship": {"pose": drawn(*pose).tolist(), "length": ship.length, "beam": ship.beam},
+        "middle": drawn(along, way.keel_section(along, ship.draft).middle).tolist(),
+        "banks": sides(way.section(s)), "limits": sides(way.keel_section(s, ship.draft)), "fan": fan,
+    }  # fmt: skip
 
 
 Send = Callable[[str], Awaitable[None]]
