@@ -17,7 +17,7 @@ from narrows.captive.measured import measured_files
 from narrows.control.regulator import track_gains
 from narrows.model.data_range import DataRange
 from narrows.safety.envelope import is_settled, share_interval
-from narrows.safety.headline import crossing, first_run, largest_rectangle
+from narrows.safety.headline import crossing, largest_block, runs
 from narrows.safety.held_trials import trials
 from narrows.safety.pilots import PILOTS
 from narrows.safety.request import Disturbance, keel_at
@@ -470,8 +470,8 @@ class TestGrid:
     """The edges of a mask against counting by hand."""
 
     def test_the_first_run_of_true(self) -> None:
-        assert first_run(np.array([False, True, True, False, True])) == (1, 2)
-        assert first_run(np.zeros(3, bool)) is None
+        assert runs(np.array([False, True, True, False, True]))[0] == (1, 2)
+        assert runs(np.zeros(3, bool)) == []
 
     @pytest.mark.parametrize("seed", range(5))
     def test_the_largest_block_is_the_largest(self, seed: int) -> None:
@@ -482,7 +482,7 @@ class TestGrid:
             for a in range(7) for b in range(a, 7) for c in range(6) for d in range(c, 6)
             if safe[a : b + 1, c : d + 1].all()
         ]  # fmt: skip
-        rows, columns = largest_rectangle(safe, y, u) or (slice(0, 0), slice(0, 0))
+        rows, columns = largest_block(xr.Dataset(coords={"y": y, "u": u}), safe) or (slice(0, 0), slice(0, 0))
         assert safe[rows, columns].all()
         assert safe[rows, columns].size == max(blocks)
 

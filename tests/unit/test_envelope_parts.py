@@ -9,18 +9,18 @@ import xarray as xr
 
 from narrows.safety import headline
 from narrows.safety.caveats import IN_KNOTS
-from narrows.safety.headline import cause, crossing, first_run, largest_rectangle
+from narrows.safety.headline import cause, crossing, largest_block, runs
 from narrows.safety.request import wind_force
 
 
 def test_the_first_run_ends_before_the_first_gap() -> None:
     for given, ends in (("0011010", (2, 3)), ("1110", (0, 2)), ("0111", (1, 3)), ("0001", (3, 3)), ("000", None)):
-        assert first_run(np.array([sign == "1" for sign in given])) == ends
+        assert next(iter(runs(np.array([sign == "1" for sign in given]))), None) == ends
 
 
 def test_the_largest_rectangle_is_that_of_all_rectangles() -> None:
     """On an uneven grid: a cell is as wide as half of what lies between its neighbours; at an end, as it is far."""
-    y, u = np.array([-3.0, 0.0, 1.0, 5.0]), np.array([1.0, 2.0, 4.0])
+    grid = xr.Dataset(coords={"y": [-3.0, 0.0, 1.0, 5.0], "u": [1.0, 2.0, 4.0]})
     wide, high = np.array([3.0, 2.0, 2.5, 4.0]), np.array([1.0, 1.5, 2.0])
     draw = np.random.default_rng(0)
     for _ in range(30):
@@ -31,10 +31,10 @@ def test_the_largest_rectangle_is_that_of_all_rectangles() -> None:
             for low, high_end in combinations(range(4), 2)
         ]
         largest = max(wide[rows].sum() * high[columns].sum() for rows, columns in blocks if safe[rows, columns].all())
-        rows, columns = largest_rectangle(safe, y, u)
+        rows, columns = largest_block(grid, safe)
         assert wide[rows].sum() * high[columns].sum() == pytest.approx(largest)
         assert safe[rows, columns].all()
-    assert largest_rectangle(np.zeros((4, 3), bool), y, u) is None
+    assert largest_block(grid, np.zeros((4, 3), bool)) is None
 
 
 def test_a_share_crosses_its_least_straight_between_two_places() -> None:

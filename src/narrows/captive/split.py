@@ -97,14 +97,14 @@ def concat(tests: Sequence[CaptiveTests]) -> CaptiveTests:
             raise InputError(f"{part!r} is of another ship or water than {first!r}; identify them one by one")
     shared = [name for name in first.columns if all(name in part.columns for part in parts)]
     left = {name for part in parts for name in part.columns} - set(shared)
-    labelled = any(part.conditions for part in parts)
+    labels = tuple(label for part in parts for label in part.conditions or ("",) * len(part.names))
     names, renamed = _numbered([name for part in parts for name in part.names])
     return replace(
         first,
         columns={name: np.concatenate([part.columns[name] for part in parts]) for name in shared},
         names=names,
         starts=np.concatenate([[0], np.cumsum(np.concatenate([np.diff(part.starts) for part in parts]))]),
-        conditions=tuple(label for part in parts for label in _labels(part)) if labelled else (),
+        conditions=labels if any(part.conditions for part in parts) else (),
         source=_source([part.source for part in parts]),
         notes=(*dict.fromkeys(note for part in parts for note in part.notes), *_notes(sorted(left), renamed)),
     )
@@ -118,10 +118,6 @@ def _numbered(names: list[str]) -> tuple[tuple[str, ...], list[str]]:
         taken.add(own)
         unique.append(own)
     return tuple(unique), [name for name, times in Counter(names).items() if times > 1]
-
-
-def _labels(part: CaptiveTests) -> tuple[str, ...]:
-    return part.conditions or ("",) * len(part.names)
 
 
 def _source(sources: list[Source]) -> Source:

@@ -38,13 +38,9 @@ class Verbs(click.Group):
         if self.get_command(ctx, word) is None and not word.startswith("-"):
             meant = name_here(word.lower(), "other_verbs")
             near = f"; write narrows {meant}" if meant else near_miss(word, self.commands)
-            raise InputError(f"there is no verb {shown(word)}{near or self._all}")
+            raise InputError(f"there is no verb {shown(word)}{near or '; verbs: ' + ', '.join(self.commands)}")
         name, command, rest = super().resolve_command(ctx, args)
         return name, command, [_option_here(one, command) for one in rest] if command else rest
-
-    @property
-    def _all(self) -> str:
-        return f"; verbs: {', '.join(self.commands)}"
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         grouped = {verb for verbs in GROUPS.values() for verb in verbs}

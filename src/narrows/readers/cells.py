@@ -74,15 +74,12 @@ def floats(column: pd.Series) -> np.ndarray:
         lost = np.isnan(values) & column.notna().to_numpy()
         if column.dtype.kind in "fiub" or not lost.any():
             return values
-        plain = column.astype(str).str.replace("\u2212", "-").str.replace(THOUSANDS, _ungrouped, regex=True)
+        plain = column.astype(str).str.replace("\u2212", "-")
+        plain = plain.str.replace(THOUSANDS, lambda match: match[0].replace(",", ""), regex=True)
         plain = plain.str.replace(r"(?<=[\d.])[dD](?=[+-]\d+$)", "e", regex=True)  # Fortran's exponent
         return np.where(lost, pd.to_numeric(plain, errors="coerce").to_numpy(dtype=float), values)
     except (TypeError, ValueError, ArithmeticError):
         return np.array([_float(cell) for cell in column])
-
-
-def _ungrouped(match: re.Match[str]) -> str:
-    return match[0].replace(",", "")
 
 
 def _float(cell: Any) -> float:

@@ -69,7 +69,8 @@ class ColumnMapping:
             new[f"{name} [{unit}]" if unit and name not in vocabulary.labels else name] = (
                 -cells.numbers(frame, header, table, vocabulary.blanks) if turned else frame[header]
             )
-            way = f", its sign turned as it counts {_towards(self.positive[name])}" if turned else ""
+            to = "to " * (self.positive.get(name) in ("port", "starboard"))
+            way = f", its sign turned as it counts {to}{self.positive[name]}" if turned else ""
             notes.append(f"{name} is {header!r}{way}")
         others = [
             header for header, quantity in headers.items()
@@ -143,7 +144,3 @@ def _parsed(header: str, vocabulary: Vocabulary) -> str | None:
 
 def _bare(header: str) -> str:
     return re.sub(r"\s*[\[(][^\])]*[\])]$", "", header).strip()
-
-
-def _towards(way: str) -> str:
-    return f"to {way}" if way in ("port", "starboard") else way

@@ -31,6 +31,7 @@ from narrows.report.style import (
 from narrows.report.terminal import console_of, everything, print_notes, table_of, thinned
 from narrows.safety import MEDIAN, SURE_SHARE, OutsideRules, SafeEnvelope
 from narrows.safety.channel_rules import READ, REMEMBERED
+from narrows.safety.headline import runs
 
 PALE, PALER = "#7FB8DA", "#D6E8F3"
 UNTESTED = "\\\\\\"
@@ -172,9 +173,8 @@ def _draw_ends_of_tests(
 
 def _bands(marked: np.ndarray, values: np.ndarray) -> list[tuple[float, float]]:
     """Start and end of each run of marked places, extended by half a step."""
-    ends = np.flatnonzero(np.diff(np.concatenate([[False], marked, [False]]).astype(int)))
     half = _half(values)
-    return [(float(values[a] - half), float(values[b - 1] + half)) for a, b in zip(ends[::2], ends[1::2], strict=True)]
+    return [(float(values[first] - half), float(values[last] + half)) for first, last in runs(marked)]
 
 
 def _speed_legend() -> list[Any]:

@@ -197,14 +197,11 @@ def _matrix(panel, diagnosis: Diagnosis):  # type: ignore[no-untyped-def]
     for i, row in enumerate(values):
         for j, value in enumerate(row):
             text = f"{value:.2f}".replace("0.", ".") if np.isfinite(value) else "const."
-            panel.text(j, i, text, ha="center", va="center", fontsize=6.5, color=_ink(value))
+            ink = "white" if abs(value) > 0.7 else "black"
+            panel.text(j, i, text, ha="center", va="center", fontsize=6.5, color=ink)
     panel.set_xticks(range(len(values)), diagnosis.names, rotation=90, fontsize=7)
     panel.set_yticks(range(len(values)), diagnosis.names, fontsize=7)
     return image
-
-
-def _ink(value: float) -> str:
-    return "white" if abs(value) > 0.7 else "black"
 
 
 def inflation_figure(fit: Fit) -> Figure:

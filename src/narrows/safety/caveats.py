@@ -10,6 +10,7 @@ from narrows.model.data_range import MEASURES, DataRange, Measure, extrapolation
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.safety.channel_rules import READ, OutsideRules, outside_rules
+from narrows.safety.headline import safe_by
 from narrows.safety.pilots import PILOTS
 from narrows.safety.request import EnvelopeRequest, Keel
 from narrows.safety.result import SafeEnvelope
@@ -92,8 +93,7 @@ WHY_FASTER = "those limits also protect banks and traffic, which is not examined
 
 def exceeded_rules(data: xr.Dataset, rules: OutsideRules, share: float) -> tuple[str, ...]:
     """Return up to three sentences: the exceeded rules on widths, on rudder angles and on speeds, with the reason."""
-    data = data.transpose("y", "u", ...)
-    safe = ((data["held"] >= share) & data["clear"]).to_numpy()
+    data, safe = data.transpose("y", "u", ...), safe_by(data, share)
     if not safe.any():
         return ()
     rows = rules.rows()

@@ -14,7 +14,7 @@ from narrows.quantities.names import KNOT
 from narrows.results import BaseResult
 from narrows.safety import settings
 from narrows.safety.envelope import safe_envelope
-from narrows.safety.headline import MORE, estimated, first_run, runs, safe_offsets, sure_blocks
+from narrows.safety.headline import MORE, estimated, runs, safe_offsets, sure_blocks
 from narrows.safety.request import default_offsets, default_speeds
 from narrows.safety.result import SafeEnvelope
 from narrows.ship.particulars import Ship
@@ -224,7 +224,7 @@ def _row(place: float, computed_at: float, middle: float, envelope: SafeEnvelope
 def _reach(envelope: SafeEnvelope, safe: xr.DataArray, middle: float, suffix: str = "") -> dict[str, float]:
     """Range of safe speeds that reaches highest [knots], and the widest run of safe offsets [m] with its speed."""
     table, u = safe.transpose("y", "u").to_numpy(), safe["u"].to_numpy() / KNOT
-    speeds = [(float(u[run[1]]), float(u[run[0]])) for run in map(first_run, table) if run]
+    speeds = [(float(u[run[1]]), float(u[run[0]])) for row in table for run in runs(row)[:1]]
     highest, lowest = max(speeds, default=(math.nan, math.nan))
     data = envelope.data.transpose("y", "u", ...)
     wide = []

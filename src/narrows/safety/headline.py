@@ -7,6 +7,8 @@ import xarray as xr
 
 from narrows.quantities.names import KNOT
 
+# Offsets and speeds of a grid.
+Block = tuple[slice, slice]
 NOWHERE = "No offset and speed is safe with 95 % probability"
 # Share of cases that makes a place more likely held than not [1].
 LIKELY = 0.5
@@ -24,8 +26,9 @@ def headline(data: xr.Dataset, share: float) -> tuple[list[str], list[str]]:
     # untested quantities of the section; with the limits, where a pilot with the true coefficients would hold it.
     data = data.transpose("y", "u", ...)
     y, u = data["y"].to_numpy(), data["u"].to_numpy()
-    by_model = ((data["held"] >= share) & data["clear"]).to_numpy()
-    block, section = largest_rectangle(by_model & data["tested"].to_numpy(), y, u), data.attrs["untested"]
+    by_model = safe_by(data, share)
+    safe, section = by_model & data["tested"].to_numpy(), data.attrs["untested"]
+    block = largest_block(data, safe)
     # The first sentence of an estimated model names it as one.
     guess = estimated(data)
     guess += [f"Extrapolated, as the tests did not cover this: {section}."] if section else []
@@ -34,8 +37,8 @@ def headline(data: xr.Dataset, share: float) -> tuple[list[str], list[str]]:
     offsets = safe_offsets(data, block, share)
     word = "Safe by the model" if section else "Safe"  # The chart hatches a section that was not tested, too
     answer = [*guess, f"{word} {place_in_words(data, block[1], offsets)}, with 95 % probability."]
-    limits = [*_outside(by_model & data["tested"].to_numpy(), block, y, u), _limits(data, share, block)]
-    wider = largest_rectangle(by_model, y, u)
+    limits = [*_outside(safe, block, y, u), _limits(data, share, block)]
+    wider = largest_block(data, by_model)
     if wider is not None and wider != block:
         span = place_in_words(data, wider[1], tuple(y[wider[0]][[0, -1]]))
         limits.append(f"By the model also {span}, but there the tests end.")
@@ -49,8 +52,7 @@ def estimated(data: xr.Dataset) -> list[str]:
 
 
 def _nowhere(data: xr.Dataset, by_model: np.ndarray) -> str:
-    y, u = data["y"].to_numpy(), data["u"].to_numpy()
-    wider = largest_rectangle(by_model, y, u)
+    y, wider = data["y"].to_numpy(), largest_block(data, by_model)
     if wider is not None:
         span = place_in_words(data, wider[1], tuple(y[wider[0]][[0, -1]]))
         return f"Nowhere safe within the tests; by the model {span}."
@@ -58,16 +60,13 @@ def _nowhere(data: xr.Dataset, by_model: np.ndarray) -> str:
     if best is None:
         return f"{NOWHERE}."
     place = f"{float(best['y']):+.1f} m and {float(best['u']) / KNOT:.1f} knots"
-    answer = f"{NOWHERE}: at best {_percent_below(float(best['held']))} % of the cases are held, at {place}"
-    likely = largest_rectangle(((data["held"] >= LIKELY) & data["clear"]).to_numpy(), y, u)
+    # Rounded down, so that a share below a limit does not read as the limit.
+    share = math.floor(round(1000 * float(best["held"]), 6)) / 10
+    answer = f"{NOWHERE}: at best {share:g} % of the cases are held, at {place}"
+    likely = largest_block(data, safe_by(data, LIKELY))
     if likely is None:
         return f"{answer}."
     return f"{answer}; more likely held than not {place_in_words(data, likely[1], safe_offsets(data, likely, LIKELY))}."
-
-
-def _percent_below(share: float) -> str:
-    """A share in per cent, rounded down, so that one below a limit does not read as the limit."""
-    return f"{math.floor(round(1000 * share, 6)) / 10:g}"
 
 
 def _best(data: xr.Dataset) -> xr.Dataset | None:
@@ -87,7 +86,7 @@ def _reserved(data: xr.Dataset) -> float:
     return float((1 - data.attrs["reserve"]) * data.attrs["rudder_limit"])
 
 
-def _outside(safe: np.ndarray, block: tuple[slice, slice], y: np.ndarray, u: np.ndarray) -> list[str]:
+def _outside(safe: np.ndarray, block: Block, y: np.ndarray, u: np.ndarray) -> list[str]:
     """Return the safe places that the largest block leaves out, so that no table contradicts it."""
     # safe (offsets, speeds)
     rest = safe.copy()
@@ -100,7 +99,7 @@ def _outside(safe: np.ndarray, block: tuple[slice, slice], y: np.ndarray, u: np.
     return [f"{', '.join(['Single places outside this are safe too', *more])}."]
 
 
-def _limits(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> str:
+def _limits(data: xr.Dataset, share: float, block: Block) -> str:
     rows, columns = block
     aside = rows.stop if rows.stop < len(data["y"]) else rows.start - 1
     sides = _first_limit(data.isel(y=[aside], u=columns), share) if aside >= 0 else AT_LENGTH[RANGE]
@@ -117,14 +116,13 @@ def _first_limit(beside: xr.Dataset, share: float) -> str:
     return AT_LENGTH[cause(places.isel(place=first), share, _reserved(beside))]
 
 
-def _known(data: xr.Dataset, share: float, block: tuple[slice, slice] | None) -> list[str]:
+def _known(data: xr.Dataset, share: float, block: Block | None) -> list[str]:
     """Return where a pilot with the true coefficients would hold the ship, if that exceeds the safe area."""
     if bool((data["known"] == data["held"]).all()):
         return []
-    allowed = (data["tested"] & data["clear"]).to_numpy()
-    y, u = data["y"].to_numpy(), data["u"].to_numpy()
-    known = largest_rectangle((data["known"] >= share).to_numpy() & allowed, y, u)
-    if known is None and bool(((data["known"] >= share) & data["clear"]).any()):
+    by_true = safe_by(data, share, "known")
+    known = largest_block(data, by_true & data["tested"].to_numpy())
+    if known is None and by_true.any():
         return []  # Only the tests end earlier.
     if known is None:
         return ["A pilot with the true coefficients would not hold it either."]
@@ -154,7 +152,7 @@ def place_in_words(data: xr.Dataset, columns: slice, offsets: tuple[float, float
 
 
 def safe_offsets(
-    data: xr.Dataset, block: tuple[slice, slice], share: float, name: str = "held"
+    data: xr.Dataset, block: Block, share: float, name: str = "held"
 ) -> tuple[float, float]:  # fmt: skip
     """The outermost offsets at which every speed of a block is held, linear between those of the grid."""
     y, first, last = data["y"].to_numpy(), block[0].start, block[0].stop - 1
@@ -165,7 +163,7 @@ def safe_offsets(
     return max(low), min(high)
 
 
-def _doubt(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> list[str]:
+def _doubt(data: xr.Dataset, share: float, block: Block) -> list[str]:
     sure, perhaps = sure_blocks(data, share)
     if sure == perhaps or perhaps is None:
         return []
@@ -175,11 +173,10 @@ def _doubt(data: xr.Dataset, share: float, block: tuple[slice, slice]) -> list[s
     return [f"Certain with {data.attrs['samples']} cases: {span}."]
 
 
-def sure_blocks(data: xr.Dataset, share: float) -> list[tuple[slice, slice] | None]:
+def sure_blocks(data: xr.Dataset, share: float) -> list[Block | None]:
     """Return the largest blocks that are safe for certain, and perhaps, given the number of samples."""
-    data = data.transpose("y", "u", ...)
-    y, u, clear = data["y"].to_numpy(), data["u"].to_numpy(), data["clear"].to_numpy() & data["tested"].to_numpy()
-    return [largest_rectangle((data[name].to_numpy() >= share) & clear, y, u) for name in ("held_low", "held_high")]
+    tested = data["tested"].transpose("y", "u").to_numpy()
+    return [largest_block(data, safe_by(data, share, name) & tested) for name in ("held_low", "held_high")]
 
 
 # Limits of the safe range, in words.
@@ -216,18 +213,14 @@ def cause(here: xr.Dataset, share: float, limit: float) -> str:
     return NONE if math.isnan(rudder) else RUDDER if abs(rudder) > limit else UPSET
 
 
-def first_run(safe: np.ndarray) -> tuple[int, int] | None:
-    """Return the first and the last place of the first run of true; None if there is none."""
-    if not safe.any():
-        return None
-    first = int(safe.argmax())
-    after = np.flatnonzero(~safe[first:])
-    return first, first + int(after[0]) - 1 if after.size else len(safe) - 1
+def safe_by(data: xr.Dataset, share: float, name: str = "held") -> np.ndarray:
+    """Return where a share of the cases is reached and keel, canal and engine allow it, (offsets, speeds)."""
+    return np.asarray(((data[name] >= share) & data["clear"]).transpose("y", "u").to_numpy())
 
 
-def largest_rectangle(safe: np.ndarray, y: np.ndarray, u: np.ndarray) -> tuple[slice, slice] | None:
+def largest_block(data: xr.Dataset, safe: np.ndarray) -> Block | None:
     """Return the offsets and speeds of the largest block in which everything is safe; None if there is none."""
-    # safe (offsets, speeds)
+    y, u = data["y"].to_numpy(), data["u"].to_numpy()
     wide, high = (np.gradient(values) if len(values) > 1 else np.ones(1) for values in (y, u))
     area, block = 0.0, None
     for first in range(len(y)):
@@ -242,6 +235,7 @@ def largest_rectangle(safe: np.ndarray, y: np.ndarray, u: np.ndarray) -> tuple[s
 
 
 def runs(held: np.ndarray) -> list[tuple[int, int]]:
+    """Return the first and the last place of each run of true."""
     ends = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]]).astype(int)))
     return [(int(a), int(b) - 1) for a, b in zip(ends[::2], ends[1::2], strict=True)]
 

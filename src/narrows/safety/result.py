@@ -11,7 +11,7 @@ import xarray as xr
 from narrows.quantities.names import KNOT
 from narrows.results import BaseResult
 from narrows.safety.channel_rules import OutsideRules, rules_of
-from narrows.safety.headline import RANGE, cause, first_run, headline
+from narrows.safety.headline import RANGE, cause, headline, runs
 from narrows.safety.settings import LEAST_ANGLE, SAME_ANGLE, SURE_SHARE
 
 if TYPE_CHECKING:
@@ -291,4 +291,4 @@ class SafeEnvelope(BaseResult):
 
 
 def _ends(safe: xr.DataArray) -> list[tuple[int, int] | None]:
-    return [first_run(row) for row in safe.transpose("y", "u").to_numpy()]
+    return [next(iter(runs(row)), None) for row in safe.transpose("y", "u").to_numpy()]

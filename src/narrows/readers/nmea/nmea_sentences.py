@@ -128,20 +128,13 @@ FIELDS: dict[str, dict[str, tuple[str, dict[str, tuple[str, float]]]]] = {
 
 
 def _fields_of(message: Any, kind: str) -> GroupedValues:
-    valid = {
-        group: columns
-        for group, (status, columns) in FIELDS.get(kind, {}).items()
-        if _is_fix(message) and getattr(message, status, "A") == "A"
-    }
-    values = {
-        group: _scaled(_only(**{name: getattr(message, field) for name, (field, _) in columns.items()}), columns)
-        for group, columns in valid.items()
-    }
-    return {group: own for group, own in values.items() if group != "position" or len(own) == 2}
-
-
-def _scaled(values: Values, columns: Mapping[str, tuple[str, float]]) -> Values:
-    return {name: columns[name][1] * value for name, value in values.items()}
+    values: dict[str, Values] = {}
+    for group, (status, columns) in FIELDS.get(kind, {}).items() if _is_fix(message) else ():
+        if getattr(message, status, "A") == "A":
+            known = _only(**{name: getattr(message, field) for name, (field, _) in columns.items()})
+            if group != "position" or len(known) == 2:
+                values[group] = {name: columns[name][1] * value for name, value in known.items()}
+    return values
 
 
 def _is_fix(message: Any) -> bool:

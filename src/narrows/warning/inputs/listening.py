@@ -306,31 +306,29 @@ def _udp(host: str, port: int) -> Iterator[Read]:
                 group = socket.inet_aton(host) + socket.inet_aton("0.0.0.0")
                 udp.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, group)
 
-        def read() -> Piece:
-            try:
-                content, (sender, _) = udp.recvfrom(DATAGRAM)
-            except TimeoutError:
-                return Piece(b"")
-            return Piece(content, sender)
-
-        yield read
+        yield _reader(udp)
 
 
 @contextmanager
 def _tcp(host: str, port: int) -> Iterator[Read]:
     with closing(socket.create_connection((host, port), OPEN_TIMEOUT)) as tcp:
         tcp.settimeout(READ_TIMEOUT)
+        yield _reader(tcp, host)
 
-        def read() -> Piece:
-            try:
-                content = tcp.recv(DATAGRAM)
-            except TimeoutError:
-                return Piece(b"")
-            if not content:
-                raise ConnectionError("the other side closed it")
-            return Piece(content, host)
 
-        yield read
+def _reader(line: socket.socket, host: str = "") -> Read:
+    """Return what reads a socket: that of one host, or datagrams of any."""
+
+    def read() -> Piece:
+        try:
+            content, sender = line.recvfrom(DATAGRAM)
+        except TimeoutError:
+            return Piece(b"")
+        if host and not content:
+            raise ConnectionError("the other side closed it")
+        return Piece(content, host or sender[0])
+
+    return read
 
 
 def _serial_line(address: str, device: str, baud: str) -> Connection:

@@ -239,12 +239,9 @@ def request_of(text: str) -> PageRequest | None:
         return None
     if not isinstance(asked, dict) or set(asked) != {"command", *NUMBERS}:
         return None
-    numbers = [asked[name] for name in NUMBERS]
-    return PageRequest(asked["command"], *numbers) if _known(asked["command"], numbers) else None
-
-
-def _known(command: Any, numbers: list[Any]) -> bool:
-    return isinstance(command, str) and command in COMMANDS and all(type(number) is int for number in numbers)
+    command, *numbers = (asked[name] for name in ("command", *NUMBERS))
+    known = isinstance(command, str) and command in COMMANDS and all(type(number) is int for number in numbers)
+    return PageRequest(command, *numbers) if known else None
 
 
 def objection(request: PageRequest, desk: AlertDesk, t: float) -> str:
