@@ -5,7 +5,7 @@ neither, and a loop over lanes is written as vectors at once.
 """
 
 import ast
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import cache
 from types import ModuleType
 from typing import Any
@@ -121,15 +121,14 @@ class Body:
         builder.position_at_end(begun)
         inside = Body(self.compiler, builder, dict(self.scope), lane)
         flags = ir.VectorType(BOOLEAN, self.compiler.width)
-        phis = {name: builder.phi(flags) for name in sorted(self.scope.keys() & set(_assigned(body)))}
+        targets = [node.targets[0] for node in body if isinstance(node, ast.Assign)]
+        assigned = {target.id for target in targets if isinstance(target, ast.Name)}
+        phis = {name: builder.phi(flags) for name in sorted(self.scope.keys() & assigned)}
         first = builder.phi(INTEGER)
         inside.scope |= {**phis, lane: first}
         inside.run(body)
-        ahead, end, after = (
-            builder.add(first, INTEGER(self.compiler.width)),
-            builder.block,
-            builder.append_basic_block(),
-        )
+        ahead, end = builder.add(first, INTEGER(self.compiler.width)), builder.block
+        after = builder.append_basic_block()
         for name, phi in phis.items():
             phi.add_incoming(self._as(self.scope[name], flags), before)
             phi.add_incoming(inside.scope[name], end)
@@ -164,7 +163,12 @@ class Body:
                 kind = self.lanes if _is_vector(chosen) else self.compiler.number
                 return builder.select(chosen, self._as(self.value(over), kind), self._as(self.value(under), kind))
             case ast.Subscript(value=array, slice=place):
-                return self._item(self.value(array), self.value(place), self._is_of_lanes(place))
+                own, at = self.value(array), self.value(place)
+                if isinstance(own, tuple):
+                    return own[at]
+                of_lanes = any(isinstance(one, ast.Name) and one.id == self.lane for one in ast.walk(place))
+                kind = self.lanes if of_lanes else self.compiler.number
+                return builder.load(self._place(own, at), align=self.compiler.size, typ=kind)
             case ast.Call(func=ast.Name(id=name), args=given):
                 return self._called(name, [self.value(one) for one in given])
             case ast.Call(func=ast.Attribute(value=value, attr="view"), args=[ast.Name()]):
@@ -230,12 +234,6 @@ class Body:
         value = builder.load(place, align=8, typ=DOUBLE)  # The table is in double precision in every kernel
         return value if self.compiler.number == DOUBLE else builder.fptrunc(value, self.compiler.number)
 
-    def _item(self, array: Value, place: Value, of_lanes: bool) -> Value:
-        if isinstance(array, tuple):
-            return array[place]
-        kind = self.lanes if of_lanes else self.compiler.number
-        return self.builder.load(self._place(array, place), align=self.compiler.size, typ=kind)
-
     def store(self, array: Value, place: Value, value: Value) -> None:
         """Write a number into an array, or into each lane."""
         kind = self.lanes if self.lane else self.compiler.number
@@ -244,9 +242,6 @@ class Body:
     def _place(self, array: Value, place: Value) -> Value:
         at = place if isinstance(place, ir.Value) else INTEGER(place)
         return self.builder.gep(array, [at], source_etype=self.compiler.number)
-
-    def _is_of_lanes(self, place: ast.expr) -> bool:
-        return any(isinstance(one, ast.Name) and one.id == self.lane for one in ast.walk(place))
 
     def _cast(self, value: Value, element: ir.Type, how: str) -> Value:
         kind = ir.VectorType(element, value.type.count) if _is_vector(value) else element
@@ -268,12 +263,6 @@ class Body:
         one = self.builder.insert_element(ir.Constant(kind, ir.Undefined), value, INTEGER(0))
         places = ir.Constant(ir.VectorType(ir.IntType(32), kind.count), [0] * kind.count)
         return self.builder.shuffle_vector(one, ir.Constant(kind, ir.Undefined), places)
-
-
-def _assigned(body: Sequence[ast.stmt]) -> Iterator[str]:
-    for node in body:
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
-            yield node.targets[0].id
 
 
 def _is_vector(value: Value) -> bool:

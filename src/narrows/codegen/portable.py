@@ -66,19 +66,42 @@ class Portable:
     @cached_property
     def programs(self) -> Mapping[str, Program]:
         """Programs to print, by name."""
+        (lines, rates), by, values = self._rates_here, Lines(), self._values
+        if self.waterway:
+            values, _ = section_here(by, self.rates, self.choices, values, "")
+        more, entries = linear_slopes(lines, rates, self.actuators)
+        rows = [entries[first : first + len(entries) // 6] for first in range(0, len(entries), len(entries) // 6)]
         programs = {
-            "rates": self._rates(),
-            "step": self._step(),
-            "least_clearance": self._least_clearance(),
-            "by_state": self._linear(slice(0, 6)),
-            "by_input": self._linear(slice(6, None)),
-            "by_coefficient": self._by_coefficient(),
+            "rates": Program.of(lines, [rates[name] for name in self.kept if name in rates]),
+            "step": Program.of(self.step.lines, [self.step.out[name] for name in (*self.kept, "clearance", "side")]),
+            "least_clearance": Program.of(*self._least_clearance),
+            "by_state": Program.of(more, [entry for row in rows for entry in row[:6]]),
+            "by_input": Program.of(more, [entry for row in rows for entry in row[6:]]),
+            "by_coefficient": Program.of(by, coefficient_slopes(by, self.rates, self.names, values)),
         }
         if self.contact != OPEN:
-            programs["clearance"] = self._clearance()
-        if self.waterway:
-            programs["section"] = self._section()
+            programs["clearance"] = self._clearance
+        if self.waterway:  # Width and depth of the water at the ship's place
+            here = Lines()
+            at = section_at(here, self.choices, real("x"), ("starboard", "port", "depth"), "here")
+            programs["section"] = Program.of(here, [at["starboard"] + at["port"], at["depth"]])
         return programs
+
+    @cached_property
+    def _rates_here(self) -> tuple[Lines, dict[str, Expr]]:
+        lines = Lines()
+        rates = rate_here(lines, self.rates, self.choices, self._values, "")
+        return lines, {**rates, "psi": rates[COUNTED]}
+
+    @cached_property
+    def _least_clearance(self) -> tuple[Lines, tuple[Expr, Expr]]:
+        lines = Lines()
+        return lines, least_clearance(lines, self.choices, self._values)
+
+    @property
+    def _clearance(self) -> Program:
+        """Clearance to starboard and to port; in a waterway from the least distance at which its banks can be met."""
+        return Program.of(self._least_clearance[0], [real("clearance_starboard"), real("clearance_port")])
 
     @property
     def gear(self) -> tuple[str, ...]:
@@ -88,19 +111,17 @@ class Portable:
     @cached_property
     def continuous(self) -> tuple[Program, ...]:
         """Rates of x, y, psi, u, v, r; those of the gear; and, between banks, the clearance to either side."""
-        lines = Lines()
-        rates = rate_here(lines, self.rates, self.choices, self._values, "")
-        rates["psi"] = rates[COUNTED]
+        lines, rates = self._rates_here
         motion = Program.of(lines, [rates[name] for name in LINEARISED])
         # The rate equals that of a whole step.
         moved = [(self.step.out[name] - real(name)) / real(LENGTH) for name in self.gear]
-        return motion, Program.of(self.step.lines, moved), *((self._clearance(),) if self.contact != OPEN else ())
+        return motion, Program.of(self.step.lines, moved), *((self._clearance,) if self.contact != OPEN else ())
 
     def along(self, program: Program) -> Program:
         """Return the derivatives of a program's results along a direction in state, inputs and constants, ``ALONG``."""
-        used = set().union(*(value.free_symbols for _, value in program.assignments), *map(_symbols, program.results))
-        moving = {*program.asked} - {*PLACES, LENGTH}
-        seeds = {one: [real(ALONG(str(one)))] for one in used if str(one) in moving}
+        values = (*(value for _, value in program.assignments), *program.results)
+        used, moving = set().union(*(sympy.sympify(value).free_symbols for value in values)), {*program.asked}
+        seeds = {one: [real(ALONG(str(one)))] for one in used if str(one) in moving - {*PLACES, LENGTH}}
         for angle in ("psi", *(actuator.name for actuator in self.geared)):
             cosine, sine, along = real(f"cos_{angle}"), real(f"sin_{angle}"), real(ALONG(angle))
             seeds |= {name: [way] for name, way in ((cosine, -sine * along), (sine, cosine * along)) if name in seeds}
@@ -130,55 +151,10 @@ class Portable:
         asked = {name for own in ("step", "least_clearance") for name in self.programs[own].asked}
         return tuple(sorted(asked - {*self.constants, *self.kept, *self.inputs, *PLACES, LENGTH}))
 
-    def _rates(self) -> Program:
-        lines = Lines()
-        rates = rate_here(lines, self.rates, self.choices, self._values, "")
-        return Program.of(lines, [rates[name] for name in self.kept if name in rates])
-
     @cached_property
     def step(self) -> Step:
         """A whole step, with the places where a loop over vessels may be split."""
         return step_of(self.rates, self.choices).with_whole_steps()
-
-    def _step(self) -> Program:
-        return Program.of(self.step.lines, [self.step.out[name] for name in (*self.kept, "clearance", "side")])
-
-    def _least_clearance(self) -> Program:
-        lines = Lines()
-        return Program.of(lines, least_clearance(lines, self.choices, self._values))
-
-    @cached_property
-    def _slopes(self) -> tuple[Lines, list[Expr]]:
-        lines = Lines()
-        rates = rate_here(lines, self.rates, self.choices, self._values, "")
-        return linear_slopes(lines, {**rates, "psi": rates[COUNTED]}, self.actuators)
-
-    def _clearance(self) -> Program:
-        """Clearance to starboard and to port; in a waterway from the least distance at which its banks can be met."""
-        lines, z = Lines(), self._values
-        least_clearance(lines, self.choices, z)
-        return Program.of(lines, [real("clearance_starboard"), real("clearance_port")])
-
-    def _section(self) -> Program:
-        """Width and depth of the water at the ship's place."""
-        lines = Lines()
-        at = section_at(lines, self.choices, real("x"), ("starboard", "port", "depth"), "here")
-        return Program.of(lines, [at["starboard"] + at["port"], at["depth"]])
-
-    def _linear(self, columns: slice) -> Program:
-        lines, entries = self._slopes
-        width = len(entries) // 6
-        return Program.of(lines, [e for row in range(6) for e in entries[row * width : (row + 1) * width][columns]])
-
-    def _by_coefficient(self) -> Program:
-        lines, values = Lines(), self._values
-        if self.waterway:
-            values, _ = section_here(lines, self.rates, self.choices, values, "")
-        return Program.of(lines, coefficient_slopes(lines, self.rates, self.names, values))
-
-
-def _symbols(value: Expr) -> set[Expr]:
-    return set(sympy.sympify(value).free_symbols)
 
 
 def _followed(actuators: Sequence[Actuated]) -> Law | None:

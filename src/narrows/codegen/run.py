@@ -54,18 +54,19 @@ class PreparedRun:
         vessels = len(self.start)
         self.end, self.time = self.start.copy(), np.zeros(vessels)
         self.codes = np.zeros((vessels, 2), np.int64)
-        parts = slices(vessels, self.workers)
-        self._calls = [self._arguments(part) for part in parts]
-        self._memories = [self._memory() for _ in range(min(self.workers, len(parts)))]
-
-    def _memory(self) -> tuple[np.ndarray, ...]:
-        lanes = self.kernel.LANES
-        block = np.zeros((self.kernel.FIELDS + 1) * lanes, self.start.dtype)
-        return block, np.zeros((lanes, PLACES)), np.zeros(lanes, np.int64)
-
-    def _arguments(self, part: slice) -> tuple[Any, ...]:
-        inputs = self.vessel_inputs if len(self.vessel_inputs) == 1 else self.vessel_inputs[part]
-        return self.start[part], self.times[part], inputs, self.end[part], self.time[part], self.codes[part]
+        parts, inputs = slices(vessels, self.workers), self.vessel_inputs
+        self._calls = [
+            (
+                self.start[part], self.times[part], inputs if len(inputs) == 1 else inputs[part],
+                self.end[part], self.time[part], self.codes[part],
+            )
+            for part in parts
+        ]  # fmt: skip
+        lanes, size = self.kernel.LANES, (self.kernel.FIELDS + 1) * self.kernel.LANES
+        self._memories = [
+            (np.zeros(size, self.start.dtype), np.zeros((lanes, PLACES)), np.zeros(lanes, np.int64))
+            for _ in range(min(self.workers, len(parts)))
+        ]
 
     @cached_property
     def _integrate(self) -> Callable[..., int]:
@@ -83,17 +84,12 @@ class PreparedRun:
         """Integrate every vessel and return the number of lane-steps."""
         if not len(self.start):
             return 0
-        integrate = self._integrate
-        if len(self._memories) == 1:
-            memory = self._memories[0]
-            self.lane_steps = sum(integrate(*arguments, *memory) for arguments in self._calls)
-            return self.lane_steps
         free = list(self._memories)
 
         def one(arguments: tuple[Any, ...]) -> int:
             memory = free.pop()
             try:
-                return int(integrate(*arguments, *memory))
+                return int(self._integrate(*arguments, *memory))
             finally:
                 free.append(memory)
 

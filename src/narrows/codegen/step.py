@@ -261,7 +261,10 @@ def least_clearance(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tu
     side: Expr = sympy.Integer(0)
     if choices.contact != OPEN:
         reach = reaches(lines, choices.contact, z["cos_psi"], z["sin_psi"])
-        walls = _walls(lines, choices, z["x"])
+        walls = real("wall_starboard"), real("wall_port")
+        if choices.waterway:
+            kind = "keel" if choices.contact == MIDSHIP else "near"
+            walls = tuple(section_at(lines, choices, z["x"], (f"{kind}_starboard", f"{kind}_port"), "after").values())
         starboard = lines.put("clearance_starboard", walls[0] - z["y"] - reach[0])
         port = lines.put("clearance_port", walls[1] + z["y"] - reach[1])
         left.insert(0, lines.put("clearance_bank", least(starboard, port)))
@@ -281,15 +284,6 @@ def ends_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str
             most = section_at(lines, choices, z["x"], (AFLOAT_SPEED,), "ends")[AFLOAT_SPEED]
         left["afloat"] = lines.put("left_afloat", most - abs(z["u"]))
     return left
-
-
-def _walls(lines: Lines, choices: Choices, x: Expr) -> tuple[Expr, Expr]:
-    if not choices.waterway:
-        return real("wall_starboard"), real("wall_port")
-    kind = "keel" if choices.contact == MIDSHIP else "near"
-    names = (f"{kind}_starboard", f"{kind}_port")
-    section = section_at(lines, choices, x, names, "after")
-    return section[names[0]], section[names[1]]
 
 
 def reaches(lines: Lines, contact: str | int, cosine: Expr, sine: Expr) -> tuple[Expr, Expr]:

@@ -12,6 +12,7 @@ import numpy as np
 from narrows.codegen.cache import generated, source
 from narrows.codegen.trace import Trace, trace_of_terms
 from narrows.errors import InputError
+from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import Number
 from narrows.terms.term import TermTable
 
@@ -201,15 +202,9 @@ def column_functions(row: int = 0) -> dict[str, Callable[..., Any]]:
     def entry(table: Any, column: int, cell: Any) -> Any:
         return np.asarray(table)[row * np.nan_to_num(cell).astype(np.int64) + column]
 
-    return {
-        "minimum": np.minimum,
-        "maximum": np.maximum,
-        "choice": lambda test, over, under: np.where(np.asarray(test) > 0, over, under),
+    return COLUMNS | {
         "positive": lambda test: np.where(np.asarray(test) > 0, 1.0, 0.0),
         "whole": np.trunc,
-        "angle": lambda cosine, sine: np.arctan2(sine, cosine),
-        "sine": np.sin,
-        "cosine": np.cos,
         "sqrt": np.sqrt,
         "exp": np.exp,
         "log": np.log,

@@ -122,31 +122,22 @@ def _programs(exported: ExportedShip) -> dict[str, str]:
     """Programs of ``evaluate`` and the like, with the derivatives along a direction."""
     portable, language = exported.portable, C(exported.prefix)
     places = places_in(exported, language)
-    ways = {**places, **_ways(exported, places)}
-    known = rates_of(exported, language)
-    places_of_results = {"motion": 0, "gear": len(LINEARISED), "clearance": 0}
-    # In open water there is no clearance.
-    for (name, start), program in zip(places_of_results.items(), portable.continuous, strict=False):
-        targets = [f"result[{start + number}]" for number in range(len(program.results))]
-        known[f"{name}_along"] = "\n    ".join(language.body(portable.along(program), targets, ways))
-    return known | {"constants_along": _constants_along(exported, language)}
-
-
-def _ways(exported: ExportedShip, places: Mapping[str, str]) -> dict[str, str]:
-    """Places of each number's derivative along the direction."""
-    states = (*LINEARISED, *exported.portable.gear)
+    # Places of each number's derivative along the direction.
     ways = {ALONG(name): f"along_{where}" for name, where in places.items() if "->" in where}
     ways |= {ALONG(name): "0.0" for name, where in places.items() if where == "0.0"}
-    return ways | {ALONG(name): f"along_state[{number}]" for number, name in enumerate(states)}
-
-
-def _constants_along(exported: ExportedShip, language: C) -> str:
-    along = exported.portable.along(exported.programs["constants"])
+    ways |= {ALONG(name): f"along_state[{number}]" for number, name in enumerate((*LINEARISED, *portable.gear))}
+    known = rates_of(exported, language)
+    # In open water there is no clearance.
+    starts = {"motion": 0, "gear": len(LINEARISED), "clearance": 0}
+    for (name, start), program in zip(starts.items(), portable.continuous, strict=False):
+        targets = [f"result[{start + number}]" for number in range(len(program.results))]
+        known[f"{name}_along"] = "\n    ".join(language.body(portable.along(program), targets, places | ways))
     names = [one.name for one in exported.parameters]
     where = {name: language.field("parameters", name) for name in names}
     where |= {ALONG(name): language.field("along_parameters", name) for name in names}
     targets = [language.field("along_constants", name) for name in exported.constants]
-    return "\n    ".join(language.body(along, targets, where))
+    along = language.body(portable.along(exported.programs["constants"]), targets, where)
+    return known | {"constants_along": "\n    ".join(along)}
 
 
 def description_text(model: Model, variables: tuple[FmuVariable, ...], fmi: int, **context: Any) -> str:

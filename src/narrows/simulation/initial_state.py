@@ -58,7 +58,10 @@ def initial_state(
     inputs |= {**dict.fromkeys((*INPUTS.values(), *map(AFTER, INPUTS.values())), 0.0), "push_end": math.inf}
     order = steering.asked.begin() if steering and steering.asked else None
     integrator = VoyageIntegrator(system.scalar, system.choices, inputs, channel, near_the_bank(values), order)
-    start = _start(ship, system.choices.kept, steering, numbers)
+    psi = numbers["psi"]
+    pose = {**numbers, "cos_psi": math.cos(psi), "sin_psi": math.sin(psi), COUNTED: psi}
+    state = complete_state(ship, steering, pose, numbers)
+    start = tuple(float(state[name]) for name in system.choices.kept)
     _check_afloat(integrator, start)
     return integrator, start
 
@@ -71,18 +74,15 @@ def _channel(ship: SimulatedShip, values: dict[str, Any], waterway: "Waterway | 
     return along_waterway(waterway, ship.model, ship.shape, ship.bottom)
 
 
-def _start(
-    ship: SimulatedShip, kept: tuple[str, ...], steering: Steering | None, numbers: dict[str, float]
-) -> tuple[float, ...]:
-    psi = numbers["psi"]
-    state = {**numbers, "t": 0.0, "cos_psi": math.cos(psi), "sin_psi": math.sin(psi), COUNTED: psi}
-    at_rest = ship.values()
-    state |= {
-        actuator.name: state.get(actuator.name, float(at_rest.get(actuator.name) or 0.0)) for actuator in ship.actuators
-    }
-    state |= stages_at(ship.actuators, state.__getitem__)
-    memory = steering.memory(state) if steering else {}
-    return tuple(float({**state, **memory}[name]) for name in kept)
+def complete_state(
+    ship: SimulatedShip, steering: Steering | None, state: Mapping[str, Any], values: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return a state with time, actuators (at rest unless given), their stored orders and the memory of a law."""
+    rest = {**ship.values(), **values}
+    positions = {one.name: rest.get(one.name) for one in ship.actuators}
+    whole = {"t": 0.0, **state, **{name: 0.0 if value is None else value for name, value in positions.items()}}
+    whole |= stages_at(ship.actuators, whole.__getitem__)
+    return {**whole, **(steering.memory(whole) if steering else {})}
 
 
 def _check_afloat(integrator: VoyageIntegrator, start: tuple[float, ...]) -> None:

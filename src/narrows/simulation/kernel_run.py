@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.codegen.cache import lacks_compiler
-from narrows.codegen.choices import AFTER, COUNTED, CURRENT_ACROSS, LENGTH, SHARE, Across, Pushed, stages_at
+from narrows.codegen.choices import AFTER, COUNTED, CURRENT_ACROSS, LENGTH, SHARE, Across, Pushed
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.kernels import event
 from narrows.codegen.run import PreparedRun, cores, prepare, step_counts
@@ -18,6 +18,7 @@ from narrows.codegen.system import System
 from narrows.errors import InputError, installing, libraries_of, needs
 from narrows.model.water import is_full
 from narrows.simulation.channel import Channel, across_of, along_waterway, straight_channel
+from narrows.simulation.initial_state import complete_state
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, counted_heading
 from narrows.simulation.integrator import Row, VoyageIntegrator, near_the_bank
@@ -230,13 +231,10 @@ class KernelRun:
     def _start(self, system: System, values: Mapping[str, Any]) -> dict[str, Any]:
         psi = np.asarray(values["psi"], float)
         state = {name: values[name] for name in START if name != "psi"}
-        state |= {"t": 0.0, "cos_psi": np.cos(psi), "sin_psi": np.sin(psi), COUNTED: psi}
+        state |= {"cos_psi": np.cos(psi), "sin_psi": np.sin(psi), COUNTED: psi}
         if self.precision == "float32":
             state["x"] = 0.0  # single precision cannot add small distances to a large x
-        here = {**self.ship.values(), **values}
-        state |= {actuator.name: here.get(actuator.name, 0.0) for actuator in self.ship.actuators}
-        state |= stages_at(self.ship.actuators, state.__getitem__)
-        return {**state, **(self.steering.memory(state) if self.steering else {})}
+        return complete_state(self.ship, self.steering, state, values)
 
     @property
     def text(self) -> str:

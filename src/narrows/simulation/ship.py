@@ -1,7 +1,7 @@
 """A model as a traced system with its input values, shared by voyages, fleets and the envelope."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from typing import Any
 
@@ -62,11 +62,6 @@ class SimulatedShip:
     def actuators(self) -> tuple[Actuated, ...]:
         late = {"rudder"} if not self.model.configuration.gear.follows_at_once else set()
         return tuple(Actuated(one.name, one.angle, one.name in late) for one in self.model.terms.actuators)
-
-    @property
-    def placed_actuators(self) -> tuple[Actuated, ...]:
-        """The actuators when positions are given instead of orders."""
-        return tuple(replace(one, late=False) for one in self.actuators)
 
     def system(
         self, waterway: bool = False, law: Law | None = None, pushed: Pushed = "never", across: Across = "none"

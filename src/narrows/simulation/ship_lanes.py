@@ -1,6 +1,7 @@
 """Many states of one ship, advanced at once by the compiled kernel: arrays are allocated once."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -57,7 +58,8 @@ class ShipLanes:
         self.actuators = tuple(actuator.name for actuator in ship.actuators)
         self.silent = {term.name: 0.0 for term in ship.model.terms.terms if term.from_bank}
         law = ActuatorRates(self.actuators)
-        steering = steering_of(law, ship.placed_actuators) if self.actuators else None
+        placed = [replace(one, late=False) for one in ship.actuators]  # Positions are given instead of orders
+        steering = steering_of(law, placed) if self.actuators else None
         self._run = KernelRun(ship, 1.0, 1.0, steering=steering, waterway=waterway)
         # With an end of the push, forces are inputs of their own that each call may change.
         self._forces = {**dict.fromkeys(INPUTS, np.zeros(lanes)), PUSH_END: np.inf} if pushed else dict(INPUTS)

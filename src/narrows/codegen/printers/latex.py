@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from inspect import signature
 from typing import Any
 
 from narrows.codegen.free_motion import Expr, exact_number, symbol, symbolic_functions
@@ -104,7 +105,8 @@ class Equations:
         values: list[Any] = []
         for number, (sign, *operands) in enumerate(lines):
             if sign == "input":
-                values.append(self._symbol(symbol(operands[0]), _written(operands[0])))
+                written = WRITTEN.get(operands[0], rf"\text{{{operands[0].replace('_', ' ')}}}")
+                values.append(self._symbol(symbol(operands[0]), written))
             elif sign == "number":
                 values.append(_constant(operands[0]))
             else:
@@ -222,15 +224,11 @@ def _named(inputs: Mapping[str, Recorded], known: int) -> dict[int, str]:
     for written, function in NAMED.items():
         together = next((own for module, own in TOGETHER.items() if function.__module__ == module.__name__), None)
         asked = Grouped(function, together) if together else function
-        names = asked.inputs if isinstance(asked, Grouped) else _arguments(function)
+        names = asked.inputs if isinstance(asked, Grouped) else [*signature(function).parameters]
         if all(name in inputs for name in names):
             value = asked(*[inputs[name] for name in names])
             found |= {value.line: written} if value.line < known else {}
     return found
-
-
-def _arguments(function: Callable[..., Any]) -> tuple[str, ...]:
-    return function.__code__.co_varnames[: function.__code__.co_argcount]
 
 
 def _packed(parts: Sequence[tuple[str, float]], between: str = " ") -> list[str]:
@@ -245,10 +243,6 @@ def _packed(parts: Sequence[tuple[str, float]], between: str = " ") -> list[str]
             room = LINE
         room -= width
     return lines
-
-
-def _written(name: str) -> str:
-    return WRITTEN.get(name, rf"\text{{{name.replace('_', ' ')}}}")
 
 
 def _constant(text: str) -> Expr:
