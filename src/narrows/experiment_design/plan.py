@@ -13,13 +13,7 @@ from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, motion_of
 from narrows.empirical.fleet import published
 from narrows.errors import InputError
 from narrows.experiment_design.candidates import Tank, candidates
-from narrows.experiment_design.information import (
-    CRITERIA,
-    choose,
-    expected_errors,
-    information_of,
-    known_information,
-)
+from narrows.experiment_design.information import CRITERIA, choose, expected_errors, information_of, known_information
 from narrows.identification.estimates import HALF
 from narrows.identification.fitting import identify
 from narrows.identification.least_squares import free_parameters
@@ -41,16 +35,12 @@ if TYPE_CHECKING:
 UNITS = {
     "offset": "m", "amplitude": "m", "period": "s", "speed": "m/s", "drift_deg": "deg", "depth": "m", "duration": "s",
 }  # fmt: skip
-
 # Largest number of runs after which standard errors are computed.
 MOST_STEPS = 24
-
 # Number of straight runs at the start of a plan for the bank.
 SEPARATING = 4
-
 # Ratio of highest to lowest speed, less one, within which earlier tests count as one speed.
 SAME_SPEED_TOLERANCE = 0.05
-
 # Further forms of the bank for which a plan must work.
 OTHER_FORMS = ("distance", "tapered")
 
@@ -248,7 +238,7 @@ def plan_tests(
         dict(zip(names, usual[-1].tolist(), strict=True)),
         usual_vif,
         len(offered),
-        (_assumed(noise, correlation_time, tank, configuration), _differing(errors), *limits),
+        (*_assumed(*assumed, tank.length_for(configuration)), *limits),
     )
 
 
@@ -256,7 +246,10 @@ def _separating(
     offered: list[Run], adds: np.ndarray, known: np.ndarray, count: int, parameters: list[int]
 ) -> list[int]:
     """Straight runs at the highest speed, each mirrored: they separate the bank from period-dependent hull forces."""
-    steady = {_path(run): i for i, run in enumerate(offered) if isinstance(run, StraightRun)}
+    steady: dict[tuple[float, ...], int] = {
+        (run.offset, run.drift, run.speed, run.depth or 0.0): i
+        for i, run in enumerate(offered) if isinstance(run, StraightRun)
+    }  # fmt: skip
     fastest = max((speed for _, _, speed, _ in steady), default=0.0)
     half = [path for path in steady if path[0] > 0 and path[2] == fastest]
     pairs = min(count // 2, len(half))
@@ -265,23 +258,11 @@ def _separating(
     return [steady[path] for pair in mirrored for path in pair]
 
 
-def _path(run: StraightRun) -> tuple[float, ...]:
-    return run.offset, run.drift, run.speed, run.depth or 0.0
-
-
 def _forms(terms: TermTable) -> list[TermTable]:
     """The terms, and the same with other forms of the bank: a plan must work under each."""
     if sum(term.from_bank for term in terms.terms) != 2 or terms.needs_depth:
         return [terms]
     return [terms, *(with_bank(terms, form) for form in OTHER_FORMS)]
-
-
-def _differing(errors: RunErrors) -> str:
-    return (
-        f"Runs differ by {errors.gain:.1%} in gain, {errors.zero:.1%} of the usual force in zero, and by "
-        f"{errors.form:.1%} of their force from the form of the terms; a zero that all runs share and the form of the "
-        "bank are unknown too."
-    )
 
 
 def _check(runs: int, criterion: str, terms: TermTable, noise: Mapping[str, float], tank: Tank) -> None:
@@ -296,11 +277,15 @@ def _check(runs: int, criterion: str, terms: TermTable, noise: Mapping[str, floa
         raise InputError("no term depends on the water's depth; leave the depths out, or take terms that do")
 
 
-def _assumed(noise: Mapping[str, float], correlation_time: float, tank: Tank, configuration: Configuration) -> str:
+def _assumed(
+    noise: Mapping[str, float], correlation_time: float, errors: RunErrors, length: float
+) -> tuple[str, str]:  # fmt: skip
     sizes = ", ".join(f"{size:g} {'N m' if force == 'N' else 'N'} in {force}" for force, size in noise.items())
     return (
-        f"Assumed: noise of {sizes}, correlated over {correlation_time:g} s; {tank.length_for(configuration):g} m of "
-        "steady motion a run."
+        f"Assumed: noise of {sizes}, correlated over {correlation_time:g} s; {length:g} m of steady motion a run.",
+        f"Runs differ by {errors.gain:.1%} in gain, {errors.zero:.1%} of the usual force in zero, and by "
+        f"{errors.form:.1%} of their force from the form of the terms; a zero that all runs share and the form of the "
+        "bank are unknown too.",
     )
 
 

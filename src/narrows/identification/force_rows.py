@@ -28,10 +28,7 @@ MOST_UNIT = 1e16
 
 
 class ForceRows:
-    """Rows of some forces, one force after the other, and the first fit to them.
-
-    The rows of a block are those of a motion's mean, or of a difference between its repeats.
-    """
+    """Rows of some forces, one after the other: those of each motion's mean, of differences between its repeats."""
 
     def __init__(
         self, equations: NormalEquations, motions: DistinctMotions, problem: Problem, forces: Sequence[str],
@@ -183,7 +180,8 @@ def _blocks(
         copies = {_key(sums[i]): i for i in reversed(tests)}  # A copy has the same sums of products to ten digits
         own = sums[[copies[key] for key in sorted(copies)]]
         mean = own.mean(axis=0)
-        turn = _turn(mean, basis, usual * np.sqrt(mean[one, one]))
+        # Gains and form errors do not cover faint directions: there noise of the motion would outweigh the force.
+        turn = _turn(mean[np.ix_(basis, basis)], usual * np.sqrt(mean[one, one]), LEAST_DIRECTION_RATIO)
         rows = turn @ own[:, basis]
         mean = rows.mean(axis=0)
         begin = turn @ early[tests].mean(axis=0)[basis]
@@ -202,33 +200,24 @@ def _key(gram: np.ndarray) -> tuple[float, ...]:
     return tuple(float(f"{x:.10e}") for x in np.diag(gram))
 
 
-def _turn(gram: np.ndarray, basis: np.ndarray, usual: np.ndarray | None = None) -> np.ndarray:
-    """T with T G T' = 1 over the directions that hold data: T A' are the rows of orthonormal columns.
-
-    Where the usual size of the columns is given, directions that are faint compared with it are left out: gains and
-    form errors do not cover them, so that noise of the motion would weigh there more than the force.
-    """
-    part = gram[np.ix_(basis, basis)]
-    size = np.sqrt(np.maximum(np.diag(part), 0.0)) if usual is None else usual.copy()
-    size[size <= 0] = np.inf
-    values, vectors = np.linalg.eigh(part / np.outer(size, size))
-    least = RANK * max(values[-1], 1e-300)
-    kept = values > (least if usual is None else max(least, LEAST_DIRECTION_RATIO))
+def _turn(gram: np.ndarray, size: np.ndarray, least: float = 0.0) -> np.ndarray:
+    """T with T G T' = 1 over the directions that hold data: T A' are the rows of orthonormal columns."""
+    size = np.where(size > 0, size, np.inf)
+    values, vectors = np.linalg.eigh(gram / np.outer(size, size))
+    kept = values > max(least, RANK * max(values[-1], 1e-300))
     return np.asarray((vectors[:, kept] / np.sqrt(values[kept])).T / size)
 
 
 def _noise(equations: NormalEquations, sums: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Variance of a row's noise, summed over a run, from the errors of fits to a run on its stretches.
-
-    Correlation within a stretch is included, since the error of a stretch is a sum over it.
-    """
+    """Variance of a row's noise, summed over a run, from the errors of fits to a run on its stretches."""
+    # Correlation within a stretch is included, since the error of a stretch is a sum over it.
     names = [name for name in equations.columns if not _is_measured(name) and " " not in name]
     index, one = np.unique([equations.columns[name] for name in names]), equations.columns[ONE]
     pieces = equations.unweighted
     score, rest, freedom, rows = np.zeros(len(y)), np.zeros(len(y)), 0.0, 0.0
     for i in sorted(range(len(sums)), key=lambda i: _key(sums[i])):
         whole = sums[i]
-        turn = _turn(whole, index)
+        turn = _turn(whole[np.ix_(index, index)], np.sqrt(np.maximum(np.diag(whole)[index], 0.0)))
         seen = turn @ whole[np.ix_(index, y)]
         own = pieces[equations.test == i]
         grams = turn @ own[:, index[:, None], index] @ turn.T

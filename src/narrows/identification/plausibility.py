@@ -151,12 +151,9 @@ def _cause(value: float, expected: float, force: str, small: bool) -> str:
 
 def rudder_sentence(terms: TermTable, rejected: list[str]) -> str:
     """Warn that a rudder's force has the wrong sign; empty where it has not."""
-    wrong = [term.name for term in terms.terms if term.kind == TermKind.RUDDER and term.name in rejected]
-    sentence = (
-        f"The data put {' and '.join(wrong)} below 0: is the rudder's sign reversed (positive where it turns the bow "
-        "to starboard)?"
-    )
-    return sentence if wrong else ""
+    wrong = " and ".join(term.name for term in terms.terms if term.kind == TermKind.RUDDER and term.name in rejected)
+    remedy = "is the rudder's sign reversed (positive where it turns the bow to starboard)?"
+    return f"The data put {wrong} below 0: {remedy}" if wrong else ""
 
 
 def unmodelled_rudder(tests: Tests, equations: NormalEquations, terms: TermTable) -> str:
@@ -183,8 +180,7 @@ def noise_bias(fit: Any, share: float = NOISE_SHARE) -> dict[str, float]:
     # over. Coefficients at a bound stay there.
     # Fuller (1987), Measurement Error Models, section 2.2.
     problem, equations, solution = fit.problem, fit.normal_equations, fit.solution
-    h, _ = problem.normal(equations.total)
-    plain, _ = problem.normal(equations.unweighted.sum(axis=0))
+    h, plain = (problem.normal(sums)[0] for sums in (equations.total, equations.unweighted.sum(axis=0)))
     noisy = [problem.slot[term.name] for term in problem.terms.terms if term.inputs in [(r,) for r in RATES.values()]]
     pull, moved, free = np.zeros(len(h)), np.zeros(len(h)), ~solution.at_bound
     pull[noisy] = share**2 * np.diag(plain)[noisy] * solution.z[noisy]

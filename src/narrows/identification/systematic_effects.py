@@ -323,31 +323,32 @@ RunErrorParts = tuple[float, np.ndarray, np.ndarray]
 
 
 def _run_errors(rows: ForceRows, errors: RunErrors) -> dict[str, RunErrorParts]:
-    fitted, one, nothing = rows.fitted(rows.reference), rows.reference[:, rows.names[ONE]], np.zeros(len(rows.y))
+    fitted, one, none = rows.fitted(rows.reference), rows.reference[:, rows.names[ONE]], np.zeros(len(rows.y))
     runs, sizes = np.repeat(rows.runs, rows.sizes), np.repeat(rows.sizes, rows.sizes)
     bank = rows.fitted(rows.reference, bank=True) * rows.of_mean
     scatter = np.outer(rows.level**2, rows.length**2 / sizes / runs)
-    parts = {
-        "gain": (errors.gain, (fitted / np.sqrt(runs)).ravel(), nothing),
-        "form of the bank": (SIZES["bank form"] * errors.bank, bank.ravel(), nothing),
-        "scatter": (errors.scatter, nothing, scatter.ravel()),
-    }
     # A form error spreads half along the force itself and half over all directions.
-    for f, force in enumerate(rows.forces):
-        square = np.add.reduceat(rows.reference[:, rows.names[force]] ** 2, rows.starts)
-        spread = np.repeat(square / rows.sizes, rows.sizes)
-        halves = rows.of(f, fitted[f] * rows.of_mean * np.sqrt(0.5)), rows.of(f, 0.5 * spread * rows.of_mean)
-        parts[f"form of {force}"] = (errors.form, *halves)
-    for f, force in enumerate(rows.forces):
-        parts[f"zero of {force}"] = (errors.zero, rows.of(f, rows.level[f] * one / np.sqrt(runs)), nothing)
-    return parts
+    measured = [rows.reference[:, rows.names[force]] for force in rows.forces]
+    square = [np.repeat(np.add.reduceat(force**2, rows.starts), rows.sizes) / sizes for force in measured]
+    along, around = np.sqrt(0.5) * fitted * rows.of_mean, 0.5 * np.stack(square) * rows.of_mean
+    return {
+        "gain": (errors.gain, (fitted / np.sqrt(runs)).ravel(), none),
+        "form of the bank": (SIZES["bank form"] * errors.bank, bank.ravel(), none),
+        "scatter": (errors.scatter, none, scatter.ravel()),
+        **{
+            f"form of {n}": (errors.form, rows.of(f, along[f]), rows.of(f, around[f]))
+            for f, n in enumerate(rows.forces)
+        },
+        **{
+            f"zero of {force}": (errors.zero, rows.of(f, rows.level[f] * one / np.sqrt(runs)), none)
+            for f, force in enumerate(rows.forces)
+        },
+    }
 
 
 def _taken(rows: ForceRows, x: np.ndarray, effects: list[Effect]) -> np.ndarray:
-    """Regression of the effects on the hull terms, with equal weight of each motion: (coefficients, effects).
-
-    A hull coefficient is the one that fits the forces on the hull best; a bank's is the slope at the centreline.
-    """
+    """Regression of the effects on the hull terms, with equal weight of each motion: (coefficients, effects)."""
+    # A hull coefficient is the one that fits the forces on the hull best; a bank's is the slope at the centreline.
     p = len(rows.free_parameters)
     hull = np.array(sorted({rows.place(term) for _, term in rows.terms if not term.from_bank}), int)
     changes = np.array([effect.group.split(" by ")[0] in (DAMPING, INERTIA, HULL) for effect in effects], bool)
