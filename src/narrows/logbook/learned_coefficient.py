@@ -144,9 +144,8 @@ def learnable(model: Model, targets: object) -> tuple[str, ...]:
     if not isinstance(names, tuple | list):
         raise InputError(f"targets = {shown(targets)}: give names of coefficients")
     for name in names:
-        if not isinstance(name, str) or name not in model.terms.names:
-            hint = did_you_mean(name, model.terms.names) if isinstance(name, str) else "; give a name"
-            raise InputError(f"there is no coefficient {shown(name)}{hint}")
+        if name not in model.terms.names:
+            raise InputError(f"there is no coefficient {shown(name)}{did_you_mean(str(name), model.terms.names)}")
     names = tuple(names) or tuple(term.name for term in model.terms.terms if term.from_bank)
     if not names:
         raise InputError("this model has no terms of the bank to learn; name the coefficients that matter as targets")

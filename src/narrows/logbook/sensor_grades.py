@@ -150,9 +150,9 @@ AIS = SensorGrade(
 GRADES = {grade.name: grade for grade in (RTK, VDR, AIS)}  # Grades by name, the best first
 
 
-def sensor_grade(sensors: str | SensorGrade) -> SensorGrade:
+def sensor_grade(sensors: str | SensorGrade, known: Mapping[str, SensorGrade] = GRADES) -> SensorGrade:
     """Return a grade of sensors."""
     if isinstance(sensors, SensorGrade):
         return sensors
-    check_choice("sensors", sensors, GRADES)
-    return GRADES[sensors]
+    check_choice("sensors", sensors, known)
+    return known[sensors]

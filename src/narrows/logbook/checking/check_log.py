@@ -267,11 +267,6 @@ def check_log(
     sensors, spread : str or SensorGrade; float or mapping of str to float, optional
         As for ``learn``; a tenth of each coefficient where the model has no covariance.
 
-    Returns
-    -------
-    LogFindings
-        Each with its evidence in numbers and the remedy.
-
     Raises
     ------
     InputError

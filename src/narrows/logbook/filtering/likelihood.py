@@ -74,7 +74,7 @@ class LinearRecord:
     misses: np.ndarray  # (n, 6) End of a step of the reference, less the begin of the next
     rows: np.ndarray  # (N, 6 + m) Slopes of readings
     residual: np.ndarray  # (N,) Readings less those of the reference with no process
-    left: Mapping[str, np.ndarray]  # Readings less those of the reference, by signal
+    left: np.ndarray  # (N,) Readings less those of the reference
 
     @cached_property
     def kind(self) -> np.ndarray:
@@ -82,33 +82,36 @@ class LinearRecord:
         met = self.grid.meetings | np.append(self.grid.meetings[1:], False)
         return np.where(self.grid.whole, np.where(met, MET, USUAL), LOOSE)
 
+    def variances(self, model: StochasticModel) -> np.ndarray:
+        parts = [model.noise[name] ** 2 / read.counted for name, read in self.grid.readings.items()]
+        return np.concatenate(parts)[self.grid.order]
+
+    @np.errstate(all="ignore")
+    def weights(self, model: StochasticModel) -> np.ndarray:
+        """Weigh readings by what the reference leaves of them, (N,)."""
+        # A reading beyond the limit counts as one at the limit, so that no spike sets the noise that is estimated.
+        return np.asarray((OUTLIER / np.maximum(np.abs(self.left) / np.sqrt(self.variances(model)), OUTLIER)) ** 2)
+
     def innovations(self, model: StochasticModel, weights: np.ndarray) -> Innovations:
-        return self._filtered(model, weights, 0)[0]
+        return self.filtered(model, weights)[0]
 
-    def smoothed(self, model: StochasticModel, weights: np.ndarray) -> np.ndarray:
-        """Filter the readings, and return the smoothed states off the reference with the processes, (n, 6 + m)."""
-        found, means, gains, covariances = self._filtered(model, weights, len(self.slopes))
-        compiled_loops(kalman_loops).smooth(
-            self.slopes, self.kind, self._kinds(model)[0], self.grid.first_readings, self.rows, *found,
-            gains, means, covariances,
-        )  # fmt: skip
-        return means
-
-    def _filtered(
-        self, model: StochasticModel, weights: np.ndarray, room: int
-    ) -> tuple[Innovations, np.ndarray, np.ndarray, np.ndarray]:
-        (count, size), kind = self.rows.shape, self.kind
-        values, spread, gains = np.empty(count), np.empty(count), np.empty((count, size))
+    def filtered(
+        self, model: StochasticModel, weights: np.ndarray, smooth: bool = False
+    ) -> tuple[Innovations, np.ndarray]:
+        """Filter the readings; smooth the states off the reference and the processes too, (n, 6 + m), if asked."""
+        (count, size), kind, loops = self.rows.shape, self.kind, compiled_loops(kalman_loops)
+        room, kinds, first = len(self.slopes) * smooth, self._kinds(model), self.grid.first_readings
+        found, gains = Innovations(np.empty(count), np.empty(count)), np.empty((count, size))
         means, covariances = np.empty((room, size)), np.empty((room, size, size))
         start = np.diag(np.append((START * self.problem.scales) ** 2, np.zeros(size - 6)))
         start[6:, 6:] = model.covariance(IN_MEETINGS if kind[0] == MET else 1.0)
-        parts = [model.noise[name] ** 2 / read.counted for name, read in self.grid.readings.items()]
-        compiled_loops(kalman_loops).filter_readings(
-            start, self.slopes, self.misses, kind, *self._kinds(model),
-            self.grid.first_readings, self.rows, self.residual, np.concatenate(parts)[self.grid.order] / weights,
-            values, spread, gains, means, covariances,
+        loops.filter_readings(
+            start, self.slopes, self.misses, kind, *kinds, first, self.rows, self.residual,
+            self.variances(model) / weights, *found, gains, means, covariances,
         )  # fmt: skip
-        return Innovations(values, spread), means, gains, covariances
+        if smooth:
+            loops.smooth(self.slopes, kind, kinds[0], first, self.rows, *found, gains, means, covariances)
+        return found, means
 
     def _kinds(self, model: StochasticModel) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         step, scale = self.grid.step, self.problem.scales
@@ -152,18 +155,6 @@ def _rows(seen: PredictedSignal, slopes: np.ndarray, read: Readings, names: list
     return row
 
 
-@np.errstate(all="ignore")
-def weights_of(record: LinearRecord, model: StochasticModel) -> np.ndarray:
-    """Weigh readings by what the reference leaves of them, (N,)."""
-    # A reading beyond the limit counts as one at the limit, so that no spike sets the noise that is estimated.
-    sizes = [
-        np.abs(record.left[name]) / (model.noise[name] / np.sqrt(read.counted))
-        for name, read in record.grid.readings.items()
-    ]
-    weights = (OUTLIER / np.maximum(np.concatenate(sizes), OUTLIER)) ** 2
-    return np.asarray(weights[record.grid.order])
-
-
 @dataclass(frozen=True)
 class RecordScore:
     score: np.ndarray  # (P,) Slope of the log-likelihood
@@ -204,20 +195,18 @@ class RecordLikelihood:
                 ends[:, place] += sums[name] * np.diff(grid.times)
         driven = np.einsum("nij,nj->ni", slopes[:, :, 6:], path.processes)
         misses = ends - np.append(path.states[1:], ends[-1:], axis=0) - driven
-        rows, residual, left, rudder = [], [], {}, grid.positions.get(RUDDER, np.zeros(len(grid)))
+        rows, residual, left, rudder = [], [], [], grid.positions.get(RUDDER, np.zeros(len(grid)))
         for name, read in grid.readings.items():
             share, at = read.share[:, None], read.step
             there = (1 - share) * path.states[at] + share * ends[at]
             errors = {key: value[at] for key, value in sums.items()}
             seen = predicted_signal(name, there, errors, grid.record.antenna, rudder[at])
             row = read.gain * _rows(seen, slopes, read, names)
-            left[name] = read.values - read.gain * seen.value
             rows.append(row)
-            residual.append(left[name] + np.einsum("ni,ni->n", row[:, 6:], path.processes[at]))
-        return LinearRecord(
-            grid, problem, slopes, misses, np.concatenate(rows)[grid.order],
-            np.concatenate(residual)[grid.order], left,
-        )  # fmt: skip
+            left.append(read.values - read.gain * seen.value)
+            residual.append(left[-1] + np.einsum("ni,ni->n", row[:, 6:], path.processes[at]))
+        ordered = (np.concatenate(parts)[grid.order] for parts in (rows, residual, left))
+        return LinearRecord(grid, problem, slopes, misses, *ordered)
 
     @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
     def smoothed(self, unknowns: np.ndarray, path: RecordPath | None, passes: int) -> RecordPath | None:
@@ -228,12 +217,12 @@ class RecordLikelihood:
             path = RecordPath(guess, np.zeros((len(guess), len(model.processes))), np.empty(0))
         about = self.linear(unknowns, path)
         for _ in range(passes):
-            smooth = about.smoothed(model, weights_of(about, model))
+            smooth = about.filtered(model, about.weights(model), smooth=True)[1]
             if not np.isfinite(smooth).all():
                 return None
             path = RecordPath(path.states + smooth[:, :6], smooth[:, 6:], path.weights)
             about = self.linear(unknowns, path)
-        return path._replace(weights=weights_of(about, model))
+        return path._replace(weights=about.weights(model))
 
     @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
     def cost(self, unknowns: np.ndarray, path: RecordPath) -> float:

@@ -52,7 +52,7 @@ def learn(
     A pilot may see more than the sensors: where gusts act, the answer is the mean of two fits, one with the rudder as
     given, one with the rudder as readings of a pilot's linear law. Where no gusts act, whole records are predicted from
     their start. Motion determines forces over inertia alone, so that the prior of the inertia holds the rest. Ctrl-C
-    ends the search and keeps what was found.
+    ends the search and keeps what was found. The result tells what was learned and what still comes from the prior.
 
     Parameters
     ----------
@@ -66,20 +66,13 @@ def learn(
     spread : float or mapping of str to float, optional
         Prior of a model without a covariance: standard deviations over the size of coefficients, inertia held, or
         each in its own unit.
-    gusts : bool, optional
-        Whether gusts act; in all but a basin, unless given.
-    asymmetry : bool, optional
-        Whether a constant sway force and yaw moment of the ship are learned, as its propeller or a rudder zero make
-        them; where no gusts act and ``free`` names nothing, unless given. They stay in the model.
+    gusts, asymmetry : bool, optional
+        Whether gusts act, by default in all but a basin; whether a constant sway force and yaw moment are learned, as
+        propeller or a rudder zero make them, by default where no gusts act and ``free`` names nothing.
     waterway : Waterway, optional
         Line of x and y; the one of the log, or else the model's own canal.
     **choices : Any
         As for ``simulate``: surge, surge_inertia, coriolis.
-
-    Returns
-    -------
-    LogFit
-        The model after, what was learned of each coefficient and what still comes from the prior.
 
     Raises
     ------
@@ -153,13 +146,9 @@ def log_result(
     ranges = np.stack([one.ranges for one in found.records]).T
     came, learned = learned_model(prior, after.values, after.covariance, "", *ranges)
     stopped = f"The search was interrupted after {found.steps} steps; the result is from {len(answers)} records."
-    about = (
-        *apart,
-        *(STRETCHES,) * (found.problem.walk == LOOSE_WALK),
-        *_assumptions(found.problem, free, sum(answer.met for answer in answers)),
-        *posed.left_out,
-        *(stopped,) * found.interrupted,
-    )
+    assumed = _assumptions(found.problem, free, sum(answer.met for answer in answers))
+    about = (*apart, *(STRETCHES,) * (found.problem.walk == LOOSE_WALK), *assumed, *posed.left_out,
+             *(stopped,) * found.interrupted)  # fmt: skip
     source = _source(posed.log, posed.assumptions.grade.name, prior, len(answers))
     return LogFit(
         replace(came, source=source), prior, learned, answers, _gusts(found), _noise(found), after.disagreement,
@@ -197,9 +186,10 @@ def _gusts(found: SearchResult) -> Gusts | None:
     problem, model = found.problem, found.problem.model_at(found.unknowns)
     if SWAY not in model.gusts:
         return None
-    sizes, usual = ({one.name: one for one in own.processes} for own in (model, problem.model))
-    strength = max(sizes[name].std / usual[name].std for name in (SWAY, YAW))
-    return Gusts(sizes[SWAY].std, sizes[YAW].std, sizes[SWAY].memory, model.correlation, float(strength))
+    usual = {one.name: one for one in problem.model.processes}
+    sway, yaw = ({one.name: one for one in model.processes}[name] for name in (SWAY, YAW))
+    strength = max(one.std / usual[one.name].std for one in (sway, yaw))
+    return Gusts(sway.std, yaw.std, sway.memory, model.correlation, float(strength))
 
 
 def _noise(found: SearchResult) -> dict[str, SignalNoise]:

@@ -30,17 +30,21 @@ ACCELERATIONS = ("udot", "vdot", "rdot")
 # Share of the largest eigenvalue of a correlation, under which two coefficients are known as one.
 RANK = 1e-9
 NO_PRIOR = (
-    "this model has no covariance of its coefficients, so a log has no prior; identify it from tests, "
-    "or state a spread, as spread=0.1 (--spread 0.1) for a tenth of each"
+    "this model has no covariance of its coefficients, so a record has no prior; identify it from tests, "
+    "or for a log state a spread, as spread=0.1 (--spread 0.1) for a tenth of each"
 )
+
+
+def check_covariance(model: Model) -> None:
+    if model.covariance is None:
+        raise InputError(NO_PRIOR)
 
 
 def with_spread(model: Model, spread: Spread | None) -> Model:
     """Return a model with the covariance of a stated spread, or its own."""
     # Inertia is held where a spread is stated: motion determines only forces over inertia.
     if spread is None:
-        if model.covariance is None:
-            raise InputError(NO_PRIOR)
+        check_covariance(model)
         return model
     names = model.terms.names
     if isinstance(spread, Mapping):
@@ -77,11 +81,12 @@ def _turned_rudder(model: Model, u: float) -> list[float]:
     still = {**SimulatedShip(model).values(), **Motion.at(u=u).values()}
     rudder = next(actuator for actuator in model.terms.actuators if actuator.name == RUDDER)
     turned = {**still, **rudder.placed(RUDDER_ZERO)}
-    sizes = []
-    for name, terms in zip(asymmetry_names(model.terms), (model.terms.sway, model.terms.yaw), strict=True):
-        force = sum(model[t.name] * (t.column(turned) - t.column(still)) for t in terms if t.kind == TermKind.RUDDER)
-        sizes.append(abs(float(force / model.terms[name].column(still))))
-    return sizes
+    forces = [
+        sum(model[t.name] * (t.column(turned) - t.column(still)) for t in terms if t.kind == TermKind.RUDDER)
+        for terms in (model.terms.sway, model.terms.yaw)
+    ]
+    columns = [model.terms[name].column(still) for name in asymmetry_names(model.terms)]
+    return [abs(float(force / column)) for force, column in zip(forces, columns, strict=True)]
 
 
 def coefficient_prior(model: Model, surge: str, free: Collection[str] = ()) -> CoefficientPrior:
@@ -108,8 +113,7 @@ def _groups(model: Model, names: Sequence[str]) -> tuple[tuple[str, ...], ...]:
     leader = {name: name for name in names}
     for first, second in model.terms.ties:
         if first in leader and second in leader:
-            old, new = leader[second], leader[first]
-            leader = {name: new if head == old else head for name, head in leader.items()}
+            leader = {name: leader[first] if head == leader[second] else head for name, head in leader.items()}
     return tuple(tuple(name for name in names if leader[name] == head) for head in dict.fromkeys(leader.values()))
 
 

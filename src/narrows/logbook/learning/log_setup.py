@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.errors import InputError, check_choice, did_you_mean
+from narrows.errors import InputError
 from narrows.logbook.filtering.log_problem import (
     SWAY,
     YAW,
@@ -34,6 +34,7 @@ from narrows.logbook.filtering.record_grid import (
     RecordGrid,
     grid_of,
 )
+from narrows.logbook.learned_coefficient import learnable
 from narrows.logbook.learning.log_posterior import (
     Spread,
     coefficient_prior,
@@ -246,9 +247,7 @@ def log_problem(
     **choices: Any,
 ) -> LogSetup:  # fmt: skip
     records = _records(log, waterway)
-    if isinstance(sensors, str):
-        check_choice("sensors", sensors, (*GRADES, BASIN.name))
-    grade = BASIN if sensors == BASIN.name else sensor_grade(sensors)
+    grade = sensor_grade(sensors, {**GRADES, BASIN.name: BASIN})
     gusty = grade.name != BASIN.name if gusts is None else gusts
     surge = choices.setdefault("surge", "free" if model.terms.propelled else "held")
     signals, rounding, u = _looked_at(records)
@@ -258,9 +257,8 @@ def log_problem(
     steered = RUDDER in {own.name for own in model.terms.actuators}
     if steered and (not gusty and not free if asymmetry is None else asymmetry):
         model = with_uncertain_asymmetry(model, u)
-    for name in free:
-        if name not in model.terms.names:
-            raise InputError(f"free: there is no coefficient {name!r}{did_you_mean(name, model.terms.names)}")
+    if free:
+        learnable(model, tuple(free))
     prior = coefficient_prior(model, surge, free)
     options = {"contact": "midship" if model.terms.has_bank else "none", "u": u, **choices}
     if water := waterway or getattr(records, "waterway", None):

@@ -38,7 +38,7 @@ def read_log(
     mapping: str | Path | Mapping[str, Any] | None = None, units: Mapping[str, str] | None = None, *,
     gap: float = RECORD_GAP, mmsi: int | None = None,
 ) -> ShipLog:  # fmt: skip
-    """Read a ship's own records into memory.
+    """Read a ship's own records into memory, in SI and the package's axes.
 
     Columns are those of ``SIGNALS``, SI and radians unless a header carries a unit, and those of docs/ship-log.md:
     longitude and latitude, heading and course from north, velocities in fixed axes. Empty cells are times at which that
@@ -57,15 +57,9 @@ def read_log(
         as in ``{"antenna": {"forward": -70.0}, "condition": {"draft": 10.2}}``.
     units : mapping of str to str, optional
         Units of columns without one in the header.
-    gap : float [s]
-        A time without a row after which another record begins, where no column ``record`` names them.
-    mmsi : int, optional
-        Whose AIS reports to read of a recording or of an AIS archive; what the ship reports of itself unless given.
-
-    Returns
-    -------
-    ShipLog
-        In SI and the package's axes; ``check_log`` finds its faults.
+    gap, mmsi : float [s], int, optional
+        A time without a row after which another record begins, where no column ``record`` names them; whose AIS reports
+        to read of a recording or an archive, by default what the ship reports of itself.
 
     Raises
     ------
@@ -96,8 +90,8 @@ class StreamedLog:
     table: Any  # CSV, text, Parquet, or a recording of NMEA 0183; a DataFrame too
     mapping: LogMapping  # Names of columns, delays, place of the antenna
     waterway: Waterway | None  # Line of the positions; a plane where there is none
-    gap: float  # A time without a row after which another record begins, where the log does not name its records [s]
-    mmsi: int | None = None  # Whose AIS reports to read; what the ship reports of itself unless given
+    gap: float  # Time without a row after which another record begins [s]
+    mmsi: int | None = None  # Whose AIS reports to read
 
     def __iter__(self) -> Iterator[ShipRecord]:
         return LogReading(self).records()
@@ -116,19 +110,12 @@ def stream_log(
     mapping: str | Path | Mapping[str, Any] | None = None, units: Mapping[str, str] | None = None, *,
     gap: float = RECORD_GAP, mmsi: int | None = None,
 ) -> StreamedLog:  # fmt: skip
-    """Open a log whose records are read one by one each time they are asked for.
+    """Open a log whose records are read one by one each time they are asked for; fits take it as a ``ShipLog``.
 
     Parameters
     ----------
-    log : str, Path or DataFrame
-        CSV, text or Parquet, or a recording of NMEA 0183.
-    waterway, mapping, units, gap, mmsi : Any
-        As for ``read_log``, with ``gap`` in [s].
-
-    Returns
-    -------
-    StreamedLog
-        What ``check_log`` and fits take as they take a ``ShipLog``.
+    log, waterway, mapping, units, gap, mmsi : Any
+        As for ``read_log``: a table or one file of CSV, text, Parquet or NMEA 0183, and ``gap`` in [s].
 
     Raises
     ------
@@ -175,12 +162,11 @@ class LogReading:
 
     def notes(self) -> tuple[str, ...]:
         antenna = any(self.log.mapping.antenna)
+        cut = f"cut into {self.given} records where nothing came for {self.log.gap:g} s; gap= sets another time"
         remarks = {
             f"t counts from {self.begin.isoformat() if self.begin else ''}": self.begin is not None,
             **{f"{count} of {name} stand for none and were left out": True for name, count in self.absent.items()},
-            f"cut into {self.given} records where nothing came for {self.log.gap:g} s; gap= sets another time": (
-                self.cuts
-            ),
+            cut: self.cuts,
             "rows whose time repeats that of the row above, as it is rounded, are one by their means": self.rounded,
             "positions are brought from the antenna to midship, where the heading is known": antenna,
         }

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 
 from narrows.control.steady_course import check_inside, check_rudder
-from narrows.errors import InputError
 from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer, LearnedCoefficient, learned_model
-from narrows.logbook.learning.log_posterior import log_posterior
+from narrows.logbook.learning.log_posterior import check_covariance, log_posterior
 from narrows.logbook.settings import CONTRADICTION, WRONG_SIGN_GAIN
 from narrows.logbook.steady_legs.leg_balance import LegFit, LegProblem
 from narrows.logbook.steady_legs.steady_readings import (
@@ -140,11 +139,6 @@ def learn_steady(
     errors, conditions : ReadingErrors, SteadyConditions, optional
         Errors that the rows lack; sizes of wind and zeros, and the remaining motion on a leg.
 
-    Returns
-    -------
-    SteadyFit
-        The model after, what was learned of each coefficient, and whether legs and model agree.
-
     Raises
     ------
     InputError
@@ -168,14 +162,6 @@ def learn_steady(
     common = problem.common[:, None] * np.stack([found.unknowns, std], axis=1)[problem.count :]
     shared = dict(zip(UNKNOWN, map(tuple, common.tolist()), strict=True))
     return SteadyFit(after, model, readings, conditions, learned, shared, found.latent, checks)
-
-
-def check_covariance(model: Model) -> None:
-    if model.covariance is None:
-        raise InputError(
-            "this model has no covariance of its coefficients, so a record has no prior; identify it "
-            "from tests, or state one"
-        )
 
 
 # Quantities that a balance with so many unknowns cannot determine.

@@ -12,8 +12,12 @@ from narrows.control.steady_course import check_inside, check_rudder, steady_cou
 from narrows.errors import InputError, check_count, shown
 from narrows.logbook import settings
 from narrows.logbook.learned_coefficient import ON_TWINS, learnable
-from narrows.logbook.learning.log_posterior import expected_std, log_posterior, regression_on_estimated
-from narrows.logbook.steady_legs.learn_steady import check_covariance
+from narrows.logbook.learning.log_posterior import (
+    check_covariance,
+    expected_std,
+    log_posterior,
+    regression_on_estimated,
+)
 from narrows.logbook.steady_legs.leg_balance import LegProblem
 from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyConditions, SteadyReadings
 from narrows.model.model import Model
@@ -173,11 +177,6 @@ def plan_steady(
         Rudder, and clearance from the hull's side to a bank, to be left; half a beam unless given.
     samples, seed : int
         Number and seed of the samples of the coefficients.
-
-    Returns
-    -------
-    SteadyPlan
-        Legs with the expected rudder, drift and standard errors; without legs where none is allowed.
 
     Raises
     ------

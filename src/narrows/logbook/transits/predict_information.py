@@ -12,11 +12,10 @@ from narrows.logbook import settings
 from narrows.logbook.filtering.log_problem import SWAY, YAW
 from narrows.logbook.filtering.search import FIRST_PASSES, scored
 from narrows.logbook.learned_coefficient import ON_TWINS, learnable
-from narrows.logbook.learning.log_posterior import expected_std
+from narrows.logbook.learning.log_posterior import check_covariance, expected_std
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.sensor_grades import SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
-from narrows.logbook.steady_legs.learn_steady import check_covariance
 from narrows.logbook.steady_legs.plan_steady import usual_offsets, usual_speeds
 from narrows.logbook.transits.transit_twins import ROUTINE, Excursion, TransitConditions, TransitTwin, recorded
 from narrows.model.model import Model
@@ -134,15 +133,10 @@ class InformationForecast(BaseResult):
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name."""
         return {
-            "summary": self.summary(),
-            "speed": self.u / KNOT,
-            "duration": self.duration,
-            "sensors": self.grade.name,
-            "safe_offset": self.safe_offset,
-            "targets": dict(self.prior_std),
-            "kinds": self.rows(),
+            "summary": self.summary(), "speed": self.u / KNOT, "duration": self.duration, "sensors": self.grade.name,
+            "safe_offset": self.safe_offset, "targets": dict(self.prior_std), "kinds": self.rows(),
             "notes": list(self.notes),
-        }
+        }  # fmt: skip
 
 
 def predict_information(
@@ -167,18 +161,11 @@ def predict_information(
     u, duration : float [m/s], [s], optional
         Speed through the water, by default one that the canal and the tests allow; duration of a transit, by default 40
         minutes, or the waterway's length to an hour.
-    targets : sequence of str
-        Coefficients of interest; those of the bank unless given.
-    within : float [m], optional
-        How far off the middle excursions may go, 0 for none; unless given, as far as a quick safe envelope lets the
-        ship.
+    targets, within : sequence of str, float [m], optional
+        Coefficients of interest, by default those of the bank; how far off the middle excursions may go, 0 for none, by
+        default as far as a quick safe envelope lets the ship.
     conditions, seed : TransitConditions, int
         Wind, gusts, wander of the aim; seed of these and of the samples of the envelope.
-
-    Returns
-    -------
-    InformationForecast
-        Standard errors after so many transits, routine and with each excursion.
 
     Raises
     ------
@@ -230,7 +217,7 @@ def _plan(
         lasting = settings.ROUTINE
     if not 0 < lasting <= settings.MOST_TIME:
         raise InputError(f"a transit of {lasting:g} s is none; give a duration over 0, to {settings.MOST_TIME:g}")
-    return TransitTwin(model, speed, lasting, conditions, waterway=waterway)
+    return TransitTwin(model, speed, lasting, conditions, waterway)
 
 
 def safe_offset(model: Model, u: float, seed: int = 0) -> float:
