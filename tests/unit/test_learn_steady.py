@@ -13,7 +13,7 @@ from scipy.optimize import least_squares
 import narrows as nw
 from engine_models import mmg, steered
 from narrows.logbook.learned_coefficient import covered_range
-from narrows.logbook.steady_legs.leg_balance import LATENT, SteadyBalance
+from narrows.logbook.steady_legs.learn_steady import LATENT, SteadyBalance
 from narrows.logbook.steady_legs.steady_readings import UNKNOWN
 
 CALM = nw.SteadyConditions(wind=0.5, wind_change=0.0, y_zero=0.0, yaw_rate_deg=0.0, yaw_change_deg=0.0, sway_change=0.0)

@@ -18,7 +18,7 @@ from narrows.logbook.learning.log_posterior import (
     log_posterior,
     regression_on_estimated,
 )
-from narrows.logbook.steady_legs.leg_balance import LegProblem
+from narrows.logbook.steady_legs.learn_steady import LegProblem
 from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyConditions, SteadyReadings
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT

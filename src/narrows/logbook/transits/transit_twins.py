@@ -13,7 +13,7 @@ from narrows.control.steady_course import steady_course
 from narrows.errors import InputError, shown
 from narrows.identification.fitting import bundled_ship
 from narrows.logbook import settings
-from narrows.logbook.sensor_grades import SensorGrade, SignalGrade
+from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
 from narrows.logbook.steady_legs.steady_readings import BeamWind
 from narrows.model.model import Model
@@ -104,7 +104,7 @@ class TransitPilot:
 
     line: HeldLine  # Gains, made for the farthest aim
     lead: float  # How far ahead bends are looked at [s]
-    courses: np.ndarray  # (offsets, 4) y [m], rudder, psi [rad], v [m/s] of steady courses
+    courses: np.ndarray  # (4, offsets) y [m], rudder, psi [rad], v [m/s] of steady courses
     limit: float  # Limit of the rudder [rad]
     interval: float  # Time between two orders [s]
     times: np.ndarray  # (n,) Where it wants to be, straight between [s]
@@ -119,7 +119,7 @@ class TransitPilot:
         far = max(float(np.abs(aims).max()), 1e-6)
         y = np.linspace(-far, far, settings.PILOT_COURSES)
         held = steady_course(model, y=xr.DataArray(y, dims="place"), u=u)
-        courses = np.stack([y, *(held[name].to_numpy() for name in ("rudder", "psi", "v"))], axis=1)
+        courses = np.stack([y, *(held[name].to_numpy() for name in ("rudder", "psi", "v"))])
         if not np.isfinite(courses).all():
             raise InputError(f"no rudder holds this ship {far:.3g} m off the middle at {u:.3g} m/s; aim nearer to it")
         law = regulator(model, far, u)  # Where it is hardest.
@@ -147,8 +147,8 @@ class TransitPilot:
         return order
 
     def _held(self, t: float, at: VoyageState) -> tuple[Any, ...]:
-        aim = float(np.interp(t, self.times, self.aims))
-        rudder, psi, v = (float(np.interp(aim, self.courses[:, 0], self.courses[:, i])) for i in (1, 2, 3))
+        aim, (y, *courses) = float(np.interp(t, self.times, self.aims)), self.courses
+        rudder, psi, v = (float(np.interp(aim, y, course)) for course in courses)
         if self.waterway is None:
             return aim, rudder, psi, v, 0.0
         ahead = min(max(at.x + self.lead * at.u, 0.0), self.waterway.line.length)
@@ -159,7 +159,7 @@ class TransitPilot:
 
 @dataclass(frozen=True)
 class Excursion:
-    words: str  # What it is like
+    words: str
     offset: float = 0.0  # How far; 0 for none [m]
     sides: tuple[int, ...] = ()  # 1 to starboard, -1 to port, one after the other, spread over the transit
     stay: float = 0.0  # How long on each [s]
@@ -218,21 +218,20 @@ class TransitTwin:
 
 def recorded(name: str, voyage: Voyage, grade: SensorGrade, seed: int, current: float = settings.CURRENT) -> ShipRecord:
     draw = np.random.default_rng((seed, 13))
-    drift = current * float(draw.standard_normal())
-    columns = {own: voyage[own] for own in ("x", "y", "psi", "r", "u", "v", "rudder")}
-    columns["x"] = columns["x"] + drift * voyage.t
-    columns["u_ground"] = columns["u"] + drift * np.cos(columns["psi"])
-    columns["v_ground"] = columns["v"] - drift * np.sin(columns["psi"])
-    columns["speed_over_ground"] = np.hypot(columns["u_ground"], columns["v_ground"])
-    signals = {own: _read(voyage.t, columns[own], grade.signals[own], draw) for own in grade.signals if own in columns}
+    drift, t, psi = current * float(draw.standard_normal()), voyage.t, voyage.psi
+    ahead, aside = voyage.u + drift * np.cos(psi), voyage.v - drift * np.sin(psi)
+    columns = {own: voyage[own] for own in ("y", "psi", "r", "u", "v", "rudder")}
+    columns |= {"x": voyage.x + drift * t, "u_ground": ahead, "v_ground": aside}
+    columns["speed_over_ground"] = np.hypot(ahead, aside)
+    signals = {}
+    for own, error in grade.signals.items():
+        if own in columns:
+            times = np.arange(t[0], t[-1], error.period)
+            memory = error.wander, error.memory, error.period, len(times), draw
+            wander = wandering(*memory)[:, 0] if error.wander else 0.0
+            noise = error.noise * draw.standard_normal(len(times)) + error.zero * draw.standard_normal() + wander
+            signals[own] = Signal(times, np.interp(times, t, columns[own]) + noise)
     return ShipRecord(name, signals)
-
-
-def _read(t: np.ndarray, truth: np.ndarray, grade: SignalGrade, draw: np.random.Generator) -> Signal:
-    times = np.arange(t[0], t[-1], grade.period)
-    wander = wandering(grade.wander, grade.memory, grade.period, len(times), draw)[:, 0] if grade.wander else 0.0
-    error = grade.noise * draw.standard_normal(len(times)) + grade.zero * draw.standard_normal() + wander
-    return Signal(times, np.interp(times, t, truth) + error)
 
 
 def drawn_truth(model: Model, seed: int, **held: float) -> Model:
