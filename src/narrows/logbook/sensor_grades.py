@@ -151,7 +151,6 @@ GRADES = {grade.name: grade for grade in (RTK, VDR, AIS)}  # Grades by name, the
 
 
 def sensor_grade(sensors: str | SensorGrade, known: Mapping[str, SensorGrade] = GRADES) -> SensorGrade:
-    """Return a grade of sensors."""
     if isinstance(sensors, SensorGrade):
         return sensors
     check_choice("sensors", sensors, known)

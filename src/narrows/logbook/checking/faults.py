@@ -54,7 +54,6 @@ class Fault(NamedTuple):
     at: float = -np.inf  # Time of a step [s]
 
     def mended(self, size: float) -> RecordGrid:
-        """Return the record without a fault of a size."""
         kind, name, grid = self.kind, self.signal, self.grid
         if kind == "antenna":
             ahead, starboard = grid.record.antenna
@@ -173,8 +172,6 @@ class FaultTest(NamedTuple):
 
 @dataclass(frozen=True)
 class FaultTests:
-    """Scores of the unknowns and of all faults, record by record."""
-
     found: SearchResult
     faults: tuple[tuple[Fault, str], ...]  # Each with its record, or the name of all records together
     parts: tuple[np.ndarray, ...]  # (P + F, P + F) Information of each record
@@ -278,9 +275,7 @@ def _of_record(
 
 
 def misreading(problem: LogProblem, grids: Sequence[RecordGrid]) -> tuple[float, Misreading] | None:
-    """Return the most likely other way to read the records, and by how much the log-likelihood rises; None where the
-    records are likely enough as they are.
-    """
+    """Return the rise of the log-likelihood by the best other way to read the records; None where it is not enough."""
     found, recorded = [], [_fitted(problem, grid, grid) for grid in grids]
     here, most = sum(cost for cost, _ in recorded), max(OUTLYING, *(far for _, far in recorded))
     for other in MISREADINGS:

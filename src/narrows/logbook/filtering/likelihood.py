@@ -66,8 +66,6 @@ class Innovations(NamedTuple):
 
 @dataclass(frozen=True)
 class LinearRecord:
-    """A record about a reference path."""
-
     grid: RecordGrid
     problem: LogProblem
     slopes: np.ndarray  # (n, 6, 6 + m)
@@ -84,7 +82,7 @@ class LinearRecord:
 
     def variances(self, model: StochasticModel) -> np.ndarray:
         parts = [model.noise[name] ** 2 / read.counted for name, read in self.grid.readings.items()]
-        return np.concatenate(parts)[self.grid.order]
+        return np.asarray(np.concatenate(parts)[self.grid.order])
 
     @np.errstate(all="ignore")
     def weights(self, model: StochasticModel) -> np.ndarray:
@@ -247,7 +245,6 @@ class RecordLikelihood:
 
     @np.errstate(all="ignore")
     def scored(self, unknowns: np.ndarray, path: RecordPath) -> RecordScore:
-        """Return score and information about a path."""
         problem = self.problem
         at, by_value, by_variance = self.slopes(unknowns, path)
         e, s = at.values, np.abs(at.variances)  # The cost is infinite where the filter diverges.

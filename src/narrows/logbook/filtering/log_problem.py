@@ -219,7 +219,6 @@ class Unknowns:
 
     @cached_property
     def precision(self) -> np.ndarray:
-        """Prior precision, (P, P)."""
         matrix = np.diag(np.concatenate([np.zeros(self.count), self.spreads**-2.0]))
         matrix[: self.count, : self.count] = self.prior.precision
         return matrix
@@ -246,7 +245,6 @@ class LogProblem(Unknowns):
 
     @property
     def spreads(self) -> np.ndarray:
-        """Prior standard deviations of the estimated numbers of the stochastic model."""
         return np.array([one.spread for one in self.model.estimated])
 
     @cached_property
@@ -256,7 +254,6 @@ class LogProblem(Unknowns):
         return np.array([length, length, 1.0, u, u, u / length])
 
     def model_at(self, unknowns: np.ndarray) -> StochasticModel:
-        """Return the stochastic model at unknowns (P,)."""
         return self.model.at(unknowns[self.count :])
 
     def at(self, scaled: np.ndarray) -> tuple[RecordedMotion, np.ndarray]:

@@ -41,30 +41,23 @@ class SearchResult:
 
     @property
     def scaled(self) -> np.ndarray:
-        """The coefficients, (p,)."""
         return self.unknowns[: self.problem.count]
 
     @property
     def information(self) -> np.ndarray:
-        """Information of all records, (P, P)."""
         return np.asarray(sum(one.information for one in self.records))
 
     @property
     def score(self) -> np.ndarray:
-        """Score of all records, (P,)."""
         return np.asarray(sum(one.score for one in self.records))
 
 
 def search(
     problem: LogProblem, grids: Grids, steps: int = MOST_STEPS, scaled: np.ndarray | None = None
 ) -> SearchResult | None:
-    """Maximise the posterior, over short stretches where whole records diverge; None where these diverge too.
-
-    It begins at scaled coefficients (p,), at those of the prior unless given.
-
-    Without disturbances the residuals of a record are correlated: the likelihood then counts one of so many readings,
-    as a composite likelihood does.
-    """
+    """Maximise the posterior, over short stretches where whole records diverge; None where these diverge too."""
+    # It begins at scaled coefficients (p,), or those of the prior. Without disturbances the residuals of a record are
+    # correlated: the likelihood then counts one of so many readings, as a composite likelihood does.
     begin = np.zeros(len(problem.precision))
     begin[: problem.count] = 0.0 if scaled is None else scaled
     found = _maximum(problem, grids, begin, (), steps)
@@ -75,8 +68,7 @@ def search(
         if found is None or found.interrupted or not found.records:
             break
         counted = readings_for_one(np.sum([one.autocovariance for one in found.records], axis=0))
-        settled = max(counted / problem.correlated, problem.correlated / counted) < SETTLED
-        if settled:
+        if max(counted / problem.correlated, problem.correlated / counted) < SETTLED:
             break
         problem = replace(problem, correlated=counted)
         found = _maximum(problem, grids, found.unknowns, [one.path for one in found.records], steps) or found
@@ -109,10 +101,7 @@ def _maximum(
 def scored(
     problem: LogProblem, grids: Grids, unknowns: np.ndarray, paths: list[RecordPath | None], passes: int
 ) -> SearchResult | None:
-    """Smooth the path of every record and score it there; None where the motion diverges.
-
-    After a keyboard interrupt it contains the finished records.
-    """
+    """Smooth the path of every record and score it there, the finished ones after Ctrl-C; None where one diverges."""
     scores, steps, total = list[RecordScore](), 0, len(paths)
     try:
         with bar(total, is_shown(), "records") as done:

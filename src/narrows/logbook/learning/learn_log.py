@@ -111,7 +111,6 @@ def hash_of(log: Iterable[ShipRecord]) -> tuple[str, float, float]:
 
 
 def _source(log: Iterable[ShipRecord], sensors: str, prior: Model, records: int) -> Source:
-    """Return the source of a learned model: the source of the prior model, then the log."""
     sha256, start, stop = hash_of(log)
     name = Path(str(getattr(log, "name", "a log"))).name
     if isinstance(log, ShipLog):

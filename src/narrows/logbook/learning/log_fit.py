@@ -116,10 +116,7 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
 def forecast(
     problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: RecordPath, model: StochasticModel
 ) -> Forecast:
-    """Return forecasts of a record, begun now and then at the smoothed state, at scaled coefficients (p,).
-
-    Constant disturbances and errors of the record are known, gusts are not.
-    """
+    """Return forecasts of a record from smoothed states, without its gusts, at scaled coefficients (p,)."""
     reach = AHEAD * problem.scales[0] / max(float(np.abs(path.states[:, 3]).mean()), 1e-3)
     every = max(1, min(round(reach / grid.step), (len(grid) - 1) // 2))
     begun = np.arange(0, len(grid), every)
@@ -144,10 +141,7 @@ def forecast(
 
 
 def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: RecordPath) -> float:
-    """Return the root mean square of headings missed over a whole record under its recorded rudder [rad].
-
-    Heading, speed, drift and yaw rate at its start are fitted, and nothing else.
-    """
+    """Return the root mean square of headings missed over a whole record, only its start fitted [rad]."""
     from scipy.optimize import least_squares
 
     if "psi" not in grid.readings:
@@ -195,12 +189,9 @@ def _nomoto_off(
 
 
 def nomoto_missed(grids: Iterable[RecordGrid], time: float) -> list[float]:
-    """Return the root mean square of headings missed by Nomoto models, each fitted to all other records [rad].
-
-    The model of an only record is fitted to itself. The start of each record is fitted too. Without rudder or heading
-    a record has NaN.
-    """
-    # time [s], of a ship length
+    """Return the root mean square of headings missed by Nomoto models, each fitted to all other records [rad]."""
+    # time [s], of a ship length. The model of an only record is fitted to itself, and the start of each record too;
+    # without rudder or heading a record has NaN.
     from scipy.optimize import least_squares
 
     scale = np.array([1.0, 0.01, time, time**2, time**3]) / time**2

@@ -153,11 +153,8 @@ def log_posterior(
     problem: Unknowns, unknowns: np.ndarray, information: np.ndarray, scores: np.ndarray | None = None,
     moments: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> LogPosterior:  # fmt: skip
-    """Return the posterior of all coefficients by the information (P, P), and scores of records (N, P).
-
-    It has the unknowns (P,) as its mean and the covariance of prior and information unless moments (P,), (P, P) are
-    given.
-    """
+    """Return the posterior of all coefficients by the information (P, P), and scores of records (N, P)."""
+    # Its moments (P,), (P, P) are the unknowns, and the covariance of prior and information, unless given.
     prior, count, model = problem.prior, problem.count, problem.prior.model
     mean, covariance = moments or (unknowns, problem.covariance(information))
     if scores is not None and len(scores) > 1:
@@ -263,10 +260,8 @@ def posterior_mean(found: SearchResult) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _over_inertia(problem: LogProblem, unknowns: np.ndarray, mode: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return unknowns (..., P) with forces over inertia and one over inertia in place of both, which agree with them at
-    the mode, and the inertia there over theirs, (..., 3).
-    """
-    # Accelerations are linear in these.
+    # Unknowns (..., P) with forces over inertia and one over inertia in place of both, in which accelerations are linear
+    # and which agree with them at the mode; and the inertia there over theirs, (..., 3).
     prior, (places, axes) = problem.prior, _axes(problem)
     at_mode, inertia = (
         problem.inertia[:, 0] + (prior.mean + prior.scale * own[..., : problem.count]) @ problem.inertia[:, 1:].T

@@ -124,7 +124,6 @@ class LogAssumptions:
     u: float  # Usual speed [m/s]
 
     def step(self, u: float) -> float:
-        """Return the length of a step [s]."""
         return float(f"{(STEP if self.gusts else BASIN_STEP) * self.length / u:.2g}")
 
     @property
