@@ -260,8 +260,8 @@ def posterior_mean(found: SearchResult) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _over_inertia(problem: LogProblem, unknowns: np.ndarray, mode: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    # Unknowns (..., P) with forces over inertia and one over inertia in place of both, which agree with them at the mode
-    # and in which accelerations are linear; and the inertia there over theirs, (..., 3).
+    # Unknowns (..., P) with forces over inertia and one over inertia in place of both, which agree with them at the
+    # mode and in which accelerations are linear; and the inertia there over theirs, (..., 3).
     prior, (places, axes) = problem.prior, _axes(problem)
     at_mode, inertia = (
         problem.inertia[:, 0] + (prior.mean + prior.scale * own[..., : problem.count]) @ problem.inertia[:, 1:].T
