@@ -130,7 +130,7 @@ def signs() -> Iterator[str]:
             predicted.append(sum(model.coefficients[term.name] * term.column(values) for term in table.yaw))
         ends = f"{min(predicted):.2f} to {max(predicted):.2f}"
         rows.append((name, f"{steady(name).columns['N'][0]:.2f}", ends))
-    yield "\n" + markdown(("test", "measured N [N m]", "by the seven forms"), rows)
+    yield "\n" + markdown(("test", "measured N [N m]", "by the forms"), rows)
 
 
 def shown_sets() -> dict[str, nw.Comparison]:

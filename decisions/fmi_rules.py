@@ -80,7 +80,7 @@ def by_libcosim(path: Path, fmi: int) -> str:
 
 def counted(problems: int) -> str:
     """Write how many problems there are."""
-    return "nothing" if problems == 0 else f"**{problems}**"
+    return "no findings" if problems == 0 else f"**{problems}**"
 
 
 CHECKERS = {"schema": by_schema, "FMPy": by_fmpy, "VDMCheck": by_rules, "libcosim": by_libcosim}

@@ -130,7 +130,7 @@ def trials_table(sailed: bool) -> str:
         "median over the mean of both",
     )  # fmt: skip
     if sailed:
-        rows.append(("ships that finished no trial", "", f"{failed} of {DRAWN}", "", "", ""))
+        rows.append(("ships whose trials failed", "", f"{failed} of {DRAWN}", "", "", ""))
     return markdown(heads, rows)
 
 
@@ -231,7 +231,8 @@ def text(sailed: bool = True) -> str:
         "Clarke's formulas alone, without a spread:", clarke_table(),
         "Each ship estimated by the others:", left_out_table(),
         "KVLCC2's 7 m model, from length, beam, draft and block coefficient, by the other ships:", trials_table(sailed),
-        "Evidence on the bank's coefficients, in the form `distance`:", bank_table(),
+        "Evidence on the bank's coefficients, in the form `distance` (Y_bank and N_bank in estimated models):",
+        bank_table(),
         "The bank's coefficients of each ship by the other ships:", left_out_banks_table(),
         "Cases that stay controllable at 8 knots (in Suez 7), each with one source of spread switched off:",
         narrowing_table(sailed),
@@ -249,14 +250,14 @@ def shown(rows: Rows) -> str:
     return "\n\n".join((
         f"Single formulas give {min(ends):.2f} to {max(ends):.2f} times the known values of ships in deep water.",
         f"Errors of {len(linear)} linear coefficients of KVLCC2 and the KCS: median {np.median(alone):.0f} %, largest "
-        f"{max(alone):.0f} % by Clarke (1983) alone, as `clarke83` of the MSS toolbox; {np.median(estimate):.0f} and "
-        f"{max(estimate):.0f} % by the estimate from the other ships.",
+        f"{max(alone):.0f} % by Clarke (1983) alone, as `clarke83` of the MSS toolbox. The estimate from the other "
+        f"ships has {np.median(estimate):.0f} and {max(estimate):.0f} %.",
         f"Each ship estimated by the others: the 95 % intervals hold {hulls[-1]['in their 95 % interval']} of "
         f"{hulls[-1]['coefficients']} coefficients of the hull, all but {hulls[-1]['outside']}; and "
         f"{banks[-1]['in their 95 % interval']} of {banks[-1]['coefficients']} of the bank.",
         "KVLCC2's 7 m model, from length, beam, draft and block coefficient, by the other ships:",
         part(records(rows, "measure"), "measure", "median", "90 % interval", "measured, starboard and port"),
-        "Evidence on the bank's coefficients, in the form `distance`:",
+        "Evidence on the bank's coefficients, in the form `distance` (Y_bank and N_bank in estimated models):",
         part(records(rows, "ship", "tests")),
         "Cases that stay controllable at 8 knots (in Suez 7), each with one source of spread switched off:",
         part(places, *(name for name in places[0] if not name.startswith(("rudder", "heading")))),

@@ -1,4 +1,4 @@
-"""The five-minute experiment: a ship held to one side, then to the other, and the steady rudder and drift read.
+"""Learn from steady legs: a ship is held to one side, then to the other, and the steady rudder and drift read.
 
 The balance of sway and yaw is linear in the coefficients. The legs' true offsets, speeds and angles are unknown too:
 with a leg's readings ``m = l + zeros + e`` and the balance ``f(l, coefficients) + wind + rest = 0``, it is linear about
