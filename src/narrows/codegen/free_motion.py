@@ -77,9 +77,9 @@ def solve_motion(trace: Trace, force_of: tuple[tuple[str, str], ...], surge: Sur
     mass = _mass(regressors, names, components)
     columns = _columns(regressors, names, components, coriolis)
     if mass.det() == 0:
-        raise InputError(
-            f"no term resists {' and '.join(_unresisted(mass, components))}; add one of inertia to the table"
-        )
+        accelerations = [ACCELERATIONS[force] for force in components]
+        missing = [name for column, name in enumerate(accelerations) if not any(mass.col(column))] or accelerations
+        raise InputError(f"no term resists {' and '.join(missing)}; add one of inertia to the table")
     inverse = mass.adjugate() / mass.det()
     gains = [[(inverse[i, :] * column)[0] for column in columns.values()] for i in range(len(components))]
     others = {*trace.inputs, "mass", SURGE_INERTIA, *INPUTS.values()} - {*STATE, *ACCELERATIONS.values()}
@@ -145,11 +145,6 @@ def _mass(regressors: Mapping[str, tuple[str, Expr]], names: Mapping[str, Expr],
     if "X" in components:
         mass[0, 0] += symbol(SURGE_INERTIA)
     return mass
-
-
-def _unresisted(mass: Expr, components: Sequence[str]) -> list[str]:
-    accelerations = [ACCELERATIONS[force] for force in components]
-    return [name for column, name in enumerate(accelerations) if not any(mass.col(column))] or accelerations
 
 
 def _columns(

@@ -6,7 +6,7 @@ split.
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, reduce
 
 import sympy
 
@@ -35,17 +35,11 @@ def clipped(value: Expr, most: Expr) -> Expr:
 
 
 def least(*values: Expr) -> Expr:
-    smallest, *rest = values
-    for value in rest:
-        smallest = FUNCTIONS["minimum"](smallest, value)
-    return smallest
+    return reduce(FUNCTIONS["minimum"], values)
 
 
 def greatest(*values: Expr) -> Expr:
-    largest, *rest = values
-    for value in rest:
-        largest = FUNCTIONS["maximum"](largest, value)
-    return largest
+    return reduce(FUNCTIONS["maximum"], values)
 
 
 @dataclass
@@ -143,15 +137,12 @@ class Constants:
         if not symbols & self.parameters:
             return expression
         if symbols <= self.parameters:
-            return self._named(expression)
+            return self.table.setdefault(expression, symbol(f"k{len(self.table)}"))
         if not (expression.is_Add or expression.is_Mul):
             return expression.func(*map(self.lift, expression.args))
         fixed = [a for a in expression.args if a.free_symbols <= self.parameters]
         moving = [self.lift(a) for a in expression.args if a not in fixed]
         return expression.func(self.lift(expression.func(*fixed)), *moving)
-
-    def _named(self, expression: Expr) -> Expr:
-        return self.table.setdefault(expression, symbol(f"k{len(self.table)}"))
 
 
 def straight_lines(expressions: Sequence[Expr], prefix: str = "t") -> tuple[list[Assignment], list[Expr]]:

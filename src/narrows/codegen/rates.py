@@ -1,6 +1,6 @@
 """The rates of the state of one ship by its equations of motion, in lines."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -87,12 +87,7 @@ def _rate_lines(
 ) -> tuple[Constants, tuple[Expr, ...], tuple[list[Assignment], list[Expr]]]:
     """Constants, derivatives of the state, and those as straight lines: the same for every law and contact."""
     constants = Constants({s for name, s in motion.names.items() if name not in moving})
-    pushed = {f: symbol(INPUTS[f]) for f in motion.components} if is_pushed else {}
-    derivatives = _derivatives(motion, constants.lift, pushed)
-    return constants, derivatives, straight_lines(derivatives)
-
-
-def _derivatives(motion: FreeMotion, lift: Callable[[Expr], Expr], pushes: Mapping[str, Expr]) -> tuple[Expr, ...]:
+    pushes, lift = {f: symbol(INPUTS[f]) for f in motion.components} if is_pushed else {}, constants.lift
     c, s, u, v, r = (symbol(name) for name in TURNED)
     basis = [lift(expression) for expression in motion.basis]
     accelerations = dict.fromkeys(ACCELERATIONS, sympy.Integer(0))
@@ -100,7 +95,8 @@ def _derivatives(motion: FreeMotion, lift: Callable[[Expr], Expr], pushes: Mappi
         parts = [(lift(gain), function) for gain, function in zip(gains, basis, strict=True)]
         pushed = sum((lift(part * pushes[f]) for f, part in zip(motion.components, row, strict=True) if f in pushes), 0)
         accelerations[force] = _grouped(parts, (v, r)) + pushed
-    return (u * c - v * s, u * s + v * c, -r * s, r * c, *accelerations.values())
+    derivatives = (u * c - v * s, u * s + v * c, -r * s, r * c, *accelerations.values())
+    return constants, derivatives, straight_lines(derivatives)
 
 
 def _grouped(parts: Iterable[tuple[Expr, Expr]], factors: Sequence[Expr]) -> Expr:

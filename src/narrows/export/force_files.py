@@ -105,10 +105,8 @@ def force_fmu(model: Model, identifier: str, fmi: int) -> bytes:
 def _variables(model: Model) -> Iterator[FmuVariable]:
     """Variables in the order of ``bank_instance.h``."""
     ship, canal = model.configuration.ship, model.configuration.canal
-    foot, sloped = (
-        "from the line to the foot of the {} bank",
-        "how far the {} bank recedes for each metre that it rises",
-    )
+    foot = "from the line to the foot of the {} bank"
+    sloped = "how far the {} bank recedes for each metre that it rises"
     yield FmuVariable("time", Kind.TIME_ITSELF, "s", "time")
     yield FmuVariable("y", Kind.INPUT, "m", MOTION["y"].meaning, 0.0)
     yield FmuVariable("psi", Kind.INPUT, "rad", HEADING, 0.0)
@@ -119,17 +117,9 @@ def _variables(model: Model) -> Iterator[FmuVariable]:
         yield FmuVariable(f"slope_{side}", Kind.INPUT, "1", sloped.format(side), 0.0, 0, (0.0, math.inf))
     # A model whose canal has no depth needs none; the file needs one over the draft.
     yield FmuVariable("depth", Kind.INPUT, "m", "water depth", canal.depth or 2.0 * ship.draft, 0, (SMALLEST, math.inf))
-    known = ("", "standard deviation of the ") if model.covariance is not None else ("",)
-    for of in known:
+    for of in ("", "standard deviation of the ")[: 1 if model.covariance is None else 2]:
         for force in "YN":
-            quantity = FORCES[force]
-            yield FmuVariable(
-                f"{force}{'_deviation' * bool(of)}", Kind.CALCULATED, quantity.unit, f"{of}{quantity.meaning}"
-            )
-    bits = bits_in_words(model, ASKED_OF_BANK)
-    yield FmuVariable(
-        "beyond",
-        Kind.WHOLE,
-        "1",
-        f"quantities outside the tested range, a sum of: {bits}; {CONTACT} if the hull touches a bank or the bottom",
-    )
+            name, (unit, meaning) = f"{force}{'_deviation' * bool(of)}", FORCES[force]
+            yield FmuVariable(name, Kind.CALCULATED, unit, f"{of}{meaning}")
+    bits = f"quantities outside the tested range, a sum of: {bits_in_words(model, ASKED_OF_BANK)}"
+    yield FmuVariable("beyond", Kind.WHOLE, "1", f"{bits}; {CONTACT} if the hull touches a bank or the bottom")

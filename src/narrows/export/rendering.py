@@ -136,17 +136,14 @@ def _tested(
         yield language.called("abs", sizes["speed"]), bit, language.literal(0.0), sizes[AFLOAT_SPEED]
 
 
-def _section_sizes(exported: ExportedShip, language: Language) -> dict[str, str]:
-    """Return where the numbers of the water are: in a waterway the program ``section`` gives them for the place."""
-    if exported.waterway:
-        return {name: f"result[{number}]" for number, name in enumerate(exported.water)}
-    return {name: language.field("constants", name) for name in exported.water}
-
-
 def rendered(template: str, exported: ExportedShip, language: Language, **context: Any) -> str:
     turned = language.called("angle", "state[2]", "state[3]")
     sizes = {"speed": "state[4]", "abs_y": "state[1]", "abs_psi": turned, "abs_r": "state[6]"}
-    measured = {**sizes, **_section_sizes(exported, language), **context.get("sizes", {})}
+    # In a waterway the program ``section`` gives the numbers of the water at the place.
+    water = {name: language.field("constants", name) for name in exported.water}
+    if exported.waterway:
+        water = {name: f"result[{number}]" for number, name in enumerate(exported.water)}
+    measured = {**sizes, **water, **context.get("sizes", {})}
     rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # Results of ``rates``
     alike = {"ship": exported, "prefix": exported.prefix, "row": exported.portable.choices.row, "rates": rates,
              "number": language.literal,

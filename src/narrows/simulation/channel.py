@@ -102,17 +102,24 @@ def along_waterway(waterway: "Waterway", model: Model, contact: str | Outline, b
         cells, depth = cells.copy(), np.full(len(depth), model.configuration.canal.depth or math.nan)
         cells[:, 2 * COLUMNS.index("depth")] = depth[:-1]
         cells[:, 2 * COLUMNS.index("depth") + 1] = 0.0
-    inputs = {
-        "x_first": 0.0, "x_last": float(table.s[-1]), "cells_a_metre": 1 / table.step,
-        "last_cell": float(len(cells) - 1), "current": waterway.reference_current,
-    }  # fmt: skip
     chokes = np.zeros(len(table.s), bool)
     if bottom:
         fastest, chokes = _afloat({**vars(ship), "width": table.starboard + table.port, "depth": depth})
         cells = np.column_stack([cells, fastest[:-1], np.diff(fastest)])
+    return _from_cells(table, cells, outline, model, contact, waterway.reference_current, chokes)
+
+
+def _from_cells(
+    table: "WaterwayTable", cells: np.ndarray, outline: Any, model: Model, contact: str | Outline, current: float,
+    chokes: np.ndarray,
+) -> Channel:  # fmt: skip
+    inputs = {
+        "x_first": 0.0, "x_last": float(table.s[-1]), "cells_a_metre": 1 / table.step,
+        "last_cell": float(len(cells) - 1), "current": current,
+        **hull_inputs(model.configuration.values(), contact), **limits_of(contact),
+    }  # fmt: skip
     water = WaterTable(cells.ravel(), table.track, np.array(outline).ravel())
-    hull = hull_inputs(model.configuration.values(), contact)
-    return Channel({**inputs, **hull, **limits_of(contact)}, water, 0.0, float(table.s[-1]), chokes)
+    return Channel(inputs, water, 0.0, float(table.s[-1]), chokes)
 
 
 # Cached tables for as long as their centreline exists, since successive voyages use the same.
@@ -163,12 +170,7 @@ def bend_channel(
     table = WaterwayTable(s, *(np.full(len(s), column) for column in columns))
     outline = np.array(points_of(ship, contact))
     cells = _cells(table, least_walls(table, outline))
-    inputs = {
-        "x_first": 0.0, "x_last": length, "cells_a_metre": 1 / table.step, "last_cell": float(len(cells) - 1),
-        "current": current,
-    }  # fmt: skip
-    inputs |= {**hull_inputs(model.configuration.values(), contact), **limits_of(contact)}
-    return Channel(inputs, WaterTable(cells.ravel(), table.track, outline.ravel()), 0.0, length)
+    return _from_cells(table, cells, outline, model, contact, current, np.zeros(1, bool))
 
 
 def hull_inputs(values: Mapping[str, Number], contact: str | Outline) -> dict[str, Number]:

@@ -41,16 +41,9 @@ def segments_of(X: Schedule, Y: Schedule, N: Schedule, stop: float) -> list[Segm
     """Split a voyage where its inputs jump, so that no step crosses a jump."""
     tables = [_table(name, schedule) for name, schedule in (("X", X), ("Y", Y), ("N", N))]
     jumps = sorted({0.0, *(t for times, _ in tables for t in times.tolist() if 0 < t < stop)})
-    return [
-        Segment(begin, end, (_value(tables[0], begin), _value(tables[1], begin), _value(tables[2], begin)))
-        for begin, end in zip(jumps, [*jumps[1:], stop], strict=True)
-    ]
-
-
-def _value(table: tuple[np.ndarray, np.ndarray], t: float) -> float:
-    times, values = table
-    index = int(np.searchsorted(times, t, side="right")) - 1
-    return float(values[index]) if index >= 0 else 0.0
+    # A value is 0 before the first time.
+    columns = [np.append(0.0, values)[np.searchsorted(times, jumps, side="right")].tolist() for times, values in tables]
+    return [*map(Segment, jumps, [*jumps[1:], stop], zip(*columns, strict=True))]
 
 
 def _table(name: str, schedule: Schedule) -> tuple[np.ndarray, np.ndarray]:

@@ -21,6 +21,7 @@ from narrows.simulation.settings import (
     STEP_CHECK_STEPS,
 )
 from narrows.simulation.steering import PARAMETER
+from narrows.waterway.bank_clearance import exact_clearance
 
 # State from step to step, in the order of ``Choices.kept``: x, y, cos psi, sin psi, u, v, r first.
 State = tuple[float, ...]
@@ -106,8 +107,6 @@ class VoyageIntegrator:
         return min(self._exact_clearance(row.state)[0] for row in looked) if self._exact else None
 
     def _exact_clearance(self, state: State) -> tuple[float, float]:
-        from narrows.waterway.bank_clearance import exact_clearance
-
         x, y, cosine, sine = state[:4]
         track, outline = self._shapes
         return exact_clearance(track, 1.0 / self.inputs["cells_a_metre"], x, y, cosine, sine, outline)

@@ -115,21 +115,17 @@ class ColumnRun:
                   if isinstance(value, int | float | np.ndarray | np.number)}  # fmt: skip
         near = near_the_bank({"width": inputs.get("width", 1.0)})
         integrator = VoyageIntegrator(self.system.scalar, self.system.choices, inputs, self.channel, near)
-        clearance, side = integrator.clearance(begun)
-        if clearance <= 0 and begun[0] != self.channel.start:
-            self._over(vessel, integrator, event.CLOSED, side)
-            return False
-        rows = [Row(0.0, begun)]
-        ended = integrator.integrate(rows, length, length)
-        self.end[vessel] = rows[-1].state
-        self.time[vessel] += rows[-1].t
-        if ended is not None:
-            self._over(vessel, integrator, ended.outcome, ended.side)
-        return ended is None
-
-    def _over(self, vessel: int, integrator: VoyageIntegrator, outcome: int, side: float) -> None:
-        code = integrator.cause(outcome, tuple(self.end[vessel].tolist()))
+        (clearance, side), outcome, rows = integrator.clearance(begun), event.CLOSED, [Row(0.0, begun)]
+        if clearance > 0 or begun[0] == self.channel.start:
+            ended = integrator.integrate(rows, length, length)
+            self.end[vessel] = rows[-1].state
+            self.time[vessel] += rows[-1].t
+            if ended is None:
+                return True
+            outcome, side = ended
+        code = integrator.cause(outcome, rows[-1].state)
         self.codes[vessel] = code, np.sign(side) if code == Code.GROUNDED else 0
+        return False
 
 
 @dataclass(frozen=True)
@@ -157,7 +153,14 @@ class KernelRun:
         if columns and vessels > 1:
             install = installing(libraries_of("compiled") or ["numba"])
             logging.getLogger("narrows").info("without Numba many voyages take longer; to add it: %s", install)
-        prepared = self._in_columns(values, vessels) if columns else self.prepared(values, vessels, workers)
+        prepared: PreparedRun | ColumnRun
+        if columns:
+            system, start = self._system(values), self._start(values)
+            kept = [np.broadcast_to(np.asarray(start[name], float), vessels) for name in system.choices.kept]
+            inputs, channel = self._inputs(system, values)
+            prepared = ColumnRun(system, inputs, np.stack(kept, axis=1), self._times(vessels), channel)
+        else:
+            prepared = self.prepared(values, vessels, workers)
         prepared()
         ended = self.ended(prepared, values)
         return {name: ended[name] for name in OUTPUTS}
@@ -179,7 +182,7 @@ class KernelRun:
     def prepared(self, values: Mapping[str, Any], vessels: int, workers: int | None = None) -> PreparedRun:
         system = self._system(values)
         inputs, channel = self._inputs(system, values)
-        start, times = self._start(system, values), self._times(vessels)
+        start, times = self._start(values), self._times(vessels)
         with needs("compiled", "compiled simulation (safe envelopes, estimation, predictive helms, the monitor)"):
             import numba  # noqa: F401  # Its kernels would take minutes to run as plain Python.
         kernel = system.kernel(self.precision)
@@ -187,12 +190,6 @@ class KernelRun:
         tolerance = max(CONTACT_TOLERANCE, 4 * float(np.finfo(self.precision).eps) * float(width.max()))
         limits = np.array([tolerance, NEAR_THE_BANK * float(width.min())])
         return prepare(kernel, inputs, start, times, channel.water, limits, workers or cores(), self.precision)
-
-    def _in_columns(self, values: Mapping[str, Any], vessels: int) -> ColumnRun:
-        system, start = self._system(values), self._start(self._system(values), values)
-        kept = [np.broadcast_to(np.asarray(start[name], float), vessels) for name in system.choices.kept]
-        inputs, channel = self._inputs(system, values)
-        return ColumnRun(system, inputs, np.stack(kept, axis=1), self._times(vessels), channel)
 
     def _times(self, vessels: int) -> np.ndarray:
         return step_counts(*(np.broadcast_to(np.asarray(time, float), vessels) for time in (self.dt, self.duration)))
@@ -228,7 +225,7 @@ class KernelRun:
             return straight_channel(values, self.ship.shape, self.ship.bottom)
         return along_waterway(self.waterway, self.ship.model, self.ship.shape, self.ship.bottom)
 
-    def _start(self, system: System, values: Mapping[str, Any]) -> dict[str, Any]:
+    def _start(self, values: Mapping[str, Any]) -> dict[str, Any]:
         psi = np.asarray(values["psi"], float)
         state = {name: values[name] for name in START if name != "psi"}
         state |= {"cos_psi": np.cos(psi), "sin_psi": np.sin(psi), COUNTED: psi}

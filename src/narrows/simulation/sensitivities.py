@@ -252,7 +252,7 @@ class TangentIntegrator:
             **{actuator.name: self._position(actuator.name) for actuator in self.ship.actuators},
             **{name: float(value) for name, value in particulars.items() if value is not None},
             **self.ship.model.coefficients,
-            **{name: float(np.mean(_values(self.schedules[name]))) for name in PUSHED},
+            **{name: float(np.atleast_1d(np.asarray(self.schedules[name], float))[..., -1].mean()) for name in PUSHED},
             **({"current": float(self.integrator.inputs["current"])} if self.waterway else {}),
             **{name.removeprefix(PARAMETER("")): float(np.ravel(value)[0]) for name, value in law.items()},
         }
@@ -375,8 +375,3 @@ class TangentIntegrator:
         pieces = segments_of(surge, sway, yaw, float(times[-1]) or 1.0)
         begun = np.searchsorted([piece.start for piece in pieces], times[:-1] + 1e-9, side="right") - 1
         return np.array([pieces[i].forces for i in begun]).reshape(-1, len(PUSHED))
-
-
-def _values(schedule: Any) -> np.ndarray:
-    values = np.asarray(schedule, float)
-    return values if values.ndim == 0 else values[:, 1]

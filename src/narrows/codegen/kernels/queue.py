@@ -102,11 +102,8 @@ def cause_of(program: LaneProgram, block: Array, lane: int, water: SharedInputs,
 
 def handle_event(program: LaneProgram, block: Array, lane: int, book: Array, water: SharedInputs) -> int:
     """Handle a lane that a step has flagged: return an outcome, or RUNNING with the next step set up."""
-    clearance, before, left = (
-        block[CLEARANCE * LANES + lane],
-        block[CLEARANCE_BEFORE * LANES + lane],
-        block[LEFT * LANES + lane],
-    )
+    clearance, before = block[CLEARANCE * LANES + lane], block[CLEARANCE_BEFORE * LANES + lane]
+    left = block[LEFT * LANES + lane]
     tolerance, near, leaves = water.limits[TOLERANCE], water.limits[NEAR], program.leaves
     sane = is_sane(program, block, lane, clearance, water, near)
     if program.exact and sane and (clearance <= 0.0 or book[TRIES] > 0.0):

@@ -162,15 +162,12 @@ class Folding(ast.NodeTransformer):
         node.values = [part for part in node.values if _truth(part) is None]
         return node if len(node.values) > 1 else node.values[0]
 
-    def visit_If(self, node: ast.If) -> ast.If | list[ast.stmt]:
+    def visit_If(self, node: Any) -> Any:
         self.generic_visit(node)
         known = _truth(node.test)
         return node if known is None else node.body if known else node.orelse
 
-    def visit_IfExp(self, node: ast.IfExp) -> ast.expr:
-        self.generic_visit(node)
-        known = _truth(node.test)
-        return node if known is None else node.body if known else node.orelse
+    visit_IfExp = visit_If
 
 
 def _truth(node: ast.expr) -> bool | None:
