@@ -27,7 +27,7 @@ from narrows.safety.envelope import bounds_of, choose_pilot
 from narrows.safety.headline import AT_LENGTH, KNOWLEDGE, PILOT, RUDDER, cause
 from narrows.safety.held_trials import trials
 from narrows.safety.pilots import PILOTS, BestEstimateCourses, Helmsman, regulator_of, whole_degrees
-from narrows.safety.request import Disturbance, envelope_request
+from narrows.safety.request import Disturbance, envelope_request, keel_at
 from narrows.simulation.grid import sampled
 from narrows.simulation.ship import SimulatedShip
 
@@ -220,12 +220,14 @@ class TestChoice:
         question = envelope_request(
             narrow(), np.linspace(-9, 9, 7), np.array([4.0, 6.0]), None, 1 / 3, None, None, None
         )
-        chosen = choose_pilot(question, bounds_of(question), 0, 1)
+        under = keel_at(question.model, question.speeds)
+        clear = bounds_of(question, under)["clear"].to_numpy()
+        chosen = choose_pilot(question, under.midship, clear, 0, 1)
         assert chosen.tunings[0] in PILOTS["regulator"].tunings
         shares = {}
         for tuning in PILOTS["regulator"].tunings:
             tried = trials(
-                narrow(), question.offsets, question.speeds, bounds_of(question).under.midship, question.disturbance,
+                narrow(), question.offsets, question.speeds, under.midship, question.disturbance,
                 300, 99, pilot=replace(PILOTS["regulator"], tunings=(tuning,)), knowing=False,
             )  # fmt: skip
             shares[tuning] = float(((np.abs(tried["rudder"]) <= question.rudder_limit) & tried["held"]).mean())

@@ -120,7 +120,7 @@ def test_a_recording_of_the_demonstration_can_be_replayed(tmp_path: Path) -> Non
     from narrows.warning.inputs.replay import Replay
 
     shown = demonstration()
-    (tmp_path / "bridge.nmea").write_bytes(shown.bridge.recording())
+    (tmp_path / "bridge.nmea").write_bytes(shown.recording())
     again = list(Replay(tmp_path / "bridge.nmea").ticks())
     told = list(shown.ticks())
     # A voyage may end within a second; the recording has whole seconds.

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from narrows.captive import tests
-from narrows.captive.rows import Reading, Rows, checked, clean, collect_rows, tests_of, with_accelerations
+from narrows.captive.rows import Rows, checked, clean, collect_rows, tests_of, with_accelerations
 from narrows.captive.tests import Block, CaptiveTests, Span, cuts
 from narrows.errors import InputError, path_of
 from narrows.model.sections import Source
@@ -80,7 +80,7 @@ def read_captive(
     name = str(path) if path else name_of(table)
     sheet = read_frame(path) if path else as_sheet(table)
     with file_stage("checking", path):
-        frame, notes = clean(sheet.frame, Reading(name, where, read_mapping(mapping), movers))
+        frame, notes = clean(sheet.frame, name, where, read_mapping(mapping), movers)
         if not len(frame):
             raise InputError(f"{name}: no rows are left to read; give a test at least one row")
         rows = checked(frame, configuration, name, movers, ship_file_of(ship))
@@ -148,9 +148,8 @@ class StreamedTests:
             yield Block({**self.configuration.values(), **rows.columns}, len(frame), spans, rows.headers)
 
     def _frames(self) -> Iterator[pd.DataFrame]:
-        asked = Reading(str(self.path), self.where, self.mapping, self.actuators)
         for chunk in read_chunks(self.path, tests.BLOCK_ROWS):
-            frame, _ = clean(chunk, asked)
+            frame, _ = clean(chunk, str(self.path), self.where, self.mapping, self.actuators)
             if len(frame):
                 yield frame
 

@@ -36,32 +36,23 @@ class Rows(NamedTuple):
     headers: Headers  # Headers of the table
 
 
-class Reading(NamedTuple):
-    table: str  # File name for messages
-    where: str | None = None  # Selection of rows
-    mapping: ColumnMapping | None = None  # The laboratory's own names, units and signs
-    actuators: tuple[Actuator, ...] = ()  # Actuators besides those of the package
-
-    @property
-    def known(self) -> dict[str, Quantity]:
-        return columns_with(self.actuators)
-
-
-def clean(raw: pd.DataFrame, asked: Reading) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    table, where = asked.table, asked.where
+def clean(
+    raw: pd.DataFrame, table: str, where: str | None, mapping: ColumnMapping | None, actuators: Iterable[Actuator]
+) -> tuple[pd.DataFrame, tuple[str, ...]]:  # fmt: skip
+    known = columns_with(actuators)
     raw, of_rows = without_words(raw)
-    mapped, notes = asked.mapping.applied(raw, table, Vocabulary(asked.known, LABELS)) if asked.mapping else (raw, ())
+    mapped, notes = mapping.applied(raw, table, Vocabulary(known, LABELS)) if mapping else (raw, ())
     early = chosen_early(mapped, where, table)
     frame, of_layout = formats.translated(mapped if early is None else mapped[early], where or "", table)
-    if not asked.mapping:
-        frame, of_headers = renamed(frame, asked.known, table)
+    if not mapping:
+        frame, of_headers = renamed(frame, known, table)
         of_layout = (*of_layout, *of_headers)
     if early is None and where:
-        frame = frame[chosen_late(raw, frame, where, table, asked.known)]
+        frame = frame[chosen_late(raw, frame, where, table, known)]
     if not len(frame):
         return frame, (*notes, *of_layout)
     frame, of_totals = without_totals(with_seconds(frame))
-    frame, left_out = screened(frame, recognised_in(frame, asked.known, table), tests_of(frame, table), table)
+    frame, left_out = screened(frame, recognised_in(frame, known, table), tests_of(frame, table), table)
     return frame, (*notes, *of_rows, *of_layout, *of_totals, *left_out)
 
 

@@ -118,16 +118,12 @@ class WeatherOptions:
 
 
 @dataclass(frozen=True)
-class ReserveOptions:
+class CaseOptions:
     reserve: Annotated[float, Option(help="Share of the rudder left on the steady course.")] = 1 / 3
     keel: Annotated[
         float | None, Option(help="Least clearance under the keel [m]; default: a twentieth of the draft.")
     ] = None
     most_revolutions: Annotated[float | None, Option(help="Limit of the engine [1/s], for a propeller.")] = None
-
-
-@dataclass(frozen=True)
-class CaseOptions:
     samples: Annotated[
         int | None,
         Option(help="Number of samples; default: enough to determine the edge to a step."),
@@ -144,7 +140,6 @@ def envelope(
     grid: GridOptions,
     section: SectionOptions,
     weather: WeatherOptions,
-    reserves: ReserveOptions,
     cases: CaseOptions,
     delivery: DatasetDelivery,
     controller: Annotated[
@@ -169,7 +164,7 @@ def envelope(
     disturbance, ship = weather.disturbance(), model_named(model or DEMO_SHIP, section.width, section.depth)
     ship = nw.borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
     asked: dict[str, Any] = {
-        "y": grid.offsets, "u": grid.speeds, "disturbance": disturbance, **vars(reserves), **vars(cases), "bank": bank,
+        "y": grid.offsets, "u": grid.speeds, "disturbance": disturbance, **vars(cases), "bank": bank,
         "controller": controller, "progress": sys.stderr.isatty() and not delivery.json,
     }  # fmt: skip
     if section.along is not None:

@@ -189,7 +189,7 @@ def _demonstrated(
     with stage("a ship from the bundled tests, and a transit of it"):
         shown = demonstration()
     if alerts.recording:
-        write_whole(alerts.recording, shown.bridge.recording())
+        write_whole(alerts.recording, shown.recording())
     monitored = BridgeMonitor(shown.model, shown.waterway, LINE, publisher=publisher, live=False)
     return monitored, paced(shown.ticks(), pace)
 

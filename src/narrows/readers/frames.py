@@ -143,12 +143,12 @@ def _of_cells(cells: pd.DataFrame, first: str) -> tuple[pd.DataFrame, tuple[str,
 
 def _sheet_of_data(sheets: Mapping[Any, pd.DataFrame]) -> Any:
     """The first sheet that has a tenth of the numbers of the fullest: cover sheets have few."""
-    numbers = {name: int(cells.map(_is_number).to_numpy().sum()) for name, cells in sheets.items()}
+
+    def is_number(cell: object) -> bool:
+        return isinstance(cell, int | float) and cell == cell  # An empty cell is NaN.
+
+    numbers = {name: int(cells.map(is_number).to_numpy().sum()) for name, cells in sheets.items()}
     return next(name for name, count in numbers.items() if count >= max(numbers.values()) / 10)
-
-
-def _is_number(cell: object) -> bool:
-    return isinstance(cell, int | float) and cell == cell  # An empty cell is NaN.
 
 
 def _read_mat(path: Path) -> Sheet:

@@ -61,11 +61,6 @@ class ChannelRule:
     rudder_deg: float | None = field(default=None)  # Largest steady rudder, for a rule of rudders [deg]
 
 
-def required_width(rule: ChannelRule, lane: Lane, passage: Passage) -> float:
-    """Return the water width required by a rule [m]: lane and both clearances."""
-    return passage.beam * (lane.lane + rule.deepens(passage) + 2 * lane.clearance[passage.bank])
-
-
 def kiel(passage: Passage) -> float:
     """Return the speed limit [m/s] in the Kiel Canal; NaN for a ship that is too large for it."""
     if passage.length > 235.5 or passage.beam > 32.5:
@@ -240,7 +235,8 @@ class OutsideRules(BaseResult):
             yield row
 
     def _left(self, rule: ChannelRule, lane: Lane) -> dict[str, float | None]:
-        width = required_width(rule, lane, self.passage)
+        passage = self.passage
+        width = passage.beam * (lane.lane + rule.deepens(passage) + 2 * lane.clearance[passage.bank])
         port, starboard = width / 2 - self.port, self.starboard - width / 2
         fits = port <= starboard
         fastest = None if math.isinf(lane.fastest) else lane.fastest

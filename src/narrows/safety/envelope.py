@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -86,46 +86,37 @@ def safe_envelope(
     check_choice("controller", controller, PILOTS)
     bend = Bend(**finite_numbers(curvature=curvature, current=current))
     request = envelope_request(model, y, u, disturbance, reserve, keel, most_revolutions, walls, bank, controller, bend)
-    bounds = bounds_of(request)
+    under = keel_at(model, request.speeds)
+    bounds = bounds_of(request, under)
+    inside = (bounds["tested"] & bounds["clear"]).to_numpy()
+    pilot = choose_pilot(request, under.midship, bounds["clear"].to_numpy(), seed, workers)
     try_more = partial(
-        trials, y=request.offsets, u=request.speeds, heave=bounds.under.midship, disturbance=request.disturbance,
-        walls=request.walls, bend=request.bend, pilot=choose_pilot(request, bounds, seed, workers), workers=workers,
-        progress=progress,
+        trials, y=request.offsets, u=request.speeds, heave=under.midship, disturbance=request.disturbance,
+        walls=request.walls, bend=request.bend, pilot=pilot, workers=workers, progress=progress,
     )  # fmt: skip
-    tried = settled_trials(partial(try_more, model), samples, seed, request.rudder_limit, bounds.clear & bounds.tested)
+    tried = settled_trials(partial(try_more, model), samples, seed, request.rudder_limit, inside)
     likely = tried
     if model.covariance is not None:
         likely = try_more(replace(model, covariance=None), samples=settings.LIKELY_SAMPLES, seed=seed)
-    data = controllable_fraction(tried, request.rudder_limit).assign(bounds.columns())
+    data = controllable_fraction(tried, request.rudder_limit).assign(bounds.data_vars)
     data = data.assign(best_estimate_fraction(likely, request.rudder_limit))
     if most_revolutions is not None:
-        data = data.assign(rudder_kick=rudder_of_propeller_burst(request, bounds.under))
+        data = data.assign(rudder_kick=rudder_of_propeller_burst(request, under))
     data["y"].attrs, data["u"].attrs = {"units": "m"}, {"units": "m/s"}
-    return with_caveats(SafeEnvelope(data), request, bounds.under, tried.sizes["sample"])
+    return with_caveats(SafeEnvelope(data), request, under, tried.sizes["sample"])
 
 
-@dataclass(frozen=True)
-class Bounds:
-    under: Keel  # Clearance under the keel at each speed
-    driven: np.ndarray  # (speeds,) True if the engine reaches the required revolutions
-    clear: np.ndarray  # (speeds,) True if in addition the keel is clear and the canal not choked
-    tested: np.ndarray  # (offsets, speeds) True if the tests covered it
-
-    def columns(self) -> dict[str, tuple[object, ...]]:
-        return {
-            "clearance": ("u", self.under.clearance, {"units": "m"}),
-            "clear": ("u", self.clear),
-            "driven": ("u", self.driven),
-            "tested": (("y", "u"), self.tested),
-        }
-
-
-def bounds_of(request: EnvelopeRequest) -> Bounds:
+def bounds_of(request: EnvelopeRequest, under: Keel) -> xr.Dataset:
+    """Return the clearance of the keel, where the engine reaches the revolutions, where all is clear, and the tests."""
     model, speeds = request.model, request.speeds
-    under, driven = keel_at(model, speeds), _driven(model, speeds, request.most_revolutions)
+    driven = _driven(model, speeds, request.most_revolutions)
     floating = (under.clearance >= request.clearance) | (model.configuration.canal.depth is None)
-    clear = floating & (speeds < under.choke) & driven
-    return Bounds(under, driven, clear, data_coverage(model, request.offsets, speeds))
+    return xr.Dataset({
+        "clearance": ("u", under.clearance, {"units": "m"}),
+        "clear": ("u", floating & (speeds < under.choke) & driven),
+        "driven": ("u", driven),
+        "tested": (("y", "u"), data_coverage(model, request.offsets, speeds)),
+    })  # fmt: skip
 
 
 def _driven(model: Model, speeds: np.ndarray, most: float | None) -> np.ndarray:
@@ -155,12 +146,15 @@ def rudder_of_propeller_burst(request: EnvelopeRequest, under: Keel) -> xr.DataA
     return xr.DataArray(rudder.reshape(shape), dims=list(grid.sizes), attrs={"units": "rad"}).transpose("y", "u")
 
 
-def choose_pilot(request: EnvelopeRequest, bounds: Bounds, seed: int, workers: int | None) -> Pilot:
+def choose_pilot(
+    request: EnvelopeRequest, heave: np.ndarray, clear: np.ndarray, seed: int, workers: int | None
+) -> Pilot:  # fmt: skip
     """Return a pilot with the tuning alone that holds most samples at a few of the requested offsets and speeds."""
+    # heave (speeds,) [m]; clear (speeds,)
     pilot = PILOTS[request.pilot]
     if len(pilot.tunings) == 1:
         return pilot
-    open_to = np.flatnonzero(bounds.clear) if bounds.clear.any() else np.arange(len(request.speeds))
+    open_to = np.flatnonzero(clear) if clear.any() else np.arange(len(request.speeds))
     speeds = open_to[_spread(len(open_to), settings.TUNING_SPEEDS)]
     offsets = _spread(len(request.offsets), settings.TUNING_OFFSETS)
     other_seed = int(np.random.SeedSequence((abs(seed), settings.TUNING_SEED)).generate_state(1)[0])
@@ -168,7 +162,7 @@ def choose_pilot(request: EnvelopeRequest, bounds: Bounds, seed: int, workers: i
     tunings = [replace(pilot, tunings=(tuning,)) for tuning in pilot.tunings]
     for tuned in tunings:
         tried = trials(
-            request.model, request.offsets[offsets], request.speeds[speeds], bounds.under.midship[speeds],
+            request.model, request.offsets[offsets], request.speeds[speeds], heave[speeds],
             request.disturbance, settings.TUNING_SAMPLES, other_seed, request.walls, tuned,
             bend=request.bend, knowing=False, workers=workers,
         )  # fmt: skip

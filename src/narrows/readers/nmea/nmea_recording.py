@@ -65,7 +65,8 @@ class Sources:
     def accepts(self, about: str, source: str, t: float) -> bool:
         chosen = self.chosen.setdefault(about, source)
         if source != chosen:
-            if _type(source) != _type(chosen) or t - self._last.get(about, 0.0) < TALKER_SILENCE:
+            # The talker stands first: a source of the same type and detail may replace it.
+            if source[2:] != chosen[2:] or t - self._last.get(about, 0.0) < TALKER_SILENCE:
                 return False
             self.chosen[about] = source
         used = self.used.setdefault(about, [])
@@ -76,11 +77,6 @@ class Sources:
 
     def words(self) -> str:
         return ", ".join(f"{about} by {' and '.join(used)}" for about, used in self.used.items())
-
-
-def _type(source: str) -> str:
-    """Type and detail, without the talker."""
-    return source[2:]
 
 
 def _best(found: Counter[str], types: tuple[str, ...]) -> str:

@@ -45,7 +45,8 @@ class BridgeReadings:
                 f"{waterway.name} has no place on earth, and a bridge reports longitude and latitude; give "
                 "its origin, or read it from GeoJSON"
             )
-        self.waterway, self.choice = waterway, SourceSelection()
+        self.waterway = waterway
+        self._chosen: dict[str, tuple[str, int, float]] = {}  # Source, its rank, and the time of its last message [s]
         self._origin, self._along, self._s = np.array(waterway.origin), math.nan, 0.0
         self._last: dict[str, float] = {}
         self._draft: float | None = None
@@ -67,7 +68,7 @@ class BridgeReadings:
         values: dict[str, Values] = {}
         for entry in entries:
             for about, columns in entry.message.values.items():
-                if not columns or not self.choice.accepts(about, entry.message.source, entry.t):
+                if not columns or not self._accepts(about, entry.message.source, entry.t):
                     continue
                 values[about] = {**values.get(about, {}), **columns}
                 self._last[about] = max(entry.t, self._last.get(about, -math.inf))
@@ -117,22 +118,12 @@ class BridgeReadings:
             readings[GROUND_LOG] = ground["speed_over_ground"] - float(self.waterway.current_at(self._s))
         return readings
 
-
-class SelectedSource(NamedTuple):
-    rank: int  # Rank of the source, the best 0
-    source: str  # Who
-    t: float  # Time of its last message [s]
-
-
-class SourceSelection:
-    def __init__(self) -> None:
-        self.chosen: dict[str, SelectedSource] = {}
-
-    def accepts(self, about: str, source: str, t: float) -> bool:
+    def _accepts(self, about: str, source: str, t: float) -> bool:
         # The type of its sentence ranks a source; last comes what arrives by other ways.
         types, kind = SOURCES.get(about, ()), source.split()[0][-3:]
-        now, rank = self.chosen.get(about), types.index(kind) if kind in types else len(types)
-        if now and source != now.source and rank >= now.rank and t - now.t <= SOURCE_SILENCE:
+        rank = types.index(kind) if kind in types else len(types)
+        chosen, best, last = self._chosen.get(about, (source, rank, t))
+        if source != chosen and rank >= best and t - last <= SOURCE_SILENCE:
             return False
-        self.chosen[about] = SelectedSource(rank, source, t)
+        self._chosen[about] = source, rank, t
         return True

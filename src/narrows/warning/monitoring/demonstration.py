@@ -52,10 +52,10 @@ class MistakenHelm:
 
 
 @dataclass(frozen=True)
-class SimulatedBridge:
-    voyage: Voyage  # Voyage in steps of a second, along a waterway
-    waterway: Waterway  # Waterway with its place on earth
-    began: float  # Start, since 1970 [s]
+class Demonstration:
+    model: Model  # The ship
+    waterway: Waterway  # The canal, with its place on earth
+    voyage: Voyage  # Voyage in steps of a second, along the canal
     seed: int = 0  # Seed of the sensors' noise
 
     def seconds(self) -> Iterator[tuple[float, list[str]]]:
@@ -65,23 +65,19 @@ class SimulatedBridge:
             v = float(voyage.v[row])
             now |= {"course": now["psi"] + math.atan2(v, now["u"]), "speed": math.hypot(now["u"], v)}
             measured = {name: value + NOISE[name] * random.standard_normal() for name, value in now.items()}
-            yield self.began + float(t), bridge_sentences(self.waterway, measured, self.began + float(t))
+            yield BEGAN + float(t), bridge_sentences(self.waterway, measured, BEGAN + float(t))
 
     def recording(self) -> bytes:
         """Return what a logger would have written, its times before the sentences."""
-        lines = [f"{_stamp(t)}{line}" for t, texts in self.seconds() for line in texts]
+        lines = []
+        for t, texts in self.seconds():
+            body = f"c:{t:.0f}"  # The block before a sentence with the logger's time (IEC 61162-450)
+            lines += [f"\\{body}*{checksum(body.encode()):02X}\\{line}" for line in texts]
         return "".join(lines).encode("ascii")
-
-
-@dataclass(frozen=True)
-class Demonstration:
-    model: Model  # The ship
-    waterway: Waterway  # The canal
-    bridge: SimulatedBridge
 
     def ticks(self) -> Iterator[Tick]:
         decoder = NmeaDecoder()
-        for t, texts in self.bridge.seconds():
+        for t, texts in self.seconds():
             lines = [line.encode("ascii") for line in texts]
             decoded = [decoder.decode(one, t) for one in sentences(lines, decoder.faults)]
             yield Tick(t, [Entry(t, one) for one in decoded if one is not None], dict(decoder.faults))
@@ -95,7 +91,7 @@ def demonstration(seed: int = 0) -> Demonstration:
         model, x=300.0, y=LINE, u=SPEED, controller=pilot, waterway=way, duration=DURATION, dt=1.0,
         N=[(0.0, 0.0), (UPSET[0], moment), (UPSET[1], 0.0)],
     )  # fmt: skip
-    return Demonstration(model, way, SimulatedBridge(voyage, way, BEGAN, seed))
+    return Demonstration(model, way, voyage, seed)
 
 
 def demonstrated_canal() -> Waterway:
@@ -123,12 +119,6 @@ NOISE = {
     "x": 1.0, "y": 1.0, "psi": math.radians(0.2), "r": math.radians(0.03), "u": 0.05, "course": 0.01, "speed": 0.05,
     "rudder": math.radians(0.2),
 }  # fmt: skip
-
-
-def _stamp(since_1970: float) -> str:
-    """The block before a sentence with the logger's time (IEC 61162-450)."""
-    body = f"c:{since_1970:.0f}"
-    return f"\\{body}*{checksum(body.encode()):02X}\\"
 
 
 # Sentences of a simulated bridge, as a recording of it has them.
