@@ -299,9 +299,10 @@ def check_log(
 
 def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: Spread | None) -> Iterator[Finding]:
     setup = log_problem(model, log, sensors, spread=spread)
+    grids = list(setup)
     for note in setup.left_out:
         yield Finding("missing", log.names[0], note.removesuffix("."), "leave it out, or record what is missing")
-    if not (grids := list(setup)):
+    if not grids:
         return
     where = grids[0].record.name if len(grids) == 1 else ALL
     if held := [

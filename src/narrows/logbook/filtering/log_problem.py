@@ -192,6 +192,11 @@ class CoefficientPrior:
         """The first of each group."""
         return tuple(group[0] for group in self.groups)
 
+    @cached_property
+    def members(self) -> np.ndarray:
+        """1 where a coefficient belongs to a group, else 0, (n, p)."""
+        return np.array([[float(name in group) for group in self.groups] for name in self.model.terms.names])
+
     def values(self, scaled: np.ndarray) -> dict[str, float]:
         """Return every coefficient by name, from scaled (p,)."""
         numbers = (self.mean + self.scale * scaled).tolist()

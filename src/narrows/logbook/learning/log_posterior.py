@@ -212,10 +212,7 @@ def regression_on_estimated(prior: CoefficientPrior) -> np.ndarray:
     names = prior.model.terms.names
     places = [names.index(name) for name in prior.names]
     across = np.asarray(prior.model.covariance)[:, places] / prior.scale @ prior.precision / prior.scale
-    for place, group in enumerate(prior.groups):
-        for name in group:
-            across[names.index(name)] = np.eye(len(places))[place]
-    return np.asarray(across)
+    return np.where(prior.members.any(axis=1)[:, None], prior.members, across)
 
 
 def _disagreement(problem: Unknowns, whole: np.ndarray, moved: np.ndarray) -> tuple[float, int]:

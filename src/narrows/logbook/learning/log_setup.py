@@ -1,7 +1,7 @@
 """A log as a problem: its records, what moves the ship, errors of sensors, what is known before."""
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice, pairwise
 from pathlib import Path
@@ -203,30 +203,24 @@ class LogSetup:
     log: Iterable[ShipRecord]  # That can be gone through again and again
     assumptions: LogAssumptions
 
-    def __iter__(self) -> Iterator[RecordGrid]:
-        yield from self._held if self._held is not None else self._laid_out([])
+    left_out: dict[str, None] = field(default_factory=dict)  # Records that could not be laid out so far, and why
 
-    @cached_property
-    def left_out(self) -> tuple[str, ...]:
-        """Records that could not be used, and why."""
-        notes: list[str] = []
-        for _ in self._laid_out(notes):
-            pass
-        return tuple(dict.fromkeys(notes))
+    def __iter__(self) -> Iterator[RecordGrid]:
+        yield from self._held if self._held is not None else self._laid_out()
 
     @cached_property
     def _held(self) -> tuple[RecordGrid, ...] | None:
         if not isinstance(self.log, ShipLog) or sum(self.log.counts.values()) > HELD_VALUES:
             return None
-        return tuple(self._laid_out([]))
+        return tuple(self._laid_out())
 
-    def _laid_out(self, notes: list[str]) -> Iterator[RecordGrid]:
+    def _laid_out(self) -> Iterator[RecordGrid]:
         for record in self.log:
             for part in parts(record):
                 try:
                     yield self._grid(part)
                 except InputError as error:
-                    notes.append(f"{error}.")
+                    self.left_out[f"{error}."] = None
 
     def _grid(self, record: ShipRecord) -> RecordGrid:
         usual, ship = self.problem.motion.positions, self.problem.prior.model.configuration.ship
@@ -271,8 +265,7 @@ def log_problem(
 def _records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:
     if isinstance(log, str | Path):
         return stream_log(log, waterway)
-    if isinstance(log, ShipRecord):
-        return ShipLog((log,), waterway)
+    log = (log,) if isinstance(log, ShipRecord) else log
     if isinstance(log, Sequence) and all(isinstance(record, ShipRecord) for record in log):
         return ShipLog(tuple(log), waterway)
     if isinstance(log, Iterable) and not hasattr(log, "__next__"):

@@ -199,23 +199,19 @@ class Placing:
         """Positions by the map; those along the waterway too where they must be moved."""
         if measured := self._together("longitude", "latitude"):
             t, *degrees = measured
-            return t, projected(np.stack(degrees, axis=1), self._origin(degrees))
+            origin = self.waterway.origin if self.waterway else tuple(column[0] for column in degrees)
+            if origin is None:
+                raise InputError(
+                    f"{self.table}: longitude and latitude have no place on this waterway, which has no position on "
+                    "earth; give its origin, or read it from GeoJSON"
+                )
+            return t, projected(np.stack(degrees, axis=1), np.array(origin))
         if measured := self._together("east", "north"):
             return measured[0], np.stack(measured[1:], axis=1)
         if any(self.mapping.antenna) and (measured := self._together("x", "y")):
             t, x, y = measured
             return t, self.waterway.to_map(x, y)[0] if self.waterway else np.stack([y, x], axis=1)
         return None
-
-    def _origin(self, degrees: list[np.ndarray]) -> np.ndarray:
-        if self.waterway is None:
-            return np.array([degrees[0][0], degrees[1][0]])
-        if self.waterway.origin is None:
-            raise InputError(
-                f"{self.table}: longitude and latitude have no place on {self.waterway.name}, which has no "
-                "position on earth; give its origin, or read it from GeoJSON"
-            )
-        return np.array(self.waterway.origin)
 
     def _locate(self, fixes: Fixes) -> None:
         t, places = fixes

@@ -268,15 +268,6 @@ class LegProblem(Unknowns):
     def spreads(self) -> np.ndarray:
         return np.ones(len(UNKNOWN))
 
-    @cached_property
-    def scale(self) -> np.ndarray:
-        """Change of every coefficient by the scaled ones, (n, p)."""
-        names = self.prior.model.terms.names
-        matrix = np.zeros((len(names), self.count))
-        for place, group in enumerate(self.prior.groups):
-            matrix[[names.index(name) for name in group], place] = self.prior.scale[place]
-        return matrix
-
     def fit(self, readings: SteadyReadings) -> LegFit:
         legs, unknowns, converged = self._read(readings), np.zeros(len(self.precision)), False
         latent = legs.value[:, : len(LATENT)]
@@ -323,7 +314,8 @@ class LegProblem(Unknowns):
         """
         model = self.prior.model
         mean = np.array([model.coefficients[name] for name in model.terms.names])
-        slopes, by_turning, mass = legs.balance.slopes(latent, mean + self.scale @ unknowns[: self.count])
+        by_scaled = self.prior.members * self.prior.scale
+        slopes, by_turning, mass = legs.balance.slopes(latent, mean + by_scaled @ unknowns[: self.count])
         columns, again = legs.balance.columns(latent), legs.value.shape[1] - len(LATENT)
         through = np.zeros((len(latent), len(BALANCED) + again, legs.value.shape[1]))
         through[:, FORCES, : len(LATENT)] = slopes
@@ -331,7 +323,7 @@ class LegProblem(Unknowns):
         common = -through @ legs.zeros
         common[:, FORCES, FORCES] += np.eye(len(BALANCED))  # Slopes by the wind
         design = np.zeros((*through.shape[:2], len(unknowns)))
-        design[:, FORCES, : self.count] = columns @ self.scale
+        design[:, FORCES, : self.count] = columns @ by_scaled
         design[:, :, self.count :] = common * self.common
         covariance = np.einsum("lqi,li,lri->lqr", through, legs.size**2, through)
         # What wind and a rest of motion leave out of balance
