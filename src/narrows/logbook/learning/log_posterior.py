@@ -212,7 +212,7 @@ def regression_on_estimated(prior: CoefficientPrior) -> np.ndarray:
     names = prior.model.terms.names
     places = [names.index(name) for name in prior.names]
     across = np.asarray(prior.model.covariance)[:, places] / prior.scale @ prior.precision / prior.scale
-    return np.where(prior.members.any(axis=1)[:, None], prior.members, across)
+    return np.where(prior.members.any(axis=1, keepdims=True), prior.members, across)
 
 
 def _disagreement(problem: Unknowns, whole: np.ndarray, moved: np.ndarray) -> tuple[float, int]:
