@@ -122,11 +122,10 @@ def estimates(
 def joint_forces(problem: Problem) -> list[tuple[str, ...]]:
     """Forces that share coefficients, and Y and N, which share errors of the motion."""
     slots = {force: {problem.slot[term.name] for term in part} for force, part in problem.terms.forces.items() if part}
-    joined: list[tuple[str, ...]] = []
-    for force in slots:
-        near = [one for one in joined if any(slots[force] & slots[f] for f in one) or (force == "N" and "Y" in one)]
-        joined = [one for one in joined if one not in near] + [(*(f for one in near for f in one), force)]
-    return joined
+    lateral = tuple(force for force in slots if force != "X")
+    shared = slots.get("X", set()) & {slot for force in lateral for slot in slots[force]}
+    groups = [tuple(slots)] if shared else [("X",) if "X" in slots else (), lateral]
+    return [group for group in groups if group]
 
 
 def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -184,10 +184,8 @@ def _motions(part: ForcePosterior) -> Iterator[tuple[int, np.ndarray, np.ndarray
 
 
 def without_rows(part: ForcePosterior, draw: int, own: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Predict some rows from all others at given scales: mean, covariance with errors, and what the rows add.
-
-    The last is the variance of coefficients and effects beyond that with the rows, (p + q,).
-    """
+    """Predict some rows from all others at given scales: mean, covariance with errors, variance that they remove."""
+    # The last is the variance of coefficients and effects beyond that with the rows, (p + q,).
     # Update of a precision: with errors V and leverage H the residual is V (V - H)^-1 e.
     posterior, model = part.posterior, part.posterior.model
     conditional, x = posterior.parts[draw], model.x[own]
