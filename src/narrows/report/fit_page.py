@@ -16,18 +16,7 @@ from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import Range
 from narrows.quantities.names import name_of
-from narrows.report.fit_figures import (
-    correlation_figure,
-    delta_figure,
-    delta_surface_figure,
-    forces_figure,
-    inflation_figure,
-    influence_figure,
-    intervals_figure,
-    left_out_figure,
-    motions_figure,
-    shapley_figure,
-)
+from narrows.report import fit_figures as draw
 from narrows.report.fit_table import best_known_first, coefficient_row, heading, kkt_sentence, share_rows
 from narrows.report.style import svg
 from narrows.results.base_results import readable, with_error
@@ -123,7 +112,7 @@ def _first_picture(fit: Fit) -> list[dict[str, str]]:
     if not isinstance(fit.tests, CaptiveTests) or len(fit.motions) < 2 or fit.split != "test":
         return []
     caption = "Measured forces against those predicted by the other motions, each motion left out in turn."
-    return [figure(left_out_figure(fit, fit.tests), caption)]
+    return [figure(draw.left_out_figure(fit, fit.tests), caption)]
 
 
 def _influence(fit: Fit, name: str) -> tuple[str, str, str, str, str, str]:
@@ -168,18 +157,18 @@ def _by_test(fit: Fit) -> list[tuple[str, str, str, str]]:
 def _figures(fit: Fit) -> list[dict[str, str]]:
     configuration = fit.tests.configuration
     pictures = [
-        figure(intervals_figure(fit), "Coefficients with their 95 % intervals, each over its own size."),
-        figure(inflation_figure(fit), "Variance inflation over all rows and within each speed; dashed and "
+        figure(draw.intervals_figure(fit), "Coefficients with their 95 % intervals, each over its own size."),
+        figure(draw.inflation_figure(fit), "Variance inflation over all rows and within each speed; dashed and "
                "dotted: the limits over all rows and within one speed."),
-        figure(correlation_figure(fit), "Correlations between the columns of each force; grey: constant."),
-        figure(influence_figure(fit), "Share of each coefficient's information by test."),
-        figure(shapley_figure(fit), "Shapley shares of the terms under three value functions."),
+        figure(draw.correlation_figure(fit), "Correlations between the columns of each force; grey: constant."),
+        figure(draw.influence_figure(fit), "Share of each coefficient's information by test."),
+        figure(draw.shapley_figure(fit), "Shapley shares of the terms under three value functions."),
         *_of_delta(configuration.ship, configuration.canal.width, fit.data_range.abs_y),
     ]  # fmt: skip
     tests = fit.tests
     if isinstance(tests, CaptiveTests):
-        measured = figure(forces_figure(fit, tests), "Forces measured and estimated, and the bank's part.")
-        pictures = [measured, *pictures, figure(motions_figure(tests), "The tests: motions and forces.")]
+        measured = figure(draw.forces_figure(fit, tests), "Forces measured and estimated, and the bank's part.")
+        pictures = [measured, *pictures, figure(draw.motions_figure(tests), "The tests: motions and forces.")]
     return pictures
 
 
@@ -188,8 +177,8 @@ def _of_delta(ship: Ship, width: float, covered: Range | None) -> tuple[dict[str
     """Figures that do not depend on depth, so that the conditions of a table share them."""
     configuration = Configuration(ship, Canal(width))
     return (
-        figure(delta_figure(configuration, covered), "Pressure difference delta across the canal, heading zero."),
-        figure(delta_surface_figure(configuration), "Pressure difference delta over offset and heading."),
+        figure(draw.delta_figure(configuration, covered), "Pressure difference delta across the canal, heading zero."),
+        figure(draw.delta_surface_figure(configuration), "Pressure difference delta over offset and heading."),
     )
 
 

@@ -6,14 +6,7 @@ from typing import Any
 from narrows.files import write_whole
 from narrows.identification import Fit
 from narrows.identification.shapley import KINDS
-from narrows.report.fit_figures import (
-    correlation_figure,
-    delta_figure,
-    delta_surface_figure,
-    forces_figure,
-    motions_figure,
-    shapley_figure,
-)
+from narrows.report import fit_figures as draw
 from narrows.report.fit_page import figure, render
 from narrows.report.fit_table import coefficient_row
 from narrows.report.voyage_figures import distances_figure, paths_figure
@@ -52,12 +45,12 @@ def _figures(reproduced: Reproduction) -> dict[str, dict[str, str]]:
     distances = {name: grounding_distance(voyages) for name, voyages in reproduced.readings.items()}
     sides = {name: voyages["side"] for name, voyages in reproduced.readings.items()}
     made: dict[str, tuple[Any, str]] = {
-        "tests": (motions_figure(tests), "Synthetic tests A, B (harmonic yaw) and C (harmonic sway)."),  # type: ignore[arg-type]
-        "delta": (delta_figure(configuration, fit.data_range.abs_y), "delta against y, and with the taper."),
-        "surface": (delta_surface_figure(configuration), "delta over offset and heading."),
-        "correlation": (correlation_figure(fit), "Correlations between the columns, and rank."),
-        "forces": (forces_figure(fit, tests), "Forces measured and estimated, with the bank's part."),  # type: ignore[arg-type]
-        "shapley": (shapley_figure(fit), "Shapley shares under three value functions."),
+        "tests": (draw.motions_figure(tests), "Synthetic tests A, B (harmonic yaw) and C (harmonic sway)."),  # type: ignore[arg-type]
+        "delta": (draw.delta_figure(configuration, fit.data_range.abs_y), "delta against y, and with the taper."),
+        "surface": (draw.delta_surface_figure(configuration), "delta over offset and heading."),
+        "correlation": (draw.correlation_figure(fit), "Correlations between the columns, and rank."),
+        "forces": (draw.forces_figure(fit, tests), "Forces measured and estimated, with the bank's part."),  # type: ignore[arg-type]
+        "shapley": (draw.shapley_figure(fit), "Shapley shares under three value functions."),
         "paths": (
             paths_figure(list(reproduced.voyages.values()), configuration),
             "Voyages from the starts of the table, hull corners.",
