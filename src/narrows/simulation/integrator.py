@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from narrows.codegen.choices import LENGTH, SHARE, Choices
 from narrows.codegen.free_motion import MIDSHIP, OPEN
-from narrows.codegen.kernels import event, single
+from narrows.codegen.kernels import event
 from narrows.simulation.channel import Channel
 from narrows.simulation.controllers import Order, VoyageState
 from narrows.simulation.outcome import Code
@@ -21,7 +21,6 @@ from narrows.simulation.settings import (
     STEP_CHECK_STEPS,
 )
 from narrows.simulation.steering import PARAMETER
-from narrows.waterway.bank_clearance import exact_clearance
 
 # State from step to step, in the order of ``Choices.kept``: x, y, cos psi, sin psi, u, v, r first.
 State = tuple[float, ...]
@@ -107,6 +106,8 @@ class VoyageIntegrator:
         return min(self._exact_clearance(row.state)[0] for row in looked) if self._exact else None
 
     def _exact_clearance(self, state: State) -> tuple[float, float]:
+        from narrows.waterway.bank_clearance import exact_clearance  # Its package is slow to import
+
         x, y, cosine, sine = state[:4]
         track, outline = self._shapes
         return exact_clearance(track, 1.0 / self.inputs["cells_a_metre"], x, y, cosine, sine, outline)
@@ -127,7 +128,9 @@ class VoyageIntegrator:
         """Integrate to a time, or to an earlier end of the voyage; return None if the time was reached."""
         begun, state, *_ = rows.pop()
         book, within, leaves = [0.0] * event.PLACES, False, self.choices.leaves
-        single.schedule(book, dt, stop - begun)
+        count = math.floor((stop - begun) / dt + 1e-9)
+        rest = stop - begun - count * dt
+        event.begin(book, dt, float(count), rest if rest > 1e-9 * dt else 0.0)
         left, done, before = book[event.COUNT], 0, self.clearance(state, exact=False)[0]
         while book[event.COUNT] > 0:
             # Equal steps while they are clear; the first that is not needs a decision.
