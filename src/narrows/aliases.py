@@ -1,6 +1,7 @@
 """Names of pandas, SciPy, statsmodels, python-control and other simulators, and the names here: ``aliases.toml``."""
 
 import inspect
+import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping
 from functools import cache, wraps
@@ -10,6 +11,9 @@ from typing import Any, TypeVar
 from narrows.errors import InputError, near_miss
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+# An argument that a remedy names: a word before an equals sign.
+NAMED = re.compile(r"\b(\w+)=")
 
 # Least similarity of two public names for a suggestion [1].
 NAMES_ALIKE = 0.75
@@ -60,6 +64,9 @@ def accept_aliases(function: Function) -> Function:
         # A fleet varies any quantity; positions are those of actuators alone.
         return ours in parameters or (bool(more) and (more != "positions" or ours == "rudder"))
 
+    def names_own(row: str) -> bool:
+        return set(NAMED.findall(row)) <= parameters.keys()
+
     @wraps(function)
     def called(*values: Any, **given: Any) -> Any:
         for name in given.keys() - parameters.keys():
@@ -71,7 +78,9 @@ def accept_aliases(function: Function) -> Function:
                 given[ours] = given.pop(name)
             elif ours:
                 raise InputError(f"{name} and {ours} are one argument; give {ours}")
-            elif meant := name_here(name, "other_arguments", lambda row: bool(more) or row.split("=")[0] in parameters):
+            elif meant := name_here(name, "other_arguments", names_own) or (
+                name_here(name, "other_arguments") if more else None
+            ):
                 raise InputError(f"{own} has no argument {name!r}; write {meant}")
         if has_model and values:
             values = (_model_of(values[0]), *values[1:])

@@ -217,6 +217,22 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "fit.condition_number": (lambda: fit().condition_number, "write diagnostics.overall"),  # type: ignore[attr-defined]
     "nw.plot_map": (lambda: nw.plot_map, "write report.map_figure"),  # type: ignore[attr-defined]
     "model.to_ss()": (lambda: DTC.to_ss(), r"write linearize\(\).state_space\(\)"),  # type: ignore[attr-defined]
+    "voyage.time_to_grounding": (lambda: nw.simulate(DTC).time_to_grounding, "write outcome.time, if"),
+    "linear.is_controllable()": (lambda: DTC.linearize().is_controllable(), r"controllability\(\) == len\(states\)"),
+    "nw.squat(ship=, canal=)": (
+        lambda: nw.squat(ship=DTC.ship, canal=nw.Canal(7.0, 1.0), u=0.5),  # type: ignore[call-arg, arg-type]
+        r"write ship=nw.Configuration\(",
+    ),
+    "nw.squat(u=[...])": (
+        lambda: nw.squat(nw.published("estimated_kcs"), [3.0, 5.0]),  # type: ignore[arg-type]
+        "call squat for each",
+    ),
+    "nw.safe_envelope(width=)": (
+        lambda: nw.safe_envelope(STEERED, width=200.0),  # type: ignore[call-arg]
+        r"write model.with_canal\(",
+    ),
+    "Gnss(std=)": (lambda: nw.estimation.Gnss(std=0.5), "Gnss has no argument 'std'; write noise="),  # type: ignore[call-arg]
+    "nw.ExtendedKalmanFilter": (lambda: nw.ExtendedKalmanFilter, "write estimation.Estimator"),  # type: ignore[attr-defined]
 }
 """Those that do not, and what they are told."""
 MISSED = {
@@ -225,7 +241,8 @@ MISSED = {
 """Guesses that do not hold, and why, or what to write instead."""
 
 LATER = """
-assert nw.control.mpc is nw.mpc is nw.control.PredictiveHelm and nw.estimation.UKF is nw.estimation.Estimator
+assert nw.Gnss is nw.estimation.Gnss and nw.estimation.UKF is nw.estimation.Estimator
+assert nw.control.mpc is nw.mpc is nw.control.PredictiveHelm
 assert nw.simulate(fit, y=0.1).t[-1] == fit.simulate(y=0.1).t[-1]
 assert nw.simulate("mikkelsen2025_dtc", y=0.5).grounded
 assert fit.linearize(u=1.0).A.shape == fit.model.linearize(u=1.0).A.shape; fit.export("fit.h")

@@ -1,6 +1,5 @@
 """The estimator: a ship's position and motion and the effects of banks, current and gear, from readings."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from operator import attrgetter
@@ -24,6 +23,7 @@ from narrows.estimation.states import Prior, ProcessNoise
 from narrows.estimation.unscented import Gaussian
 from narrows.model.model import Model
 from narrows.results import BaseSummary
+from narrows.ship.checks import is_finite
 from narrows.simulation.ship_lanes import RUDDER
 
 if TYPE_CHECKING:
@@ -147,8 +147,8 @@ class Estimator(BaseSummary):
         InputError
             If the time is invalid, or a reading has no sensor or the wrong number of components.
         """
-        if not math.isfinite(t):
-            raise InputError(f"t = {t} is no time; give seconds")
+        if not is_finite(t):
+            raise InputError(f"t = {t} is no time; give seconds, then the readings")
         given = {**(readings or {}), **named}
         measured, positions, lost = checked_readings(given, self.filter.sensors, self.filter.actuators)
         notes = list(lost)

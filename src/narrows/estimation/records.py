@@ -50,10 +50,10 @@ def records_of(table: Any, sensors: Mapping[str, Sensor], actuators: Sequence[st
 
 def _columns(table: Any) -> dict[str, np.ndarray]:
     if hasattr(table, "coords") and hasattr(table, "data_vars"):
-        table = {str(name): table[name].to_numpy() for name in (*table.coords, *table.data_vars)}
+        table = {name: table[name] for name in (*table.coords, *table.data_vars)}
     elif hasattr(table, "reset_index"):
         frame = table.reset_index() if table.index.name == TIME else table
-        table = {str(name): frame[name].to_numpy() for name in frame.columns}
+        table = {name: frame[name] for name in frame.columns}
     if not isinstance(table, Mapping):
         raise InputError("records are a DataFrame, a Dataset or a mapping of columns; give one")
     try:

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.estimation.sensor import GaussMarkov, Measuring, Sensor, Values, check_std
 from narrows.estimation.states import Columns
@@ -15,6 +16,7 @@ from narrows.estimation.states import Columns
 __all__ = ["CourseOverGround", "Gnss", "Gyro", "Log", "RateOfTurn", "RudderIndicator"]
 
 
+@accept_aliases
 @dataclass(frozen=True)
 class Gyro(Measuring):
     """A gyrocompass: the heading to the canal's direction.
@@ -48,6 +50,7 @@ class Gyro(Measuring):
     angles: ClassVar[tuple[bool, ...]] = (True,)
 
 
+@accept_aliases
 @dataclass(frozen=True)
 class RateOfTurn(Measuring):
     """A rate gyro: the yaw rate.
@@ -67,6 +70,7 @@ class RateOfTurn(Measuring):
     state: ClassVar[str] = "r"
 
 
+@accept_aliases
 @dataclass(frozen=True)
 class Log(Measuring):
     """A speed log: the surge velocity through the water.
@@ -131,6 +135,7 @@ class Antenna(Measuring):
             raise InputError("an antenna needs a place; give forward and starboard in metres from midship")
 
 
+@accept_aliases
 @dataclass(frozen=True)
 class Gnss(Antenna):
     """A satellite receiver: the position of its antenna in the canal.
@@ -180,6 +185,7 @@ class Gnss(Antenna):
         return {"x": (reading[0], self.noise), "y": (reading[1], self.noise)}
 
 
+@accept_aliases
 @dataclass(frozen=True)
 class CourseOverGround(Antenna):
     """Course and speed over ground, of a satellite receiver from Doppler shifts.

@@ -1,10 +1,8 @@
 """A model: a ship in a canal, a table of terms, their coefficients, and their uncertainty."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from functools import partial, reduce
-from numbers import Real
 from operator import add
 from pathlib import Path
 from types import MappingProxyType
@@ -19,7 +17,7 @@ from narrows.model.data_range import DataRange
 from narrows.model.sections import Source, fields_of, sections_of
 from narrows.quantities.names import MOTION, Number
 from narrows.results import BaseResult
-from narrows.ship.checks import check_ahead, check_angles
+from narrows.ship.checks import check_ahead, check_angles, is_finite
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration, Configured
 from narrows.terms.bank_forms import without_bank
@@ -35,13 +33,6 @@ UNSETTLED = "The tests do not determine the bank force"
 SETTLED, ALONE = "identified", "rests"
 
 NO_SUCTION = "The model's bank coefficients are 0: the banks of a canal end a voyage without any force before."
-
-
-def _is_finite(value: object) -> bool:
-    try:
-        return not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
-    except OverflowError:  # An integer with more digits than a float
-        return False
 
 
 # Functions of higher packages as methods of a model, through the public module, which loads them on demand.
@@ -146,7 +137,7 @@ class Model(Configured, Operations):
             if name not in names:
                 hint = did_you_mean(name, names)
                 raise InputError(f"unknown coefficient {name!r}{hint}")
-            if not _is_finite(value):
+            if not is_finite(value):
                 raise InputError(f"coefficient {name} = {shown(value)} is not a finite number; give its value")
         for name in names:
             if name not in self.coefficients:

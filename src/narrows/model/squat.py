@@ -13,6 +13,7 @@ from narrows.model.water import water_under_way
 from narrows.physics import squat_and_depth as formulas
 from narrows.quantities.names import Number, argument_names
 from narrows.results import BaseResult
+from narrows.ship.checks import is_finite, speed_hint
 from narrows.ship.particulars import Configuration, Configured
 
 if TYPE_CHECKING:
@@ -189,7 +190,7 @@ def configuration_of(ship: Configured | Configuration) -> Configuration:
     if isinstance(ship, Configured):
         return ship.configuration
     if not isinstance(ship, Configuration):
-        raise InputError(f"{shown(ship)} is no ship in a canal; give a model, or what nw.read_ship returns")
+        raise InputError(f"{shown(ship)} is no ship in a canal; give a model, or nw.Configuration(ship, canal)")
     return ship
 
 
@@ -229,6 +230,9 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
     if formula is not None and SQUAT[formula].gives != gives:
         raise InputError(f"{formula} gives the {SQUAT[formula].gives} sinkage; ask for that, or for another formula")
     configuration, critical = configuration_of(ship), choke_speed(ship)
+    if not is_finite(u):
+        remedy = speed_hint(u) or "; call squat for each of several"
+        raise InputError(f"u = {shown(u)} is not one speed in m/s{remedy}")
     if not 0 <= u < critical:
         raise InputError(f"{u:.4g} m/s is not between 0 and the critical speed of this canal, {critical:.4g} m/s")
     offered = [formula] if formula else [name for name, chosen in SQUAT.items() if chosen.gives == gives]

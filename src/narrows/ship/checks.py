@@ -4,6 +4,7 @@ import math
 import operator
 import re
 from collections.abc import Callable, Mapping
+from numbers import Real
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -135,7 +136,7 @@ def check_number(location: str, value: object) -> None:
 def is_finite(value: object) -> bool:
     """Return whether a value is a finite number within the range of a float."""
     try:
-        return not isinstance(value, bool) and isinstance(value, int | float) and math.isfinite(value)
+        return not isinstance(value, bool) and isinstance(value, Real) and math.isfinite(value)
     except OverflowError:  # An integer with more digits than a float
         return False
 
