@@ -29,7 +29,7 @@ def test_identification_needs_no_compiler() -> None:
 def test_one_voyage_needs_no_compiler() -> None:
     code = "import narrows as nw; nw.simulate(nw.published('mikkelsen2025_dtc'), y=1.0)"
     loaded_by(code)  # the first run may trace; the second finds what it wrote
-    assert not loaded_by(code) & {"numba", "sympy", "pandas", "xarray", "matplotlib"}
+    assert not loaded_by(code) & set(HEAVY)
 
 
 @pytest.mark.slow
