@@ -15,8 +15,9 @@ def loaded_by(code: str) -> set[str]:
     return set(done.stdout.split())
 
 
-def test_importing_the_package_loads_nothing_heavy() -> None:
-    assert not loaded_by("import narrows") & set(HEAVY)
+@pytest.mark.parametrize("module", ["narrows", "narrows.cli"])
+def test_importing_the_package_and_its_commands_loads_nothing_heavy(module: str) -> None:
+    assert not loaded_by(f"import {module}") & set(HEAVY)
 
 
 @pytest.mark.slow

@@ -5,13 +5,15 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PPoly, splev, splprep
-from scipy.spatial import KDTree
 
 from narrows.errors import InputError
+
+if TYPE_CHECKING:  # SciPy's splines load in a tenth of a second: where a line bends, not where a command starts
+    from scipy.interpolate import PPoly
+    from scipy.spatial import KDTree
 
 # Samples between two points of the line, as starting values of the search for the nearest place.
 SAMPLES_A_PIECE = 32
@@ -81,15 +83,15 @@ class Centreline:
         return chords(self._points)
 
     @cached_property
-    def _spline(self) -> PPoly:
-        return _straight_on(CubicSpline(self._knots, self._points))
+    def _spline(self) -> "PPoly":
+        return _spline_through(self._knots, self._points)
 
     @cached_property
-    def _rate(self) -> PPoly:
+    def _rate(self) -> "PPoly":
         return self._spline.derivative()
 
     @cached_property
-    def _bend(self) -> PPoly:
+    def _bend(self) -> "PPoly":
         return self._spline.derivative(2)
 
     @cached_property
@@ -104,18 +106,22 @@ class Centreline:
         return t, np.concatenate([[0.0], np.cumsum((speed * weights).sum(axis=1) * half)])
 
     @cached_property
-    def _tree(self) -> KDTree:
+    def _tree(self) -> "KDTree":
+        from scipy.spatial import KDTree
+
         return KDTree(self._spline(self._samples[0]))
 
     @cached_property
-    def _from_distance(self) -> PPoly:
+    def _from_distance(self) -> "PPoly":
         t, s = self._samples
-        return _straight_on(CubicSpline(s, t) if len(t) > SAMPLES_A_PIECE + 1 else CubicSpline(s[[0, -1]], t[[0, -1]]))
+        every = slice(None) if len(t) > SAMPLES_A_PIECE + 1 else [0, -1]
+        return _spline_through(s[every], t[every])
 
     @cached_property
-    def _to_distance(self) -> PPoly:
+    def _to_distance(self) -> "PPoly":
         t, s = self._samples
-        return _straight_on(CubicSpline(t, s) if len(t) > SAMPLES_A_PIECE + 1 else CubicSpline(t[[0, -1]], s[[0, -1]]))
+        every = slice(None) if len(t) > SAMPLES_A_PIECE + 1 else [0, -1]
+        return _spline_through(t[every], s[every])
 
     @property
     def length(self) -> float:
@@ -222,6 +228,8 @@ class Centreline:
 
 def line_with_room(points: np.ndarray, half_width: float) -> Centreline:
     """Return the line through points, or if it bends inside its banks, as a track does, the nearest that does not."""
+    from scipy.interpolate import splev, splprep
+
     line, most = Centreline(points), 1.0
     for share in SMOOTHING if len(points) > 3 else ():
         if np.abs(line.curvature(line.fine)).max() * half_width < most:
@@ -242,6 +250,8 @@ def line_with_room(points: np.ndarray, half_width: float) -> Centreline:
 
 def _check_apart(line: Centreline, width: float) -> None:
     """Raise if a line crosses itself, closes, or returns within a width, so that its banks would overlap."""
+    from scipy.spatial import KDTree
+
     s = np.linspace(0, line.length, round(4 * line.length / width) + 2)
     pairs = KDTree(line.at(s)).query_pairs(0.99 * width, output_type="ndarray")
     far = pairs[np.abs(np.diff(s[pairs], axis=1))[:, 0] > 2 * width]
@@ -264,8 +274,11 @@ def along_chords(points: np.ndarray, share: np.ndarray) -> np.ndarray:
     return np.stack([np.interp(share * known[-1], known, column) for column in points.T], axis=1)
 
 
-def _straight_on(spline: PPoly) -> PPoly:
-    """Add straight pieces beyond both ends, since a piecewise polynomial extrapolates its outer pieces."""
+def _spline_through(parameters: np.ndarray, values: np.ndarray) -> "PPoly":
+    """Return the cubic spline through values, with straight pieces beyond both ends."""
+    from scipy.interpolate import CubicSpline, PPoly
+
+    spline = CubicSpline(parameters, values)
     first, last = spline.x[[0, -1]]
     start, slope, stop, leaving = spline(first), spline(first, 1), spline(last), spline(last, 1)
     none, span = np.zeros_like(slope), last - first
