@@ -10,6 +10,7 @@ import pytest
 
 import narrows as nw
 from logs import antenna_on_earth, bent_waterway, motion
+from narrows.logbook.learning.log_setup import log_records
 from narrows.logbook.reading import read_log
 
 T = np.arange(0.0, 600.0, 2.0)
@@ -285,3 +286,14 @@ def test_longitude_needs_a_waterway_on_earth() -> None:
     nowhere = nw.straight_waterway(nw.Canal(300.0, 16.0), 4000.0)
     with pytest.raises(nw.InputError, match="has no position on earth"):
         nw.read_log({"t": [0.0], "lon": [5.0], "lat": [52.0]}, nowhere)
+
+
+def test_a_voyage_its_table_and_its_file_are_logs(tmp_path: Path) -> None:
+    """What learns from a log takes each of them, and finds the same readings."""
+    voyage = nw.simulate(nw.published("estimated_kcs"), u=5.0, duration=60.0)
+    voyage.to_csv(tmp_path / "voyage.csv")
+    for log in (voyage, voyage.to_dataframe().reset_index(), tmp_path / "voyage.csv"):
+        (record,) = log_records(log, None)
+        np.testing.assert_allclose(record["y"].values, voyage.y, rtol=1e-12)
+    with pytest.raises(nw.InputError, match="a int is no log"):
+        log_records(3, None)

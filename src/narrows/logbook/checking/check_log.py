@@ -1,6 +1,6 @@
 """Faults of a ship's own log: by the filter that learns from it, and by checks that need none: clocks, gaps, sizes."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -12,7 +12,7 @@ from narrows.logbook.checking.faults import FAULTS, FaultTest, FaultTests, longe
 from narrows.logbook.filtering.record_grid import RUDDER, RecordGrid
 from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_posterior import Spread
-from narrows.logbook.learning.log_setup import LogSetup, log_problem, speed_of
+from narrows.logbook.learning.log_setup import LogSetup, log_problem, log_records, speed_of
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import SIGNALS, ShipLog, ShipRecord
 from narrows.model.model import Model
@@ -248,7 +248,7 @@ ALL = "all records"
 
 
 def check_log(
-    log: Iterable[ShipRecord], model: Model, waterway: Waterway | None = None, *, sensors: str | SensorGrade = "vdr",
+    log: Any, model: Model, waterway: Waterway | None = None, *, sensors: str | SensorGrade = "vdr",
     spread: Spread | None = None,
 ) -> LogFindings:  # fmt: skip
     """Find what is wrong with a ship's log: signs, units, zeros, gains, delays, the antenna's place, steps.
@@ -260,7 +260,7 @@ def check_log(
 
     Parameters
     ----------
-    log, model : ShipLog, StreamedLog or sequence of ShipRecord; Model
+    log, model : ShipLog, StreamedLog, ShipRecord, sequence of them, table, voyage or path; Model
         Records of the ship, and a model of it at its size.
     waterway : Waterway, optional
         Line of x and y, and banks; default: the log's own.
@@ -272,6 +272,7 @@ def check_log(
     InputError
         Where there is no record.
     """
+    log = log_records(log, waterway)
     water = getattr(log, "waterway", None) if waterway is None else waterway
     findings, good, count = list[Finding](), list[ShipRecord](), 0
     for count, whole in enumerate(log, start=1):

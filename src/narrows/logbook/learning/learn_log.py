@@ -56,7 +56,7 @@ def learn(
 
     Parameters
     ----------
-    model, log : Model; ShipLog, StreamedLog, ShipRecord, path, or a sequence of records
+    model, log : Model; ShipLog, StreamedLog, ShipRecord, sequence of records, table, voyage or path
         A model at the ship's own size with the covariance of its fit, which is the prior; what was recorded.
     free : sequence of str, optional
         Coefficients that may change, all that have a spread unless given. The others keep their mean and covariance,

@@ -42,7 +42,7 @@ from narrows.logbook.learning.log_posterior import (
     with_spread,
     with_uncertain_asymmetry,
 )
-from narrows.logbook.reading.read_log import stream_log
+from narrows.logbook.reading.read_log import StreamedLog, read_log, stream_log
 from narrows.logbook.sensor_grades import GRADES, SensorGrade, SignalGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
 from narrows.model.model import Model
@@ -239,7 +239,7 @@ def log_problem(
     gusts: bool | None = None, asymmetry: bool | None = None, waterway: "Waterway | None" = None, pilot: bool = False,
     **choices: Any,
 ) -> LogSetup:  # fmt: skip
-    records = _records(log, waterway)
+    records = log_records(log, waterway)
     grade = sensor_grade(sensors, {**GRADES, BASIN.name: BASIN})
     gusty = grade.name != BASIN.name if gusts is None else gusts
     surge = choices.setdefault("surge", "free" if model.terms.propelled else "held")
@@ -262,15 +262,21 @@ def log_problem(
     return LogSetup(assumptions.problem(motion, prior, inertia), records, assumptions)
 
 
-def _records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:
+def log_records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:
+    """Return the records of a log, a path, a table, a voyage, or of what has records."""
+    if isinstance(log, ShipLog | StreamedLog):
+        return log
     if isinstance(log, str | Path):
         return stream_log(log, waterway)
+    table = log.to_dataframe().reset_index() if hasattr(log, "to_dataframe") else log
+    if hasattr(table, "columns"):
+        return read_log(table, waterway)
     log = (log,) if isinstance(log, ShipRecord) else log
     if isinstance(log, Sequence) and all(isinstance(record, ShipRecord) for record in log):
         return ShipLog(tuple(log), waterway)
     if isinstance(log, Iterable) and not hasattr(log, "__next__"):
         return log
-    raise InputError(f"a {type(log).__name__} is no log: give one that `read_log` made, records, or the path of one")
+    raise InputError(f"a {type(log).__name__} is no log: give one that `read_log` made, records, a table, or a path")
 
 
 def _looked_at(records: Iterable[ShipRecord]) -> tuple[set[str], dict[str, tuple[float, float]], float]:
