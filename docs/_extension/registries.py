@@ -1,6 +1,7 @@
 """What the package can be added to: a row a member, from the registries that everything else reads."""
 
 import inspect
+import re
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -39,8 +40,13 @@ def _parts() -> Iterator[tuple[str, tuple[str, ...], Iterable[tuple[str, ...]]]]
     yield "Exporters", ("`narrows export`", "file", "what it is"), exporters
     checks = [(f"`{own.__name__}`", _said(own)) for own in RECORD_CHECKS]
     yield "Checks of single records", ("check", "what it finds"), checks
-    faults = [(f"`{name}`", own.sentence.replace("{", "").replace("}", ""), own.remedy) for name, own in FAULTS.items()]
+    faults = [(f"`{name}`", _with_places(own.sentence), _with_places(own.remedy)) for name, own in FAULTS.items()]
     yield "Faults with a score test", ("fault", "what is found", "remedy"), faults
+
+
+def _with_places(sentence: str) -> str:
+    """A template with the names of its fields in italics."""
+    return re.sub(r"\{(\w+)[^}]*\}", r"*\1*", sentence)
 
 
 def _said(thing: Any) -> str:
