@@ -116,10 +116,10 @@ def write_zarr(dataset: "xarray.Dataset", path: str | Path) -> None:
     except (TypeError, ValueError) as error:
         raise InputError(f"{path}: Zarr does not hold these labels ({reason(error)}); give others") from None
     except OSError as error:
-        if old.exists():
-            os.replace(old, target)
         raise InputError(f"{path}: cannot be written ({reason(error)}); check its folder and the disk") from None
-    finally:
+    finally:  # After an interrupt too
+        if old.exists() and not target.exists():
+            os.replace(old, target)
         for folder in (temporary, old):
             shutil.rmtree(folder, ignore_errors=True)
 

@@ -295,5 +295,7 @@ def test_a_voyage_its_table_and_its_file_are_logs(tmp_path: Path) -> None:
     for log in (voyage, voyage.to_dataframe().reset_index(), tmp_path / "voyage.csv"):
         (record,) = log_records(log, None)
         np.testing.assert_allclose(record["y"].values, voyage.y, rtol=1e-12)
+    loaded = nw.ShipRecord("loaded", record.signals, condition={"draft": 10.2})
+    assert [*log_records(loaded, None)] == [loaded]
     with pytest.raises(nw.InputError, match="a int is no log"):
         log_records(3, None)

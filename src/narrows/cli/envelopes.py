@@ -66,7 +66,6 @@ class SectionOptions:
             raise InputError("--width and --depth are those of a canal, and --waterway has its own; leave one out")
 
     def read(self) -> "nw.Waterway":
-
         assert self.waterway is not None
         return nw.read_waterway(self.waterway).with_water(read_current(self.current), self.level)
 
@@ -104,7 +103,6 @@ class WeatherOptions:
     gust_time: Annotated[float, Option(help="Duration of the gust [s].")] = 60.0
 
     def disturbance(self) -> "nw.Disturbance":
-
         wind = read_speed("--wind", self.wind)
         if bool(wind) != bool(self.windage):
             raise InputError("wind needs both --wind and --windage; give both, or neither")

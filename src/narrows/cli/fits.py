@@ -81,7 +81,6 @@ def identify(
 
     A table that holds several conditions (water depths) gives one model each.
     """
-
     if stream and delivery.report:
         raise InputError("--report draws the rows, which --stream does not keep; leave one of them out")
     options, read = fitting.options(), nw.stream_captive if stream else nw.read_captive
@@ -130,7 +129,6 @@ def demo(
 
     The first are simulated tests of the DTC with a known bank; then measured ones of the KCS at three depths.
     """
-
     folder(out)
     fits = nw.identify_conditions(nw.measured_tests("kcs"))
     delivery = ModelDelivery(out / "kcs.toml", out / "report.html", json)
@@ -139,7 +137,6 @@ def demo(
 
 def _simulated() -> "nw.Fit":
     """A fit to simulated tests that separate the bank from the hull: harmonic runs, straight runs to both sides."""
-
     yaw_and_sway = product(("yaw", "sway"), SIMULATED_SPEEDS, (14.0, 23.0))
     offsets = product((-2.0, -1.0, 1.0, 1.5, 2.0), SIMULATED_SPEEDS)
     harmonic = [
@@ -254,7 +251,6 @@ class RunOptions:
     ] = None
 
     def tank(self) -> "nw.Tank":
-
         at_speeds = () if self.speed is None else tuple(speeds("--speed", self.speed).tolist())
         at_depths = () if self.depths is None else tuple(numbers("--depths", self.depths).tolist())
         return nw.Tank(self.run_length, self.clearance, speeds=at_speeds, depths=at_depths, reach=self.reach)

@@ -89,7 +89,6 @@ def learn(
 
     MODEL is a model file at the ship's own size, with the terms of a rudder and the covariance of its fit.
     """
-
     _check(model, logs, logged, legs, ahead, delivery)
     if logged.demo:
         raise SystemExit(int(not _demonstrate(logged, delivery)))
@@ -127,7 +126,6 @@ def _learn(
     model: "nw.Model", logs: list[Path], logged: LogOptions, ahead: InformationOptions, delivery: ModelDelivery
 ) -> bool:
     """Learn from logs; return whether they carry information."""
-
     log = _read(logs, logged, ahead)
     doubts = () if logged.unchecked else _doubts(model, log, logged)
     free = tuple(filter(None, map(str.strip, logged.free.split(","))))
@@ -136,7 +134,6 @@ def _learn(
 
 
 def _doubts(model: "nw.Model", log: "nw.ShipLog | StreamedLog", logged: LogOptions) -> tuple[str, ...]:
-
     findings = nw.check_log(log, model, sensors=logged.sensors, spread=logged.spread)
     if wrong := findings.wrong:
         more = f" ({len(wrong) - 1} more: see nw.check_log)" if len(wrong) > 1 else ""
@@ -146,7 +143,6 @@ def _doubts(model: "nw.Model", log: "nw.ShipLog | StreamedLog", logged: LogOptio
 
 def _read(logs: list[Path], logged: LogOptions, ahead: InformationOptions) -> "nw.ShipLog | StreamedLog":
     """Logs in memory, or read from disk at each pass if one is large."""
-
     twice = next((log for place, log in enumerate(logs) if log in logs[:place]), None)
     if twice is not None:
         raise InputError(f"{twice} is given twice and would count twice; give each log once")

@@ -83,7 +83,6 @@ def export(
 
     MODEL is a model file, or the name of a published model.
     """
-
     if kind not in EXPORTERS:
         kinds = ", ".join(f"{name} ({' '.join(own.suffixes)})" for name, own in EXPORTERS.items())
         raise InputError(f"there is no kind {kind!r}; choose {kinds}: the suffix of -o chooses the language")

@@ -203,7 +203,9 @@ def lqr(linear: Any, Q: Any, R: Any, *controls: str) -> tuple[np.ndarray, np.nda
     try:
         riccati = np.asarray(solve_continuous_are(A, B, weights[0], weights[1]))
         gains = np.linalg.solve(weights[1], B.T @ riccati)
-    except (np.linalg.LinAlgError, ValueError):
-        raise InputError("no gains hold this ship with these weights; give R over 0, and Q over 0 for y") from None
-    poles = np.linalg.eigvals(A - B @ gains)
+        poles = np.linalg.eigvals(A - B @ gains)
+    except (np.linalg.LinAlgError, ValueError):  # Without a solution there are no poles in the left half plane
+        poles = np.full(len(A), np.inf)
+    if not poles.real.max() < 0:
+        raise InputError("no gains hold this ship with these weights; give R over 0, and Q over 0 for y")
     return gains, riccati, poles

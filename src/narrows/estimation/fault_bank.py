@@ -125,9 +125,8 @@ class FaultBank:
         best = max(self._hypotheses(run, suspects, refusing, stuck), key=lambda one: one.score, default=None)
         # A ship does not jump: a restart is for an estimate that was wrong from its start, or that no hypothesis
         # explains.
-        restart = (
-            self._restart_hypothesis(run) if young or best is None or (refusing and _still_refused(best.run)) else None
-        )
+        unexplained = young or best is None or (refusing and _still_refused(best.run))
+        restart = self._restart_hypothesis(run) if unexplained else None
         cost = 0.0 if young else FAULT_PRIOR
         if restart and (
             best is None

@@ -213,8 +213,7 @@ def plan_tests(
     assumed = (noise, correlation_time, errors)
     adds = np.array([information_of(run, configuration, tables, truth, level, *assumed) for run in offered])
     known = known_information(made, adds.shape[1:])
-    index = [free_parameters(terms)[name] for name in names]
-    parameters = sorted(set(index))  # tied coefficients are equal
+    parameters = sorted({free_parameters(terms)[name] for name in names})  # tied coefficients are equal
     for_bank = any(term.from_bank and term.name in names for term in terms.terms)
     best = _separating(offered, adds, known, min(runs, SEPARATING) if for_bank else 0, parameters)
     rest = np.setdiff1d(np.arange(len(offered)), best)
@@ -225,12 +224,13 @@ def plan_tests(
     best_harmonic = [centred[i] for i in choose(adds[centred], known, len(best), parameters, criterion)] or best
     given = (names, truth, terms, *assumed, made[0] if made else None)
     # In long plans standard errors are those after some runs, repeated for the runs before.
-    after = np.unique(np.linspace(1, len(best), min(len(best), MOST_STEPS)).astype(int))
-    std, vif = expected_errors([offered[i] for i in best], after, *given)
-    usual, usual_vif = expected_errors([offered[i] for i in best_harmonic], [len(best_harmonic)], *given)
-    each = std[np.searchsorted(after, np.arange(1, len(best) + 1))]
+    counts = np.unique(np.linspace(1, len(best), min(len(best), MOST_STEPS)).astype(int)).tolist()
+    chosen, harmonic = (tuple(offered[i] for i in own) for own in (best, best_harmonic))
+    std, vif = expected_errors(chosen, counts, *given)
+    usual, usual_vif = expected_errors(harmonic, [len(harmonic)], *given)
+    each = std[np.searchsorted(counts, np.arange(1, len(best) + 1))]
     return Plan(
-        tuple(offered[i] for i in best),
+        chosen,
         names,
         dict(zip(names, each.T, strict=True)),
         vif,

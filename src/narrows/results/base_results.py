@@ -301,10 +301,8 @@ def readable(value: float, std: float = math.nan) -> str:
     if not (math.isfinite(std) and std > 0):
         return f"{value:.4g}"
     digits = 1 - math.floor(math.log10(std))
-    if abs(value) >= LONG:
-        return f"{value:.{max(1, digits + 1 + math.floor(math.log10(abs(value))))}g}"
-    if digits > MOST_DECIMALS:
-        return f"{value:.{max(1, digits + 1 + math.floor(math.log10(abs(value))))}g}" if value else "0"
+    if abs(value) >= LONG or digits > MOST_DECIMALS:
+        return f"{value:.{max(1, digits + 1 + math.floor(math.log10(abs(value) or 1.0)))}g}"
     return f"{round(value, digits):.{max(digits, 0)}f}"
 
 

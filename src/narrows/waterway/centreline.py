@@ -11,7 +11,7 @@ import numpy as np
 
 from narrows.errors import InputError
 
-if TYPE_CHECKING:  # SciPy's splines load in a tenth of a second: where a line bends, not where a command starts
+if TYPE_CHECKING:  # SciPy's splines are slow to load: they do where a line is used, not where a command starts
     from scipy.interpolate import PPoly
     from scipy.spatial import KDTree
 
@@ -111,17 +111,20 @@ class Centreline:
 
         return KDTree(self._spline(self._samples[0]))
 
+    @property
+    def _distances(self) -> tuple[np.ndarray, np.ndarray]:
+        """Parameters and arc lengths that determine one by the other; of two points the ends, since they are linear."""
+        t, s = self._samples
+        return (t, s) if len(t) > SAMPLES_A_PIECE + 1 else (t[[0, -1]], s[[0, -1]])
+
     @cached_property
     def _from_distance(self) -> "PPoly":
-        t, s = self._samples
-        every = slice(None) if len(t) > SAMPLES_A_PIECE + 1 else [0, -1]
-        return _spline_through(s[every], t[every])
+        t, s = self._distances
+        return _spline_through(s, t)
 
     @cached_property
     def _to_distance(self) -> "PPoly":
-        t, s = self._samples
-        every = slice(None) if len(t) > SAMPLES_A_PIECE + 1 else [0, -1]
-        return _spline_through(t[every], s[every])
+        return _spline_through(*self._distances)
 
     @property
     def length(self) -> float:

@@ -88,10 +88,7 @@ class Translation:
             case ast.Constant(value=value):
                 return repr(value).lower() if isinstance(value, bool) else repr(value)
             case ast.BinOp(left=left, op=sign, right=right) | ast.Compare(left=left, ops=[sign], comparators=[right]):
-                operator, sides = (
-                    self.OPERATORS[type(sign)],
-                    (self.expression(left, True), self.expression(right, True)),
-                )
+                operator, sides = self.OPERATORS[type(sign)], [self.expression(one, True) for one in (left, right)]
                 return operator.format(*sides) if "{" in operator else f" {operator} ".join(sides)
             case ast.UnaryOp(op=sign, operand=value):
                 return f"{self.OPERATORS[type(sign)]}{self.expression(value, True)}"

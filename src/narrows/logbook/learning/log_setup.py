@@ -268,12 +268,12 @@ def log_records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:
         return log
     if isinstance(log, str | Path):
         return stream_log(log, waterway)
-    table = log.to_dataframe().reset_index() if hasattr(log, "to_dataframe") else log
-    if hasattr(table, "columns"):
-        return read_log(table, waterway)
     log = (log,) if isinstance(log, ShipRecord) else log
     if isinstance(log, Sequence) and all(isinstance(record, ShipRecord) for record in log):
         return ShipLog(tuple(log), waterway)
+    table = log.to_dataframe().reset_index() if hasattr(log, "to_dataframe") else log
+    if hasattr(table, "columns"):
+        return read_log(table, waterway)
     if isinstance(log, Iterable) and not hasattr(log, "__next__"):
         return log
     raise InputError(f"a {type(log).__name__} is no log: give one that `read_log` made, records, a table, or a path")

@@ -149,17 +149,14 @@ class BridgePage:
         return _response(connection, TOO_MANY, CROWDED) if self._streams[asked.path].clients.full else None
 
     async def _attend(self, connection: Any) -> None:
-        stream, answers = (
-            self._streams[urlsplit(connection.request.path).path],
-            deque[str](maxlen=settings.ANSWER_QUEUE),
-        )
+        stream = self._streams[urlsplit(connection.request.path).path]
+        answers = deque[str](maxlen=settings.ANSWER_QUEUE)
 
         async def hear() -> None:
             async for text in connection:
                 stream.take(text, answers.append)
-                await asyncio.sleep(
-                    settings.SEND_INTERVAL
-                )  # Who talks without pause waits: the monitor needs the machine.
+                # Who talks without pause waits: the monitor needs the machine.
+                await asyncio.sleep(settings.SEND_INTERVAL)
 
         tasks = [asyncio.create_task(work) for work in (stream.clients.serve(answers, connection.send), hear())]
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
