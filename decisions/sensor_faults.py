@@ -1,7 +1,8 @@
 """Estimates under faults of one sensor, and voyages steered by estimates: two tables that are printed only.
 
 Eight true twins sail six minutes; faults begin at once or after a minute. Errors count from the second minute on, and
-include dead reckoning without fixes. The voyages hold 50 m for ten minutes, in calm water and under two sets of pushes.
+include dead reckoning without fixes. The voyages hold 50 m for ten minutes, in calm water and under two sets of pushes,
+with the weights of heading and stroke that the table names.
 
 python decisions/sensor_faults.py
 """
@@ -17,13 +18,15 @@ from estimation import SENSORS, U, Y, model
 from pages import markdown
 
 import narrows as nw
-from narrows.estimation import Estimator, GaussMarkov, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
+from narrows.control import RegulatorWeights
+from narrows.estimation import CourseOverGround, Estimator, GaussMarkov, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
 from narrows.estimation.consistency import sail_twins
 
 sys.path.append(str(Path(__file__).parent.parent / "benchmarks"))
 from scenes.five_scenes import scenes
 
 TWINS, DURATION, BEGUN, COUNTED = 8, 360.0, 60.0, 120.0
+SEEDS = 1, 2, 3
 Readings = dict[str, Any]
 
 
@@ -70,18 +73,22 @@ def faults() -> str:
 
 
 def steered() -> str:
-    """Largest offset and rudder travel under true states and under estimates."""
-    law, rows = nw.control.regulator(model(), 50.0, U), []
-    others = Gyro(), RateOfTurn(), Log(), RudderIndicator()
+    """Largest offset and rudder travel under true states and under estimates, for two sets of weights."""
+    rows, scene = [], scenes(model())
+    others = CourseOverGround(), Gyro(), RateOfTurn(), Log(), RudderIndicator()
     receivers = {"white fixes": Gnss(1.5, coloured=None), "slow errors": Gnss(0.5, coloured=GaussMarkov(1.5, 60.0))}
-    pushed = {"calm": {}, **{name: scenes(model())[name].forces() for name in ("bank", "gust")}}
-    for name, forces in pushed.items():
-        for seen, sensors in {"true states": (), **{k: (own, *others) for k, own in receivers.items()}}.items():
-            loop = nw.control.closed_loop(model(), law, sensors=sensors)
-            voyage = loop.simulate(600.0, 1, **forces)
-            travel = np.degrees(np.abs(np.diff(voyage.rudder)).sum())
-            rows.append((name, seen, f"{np.abs(voyage.y - 50.0).max():.1f}", f"{travel:.0f}"))
-    return markdown(("scene", "seen", "largest offset [m]", "rudder travel [deg]"), rows)
+    pushed = {"calm": {}, **{name: scene[name].forces() for name in ("bank", "gust")}}
+    for weights in (RegulatorWeights(), RegulatorWeights(heading_deg=5.0, stroke_time=0.3)):
+        law = nw.control.regulator(model(), 50.0, U, weights=weights)
+        of = f"{weights.heading_deg:g} deg, {weights.stroke_time:g}"
+        for name, forces in pushed.items():
+            for seen, sensors in {"true states": (), **{k: (own, *others) for k, own in receivers.items()}}.items():
+                loop = nw.control.closed_loop(model(), law, sensors=sensors)
+                voyages = [loop.simulate(600.0, seed, **forces) for seed in SEEDS[: len(SEEDS) if sensors else 1]]
+                off = max(float(np.abs(voyage.y - 50.0).max()) for voyage in voyages)
+                travel = np.mean([np.degrees(np.abs(np.diff(voyage.rudder)).sum()) for voyage in voyages])
+                rows.append((of, name, seen, f"{off:.1f}", f"{travel:.0f}"))
+    return markdown(("weights", "scene", "seen", "largest offset [m]", "rudder travel [deg]"), rows)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from narrows.aliases import accept_aliases
 from narrows.captive import tests
 from narrows.captive.rows import Rows, checked, clean, collect_rows, tests_of, with_accelerations
 from narrows.captive.tests import Block, CaptiveTests, Span, cuts
@@ -31,6 +32,7 @@ NO_SHIP = (
 )
 
 
+@accept_aliases
 def read_captive(
     table: Any, ship: ShipSource | None = None, where: str | None = None, actuators: Iterable[Actuator] = (),
     mapping: str | Path | Mapping[str, Any] | ColumnMapping | None = None,
@@ -181,6 +183,7 @@ def _stretches(test: np.ndarray) -> Iterator[tuple[str, int, int]]:
         yield str(test[start]), start, stop
 
 
+@accept_aliases
 def stream_captive(
     path: str | Path, ship: ShipSource, where: str | None = None, actuators: Iterable[Actuator] = (),
     mapping: str | Path | Mapping[str, Any] | ColumnMapping | None = None,

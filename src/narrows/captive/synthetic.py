@@ -6,6 +6,7 @@ from itertools import accumulate
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.tests import CaptiveTests
 from narrows.empirical.fleet import published
@@ -194,6 +195,7 @@ PAPER_RUNS = (
 )
 
 
+@accept_aliases
 def twin(
     truth: Model | None = None,
     runs: Sequence[Run] = PAPER_RUNS,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.codegen.free_motion import INPUTS
 from narrows.control import settings
 from narrows.control.linearization import linearize
@@ -204,6 +205,7 @@ class RegulatorDesign(BaseSummary):
         return " ".join([lost, *self.model.notes])
 
 
+@accept_aliases
 def design(
     model: Model, y: float, u: float, *, gear: SteeringGear | None = None, noise: Mapping[str, float] | None = None,
     ships: int = 200, rounds: int = 20, seed: int = 0, progress: bool = False,

@@ -200,6 +200,7 @@ def held_line(
     return HeldLine(course["y"], gains, rudder, psi, v, tuple(turning), start)
 
 
+@accept_aliases
 def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
     """Return the autopilot that holds a ship at an offset, about the rudder and drift of the steady course.
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control.linear_system import LinearSystem
 from narrows.control.settings import LEAST_DECAY
@@ -165,6 +166,7 @@ def solved_or_nan(matrices: np.ndarray, right: np.ndarray) -> np.ndarray:
         return solutions
 
 
+@accept_aliases
 def lqr(linear: Any, Q: Any, R: Any, *controls: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the gains that minimise the integral of x'Qx + u'Ru, as python-control's ``lqr`` does.
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.control import settings
 from narrows.control.linearization import linearize
 from narrows.errors import InputError
@@ -90,6 +91,7 @@ class SpeedGovernor(BaseSummary):
         return {**orders, "revolutions": order}, {**kept, SHORTFALL: shortfall}
 
 
+@accept_aliases
 def speed_governor(
     model: Model, helm: ControlLaw, limits: Sequence[tuple[float, float]], *, deceleration: float | None = None,
     most_revolutions: float | None = None,

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.codegen.choices import STAGES
 from narrows.control.closed_loop import LawOrders
 from narrows.errors import InputError, check_count
@@ -203,6 +204,7 @@ class Twins:
     aground: np.ndarray  # (twins,) True if a twin met a bank
 
 
+@accept_aliases
 def consistency(
     model: Model, sensors: Sequence[Any], y: float = 0.0, u: float = 1.0, *, twins: int = 40, duration: float = 600.0,
     drawn: bool = False, seed: int = 0, x: float = 0.0, controller: ControlLaw | None = None,

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.files import form_of, write_whole
 from narrows.waterway.current_profile import check_along_only
@@ -33,6 +34,7 @@ class Exporter:
     refused: Mapping[str, str] = field(default_factory=dict)  # Options that it refuses, with the reason
 
 
+@accept_aliases
 def write_bank_force(model: "Model", path: str | Path, *, fmi: int = 2) -> None:
     """Write the bank's force as one function, for a simulator with its own hull model.
 
@@ -63,6 +65,7 @@ def write_bank_force(model: "Model", path: str | Path, *, fmi: int = 2) -> None:
     write_whole(path, force_fmu(model, prefix_of(path), fmi) if fmu else force_text(model, path, prefix_of(path)))
 
 
+@accept_aliases
 def write_c(
     model: "Model", path: str | Path, *, waterway: "Waterway | None" = None, surge: "Surge" = "held",
     surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",
@@ -107,6 +110,7 @@ def write_c(
     write_whole(path, cpp_text(ship) if Path(path).suffix == ".hpp" else c_text(ship))
 
 
+@accept_aliases
 def write_fmu(
     model: "Model", path: str | Path, *, fmi: int = 2, u: float | None = None, dt: float | None = None,
     waterway: "Waterway | None" = None, surge: "Surge" = "held", surge_inertia: float | None = None,
@@ -169,6 +173,7 @@ def about_libraries(platforms: tuple[str, ...]) -> Iterable[str]:
     return [f"libraries for {', '.join(platforms)}" if platforms else alone, *filter(None, [lacking])]
 
 
+@accept_aliases
 def write_javascript(
     model: "Model", path: str | Path, *, waterway: "Waterway | None" = None, surge: "Surge" = "held",
     surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",
@@ -222,6 +227,7 @@ def write_latex(model: "Model", path: str | Path) -> None:
     write_whole(path, "\n".join([*lines, "{\\allowdisplaybreaks", *parts, "}"]) + "\n")
 
 
+@accept_aliases
 def write_matlab(
     model: "Model", path: str | Path, *, surge: "Surge" = "held", surge_inertia: float | None = None,
     coriolis: bool = False,
@@ -244,6 +250,7 @@ def write_matlab(
     write_whole(path, simulink_text(ship) if Path(path).suffix == ".c" else matlab_text(ship))
 
 
+@accept_aliases
 def write_page(
     model: "Model", path: str | Path, *, title: str = "", u: float | None = None, surge: "Surge" = "held",
     surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",
@@ -284,6 +291,7 @@ def write_page(
     return notes
 
 
+@accept_aliases
 def write_python(
     model: "Model", path: str | Path, *, waterway: "Waterway | None" = None, surge: "Surge" = "held",
     surge_inertia: float | None = None, coriolis: bool = False, contact: "Contact | Points" = "corners",

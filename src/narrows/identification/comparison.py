@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.captive.read import as_tests
 from narrows.errors import InputError
 from narrows.identification.fit import Fit
@@ -128,6 +129,7 @@ def ready_tables() -> tuple[str, ...]:
     return (*BARE, *(f"paper+{form}" for form in FORMS if form != "delta"), f"paper+{OPEN_WATER}")
 
 
+@accept_aliases
 def compare(
     tests: Any, tables: str | TermTable | Sequence[str | TermTable] = (), weights: Weights = "paper",
     balance: Balance = "tests",
@@ -272,6 +274,7 @@ class Explanation(BaseResult):
         return frame.loc[list(self.model.coefficients)].rename_axis("coefficient")
 
 
+@accept_aliases
 def explain(model: Model, tests: Any, tables: Sequence[str] = (), ship: ShipSource | None = None) -> Explanation:
     """Put a model and a table of tests beside each other.
 

@@ -153,6 +153,7 @@ def check_one_condition(tests: Tests, terms: TermTable) -> None:
         )
 
 
+@accept_aliases
 def identify_conditions(
     tests: Any, condition: str | None = None, ship: ShipSource | None = None, **options: Any
 ) -> dict[str, Fit]:

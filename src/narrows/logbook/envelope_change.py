@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from narrows.aliases import accept_aliases
 from narrows.control.steady_course import steady_course
 from narrows.logbook.learned_coefficient import ON_TWINS
 from narrows.logbook.settings import CHANGE_OFFSETS, CHANGE_SAMPLES, CHANGE_SPEEDS, RUDDER_BAND
@@ -75,6 +76,7 @@ class EnvelopeChange(BaseResult):
         return {"summary": self.summary(), **found, "notes": list(self.notes)}
 
 
+@accept_aliases
 def envelope_change(
     before: Model, after: Model, y: Sequence[float] | np.ndarray, u: Sequence[float] | np.ndarray, *,
     samples: int = CHANGE_SAMPLES, seed: int = 0, **envelope: Any,

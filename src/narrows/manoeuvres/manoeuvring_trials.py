@@ -255,6 +255,7 @@ def zigzag(model: Model, rudder: float = 10.0, heading: float = 10.0, speed: flo
     return _TrialShip.of(model, speed).zigzag(rudder, heading)
 
 
+@accept_aliases
 def sail_trials(
     model: Model, speed: float | None = None, turn_deg: float = 35.0,
     zigzags: tuple[tuple[float, float], ...] = ((10, 10), (20, 20)), dt: float | None = None,

@@ -126,6 +126,7 @@ def ittc57(reynolds: float) -> float:
     return 0.075 / (log10(reynolds) - 2) ** 2
 
 
+@accept_aliases
 def scale_model(
     model: Model, length: float, density: float | None = None, width: float | None = None, depth: float | None = None,
     friction: Friction | None = None,

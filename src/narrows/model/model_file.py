@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import narrows
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.files import form_of, write_whole
 from narrows.model.model import Model
@@ -14,6 +15,7 @@ from narrows.ship.ship_file import load_toml
 from narrows.terms.term import TermTable
 
 
+@accept_aliases
 def save_model(model: Model, path: str | Path) -> None:
     """Write a model file.
 
@@ -62,6 +64,7 @@ def _value(value: Any, indent: str = "") -> str:
     return str(value).lower()  # true, nan and 1e+16 are lower case in both; str gives every digit of a float
 
 
+@accept_aliases
 def load_model(path: str | Path, terms: TermTable | None = None) -> Model:
     """Read a model file.
 

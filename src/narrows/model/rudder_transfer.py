@@ -5,12 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.terms.additions import helm_terms, with_helm
 from narrows.terms.term import TermKind, TermTable
 
 
+@accept_aliases
 def borrow_rudder(model: Model, lender: Model) -> Model:
     """Return a model with the rudder of another ship.
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.names import argument_names
@@ -79,6 +80,7 @@ def factor_at(law: DepthLaw, configuration: Configuration, depth: float) -> floa
     return float(law.factor(*[values[word] for word in argument_names(law.factor)]))
 
 
+@accept_aliases
 def at_depth(model: Model, depth: float) -> DepthCorrected:
     """Correct a model for another depth by Kijima's formulas.
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
@@ -128,6 +129,7 @@ class EnvelopeAlong(BaseResult):
         }  # fmt: skip
 
 
+@accept_aliases
 def envelope_along(
     model: Model, waterway: "Waterway", places: Sequence[float], **envelope: Any
 ) -> EnvelopeAlong:  # fmt: skip
@@ -274,6 +276,7 @@ def reach_at(model: Model, waterway: "Waterway", at: float) -> Reach:
     return Reach(there, middle, asked)
 
 
+@accept_aliases
 def speed_limits(
     model: Model, waterway: "Waterway", places: Sequence[float], *, y: float = 0.0, reserve: float = settings.RESERVE,
     **envelope: Any,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
 from narrows.model.squat import choke_speed, squat
@@ -278,6 +279,7 @@ def _without_numbers(note: str) -> str:
     return " ".join(words[: index - 1] + words[index:])
 
 
+@accept_aliases
 def wind_force(speed: float, area: float, coefficient: float = 1.0) -> float:
     """Return the sway force of a beam wind [N], C 1/2 rho A V^2 (the drag law).
 

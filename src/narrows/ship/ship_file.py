@@ -6,6 +6,7 @@ from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError, did_you_mean, path_of, shown
 from narrows.files import reading
 from narrows.ship.actuators import STANDARD, Actuator, Part
@@ -37,6 +38,7 @@ def ship_file_of(source: ShipSource) -> str:
     return str(source) if isinstance(source, str | Path) else ""
 
 
+@accept_aliases
 def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configuration:
     """Read a ship file: TOML with [ship], [canal], and optionally [water], [depths] and sections of actuators.
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.codegen.free_motion import INPUTS, STATE, Surge
 from narrows.codegen.linearisation import LINEARISED
 from narrows.errors import InputError, did_you_mean, shown
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+@accept_aliases
 def derivative(
     model: Model, state: Any, *, X: Number = 0.0, Y: Number = 0.0, N: Number = 0.0, surge: Surge = "held",
     surge_inertia: float | None = None, coriolis: bool = False, **positions: Number,
@@ -75,6 +77,7 @@ def derivative(
     return np.stack(np.broadcast_arrays(*(rates[name] for name in POSE)))
 
 
+@accept_aliases
 def step(model: Model, state: Any, dt: float, **given: Any) -> np.ndarray:
     """Return x, y, psi, u, v, r one step of the engine later, by the Runge-Kutta method of order 4.
 
@@ -189,6 +192,7 @@ class Jacobian(BaseResult):
         return pd.DataFrame(np.hstack([self.A, self.B]), index=rows, columns=[*self.states, *self.inputs])
 
 
+@accept_aliases
 def jacobian(
     model: Model, y: float = 0.0, u: float = 1.0, *, x: float = 0.0, psi: float = 0.0, v: float = 0.0, r: float = 0.0,
     X: float = 0.0, Y: float = 0.0, N: float = 0.0, surge: Surge = "held", surge_inertia: float | None = None,

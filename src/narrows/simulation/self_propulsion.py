@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.ship.actuators import PROPELLER
@@ -13,6 +14,7 @@ from narrows.simulation.settings import OWN_REVOLUTIONS
 from narrows.simulation.steering import Steering
 
 
+@accept_aliases
 def self_propulsion(model: Model, u: float) -> float:
     """Return the revolutions at which thrust balances resistance straight ahead, rudder amidships [1/s].
 

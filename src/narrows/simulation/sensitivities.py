@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.choices import COUNTED, LENGTH, stages_at
 from narrows.codegen.free_motion import INPUTS, STATE
@@ -140,6 +141,7 @@ class Sensitivities(BaseResult):
         return xarray.Dataset(data, coords=coordinates, attrs={"summary": self.summary()})
 
 
+@accept_aliases
 def sensitivities(
     model: Model, by: Sequence[str] = (), y: float = 0.0, u: float | None = None,
     duration: float | None = None, dt: float | None = None, **voyage: Any,

@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from narrows.aliases import accept_aliases
 from narrows.codegen.free_motion import INPUTS as PUSHES
 from narrows.codegen.linearisation import LINEARISED
 from narrows.model.model import Model
@@ -58,6 +59,7 @@ def eigenvalues(model: Model, bank: bool = True, **state: Any) -> np.ndarray:
     return np.asarray(stability(model, bank, **state)["eigenvalue"].to_numpy().ravel())
 
 
+@accept_aliases
 def stability(model: Model, bank: bool = True, **vary: Any) -> xr.Dataset:
     """Map the eigenvalues of motion over states, speeds, canals and coefficients.
 

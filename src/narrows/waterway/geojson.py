@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError, shown
 from narrows.files import form_of, reading, write_whole
 from narrows.ship.particulars import Point
@@ -37,6 +38,7 @@ FOOT = 0.3048
 CURRENT = ("current", "current_across", "current_shear")
 
 
+@accept_aliases
 def read_waterway(path: str | Path) -> Waterway:
     """Read a waterway.
 
@@ -119,6 +121,7 @@ def with_depth(waterway: Waterway, depth: float) -> Waterway:
     return replace(waterway, depths=(np.array([0.0, waterway.line.length]), np.full(2, depth)))
 
 
+@accept_aliases
 def write_waterway(waterway: Waterway, path: str | Path) -> None:
     """Write a waterway as GeoJSON that ``read_waterway`` reads.
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.logbook import settings
 from narrows.logbook.checking.faults import FAULTS, FaultTest, FaultTests, longest_run, misreading, stuck
@@ -247,6 +248,7 @@ RECORD_CHECKS = (check_clock, check_gaps, check_repeats, check_speed, check_rudd
 ALL = "all records"
 
 
+@accept_aliases
 def check_log(
     log: Any, model: Model, waterway: Waterway | None = None, *, sensors: str | SensorGrade = "vdr",
     spread: Spread | None = None,

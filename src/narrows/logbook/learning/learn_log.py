@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.logbook.filtering.log_problem import SWAY, YAW, LogProblem
 from narrows.logbook.filtering.record_grid import HELM, REVOLUTIONS_OFFSET, RUDDER
@@ -39,6 +40,7 @@ HASH_DIGITS = 12  # Digits of a hash in a sentence
 A_DATE = 1e8  # Times after this one count from 1970 [s]
 
 
+@accept_aliases
 def learn(
     model: Model, log: Any, *, free: Sequence[str] = (), sensors: str | SensorGrade = "vdr",
     spread: Spread | None = None, gusts: bool | None = None, asymmetry: bool | None = None,

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError, check_count
 from narrows.logbook.reading.log_rows import (
     ABSENT,
@@ -33,6 +34,7 @@ from narrows.readers.nmea.nmea_recording import NmeaTable, is_nmea
 from narrows.waterway import Waterway, read_waterway
 
 
+@accept_aliases
 def read_log(
     log: Any, waterway: Waterway | str | Path | None = None,
     mapping: str | Path | Mapping[str, Any] | None = None, units: Mapping[str, str] | None = None, *,
@@ -105,6 +107,7 @@ class StreamedLog:
         return ("records are read from disk one by one",)
 
 
+@accept_aliases
 def stream_log(
     log: Any, waterway: Waterway | str | Path | None = None,
     mapping: str | Path | Mapping[str, Any] | None = None, units: Mapping[str, str] | None = None, *,

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control.steady_course import check_inside, check_rudder
 from narrows.errors import InputError
@@ -133,6 +134,7 @@ class SteadyFit(LearnedAnswer):
         ]  # fmt: skip
 
 
+@accept_aliases
 def learn_steady(
     model: Model, observations: Any, *, errors: ReadingErrors | None = None, conditions: SteadyConditions | None = None
 ) -> SteadyFit:  # fmt: skip

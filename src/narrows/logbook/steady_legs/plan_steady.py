@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 import xarray as xr
 
+from narrows.aliases import accept_aliases
 from narrows.control.steady_course import check_inside, check_rudder, steady_course
 from narrows.errors import InputError, check_count, shown
 from narrows.logbook import settings
@@ -149,6 +150,7 @@ class SteadyPlan(BaseResult):
         }  # fmt: skip
 
 
+@accept_aliases
 def plan_steady(
     model: Model, offsets: Sequence[float] | np.ndarray | None = None,
     speeds: Sequence[float] | np.ndarray | None = None, *, legs: int = 4,

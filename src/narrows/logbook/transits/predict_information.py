@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, check_count
 from narrows.logbook import settings
@@ -139,6 +140,7 @@ class InformationForecast(BaseResult):
         }  # fmt: skip
 
 
+@accept_aliases
 def predict_information(
     model: Model, waterway: "Waterway | None" = None, sensors: str | SensorGrade = "vdr",
     transits: int | Sequence[int] = TRANSITS, *, u: float | None = None, duration: float | None = None,
