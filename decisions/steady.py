@@ -322,7 +322,7 @@ def shown(rows: Rows) -> str:
 
 
 def figure() -> Figure:
-    """The page for the pilot of the KCS at 50 % clearance."""
+    """The legs of the KCS at 50 % clearance."""
     return nw.plan_steady(hulls()["C0101A02"], speeds=[SPEED]).plot()
 
 

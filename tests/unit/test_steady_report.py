@@ -9,7 +9,7 @@ from test_plan_steady import CALM, ERRORS, ship
 
 import narrows as nw
 from narrows.logbook.envelope_change import envelope_change
-from narrows.report.pilot_page import pilot_page, write_pilot_page
+from narrows.report.pilot_page import write_pilot_page
 from narrows.report.steady_report import write_steady_report
 from pictures import assert_readable
 
@@ -28,25 +28,18 @@ def learned() -> tuple[nw.SteadyFit, nw.EnvelopeChange]:
 
 
 @pytest.mark.parametrize("legs", [2, 8])
-def test_everything_on_the_pilots_page_is_on_the_paper(legs: int) -> None:
-    assert_readable(pilot_page(planned(legs)))
+def test_every_leg_is_in_the_picture(legs: int) -> None:
+    assert_readable(planned(legs).plot())
 
 
-def test_the_pilots_page_says_when_to_break_off_and_what_it_rests_on() -> None:
-    page = pilot_page(planned(4))
-    said = " ".join(text.get_text() for panel in page.axes for text in panel.texts)
-    said += " ".join(text.get_text() for text in page.texts)
-    assert "BREAK OFF" in said
-    assert f"{np.degrees(planned(4).most_rudder):.0f} degrees" in said
-    assert "on simulated twins only" in said
-    cells = [cell.get_text().get_text() for table in page.axes[2].tables for cell in table.get_celld().values()]
-    assert f"{planned(4).legs[0].offset:g} m starboard" in cells
-
-
-@pytest.mark.parametrize("suffix", [".html", ".pdf", ".svg"])
-def test_the_pilots_page_is_written_in_every_form(suffix: str, tmp_path: Path) -> None:
-    write_pilot_page(planned(2), tmp_path / f"page{suffix}")
-    assert (tmp_path / f"page{suffix}").stat().st_size > 10_000
+def test_the_pilots_page_says_when_to_break_off_and_what_it_rests_on(tmp_path: Path) -> None:
+    write_pilot_page(planned(4), tmp_path / "page.html")
+    page = (tmp_path / "page.html").read_text(encoding="utf-8")
+    for said in (
+        "BREAK OFF", f"{np.degrees(planned(4).most_rudder):.0f} degrees", "on simulated twins only", "<svg",
+        f"<td>{planned(4).legs[0].offset:g} m starboard</td>",
+    ):  # fmt: skip
+        assert said in page
 
 
 def test_the_report_says_what_was_learned_what_it_changes_and_what_it_rests_on(tmp_path: Path) -> None:
@@ -63,27 +56,27 @@ def test_the_report_says_what_was_learned_what_it_changes_and_what_it_rests_on(t
 def test_the_verb_plans_and_writes_the_page(cli, tmp_path: Path) -> None:
     nw.save_model(ship(), tmp_path / "full.toml")
     code, out, err = cli(
-        "learn", str(tmp_path / "full.toml"), "--plan-steady", str(tmp_path / "page.svg"), "--legs", "2"
+        "learn", str(tmp_path / "full.toml"), "--plan-steady", str(tmp_path / "page.html"), "--legs", "2"
     )
     assert code == 0, err
     assert "wrote" in out
-    assert (tmp_path / "page.svg").exists()
+    assert (tmp_path / "page.html").exists()
 
 
 def test_the_verb_leaves_with_one_where_no_leg_is_allowed(cli, tmp_path: Path) -> None:
     nw.save_model(ship(bank=3.0), tmp_path / "full.toml")
-    code, out, _ = cli("learn", str(tmp_path / "full.toml"), "--plan-steady", str(tmp_path / "page.svg"))
+    code, out, _ = cli("learn", str(tmp_path / "full.toml"), "--plan-steady", str(tmp_path / "page.html"))
     assert code == 1
     assert "No leg off the middle is allowed" in out
-    assert not (tmp_path / "page.svg").exists()
+    assert not (tmp_path / "page.html").exists()
 
 
 @pytest.mark.parametrize(
     ("words", "said"),
     [
         ((), "exactly one of"),
-        (("--steady", "held.csv", "--plan-steady", "page.svg"), "exactly one of"),
-        (("--plan-steady", "page.svg", "-o", "new.toml"), "nothing is learned yet"),
+        (("--steady", "held.csv", "--plan-steady", "page.html"), "exactly one of"),
+        (("--plan-steady", "page.html", "-o", "new.toml"), "nothing is learned yet"),
         (("--plan-steady", "page.txt"), "cannot write a txt file"),
         (("--steady", "none.csv"), "no such file"),
     ],
@@ -100,6 +93,8 @@ def test_the_verb_predicts_and_says_where_it_cannot(cli, tmp_path: Path) -> None
     code, out, err = cli("learn", str(tmp_path / "full.toml"), "--predict-information", "ais")
     assert code == 1, err
     assert "record the rudder" in out
-    code, _, err = cli("learn", str(tmp_path / "full.toml"), "--plan-steady", "page.svg", "--waterway", "canal.geojson")
+    code, _, err = cli(
+        "learn", str(tmp_path / "full.toml"), "--plan-steady", "page.html", "--waterway", "canal.geojson"
+    )
     assert code == 2
     assert "--waterway is for logs and --predict-information" in err

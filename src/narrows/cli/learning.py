@@ -7,7 +7,17 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import narrows as nw
 from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import ModelDelivery, WaterwayFile, named, numbers, print_json, print_written, speeds, verb
+from narrows.cli.options import (
+    PAGES,
+    ModelDelivery,
+    WaterwayFile,
+    named,
+    numbers,
+    print_json,
+    print_written,
+    speeds,
+    verb,
+)
 from narrows.cli.options import speed as read_speed
 from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
@@ -18,7 +28,6 @@ if TYPE_CHECKING:
 
 # Parts of the JSON output; null if not requested.
 PARTS = ("log", "truth", "steady", "envelope", "plan", "information")
-PILOT_PAGES = (".html", ".pdf", ".svg", ".png")
 
 
 Logs = Annotated[
@@ -52,9 +61,7 @@ class LegOptions:
     ] = None
     plan_steady: Annotated[
         Path | None,
-        Option(
-            help="Plan steady legs and write the pilot's page: .html, .pdf, .svg or .png.", callback=named(PILOT_PAGES)
-        ),
+        Option(help="Plan steady legs and write the pilot's page: .html.", callback=named(PAGES)),
     ] = None
     legs: Annotated[int, Option(help="Number of legs to plan, even.")] = 4
     y: Annotated[str | None, Option(help="Allowed offsets [m] to either side: a,b,c or from:to:count.")] = None

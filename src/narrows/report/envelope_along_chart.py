@@ -64,28 +64,22 @@ def _filled(
                 axes.fill_between(s[inside], *ends, **look)
 
 
-HEADS = ("along [m]", "safe up to [kn]", "widest safe offsets [m]", "at [kn]", "limited by")
+COLUMNS = {
+    "along [m]": "{distance:.0f}", "safe up to [kn]": "{highest_speed:.1f}{star}",
+    "widest safe offsets [m]": "{port:+z.0f} to {starboard:+z.0f}", "at [kn]": "{at_speed:.1f}{star}",
+    "limited by": "{limited_by}",
+}  # fmt: skip
 
 
 def print_envelope_along(along: EnvelopeAlong) -> None:
     """Print the summary and one row per place; a star marks what is safe by the model and was not tested."""
-    rows = along.rows()
-    untested = [not np.isfinite(row["highest_speed"]) and np.isfinite(row["highest_speed_by_model"]) for row in rows]
-    table = (_cells(row, "_by_model" if star else "") for row, star in zip(rows, untested, strict=True))
-    key = "* safe by the model; no test covered that place" if any(untested) else None
-    print_result(along, table_of(HEADS, table, left=("limited by",), caption=key, caption_justify="left"))
+    rows = [_starred(row) for row in along.rows()]
+    key = "* safe by the model; no test covered that place" if any(row["star"] for row in rows) else None
+    print_result(along, table_of(COLUMNS, rows, left=("limited by",), caption=key, caption_justify="left"))
 
 
-def _cells(row: dict[str, Any], suffix: str) -> tuple[str, ...]:
-    top, at = row[f"highest_speed{suffix}"], row[f"at_speed{suffix}"]
-    speeds = [f"{speed:.1f}{'*' if suffix else ''}" if np.isfinite(speed) else "-" for speed in (top, at)]
-    sides = _offsets(row[f"port{suffix}"], row[f"starboard{suffix}"])
-    return f"{row['distance']:.0f}", speeds[0], sides, speeds[1], row["limited_by"]
-
-
-def _offsets(port: float, starboard: float) -> str:
-    """Return a range of offsets in whole metres, without a sign before 0."""
-    if not np.isfinite(port):
-        return "-"
-    ends = [f"{end:+.0f}" if round(end) else "0" for end in (port, starboard)]
-    return " to ".join(ends) if starboard - port >= 1 else f"under 1 m at {ends[0]}"
+def _starred(row: dict[str, Any]) -> dict[str, Any]:
+    if np.isfinite(row["highest_speed"]) or not np.isfinite(row["highest_speed_by_model"]):
+        return {**row, "star": ""}
+    by_model = {name.removesuffix("_by_model"): value for name, value in row.items() if name.endswith("_by_model")}
+    return {**row, **by_model, "star": "*"}

@@ -11,7 +11,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from rich.table import Table
 
 from narrows.quantities.names import KNOT
 from narrows.report.style import (
@@ -28,7 +27,7 @@ from narrows.report.style import (
     headed,
     titled,
 )
-from narrows.report.terminal import console_of, everything, print_notes, table_of, thinned
+from narrows.report.terminal import cells_of, console_of, everything, print_notes, table_of, thinned
 from narrows.safety import MEDIAN, SURE_SHARE, OutsideRules, SafeEnvelope
 from narrows.safety.channel_rules import READ, REMEMBERED
 from narrows.safety.headline import runs
@@ -240,9 +239,11 @@ def _draw_banks(axes: Axes, envelope: SafeEnvelope) -> None:
     axes.set_xlim(-1.02 * port, 1.02 * starboard)
 
 
-HEADS = ("offset\n[m]", "safe speeds\n[knots]", "held: same pilot;\ntrue coefficients", "rudder, 95 %\n[deg]",
-         "what limits it")  # fmt: skip
-
+CHART_COLUMNS = {
+    "offset\n[m]": "{offset:+.1f}", "safe speeds\n[knots]": "{lowest_speed:.1f} to {highest_speed:.1f}",
+    "held: same pilot;\ntrue coefficients": "{held:.0%}; {known:.0%}", "rudder, 95 %\n[deg]": "{rudder_95:.0f}",
+    "what limits it": "{limited_by}",
+}  # fmt: skip
 WIDTHS = (0.11, 0.17, 0.24, 0.17, 0.31)
 # Heights relative to the column: the head of the table, a row of it.
 HEAD, ROW = 0.1, 0.047
@@ -260,21 +261,12 @@ def _draw_notes(axes: Axes, envelope: SafeEnvelope) -> None:
     axes.text(0.0, 1.0, "\n".join(notes[:MOST_NOTES]), fontsize=SMALL, va="top", transform=axes.transAxes)
 
 
-def _cells(envelope: SafeEnvelope, most: int) -> list[list[str]]:
-    rows = envelope.offset_rows()
-    stride = -(-len(rows) // most)
-    return [
-        [f"{row['offset']:+.1f}", _span(row["lowest_speed"], row["highest_speed"]),
-         f"{100 * row['held']:.0f} %; {100 * row['known']:.0f} %",
-         f"{row['rudder_95']:.0f}" if np.isfinite(row["rudder_95"]) else "none", row["limited_by"]]
-        for row in rows[(len(rows) // 2) % stride :: stride]
-    ]  # fmt: skip
-
-
 def _draw_table(axes: Axes, envelope: SafeEnvelope) -> None:
     axes.axis("off")
-    cells = _cells(envelope, int((1 - HEAD) / ROW))
-    table = axes.table(cells, colLabels=HEADS, loc="upper center", cellLoc="center", colWidths=WIDTHS)
+    rows, most = envelope.offset_rows(), int((1 - HEAD) / ROW)
+    stride = -(-len(rows) // most)
+    cells = cells_of(CHART_COLUMNS, rows[(len(rows) // 2) % stride :: stride])
+    table = axes.table(cells, colLabels=[*CHART_COLUMNS], loc="upper center", cellLoc="center", colWidths=WIDTHS)
     table.auto_set_font_size(False)
     table.set_fontsize(SMALL)
     for (row, _), cell in table.get_celld().items():
@@ -282,59 +274,39 @@ def _draw_table(axes: Axes, envelope: SafeEnvelope) -> None:
         cell.set_height(ROW if row else HEAD)
 
 
-def _span(low: float, high: float) -> str:
-    return f"{low:.1f} to {high:.1f}" if np.isfinite(low) and np.isfinite(high) else "-"
-
-
 def print_envelope(envelope: SafeEnvelope) -> None:
     console = console_of(130)
     console.print(envelope.summary())
     tried = " to ".join(f"{u:.3g} m/s ({u / KNOT:.1f} knots)" for u in np.unique(envelope.data["u"][[0, -1]]))
     console.print(f"{envelope.description}; {envelope.weather}; {tried}, {envelope.samples} cases at each place.")
-    console.print(_by_offset(envelope))
+    console.print(table_of(OFFSET_COLUMNS, thinned(envelope.offset_rows()), left=("limited by",)))
     if everything():
+        speeds = [{**row, "mark": "" if row["keel_clear"] else " !"} for row in envelope.speed_rows()]
         console.print()
-        console.print(_by_speed(envelope))
+        console.print(table_of(SPEED_COLUMNS, speeds))
         console.print("\nPublished rules, for comparison (* not all numbers were checked in the source):")
-        console.print(table_of(RULE_HEADS, map(cells, envelope.rules.rows()), left=("rule",)))
+        console.print(table_of(RULE_COLUMNS, map(_in_words, envelope.rules.rows()), left=("rule",)))
     else:
         console.print("Add --verbose for under-keel clearance by speed and for published design and canal rules.")
     print_notes(console, (*envelope.notes, *envelope.rules.notes))
 
 
-def _by_offset(envelope: SafeEnvelope) -> Table:
-    heads = ("offset [m]", "rudder [deg]", "95 % within [deg]", "held", "held, known ship", "safe [kn]",
-             "safe, known ship [kn]", "50 % of cases [kn]", "limited by")  # fmt: skip
-    rows = (
-        (
-            f"{row['offset']:+.1f}", _cell(row["rudder"], "+.1f"), _cell(row["rudder_95"], ".1f"),
-            f"{100 * row['held']:.0f} %", f"{100 * row['known']:.0f} %",
-            _span(row["lowest_speed"], row["highest_speed"]), _cell(row["highest_speed_known"], ".1f"),
-            _cell(row["highest_speed_median"], ".1f"), row["limited_by"],
-        )
-        for row in thinned(envelope.offset_rows())
-    )  # fmt: skip
-    return table_of(heads, rows, left=("limited by",))
-
-
-def _by_speed(envelope: SafeEnvelope) -> Table:
-    rows = (
-        (
-            f"{row['speed']:.1f}", _cell(row["keel_clearance"], ".2f") + ("" if row["keel_clear"] else " !"),
-            _cell(row["safest_offset"], "+.1f"),
-        )
-        for row in envelope.speed_rows()
-    )  # fmt: skip
-    return table_of(("speed [kn]", "under the keel [m]", "safest offset [m]"), rows)
-
-
-def _cell(value: float, form: str) -> str:
-    return f"{value:{form}}" if np.isfinite(value) else "-"
-
-
+OFFSET_COLUMNS = {
+    "offset [m]": "{offset:+.1f}", "rudder [deg]": "{rudder:+.1f}", "95 % within [deg]": "{rudder_95:.1f}",
+    "held": "{held:.0%}", "held, known ship": "{known:.0%}", "safe [kn]": "{lowest_speed:.1f} to {highest_speed:.1f}",
+    "safe, known ship [kn]": "{highest_speed_known:.1f}", "50 % of cases [kn]": "{highest_speed_median:.1f}",
+    "limited by": "{limited_by}",
+}  # fmt: skip
+SPEED_COLUMNS = {
+    "speed [kn]": "{speed:.1f}", "under the keel [m]": "{keel_clearance:.2f}{mark}",
+    "safest offset [m]": "{safest_offset:+.1f}",
+}  # fmt: skip
+RULE_COLUMNS = {
+    "rule": "{rule}{mark}", "at [kn]": "{speeds}", "offsets it leaves [m]": "{left}",
+    "speed limit [kn]": "{speed_limit:.2f}", "of choking": "{of_choking:.0%}", "rudder [deg]": "{rudder:g}",
+}  # fmt: skip
 STYLES = ("-", "--", ":")
 RULE_STYLE: dict[str, Any] = {"color": GREEN, "lw": 1.6, "zorder": 2.8}
-RULE_HEADS = ("rule", "at [kn]", "offsets it leaves [m]", "speed limit [kn]", "of choking", "rudder [deg]")
 
 
 def draw_widths(axes: Axes, rules: OutsideRules) -> list[Line2D]:
@@ -379,14 +351,11 @@ def draw_speeds(axes: Axes, rules: OutsideRules) -> None:
             )  # fmt: skip
 
 
-def cells(row: dict[str, Any]) -> tuple[str, ...]:
-    """Return a row of the rules in words, in the order of ``RULE_HEADS``."""
+def _in_words(row: dict[str, Any]) -> dict[str, Any]:
+    """A row of the rules, with the range of its speeds and what it leaves in words."""
     speeds = left = ""
     if row["width"] is not None:
         speeds = f"{row['slowest']:g} " + (f"to {row['fastest']:g}" if row["fastest"] else "on")
         fits = row["starboard"] is not None
         left = f"{row['port']:+.0f} to {row['starboard']:+.0f}" if fits else f"none (needs {row['width']:.0f} m)"
-    limit = "" if row["speed_limit"] is None else f"{row['speed_limit']:.2f}"
-    share = f"{100 * row['of_choking']:.0f} %" if row["of_choking"] else ""
-    rudder = "" if row["rudder"] is None else f"{row['rudder']:g}"
-    return row["rule"] + ("" if row["standing"] == READ else " *"), speeds, left, limit, share, rudder
+    return {**row, "mark": "" if row["standing"] == READ else " *", "speeds": speeds, "left": left}

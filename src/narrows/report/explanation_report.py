@@ -13,7 +13,7 @@ from narrows.quantities.names import FORCES
 from narrows.report.fit_figures import comparison_figure
 from narrows.report.fit_page import figure, render, section
 from narrows.report.fit_table import coefficient_row, heading, print_fit, share_rows
-from narrows.report.terminal import console_of, table_of, titled_table
+from narrows.report.terminal import console_of, table_of
 
 
 def write_explanation(explanation: Explanation, path: str | Path, title: str) -> None:
@@ -38,9 +38,8 @@ def write_explanation(explanation: Explanation, path: str | Path, title: str) ->
     write_whole(path, page)
 
 
-def _row(explanation: Explanation, name: str) -> dict[str, str]:
-    far = explanation.distance[name]
-    own = {"model": f"{explanation.model.coefficients[name]:.4g}", "apart": f"{far:+.1f}" if far == far else "-"}
+def _row(explanation: Explanation, name: str) -> dict[str, Any]:
+    own = {"model": f"{explanation.model.coefficients[name]:.4g}", "apart": explanation.distance[name]}
     return coefficient_row(explanation.fit, name) | own
 
 
@@ -58,31 +57,24 @@ def print_explanation(explanation: Explanation, label: str = "") -> None:
     for sentence in (*explanation.summary().splitlines(), *explanation.notes):
         console.print(f"- {sentence}")
     rows = (_row(explanation, name) for name in explanation.fit.terms.names)
-    table = table_of(
-        ("", "model", "these tests", "95 % interval", "apart [std. errors]", "unit"),
-        ([row[key] for key in ("name", "model", "value", "interval", "apart", "unit")] for row in rows),
-        left=("", "unit"), no_wrap=True, title="The model and these tests", title_justify="left",
-    )  # fmt: skip
-    console.print(table)
+    console.print(table_of(COLUMNS, rows, left=("", "unit"), no_wrap=True, title="The model and these tests"))
     print_fit(explanation.fit, label)
     print_comparison(explanation.comparison, console)
 
 
+COLUMNS = {
+    "": "{name}", "model": "{model}", "these tests": "{value}", "95 % interval": "{interval}",
+    "apart [std. errors]": "{apart:+.1f}", "unit": "{unit}",
+}  # fmt: skip
+COMPARED = {
+    "terms": "{table}", "force": "{force}", "fit": "{rmse:.3g}", "tests left out": "{rmse_left_out:.3g}",
+    "speeds left out": "{rmse_other_speeds:.3g}", "not separable": "{not_separable} of {coefficients}",
+}  # fmt: skip
+
+
 def print_comparison(comparison: Comparison, console: Console | None = None) -> None:
     console = console or console_of()
-    rows = (
-        (
-            row["table"], row["force"], *(_error(row[kind]) for kind in ("rmse", "rmse_left_out", "rmse_other_speeds")),
-            f"{row['not_separable']} of {row['coefficients']}",
-        )
-        for row in comparison.rows()
-    )  # fmt: skip
-    heads = ("terms", "force", "fit", "tests left out", "speeds left out", "not separable")
     title = "Tables of terms by their error (RMSE) on left-out tests"
-    console.print(titled_table(title, heads, rows, left=("terms", "force")))
+    console.print(table_of(COMPARED, comparison.rows(), left=("terms", "force"), title=title))
     for sentence in comparison.summary().splitlines():
         console.print(f"- {sentence}")
-
-
-def _error(rmse: float) -> str:
-    return f"{rmse:.3g}" if np.isfinite(rmse) else "-"

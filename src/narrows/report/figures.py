@@ -27,7 +27,7 @@ from narrows.report.envelope_chart import draw_speeds, draw_widths, envelope_cha
 from narrows.report.fit_figures import comparison_figure, force_residuals_figure, intervals_figure, motions_figure
 from narrows.report.log_report import findings_figure, log_figure
 from narrows.report.manoeuvre_report import manoeuvres_figure, turning_figure, zigzag_figure
-from narrows.report.pilot_page import information_figure, pilot_page
+from narrows.report.pilot_page import information_figure, legs_figure
 from narrows.report.steady_report import change_figure, steady_figure
 from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREY, ORANGE, drawing_on, notes_below, panels
 from narrows.report.transit_report import transit_figure
@@ -157,12 +157,6 @@ def _sensitivities(result: Sensitivities) -> Figure:
     return figure
 
 
-def _pilot_page(result: SteadyPlan) -> Figure:
-    if not result.legs:
-        raise InputError("a plan without legs has no page; its summary gives the reason")
-    return pilot_page(result)
-
-
 def _ratios(result: Scaled) -> Figure:
     ratios = {name: value / result.original.coefficients[name] for name, value in result.model.coefficients.items()
               if result.original.coefficients[name]}  # fmt: skip
@@ -261,7 +255,7 @@ FIGURES: dict[type, Callable[[Any], Figure]] = {
     ShipLog: log_figure,
     LogFindings: findings_figure,
     InformationForecast: information_figure,
-    SteadyPlan: _pilot_page,
+    SteadyPlan: legs_figure,
     SteadyFit: steady_figure,
     EnvelopeChange: change_figure,
     WatchedTransit: transit_figure,

@@ -4,23 +4,21 @@ from collections.abc import Mapping
 
 from rich.console import Console
 from rich.table import Table
-from rich.text import Text
 
 from narrows.identification import Fit
 from narrows.identification.bank_summary import BankSummary, summarise_bank
 from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED, ZERO
-from narrows.report.terminal import everything, print_notes, table_of, titled_table
+from narrows.report.terminal import everything, print_notes, table_of
 from narrows.results.base_results import interval, readable
 
 MOST_PAIRS = 5
-# Columns of the coefficients, and their heads.
 COLUMNS = {
-    "name": "", "value": "value", "std": "std. error", "interval": "95 % interval", "unit": "unit", "verdict": "",
+    "": "{name}", "value": "{value}", "std. error": "{std}", "95 % interval": "{interval}", "unit": "{unit}",
+    "verdict": "{verdict}",
 }  # fmt: skip
-COLOURS = {
-    "identified": "green", "zero": "green", "imprecise": "yellow", "at bound": "yellow", "not separable": "magenta",
-}  # fmt: skip
+# Colour of a row by its verdict.
+COLOURS = {"identified": "", "zero": "", "imprecise": "yellow", "at bound": "yellow", "not separable": "magenta"}
 
 
 def print_fit(
@@ -36,7 +34,8 @@ def print_fit(
         console.print(sentence)
     if table or everything():
         console.print()
-        console.print(_coefficients(fit))
+        rows = (coefficient_row(fit, name) for name in best_known_first(fit))
+        console.print(table_of(COLUMNS, rows, left=("", "unit"), no_wrap=True))
     if not everything():
         failed = () if fit.solution.kkt.satisfied else (kkt_sentence(fit),)
         print_notes(console, (*failed, *answer.details, *fit.notes))
@@ -90,7 +89,8 @@ def coefficient_row(fit: Fit, name: str) -> dict[str, str]:
     shown = known if verdict.determined else ("-", "-", "-")
     row = {"name": name, **dict(zip(("value", "std", "interval"), shown, strict=True))}
     kind = verdict.status.replace(" ", "-")
-    return {**row, "unit": fit.terms[name].dimension.unit, "verdict": verdict.status, "kind": kind}
+    style = COLOURS.get(verdict.status, "red")
+    return {**row, "unit": fit.terms[name].dimension.unit, "verdict": verdict.status, "kind": kind, "style": style}
 
 
 def share_rows(shares: Mapping[str, Mapping[str, Mapping[str, float]]]) -> list[tuple[str, list[float]]]:
@@ -99,23 +99,20 @@ def share_rows(shares: Mapping[str, Mapping[str, Mapping[str, float]]]) -> list[
     return [(name, [shares[kind][force][name] for kind in KINDS]) for force in first for name in first[force]]
 
 
-def _coefficients(fit: Fit) -> Table:
-    rows = (
-        [Text(row[key], style=COLOURS.get(row[key], "red") if key == "verdict" else "") for key in COLUMNS]
-        for row in (coefficient_row(fit, name) for name in best_known_first(fit))
-    )
-    return table_of(COLUMNS.values(), rows, left=("", "unit"), no_wrap=True)
+SCORES = {
+    "": "{force}", "R2": "{fit.r2:.3f}", "RMSE": "{fit.rmse:.3f}", "R2 left out": "{left_out.r2:.3f}",
+    "RMSE left out": "{left_out.rmse:.3f}",
+}  # fmt: skip
 
 
 def _scores(fit: Fit) -> Table:
     out = "each distinct motion left out" if fit.split == "test" else "rows left out"
-    rows = (
-        (force, *(f"{number:.3f}" for one in (score, fit.left_out[force]) for number in (one.r2, one.rmse)))
-        for force, score in fit.scores.items()
-    )
-    return titled_table(f"Fit, and on {out}", ("", "R2", "RMSE", "R2 left out", "RMSE left out"), rows)
+    rows = ({"force": force, "fit": score, "left_out": fit.left_out[force]} for force, score in fit.scores.items())
+    return table_of(SCORES, rows, title=f"Fit, and on {out}")
 
 
 def _shares(fit: Fit) -> Table:
+    columns = {"": "{name}"} | {kind: f"{{{kind}:+.3f}}" for kind in KINDS}
     shares = share_rows({kind: fit.shapley(kind) for kind in KINDS})
-    return titled_table("Shapley shares", ("", *KINDS), ((name, *map("{:+.3f}".format, own)) for name, own in shares))
+    return table_of(columns, [{"name": name, **dict(zip(KINDS, own, strict=True))} for name, own in shares],
+                    title="Shapley shares")  # fmt: skip

@@ -12,7 +12,7 @@ from narrows.logbook import LogFindings, LogFit, ShipLog, Signal
 from narrows.logbook.learned_coefficient import ON_TWINS, QUANTILE_95, LearnedCoefficient
 from narrows.logbook.learning.log_fit import Forecast, RecordAnswer
 from narrows.report.fit_page import figure, render
-from narrows.report.pilot_page import LEARNED_HEADS, learned_rows, with_truth
+from narrows.report.pilot_page import LEARNED, learned_rows
 from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Margins, panels
 from narrows.report.terminal import print_result, table_of
 
@@ -31,7 +31,7 @@ def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] |
         "log_fit.html.j2",
         title=f"{fit.prior.configuration.ship.name or 'A ship'}: learned from its own log",
         said=fit.summary().splitlines(),
-        learned=with_truth(learned_rows(fit.coefficients), truth),
+        learned=learned_rows(fit.coefficients, truth),
         twin=truth is not None,
         figure=figure(log_fit_figure(fit), caption),
         missed_heads=[words for _, words, _ in MISSED],
@@ -170,9 +170,8 @@ def _about(values: np.ndarray, share: float, least: float = 1.0) -> tuple[float,
 
 def print_log_fit(fit: LogFit, truth: Mapping[str, float] | None = None) -> None:
     words = "estimate from the log"
-    heads = (*LEARNED_HEADS, words, *(("truth",) if truth else ()))
-    rows = with_truth(learned_rows(fit.coefficients), truth)
-    print_result(fit, table_of(heads, rows, left=("", "unit", words)))
+    columns = {**LEARNED, words: "{verdict}", **({"truth": "{truth:.3g}"} if truth else {})}
+    print_result(fit, table_of(columns, learned_rows(fit.coefficients, truth), left=("", "unit", words)))
 
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY)

@@ -17,19 +17,18 @@ LEGEND: dict[str, Any] = {
 }  # fmt: skip
 
 
+CIRCLE_COLUMNS = {
+    "rudder [deg]": "{order}", "advance/L": "{advance_over_length:.2f}", "transfer/L": "{transfer_over_length:.2f}",
+    "tactical diameter/L": "{tactical_diameter_over_length:.2f}", "speed/approach": "{speed_over_approach:.2f}",
+}  # fmt: skip
+ZIGZAG_COLUMNS = {"zigzag [deg]": "{order}", "overshoots [deg]": "{overshoots_deg:.1f}"}
+
+
 def print_manoeuvres(trials: Trials) -> None:
     console, results = console_of(), trials.to_dict()
-    circles = (
-        (order, *(f"{value:.2f}" for value in measures.values())) for order, measures in results["turning"].items()
-    )
-    zigzags = (
-        (order, ", ".join(f"{angle:.1f}" for angle in measures["overshoots_deg"]))
-        for order, measures in results["zigzags"].items()
-    )
     console.print(f"{trials.model.configuration.ship.name}, approach at {trials.speed:.4g} m/s, in open water")
-    heads = ("rudder [deg]", "advance/L", "transfer/L", "tactical diameter/L", "speed/approach")
-    console.print(table_of(heads, circles))
-    console.print(table_of(("zigzag [deg]", "overshoots [deg]"), zigzags))
+    for columns, measured in ((CIRCLE_COLUMNS, results["turning"]), (ZIGZAG_COLUMNS, results["zigzags"])):
+        console.print(table_of(columns, [{"order": order, **measures} for order, measures in measured.items()]))
     print_notes(console, trials.notes)
 
 

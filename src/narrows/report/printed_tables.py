@@ -1,6 +1,5 @@
 """Plans, scaled and estimated models, ships and waterways in the terminal."""
 
-import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
@@ -28,35 +27,25 @@ def print_plan(plan: Plan) -> None:
     """Print a plan: one row per run, and the gain."""
     rows = plan.rows()
     names = [name for name in SHOWN if any(row.get(name) is not None for row in rows)]
-    errors = [f"std {target}" for target in plan.targets]
-    console = console_of(COLUMN * (1 + len(names) + len(errors)))
-    heads = (
-        name.removesuffix("_deg") + (f" [{UNITS[name]}]" if name in UNITS else "") for name in ("run", *names, *errors)
-    )
-    cells = (
-        (str(number), *(_cell(row.get(name)) for name in names), *(f"{row[name]:.2g}" for name in errors))
-        for number, row in enumerate(rows, start=1)
-    )
-    console.print(table_of(heads, cells))
+    columns = {"run": "{run}"}
+    for name in names:
+        head = name.removesuffix("_deg") + (f" [{UNITS[name]}]" if name in UNITS else "")
+        columns[head] = f"{{{name}:g}}" if name in UNITS else f"{{{name}}}"
+    columns |= {f"std {target}": f"{{std {target}:.2g}}" for target in plan.targets}
+    console = console_of(COLUMN * len(columns))
+    console.print(table_of(columns, [dict.fromkeys(names) | row | {"run": i} for i, row in enumerate(rows, start=1)]))
     console.print(f"Chosen from {plan.considered} candidate runs; the standard errors are those after each run.")
     for sentence in (*plan.summary().splitlines(), *plan.notes):
         console.print(f"- {sentence}")
 
 
-def _cell(value: Any) -> str:
-    if isinstance(value, bool):
-        return "yes" if value else "no"
-    return "" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+SCALED = {"": "{name}", "was": "{old:.4g}", "is": "{new:.4g}", "unit": "{unit}", "bis [1]": "{bis:.4g}"}
 
 
 def print_scaled(scaled: Scaled) -> None:
-    console, shown, main = console_of(), scaled.to_dict(), _main_terms(scaled.model)
-    rows = (
-        (name, f"{row['old']:.4g}", f"{row['new']:.4g}", row["unit"], f"{shown['bis'][name]:.4g}")
-        for name, row in shown["coefficients"].items()
-        if name in main
-    )
-    console.print(table_of(("", "was", "is", "unit", "bis [1]"), rows, left=("", "unit"), no_wrap=True))
+    console, shown = console_of(), scaled.to_dict()
+    rows = ({"name": n, **shown["coefficients"][n], "bis": shown["bis"][n]} for n in _main_terms(scaled.model))
+    console.print(table_of(SCALED, rows, left=("", "unit"), no_wrap=True))
     _say_rest(console, scaled.model)
     console.print(shown["summary"])
     for note in scaled.notes:
@@ -64,10 +53,11 @@ def print_scaled(scaled: Scaled) -> None:
 
 
 # Columns of the list of ships that fit a terminal, and their heads.
-SHIP_HEADS = {
-    "ship": "ship", "length": "L [m]", "beam": "B [m]", "draft": "T [m]", "rudder": "rudder", "banks": "bank",
-    "measured": "measured",
+SHIPS = {
+    "name": "{name}", "ship": "{ship}", "L [m]": "{length:g}", "B [m]": "{beam:g}", "T [m]": "{draft:g}",
+    "rudder": "{rudder}", "bank": "{banks}", "measured": "{measured}",
 }  # fmt: skip
+ESTIMATED = {"": "{index}", "estimate": "{value:.3g}", "std": "{std:.2g}", "unit": "{unit}"}
 
 
 def estimate_summary(model: Model) -> dict[str, Any]:
@@ -82,13 +72,12 @@ def estimate_summary(model: Model) -> dict[str, Any]:
 
 def print_estimate(model: Model) -> None:
     console = console_of()
-    table = model.to_dataframe().loc[_main_terms(model)]
-    rows = ((str(name), f"{row['value']:.3g}", f"{row['std']:.2g}", str(row["unit"])) for name, row in table.iterrows())
+    table = model.to_dataframe().loc[_main_terms(model)].rename_axis("index").reset_index()
     for note in model.notes:
         console.print(note, soft_wrap=True)
     if model.configuration.canal.depth is None:
         console.print("No depth is given: the estimate is for deep water; add --depth for a canal.", soft_wrap=True)
-    console.print(table_of(("", "estimate", "std", "unit"), rows, left=("", "unit"), no_wrap=True))
+    console.print(table_of(ESTIMATED, table.to_dict("records"), left=("", "unit"), no_wrap=True))
     _say_rest(console, model)
 
 
@@ -105,9 +94,8 @@ def _say_rest(console: "Console", model: Model) -> None:
 
 def print_ships(table: "pd.DataFrame") -> None:
     console = console_of(WIDTH)
-    cells = ((str(name), *(_cell(row[column]) for column in SHIP_HEADS)) for name, row in table.iterrows())
-    left = ("name", "ship", "rudder", "bank", "measured")
-    console.print(table_of(("name", *SHIP_HEADS.values()), cells, left=left, no_wrap=True))
+    rows = table.rename_axis("name").reset_index().replace({True: "yes", False: "no"}).to_dict("records")
+    console.print(table_of(SHIPS, rows, left=("name", "ship", "rudder", "bank", "measured"), no_wrap=True))
     console.print("Each name replaces a model file; --json gives the source of each.")
 
 
@@ -164,16 +152,17 @@ def _stations(waterway: Waterway, draft: float) -> list[dict[str, float]]:
     return [dict(zip(columns, row, strict=True)) for row in rows]
 
 
+STATION = {
+    "at [m]": "{at:.0f}", "heading [deg]": "{heading:.1f}", "to starboard [m]": "{starboard:.1f}",
+    "to port [m]": "{port:.1f}", "width [m]": "{width:.1f}", "depth [m]": "{depth:.1f}",
+}  # fmt: skip
+
+
 def print_waterway(waterway: Waterway, draft: float = 0.0, notes: tuple[str, ...] = ()) -> None:
     console, summary = console_of(), waterway_summary(waterway, draft, notes)
-    rows = (
-        (f"{at:.0f}", f"{heading:.1f}", *(f"{value:.1f}" if math.isfinite(value) else "-" for value in rest))
-        for at, heading, *rest in (row.values() for row in summary["stations"])
-    )
-    heads = ("at [m]", "heading [deg]", "to starboard [m]", "to port [m]", "width [m]", "depth [m]")
     if waterway.place:
         console.print(f"{waterway.name}: {waterway.place_check}")
-    console.print(table_of(heads, rows))
+    console.print(table_of(STATION, summary["stations"]))
     console.print(summary["summary"])
     print_notes(console, summary["notes"])
 

@@ -1,12 +1,10 @@
 """Results learned from steady legs, as one self-contained page."""
 
-import math
 from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from rich.console import Console
 
 from narrows.files import write_whole
 from narrows.logbook import EnvelopeChange, SteadyFit, SteadyPlan
@@ -14,9 +12,9 @@ from narrows.logbook.envelope_change import rudder_band
 from narrows.logbook.learned_coefficient import ON_TWINS, QUANTILE_95
 from narrows.logbook.steady_legs.steady_readings import SHARED
 from narrows.report.fit_page import figure, render
-from narrows.report.pilot_page import LEARNED_HEADS, learned_rows
+from narrows.report.pilot_page import LEARNED, learned_rows
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, Margins, panels
-from narrows.report.terminal import WIDTH, console_of, print_notes, print_result, table_of, titled_table
+from narrows.report.terminal import WIDTH, cells_of, console_of, print_notes, print_result, table_of
 from narrows.safety import SURE_SHARE
 
 
@@ -30,8 +28,8 @@ def write_steady_report(fit: SteadyFit, change: EnvelopeChange, path: str | Path
         said=[line for line in fit.summary().splitlines() if line != ON_TWINS],
         learned=learned_rows(fit.coefficients),
         figure=figure(steady_figure(fit), caption),
-        change_heads=CHANGE_HEADS,
-        change=change_rows(change),
+        change_heads=[*CHANGE],
+        change=cells_of(CHANGE, change.rows()),
         changed=[*change.summary().splitlines(), change.notes[0]],
         direction=fit.readings.directions[0],
         legs=found["legs"],
@@ -99,62 +97,35 @@ def change_figure(change: EnvelopeChange) -> Figure:
     return figure
 
 
-def print_steady_fit(fit: SteadyFit, change: EnvelopeChange | None = None) -> None:
-    console, words = console_of(WIDTH), "information"
+def print_steady_fit(fit: SteadyFit, change: EnvelopeChange) -> None:
+    console = console_of(WIDTH)
     console.print(fit.summary())
-    console.print(table_of((*LEARNED_HEADS, words), learned_rows(fit.coefficients), left=("", "unit", words)))
-    if change is not None:
-        print_change(change, console)
-    print_notes(console, fit.notes)
-
-
-def print_change(change: EnvelopeChange, console: Console | None = None) -> None:
-    console = console or console_of()
+    columns = {**LEARNED, "information": "{verdict}"}
+    console.print(table_of(columns, learned_rows(fit.coefficients), left=("", "unit", "information")))
     speed = change.rows()[0]["speed"]
     title = (
         f"The safe envelope: rudder that holds the ship (9 cases of 10 between) and cases held, at {speed:.1f} knots"
     )
-    console.print(titled_table(title, CHANGE_HEADS, change_rows(change)))
+    console.print(table_of(CHANGE, change.rows(), title=title))
     console.print(change.summary())
+    print_notes(console, fit.notes)
 
 
-CHANGE_HEADS = (
-    "offset [m]", "rudder before [deg]", "after [deg]", "held before", "after", "safe to, before [kn]", "after [kn]",
-)  # fmt: skip
-
-
-def change_rows(change: EnvelopeChange) -> list[tuple[str, ...]]:
-    """Return a row for each offset: rudder interval, share of cases held and highest safe speed, before and after."""
-    return [
-        (f"{row['offset']:+.3g}", _band(row, "before"), _band(row, "after"), f"{100 * row['held_before']:.0f} %",
-         f"{100 * row['held_after']:.0f} %", _knots(row["highest_speed_before"]), _knots(row["highest_speed_after"]))
-        for row in change.rows()
-    ]  # fmt: skip
+# Rudder interval, share of cases held and highest safe speed at each offset, before and after.
+CHANGE = {
+    "offset [m]": "{offset:+.3g}", "rudder before [deg]": "{rudder_low_before:+.1f} to {rudder_high_before:+.1f}",
+    "after [deg]": "{rudder_low_after:+.1f} to {rudder_high_after:+.1f}", "held before": "{held_before:.0%}",
+    "held after": "{held_after:.0%}", "safe to, before [kn]": "{highest_speed_before:.1f}",
+    "after [kn]": "{highest_speed_after:.1f}",
+}  # fmt: skip
+LEGS = {
+    "leg": "{leg}", "offset [m]": "{offset:+g}", "speed [kn]": "{speed:g}",
+    "rudder to expect [deg]": "{rudder_low:+.0f} to {rudder_high:+.0f}",
+    "drift to expect [deg]": "{drift_low:+.1f} to {drift_high:+.1f}",
+}  # fmt: skip
 
 
 def print_steady_plan(plan: SteadyPlan) -> None:
-    heads = ("leg", "offset [m]", "speed [kn]", "rudder to expect [deg]", "drift to expect [deg]")
-    rows = (
-        (
-            str(number), f"{row['offset']:+g}", f"{row['speed']:g}",
-            f"{_degrees(row['rudder_low'])} to {_degrees(row['rudder_high'])}",
-            f"{_degrees(row['drift_low'], 1)} to {_degrees(row['drift_high'], 1)}",
-            *(f"{row[f'std {name}']:.2g}" for name in plan.targets),
-        )
-        for number, row in enumerate(plan.rows(), start=1)
-    )  # fmt: skip
-    table = table_of((*heads, *(f"std {name} then" for name in plan.targets)), rows)
-    print_result(plan, table if plan.legs else None)
-
-
-def _band(row: dict[str, float], when: str) -> str:
-    low, high = row[f"rudder_low_{when}"], row[f"rudder_high_{when}"]
-    return f"{_degrees(low, 1)} to {_degrees(high, 1)}"
-
-
-def _degrees(angle: float, digits: int = 0) -> str:
-    return f"{angle:+.{digits}f}" if math.isfinite(angle) else "none"
-
-
-def _knots(speed: float) -> str:
-    return f"{speed:.1f}" if math.isfinite(speed) else "nowhere"
+    columns = LEGS | {f"std {name} then": f"{{std {name}:.2g}}" for name in plan.targets}
+    rows = [{"leg": number, **row} for number, row in enumerate(plan.rows(), start=1)]
+    print_result(plan, table_of(columns, rows) if plan.legs else None)

@@ -1,12 +1,13 @@
 """Tables and results in the terminal."""
 
+import math
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from string import Formatter
 from typing import Any, TypeVar
 
 from rich.console import Console
 from rich.table import Table
-from rich.text import Text
 
 Row = TypeVar("Row")
 
@@ -24,21 +25,35 @@ def console_of(least: int = 0) -> Console:
     return console
 
 
+class _CellFormatter(Formatter):
+    def format_field(self, value: Any, form: str) -> str:
+        if value is None:
+            return ""
+        if isinstance(value, list | tuple):
+            return ", ".join(self.format_field(one, form) for one in value)
+        if isinstance(value, float) and not math.isfinite(value):
+            return "-"
+        return f"{100 * value:{form[:-1]}f} %" if form.endswith("%") else format(value, form)
+
+
+def cells_of(columns: Mapping[str, str], rows: Iterable[Mapping[Any, Any]]) -> list[list[str]]:
+    """Return the cells of rows; columns give the format of each head, ``{y:+.1f}``: ``-`` where it is not finite."""
+    cells = _CellFormatter()
+    return [[cells.vformat(form, (), row).replace("- to -", "-") for form in columns.values()] for row in rows]
+
+
 def table_of(
-    heads: Iterable[str], rows: Iterable[Iterable[str | Text]], left: Iterable[str] = ("",), no_wrap: bool = False,
+    columns: Mapping[str, str], rows: Iterable[Mapping[Any, Any]], left: Iterable[str] = ("",), no_wrap: bool = False,
     **options: Any,
 ) -> Table:  # fmt: skip
     """Return a table without rules: columns under ``left`` are left-aligned, all others right-aligned."""
-    table, words = Table(box=None, pad_edge=False, **options), set(left)
-    for head in heads:
-        table.add_column(head, justify="left" if head in words else "right", no_wrap=no_wrap)
-    for row in rows:
-        table.add_row(*row)
+    table = Table(box=None, pad_edge=False, title_justify="left", title_style="bold", **options)
+    for head in columns:
+        table.add_column(head, justify="left" if head in left else "right", no_wrap=no_wrap)
+    rows = list(rows)
+    for row, cells in zip(rows, cells_of(columns, rows), strict=True):
+        table.add_row(*cells, style=row.get("style"))
     return table
-
-
-def titled_table(title: str, heads: Iterable[str], rows: Iterable[Iterable[str]], left: Iterable[str] = ("",)) -> Table:
-    return table_of(heads, rows, left, title=title, title_justify="left", title_style="bold")
 
 
 def print_result(result: Any, *tables: Table | None) -> None:
