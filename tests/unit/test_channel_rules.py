@@ -138,8 +138,8 @@ def test_what_was_not_read_is_not_shown_as_published() -> None:
 
 def test_a_rule_without_a_source_is_none() -> None:
     for rule in CHANNEL_RULES:
-        assert all((rule.source, rule.criterion, rule.content))
-        assert bool(rule.lanes) + (rule.speed is not None) + (rule.rudder_deg is not None) == 1
+        assert all((rule.source, rule.content))
+        assert (rule.widths is not None) + (rule.speed is not None) + (rule.rudder_deg is not None) == 1
 
 
 def test_a_bank_of_no_known_kind_is_refused() -> None:
@@ -189,4 +189,4 @@ def test_the_answer_carries_the_rules_into_its_files(certain: nw.Model, tmp_path
     assert again.rules.rows() == answer.rules.rows()
     dry = replace(certain, configuration=replace(certain.configuration, canal=nw.Canal(300.0)))
     unknown = nw.safe_envelope(dry, np.array([0.0]), np.array([3.0]), samples=1)
-    assert unknown.rules.passage.depth is None
+    assert math.isnan(unknown.rules.depth)

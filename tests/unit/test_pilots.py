@@ -217,9 +217,7 @@ class TestChoice:
     @pytest.mark.slow
     def test_the_tuning_that_holds_most_is_taken(self) -> None:
         """Counted again, on the samples that choose; they are others than those that judge."""
-        question = envelope_request(
-            narrow(), np.linspace(-9, 9, 7), np.array([4.0, 6.0]), None, 1 / 3, None, None, None
-        )
+        question = envelope_request(narrow(), np.linspace(-9, 9, 7), np.array([4.0, 6.0]), disturbance=Disturbance())
         under = keel_at(question.model, question.speeds)
         clear = bounds_of(question, under)["clear"].to_numpy()
         chosen = choose_pilot(question, under.midship, clear, 0, 1)

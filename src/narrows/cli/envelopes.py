@@ -155,6 +155,7 @@ def envelope(
     MODEL is a model file at the ship's own size, with the terms of a rudder (see scale, and docs/safe-envelope.md).
     """
     from narrows.report.envelope_chart import envelope_chart, print_envelope
+    from narrows.safety.result import noting
 
     section.check()
     if (model is None) != demo:
@@ -176,7 +177,7 @@ def envelope(
         raise SystemExit(int(bool(along.to_dataframe()["highest_speed"].isna().all())))
     ship, reach, notes = section.placed(ship)
     result = nw.safe_envelope(ship, **asked, **reach)
-    result = result.noting(*notes)
+    result = noting(result, *notes)
     delivery.write(result.save, lambda: envelope_chart(result))
     delivery.show(result.to_dict, lambda: print_envelope(result))
     raise SystemExit(int(bool(result.highest_speed().isnull().all())))

@@ -136,7 +136,7 @@ def _shade(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> 
     for low, high in _bands(~data["clear"].to_numpy(), u):
         axes.axhspan(low, high, facecolor="white", edgecolor=ORANGE, hatch="///", lw=0, zorder=2.5)
     if not data["clear"].all():
-        engine = ", engine" if "rudder_kick" in data else ""
+        engine = "" if data["driven"].all() else ", engine"
         handles.append(Patch(facecolor="white", edgecolor=ORANGE, hatch="///", label=f"keel or choked canal{engine}"))
     handles += _shade_outside(axes, envelope, y, u)
     span = (y[0] - _half(y), y[-1] + _half(y)), (u[0] - _half(u), u[-1] + _half(u))

@@ -71,10 +71,10 @@ def rules_figure(rules: OutsideRules) -> Figure:
     figure, axes = panels(1, 1, 3.6)
     panel = axes[0, 0]
     panel.set_ylim(0.0, TOP if math.isinf(rules.choke) else rules.choke / KNOT)
-    panel.set_xlim(-1.02 * rules.port, 1.02 * rules.starboard)
+    panel.set_xlim(-1.02 * rules.wall_port, 1.02 * rules.wall_starboard)
     keys = draw_widths(panel, rules)
     draw_speeds(panel, rules)
-    for wall in (-rules.port, rules.starboard):
+    for wall in (-rules.wall_port, rules.wall_starboard):
         panel.axvline(wall, color=BLACK, lw=3)
     panel.set(xlabel="offset from the middle [m]: port is negative", ylabel="speed through the water [knots]")
     panel.legend(handles=keys, frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)

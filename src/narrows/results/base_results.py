@@ -17,6 +17,7 @@ from narrows.files import write_whole
 from narrows.results.saving import FORMS, csv_of, forms_of, to_json, write
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -269,6 +270,13 @@ class Tabulated(BaseResult):
 
     Libraries that read tables by Arrow (Polars, DuckDB, Altair) read it as one.
     """
+
+    def to_dataframe(self) -> "pd.DataFrame":
+        """Return the rows as a table."""
+        import pandas as pd
+
+        table: Any = self
+        return pd.DataFrame(table.rows())
 
     def __iter__(self) -> Iterator[Any]:
         """The rows, each a tuple with names."""

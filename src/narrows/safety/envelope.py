@@ -4,23 +4,23 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from narrows.aliases import accept_aliases
-from narrows.control.steady_course import check_rudder, solved, with_propulsion
+from narrows.control.steady_course import check_rudder, with_propulsion
 from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
 from narrows.safety import settings
 from narrows.safety.caveats import data_coverage, with_caveats
+from narrows.safety.channel_rules import BANKS
 from narrows.safety.held_trials import trials
 from narrows.safety.pilots import PILOTS, Pilot
 from narrows.safety.request import Bend, Disturbance, EnvelopeRequest, Keel, Walls, envelope_request, keel_at
 from narrows.safety.result import MEDIAN, SafeEnvelope
-from narrows.simulation.grid import grid_of
 from narrows.simulation.inputs import check_workers, finite_numbers
-from narrows.simulation.ship import SimulatedShip
 
 
 @accept_aliases
@@ -53,8 +53,7 @@ def safe_envelope(
     keel : float [m], optional
         Least clearance under the keel; a twentieth of the draft unless given.
     most_revolutions : float [1/s], optional
-        Limit of the engine, for a model with a propeller: it limits the speed, and the result shows how much rudder a
-        kick ahead saves.
+        Limit of the engine, for a model with a propeller: it limits the speed.
     samples : int, optional
         Number of samples of coefficients and disturbances; default: enough to determine the edge to a step of the
         offsets and speeds.
@@ -83,27 +82,32 @@ def safe_envelope(
     """
     check_rudder(model)
     check_workers(workers)
+    check_choice("bank", bank, BANKS)
     check_choice("controller", controller, PILOTS)
-    bend = Bend(**finite_numbers(curvature=curvature, current=current))
-    request = envelope_request(model, y, u, disturbance, reserve, keel, most_revolutions, walls, bank, controller, bend)
+    request = envelope_request(
+        model, y, u, keel=keel, walls=walls, disturbance=disturbance or Disturbance(), reserve=reserve,
+        most_revolutions=most_revolutions, bank=bank, pilot=controller,
+        bend=Bend(**finite_numbers(curvature=curvature, current=current)),
+    )  # fmt: skip
     under = keel_at(model, request.speeds)
     bounds = bounds_of(request, under)
     inside = (bounds["tested"] & bounds["clear"]).to_numpy()
-    pilot = choose_pilot(request, under.midship, bounds["clear"].to_numpy(), seed, workers)
     try_more = partial(
         trials, y=request.offsets, u=request.speeds, heave=under.midship, disturbance=request.disturbance,
-        walls=request.walls, bend=request.bend, pilot=pilot, workers=workers, progress=progress,
+        walls=request.walls, bend=request.bend, workers=workers, progress=progress,
+        pilot=choose_pilot(request, under.midship, bounds["clear"].to_numpy(), seed, workers),
     )  # fmt: skip
     tried = settled_trials(partial(try_more, model), samples, seed, request.rudder_limit, inside)
     likely = tried
     if model.covariance is not None:
         likely = try_more(replace(model, covariance=None), samples=settings.LIKELY_SAMPLES, seed=seed)
-    data = controllable_fraction(tried, request.rudder_limit).assign(bounds.data_vars)
-    data = data.assign(best_estimate_fraction(likely, request.rudder_limit))
-    if most_revolutions is not None:
-        data = data.assign(rudder_kick=rudder_of_propeller_burst(request, under))
+    found = {
+        **controllable_fraction(tried, request.rudder_limit),
+        **best_estimate_fraction(likely, request.rudder_limit),
+    }
+    data = xr.Dataset(found).transpose("y", "u").assign(bounds.data_vars)
     data["y"].attrs, data["u"].attrs = {"units": "m"}, {"units": "m/s"}
-    return with_caveats(SafeEnvelope(data), request, under, tried.sizes["sample"])
+    return with_caveats(data, request, under, tried.sizes["sample"])
 
 
 def bounds_of(request: EnvelopeRequest, under: Keel) -> xr.Dataset:
@@ -129,21 +133,6 @@ def _driven(model: Model, speeds: np.ndarray, most: float | None) -> np.ndarray:
         raise InputError(f"most_revolutions = {most} 1/s drive no ship; give a number over 0")
     asked: object = with_propulsion(model, {"u": speeds})["revolutions"]
     return np.asarray(asked, float) <= most
-
-
-def rudder_of_propeller_burst(request: EnvelopeRequest, under: Keel) -> xr.DataArray:
-    """Return the steady rudder with the engine at its limit, over offsets and speeds [rad]."""
-    asked = {"u": request.speeds, "heave": xr.DataArray(under.midship, dims="u"), "y": request.offsets}
-    grid = grid_of(request.model, {**asked, "revolutions": request.most_revolutions}, 0, 0)
-    values, shape = grid.flat(slice(0, grid.sizes[grid.axis]))
-    ship, wind = SimulatedShip(request.model), request.disturbance.steady
-    sides = [
-        solved(ship, {**values, **request.bend.values(values["y"]), "Y": force,
-                      "N": request.disturbance.gust_lever * force}, grid.vessels, 1)[1]
-        for force in (wind, -wind)
-    ]  # fmt: skip
-    rudder = np.where(np.abs(sides[0]) >= np.abs(sides[1]), *sides)
-    return xr.DataArray(rudder.reshape(shape), dims=list(grid.sizes), attrs={"units": "rad"}).transpose("y", "u")
 
 
 def choose_pilot(
@@ -178,11 +167,9 @@ def _spread(size: int, most: int) -> np.ndarray:
     return np.unique(np.round((np.arange(most) + 0.5) * size / most - 0.5).astype(int))
 
 
-# Trials of so many ``samples`` from a ``seed``, over y, u and sample.
-Trial = Callable[..., xr.Dataset]
-
-
-def settled_trials(try_more: Trial, samples: int | None, seed: int, limit: float, clear: np.ndarray) -> xr.Dataset:
+def settled_trials(
+    try_more: Callable[..., xr.Dataset], samples: int | None, seed: int, limit: float, clear: np.ndarray
+) -> xr.Dataset:
     """Return trials of so many samples, or doubled until the edge is determined."""
     # limit [rad]; clear (offsets, speeds)
     if samples is not None:
@@ -198,14 +185,32 @@ def settled_trials(try_more: Trial, samples: int | None, seed: int, limit: float
     return tried
 
 
-def controllable_fraction(tried: xr.Dataset, limit: float) -> xr.Dataset:
+def controllable_fraction(tried: xr.Dataset, limit: float) -> dict[str, xr.DataArray]:
     # tried [rad]; limit [rad]. A sample without a course counts as beyond hard over, on the side of the others.
-    found, holds = np.isfinite(tried["rudder"]), np.abs(tried["rudder"]) <= limit
-    shares = {"found": found.mean("sample"), "holds": holds.mean("sample")}
+    rudder, count = tried["rudder"], tried.sizes["sample"]
+    shares = {"found": np.isfinite(rudder).mean("sample"), "holds": (np.abs(rudder) <= limit).mean("sample")}
     for name in ("held", "known"):
-        shares |= _counted(name, safely(tried, limit, name))
-    counted = {name: share.assign_attrs(units="1") for name, share in shares.items()}
-    return xr.Dataset(_quantiles(tried["rudder"]) | counted).transpose("y", "u")
+        share = shares[name] = safely(tried, limit, name).mean("sample")
+        for end, column in zip(("low", "high"), share_interval(share.to_numpy(), count), strict=True):
+            shares[f"{name}_{end}"] = share.copy(data=column)
+    beyond = np.sign(rudder.median("sample")).fillna(1.0) * np.inf
+    filled = rudder.fillna(beyond.where(beyond != 0, np.inf))
+    middle = _quantile(filled, MEDIAN, "midpoint")
+    angles = {
+        "rudder": middle.where(np.isfinite(middle)),
+        "rudder_low": _quantile(filled, 1 - settings.SURE_SHARE, "lower"),
+        "rudder_high": _quantile(filled, settings.SURE_SHARE, "higher"),
+        "rudder_95": _quantile(np.abs(rudder).fillna(np.inf), settings.SURE_SHARE, "higher"),
+    }
+    return {
+        name: column.assign_attrs(units=unit)
+        for columns, unit in ((angles, "rad"), (shares, "1")) for name, column in columns.items()
+    }  # fmt: skip
+
+
+def _quantile(values: xr.DataArray, share: float, method: Any) -> xr.DataArray:
+    with np.errstate(invalid="ignore"):
+        return values.quantile(share, "sample", method=method).drop_vars("quantile")
 
 
 def safely(tried: xr.Dataset, limit: float, name: str) -> xr.DataArray:
@@ -218,31 +223,6 @@ def best_estimate_fraction(tried: xr.Dataset, limit: float) -> dict[str, xr.Data
     # A steady wind may blow from either side: the larger rudder counts, and none where one side has no course.
     most, least = (getattr(tried["rudder"], of)("sample", skipna=False) for of in ("max", "min"))
     return {"certain": share, "rudder_likely": xr.where(abs(most) >= abs(least), most, least).assign_attrs(units="rad")}
-
-
-def _counted(name: str, counted: xr.DataArray) -> dict[str, xr.DataArray]:
-    """Share of the samples that satisfy a condition, and its confidence interval."""
-    share = counted.mean("sample")
-    low, high = (share.copy(data=end) for end in share_interval(share.to_numpy(), counted.sizes["sample"]))
-    return {name: share, f"{name}_low": low, f"{name}_high": high}
-
-
-def _quantiles(rudder: xr.DataArray) -> dict[str, xr.DataArray]:
-    beyond = np.sign(rudder.median("sample")).fillna(1.0) * np.inf
-    filled, size = rudder.fillna(beyond.where(beyond != 0, np.inf)), np.abs(rudder).fillna(np.inf)
-    middle = _quantile(filled, MEDIAN, "midpoint")
-    return {
-        "rudder": middle.where(np.isfinite(middle)).assign_attrs(units="rad"),
-        "rudder_low": _quantile(filled, 1 - settings.SURE_SHARE, "lower"),
-        "rudder_high": _quantile(filled, settings.SURE_SHARE, "higher"),
-        "rudder_95": _quantile(size, settings.SURE_SHARE, "higher"),
-    }
-
-
-def _quantile(values: xr.DataArray, share: float, method: str) -> xr.DataArray:
-    with np.errstate(invalid="ignore"):
-        quantiles = values.quantile(share, "sample", method=method).drop_vars("quantile")
-    return quantiles.assign_attrs(units="rad")
 
 
 # Standard deviations of a two-sided 95 % interval of a normal distribution.
@@ -260,11 +240,8 @@ def share_interval(share: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarra
 
 def is_settled(low: np.ndarray, high: np.ndarray, share: float, clear: np.ndarray) -> bool:
     """Return whether the edge of the safe area is known to a step of the grid."""
+    from scipy.ndimage import binary_dilation
+
     # low, high (offsets, speeds); clear (offsets, speeds)
-    sure, perhaps = (low >= share) & clear, (high >= share) & clear
-    near = sure.copy()
-    near[1:] |= sure[:-1]
-    near[:-1] |= sure[1:]
-    near[:, 1:] |= sure[:, :-1]
-    near[:, :-1] |= sure[:, 1:]
-    return not (perhaps & ~near).any()
+    perhaps = (high >= share) & clear
+    return not (perhaps & ~binary_dilation((low >= share) & clear)).any()

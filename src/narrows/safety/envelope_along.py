@@ -17,7 +17,7 @@ from narrows.safety import settings
 from narrows.safety.envelope import safe_envelope
 from narrows.safety.headline import MORE, estimated, runs, safe_offsets, sure_blocks
 from narrows.safety.request import default_offsets, default_speeds
-from narrows.safety.result import SafeEnvelope
+from narrows.safety.result import SafeEnvelope, noting
 from narrows.ship.particulars import Ship
 from narrows.simulation.inputs import check_waterway
 from narrows.simulation.outcome import water_notes
@@ -28,9 +28,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from narrows.waterway.waterway import Waterway
-
-# Columns in knots; those of places that are safe by the model alone end in ``_by_model``.
-SPEEDS = ("lowest_speed", "highest_speed", "at_speed")
 
 
 @dataclass(frozen=True, repr=False)
@@ -84,31 +81,30 @@ class EnvelopeAlong(BaseResult):
     def dataset(self) -> xr.Dataset:
         """Return the rows over the distance, with units."""
         found = xr.Dataset.from_dataframe(self.to_dataframe().astype({"limited_by": str}))
-        for name in found.variables:
-            stem = str(name).removesuffix("_by_model")
-            if stem != "limited_by":
-                found[name].attrs["units"] = "kn" if stem in SPEEDS else "m"
+        for name in map(str, set(found.variables) - {"limited_by"}):
+            found[name].attrs["units"] = "kn" if "speed" in name else "m"
         return found.assign_attrs(summary=self.summary(), notes="\n".join(self.notes))
 
     def summary(self) -> str:
         """Describe the slowest and the fastest place, and where the tests cover them."""
-        rows, start = self.rows(), f"Along {self.waterway.name}, {len(self.places)} places"
-        first, doubts = self.envelopes[0], [self._doubt(), *dict.fromkeys(one.trust for one in self.envelopes)]
-        tested = [row for row in rows if not math.isnan(row["highest_speed"])]
+        rows, top = self.rows(), "highest_speed"
+        tested = {row["distance"]: row[top] for row in rows if not math.isnan(row[top])}
+        others = {row["distance"]: row[f"{top}_by_model"] for row in rows if row["distance"] not in tested}
+        by_model = {place: speed for place, speed in others.items() if not math.isnan(speed)}
+        nowhere = ", ".join(f"{place:.0f}" for place in others if place not in by_model)
         sentences = [
-            *estimated(first.data),
-            f"{start}: safe with 95 % probability at {len(tested)} of them {_speeds(tested)}".strip() + ".",
+            *estimated(self.envelopes[0].data),
+            f"Along {self.waterway.name}, {len(rows)} places: safe with 95 % probability at {len(tested)} of them"
+            f"{_ends(tested)}.",
         ]
-        others = [row for row in rows if math.isnan(row["highest_speed"])]
-        by_model = [row for row in others if not math.isnan(row["highest_speed_by_model"])]
         if by_model:
-            span = _speeds(by_model, "_by_model")
-            sentences.append(f"By the model alone, which was not tested there, at {len(by_model)} more {span}.")
-        if len(others) > len(by_model):
-            where = ", ".join(f"{row['distance']:.0f}" for row in others if row not in by_model)
-            sentences.append(f"No speed and offset is safe at {where} m.")
-        untested = [f"Not tested: {self.untested}."] if self.untested else []
-        return " ".join([*sentences, *untested, *filter(None, doubts)])
+            more = f"at {len(by_model)} more{_ends(by_model)}"
+            sentences.append(f"By the model alone, which was not tested there, {more}.")
+        if nowhere:
+            sentences.append(f"No speed and offset is safe at {nowhere} m.")
+        untested = f"Not tested: {self.untested}." if self.untested else ""
+        doubts = (self._doubt(), *dict.fromkeys(one.trust for one in self.envelopes))
+        return " ".join(filter(None, (*sentences, untested, *doubts)))
 
     def _doubt(self) -> str:
         """Return the places at which the samples leave the safe area uncertain, in a sentence."""
@@ -130,9 +126,7 @@ class EnvelopeAlong(BaseResult):
 
 
 @accept_aliases
-def envelope_along(
-    model: Model, waterway: "Waterway", places: Sequence[float], **envelope: Any
-) -> EnvelopeAlong:  # fmt: skip
+def envelope_along(model: Model, waterway: "Waterway", places: Sequence[float], **envelope: Any) -> EnvelopeAlong:
     """Find the highest safe speed and the widest safe offsets at places along a waterway.
 
     Each place stands for the reach midway to its neighbours. The safe envelope is computed in the tightest section of
@@ -171,7 +165,7 @@ def envelope_along(
                 options["y"] = default_offsets(reach.model, options["walls"], settings.ALONG_OFFSETS)
             if options.get("u") is None:
                 options["u"] = default_speeds(reach.model, settings.ALONG_SPEEDS)
-            known[key] = safe_envelope(reach.model, **options).noting(*water)
+            known[key] = noting(safe_envelope(reach.model, **options), *water)
     found = tuple(known[_section(reach)] for reach in reaches)
     middles, draft = np.array([reach.middle for reach in reaches]), model.configuration.ship.draft
     return EnvelopeAlong(waterway, draft, along, tightest, middles, found)
@@ -236,19 +230,17 @@ def _reach(envelope: SafeEnvelope, safe: xr.DataArray, middle: float, suffix: st
             ends = safe_offsets(data, block, settings.SURE_SHARE)
             wide.append((ends[1] - ends[0], speed, *ends))
     _, speed, port, starboard = max(wide, default=(math.nan,) * 4)
-    found = {
-        "lowest_speed": lowest, "highest_speed": highest, "port": float(port) + middle,
-        "starboard": float(starboard) + middle, "at_speed": float(speed),
+    return {
+        f"lowest_speed{suffix}": lowest, f"highest_speed{suffix}": highest, f"port{suffix}": float(port) + middle,
+        f"starboard{suffix}": float(starboard) + middle, f"at_speed{suffix}": float(speed),
     }  # fmt: skip
-    return {f"{name}{suffix}": value for name, value in found.items()}
 
 
-def _speeds(rows: list[dict[str, Any]], suffix: str = "") -> str:
-    if not rows:
-        return ""
-    ends = [pick(rows, key=lambda row: row[f"highest_speed{suffix}"]) for pick in (min, max)]
-    words = [f"{row[f'highest_speed{suffix}']:.1f} knots at {row['distance']:.0f} m" for row in ends]
-    return f"(to {' and '.join(dict.fromkeys(words))})"
+def _ends(speeds: dict[float, float]) -> str:
+    """Return the lowest and the highest of speeds by distance, in words."""
+    places = dict.fromkeys(pick(speeds, key=speeds.__getitem__) for pick in (min, max) if speeds)
+    words = [f"{speeds[place]:.1f} knots at {place:.0f} m" for place in places]
+    return f" (to {' and '.join(words)})" if words else ""
 
 
 # Sections of a waterway for the safe envelope, and the highest safe speeds along it.

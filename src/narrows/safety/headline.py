@@ -9,11 +9,8 @@ from narrows.quantities.names import KNOT
 
 # Offsets and speeds of a grid.
 Block = tuple[slice, slice]
-NOWHERE = "No offset and speed is safe with 95 % probability"
 # Share of cases that makes a place more likely held than not [1].
 LIKELY = 0.5
-
-
 # Remedy for an edge that the number of samples leaves uncertain.
 MORE = "more samples (--samples, in Python samples=) make it certain"
 # Difference of two offsets that are the same in words [m].
@@ -25,24 +22,25 @@ def headline(data: xr.Dataset, share: float) -> tuple[list[str], list[str]]:
     # The offsets and speeds are those of the largest block of the grid in which every place is safe. First come the
     # untested quantities of the section; with the limits, where a pilot with the true coefficients would hold it.
     data = data.transpose("y", "u", ...)
-    y, u = data["y"].to_numpy(), data["u"].to_numpy()
     by_model = safe_by(data, share)
     safe, section = by_model & data["tested"].to_numpy(), data.attrs["untested"]
-    block = largest_block(data, safe)
+    block, wider = largest_block(data, safe), largest_block(data, by_model)
     # The first sentence of an estimated model names it as one.
-    guess = estimated(data)
-    guess += [f"Extrapolated, as the tests did not cover this: {section}."] if section else []
+    answer = estimated(data)
+    answer += [f"Extrapolated, as the tests did not cover this: {section}."] if section else []
     if block is None:
-        return [*guess, _nowhere(data, by_model)], [*_known(data, share, None), _way(data, share)]
-    offsets = safe_offsets(data, block, share)
+        words, limit = _nowhere(data, share)
+        if wider is not None:
+            words = f"Nowhere safe within the tests; by the model {_at_places(data, wider)}."
+        return [*answer, words], [*_known(data, share, None), limit]
     word = "Safe by the model" if section else "Safe"  # The chart hatches a section that was not tested, too
-    answer = [*guess, f"{word} {place_in_words(data, block[1], offsets)}, with 95 % probability."]
-    limits = [*_outside(safe, block, y, u), _limits(data, share, block)]
-    wider = largest_block(data, by_model)
+    span = place_in_words(data, block[1], safe_offsets(data, block, share))
+    limits = [*_outside(data, safe, block), _limits(data, share, block)]
     if wider is not None and wider != block:
-        span = place_in_words(data, wider[1], tuple(y[wider[0]][[0, -1]]))
-        limits.append(f"By the model also {span}, but there the tests end.")
-    return answer, [*limits, *_known(data, share, block), *_doubt(data, share, block)]
+        limits.append(f"By the model also {_at_places(data, wider)}, but there the tests end.")
+    return [*answer, f"{word} {span}, with 95 % probability."], [
+        *limits, *_known(data, share, block), *_doubt(data, share),
+    ]  # fmt: skip
 
 
 def estimated(data: xr.Dataset) -> list[str]:
@@ -51,45 +49,34 @@ def estimated(data: xr.Dataset) -> list[str]:
     return [f"{estimate.partition('. ')[0].removesuffix('.')}."] if estimate else []
 
 
-def _nowhere(data: xr.Dataset, by_model: np.ndarray) -> str:
-    y, wider = data["y"].to_numpy(), largest_block(data, by_model)
-    if wider is not None:
-        span = place_in_words(data, wider[1], tuple(y[wider[0]][[0, -1]]))
-        return f"Nowhere safe within the tests; by the model {span}."
-    best = _best(data)
-    if best is None:
-        return f"{NOWHERE}."
-    place = f"{float(best['y']):+.1f} m and {float(best['u']) / KNOT:.1f} knots"
+def _at_places(data: xr.Dataset, block: Block) -> str:
+    return place_in_words(data, block[1], tuple(data["y"].to_numpy()[block[0]][[0, -1]]))
+
+
+def _nowhere(data: xr.Dataset, share: float) -> tuple[str, str]:
+    """Return where most cases are held, and the limit there."""
+    nowhere, held = "No offset and speed is safe with 95 % probability", data["held"].where(data["clear"], -1.0)
+    held = held.transpose("y", "u").to_numpy()
+    y, u = map(int, np.unravel_index(held.argmax(), held.shape))
+    if held[y, u] < 0:
+        return f"{nowhere}.", f"The limit is {_cause_at_length(data.isel(y=len(data['y']) // 2, u=0), share)}."
+    best = data.isel(y=y, u=u)
     # Rounded down, so that a share below a limit does not read as the limit.
-    share = math.floor(round(1000 * float(best["held"]), 6)) / 10
-    answer = f"{NOWHERE}: at best {share:g} % of the cases are held, at {place}"
-    likely = largest_block(data, safe_by(data, LIKELY))
-    if likely is None:
-        return f"{answer}."
-    return f"{answer}; more likely held than not {place_in_words(data, likely[1], safe_offsets(data, likely, LIKELY))}."
+    most = math.floor(round(1000 * float(best["held"]), 6)) / 10
+    place = f"{float(best['y']):+.1f} m and {float(best['u']) / KNOT:.1f} knots"
+    answer, likely = (
+        f"{nowhere}: at best {most:g} % of the cases are held, at {place}",
+        largest_block(data, safe_by(data, LIKELY)),
+    )
+    if likely is not None:
+        answer += f"; more likely held than not {place_in_words(data, likely[1], safe_offsets(data, likely, LIKELY))}"
+    return f"{answer}.", f"The limit is {_cause_at_length(best, share)}."
 
 
-def _best(data: xr.Dataset) -> xr.Dataset | None:
-    """The place with the largest share of held cases, among those that keel, canal and engine allow."""
-    held = data["held"].where(data["clear"], -1.0).transpose("y", "u").to_numpy()
-    place = np.unravel_index(held.argmax(), held.shape)
-    return None if held[place] < 0 else data.isel(y=int(place[0]), u=int(place[1]))
-
-
-def _way(data: xr.Dataset, share: float) -> str:
-    best = _best(data)
-    here = data.isel(y=len(data["y"]) // 2, u=0) if best is None else best
-    return f"The limit is {AT_LENGTH[cause(here, share, _reserved(data))]}."
-
-
-def _reserved(data: xr.Dataset) -> float:
-    return float((1 - data.attrs["reserve"]) * data.attrs["rudder_limit"])
-
-
-def _outside(safe: np.ndarray, block: Block, y: np.ndarray, u: np.ndarray) -> list[str]:
+def _outside(data: xr.Dataset, safe: np.ndarray, block: Block) -> list[str]:
     """Return the safe places that the largest block leaves out, so that no table contradicts it."""
     # safe (offsets, speeds)
-    rest = safe.copy()
+    y, u, rest = data["y"].to_numpy(), data["u"].to_numpy(), safe.copy()
     rest[block] = False
     if not rest.any():
         return []
@@ -113,7 +100,11 @@ def _first_limit(beside: xr.Dataset, share: float) -> str:
     places = beside.stack(place=("u", "y"))
     safe = ((places["held"] >= share) & places["clear"] & places["tested"]).to_numpy()
     first = int(np.where(safe, math.inf, np.abs(places["y"].to_numpy())).argmin())
-    return AT_LENGTH[cause(places.isel(place=first), share, _reserved(beside))]
+    return _cause_at_length(places.isel(place=first), share)
+
+
+def _cause_at_length(here: xr.Dataset, share: float) -> str:
+    return AT_LENGTH[cause(here, share, float((1 - here.attrs["reserve"]) * here.attrs["rudder_limit"]))]
 
 
 def _known(data: xr.Dataset, share: float, block: Block | None) -> list[str]:
@@ -122,14 +113,10 @@ def _known(data: xr.Dataset, share: float, block: Block | None) -> list[str]:
         return []
     by_true = safe_by(data, share, "known")
     known = largest_block(data, by_true & data["tested"].to_numpy())
-    if known is None and by_true.any():
-        return []  # Only the tests end earlier.
-    if known is None:
-        return ["A pilot with the true coefficients would not hold it either."]
-    if known == block:
-        return []
+    if known is None:  # Where it would hold it outside the tests, only the tests end earlier.
+        return [] if by_true.any() else ["A pilot with the true coefficients would not hold it either."]
     span = place_in_words(data, known[1], safe_offsets(data, known, share, "known"))
-    return [f"A pilot with the true coefficients would hold it {span}."]
+    return [f"A pilot with the true coefficients would hold it {span}."] * (known != block)
 
 
 def place_in_words(data: xr.Dataset, columns: slice, offsets: tuple[float, float]) -> str:
@@ -151,9 +138,7 @@ def place_in_words(data: xr.Dataset, columns: slice, offsets: tuple[float, float
     return f"{fast}, {f'{near:.1f} to ' * (near < far)}{far:.1f} m to {side} of the middle"
 
 
-def safe_offsets(
-    data: xr.Dataset, block: Block, share: float, name: str = "held"
-) -> tuple[float, float]:  # fmt: skip
+def safe_offsets(data: xr.Dataset, block: Block, share: float, name: str = "held") -> tuple[float, float]:
     """The outermost offsets at which every speed of a block is held, linear between those of the grid."""
     y, first, last = data["y"].to_numpy(), block[0].start, block[0].stop - 1
     low, high = [], []
@@ -163,14 +148,13 @@ def safe_offsets(
     return max(low), min(high)
 
 
-def _doubt(data: xr.Dataset, share: float, block: Block) -> list[str]:
+def _doubt(data: xr.Dataset, share: float) -> list[str]:
     sure, perhaps = sure_blocks(data, share)
     if sure == perhaps or perhaps is None:
         return []
     if sure is None:
         return [f"With {data.attrs['samples']} cases this is uncertain everywhere; {MORE}."]
-    span = place_in_words(data, sure[1], tuple(data["y"].to_numpy()[sure[0]][[0, -1]]))
-    return [f"Certain with {data.attrs['samples']} cases: {span}."]
+    return [f"Certain with {data.attrs['samples']} cases: {_at_places(data, sure)}."]
 
 
 def sure_blocks(data: xr.Dataset, share: float) -> list[Block | None]:

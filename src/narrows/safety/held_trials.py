@@ -16,7 +16,7 @@ from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.progress import bar
 from narrows.quantities.arithmetic import choice, maximum
-from narrows.safety.pilots import PILOTS, BestEstimateCourses, Pilot, regulator_of
+from narrows.safety.pilots import PILOTS, BestEstimateCourses, Pilot, limited_course, regulator_of
 from narrows.safety.request import STRAIGHT, Bend, Disturbance, Walls
 from narrows.safety.settings import BACK_LENGTHS, MOST_TRIALS, STEPS_A_LENGTH, TRIAL_BLOCK, TRIAL_LENGTHS
 from narrows.simulation.channel import Channel, bend_channel
@@ -51,11 +51,12 @@ def trials(
     ship, grid = SimulatedShip(model), _grid(model, y, u, heave, samples, seed)
     # Disturbances change side with the offset, so that a symmetric canal gets a symmetric result.
     side = xr.DataArray(np.where(np.asarray(y) < 0, -1.0, 1.0), dims="y")
-    blowing = {name: side * column for name, column in disturbance.blowing(samples, seed).items()}
-    grid = Grid({**grid.values, **blowing}, grid.sizes) if disturbance.steady else grid
+    wind = side * disturbance.steady * thrown.pop("side")
+    if disturbance.steady:
+        grid = Grid({**grid.values, "Y": wind, "N": disturbance.gust_lever * wind}, grid.sizes)
     extra = {OFF(name): side * column for name, column in thrown.items()}
     courses = BestEstimateCourses(ship, np.asarray(y), np.asarray(u), np.asarray(heave), bend)
-    extra |= {BY(name): table for name, table in _numbers(pilot, courses, disturbance, blowing["Y"]).items()}
+    extra |= {BY(name): table for name, table in _numbers(pilot, courses, disturbance, wind).items()}
     extra |= _knowing(ship, grid, bend, workers) if knowing else {}
     sailing = replace(ship, surge="free") if model.terms.propelled else ship
     trial = _Trial(sailing, pilot, disturbance.gust_time, walls, bend, workers)
@@ -66,20 +67,18 @@ def trials(
 
 
 def _numbers(
-    pilot: Pilot, courses: BestEstimateCourses, disturbance: Disturbance, blowing: xr.DataArray
+    pilot: Pilot, courses: BestEstimateCourses, disturbance: Disturbance, wind: xr.DataArray
 ) -> dict[str, xr.DataArray]:
     """Numbers of the pilot at offsets and speeds; in a steady wind those of the side that it blows from."""
 
-    def of(force: float) -> dict[str, xr.DataArray]:
+    def of(force: float) -> xr.Dataset:
         there = replace(courses, wind=(force, disturbance.gust_lever * force))
-        numbers = pilot.numbers(there, pilot.tunings[0])
-        return {name: xr.DataArray(table, dims=("y", "u")) for name, table in numbers.items()}
+        return xr.Dataset({name: (("y", "u"), table) for name, table in pilot.numbers(there, pilot.tunings[0]).items()})
 
-    one = of(disturbance.steady)
-    if not disturbance.steady:
-        return one
-    other = of(-disturbance.steady)
-    return {name: xr.where(blowing > 0, one[name], other[name]) for name in one}
+    numbers = of(disturbance.steady)
+    if disturbance.steady:
+        numbers = xr.where(wind > 0, numbers, of(-disturbance.steady))
+    return {str(name): column for name, column in numbers.items()}
 
 
 def _grid(model: Model, y: np.ndarray, u: np.ndarray, heave: np.ndarray, samples: int, seed: int) -> Grid:
@@ -107,12 +106,7 @@ def _knowing(ship: SimulatedShip, grid: Grid, bend: Bend, workers: int | None) -
     gains = np.empty((*one.sizes.values(), len(FEEDBACK)))
     for block in one.blocks(TRIAL_BLOCK):
         columns, shape = one.flat(block)
-        count = math.prod(shape)
-        v, rudder = solved(ship, {**columns, **bend.values(columns["y"])}, count, workers)
-        found = np.abs(rudder) <= ship.model.configuration.gear.limit
-        course = {name: columns[name] for name in ("y", *(a.name for a in ship.actuators)) if name in columns}
-        course |= {"u": np.broadcast_to(columns["u"], count)}
-        course |= {"v": np.where(found, v, np.nan), "rudder": np.where(found, rudder, np.nan)}
+        course = limited_course(ship, columns, math.prod(shape), bend, workers)
         gains[one.region(block)] = stacked_gains(ship, columns, course, RegulatorWeights(bank=1.0)).reshape(*shape, -1)
     parts = {KNOWING(name): xr.DataArray(gains[..., i], dims=list(one.sizes)) for i, name in enumerate(FEEDBACK)}
     return {**parts, KNOWING("made_for"): xr.DataArray(float(values["u"]))}

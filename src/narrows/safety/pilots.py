@@ -18,7 +18,7 @@ from narrows.quantities.arithmetic import choice, clip
 from narrows.results import BaseSummary
 from narrows.safety.request import STRAIGHT, Bend
 from narrows.simulation.controllers import ORDER_TOLERANCE, Autopilot, ControlLaw, Named
-from narrows.simulation.grid import grid_of
+from narrows.simulation.grid import Grid, grid_of
 from narrows.simulation.ship import SimulatedShip
 
 # Numbers of a pilot by name: arrays over offsets and speeds, or columns of them.
@@ -52,27 +52,18 @@ class BestEstimateCourses:
         return np.append(self.offsets, 0.0)
 
     @cached_property
-    def values(self) -> Numbers:
-        """Numbers of the ship, and those that depend on speed, one column each: places by speeds, row by row."""
+    def values(self) -> dict[str, Any]:
+        """Numbers of the ship; those that vary as columns, places by speeds, row by row."""
         offset = xr.DataArray(self.places, dims="place")
         asked = {"y": offset, "u": self.speeds, "heave": xr.DataArray(self.heave, dims="u")}
         grid = grid_of(self.ship.model, with_propulsion(self.ship.model, asked), 0, 0)
-        shape = (len(self.places), len(self.speeds))
-        wide = {
-            name: value.transpose(*(d for d in ("place", "u") if d in value.dims))
-            for name, value in grid.values.items()
-        }
-        return {name: _column(value, shape) for name, value in wide.items()}
+        return Grid(grid.values, {"place": len(self.places), "u": len(self.speeds)}).flat(slice(None))[0]
 
     @cached_property
     def course(self) -> Numbers:
         """y [m], u, v [m/s], rudder [rad], and other moving quantities; NaN if no rudder angle holds the ship."""
-        values = {**self.values, **self.bend.values(self.values["y"]), "Y": self.wind[0], "N": self.wind[1]}
-        v, rudder = solved(self.ship, values, self.values["y"].size, 1)
-        within = np.abs(rudder) <= self.ship.model.configuration.gear.limit
-        course = {name: self.values[name] for name in ("y", "u")}
-        course |= {a.name: self.values[a.name] for a in self.ship.actuators if a.name in self.values}
-        return {**course, "v": np.where(within, v, np.nan), "rudder": np.where(within, rudder, np.nan)}
+        values = {**self.values, "Y": self.wind[0], "N": self.wind[1]}
+        return limited_course(self.ship, values, len(self.places) * len(self.speeds), self.bend, 1)
 
     def held(self) -> Numbers:
         """Return rudder, psi [rad] and v [m/s] at offsets and speeds, (offsets, speeds)."""
@@ -103,11 +94,13 @@ class BestEstimateCourses:
             yield float(speed), {name: float(self.values[name][index]) for name in given}
 
 
-def _column(value: xr.DataArray, shape: tuple[int, int]) -> np.ndarray:
-    wide = value.to_numpy()
-    if "place" in value.dims and "u" not in value.dims:
-        wide = wide[:, None]
-    return np.ascontiguousarray(np.broadcast_to(wide, shape)).ravel()
+def limited_course(ship: SimulatedShip, values: Course, count: int, bend: Bend, workers: int | None) -> Numbers:
+    """Return y [m], u, v [m/s], rudder [rad], other moving quantities; NaN if no rudder within its limit holds it."""
+    v, rudder = solved(ship, {**values, **bend.values(values["y"])}, count, workers)
+    within = np.abs(rudder) <= ship.model.configuration.gear.limit
+    course = {name: values[name] for name in ("y", *(a.name for a in ship.actuators)) if name in values}
+    course |= {"u": np.broadcast_to(values["u"], count), "v": np.where(within, v, np.nan)}
+    return course | {"rudder": np.where(within, rudder, np.nan)}
 
 
 @dataclass(frozen=True)

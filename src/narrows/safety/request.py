@@ -1,18 +1,19 @@
 """Inputs of a safe envelope: ship, offsets, speeds, disturbances, reserves."""
 
 import math
+import re
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from narrows.aliases import accept_aliases
-from narrows.errors import InputError, check_choice
+from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.model.squat import choke_speed, squat
 from narrows.quantities.names import AIR_DENSITY, Number
-from narrows.safety.channel_rules import BANKS
-from narrows.safety.settings import FASTEST, KEEL_SHARE, OFFSETS, SLOWEST, SPEEDS
+from narrows.safety.settings import FASTEST, KEEL_SHARE, OFFSETS, RESERVE, SLOWEST, SPEEDS
 from narrows.simulation.grid import labelled
 
 # Positions where a keel meets the banks [m]: to port and to starboard of the middle.
@@ -80,22 +81,8 @@ class Disturbance:
         steady = f"a steady wind of {force} on the beam" if self.steady else ""
         return f"{' and on top '.join(filter(None, (steady, gust)))}, from either side;{begin}"
 
-    def blowing(self, samples: int, seed: int) -> dict[str, xr.DataArray]:
-        """Draw the steady wind along a dimension ``sample``: Y [N], N [N m].
-
-        Parameters
-        ----------
-        samples : int
-            Number of samples.
-        seed : int
-            Seed of the samples.
-        """
-        side = np.sign(np.random.default_rng((seed, 1)).standard_normal((3, samples))[2])
-        force = xr.DataArray(self.steady * side, dims="sample")
-        return {"Y": force, "N": self.gust_lever * force}
-
     def drawn(self, samples: int, seed: int) -> dict[str, xr.DataArray]:
-        """Draw disturbances along a dimension ``sample``: deviations psi [rad], y [m], Y [N], N [N m].
+        """Draw disturbances along a dimension ``sample``: psi [rad], y [m], Y [N], N [N m] and the wind's side [1].
 
         Parameters
         ----------
@@ -118,6 +105,7 @@ class Disturbance:
             "y": self.offset * offset,
             "Y": self.gust * gust,
             "N": self.gust * self.gust_lever * gust,
+            "side": gust,
         }
         return {name: xr.DataArray(column, dims="sample") for name, column in columns.items()}
 
@@ -161,14 +149,42 @@ class EnvelopeRequest:
     model: Model  # Model of the ship in its canal
     offsets: np.ndarray  # (offsets,) Offsets to starboard of the middle [m]
     speeds: np.ndarray  # (speeds,) Speeds through the water [m/s]
-    disturbance: Disturbance  # Initial deviations and gusts
-    reserve: float  # Share of the rudder left on the steady course [1]
     clearance: float  # Least clearance under the keel [m]
-    most_revolutions: float | None  # Limit of the engine [1/s]
     walls: Walls  # Positions where the keel meets the banks, to port and to starboard of the middle [m]
+    disturbance: Disturbance  # Initial deviations and gusts
+    reserve: float = RESERVE  # Share of the rudder left on the steady course [1]
+    most_revolutions: float | None = None  # Limit of the engine [1/s]
     bank: str = "steep"  # Kind of bank, for outside rules
     pilot: str = "regulator"  # Name of the tested pilot
     bend: Bend = STRAIGHT
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.reserve < 1 or not 0 <= self.clearance < math.inf:
+            raise InputError(
+                f"a reserve of {self.reserve} of the rudder and {self.clearance} m under the keel: give a share from 0 "
+                "to less than 1, and metres from 0"
+            )
+        for name in ("offsets", "speeds"):
+            column = getattr(self, name)
+            if not column.size or not np.isfinite(column).all() or (np.diff(column) <= 0).any():
+                raise InputError(f"the {name} must be finite and rise; give them in order, none twice")
+        slowest, half, (port, starboard) = self.speeds[0], self.model.configuration.ship.beam / 2, self.walls
+        if slowest <= 0:
+            raise InputError(f"a speed of {slowest:g} m/s steers nothing; give speeds over 0")
+        if not (half - port < self.offsets[0] and self.offsets[-1] < starboard - half):
+            raise InputError(
+                f"offsets from {self.offsets[0]:g} to {self.offsets[-1]:g} m have the hull in a bank; stay between "
+                f"{half - port:.4g} and {starboard - half:.4g} m"
+            )
+        if not abs(self.bend.curvature) * max(self.walls) < 1:
+            raise InputError(
+                f"a curvature of {self.bend.curvature} 1/m bends inside its own bank; give that of the middle"
+            )
+        if not abs(self.bend.current) < slowest:
+            raise InputError(
+                f"a current of {self.bend.current} m/s leaves no way over the ground at {slowest:g} m/s; give faster "
+                "speeds"
+            )
 
     @property
     def rudder_limit(self) -> float:
@@ -177,27 +193,17 @@ class EnvelopeRequest:
 
 
 def envelope_request(
-    model: Model, y: np.ndarray | None, u: np.ndarray | None, disturbance: Disturbance | None, reserve: float,
-    keel: float | None, most_revolutions: float | None, walls: Walls | None, bank: str = "steep",
-    pilot: str = "regulator", bend: Bend = STRAIGHT,
+    model: Model, y: np.ndarray | None, u: np.ndarray | None, *, keel: float | None = None, walls: Walls | None = None,
+    **asked: Any,
 ) -> EnvelopeRequest:  # fmt: skip
     """Return the request, with defaults for the ship and its canal."""
-    # y (offsets,) [m]; u (speeds,) [m/s]; keel [m]; most_revolutions [1/s]; walls [m]
-    check_choice("bank", bank, BANKS)
+    # y (offsets,) [m]; u (speeds,) [m/s]; keel [m]; walls [m]
     ship, canal = model.configuration.ship, model.configuration.canal
-    least = KEEL_SHARE * ship.draft if keel is None else keel
-    if not 0 <= reserve < 1 or not 0 <= least < math.inf:
-        raise InputError(
-            f"a reserve of {reserve} of the rudder and {least} m under the keel: give a share from 0 to less than 1, "
-            "and metres from 0"
-        )
     room = walls or (canal.width / 2, canal.width / 2)
     offsets = default_offsets(model, room) if y is None else labelled("y", y).to_numpy().reshape(-1)
     speeds = default_speeds(model) if u is None else labelled("u", u).to_numpy().reshape(-1)
-    _check(offsets, speeds, room, ship.beam)
-    _check_bend(bend, room, speeds)
-    weather = disturbance or Disturbance()
-    return EnvelopeRequest(model, offsets, speeds, weather, reserve, least, most_revolutions, room, bank, pilot, bend)
+    least = KEEL_SHARE * ship.draft if keel is None else keel
+    return EnvelopeRequest(model, offsets, speeds, clearance=least, walls=room, **asked)
 
 
 def default_offsets(model: Model, room: Walls, count: int = OFFSETS) -> np.ndarray:
@@ -220,29 +226,6 @@ def default_speeds(model: Model, count: int = SPEEDS) -> np.ndarray:
     return np.union1d(asked, [end for end in covered if asked[0] < end < asked[-1]])
 
 
-def _check(offsets: np.ndarray, speeds: np.ndarray, room: Walls, beam: float) -> None:
-    for name, column in (("offsets", offsets), ("speeds", speeds)):
-        if not column.size or not np.isfinite(column).all() or (np.diff(column) <= 0).any():
-            raise InputError(f"the {name} must be finite and rise; give them in order, none twice")
-    if speeds[0] <= 0:
-        raise InputError(f"a speed of {speeds[0]:g} m/s steers nothing; give speeds over 0")
-    low, high = beam / 2 - room[0], room[1] - beam / 2
-    if not (low < offsets[0] and offsets[-1] < high):
-        raise InputError(
-            f"offsets from {offsets[0]:g} to {offsets[-1]:g} m have the hull in a bank; stay between {low:.4g} and "
-            f"{high:.4g} m"
-        )
-
-
-def _check_bend(bend: Bend, room: Walls, speeds: np.ndarray) -> None:
-    if not (math.isfinite(bend.curvature) and abs(bend.curvature) * max(room) < 1):
-        raise InputError(f"a curvature of {bend.curvature} 1/m bends inside its own bank; give that of the middle")
-    if not abs(bend.current) < speeds[0]:
-        raise InputError(
-            f"a current of {bend.current} m/s leaves no way over the ground at {speeds[0]:g} m/s; give faster speeds"
-        )
-
-
 @dataclass(frozen=True)
 class Keel:
     midship: np.ndarray  # (speeds,) Sinkage midship; 0 without a depth or in a choked canal [m]
@@ -258,25 +241,17 @@ def keel_at(model: Model, speeds: np.ndarray) -> Keel:
         return Keel(np.zeros(len(speeds)), unknown, np.inf, ("the depth is not given: no squat, no choking",))
     choke, room = choke_speed(configuration), configuration.canal.depth - configuration.ship.draft
     midship, clearance = np.zeros(len(speeds)), np.full(len(speeds), np.nan)
-    notes: dict[str, dict[str, None]] = {}
+    notes: dict[str, dict[str, None]] = {}  # Warnings by formula, without the numbers of a speed
     for index, speed in enumerate(speeds.tolist()):
         if speed < choke:
             ends = [squat(configuration, speed, gives) for gives in ("bow", "largest")]
             middle = squat(configuration, speed)
             midship[index], clearance[index] = middle.sinkage, room - max(end.sinkage for end in ends)
             for estimate in (middle, *ends):
-                notes.setdefault(estimate.formula, {}).update(dict.fromkeys(map(_without_numbers, estimate.notes)))
+                words = [re.sub(r"\S+ is outside", "is outside", note) for note in estimate.notes]
+                notes.setdefault(estimate.formula, {}).update(dict.fromkeys(words))
     sentences = (f"squat by {formula}: {', '.join(words)}" for formula, words in notes.items() if words)
     return Keel(midship, clearance, choke, tuple(sentences))
-
-
-def _without_numbers(note: str) -> str:
-    """A warning without values, the same for all speeds: 'blockage 0.24 is outside 0 to 0.03' without the first."""
-    words = note.split()
-    if "outside" not in words:
-        return note
-    index = words.index("is")
-    return " ".join(words[: index - 1] + words[index:])
 
 
 @accept_aliases

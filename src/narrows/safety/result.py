@@ -1,7 +1,7 @@
 """The safe envelope as a result: speeds by offset, offsets by speed, and their limits."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +10,7 @@ import xarray as xr
 
 from narrows.quantities.names import KNOT
 from narrows.results import BaseResult
-from narrows.safety.channel_rules import OutsideRules, rules_of
+from narrows.safety.channel_rules import OutsideRules
 from narrows.safety.headline import RANGE, cause, headline, runs
 from narrows.safety.settings import LEAST_ANGLE, SAME_ANGLE, SURE_SHARE
 
@@ -30,8 +30,8 @@ class SafeEnvelope(BaseResult):
     data : xarray.Dataset
         Over y [m] and u [m/s], the rudder [rad] of the steady course: ``rudder``, the median of the samples;
         ``rudder_low`` and ``rudder_high``, the central 90 %; ``rudder_95``, the size that 95 % do not exceed,
-        infinite if more than 5 % have no course; ``rudder_likely``, with the most likely coefficients;
-        ``rudder_kick``, with the engine at its limit, if that is known. Shares of the samples: ``found``, with a
+        infinite if more than 5 % have no course; ``rudder_likely``, with the most likely coefficients.
+        Shares of the samples: ``found``, with a
         steady course; ``holds``, whose course leaves the reserve; ``held``, held by the pilot for the best estimate;
         ``known``, held by that pilot or by one with the true coefficients; the last two also with ``_low`` and
         ``_high``, 95 % intervals for the number of samples. ``certain``: share of the disturbances in which a pilot
@@ -60,17 +60,10 @@ class SafeEnvelope(BaseResult):
     def to_dict(self) -> dict[str, Any]:
         """Return the whole result in metres, knots and degrees, as ``envelope --json`` prints it."""
         return {
-            "summary": self.summary(),
-            "setting": self.description,
-            "weather": self.weather,
-            "pilot": self.pilot,
-            "untested": self.untested,
-            "samples": self.samples,
-            "offsets": self.offset_rows(),
-            "speeds": self.speed_rows(),
-            "rules": self.rules.rows(),
-            "notes": list(self.notes),
-        }
+            "summary": self.summary(), "setting": self.description, "weather": self.weather, "pilot": self.pilot,
+            "untested": self.untested, "samples": self.samples, "offsets": self.offset_rows(),
+            "speeds": self.speed_rows(), "rules": self.rules.rows(), "notes": list(self.notes),
+        }  # fmt: skip
 
     @property
     def description(self) -> str:
@@ -115,37 +108,15 @@ class SafeEnvelope(BaseResult):
     @property
     def rules(self) -> OutsideRules:
         """Limits from design and canal rules for the same ship in the same section."""
-        return rules_of(self.data.attrs)
+        return OutsideRules(**{field.name: self.data.attrs[field.name] for field in fields(OutsideRules)})
 
-    def noting(self, *notes: str) -> "SafeEnvelope":
-        """Return the result with further first notes.
+    def by_model(self) -> xr.DataArray:
+        """Return where it is safe by the model, tested or not: keel clear, and 95 % of the samples held."""
+        return (self.data["held"] >= SURE_SHARE) & self.data["clear"]
 
-        Parameters
-        ----------
-        *notes : str
-            Each in one line.
-        """
-        return SafeEnvelope(self.data.assign_attrs(notes="\n".join((*notes, *self.notes))))
-
-    def by_model(self, share: float = SURE_SHARE) -> xr.DataArray:
-        """Return where it is safe by the model, tested or not: keel clear, and held in at least a share of the samples.
-
-        Parameters
-        ----------
-        share : float [1]
-            Least share of the samples.
-        """
-        return (self.data["held"] >= share) & self.data["clear"]
-
-    def by_some_helm(self, share: float = SURE_SHARE) -> xr.DataArray:
-        """Return where the pilot with the true coefficients makes it safe, tested or not: keel clear, and held.
-
-        Parameters
-        ----------
-        share : float [1]
-            Least share of the samples.
-        """
-        return (self.data["known"] >= share) & self.data["clear"]
+    def by_some_helm(self) -> xr.DataArray:
+        """Return where the pilot with the true coefficients makes it safe, tested or not."""
+        return (self.data["known"] >= SURE_SHARE) & self.data["clear"]
 
     def safe(self, share: float = SURE_SHARE) -> xr.DataArray:
         """Return where it is safe, (y, u): by the model, within the tested range, and in a tested section.
@@ -155,62 +126,42 @@ class SafeEnvelope(BaseResult):
         share : float [1]
             Least share of the samples.
         """
-        return self.by_model(share) & self._covered
+        return (self.data["held"] >= share) & self.data["clear"] & self._covered
 
     @property
     def _covered(self) -> xr.DataArray:
         return self.data["tested"] & (not self.untested)
 
-    def highest_speed(self, share: float = SURE_SHARE) -> xr.DataArray:
+    def highest_speed(self) -> xr.DataArray:
         """Return the highest safe speed at each offset [m/s], NaN if there is none.
 
         It is the top of the lowest range of safe speeds, without a gap.
-
-        Parameters
-        ----------
-        share : float [1]
-            Least share of the samples.
         """
-        return self._speeds(self.safe(share), 1)
+        return self._speeds(self.safe(), 1)
 
-    def lowest_speed(self, share: float = SURE_SHARE) -> xr.DataArray:
-        """Return the lowest safe speed at each offset [m/s], NaN if there is none: below it gusts may win.
+    def lowest_speed(self) -> xr.DataArray:
+        """Return the lowest safe speed at each offset [m/s], NaN if there is none: below it gusts may win."""
+        return self._speeds(self.safe(), 0)
 
-        Parameters
-        ----------
-        share : float [1]
-            Least share of the samples.
-        """
-        return self._speeds(self.safe(share), 0)
+    def limited_by(self) -> list[str]:
+        """Return the limit of the safe speeds at each offset."""
+        limit, found = (1 - self.data.attrs["reserve"]) * self.data.attrs["rudder_limit"], []
+        for index, ends in enumerate(_ends(self.safe())):
+            above = 0 if ends is None else ends[1] + 1
+            fastest = above == self.data.sizes["u"]
+            found.append(RANGE if fastest else cause(self.data.isel(y=index, u=above), SURE_SHARE, limit))
+        return found
 
-    def limited_by(self, share: float = SURE_SHARE) -> list[str]:
-        """Return the limit of the safe speeds at each offset.
-
-        Parameters
-        ----------
-        share : float [1]
-            Least share of the samples.
-        """
-        return [self._reason(index, ends, share) for index, ends in enumerate(_ends(self.safe(share)))]
-
-    def safest_offset(self, share: float = SURE_SHARE) -> xr.DataArray:
+    def safest_offset(self) -> xr.DataArray:
         """Return at each speed the safe offset [m] with the least rudder, NaN if there is none.
 
         Among equals it is the one nearest to the middle.
-
-        Parameters
-        ----------
-        share : float [1]
-            Least share of the samples.
         """
-        need = self.data["rudder_95"].where(self.safe(share), np.inf).transpose("u", "y").to_numpy()
+        need = self.data["rudder_95"].where(self.safe(), np.inf).transpose("u", "y").to_numpy()
         offsets, (port, starboard) = self.data["y"].to_numpy(), self.walls
-        aside = np.abs(offsets - (starboard - port) / 2)
-        # Among offsets with equal rudder, the one nearest to the middle.
-        nearest = [np.where(row <= row.min() + LEAST_ANGLE, aside, np.inf).argmin() for row in need]
-        safest = [
-            float(offsets[at]) if np.isfinite(row).any() else math.nan for row, at in zip(need, nearest, strict=True)
-        ]
+        aside, least = np.abs(offsets - (starboard - port) / 2), need.min(axis=1)
+        nearest = np.where(need <= least[:, None] + LEAST_ANGLE, aside, np.inf).argmin(axis=1)
+        safest = np.where(np.isfinite(least), offsets[nearest], np.nan)
         return xr.DataArray(safest, coords={"u": self.data["u"]}, dims="u", attrs={"units": "m"})
 
     @property
@@ -239,56 +190,43 @@ class SafeEnvelope(BaseResult):
         return tuple(self._headline[1])
 
     def offset_rows(self) -> list[dict[str, Any]]:
-        """Return one row per offset: rudder [deg], range of safe speeds [knots], and their limits."""
-        top, likely, bottom = self.highest_speed(), self.highest_speed(MEDIAN), self.lowest_speed()
-        helm = self._speeds(self.by_some_helm() & self._covered, 1)
-        return [
-            {
-                **self._rudder(index, float(top[index]), float(likely[index])),
-                "lowest_speed": float(bottom[index]) / KNOT,
-                "highest_speed": float(top[index]) / KNOT,
-                "highest_speed_known": float(helm[index]) / KNOT,
-                "highest_speed_median": float(likely[index]) / KNOT,
-                "limited_by": why,
-            }
-            for index, why in enumerate(self.limited_by())
-        ]
+        """Return one row per offset: rudder [deg], range of safe speeds [knots], and their limits.
 
-    def _rudder(self, index: int, best: float, even: float) -> dict[str, float]:
-        """The rudder at an offset, at the highest safe speed, or the highest likely one, or else the lowest."""
-        at = best if math.isfinite(best) else even if math.isfinite(even) else float(self.data["u"][0])
-        here = self.data.isel(y=index).sel(u=at)
-        kick = {"rudder_kick": math.degrees(here["rudder_kick"])} if "rudder_kick" in here else {}
-        return {
-            "offset": float(here["y"]), "rudder": math.degrees(here["rudder"]),
-            "rudder_95": math.degrees(here["rudder_95"]), **kick,
-            "held": float(here["held"]), "known": float(here["known"]),
+        The rudder is that at the highest safe speed, or the highest likely one, or else the lowest.
+        """
+        top, bottom, likely = self.highest_speed(), self.lowest_speed(), self._speeds(self.safe(MEDIAN), 1)
+        at = top.fillna(likely).fillna(self.data["u"][0])
+        here = self.data.sel(u=at)
+        columns = {
+            "offset": here["y"], "rudder": np.degrees(here["rudder"]), "rudder_95": np.degrees(here["rudder_95"]),
+            "held": here["held"], "known": here["known"], "lowest_speed": bottom / KNOT, "highest_speed": top / KNOT,
+            "highest_speed_known": self._speeds(self.by_some_helm() & self._covered, 1) / KNOT,
+            "highest_speed_median": likely / KNOT,
         }  # fmt: skip
+        return _rows(columns | {"limited_by": self.limited_by()})
 
     def speed_rows(self) -> list[dict[str, Any]]:
         """Return one row per speed [knots]: clearance under the keel [m], and the safest offset [m]."""
-        best = self.safest_offset()
-        return [
-            {
-                "speed": float(u) / KNOT,
-                "keel_clearance": float(self.data["clearance"][index]),
-                "keel_clear": bool(self.data["clear"][index]),
-                "safest_offset": float(best[index]),
-            }
-            for index, u in enumerate(self.data["u"].to_numpy())
-        ]
+        return _rows({
+            "speed": self.data["u"] / KNOT, "keel_clearance": self.data["clearance"],
+            "keel_clear": self.data["clear"], "safest_offset": self.safest_offset(),
+        })  # fmt: skip
 
     def _speeds(self, safe: xr.DataArray, end: int) -> xr.DataArray:
         speeds = self.data["u"].to_numpy()
         ends_of = [math.nan if ends is None else float(speeds[ends[end]]) for ends in _ends(safe)]
         return xr.DataArray(ends_of, coords={"y": self.data["y"]}, dims="y", attrs={"units": "m/s"})
 
-    def _reason(self, index: int, ends: tuple[int, int] | None, share: float) -> str:
-        if ends is not None and ends[1] == self.data.sizes["u"] - 1:
-            return RANGE
-        next_up = self.data.isel(y=index, u=0 if ends is None else ends[1] + 1)
-        return cause(next_up, share, (1 - self.data.attrs["reserve"]) * self.data.attrs["rudder_limit"])
-
 
 def _ends(safe: xr.DataArray) -> list[tuple[int, int] | None]:
     return [next(iter(runs(row)), None) for row in safe.transpose("y", "u").to_numpy()]
+
+
+def _rows(columns: dict[str, Any]) -> list[dict[str, Any]]:
+    lists = (np.asarray(column).tolist() for column in columns.values())
+    return [dict(zip(columns, row, strict=True)) for row in zip(*lists, strict=True)]
+
+
+def noting(envelope: SafeEnvelope, *notes: str) -> SafeEnvelope:
+    """Return the result with further first notes, each in one line."""
+    return SafeEnvelope(envelope.data.assign_attrs(notes="\n".join((*notes, *envelope.notes))))
