@@ -414,7 +414,7 @@ class Table:
     def identification(self) -> dict[str, Entry]:
         own = {"tests": short_twin()}
         conditions = nw.measured_tests("kcs")
-        fitted = {"tests": other_tests(), "terms": "speed", "weights": "variance", "balance": "rows", "split": "random",
+        fitted = {"tests": other_tests(), "terms": "speed", "balance": "rows", "split": "random",
                   "seed": under(3, split="random"), "accelerations": "motion",
                   "errors": nw.RunErrors(gain=0.05), "pool": under("depth", tests=conditions, terms="paper+keel_gap"),
                   "pass_over": refused((), tests=turned(), base=("rudder",))}  # fmt: skip
@@ -426,11 +426,11 @@ class Table:
             "concat": Entry({"tests": (short_twin(), short_twin())}, {"tests": (short_twin(), other_tests())}),
             "identify_conditions": Entry(
                 {"tests": conditions},
-                {"tests": short_twin(), "condition": "C0101A02", "weights": "variance", "ship": unread},
+                {"tests": short_twin(), "condition": "C0101A02", "balance": "rows", "ship": unread},
             ),
             "compare": Entry(
                 {**own, "tables": ("paper", "speed")},
-                {"tests": other_tests(), "tables": ("paper", "mixed"), "weights": "variance", "balance": "rows",
+                {"tests": other_tests(), "tables": ("paper", "mixed"), "balance": "rows",
                  "ship": unread},
             ),
             "explain": Entry(

@@ -7,7 +7,6 @@ import pytest
 
 import narrows as nw
 from narrows.captive.accelerations import motion_of, with_accelerations
-from narrows.identification.plausibility import noise_bias
 
 RUNS = (
     *(nw.HarmonicRun(f"{kind}{u}{p}", kind, 0.5, p, u, 3) for kind in ("yaw", "sway") for u in (0.7, 1.0)
@@ -98,20 +97,6 @@ def test_period(period: float, cycles: float) -> None:
     still = np.zeros(len(t))
     found = motion_of({"t": t, "y": y, "psi": still, "u": still + 1, "v": np.gradient(y, t), "r": still}, 4.0)
     assert 2 * np.pi / found.frequency == pytest.approx(period, rel=0.01)
-
-
-def test_the_bias_of_noise_is_what_noise_does() -> None:
-    clean = nw.twin(runs=RUNS, rate=8.0)
-    fit = nw.identify(clean)
-    told = noise_bias(fit, 0.1)
-    seen = [nw.identify(noisy_twin(0.1, seed), accelerations="measured").least_squares for seed in range(10)]
-    for name in ("b_vdot", "c_rdot"):
-        assert np.mean([own[name] for own in seen]) - fit.least_squares[name] == pytest.approx(told[name], rel=0.15)
-
-
-def test_without_time_the_bound_is_said(kcs_fits: dict[int, nw.Fit], twin_fit: nw.Fit) -> None:
-    assert any("noise in the accelerations" in note for note in kcs_fits[100].notes)
-    assert not any("noise in the accelerations" in note for note in twin_fit.notes)
 
 
 def test_tests_without_rows_are_passed_over() -> None:

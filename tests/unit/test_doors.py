@@ -177,7 +177,7 @@ def test_names_that_programs_use_too(name: str) -> None:
         (lambda: nw.scale_model(DTC, 355.0, width=1j), "not a finite number"),
         (lambda: nw.identify(short_twin(), seed=-1), "whole number"),
         (lambda: nw.identify(short_twin(), seed="1"), "whole number"),
-        (lambda: nw.identify(short_twin(), weights=["paper"]), "choose paper or variance"),
+        (lambda: nw.identify(short_twin(), balance=["rows"]), "choose tests or rows"),
         (lambda: nw.identify(short_twin(), split=None), "choose test or random"),
         (lambda: nw.identify(short_twin(), terms=3), "no table of terms"),
         (lambda: DTC.with_coefficients(b_v=10**400), "not a finite number"),

@@ -103,7 +103,7 @@ def test_explain_on_the_command_line(cli, ship_file, tmp_path) -> None:
     assert set(told["tables"][0]) >= {"table", "force", "rmse_left_out", "rmse_other_speeds", "bank"}
     # Harmonic runs of a hull that does not change with speed or period tell the bank.
     assert told["these_tests"]["coefficients"]["b_bank"]["verdict"] == "identified"
-    assert {"tradeoffs", "influence"} <= set(told["these_tests"])
+    assert {"kkt", "influence"} <= set(told["these_tests"])
 
 
 def test_explain_asks_for_a_condition_and_tells_the_depth(cli, tmp_path) -> None:

@@ -24,7 +24,6 @@ KVLCC2 = nw.published("yasukawa2015_kvlcc2")
         (lambda: nw.identify(short_twin(), "sped"), "did you mean 'speed'"),
         (lambda: nw.compare(short_twin(), [nw.PAPER, nw.PAPER]), "two tables of terms"),
         (lambda: nw.nondimensional(DTC, "prime1", np.inf), "positive one"),
-        (lambda: nw.identify(short_twin()).influence.most_moving("b_bnk"), "did you mean 'b_bank'"),
         (lambda: nw.ensemble(DTC, samples=-1), "from 0"),
         (lambda: nw.simulate(KVLCC2, u=1.0, rudder=10, contact="none"), r"573 degrees; give radians \(rudder = 0.175"),
         (lambda: nw.simulate(DTC, psi=5), "psi = 5 rad is 286 degrees; give radians"),

@@ -101,19 +101,6 @@ def test_sums_are_those_of_the_rows(short: nw.CaptiveTests) -> None:
     assert envelope.abs_y == (pytest.approx(0.0, abs=0.05), pytest.approx(np.abs(short.columns["y"]).max()))
 
 
-def test_variance_weights_scale_each_force(short: nw.CaptiveTests) -> None:
-    matrix, right, lower = stacked(short)
-    weight = np.concatenate([np.full(short.rows, 1 / short.columns[f].std()) for f in ("X", "Y", "N")])
-    live = np.any(matrix, axis=0)
-    scaled = matrix[:, live] * weight[:, None]
-    norm = np.linalg.norm(scaled, axis=0)
-    found = lsq_linear(scaled / norm, right * weight, (lower[live] * norm, np.inf), method="bvls", tol=1e-15).x / norm
-    names = np.array([name for name in nw.PAPER.names if name != "c_vdot"])[live]
-    fit = nw.identify(short, weights="variance", balance="rows")
-    for name, value in zip(names, found, strict=True):
-        assert fit.least_squares[name] == pytest.approx(value, rel=1e-6, abs=1e-8)
-
-
 def test_left_out_scores_are_those_of_explicit_refits() -> None:
     from tables import many_runs
 

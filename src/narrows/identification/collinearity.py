@@ -8,15 +8,13 @@ from typing import Any
 import numpy as np
 
 from narrows.identification.design_matrix import ONE
-from narrows.identification.least_squares import RANK_TOLERANCE, RIDGE, Problem
+from narrows.identification.least_squares import RANK_TOLERANCE
 from narrows.identification.motions import DistinctMotions
 from narrows.identification.normal_equations import NormalEquations
 from narrows.terms.term import Term, TermTable
 
 # A column takes part in a direction of unit length where its share is larger than this.
 INVOLVED = 1e-3
-# Correlation of two estimates beyond which they are named as a pair.
-PAIR_CORRELATION = 0.9
 
 
 @dataclass(frozen=True)
@@ -30,18 +28,9 @@ class Diagnosis:
     # where the column is a combination of others, NaN where it is zero [1]
     vif: Mapping[str, float]
     correlation: np.ndarray  # (n, n) Correlation of the columns; NaN where one does not vary
-    alignment: np.ndarray  # (n, n) Cosine between the columns; NaN where one is zero
     empty: tuple[str, ...]  # Coefficients whose column is zero
     # (k, n) Directions without data, of unit length, among the columns that are not zero, each scaled to one
     missing: np.ndarray
-
-    def partner(self, name: str) -> tuple[str, float]:
-        """Return the coefficient whose column is most like this one's, and their alignment [1]."""
-        index = self.names.index(name)
-        row = np.nan_to_num(self.alignment[index])
-        row[index] = 0.0
-        most = int(np.abs(row).argmax())
-        return self.names[most], float(row[most])
 
     def to_dict(self) -> dict[str, Any]:
         """Give rank, number of columns, condition and variance inflations."""
@@ -74,7 +63,6 @@ def diagnose(equations: NormalEquations, sums: np.ndarray, terms: tuple[Term, ..
         condition=float(singular[-1] / singular[0]) if kept.sum() == len(names) else float("inf"),
         vif=dict(zip(names, vif.tolist(), strict=True)),
         correlation=np.clip(covariance / np.outer(spread, spread), -1.0, 1.0),
-        alignment=alignment,
         empty=tuple(name for name, alive in zip(names, live, strict=True) if not alive),
         missing=missing,
     )
@@ -94,12 +82,6 @@ class Diagnostics:
         return self.over(self.equations.total)
 
     @cached_property
-    def by_test(self) -> dict[str, dict[str, Diagnosis]]:
-        """Within each test by itself: test -> force -> diagnosis."""
-        sums = self.equations.by_test(self.equations.sums)
-        return {name: self.over(own) for name, own in zip(self.equations.names, sums, strict=True)}
-
-    @cached_property
     def by_speed(self) -> dict[float, dict[str, Diagnosis]]:
         """Over the tests of each speed together: mean speed [m/s] -> force -> diagnosis."""
         motions = self.motions
@@ -116,40 +98,3 @@ class Diagnostics:
         """Return whether rows determine a coefficient, through its own force or through one that it is tied to."""
         tied = {name, *(other for tie in self.terms.ties if name in tie for other in tie)}
         return any(np.isfinite(d.vif[other]) for d in self.overall.values() for other in tied if other in d.names)
-
-
-@dataclass(frozen=True)
-class CorrelatedPair:
-    """Two coefficients that the tests hardly separate."""
-
-    first: str
-    second: str
-    correlation: float  # Correlation of their estimates, by the columns alone [1]
-    slope: float  # Change of ``second`` for a change of ``first`` by one, the fit staying as good as it can
-
-    @property
-    def sentence(self) -> str:
-        """One sentence of the pair."""
-        return (
-            f"{self.first} and {self.second} trade against each other (correlation {self.correlation:+.3f}): "
-            f"{self.first} up by 1 moves {self.second} by {self.slope:+.3g}"
-        )
-
-
-def correlated_pairs(problem: Problem, total: np.ndarray) -> tuple[CorrelatedPair, ...]:
-    """Find the pairs, the closest first, by the sums over all rows (m, m)."""
-    h, _ = problem.normal(total)
-    inverse = np.linalg.inv(h + np.diag(np.where(np.diag(h) == 0, 1.0, RIDGE)))
-    size = np.sqrt(np.diag(inverse))
-    correlation, slope = inverse / np.outer(size, size), inverse / np.diag(inverse)[:, None]
-    names = {slot: name for name, slot in reversed(list(problem.slot.items()))}
-    known = [slot for slot in names if size[slot] < RIDGE**-0.25]
-    pairs = [
-        CorrelatedPair(
-            names[i], names[j], float(correlation[i, j]), float(slope[i, j] * problem.scale[i] / problem.scale[j])
-        )
-        for i in known
-        for j in known
-        if i < j and abs(correlation[i, j]) > PAIR_CORRELATION
-    ]
-    return tuple(sorted(pairs, key=lambda pair: -abs(pair.correlation)))

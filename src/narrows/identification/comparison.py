@@ -13,7 +13,6 @@ from narrows.captive.read import as_tests
 from narrows.errors import InputError
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
-from narrows.identification.least_squares import Weights
 from narrows.identification.normal_equations import Balance, Score, score
 from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import NOT_SEPARABLE
@@ -131,8 +130,7 @@ def ready_tables() -> tuple[str, ...]:
 
 @accept_aliases
 def compare(
-    tests: Any, tables: str | TermTable | Sequence[str | TermTable] = (), weights: Weights = "paper",
-    balance: Balance = "tests",
+    tests: Any, tables: str | TermTable | Sequence[str | TermTable] = (), balance: Balance = "tests",
     ship: ShipSource | None = None,
 ) -> Comparison:  # fmt: skip
     """Fit several tables of terms to the same tests.
@@ -143,7 +141,7 @@ def compare(
         Tests of one condition, or of several for tables with the depth.
     tables : str, TermTable or a sequence of them
         Tables, or names of them; those of ``ready_tables`` unless given.
-    weights, balance : str
+    balance : str
         As in ``identify``.
     ship : str, Path, Configuration or mapping, optional
         Ship of a table that was not read yet, as of ``read_captive``.
@@ -166,7 +164,7 @@ def compare(
         if chosen.name in fits:
             raise InputError(f"two tables of terms are called {chosen.name!r}; rename one")
         try:
-            fits[chosen.name] = identify(tests, chosen, weights, balance, pass_over="rudder")
+            fits[chosen.name] = identify(tests, chosen, balance, pass_over="rudder")
         except InputError as error:
             left_out[chosen.name] = str(error)
     if not fits:

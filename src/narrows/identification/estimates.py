@@ -2,11 +2,9 @@
 
 from dataclasses import dataclass
 from functools import cache, cached_property
-from statistics import NormalDist
 
 import numpy as np
 
-from narrows.errors import InputError
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.least_squares import Problem, solve
 from narrows.identification.mixed_model import ScaleMixture, integrate, one_thread
@@ -24,7 +22,6 @@ DRAWS, LEAST, SEED = 8000, 200, 26
 # Half width of a 95 % interval over the standard error.
 HALF = 1.959963985
 TAILS = (0.025, 0.975)
-LEVEL = 0.95
 # Truths of a grid of intervals near a bound; halvings of the bracket around the critical likelihood ratio.
 GRID, HALVINGS = 201, 30
 
@@ -221,32 +218,30 @@ def _draws(means: np.ndarray, spreads: np.ndarray, weights: np.ndarray) -> np.nd
     return np.concatenate([means[which] + half, means[which] - half])
 
 
-def bounded_interval(value: float, std: float, bound: tuple[float, float], level: float = LEVEL) -> tuple[float, float]:
-    """Return the interval of a coefficient that is known to lie within bounds."""
+def bounded_interval(value: float, std: float, bound: tuple[float, float]) -> tuple[float, float]:
+    """Return the 95 % interval of a coefficient that is known to lie within bounds."""
     # Away from the bounds it is the normal interval. Near one it is the unified interval: the values whose likelihood
     # ratio, to the best value within the bounds, is not surprising. Cutting the plain interval at the bound would cover
     # a coefficient at its bound too often, and could leave nothing.
     # Feldman, Cousins (1998), Unified approach to the classical statistical analysis of small signals.
-    if not 0 < level < 1:
-        raise InputError(f"a confidence of {level} is no share; give one between 0 and 1, as 0.95")
     if not np.isfinite(std):
         return bound
     if std == 0:
         return value, value
     low, high = bound
     edge, inward = (low, 1.0) if value - low <= high - value else (high, -1.0)
-    x, plain = inward * (value - edge) / std, NormalDist().inv_cdf(0.5 + level / 2)
-    if x > 2 * plain:
-        return max(low, value - plain * std), min(high, value + plain * std)
-    truths, least, most = _accepted(level, plain)
+    x = inward * (value - edge) / std
+    if x > 2 * HALF:
+        return max(low, value - HALF * std), min(high, value + HALF * std)
+    truths, least, most = _accepted()
     near = float(np.interp(x, most, truths)) if x > most[0] else 0.0
-    far = float(np.interp(x, least, truths)) if x < least[-1] else x + plain
+    far = float(np.interp(x, least, truths)) if x < least[-1] else x + HALF
     ends = sorted(edge + inward * std * end for end in (near, far))
     return max(low, ends[0]), min(high, ends[1])
 
 
 @cache
-def _accepted(level: float, plain: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _accepted() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Truths from 0 to the quantile, and the least and largest accepted estimate of each [standard errors]."""
     from scipy.special import ndtr
 
@@ -254,11 +249,11 @@ def _accepted(level: float, plain: float) -> tuple[np.ndarray, np.ndarray, np.nd
         """Where the likelihood ratio to the best allowed truth reaches ``root`` squared."""
         return np.asarray(np.where(root <= truths, truths - root, (truths**2 - root**2) / (2 * truths)))
 
-    truths = np.linspace(1e-3, 1, GRID) * plain
-    low, high = np.zeros(GRID), np.full(GRID, plain)  # Bracket of the root of the critical ratio
+    truths = np.linspace(1e-3, 1, GRID) * HALF
+    low, high = np.zeros(GRID), np.full(GRID, HALF)  # Bracket of the root of the critical ratio
     for _ in range(HALVINGS):
         root = (low + high) / 2
-        inside = ndtr(root) - ndtr(least(root) - truths) < level
+        inside = ndtr(root) - ndtr(least(root) - truths) < 0.95
         low, high = np.where(inside, root, low), np.where(inside, high, root)
     root = (low + high) / 2
     return truths, least(root), truths + root

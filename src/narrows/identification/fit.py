@@ -10,23 +10,20 @@ import numpy as np
 
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.identification import shapley
-from narrows.identification.collinearity import CorrelatedPair, Diagnostics, correlated_pairs
+from narrows.identification.collinearity import Diagnostics
 from narrows.identification.design_matrix import ONE, DesignMatrix
 from narrows.identification.estimates import CoefficientEstimates, estimates
 from narrows.identification.least_squares import Problem, Solution
 from narrows.identification.motions import DistinctMotions, distinct_motions
 from narrows.identification.normal_equations import NormalEquations, Score, score
-from narrows.identification.plausibility import implausible, noise_sentence, unmodelled_rudder
+from narrows.identification.plausibility import implausible, unmodelled_rudder
 from narrows.identification.prediction import Prediction
 from narrows.identification.resampling import (
-    Bootstrap,
     DepthTest,
-    Influence,
     Predictiveness,
     depth_tests,
     influence,
     predictiveness,
-    resampled,
 )
 from narrows.identification.shapley import Kind as ShareKind
 from narrows.identification.systematic_effects import Effect, RunErrors
@@ -200,31 +197,9 @@ class Fit(Prediction):
         return depth_tests(*self._known)
 
     @cached_property
-    def correlations(self) -> tuple[CorrelatedPair, ...]:
-        """Pairs of correlated coefficients, the closest first."""
-        return correlated_pairs(self.problem, self.normal_equations.total)
-
-    @cached_property
-    def influence(self) -> Influence:
-        """Influence of each distinct motion on each coefficient: its information, and the change without it."""
-        return influence(self.motions, self.estimates, self.solution)
-
-    def bootstrap(self, resamples: int = 10_000, seed: int = 0) -> Bootstrap:
-        """Draw distinct motions with replacement, each with all its repeats, and fit under the constraints.
-
-        Parameters
-        ----------
-        resamples : int
-            Number of resamples.
-        seed : int
-            Seed of the draws.
-
-        Raises
-        ------
-        InputError
-            Where there are fewer than 2 resamples.
-        """
-        return resampled(self.problem, self.motions, self.estimates, resamples, seed)
+    def influence(self) -> "pd.DataFrame":
+        """Share of the information on each coefficient that is gone without a distinct motion: a row for each [1]."""
+        return influence(self.motions, self.estimates)
 
     def shapley(
         self, kind: ShareKind = "mse", coefficients: Mapping[str, float] | None = None
@@ -260,7 +235,6 @@ class Fit(Prediction):
             *(test.sentence(name) for name, test in self.depth_tests.items()),
             "" if self.terms.has_bank else self.terms.bank_note,
             f"{rudder[:1].upper()}{rudder[1:]}." if rudder else "",
-            noise_sentence(self),
         )
         return (*self.tests.notes, *filter(None, notes))
 
@@ -306,14 +280,12 @@ class Fit(Prediction):
                 {"speed": speed, "diagnostics": {force: d.to_dict() for force, d in by_force.items()}}
                 for speed, by_force in self.diagnostics.by_speed.items()
             ],
-            "by_test": {
-                test: {f: dict(d.vif) for f, d in by_force.items()}
-                for test, by_force in self.diagnostics.by_test.items()
-            },
             "shapley": {kind: self.shapley(kind) for kind in shapley.KINDS},
             "kkt": self.solution.kkt.to_dict(),
-            "tradeoffs": [asdict(pair) for pair in self.correlations],
-            "influence": {name: self.influence.of(name) for name in self.terms.names},
+            "influence": {
+                name: {"most_informing": share.idxmax(), "share": float(share.max())}
+                for name, share in self.influence.items()
+            },
             "predictiveness": [asdict(one) for one in self.predictiveness],
             "error_scales": self.error_scales,
             "split": self.split,

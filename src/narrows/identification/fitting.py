@@ -13,7 +13,7 @@ from narrows.captive.split import random_split
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.errors import InputError, check_choice, check_count, did_you_mean, shown
 from narrows.identification.fit import Fit
-from narrows.identification.least_squares import Weights, reduced
+from narrows.identification.least_squares import reduced
 from narrows.identification.motions import distinct_motions, numbered
 from narrows.identification.normal_equations import Balance, Score, accumulate, score
 from narrows.identification.plausibility import unmodelled_rudder
@@ -38,7 +38,7 @@ CONDITION, DENSITY = "C0101A02", 1025.0
 
 @accept_aliases
 def identify(
-    tests: Any, terms: TermTable | str = PAPER, weights: Weights = "paper", balance: Balance = "tests",
+    tests: Any, terms: TermTable | str = PAPER, balance: Balance = "tests",
     split: Split = "test", seed: int = 0,
     accelerations: Accelerations = "checked", errors: RunErrors = DEFAULT_ERRORS, pass_over: Sequence[str] = (),
     pool: Pool | None = None, ship: ShipSource | None = None,
@@ -54,8 +54,6 @@ def identify(
         Tests of one condition; a path is read as by ``read_captive``, for the ship of ``ship``.
     terms : TermTable or str
         The terms, their bounds and ties, or the name of a table that comes with the package.
-    weights : str
-        ``paper``: the plain sum of squared errors of X, Y and N; ``variance``: each over its force's variance.
     balance : str
         ``tests``: each test counts alike, a static run of one averaged row as much as a harmonic one of thousands;
         ``rows``: each row does, as in the paper.
@@ -117,7 +115,7 @@ def identify(
         raise InputError(f"{rudder}, or fit all the same (--pass-over rudder, in Python pass_over='rudder')")
     if len(equations.tests) < 2:
         raise InputError(f"one row of test {equations.tests[0]} is all there is; standard errors need two or more")
-    problem = reduced(equations, terms, weights)
+    problem = reduced(equations, terms)
     motions = distinct_motions(equations)
     if checked is not None:
         rest, _ = accumulate(checked, terms, balance=balance)

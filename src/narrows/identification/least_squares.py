@@ -2,16 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import numpy as np
 
-from narrows.errors import InputError, check_choice
-from narrows.identification.design_matrix import ONE
+from narrows.errors import InputError
 from narrows.identification.normal_equations import NormalEquations
 from narrows.terms.term import TermTable
 
-Weights = Literal["paper", "variance"]
 KKT_TOLERANCE = 1e-8
 # Smallest singular value, over the largest, that counts; sums of products keep about eight digits of it.
 RANK_TOLERANCE = 1e-6
@@ -28,7 +25,6 @@ class Problem:
     slot: Mapping[str, int]  # The free parameter of each coefficient; tied coefficients share one
     scale: np.ndarray  # (p,) Norm of each parameter's column; 1 where the column is zero
     bounds: np.ndarray  # (p, 2) of the parameters
-    weights: Mapping[str, float]  # Weight of each force in the sum
     terms: TermTable
     columns: Mapping[str, int]  # Column of the sums of each coefficient's regressor or force
 
@@ -44,11 +40,11 @@ class Problem:
         """Assemble H (..., p, p) and g (..., p) from sums of products (..., m, m)."""
         size = len(self.scale)
         h, g = np.zeros((*sums.shape[:-2], size, size)), np.zeros((*sums.shape[:-2], size))
-        for force, weight in self.weights.items():
+        for force in filter(self.terms.forces.get, self.terms.forces):
             names = [term.name for term in self.terms.forces[force]]
             slots, columns = [self.slot[name] for name in names], [self.columns[name] for name in names]
             scaled = np.eye(size)[slots] / self.scale  # Two coefficients of one force may share a parameter
-            own = weight * sums[..., columns, :]
+            own = sums[..., columns, :]
             h += scaled.T @ own[..., columns] @ scaled
             g += own[..., self.columns[force]] @ scaled
         return h, g
@@ -70,27 +66,21 @@ class Problem:
         return dict(zip(self.terms.names, self.coefficients(z).tolist(), strict=True))
 
 
-def reduced(equations: NormalEquations, terms: TermTable, weights: Weights = "paper") -> Problem:
+def reduced(equations: NormalEquations, terms: TermTable) -> Problem:
     """Set up the joint problem of the paper, columns scaled to one and ties substituted."""
-    check_choice("weights", weights, get_args(Weights))
-    slot, by_force = free_parameters(terms), {}
+    slot = free_parameters(terms)
     size = max(slot.values()) + 1
     square, bounds = np.zeros(size), np.tile([-np.inf, np.inf], (size, 1))
-    for force, part in terms.forces.items():
-        if part:
-            (rows, total), (_, squares) = equations.pick(equations.total, [ONE, force])
-            variance = squares / rows - (total / rows) ** 2
-            by_force[force] = float(1 / variance) if weights == "variance" and variance > 0 else 1.0
-        for term in part:
-            i, j = slot[term.name], equations.columns[term.name]
-            square[i] += by_force[force] * equations.total[j, j]
-            bounds[i] = max(bounds[i, 0], term.bound[0]), min(bounds[i, 1], term.bound[1])
+    for term in terms.terms:
+        i, j = slot[term.name], equations.columns[term.name]
+        square[i] += equations.total[j, j]
+        bounds[i] = max(bounds[i, 0], term.bound[0]), min(bounds[i, 1], term.bound[1])
     for name, i in slot.items():
         low, high = bounds[i]
         if not low < high:
             raise InputError(f"bounds {low:g} to {high:g} leave {name} no room; widen them")
     scale = np.sqrt(np.where(square > 0, square, 1.0))
-    return Problem(slot, scale, bounds, by_force, terms, equations.columns)
+    return Problem(slot, scale, bounds, terms, equations.columns)
 
 
 def free_parameters(terms: TermTable) -> dict[str, int]:

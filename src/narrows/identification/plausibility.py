@@ -1,11 +1,10 @@
-"""Check a fit: masses and inertias, signs of forces and rudder, a rudder left out, noise in the accelerations."""
+"""Check a fit: masses and inertias, signs of forces and rudder, a rudder left out."""
 
 import math
 from typing import Any
 
 import numpy as np
 
-from narrows.captive.accelerations import RATES
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.identification.design_matrix import ONE
 from narrows.identification.normal_equations import NormalEquations, score
@@ -31,8 +30,6 @@ UNITS = {"kgf or kgf m": 9.80665, "kN or kN m": 1e3}
 # viscosity of fresh water at 20 degrees [m2/s]; least Reynolds number of the line.
 LEAST_DRAG, VISCOSITY, LEAST_REYNOLDS = 0.9, 1.0e-6, 1e5
 RUDDER_MOVES = math.radians(1.0)
-# Share of the size of the accelerations that is taken for noise.
-NOISE_SHARE = 0.1
 Known = dict[str, tuple[float, float]]  # Estimate without bounds and standard error, where the tests determine it
 # Force, acceleration and name of a mass or inertia; its unit, its bare value and its added value in deep water.
 MASSES = (
@@ -172,29 +169,3 @@ def unmodelled_rudder(tests: Tests, equations: NormalEquations, terms: TermTable
         f"the rudder goes to {math.degrees(angle):.0f} deg and no term has it, so other terms absorb its force: "
         f"take the terms {terms.name}+helm, or rows with it amidships (--where 'abs(rudder_deg) < 1')"
     )
-
-
-def noise_bias(fit: Any, share: float = NOISE_SHARE) -> dict[str, float]:
-    """Return how far white noise in the accelerations draws each coefficient from its value, to first order."""
-    # The noise adds to the diagonal of H alone, and the solution moves by -H^-1 D z: attenuation, and what others take
-    # over. Coefficients at a bound stay there.
-    # Fuller (1987), Measurement Error Models, section 2.2.
-    problem, equations, solution = fit.problem, fit.normal_equations, fit.solution
-    h, plain = (problem.normal(sums)[0] for sums in (equations.total, equations.unweighted.sum(axis=0)))
-    noisy = [problem.slot[term.name] for term in problem.terms.terms if term.inputs in [(r,) for r in RATES.values()]]
-    pull, moved, free = np.zeros(len(h)), np.zeros(len(h)), ~solution.at_bound
-    pull[noisy] = share**2 * np.diag(plain)[noisy] * solution.z[noisy]
-    moved[free] = -np.linalg.pinv(h[np.ix_(free, free)], rcond=1e-12, hermitian=True) @ pull[free]
-    named: dict[str, float] = problem.named(moved)
-    return named
-
-
-def noise_sentence(fit: Any) -> str:
-    """Return the effect of noise in accelerations that no check covers; empty where time checks them."""
-    if isinstance(fit.tests, CaptiveTests) and "t" in fit.tests.columns:
-        return ""
-    shifts = {name: bias / value for name, bias in noise_bias(fit).items() if (value := fit.coefficients[name])}
-    largest = sorted((pair for pair in shifts.items() if abs(pair[1]) > 1e-3), key=lambda pair: -abs(pair[1]))[:4]
-    changes = ", ".join(f"{name} by {shift:+.1%}" for name, shift in largest)
-    sentence = f"Without times in memory the noise in the accelerations is unknown; a tenth would change {changes}."
-    return sentence if changes else ""

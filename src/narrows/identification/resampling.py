@@ -1,20 +1,13 @@
-"""Other choices of the distinct motions: drawn with replacement, left out in turn, and those of each depth alone."""
+"""Other choices of the distinct motions: each left out in turn, and those of each depth alone."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from narrows.errors import InputError, did_you_mean
-from narrows.identification.estimates import (
-    HALF,
-    LEVEL,
-    CoefficientEstimates,
-    ForcePosterior,
-    bounded_interval,
-    estimates,
-)
-from narrows.identification.least_squares import Problem, Solution, solve_many
+from narrows.identification.estimates import HALF, CoefficientEstimates, ForcePosterior, estimates
+from narrows.identification.least_squares import Problem
 from narrows.identification.mixed_model import one_thread
 from narrows.identification.motions import DistinctMotions, distinct_motions
 from narrows.identification.normal_equations import NormalEquations
@@ -22,58 +15,14 @@ from narrows.identification.systematic_effects import RunErrors
 from narrows.quantities.names import FORCES
 from narrows.results.base_results import with_error
 from narrows.ship.particulars import Configuration
-from narrows.terms.term import TermTable
 
-# Quantiles a standard deviation from a Gaussian's mean: the few resamples that miss a kind of test do not count.
-MIDDLE = (0.158655, 0.841345)
-CHUNK = 2048
+if TYPE_CHECKING:
+    import pandas as pd
+
 # Lower bound of 1 - leverage: rounding can make it negative where one motion alone determines a coefficient.
 ROUNDING = 1e-9
-# Share of the information on a coefficient above which one motion alone determines it.
-ALONE = 0.999
 # Significance level of the chi-square test of equal coefficients [1].
 DIFFERENT = 0.05
-
-
-@dataclass(frozen=True)
-class Bootstrap:
-    """Coefficients of many resamples of the tests."""
-
-    terms: TermTable  # The terms
-    # (resamples, n) Coefficients of each resample fitted under the constraints, each in its own unit
-    samples: np.ndarray
-    std: np.ndarray  # (n,) Half width of the central 68 % of the coefficients fitted without bounds
-    estimates: CoefficientEstimates  # Estimates from the original tests: centres of the intervals
-
-    @property
-    def covariance(self) -> np.ndarray:
-        """Covariance of the samples, (n, n)."""
-        return np.atleast_2d(np.cov(self.samples.T))
-
-    def intervals(self, level: float = LEVEL) -> Mapping[str, tuple[float, float]]:
-        """Return a confidence interval for each coefficient, in its unit and within its bounds."""
-        # They use the spread of fits without bounds: percentiles of constrained ones miss the truth
-        # where a coefficient, or one that it trades against, is near a bound.
-        # Andrews (2000), Inconsistency of the bootstrap when a parameter is on the boundary of the parameter space.
-        seen = zip(self.terms.terms, self.estimates.free_values, self.std, strict=True)
-        return {term.name: bounded_interval(float(value), float(std), term.bound, level) for term, value, std in seen}
-
-
-def resampled(
-    problem: Problem, motions: DistinctMotions, found: CoefficientEstimates, resamples: int, seed: int
-) -> Bootstrap:
-    """Draw as many distinct motions as there are, with replacement, and fit with the constraints and without."""
-    if resamples < 2 or seed < 0:
-        raise InputError(f"{resamples} resamples with seed {seed} give no spread; ask for 1000 or more, seed 0 or more")
-    count, bounded, free = len(motions), [], []
-    times = np.random.default_rng(seed).multinomial(count, np.full(count, 1 / count), size=resamples).astype(float)
-    everywhere = np.full(len(problem.scale), np.inf)
-    for start in range(0, resamples, CHUNK):
-        h, g = problem.normal(np.tensordot(times[start : start + CHUNK], motions.sums, axes=1))
-        bounded.append(solve_many(h, g, problem.lower, problem.upper))
-        free.append(solve_many(h, g, -everywhere, everywhere))
-    low, high = np.quantile(problem.coefficients(np.concatenate(free)), MIDDLE, axis=0)
-    return Bootstrap(problem.terms, problem.coefficients(np.concatenate(bounded)), (high - low) / 2, found)
 
 
 @dataclass(frozen=True)
@@ -125,43 +74,11 @@ def predictiveness(part: ForcePosterior) -> list[Predictiveness]:
     return result
 
 
-@dataclass(frozen=True)
-class Influence:
-    """Influence of each distinct motion on each coefficient: the jackknife."""
-
-    tests: tuple[str, ...]  # The motions, each called by its first test and the number of its repeats
-    names: tuple[str, ...]  # The coefficients
-    # (tests, n) Share of the information on a coefficient that is gone without the test: 1 less the ratio of the
-    # variance with all tests to the variance without this one [1]
-    information: np.ndarray
-    # (tests, n) Change of the constrained estimate by the test, in the coefficient's unit; NaN where the other tests
-    # hardly excite the coefficient
-    moved: np.ndarray
-
-    def most_informing(self, name: str) -> tuple[str, float]:
-        """Return the test that holds most of the information on a coefficient, and its share [1]."""
-        return self._most(self.information, name)
-
-    def most_moving(self, name: str) -> tuple[str, float]:
-        """Return the test that moves a coefficient most, and how far; NaN: it is not determined without it."""
-        return self._most(self.moved, name)
-
-    def of(self, name: str) -> dict[str, str | float]:
-        """Give the test with most information on a coefficient and the one that moves it most."""
-        (informing, share), (moving, by) = self.most_informing(name), self.most_moving(name)
-        return {"most_informing": informing, "share": share, "most_moving": moving, "moved_by": by}
-
-    def _most(self, values: np.ndarray, name: str) -> tuple[str, float]:
-        if name not in self.names:
-            raise InputError(f"unknown coefficient {name!r}{did_you_mean(name, self.names)}")
-        column = values[:, self.names.index(name)]
-        most = int(np.abs(column).argmax())
-        return self.tests[most], float(column[most])
-
-
 @one_thread
-def influence(motions: DistinctMotions, found: CoefficientEstimates, solution: Solution) -> Influence:
-    """Leave out each distinct motion in turn."""
+def influence(motions: DistinctMotions, found: CoefficientEstimates) -> "pd.DataFrame":
+    """Leave out each distinct motion in turn (the jackknife): 1 less the ratio of variances with it and without it."""
+    import pandas as pd
+
     problem = found.problem
     gone = np.zeros((len(motions), len(problem.scale)))
     for part in found.forces:
@@ -171,8 +88,7 @@ def influence(motions: DistinctMotions, found: CoefficientEstimates, solution: S
             added = without_rows(part, best, own)[2][:p]
             gone[motion, part.free_parameters] = added / np.maximum(variances + added, 1e-300)
     shares = gone[:, [problem.slot[name] for name in problem.terms.names]]
-    moved = np.where(shares < ALONE, problem.coefficients(solution.z) - problem.fits(motions.without), np.nan)
-    return Influence(motions.labels, problem.terms.names, shares, moved)
+    return pd.DataFrame(shares, motions.labels, problem.terms.names)
 
 
 def _motions(part: ForcePosterior) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:

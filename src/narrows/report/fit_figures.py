@@ -237,14 +237,13 @@ VIF_LIMIT, HIGH_VIF = 10.0, 30.0
 def influence_figure(fit: Fit) -> Figure:
     """Draw the share of each coefficient's information that comes from each test."""
     influence = fit.influence
-    shown = np.argsort(-influence.information.max(axis=1))[:MOST_TESTS]
-    shown = np.sort(shown)
-    left = 0.5 + 0.05 * max(len(influence.tests[i]) for i in shown)
-    figure, axes = panels(1, 1, 1.6 + 0.13 * len(shown), Margins(left=min(left, 3.0), right=0.1, bottom=0.85), "")
+    influence = influence.iloc[np.sort(np.argsort(-influence.max(axis=1).to_numpy())[:MOST_TESTS])]
+    left = min(0.5 + 0.05 * max(map(len, influence.index)), 3.0)
+    figure, axes = panels(1, 1, 1.6 + 0.13 * len(influence), Margins(left=left, right=0.1, bottom=0.85), "")
     panel = axes[0, 0]
-    image = panel.imshow(influence.information[shown], cmap="Blues", vmin=0, vmax=1, aspect="auto")
-    panel.set_xticks(range(len(influence.names)), influence.names, rotation=90)
-    panel.set_yticks(range(len(shown)), [influence.tests[i] for i in shown], fontsize=6.5)
+    image = panel.imshow(influence.to_numpy(), cmap="Blues", vmin=0, vmax=1, aspect="auto")
+    panel.set_xticks(range(influence.shape[1]), influence.columns, rotation=90)
+    panel.set_yticks(range(len(influence)), influence.index, fontsize=6.5)
     panel.set(xlabel="coefficient [-]", ylabel="test [-]")
     figure.colorbar(image, ax=panel, label="share of the information from the test [1]", shrink=0.8)
     return figure

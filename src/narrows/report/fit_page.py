@@ -19,7 +19,7 @@ from narrows.quantities.names import name_of
 from narrows.report import fit_figures as draw
 from narrows.report.fit_table import best_known_first, coefficient_row, heading, kkt_sentence, share_rows
 from narrows.report.style import svg
-from narrows.results.base_results import readable, with_error
+from narrows.results.base_results import with_error
 from narrows.ship.particulars import Canal, Configuration, Ship
 from narrows.terms.term import Term
 
@@ -98,9 +98,8 @@ def section(label: str, fit: Fit, number: int, answer: BankSummary | None = None
         "doubts": [verdict.sentence(name) for name, verdict in fit.verdicts.items() if verdict.status != IDENTIFIED],
         "scores": [(force, score, fit.left_out[force]) for force, score in fit.scores.items()],
         "split": fit.split,
-        "by_test": _by_test(fit),
-        "correlations": fit.correlations,
-        "influence": [_influence(fit, name) for name in fit.terms.names if fit.verdicts[name].determined],
+        "influence": [(name, fit.influence[name].idxmax(), f"{fit.influence[name].max():.2f}")
+                      for name in fit.terms.names if fit.verdicts[name].determined],
         "shapley": share_rows({kind: fit.shapley(kind) for kind in KINDS}),
         "notes": [*fit.notes, kkt_sentence(fit)],
         "figures": _figures(fit),
@@ -113,12 +112,6 @@ def _first_picture(fit: Fit) -> list[dict[str, str]]:
         return []
     caption = "Measured forces against those predicted by the other motions, each motion left out in turn."
     return [figure(draw.left_out_figure(fit, fit.tests), caption)]
-
-
-def _influence(fit: Fit, name: str) -> tuple[str, str, str, str, str, str]:
-    (informing, share), (moving, by) = fit.influence.most_informing(name), fit.influence.most_moving(name)
-    change = ("not determined without it", "") if np.isnan(by) else (f"{by:+.3g}", fit.terms[name].dimension.unit)
-    return name, informing, f"{share:.2f}", moving, *change
 
 
 def equations(fit: Fit) -> list[str]:
@@ -140,18 +133,6 @@ def constraints(fit: Fit) -> str:
     bounded = [term.name for term in fit.terms.terms if term.bound[0] == 0]
     ties = [" = ".join(tie) for tie in fit.terms.ties]
     return "; ".join([f"{', '.join(bounded)} not negative"] * bool(bounded) + ties) or "none"
-
-
-def _by_test(fit: Fit) -> list[tuple[str, str, str, str]]:
-    """Within each test: the bank's column against the column most like it."""
-    banks_ = [(force, term.name) for force, terms in fit.terms.forces.items() for term in terms if term.from_bank]
-    rows = []
-    for test, diagnoses in fit.diagnostics.by_test.items():
-        for force, name in banks_[:1]:
-            partner, alignment = diagnoses[force].partner(name)
-            vif = diagnoses[force].vif[name]
-            rows.append((test, readable(vif) if np.isfinite(vif) else "without limit", partner, f"{alignment:+.4f}"))
-    return rows
 
 
 def _figures(fit: Fit) -> list[dict[str, str]]:

@@ -12,7 +12,7 @@ from narrows.identification.verdict import IDENTIFIED, ZERO
 from narrows.report.terminal import everything, print_notes, table_of
 from narrows.results.base_results import interval, readable
 
-MOST_PAIRS = 5
+# Columns of the coefficients, and their heads.
 COLUMNS = {
     "": "{name}", "value": "{value}", "std. error": "{std}", "95 % interval": "{interval}", "unit": "{unit}",
     "verdict": "{verdict}",
@@ -46,8 +46,6 @@ def print_fit(
     for name, verdict in fit.verdicts.items():
         if verdict.status != IDENTIFIED:
             console.print(f"- {verdict.sentence(name)}")
-    for pair in fit.correlations[:MOST_PAIRS]:
-        console.print(f"- {pair.sentence}")
     console.print(_scores(fit))
     console.print(_shares(fit))
     for note in (*fit.notes, kkt_sentence(fit)):
