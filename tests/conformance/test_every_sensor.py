@@ -12,8 +12,7 @@ import narrows as nw
 from engine_models import steered
 from narrows.estimation import Estimator, GaussMarkov, Gnss, Gyro, Log, RateOfTurn, RudderIndicator, Sensor
 from narrows.estimation.consistency import Twins, sail_twins
-from narrows.estimation.sensor import Measuring
-from narrows.estimation.sensors import SENSORS
+from narrows.estimation.sensors import SENSORS, Measuring
 from narrows.estimation.states import STATES, Columns, StateNames
 
 every_sensor = pytest.mark.parametrize("make", SENSORS.values(), ids=list(SENSORS))

@@ -353,7 +353,7 @@ class SensedHelm:
         self._ahead = water_ahead(self.model, self.waterway)
         self._measuring, self._indicator = estimation.sensors.split_sensors(self.sensors)
         self._longest = max(sensor.late for sensor in self._measuring.values())
-        self._errors = {n: estimation.sensor.ErrorProcess(one, random) for n, one in self._measuring.items()}
+        self._errors = {n: estimation.sensors.ErrorProcess(one, random) for n, one in self._measuring.items()}
         self._bias = self._indicator.bias * random.standard_normal()
         self._random = random
         return self._order

@@ -8,8 +8,6 @@ from narrows.estimation.consistency import consistency as consistency
 from narrows.estimation.estimate import Estimate as Estimate
 from narrows.estimation.estimate import EstimatedTrack as EstimatedTrack
 from narrows.estimation.estimator import Estimator as Estimator
-from narrows.estimation.sensor import GaussMarkov as GaussMarkov
-from narrows.estimation.sensor import Sensor as Sensor
 from narrows.estimation.sensors import *  # noqa: F403  its sensors are those of ``__all__`` there
 from narrows.estimation.states import Prior as Prior
 from narrows.estimation.states import ProcessNoise as ProcessNoise

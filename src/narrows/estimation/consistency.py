@@ -17,7 +17,7 @@ from narrows.codegen.choices import STAGES
 from narrows.control.closed_loop import LawOrders
 from narrows.errors import InputError, check_count
 from narrows.estimation.estimator import Estimator
-from narrows.estimation.sensor import Sensor, drawn_reading
+from narrows.estimation.sensors import Sensor, drawn_reading
 from narrows.estimation.settings import (
     CONFIDENCE,
     REFERENCE_LENGTH,

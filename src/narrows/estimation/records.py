@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
-from narrows.estimation.sensor import Sensor
+from narrows.estimation.sensors import Sensor
 
 TIME = "t"
 

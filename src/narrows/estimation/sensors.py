@@ -1,19 +1,136 @@
-"""The ship's own sensors: compass, rate of turn, log, and the indicator of the rudder."""
+"""Sensors: their measurements of the state, with noise, slow errors, period and delay.
+
+Positions are those of the canal: x along its line, y to starboard of it; headings and courses are relative to its
+direction.
+"""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
-from typing import Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
 
 from narrows.aliases import accept_aliases
 from narrows.errors import InputError
-from narrows.estimation.sensor import GaussMarkov, Measuring, Sensor, Values, check_std
-from narrows.estimation.states import Columns
+from narrows.estimation.settings import FAULT_STD, FAULT_WALK
+from narrows.estimation.states import Columns, MarkovProcess
+from narrows.ship.checks import check_sizes
+from narrows.simulation.inputs import finite_numbers
 
-# Sensors that ``narrows.estimation`` exports.
-__all__ = ["CourseOverGround", "Gnss", "Gyro", "Log", "RateOfTurn", "RudderIndicator"]
+# What ``narrows.estimation`` exports.
+__all__ = ["CourseOverGround", "GaussMarkov", "Gnss", "Gyro", "Log", "RateOfTurn", "RudderIndicator", "Sensor"]
+
+Values = tuple[Any, ...]
+# Curvature [1/m] below which a line counts as straight.
+STRAIGHT = 1e-9
+# Correlation time [s] of the slow error of fixes of a receiver without corrections: the autocorrelation of recorded
+# errors falls within about a minute. Wilson, GPS horizontal position accuracy; that the error is not white: Sensors 20
+# (2020) 6050.
+GNSS_TIME = 60.0
+
+
+@runtime_checkable
+class Sensor(Protocol):
+    """The interface of a sensor.
+
+    ``name`` is the name of its readings, ``fields`` the names of its components in a table, ``sigma`` the standard
+    deviations of their white errors, ``angles`` marks angles [rad], ``straight`` is True if the components are linear
+    in the states. ``period`` [s] is the time between readings, ``late`` [s] the delay of a reading. Optional ``errors``
+    is a sequence of ``GaussMarkov``; each becomes a state of the estimate.
+    """
+
+    name: str
+    period: float
+    late: float
+    fields: tuple[str, ...]
+    sigma: tuple[float, ...]
+    angles: tuple[bool, ...]
+    straight: bool
+
+    def measured(self, at: Columns) -> Values:
+        """Return its components without errors, from states."""
+
+    def numbers(self, reading: Sequence[float]) -> Values:
+        """Return a reading, one number for each field, as the components of ``measured``."""
+
+    def reading(self, numbers: Values) -> Values:
+        """Return the reading of components: the inverse of ``numbers``."""
+
+    def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
+        """Return states for a start from a reading, with their standard deviations."""
+
+
+@dataclass(frozen=True)
+class GaussMarkov:
+    """An error of a sensor correlated in time: a first-order Gauss-Markov process, or a constant bias.
+
+    Parameters
+    ----------
+    std : float or tuple of float [unit of the sensor's numbers]
+        Standard deviation, of all components of the sensor or of each of them; 0 for none.
+    time : float [s]
+        Correlation time; ``math.inf`` for a constant bias.
+
+    Raises
+    ------
+    InputError
+        If a number is invalid.
+    """
+
+    std: float | tuple[float, ...]
+    time: float = math.inf
+
+    def __post_init__(self) -> None:
+        if not (self.time > 0.0 and np.isfinite(self.std).all() and np.greater_equal(self.std, 0.0).all()):
+            raise InputError(f"{self} is no error; give finite standard deviations from 0, and a time over 0 s")
+
+
+@dataclass(frozen=True)
+class Measuring:
+    """Base of the package's own sensors: one noise level for all components; by default one, which is a state."""
+
+    noise: float  # Standard deviation of the white error of each component [SI]
+    _: KW_ONLY
+    period: float = 1.0  # Time between readings [s]
+    late: float = 0.0  # Delay of a reading [s]
+    name: str = ""  # Name of its readings
+    bias: float = 0.0  # Standard deviation of a constant error [SI]
+    coloured: GaussMarkov | None = None  # Error correlated in time
+    angles: ClassVar[tuple[bool, ...]] = (False,)
+    suffixes: ClassVar[tuple[str, ...]] = ("",)  # Ends of the names of the components
+    state: ClassVar[str]  # Name of the state that it measures
+
+    def __post_init__(self) -> None:
+        check_sizes(self, ("noise", "period"), ("noise", "period", "late", "bias"))
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        return tuple(self.name + suffix for suffix in self.suffixes)
+
+    @property
+    def sigma(self) -> tuple[float, ...]:
+        return (self.noise,) * len(self.angles)
+
+    @property
+    def errors(self) -> tuple[GaussMarkov, ...]:
+        return (*((GaussMarkov(self.bias),) if self.bias else ()), *((self.coloured,) if self.coloured else ()))
+
+    @property
+    def straight(self) -> bool:
+        return True
+
+    def numbers(self, reading: Sequence[float]) -> Values:
+        return tuple(reading)
+
+    def reading(self, numbers: Values) -> Values:
+        return numbers
+
+    def measured(self, at: Columns) -> Values:
+        return (getattr(at, self.state),)
+
+    def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
+        return {self.state: (reading[0], self.noise)}
 
 
 @accept_aliases
@@ -53,15 +170,13 @@ class Gyro(Measuring):
 @accept_aliases
 @dataclass(frozen=True)
 class RateOfTurn(Measuring):
-    """A rate gyro: the yaw rate.
+    """A rate gyro: the yaw rate. Parameters other than ``noise`` are those of ``Gyro``.
 
     Parameters
     ----------
     noise : float [rad/s]
         Standard deviation of the white error; by default of an indicator within IMO A.526(13), 0.5 degrees a minute
         and 5 % of the rate. A rate by differences of headings has several times as much.
-    period, late, name, bias, coloured : optional
-        As for ``Gyro``.
     """
 
     noise: float = math.radians(0.01)
@@ -73,15 +188,7 @@ class RateOfTurn(Measuring):
 @accept_aliases
 @dataclass(frozen=True)
 class Log(Measuring):
-    """A speed log: the surge velocity through the water.
-
-    Parameters
-    ----------
-    noise : float [m/s]
-        Standard deviation of the white error.
-    period, late, name, bias, coloured : optional
-        As for ``Gyro``.
-    """
+    """A speed log: the surge velocity through the water, with white ``noise`` [m/s]; others are those of ``Gyro``."""
 
     noise: float = 0.05
     _: KW_ONLY
@@ -99,24 +206,14 @@ class RudderIndicator:
         Standard deviation of a reading.
     bias : float [rad]
         Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
-    name : str
-        Name of its readings.
     """
 
     noise: float = 0.0
     bias: float = math.radians(1.0)
-    name: str = "rudder"
+    name: ClassVar[str] = "rudder"
 
     def __post_init__(self) -> None:
-        check_std(self.bias, self.noise)
-
-
-# Curvature [1/m] below which a line counts as straight.
-STRAIGHT = 1e-9
-# Correlation time [s] of the slow error of fixes of a receiver without corrections: the autocorrelation of recorded
-# errors falls within about a minute. Wilson, GPS horizontal position accuracy; that the error is not white: Sensors 20
-# (2020) 6050.
-GNSS_TIME = 60.0
+        check_sizes(self)
 
 
 @dataclass(frozen=True)
@@ -131,21 +228,18 @@ class Antenna(Measuring):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not (math.isfinite(self.forward) and math.isfinite(self.starboard)):
-            raise InputError("an antenna needs a place; give forward and starboard in metres from midship")
+        finite_numbers(forward=self.forward, starboard=self.starboard)
 
 
 @accept_aliases
 @dataclass(frozen=True)
 class Gnss(Antenna):
-    """A satellite receiver: the position of its antenna in the canal.
+    """A satellite receiver: the position of its antenna in the canal. Others are those of ``Gyro``.
 
     Parameters
     ----------
     noise : float [m]
         Standard deviation of the white error along and across.
-    period, late, name, bias : optional
-        As for ``Gyro``.
     coloured : GaussMarkov, optional
         Error correlated in time, which becomes a state too; by default as large as the noise, over a minute, as is
         usual for receivers. ``None``: white errors alone.
@@ -161,8 +255,7 @@ class Gnss(Antenna):
 
     @property
     def errors(self) -> tuple[GaussMarkov, ...]:
-        usual = replace(self, coloured=GaussMarkov(self.noise, GNSS_TIME)) if self.coloured == "usual" else self
-        return super(Gnss, usual).errors
+        return super(Gnss, slowed(self) if self.coloured == "usual" else self).errors
 
     @property
     def straight(self) -> bool:
@@ -188,7 +281,7 @@ class Gnss(Antenna):
 @accept_aliases
 @dataclass(frozen=True)
 class CourseOverGround(Antenna):
-    """Course and speed over ground, of a satellite receiver from Doppler shifts.
+    """Course and speed over ground, of a satellite receiver from Doppler shifts. Others are those of ``Gnss``.
 
     Readings are course and speed; the estimate uses velocities along and across, whose noise does not depend on the
     speed. Together with the model's drift they determine a gyro's bias.
@@ -197,8 +290,6 @@ class CourseOverGround(Antenna):
     ----------
     noise : float [m/s]
         Standard deviation of the white error of the velocity along and across.
-    period, late, name, bias, coloured, forward, starboard : optional
-        As for ``Gyro`` and ``Gnss``.
     """
 
     noise: float = 0.05
@@ -226,6 +317,12 @@ class CourseOverGround(Antenna):
         return {}  # Current and drift separate these velocities from the state
 
 
+# Sensors that measure states, by the usual name of their readings; the rudder's indicator is an input of the model.
+SENSORS: dict[str, type[Measuring]] = {
+    sensor.name: sensor for name in __all__ if issubclass(sensor := globals()[name], Measuring)
+}
+
+
 def is_white(sensor: object) -> bool:
     """Return whether a sensor is a receiver that declares no slow error."""
     return isinstance(sensor, Antenna) and sensor.coloured is None
@@ -236,28 +333,61 @@ def slowed(sensor: Any) -> Any:
     return replace(sensor, coloured=GaussMarkov(sensor.noise, GNSS_TIME))
 
 
-# Sensors that measure states, by the usual name of their readings; the rudder's indicator is an input of the model.
-SENSORS: dict[str, type[Measuring]] = {
-    sensor.name: sensor for name in __all__ if issubclass(sensor := globals()[name], Measuring)
-}
-
-
 def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndicator]:
     if isinstance(sensors, str) or not isinstance(sensors, Sequence):
         raise InputError("sensors are a list, as [Gnss(), Gyro(), Log(), RudderIndicator()]; give one")
-    indicators = [sensor for sensor in sensors if isinstance(sensor, RudderIndicator)]
-    measuring = [sensor for sensor in sensors if not isinstance(sensor, RudderIndicator)]
-    if len(indicators) > 1:
-        raise InputError("a ship has one rudder here, and these are several RudderIndicators; leave one")
-    for sensor in measuring:
-        if isinstance(sensor, type) or not isinstance(sensor, Sensor):
+    found: dict[str, Any] = {}
+    for sensor in sensors:
+        if isinstance(sensor, type) or not isinstance(sensor, Sensor | RudderIndicator):
             what = sensor.__name__ if isinstance(sensor, type) else type(sensor).__name__
             known = ", ".join(f"{own.__name__}()" for own in SENSORS.values())
             raise InputError(f"{what} is no sensor; give objects such as {known}, or of your own that keep to Sensor")
-    names = [sensor.name for sensor in measuring]
-    for name in names:
-        if names.count(name) > 1:
-            raise InputError(f"two sensors are called {name!r}; give one another name, as Gnss(name='gnss_aft')")
-    if not names:
+        if sensor.name in found:
+            raise InputError(f"two sensors are called {sensor.name!r}; give one another name, as Gnss(name='gnss_aft')")
+        found[sensor.name] = sensor
+    indicator = next((one for one in sensors if isinstance(one, RudderIndicator)), RudderIndicator(bias=0.0))
+    measuring = {name: one for name, one in found.items() if one is not indicator}
+    if not measuring:
         raise InputError("an estimator needs sensors; give Gnss, Gyro and Log at least")
-    return dict(zip(names, measuring, strict=True)), indicators[0] if indicators else RudderIndicator(bias=0.0)
+    return measuring, indicator
+
+
+def error_states(sensor: Sensor, faulty: bool = False) -> dict[str, tuple[int, float, float]]:
+    """Return the error states of a sensor: component, standard deviation and correlation time [s]."""
+    found: dict[str, tuple[int, float, float]] = {}
+    if faulty:
+        for place, (field, sigma) in enumerate(zip(sensor.fields, sensor.sigma, strict=True)):
+            found[f"{field}_fault"] = (place, FAULT_STD * sigma, 2.0 * (FAULT_STD / FAULT_WALK) ** 2 * sensor.period)
+    for error in getattr(sensor, "errors", ()):
+        kind = "wander" if math.isfinite(error.time) else "bias"
+        for place, (field, std) in enumerate(
+            zip(sensor.fields, np.broadcast_to(error.std, len(sensor.fields)), strict=True)
+        ):
+            if std > 0.0:
+                more = "" if f"{field}_{kind}" not in found else f"_{len(found)}"
+                found[f"{field}_{kind}{more}"] = (place, float(std), error.time)
+    return found
+
+
+def drawn_reading(sensor: Sensor, at: Any, errors: Mapping[str, Any], random: np.random.Generator) -> Values:
+    """Draw a reading from states, with white errors and the given states of the others."""
+    numbers = np.stack([np.asarray(number, float) for number in sensor.measured(at)], axis=-1)
+    numbers += np.array(sensor.sigma) * random.standard_normal(numbers.shape)
+    for state, (place, _, _) in error_states(sensor).items():
+        numbers[..., place] += errors[state]
+    return sensor.reading(tuple(np.moveaxis(numbers, -1, 0)))
+
+
+class ErrorProcess:
+    """The declared errors of one sensor, drawn from reading to reading."""
+
+    def __init__(self, sensor: Sensor, random: np.random.Generator) -> None:
+        self.sensor, self.random, self.known = sensor, random, error_states(sensor)
+        std, times = np.array([(std, time) for _, std, time in self.known.values()]).reshape(-1, 2).T
+        self.process = MarkovProcess(std * np.sqrt(2.0 / times), times)
+        self.values = std * random.standard_normal(len(std))
+
+    def reading(self, at: Any) -> Any:
+        self.values = self.process.after(self.values, self.sensor.period, self.random)
+        drawn = drawn_reading(self.sensor, at, dict(zip(self.known, self.values, strict=True)), self.random)
+        return tuple(map(float, drawn)) if len(drawn) > 1 else float(drawn[0])

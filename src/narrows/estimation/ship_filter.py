@@ -10,8 +10,7 @@ import numpy as np
 
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError
-from narrows.estimation.sensor import MarkovProcess, Sensor, error_states
-from narrows.estimation.sensors import RudderIndicator
+from narrows.estimation.sensors import RudderIndicator, Sensor, error_states
 from narrows.estimation.settings import (
     DRIFT_MEMORIES,
     DRIFT_MOST_INNOVATION,
@@ -23,7 +22,7 @@ from narrows.estimation.settings import (
     RUDDER_FAULT_TIME,
     STEPS_A_PERIOD,
 )
-from narrows.estimation.states import MOTION_STATES, STATES, Columns, Prior, ProcessNoise, StateNames
+from narrows.estimation.states import MOTION_STATES, STATES, Columns, MarkovProcess, Prior, ProcessNoise, StateNames
 from narrows.estimation.unscented import (
     Gaussian,
     SigmaPointWeights,

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from narrows.estimation.sensor import error_states
+from narrows.estimation.sensors import error_states
 from narrows.estimation.settings import START_READINGS
 from narrows.estimation.ship_filter import ShipFilter
 from narrows.estimation.states import Columns

@@ -1,14 +1,14 @@
 """The estimated states: pose, velocities and disturbances, with units."""
 
-import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import ClassVar, Self
 
 import numpy as np
 
-from narrows.errors import InputError
 from narrows.estimation.settings import REFERENCE_LENGTH
+from narrows.ship.checks import check_sizes
 
 MOTION_STATES = ("x", "y", "psi", "u", "v", "r")
 
@@ -79,16 +79,45 @@ class Columns:
         self.curvature = curvature
 
 
+class MarkovProcess:
+    """First-order Gauss-Markov processes; random walks if the time is infinite."""
+
+    def __init__(self, walks: np.ndarray, times: np.ndarray, opposed: Sequence[tuple[int, int]] = ()) -> None:
+        self.walks, self.times = walks, times  # (n,) Random walks per root second; correlation times [s]
+        self.opposed = opposed  # Pairs of places: the walk of the first enters the second with the other sign
+        self.places = np.flatnonzero(np.isfinite(times))
+        self._rows = np.flatnonzero(walks > 0.0)
+        self._over: dict[float, tuple[np.ndarray, np.ndarray]] = {}
+
+    def over(self, duration: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the remaining share of the states at ``places`` after a time, and a root of the noise, (j, n)."""
+        if duration not in self._over:
+            if len(self._over) > 64:
+                self._over.clear()
+            share = duration / self.times
+            grown = np.full(len(share), duration)
+            grown[self.places] = -np.expm1(-2.0 * share[self.places]) * self.times[self.places] / 2.0
+            noise = np.zeros((len(self._rows), len(self.walks)))
+            noise[np.arange(len(self._rows)), self._rows] = (self.walks * np.sqrt(grown))[self._rows]
+            for one, other in self.opposed:
+                noise[self._rows == one, other] = -noise[self._rows == one, one]
+            self._over[duration] = np.exp(-share[self.places]), noise
+        return self._over[duration]
+
+    def after(self, values: np.ndarray, duration: float, random: np.random.Generator) -> np.ndarray:
+        """Draw the values after a time, (..., n)."""
+        left, noise = self.over(duration)
+        values[..., self.places] *= left
+        return np.asarray(values + random.standard_normal((*values.shape[:-1], len(noise))) @ noise)
+
+
 class ScaledNoise:
     """Standard deviations for a ship of 230 m; Froude's law gives those of another length."""
 
     POWERS: ClassVar[dict[str, float]]  # Powers of the ratio of the lengths
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            if not (math.isfinite(value) and value >= 0.0):
-                what = f"{type(self).__name__}: {name} = {value}"
-                raise InputError(f"{what} is no standard deviation; give a finite number from 0")
+        check_sizes(self)
 
     @classmethod
     def of_length(cls, length: float) -> Self:

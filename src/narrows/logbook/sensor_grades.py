@@ -1,15 +1,14 @@
 """Errors of a ship's sensors, by grade: noise, correlated noise, and constant errors of a record."""
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
-from narrows.errors import InputError, check_choice, shown
+from narrows.errors import check_choice
 from narrows.logbook.ship_log import check_signals
 from narrows.quantities.names import KNOT
 from narrows.results import BaseSummary
-from narrows.ship.checks import is_finite
+from narrows.ship.checks import check_sizes
 
 DEGREE = math.pi / 180
 ASSUMED = "assumed"
@@ -25,16 +24,6 @@ BROADCAST = (
     "heading in whole degrees and no rudder, by the form of the message (ais_msg_2.html at vislab-ccom.unh.edu, "
     "checked); the rest assumed"
 )
-
-
-def check_sizes(thing: Any, over: Collection[str]) -> None:
-    """Raise where a number among the fields of a dataclass is negative or not finite, or 0 where it must be over."""
-    for name, value in vars(thing).items():
-        if isinstance(value, str) or value is None is getattr(type(thing), name, ""):
-            continue
-        if not is_finite(value) or value < 0 or (name in over and value == 0):
-            least = "over 0" if name in over else "from 0"
-            raise InputError(f"{type(thing).__name__}: {name} = {shown(value)}: give a finite number {least}")
 
 
 @dataclass(frozen=True)

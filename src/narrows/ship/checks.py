@@ -3,7 +3,7 @@
 import math
 import operator
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from numbers import Real
 from typing import Any, NamedTuple
 
@@ -131,6 +131,17 @@ def check_number(location: str, value: object) -> None:
         raise InputError(f"{location} = {shown(value)} is not a finite number; give it in SI units")
     if not abs(value) < LARGEST:  # type: ignore[arg-type]
         raise InputError(f"{location} = {shown(value)} is beyond all measure; check its unit")
+
+
+def check_sizes(thing: object, over: Collection[str] = (), names: Iterable[str] = ()) -> None:
+    """Raise if a number of a dataclass, of all or these, is negative or not finite, or 0 if it must be over 0."""
+    for name in names or vars(thing):
+        value = getattr(thing, name)
+        if isinstance(value, str) or value is None is getattr(type(thing), name, ""):
+            continue
+        if not is_finite(value) or value < 0 or (name in over and value == 0):
+            least = "over 0" if name in over else "from 0"
+            raise InputError(f"{type(thing).__name__}: {name} = {shown(value)}: give a finite number {least}")
 
 
 def is_finite(value: object) -> bool:

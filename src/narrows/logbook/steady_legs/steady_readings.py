@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.errors import InputError, did_you_mean
-from narrows.logbook.sensor_grades import check_sizes
 from narrows.logbook.settings import MISPLACED, MOST_ANGLE, WIND_LEVER, WINDAGE
 from narrows.model.model import Model
 from narrows.quantities.names import Quantity
 from narrows.results import BaseSummary
 from narrows.safety.request import wind_force
+from narrows.ship.checks import check_sizes
 
 if TYPE_CHECKING:
     import pandas as pd
