@@ -112,7 +112,6 @@ def main() -> None:
     model = ship()
     rows = [
         ("an update, coefficients certain", ours(model, "certain", updates), "12 states, 25 points"),
-        ("the same, considered", ours(model, "considered", updates), "their uncertainty carried"),
         ("the same, estimated", ours(model, "estimated", updates // 3), "corrected too"),
         ("the smoother, a row", smoothing(model, max(updates // 10, 20)), "forward and back, coefficients too"),
     ]

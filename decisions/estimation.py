@@ -1,4 +1,4 @@
-"""An estimator on twins, three ways with its coefficients: the table and figure of docs/benchmarks.md.
+"""An estimator on twins, two ways with its coefficients: the table and figure of docs/benchmarks.md.
 
 Particle filters are left out. They were tried with nine states, 2000 particles, and with the strength of the bank by a
 Kalman filter of its own in each particle: beside sensors this good they degenerate: a few carry all the weight.
@@ -33,7 +33,7 @@ from narrows.terms.tables import table_named
 
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 SENSORS = (Gnss(), Gyro(math.radians(0.2)), RateOfTurn(math.radians(0.03)), Log(), RudderIndicator())
-WAYS = ("certain", "considered", "estimated")
+WAYS = ("certain", "estimated")
 Y, U, TWINS = 50.0, 4.5, 4
 BEGUN, SPOOF, LENGTH = 150.0, 0.5, 240.0
 """When faults begin [s], the speed of the spoof [m/s], and how long twins with faults sail [s]."""

@@ -71,7 +71,7 @@ class FiltersAbreast:
 
     def _moved(self, before: np.ndarray, after: np.ndarray) -> np.ndarray:
         spread, pairs, count = self.spread, self.whole, self.count
-        steps = self.root.transpose(0, 2, 1) * spread.distance[:, None]
+        steps = self.root.transpose(0, 2, 1) * spread.distance
         middle = self.mean[:, None]
         points = np.concatenate([middle, middle + steps, middle - steps], axis=1)
         moved, lost = self._sailed(points.reshape(-1, self.whole), before, after)
@@ -79,7 +79,7 @@ class FiltersAbreast:
         first, ahead, behind = moved[:, 0], moved[:, 1 : pairs + 1], moved[:, pairs + 1 :]
         off = ahead + behind - 2.0 * first[:, None]
         total = off.sum(axis=1)
-        slope = 0.5 / spread.distance[:, None]
+        slope = 0.5 / spread.distance
         slopes, bends = (ahead - behind) * slope, (off + spread.bend * total[:, None]) * slope
         self.mean = first + spread.mean * total
         self.covariance = slopes.transpose(0, 2, 1) @ slopes + bends.transpose(0, 2, 1) @ bends + self.noise

@@ -32,7 +32,7 @@ CHECKED = {
     "main_dimensions": {"sailed": False},
     "separation": {"sets": ("harmonic yaw, one run", "two amplitudes, and straight runs off the centreline")},
     "helms": {"chosen": ("gust",)},
-    "estimation": {"ways": ("considered",)},
+    "estimation": {"ways": ("certain",)},
     "sensor_errors": {"chosen": ("white, 1.5 m",)},
     "log_faults": {"chosen": ("a rudder half as large",)},
     "suez": {"intervals": ("as identified",)},

@@ -1,4 +1,4 @@
-"""The filter's algebra beside the linear Kalman filter, filterpy's, Schmidt's formulas and batch least squares."""
+"""The filter's algebra beside the linear Kalman filter, filterpy's and batch least squares."""
 
 from typing import Any
 
@@ -42,10 +42,10 @@ def measured_by(now: Gaussian, told: np.ndarray, seen: Any = lambda points: poin
     """The unscented step, for a measurement by one sensor without a gate."""
     spread = spread or sigma_point_weights(SIZE)
     expected, rows = spread.transform(now, seen)
-    sums = np.zeros((2 + spread.considered, 1, MEASURED))
+    sums = np.zeros((2, 1, MEASURED))
     tests = np.array([MEASURED]), np.array([np.inf]), np.array([0]), np.arange(MEASURED)
     rows = np.concatenate([rows, np.diag(SIGMA)])
-    return update(now, spread.considered, rows, told - expected, *tests, sums, np.array([6.0]), 5.0, 1e4)[0]
+    return update(now, rows, told - expected, *tests, sums, np.array([6.0]), 5.0, 1e4)[0]
 
 
 def kalman(mean: np.ndarray, covariance: np.ndarray, told: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -81,38 +81,13 @@ def test_a_bent_system_has_the_filter_of_filterpy(alpha: float, beta: float, kap
         SIZE, MEASURED, 1.0, seen, lambda x, dt: bent(x), MerweScaledSigmaPoints(SIZE, alpha, beta, kappa)
     )
     peer.x, peer.P, peer.Q, peer.R = np.ones(SIZE), 0.2 * np.eye(SIZE), noise.T @ noise, np.diag(SIGMA**2)
-    now, spread = Gaussian(peer.x.copy(), np.linalg.cholesky(peer.P)), sigma_point_weights(SIZE, 0, alpha, beta, kappa)
+    now, spread = Gaussian(peer.x.copy(), np.linalg.cholesky(peer.P)), sigma_point_weights(SIZE, alpha, beta, kappa)
     for told in np.array([8.0, 1.0]) + 0.3 * RANDOM.standard_normal((20, MEASURED)):
         peer.predict()
         peer.update(told)
         now = measured_by(predict(now, bent, noise, spread)[0], told, seen, spread)
     np.testing.assert_allclose(now.mean, peer.x, rtol=1e-7)
     np.testing.assert_allclose(now.covariance, peer.P, rtol=1e-6, atol=1e-9)
-
-
-def test_carried_errors_follow_schmidt() -> None:
-    """A linear system driven by two unknown constants, which are carried: covariances by formula."""
-    driven = RANDOM.standard_normal((SIZE, 2))
-    now, spread = first(), sigma_point_weights(SIZE, 2)
-    mean, covariance, cross = now.mean, now.covariance, np.zeros((SIZE, 2))
-    now = Gaussian(now.mean, np.hstack([np.zeros((SIZE, 2)), now.root]))
-    constants = np.zeros((1 + 2 * (SIZE + 2), 2))
-    constants[[1, 2], [0, 1]], constants[[SIZE + 3, SIZE + 4], [0, 1]] = spread.distance[0], -spread.distance[0]
-    for told in RANDOM.standard_normal((30, MEASURED)):
-        now = predict(now, lambda points: moved(points) + constants @ driven.T, NOISE, spread)[0]
-        now = measured_by(now, told, spread=spread)
-        covariance = (
-            MOTION @ covariance @ MOTION.T + MOTION @ cross @ driven.T + driven @ cross.T @ MOTION.T
-            + driven @ driven.T + NOISE.T @ NOISE
-        )  # fmt: skip
-        cross = MOTION @ cross + driven
-        mean = MOTION @ mean
-        gain = covariance @ SEEN.T @ np.linalg.inv(SEEN @ covariance @ SEEN.T + np.diag(SIGMA**2))
-        mean, left = mean + gain @ (told - SEEN @ mean), np.eye(SIZE) - gain @ SEEN
-        covariance, cross = left @ covariance @ left.T + gain @ np.diag(SIGMA**2) @ gain.T, left @ cross
-    np.testing.assert_allclose(now.mean, mean, rtol=1e-9)
-    np.testing.assert_allclose(now.root[:, :2], cross, rtol=1e-8, atol=1e-10)
-    np.testing.assert_allclose(now.covariance, covariance, rtol=1e-9, atol=1e-11)
 
 
 def test_the_smoother_is_batch_least_squares() -> None:
@@ -150,7 +125,7 @@ def test_the_weight_of_the_central_point_is_a_part_of_the_squares(
 ) -> None:
     """Covariances by van der Merwe's weights of every point, which may be negative for the central one."""
     values = np.random.default_rng(seed).standard_normal((1 + 2 * SIZE, MEASURED))
-    mean, rows = LOOPS.transform(values, *sigma_point_weights(SIZE, 0, alpha, beta, kappa))
+    mean, rows = LOOPS.transform(values, *sigma_point_weights(SIZE, alpha, beta, kappa))
     pair = 0.5 / (alpha**2 * (SIZE + kappa))
     off, centre = values - mean, 1 - 2 * SIZE * pair + 1 - alpha**2 + beta
     covariance = centre * np.outer(off[0], off[0]) + pair * off[1:].T @ off[1:]

@@ -14,10 +14,9 @@ from narrows.estimation.smoothing import _positions
 from narrows.estimation.unscented import sigma_point_weights
 
 
-def drift(sums: np.ndarray, innovation: float, *shared: float) -> np.ndarray:
-    """The statistic of one number, with the parts of its innovation that are errors in common."""
-    told = np.zeros(1, int), np.array([innovation]), np.array(shared).reshape(-1, 1)
-    return compiled_loops(square_roots).drift_statistics(sums, MEMORIES, *told, 5.0)
+def drift(sums: np.ndarray, innovation: float) -> np.ndarray:
+    """The statistic of one number."""
+    return compiled_loops(square_roots).drift_statistics(sums, MEMORIES, np.zeros(1, int), np.array([innovation]), 5.0)
 
 
 def test_noises_of_another_ship_follow_froudes_law() -> None:
@@ -42,7 +41,7 @@ def test_priors_of_another_ship_follow_froudes_law() -> None:
 def test_sigma_points_meet_the_fourth_moment_of_a_gaussian() -> None:
     """Along each axis E[x^2] = 1 and E[x^4] = 3, which root 3 alone does (Julier and Uhlmann, 1997)."""
     weights = sigma_point_weights(5)
-    second, fourth = (2 * weights.mean * weights.distance[0] ** power for power in (2, 4))
+    second, fourth = (2 * weights.mean * weights.distance**power for power in (2, 4))
     assert (second, fourth) == pytest.approx((1.0, 3.0))
     # With n = 5, alpha = 1/2 and beta = 2: root(1 + (2 - 1/4) 5 / 3) = 1 + 5 bend.
     assert weights.bend == pytest.approx((np.sqrt(1 + 1.75 * 5 / 3) - 1) / 5)
@@ -55,15 +54,6 @@ def test_drifts_are_geometric_sums_of_innovations() -> None:
     leans = [(1 + 2 * fading) / np.sqrt(1 + fading**2) for fading in (5 / 6, 11 / 12, 23 / 24)]
     assert drift(sums, 1.0) == pytest.approx([max(leans)])
     assert drift(np.zeros((2, 3, 1)), -70.0) == pytest.approx([5.0])  # what is larger is the gate's
-
-
-def test_errors_in_common_widen_the_sums_that_are_usual() -> None:
-    """An innovation of which 0.6 standard deviations are a coefficient's: by itself it is as unusual as any other."""
-    sums = np.zeros((3, 3, 1))
-    assert drift(sums, 2.0, 0.6) == pytest.approx([2.0])
-    # Twice: own variance 0.64 (1 + f^2), and (0.6 (1 + f))^2 in common.
-    leans = [2 * (1 + f) / np.sqrt(0.64 * (1 + f * f) + 0.36 * (1 + f) ** 2) for f in (5 / 6, 11 / 12, 23 / 24)]
-    assert drift(sums, 2.0, 0.6) == pytest.approx([max(leans)])
 
 
 def test_a_position_is_held_until_the_next_is_told() -> None:

@@ -124,15 +124,15 @@ def test_a_current_carries_round_a_bend_as_the_engine_does() -> None:
     assert turned != 0.0
 
 
-def test_carried_coefficients_move_the_state_as_the_exact_derivatives_do() -> None:
-    """After a short step the root's first columns are the Jacobian by the coefficients times their root."""
-    made = estimator(coefficients="considered").filter
-    size, duration = len(made.states), 1e-3
-    start = Gaussian(row(), np.hstack([np.zeros((size, made.considered)), np.zeros((size, size))]))
+def test_coefficients_move_the_state_as_the_exact_derivatives_do() -> None:
+    """After a short step the covariance of state and coefficients is the Jacobian by these times their root."""
+    made = estimator(memory=math.inf).filter
+    size, more, duration = len(made.states), made.estimated, 1e-3
+    start = Gaussian(np.append(row(), np.zeros(more)), np.diag([0.0] * size + [1.0] * more))
     moved = made.predict(start, duration, np.array([0.1]), np.array([0.1])).state
     numbers = {name: value for name, value in STATE.items() if name in POSE}
     slopes = nw.jacobian(steered(), **numbers, rudder=0.1).G @ made.root
-    np.testing.assert_allclose(moved.root[3:6, : made.considered] / duration, slopes[3:6], rtol=5e-3, atol=1e-9)
+    np.testing.assert_allclose(moved.covariance[3:6, size:] / duration, slopes[3:6], rtol=5e-3, atol=1e-9)
 
 
 @pytest.mark.parametrize("memory", [5.0, math.inf])
@@ -165,9 +165,9 @@ def test_an_antenna_stands_where_the_map_says(place: float) -> None:
 
 
 @cache
-def record(seed: int = 3, *sensors: Any, coefficients: str = "considered") -> tuple[dict[str, np.ndarray], np.ndarray]:
+def record(seed: int = 3, *sensors: Any) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """What a twin's sensors tell, and its truth."""
-    made = estimator(*sensors, coefficients=coefficients).filter
+    made = estimator(*sensors).filter
     pilot = nw.track_pilot(steered(), 0.4, 1.0)
     twins = sail_twins(made, pilot, (0.0, 0.4, 1.0, float(pilot.psi)), 1, 20.0, False, 0.05, seed)
     table = {"t": twins.t, "rudder": twins.indicated[:, 0, 0]}
@@ -452,7 +452,7 @@ OTHERS: dict[str, dict[str, Any]] = {
     "waterway": {"waterway": nw.straight_waterway(nw.Canal(3.0), 500.0)}, "noise": {"noise": ProcessNoise(sway=0.01)},
     "prior": {"prior": Prior(bank=0.6)}, "coefficients": {"coefficients": "certain"}, "refusing": {"refusing": 0.5},
     "step": {"step": 0.05}, "surge": {"surge": "free", "surge_inertia": 300.0},
-    "surge_inertia": {"surge": "free", "surge_inertia": 500.0}, "considered": {"coefficients": "considered"},
+    "surge_inertia": {"surge": "free", "surge_inertia": 500.0},
     "memory": {"memory": 20.0},
 }  # fmt: skip
 
@@ -494,7 +494,7 @@ def test_white_innovations_seldom_lean_and_a_drift_soon_does() -> None:
     )
 
     def lean(innovation: np.ndarray) -> np.ndarray:
-        return np.asarray(statistics(sums, MEMORIES, np.arange(2), innovation, np.zeros((0, 2)), 5.0))
+        return np.asarray(statistics(sums, MEMORIES, np.arange(2), innovation, 5.0))
 
     leans = np.array([lean(random.standard_normal(2)) for _ in range(36_000)])
     assert (leans < 5.0).all()

@@ -41,12 +41,12 @@ def canal() -> nw.Waterway:
 
 
 @cache
-def estimator(coefficients: str = "considered") -> Estimator:
+def estimator(coefficients: str = "estimated") -> Estimator:
     """One of each kind for all tests."""
     return Estimator(ship(), SENSORS, waterway=canal(), coefficients=coefficients)
 
 
-def estimate(y: float, psi: float, x: float = 800.0, seconds: int = 12, coefficients: str = "considered") -> Estimate:
+def estimate(y: float, psi: float, x: float = 800.0, seconds: int = 12, coefficients: str = "estimated") -> Estimate:
     """What is known of a ship that was straight on its way to a place for some seconds."""
     one = estimator(coefficients)
     one.forget()

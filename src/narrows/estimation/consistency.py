@@ -6,9 +6,9 @@ Bar-Shalom, Li and Kirubarajan (2001), Estimation with applications to tracking 
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -16,24 +16,21 @@ from narrows.aliases import accept_aliases
 from narrows.codegen.choices import STAGES
 from narrows.control.closed_loop import LawOrders
 from narrows.errors import InputError, check_count
+from narrows.estimation.estimate import Estimate
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.sensors import Sensor, drawn_reading
-from narrows.estimation.settings import (
-    CONFIDENCE,
-    REFERENCE_LENGTH,
-    SETTLING_TIME,
-    STEPS_A_PERIOD,
-    TWIN_SIDE_TIME,
-    TWIN_START_STD,
-)
-from narrows.estimation.ship_filter import ShipFilter, default_step
+from narrows.estimation.settings import CONFIDENCE, SETTLING_TIME, TWIN_SIDE_TIME, TWIN_START_STD
+from narrows.estimation.ship_filter import ShipFilter
 from narrows.estimation.states import Columns, described
+from narrows.estimation.unscented import Gaussian
 from narrows.model.model import Model
 from narrows.physics.rudder import gear_motion
 from narrows.quantities.arithmetic import COLUMNS
+from narrows.quantities.names import GRAVITY
 from narrows.results import BaseResult
 from narrows.simulation.controllers import ControlLaw
 from narrows.simulation.grid import sampled
+from narrows.simulation.inputs import check_steps
 from narrows.simulation.ship_lanes import RUDDER, ShipLanes
 
 if TYPE_CHECKING:
@@ -107,19 +104,13 @@ class Consistency(BaseResult):
 
         return float(np.nanmedian(self.nees[:, self.counted]) / chi2.median(len(self.states)))
 
-    def bounds(self, count: int | None = None) -> tuple[float, float]:
-        """Return the chance bounds of the mean NEES of all twins at one time, over the number of states [1].
-
-        Parameters
-        ----------
-        count : int, optional
-            Number of components; the number of states unless given.
-        """
+    def bounds(self) -> tuple[float, float]:
+        """Return the chance bounds of the mean NEES of all twins at one time, over the number of states [1]."""
         from scipy.stats import chi2
 
-        freedom = len(self.nees) * (count or len(self.states))
-        tail = (1 - CONFIDENCE) / 2
-        return float(chi2.ppf(tail, freedom) / freedom), float(chi2.isf(tail, freedom) / freedom)
+        freedom = len(self.nees) * len(self.states)
+        low, high = chi2.interval(CONFIDENCE, freedom)
+        return float(low / freedom), float(high / freedom)
 
     @property
     def within(self) -> float:
@@ -142,9 +133,8 @@ class Consistency(BaseResult):
     @property
     def covered(self) -> dict[str, float]:
         """Share of the errors of each state within the band of 95 % [1]."""
-        inside = np.abs(self.error) <= 1.959964 * self.std
-        known = np.isfinite(self.error)
-        shares = (inside & known)[:, self.counted].sum(axis=(0, 1)) / known[:, self.counted].sum(axis=(0, 1))
+        sizes = (np.abs(self.error) / self.std)[:, self.counted]
+        shares = (sizes <= 1.959964).sum(axis=(0, 1)) / np.isfinite(sizes).sum(axis=(0, 1))
         return dict(zip(self.states, shares.tolist(), strict=True))
 
     def summary(self) -> str:
@@ -193,8 +183,7 @@ class Consistency(BaseResult):
         return xarray.Dataset(data, coords={"t": ("t", self.t, {"units": "s"})}, attrs={"summary": self.summary()})
 
 
-@dataclass(frozen=True)
-class Twins:
+class Twins(NamedTuple):
     """True states of ships, and their readings."""
 
     t: np.ndarray  # (times,) Time [s]
@@ -202,6 +191,13 @@ class Twins:
     indicated: np.ndarray  # (times, twins, actuators) Indicated positions of the actuators
     readings: dict[str, np.ndarray]  # (times, twins, numbers) Readings of each sensor; NaN where none was due
     aground: np.ndarray  # (twins,) True if a twin met a bank
+
+    def rows(self, twin: int, actuators: Sequence[str]) -> Iterator[tuple[float, Readings]]:
+        """Yield each time with the readings of a twin."""
+        for number, t in enumerate(self.t.tolist()):
+            due = {name: columns[number, twin] for name, columns in self.readings.items()}
+            positions = dict(zip(actuators, self.indicated[number, twin], strict=True))
+            yield t, {name: reading for name, reading in due.items() if np.isfinite(reading).all()} | positions
 
 
 @accept_aliases
@@ -261,9 +257,7 @@ def consistency(
         raise InputError(
             f"a {type(controller).__name__} cannot steer twins; give a law in arithmetic, such as Autopilot"
         )
-    if not (math.isfinite(duration) and duration > 0.0):
-        raise InputError(f"duration = {duration} is no time to sail; give seconds over 0")
-
+    check_steps(duration, 1.0, math.inf)
     first = Estimator(model, sensors, waterway=waterway, **filtering)
     psi = 0.0
     if controller is None:
@@ -275,125 +269,124 @@ def consistency(
     afloat = np.flatnonzero(~truth.aground)
     if not len(afloat):
         raise InputError("every twin ran aground; choose an offset and a speed at which the controller holds the ship")
-    settled = min(SETTLING_TIME * math.sqrt(model.configuration.ship.length / REFERENCE_LENGTH), duration / 2)
+    settled = min(SETTLING_TIME * first.filter.time_scale, duration / 2)
     return _evaluated(first, truth, afloat, fault, settled)
 
 
 def _evaluated(first: Estimator, truth: Twins, afloat: np.ndarray, fault: Fault | None, settled: float) -> Consistency:
-    filter = first.filter
-    shape = (len(afloat), len(truth.t))
-    error, std = np.full((2, *shape, len(filter.states)), np.nan)
-    nees = np.full(shape, np.nan)
-    nis = {name: np.full(shape, np.nan) for name in filter.sensors}
-    refused, suspected = ({name: np.zeros(shape, bool) for name in filter.sensors} for _ in range(2))
-    for row, twin in enumerate(afloat):
+    names, found = first.filter.states.names, list[list[Estimate]]()
+    for twin in afloat:
         first.forget()
-        for number, t in enumerate(truth.t):
-            readings: Readings = {name: columns[number, twin] for name, columns in truth.readings.items()}
-            readings = {name: columns for name, columns in readings.items() if np.isfinite(columns).all()}
-            readings |= dict(zip(filter.actuators, truth.indicated[number, twin], strict=True))
-            estimate = first.update(float(t), fault(float(t), readings) if fault else readings)
-            if estimate.normal is None or not estimate.ready:
-                continue
-            off = estimate.normal.mean - truth.states[number, twin]
-            off[2] = math.remainder(off[2], 2 * math.pi)
-            error[row, number], std[row, number] = off, np.sqrt(estimate.covariance.diagonal())
-            nees[row, number] = off @ np.linalg.solve(estimate.covariance, off)
-            for name, value in estimate.nis.items():
-                nis[name][row, number] = value
-            for name in filter.sensors:
-                refused[name][row, number] = name in estimate.refused
-                suspected[name][row, number] = name in estimate.suspects
-    numbers = {name: len(sensor.fields) for name, sensor in filter.sensors.items()}
+        rows = truth.rows(twin, first.filter.actuators)
+        found.append([first.update(t, fault(t, readings) if fault else readings) for t, readings in rows])
+    unknown = Gaussian(np.full(len(names), np.nan), np.full((len(names), len(names)), np.nan))
+    normals = [[one.normal if one.normal and one.ready else unknown for one in own] for own in found]
+    error = np.array([[one.mean for one in own] for own in normals]) - truth.states[:, afloat].swapaxes(0, 1)
+    error[..., 2] -= 2 * np.pi * np.round(error[..., 2] / (2 * np.pi))
+    covariance = np.array([[one.covariance for one in own] for own in normals])
+    nees = (error * np.linalg.solve(covariance, error[..., None])[..., 0]).sum(axis=-1)
+    sensors = first.filter.sensors
+    nis = {name: np.array([[one.nis.get(name, np.nan) for one in own] for own in found]) for name in sensors}
+    refused, suspected = (
+        {name: np.array([[name in getattr(one, kind) for one in own] for own in found]) for name in sensors}
+        for kind in ("refused", "suspects")
+    )
     return Consistency(
-        truth.t, error, std, nees, nis, refused, suspected, numbers, filter.states.names, settled,
+        truth.t, error, np.sqrt(np.diagonal(covariance, axis1=2, axis2=3)), nees, nis, refused, suspected,
+        {name: len(sensor.fields) for name, sensor in sensors.items()}, names, settled,
         int(truth.aground.sum()), first.notes,
     )  # fmt: skip
 
 
 def sail_twins(
-    filter: ShipFilter, law: ControlLaw | None, start: tuple[float, float, float, float], count: int, duration: float,
+    filter: ShipFilter, law: ControlLaw, start: tuple[float, float, float, float], count: int, duration: float,
     drawn: bool, excitation: float, seed: int,
 ) -> Twins:  # fmt: skip
     """Simulate ships from x, y, u, psi by the model, with the process noise of the estimator."""
-    fleet = _Fleet(filter, law, max(count, 2), drawn, excitation, seed)  # One lane alone would share its inputs
-    times = fleet.dt * np.arange(math.floor(duration / fleet.dt + 1e-9) + 1)
-    states, indicated, aground = fleet.sail(start, times)
-    noisy = indicated.copy()
+    random, lanes = np.random.default_rng(seed), _lanes(filter, max(count, 2), drawn, seed)
+    dt = min(sensor.period for sensor in filter.sensors.values())
+    times = dt * np.arange(math.floor(duration / dt + 1e-9) + 1)
+    helm, process, parts = (
+        _Helm(filter, law, dt, excitation),
+        filter.process(),
+        max(1, math.ceil(dt / filter.step - 1e-9)),
+    )
+    states, indicated = [_started(filter, start, lanes.lanes, random)], [np.tile(filter.at_rest, (lanes.lanes, 1))]
+    aground = np.zeros(lanes.lanes, bool)
+    for t in times[:-1].tolist():
+        now, before = states[-1], indicated[-1]
+        after = helm.positions(t, now, before)
+        for part in range(parts):
+            here, there = (before + share * (after - before) for share in (part / parts, (part + 1) / parts))
+            now = lanes.advance(now, dt / parts, here, there)
+            aground |= lanes.aground
+            now = process.after(now, dt / parts, random)
+        states.append(now)
+        indicated.append(after)
+    truth, noisy = np.array(states), np.array(indicated)
     if RUDDER in filter.actuators and filter.indicator.noise:
-        place = filter.actuators.index(RUDDER)
-        noisy[..., place] += filter.indicator.noise * fleet.random.standard_normal(noisy.shape[:2])
-    readings = {name: fleet.readings(sensor, times, states)[:, :count] for name, sensor in filter.sensors.items()}
-    return Twins(times, states[:, :count], noisy[:, :count], readings, aground[:count])
+        noisy[..., filter.actuators.index(RUDDER)] += filter.indicator.noise * random.standard_normal(noisy.shape[:2])
+    readings = {
+        name: _readings(one, lanes, filter, times, truth, random)[:, :count] for name, one in filter.sensors.items()
+    }
+    return Twins(times, truth[:, :count], noisy[:, :count], readings, aground[:count])
 
 
-class _Fleet:
-    def __init__(
-        self, filter: ShipFilter, law: ControlLaw | None, count: int, drawn: bool, excitation: float, seed: int
-    ) -> None:
-        model, gear = filter.model, filter.model.configuration.gear
-        self.filter, self.count, self.excitation, self.random = filter, count, excitation, np.random.default_rng(seed)
-        self.dt = min(sensor.period for sensor in filter.sensors.values())
-        coefficients = np.tile(filter.middle, (count, 1))
-        if drawn:
-            columns = sampled(model, count, seed)
-            coefficients = np.stack([columns[name].to_numpy() for name in model.terms.names], axis=1)
-        self.lanes = ShipLanes(filter.ship, filter.states.names, count, filter.waterway, coefficients)
-        self.process, self.limit, self.stages = filter.process(), gear.limit, list[np.ndarray]()
+def _lanes(filter: ShipFilter, count: int, drawn: bool, seed: int) -> ShipLanes:
+    coefficients = np.tile(filter.middle, (count, 1))
+    if drawn:
+        columns = sampled(filter.model, count, seed)
+        coefficients = np.stack([columns[name].to_numpy() for name in filter.model.terms.names], axis=1)
+    return ShipLanes(filter.ship, filter.states.names, count, filter.waterway, coefficients)
+
+
+def _started(filter: ShipFilter, start: Sequence[float], count: int, random: np.random.Generator) -> np.ndarray:
+    """Draw the initial states of the twins."""
+    current = float(filter.waterway.current_at(start[0])) if filter.waterway else 0.0
+    means = filter.states.vector({**dict(zip(("x", "y", "u", "psi"), start, strict=True)), "current": current})
+    spreads = {**filter.spreads, "y": TWIN_START_STD[0] * filter.time_scale**2, "psi": TWIN_START_STD[1]}
+    size = np.array([spreads.get(name, 0.0) for name in filter.states.names])
+    return np.asarray(means + size * random.standard_normal((count, len(size))))
+
+
+class _Helm:
+    """Rudders of twins: orders of a law, with a swing to either side, by the steering gear."""
+
+    def __init__(self, filter: ShipFilter, law: ControlLaw, dt: float, excitation: float) -> None:
+        gear = filter.model.configuration.gear
+        self.filter, self.dt, self.excitation, self.limit = filter, dt, excitation, gear.limit
+        self.law, self.stages = LawOrders(filter.model, law, dt, filter.waterway), list[np.ndarray]()
         self.gear = {name.removeprefix("rudder_"): value for name, value in gear.values().items()}
-        self.side = TWIN_SIDE_TIME * STEPS_A_PERIOD * default_step(model)
-        self.orders = LawOrders(model, law, self.dt, filter.waterway) if law else None
+        self.side = TWIN_SIDE_TIME * math.sqrt(filter.model.configuration.ship.length / GRAVITY)
 
-    def sail(self, start: tuple[float, ...], times: np.ndarray) -> tuple[np.ndarray, ...]:
-        dt, positions = self.dt, np.tile(self.filter.at_rest, (self.count, 1))
-        now, parts = self._started(*start), max(1, math.ceil(dt / self.filter.step - 1e-9))
-        states, indicated, aground = [now], [positions], np.zeros(self.count, bool)
-        for t in times[:-1]:
-            after = self._steered(now, positions, float(t))
-            for part in range(parts):
-                here, there = (positions + share * (after - positions) for share in (part / parts, (part + 1) / parts))
-                now = self.lanes.advance(now, dt / parts, here, there)
-                aground |= self.lanes.aground
-                now = self.process.after(now, dt / parts, self.random)
-            positions = after
-            states.append(now)
-            indicated.append(positions)
-        return np.array(states), np.array(indicated), aground
-
-    def _started(self, x: float, y: float, u: float, psi: float) -> np.ndarray:
-        """Draw the initial states of the twins."""
-        filter = self.filter
-        current = float(filter.waterway.current_at(x)) if filter.waterway else 0.0
-        means = filter.states.vector({"x": x, "y": y, "psi": psi, "u": u, "current": current})
-        spreads = {**filter.spreads, "y": TWIN_START_STD[0] * filter.time_scale**2, "psi": TWIN_START_STD[1]}
-        size = np.array([spreads.get(name, 0.0) for name in filter.states.names])
-        return np.asarray(means + size * self.random.standard_normal((self.count, len(size))))
-
-    def _steered(self, states: np.ndarray, positions: np.ndarray, t: float) -> np.ndarray:
+    def positions(self, t: float, states: np.ndarray, before: np.ndarray) -> np.ndarray:
         """Return the positions of the actuators a step later."""
-        after, names = positions.copy(), self.filter.actuators
-        if self.orders is None or RUDDER not in names:
+        after, names = before.copy(), self.filter.actuators
+        if RUDDER not in names:
             return after
         place, turn = names.index(RUDDER), int(t / self.side)
-        known = {**dict(zip(self.filter.states.names, states.T, strict=True)), **dict(zip(names, after.T, strict=True))}
+        known = dict(zip((*self.filter.states.names, *names), (*states.T, *before.T), strict=True))
         swing = self.excitation * (turn % 2 * 2 - 1) * (turn % 3 == 0)
-        order = np.clip(self.orders.orders(t, known)[RUDDER] + swing, -self.limit, self.limit)
-        stages = self.stages or [positions[:, place]] * STAGES
-        moved, self.stages = gear_motion(
-            order, positions[:, place], stages, self.gear, self.dt, {**COLUMNS, "exp": np.exp}
-        )
+        order = np.clip(self.law.orders(t, known)[RUDDER] + swing, -self.limit, self.limit)
+        stages = self.stages or [before[:, place]] * STAGES
+        functions = {**COLUMNS, "exp": np.exp}
+        moved, self.stages = gear_motion(order, before[:, place], stages, self.gear, self.dt, functions)
         after[:, place] += moved
         return after
 
-    def readings(self, sensor: Sensor, times: np.ndarray, states: np.ndarray) -> np.ndarray:
-        """Readings of a sensor by time of arrival, from the state when measured, linear between the times."""
-        readings = np.full((len(times), self.count, len(sensor.fields)), np.nan)
-        for number in range(0, len(times), max(1, round(sensor.period / self.dt))):
-            if times[number] < sensor.late:
-                continue
-            measured = (times[number] - sensor.late) / self.dt
-            before = min(int(measured), len(times) - 2)
-            then = states[before] + (measured - before) * (states[before + 1] - states[before])
-            at = Columns(then, self.filter.states, self.lanes.bend(float(then[0, 0])))
-            readings[number] = np.stack(drawn_reading(sensor, at, vars(at), self.random), axis=1)
-        return readings
+
+def _readings(
+    sensor: Sensor, lanes: ShipLanes, filter: ShipFilter, times: np.ndarray, states: np.ndarray,
+    random: np.random.Generator,
+) -> np.ndarray:  # fmt: skip
+    """Readings of a sensor by time of arrival, from the state when measured, linear between the times."""
+    readings, dt = np.full((*states.shape[:2], len(sensor.fields)), np.nan), times[1] - times[0]
+    for number in range(0, len(times), max(1, round(sensor.period / dt))):
+        if times[number] < sensor.late:
+            continue
+        measured = (times[number] - sensor.late) / dt
+        before = min(int(measured), len(times) - 2)
+        then = states[before] + (measured - before) * (states[before + 1] - states[before])
+        at = Columns(then, filter.states, lanes.bend(float(then[0, 0])))
+        readings[number] = np.stack(drawn_reading(sensor, at, vars(at), random), axis=1)
+    return readings

@@ -52,9 +52,9 @@ class Estimator(BaseSummary):
         Random walks of the motion about the model; by the ship's length unless given.
     prior : Prior, optional
         Uncertainty before any reading; by the ship's length unless given.
-    coefficients : {"considered", "certain", "estimated"}
-        Use of the coefficients' covariance: ``estimated`` corrects the coefficients by the readings; ``considered``
-        only carries their uncertainty (Schmidt), in a fraction of the time; ``certain`` ignores it.
+    coefficients : {"estimated", "certain"}
+        Use of the coefficients' covariance: ``estimated`` corrects the coefficients by the readings; ``certain``
+        ignores it, in two thirds of the time.
     memory : float [s]
         Time in which corrections of the coefficients fade back to the fit, since the model's form is uncertain too;
         ``math.inf``: never.
@@ -77,7 +77,6 @@ class Estimator(BaseSummary):
     References
     ----------
     van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter estimation.
-    Schmidt (1966), Application of state-space methods to navigation problems.
     """
 
     def __init__(

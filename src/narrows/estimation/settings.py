@@ -62,8 +62,6 @@ DRIFT_MOST_INNOVATION = 5.0
 
 # Distance of the sigma points from the mean [variances]: matches the fourth moment of a Gaussian.
 SQUARED_DISTANCE = 3.0
-# Step of a considered coefficient [standard deviations]: small enough to give the derivative.
-CONSIDERED_DISTANCE = 0.1
 
 # Twins: standard deviations of the starting position [m, of the reference ship] and heading [rad].
 TWIN_START_STD = (3.0, math.radians(1.0))

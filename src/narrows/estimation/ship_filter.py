@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 MODEL = "model"
-Coefficients = Literal["considered", "certain", "estimated"]
+Coefficients = Literal["certain", "estimated"]
 Readings = Mapping[str, Sequence[float]]
 MEMORIES = np.array(DRIFT_MEMORIES)
 # Velocity through the water that a change of each current makes.
@@ -88,7 +88,7 @@ class ShipFilter:
     waterway: "Waterway | None"  # Waterway instead of the model's own canal
     noise: ProcessNoise  # Random walks of the motion about the model
     prior: Prior  # Uncertainty before any reading
-    coefficients: Coefficients  # Treatment of their uncertainty: carried, ignored, or corrected by the readings
+    coefficients: Coefficients  # Whether the readings correct them, or their uncertainty is ignored
     refusing: float  # Probability that a gate refuses a valid reading [1]
     step: float  # Longest step of the motion [s]
     memory: float = math.inf  # Time in which corrections of the coefficients fade [s]
@@ -185,14 +185,9 @@ class ShipFilter:
         return np.asarray(scale[:, None] * axes[:, ~certain] * np.sqrt(share[~certain]))
 
     @cached_property
-    def considered(self) -> int:
-        """Directions of the coefficients whose uncertainty is carried."""
-        return self.root.shape[1] if self.coefficients == "considered" else 0
-
-    @cached_property
     def estimated(self) -> int:
         """Directions of the coefficients that are corrected: states after the others, standard normal a priori."""
-        return self.root.shape[1] if self.coefficients == "estimated" else 0
+        return int(self.root.shape[1])
 
     def process(self, more: Sequence[tuple[float, float]] = ()) -> MarkovProcess:
         """Return the walks of the states, then more by walk and correlation time [s]."""
@@ -209,32 +204,30 @@ class ShipFilter:
 
     @cached_property
     def measuring(self) -> SigmaPointWeights:
-        return sigma_point_weights(len(self.disturbances.walks), self.considered)
+        return sigma_point_weights(len(self.disturbances.walks))
+
+    @cached_property
+    def pairs(self) -> int:
+        """Pairs of sigma points of the motion: of the states, and of the noise of the rudder's indication if any."""
+        return len(self.disturbances.walks) + (RUDDER in self.actuators and self.indicator.noise > 0.0)
 
     @cached_property
     def moving(self) -> SigmaPointWeights:
-        """Weights for the states, and for the noise of the rudder's indication if there is any."""
-        noisy = RUDDER in self.actuators and self.indicator.noise > 0.0
-        return sigma_point_weights(len(self.disturbances.walks) + noisy, self.considered)
+        return sigma_point_weights(self.pairs)
 
     @cached_property
     def lanes(self) -> ShipLanes:
-        """Lanes of the sigma points; the first pairs have coefficients on either side of the fit's."""
-        steps = np.zeros((len(self.moving.distance), len(self.middle)))
-        steps[: self.considered] = self.root[:, : self.considered].T * self.moving.distance[: self.considered, None]
-        coefficients = self.middle + np.concatenate([np.zeros_like(steps[:1]), steps, -steps])
-        return ShipLanes(self.ship, self.states.names, len(coefficients), self.waterway, coefficients)
+        return ShipLanes(self.ship, self.states.names, 1 + 2 * self.pairs, self.waterway)
 
     def monitor(self) -> np.ndarray:
         """Return empty sums of innovations: they grow for a drifting sensor, although each one passes its gate."""
-        return np.zeros((2 + self.considered, len(MEMORIES), sum(len(one.fields) for one in self.sensors.values())))
+        return np.zeros((2, len(MEMORIES), sum(len(one.fields) for one in self.sensors.values())))
 
     def adopt(self, now: Gaussian, other: "ShipFilter", size: float = 1.0) -> Gaussian:
         """Return the state of a filter with other faults for this one; new states have a share of their prior."""
         if self.states == other.states and self.faults == other.faults:
             return now
-        p, more = self.considered, self.estimated
-        known = dict(other.states.places)
+        more, known = self.estimated, dict(other.states.places)
         if RUDDER in self.faults ^ other.faults:
             known.pop("rudder_bias", None)
         names = self.states.names
@@ -243,8 +236,7 @@ class ShipFilter:
         mean = np.where(fresh, np.append(self.states.vector({}), np.zeros(more)), now.mean[rows])
         root = np.where(fresh[:, None], 0.0, now.root[rows])
         prior = np.diag([size * self.spreads.get(name, 0.0) for name in names] + [0.0] * more)[fresh]
-        squared = triangular_root(np.concatenate([root[:, p:].T, prior]))
-        return Gaussian(mean, np.concatenate([root[:, :p], squared], axis=1))
+        return Gaussian(mean, triangular_root(np.concatenate([root.T, prior])))
 
     def advance(self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray) -> list[MotionStep]:
         """Advance a state, and return every step until the last or until it is aground; start and end (actuators,)."""
@@ -262,12 +254,11 @@ class ShipFilter:
 
     def predict(self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray) -> MotionStep:
         """Return one step of the motion; actuators move from start to end (actuators,)."""
-        lanes, size, process, before = self.lanes, len(self.states), self.disturbances, now
-        pairs = len(self.moving.distance)
+        lanes, size, process, before, pairs = self.lanes, len(self.states), self.disturbances, now, self.pairs
         if pairs > now.root.shape[1]:  # The last pair has the noise of the rudder's indication
             now = Gaussian(now.mean, np.concatenate([now.root, np.zeros((len(now.mean), 1))], axis=1))
             end, rudder = np.repeat(end[None], lanes.lanes, axis=0), lanes.actuators.index(RUDDER)
-            end[[pairs, 2 * pairs], rudder] += self.indicator.noise * self.moving.distance[-1] * np.array([1.0, -1.0])
+            end[[pairs, 2 * pairs], rudder] += self.indicator.noise * self.moving.distance * np.array([1.0, -1.0])
         left, noise = process.over(duration)
 
         def move(points: np.ndarray) -> np.ndarray:
@@ -297,7 +288,7 @@ class ShipFilter:
         for angle in layout.angles:
             innovation[angle] = math.remainder(innovation[angle], 2.0 * math.pi)
         now, whitened, tests, agree, likelihood = update(
-            now, self.considered, np.concatenate((rows, layout.noise)), innovation, *layout.tests, monitor, MEMORIES,
+            now, np.concatenate((rows, layout.noise)), innovation, *layout.tests, monitor, MEMORIES,
             DRIFT_MOST_INNOVATION, GROSS_ERROR_NIS,
         )  # fmt: skip
         nis, odd, drift = tests.tolist()

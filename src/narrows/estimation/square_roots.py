@@ -8,22 +8,20 @@ import math
 import numpy as np
 
 
-def sigma_points(mean: np.ndarray, root: np.ndarray, distance: np.ndarray) -> np.ndarray:
+def sigma_points(mean: np.ndarray, root: np.ndarray, distance: float) -> np.ndarray:
     """Return the points, (1 + 2 k, n): the mean, then one point on either side of it along each column."""
-    # mean (n,); root (n, k); distance (k,)
+    # mean (n,); root (n, k)
     step = (root * distance).T
     return np.concatenate((mean.reshape(1, -1), mean + step, mean - step))
 
 
-def transform(
-    values: np.ndarray, distance: np.ndarray, weight: float, bend: float, considered: int
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return mean (m,) and rows (k + k - considered, m) of values at sigma points: slopes, then nonlinear parts."""
-    # values (1 + 2 k, m)
-    ahead, back, half = values[1 : 1 + len(distance)], values[1 + len(distance) :], (0.5 / distance).reshape(-1, 1)
-    bends = (ahead + back - 2.0 * values[0])[considered:]
+def transform(values: np.ndarray, distance: float, weight: float, bend: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return mean (m,) and rows (2 k, m) of values (1 + 2 k, m) at sigma points: slopes, then nonlinear parts."""
+    pairs, half = len(values) // 2, 0.5 / distance
+    ahead, back = values[1 : 1 + pairs], values[1 + pairs :]
+    bends = ahead + back - 2.0 * values[0]
     total = bends.sum(axis=0)
-    rows = np.concatenate(((ahead - back) * half, (bends + bend * total) * half[considered:]))
+    rows = np.concatenate(((ahead - back) * half, (bends + bend * total) * half))
     return values[0] + weight * total, rows
 
 
@@ -65,7 +63,7 @@ def update(
         squared = (whiten(innovation[part].reshape(1, -1), cholesky(covariance[part, part])) ** 2).sum()
         first, kept[part], tests[0, sensor] = ends[sensor], squared <= gates[sensor], squared
     whitened[~kept] = 0.0  # Gross errors are left to the gate
-    drift = drift_statistics(sums, memories, places, whitened, rows[: len(sums) - 2] / spread, most)
+    drift = drift_statistics(sums, memories, places, whitened, most)
     first = 0
     for sensor in range(len(ends)):
         tests[1, sensor], tests[2, sensor] = not kept[first], drift[first : ends[sensor]].max()
@@ -86,20 +84,15 @@ def update(
 
 
 def drift_statistics(
-    sums: np.ndarray, memories: np.ndarray, places: np.ndarray, whitened: np.ndarray, shared: np.ndarray, most: float
+    sums: np.ndarray, memories: np.ndarray, places: np.ndarray, whitened: np.ndarray, most: float
 ) -> np.ndarray:
     """Add whitened innovations to fading sums; return the distance of the sums from zero [standard deviations]."""
-    # sums (2 + considered, memories, size): the sums, their variances, errors in common; whitened (numbers,). Errors of
-    # considered coefficients, shared (considered, numbers), are common to all readings: they add up like a bias and do
-    # not indicate a drift.
+    # sums (2, memories, size): the sums and their variances; whitened (numbers,)
     found = np.zeros(len(places))
     for i in range(len(places)):
-        place, explained = places[i], (shared[:, i] ** 2).sum()
         for m in range(len(memories)):
-            left = 1.0 - 1.0 / memories[m]
+            left, place = 1.0 - 1.0 / memories[m], places[i]
             sums[0, m, place] = left * sums[0, m, place] + min(max(whitened[i], -most), most)
-            sums[1, m, place] = left * left * sums[1, m, place] + 1.0 - min(explained, 1.0)
-            sums[2:, m, place] = left * sums[2:, m, place] + shared[:, i]
-            variance = sums[1, m, place] + (sums[2:, m, place] ** 2).sum()
-            found[i] = max(found[i], abs(sums[0, m, place]) / math.sqrt(variance))
+            sums[1, m, place] = left * left * sums[1, m, place] + 1.0
+            found[i] = max(found[i], abs(sums[0, m, place]) / math.sqrt(sums[1, m, place]))
     return found

@@ -58,12 +58,11 @@ class Start:
         names, places = filter.states.names, filter.states.places
         current = float(filter.waterway.current_at(known["x"][0])) if filter.waterway else 0.0
         mean = filter.states.vector({"current": current, **{name: value for name, (value, _) in known.items()}})
-        p, size, more = filter.considered, len(names), filter.estimated
-        full = np.zeros((size + more, p + size + more))
-        full[:, p:] = np.diag([filter.spreads.get(name, 0.0) for name in names] + [1.0] * more)
+        size, more = len(names), filter.estimated
+        full = np.diag([filter.spreads.get(name, 0.0) for name in names] + [1.0] * more)
         for name, (_, entries) in known.items():
             for other, entry in entries.items():
-                full[places[name], p + places[other]] = entry
+                full[places[name], places[other]] = entry
         return Gaussian(np.concatenate([self._at_midship(t, mean, full[:size], current), np.zeros(more)]), full)
 
     def _at_midship(self, t: float, mean: np.ndarray, root: np.ndarray, current: float) -> np.ndarray:

@@ -1,14 +1,13 @@
 """The unscented transform, and the filter's two steps with it, for any system.
 
-A distribution is a mean and a root of its covariance. The first columns of the root may belong to errors that are
-carried and never corrected, such as those of coefficients (Schmidt); the others are lower triangular.
+A distribution is a mean and a lower triangular root of its covariance.
 
 References
 ----------
-Schmidt (1966), Application of state-space methods to navigation problems.
 van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter estimation.
 """
 
+import math
 from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, NamedTuple
@@ -18,7 +17,7 @@ from scipy.linalg import lapack
 
 from narrows.codegen.cache import compiled_loops
 from narrows.estimation import square_roots
-from narrows.estimation.settings import CONSIDERED_DISTANCE, SQUARED_DISTANCE
+from narrows.estimation.settings import SQUARED_DISTANCE
 
 
 class Gaussian(NamedTuple):
@@ -31,13 +30,9 @@ class Gaussian(NamedTuple):
 
 
 class SigmaPointWeights(NamedTuple):
-    """Distances and weights of the sigma points."""
-
-    distance: np.ndarray  # (k,) Distance of each pair, in standard deviations
-    mean: float  # Weight of each corrected pair in the mean
+    distance: float  # Distance of each pair, in standard deviations
+    mean: float  # Weight of each pair in the mean
     bend: float  # Share of the sum of all second differences in the nonlinear part of each pair
-    # The first pairs, along errors that are carried and not corrected: linear, without weight in the mean
-    considered: int
 
     def transform(self, now: Gaussian, function: Callable[[np.ndarray], np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
         """Return mean and rows of the values of a function: changes along the root's columns, nonlinear parts."""
@@ -49,15 +44,14 @@ class SigmaPointWeights(NamedTuple):
 # Julier and Uhlmann (1997), A new extension of the Kalman filter to nonlinear systems. van der Merwe (2004),
 # Sigma-point Kalman filters for probabilistic inference in dynamic state-space models, chapter 3.
 def sigma_point_weights(
-    size: int, considered: int = 0, alpha: float = 0.5, beta: float = 2.0, kappa: float | None = None
+    size: int, alpha: float = 0.5, beta: float = 2.0, kappa: float | None = None
 ) -> SigmaPointWeights:
     """Return the weights of van der Merwe's scaled points."""
     squared = SQUARED_DISTANCE if kappa is None else alpha * alpha * (size + kappa)
-    distance = np.concatenate([np.full(considered, CONSIDERED_DISTANCE), np.full(size, np.sqrt(squared))])
     # The covariance has the pairs' second differences d about the mean, and the central point by the weight 1 - n/h^2 +
     # 1 - alpha^2 + beta, which may be negative. Both together are sums of squares of (d_i + bend sum d) / 2 h.
-    bend = (np.sqrt(max(1.0 + (beta - alpha * alpha) * size / squared, 0.0)) - 1.0) / size
-    return SigmaPointWeights(distance, 0.5 / squared, float(bend), considered)
+    bend = (math.sqrt(max(1.0 + (beta - alpha * alpha) * size / squared, 0.0)) - 1.0) / size
+    return SigmaPointWeights(math.sqrt(squared), 0.5 / squared, bend)
 
 
 def predict(
@@ -65,19 +59,13 @@ def predict(
 ) -> tuple[Gaussian, np.ndarray]:
     """Return the distribution after a motion with noise (j, n), and its slopes along the root's columns, (k, n)."""
     mean, rows = weights.transform(now, move)
-    return gaussian_of_rows(mean, np.concatenate([rows, noise]), weights.considered), rows[: len(weights.distance)]
+    return Gaussian(mean, triangular_root(np.concatenate([rows, noise]))), rows[: len(rows) // 2]
 
 
-def update(now: Gaussian, considered: int, *measurement: Any) -> tuple[Any, ...]:
+def update(now: Gaussian, *measurement: Any) -> tuple[Any, ...]:
     """Return the distribution after a measurement, and the tests of its readings, see ``square_roots.update``."""
     mean, rows, *tests = compiled_loops(square_roots).update(*now, *measurement)
-    return gaussian_of_rows(mean, rows, considered), *tests
-
-
-def gaussian_of_rows(mean: np.ndarray, rows: np.ndarray, considered: int) -> Gaussian:
-    """Return the distribution of a mean and of rows, the first of them of considered errors."""
-    root = triangular_root(rows[considered:])
-    return Gaussian(mean, np.concatenate([rows[:considered].T, root], axis=1) if considered else root)
+    return Gaussian(mean, triangular_root(rows)), *tests
 
 
 @lru_cache(maxsize=64)

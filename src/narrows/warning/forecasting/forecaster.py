@@ -266,16 +266,14 @@ class Members:
         size = len(self.filter.states)
         points = mean[:, None] + normals[:, : root.shape[2]] @ root.transpose(0, 2, 1)
         points = points.reshape(-1, mean.shape[1])
-        carried = np.tile(normals[:, : self.filter.considered], (len(mean), 1))
-        directions = points[:, size:] if self.filter.estimated else carried
-        return Samples(points[:, :size], self._coefficients(directions))
+        return Samples(points[:, :size], self._coefficients(points[:, size:]))
 
     def _coefficients(self, directions: np.ndarray) -> np.ndarray:
         """Coefficients by the directions of their covariance, within the bounds of their terms."""
         model = self.filter.model
         middle = np.array([model.coefficients[name] for name in model.terms.names])
         low, high = np.array([term.bound for term in model.terms.terms]).T
-        drawn = middle + directions @ self.filter.root[:, : directions.shape[1]].T
+        drawn = middle + directions @ self.filter.root.T
         return np.asarray(np.clip(drawn, np.minimum(low, middle), np.maximum(high, middle)))
 
 
