@@ -43,7 +43,7 @@ def canal() -> nw.Waterway:
 @cache
 def estimator(coefficients: str = "estimated") -> Estimator:
     """One of each kind for all tests."""
-    return Estimator(ship(), SENSORS, waterway=canal(), coefficients=coefficients)
+    return Estimator(ship(), SENSORS, waterway=canal(), coefficients=coefficients, memory=1.0)
 
 
 def estimate(y: float, psi: float, x: float = 800.0, seconds: int = 12, coefficients: str = "estimated") -> Estimate:
