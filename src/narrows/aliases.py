@@ -50,6 +50,10 @@ def public_name(name: str, known: Iterable[str]) -> str:
     return f"; write {meant}" if meant else near_miss(name, known, NAMES_ALIKE)
 
 
+# Arguments that are no quantity, so that no fleet varies them.
+OBJECTS = {"path", "table", "log", "tests", "waterway", "places", "by", "free", "ships", "linear", "truth"}
+
+
 def accept_aliases(function: Function) -> Function:
     """Accept the other names of a function's arguments, or of a class's fields; for a model, what has one."""
     if isinstance(function, type):
@@ -62,7 +66,8 @@ def accept_aliases(function: Function) -> Function:
 
     def takes(ours: str) -> bool:
         # A fleet varies any quantity; positions are those of actuators alone.
-        return ours in parameters or (bool(more) and (more != "positions" or ours == "rudder"))
+        varied = bool(more) and ours not in OBJECTS and (more != "positions" or ours == "rudder")
+        return ours in parameters or varied
 
     def names_own(row: str) -> bool:
         return set(NAMED.findall(row)) <= parameters.keys()

@@ -369,8 +369,9 @@ class _Helm:
         swing = self.excitation * (turn % 2 * 2 - 1) * (turn % 3 == 0)
         order = np.clip(self.law.orders(t, known)[RUDDER] + swing, -self.limit, self.limit)
         stages = self.stages or [before[:, place]] * STAGES
-        functions = {**COLUMNS, "exp": np.exp}
-        moved, self.stages = gear_motion(order, before[:, place], stages, self.gear, self.dt, functions)
+        moved, self.stages = gear_motion(
+            order, before[:, place], stages, self.gear, self.dt, {**COLUMNS, "exp": np.exp}
+        )
         after[:, place] += moved
         return after
 

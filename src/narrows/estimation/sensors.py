@@ -255,7 +255,8 @@ class Gnss(Antenna):
 
     @property
     def errors(self) -> tuple[GaussMarkov, ...]:
-        return super(Gnss, slowed(self) if self.coloured == "usual" else self).errors
+        usual: Gnss = slowed(self) if self.coloured == "usual" else self
+        return super(Gnss, usual).errors
 
     @property
     def straight(self) -> bool:
@@ -354,18 +355,16 @@ def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndi
 
 def error_states(sensor: Sensor, faulty: bool = False) -> dict[str, tuple[int, float, float]]:
     """Return the error states of a sensor: component, standard deviation and correlation time [s]."""
-    found: dict[str, tuple[int, float, float]] = {}
+    errors = [("wander" if math.isfinite(one.time) else "bias", one) for one in getattr(sensor, "errors", ())]
     if faulty:
-        for place, (field, sigma) in enumerate(zip(sensor.fields, sensor.sigma, strict=True)):
-            found[f"{field}_fault"] = (place, FAULT_STD * sigma, 2.0 * (FAULT_STD / FAULT_WALK) ** 2 * sensor.period)
-    for error in getattr(sensor, "errors", ()):
-        kind = "wander" if math.isfinite(error.time) else "bias"
-        for place, (field, std) in enumerate(
-            zip(sensor.fields, np.broadcast_to(error.std, len(sensor.fields)), strict=True)
-        ):
+        sizes = tuple(FAULT_STD * sigma for sigma in sensor.sigma)
+        errors.insert(0, ("fault", GaussMarkov(sizes, 2.0 * (FAULT_STD / FAULT_WALK) ** 2 * sensor.period)))
+    found: dict[str, tuple[int, float, float]] = {}
+    for kind, error in errors:
+        for place, std in enumerate(np.broadcast_to(error.std, len(sensor.fields)).tolist()):
+            name = f"{sensor.fields[place]}_{kind}"
             if std > 0.0:
-                more = "" if f"{field}_{kind}" not in found else f"_{len(found)}"
-                found[f"{field}_{kind}{more}"] = (place, float(std), error.time)
+                found[f"{name}_{len(found)}" if name in found else name] = place, std, error.time
     return found
 
 
