@@ -15,7 +15,6 @@ from pathlib import Path
 import numpy as np
 from manoeuvres import APPROACH, CIRCLES, OVERSHOOTS
 from pages import markdown, publish
-from scipy.optimize import least_squares
 from scipy.signal import savgol_filter
 
 import narrows as nw
@@ -114,57 +113,10 @@ def judged(words: str, model: nw.Model) -> tuple[str, ...]:
 def learned(published: nw.Model, records: list[nw.ShipRecord], spread: float) -> tuple[str, ...]:
     """Judge the model of a spread; its marginal likelihood, and the headings it misses of zigzags left out."""
     setup = log_problem(published, records, "basin", spread=spread)
-    found = search(setup.problem, setup.grids)
+    found = search(setup.problem, setup)
     fit = log_result(setup, found, ())
     missed = np.degrees(fit.whole_missed["after"])
     return (*judged(f"learned, spread {spread:g}", fit.model), f"{missed:.2f}", f"{evidence(found):.0f}")
-
-
-USUAL = np.array([0.5, 0.0, -1.0, 0.0, -4.0])
-"""Numbers of a nonlinear Nomoto model to begin with, in ship lengths and their time."""
-READING, START_RATE = 0.01, 0.01
-"""Error of a heading [rad] and of the yaw rate at the start [rad/s], which only weigh the start."""
-
-
-def nomoto_off(start: np.ndarray, numbers: np.ndarray, step: float, rudder: list[float], heading: np.ndarray):
-    """Headings missed, over READING, by ``rdot = a rudder + b + c r + d |r| r + e r^3`` (Euler)."""
-    a, b, c, d, e = numbers
-    few = min(10, len(heading) - 1)
-    psi, r = heading[0] + READING * start[0], (heading[few] - heading[0]) / few / step + START_RATE * start[1]
-    path = np.full(len(rudder), 1e3)
-    for place, angle in enumerate(rudder):
-        path[place] = psi
-        psi += step * r
-        r += step * (a * angle + b + (c + d * abs(r) + e * r * r) * r)
-        if not abs(r) < 1.0:
-            break
-    return (path - heading) / READING
-
-
-def nomoto(published: nw.Model, records: list[nw.ShipRecord]) -> tuple[str, ...]:
-    """The other rival: headings that Nomoto models miss, each fitted to all other records; starts are fitted too."""
-    time, grids = (
-        published.configuration.ship.length / APPROACH,
-        log_problem(published, records, "basin", spread=0.1).grids,
-    )
-    known = [
-        (grid.step, grid.positions["rudder"].tolist(), np.interp(grid.times, grid.times_of(read), read.values))
-        for grid in grids if (read := grid.readings["psi"])
-    ]  # fmt: skip
-    scale, missed = np.array([1.0, 0.01, time, time**2, time**3]) / time**2, []
-
-    def residuals(unknowns: np.ndarray, others: list) -> np.ndarray:
-        starts = unknowns[len(USUAL) :].reshape(-1, 2)
-        each = zip(others, starts, strict=True)
-        return np.concatenate([nomoto_off(start, unknowns[: len(USUAL)] * scale, *own) for own, start in each])
-
-    for place, record in enumerate(known):
-        others = known[:place] + known[place + 1 :]
-        begin = np.append(USUAL, np.zeros(2 * len(others)))
-        numbers = scale * least_squares(residuals, begin, args=(others,), max_nfev=40).x[: len(USUAL)]
-        left = least_squares(nomoto_off, np.zeros(2), args=(numbers, *record), max_nfev=40).fun
-        missed.append(READING**2 * np.mean(left**2))
-    return "nonlinear Nomoto model", "", "", "", "", "", f"{np.degrees(np.sqrt(np.mean(missed))):.1f}", ""
 
 
 def evidence(found: SearchResult) -> float:
@@ -184,7 +136,6 @@ def text(folder: Path = FOLDER) -> str:
         rival = smoothed(published, records, seconds, SPREAD)
         words = f"equation error, smoothed over {seconds:g} s, spread {SPREAD:g}"
         rows.append((*judged(words, rival), "", ""))
-    rows.append(nomoto(published, records))
     heads = [f"{name} {order}" for order in CIRCLES for name in ("advance", "tactical diameter")]
     others = ("overshoots, rms [deg]", "headings of left-out zigzags, rms [deg]", "-2 ln marginal likelihood")
     return markdown(("model", *heads, *others), rows)

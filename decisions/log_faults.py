@@ -66,7 +66,7 @@ def transits(count: int) -> tuple[nw.ShipLog, ...]:
 def bank_fit(log: list[nw.ShipRecord]) -> tuple[np.ndarray, np.ndarray] | None:
     """Return b_bank and c_bank with their standard errors; None where the model cannot follow."""
     posed = log_problem(ship(), log, "vdr")
-    found = search(posed.problem, posed.grids)
+    found = search(posed.problem, posed)
     if found is None or found.diverged or not found.records:
         return None
     places = [found.problem.prior.names.index(name) for name in BANKS]

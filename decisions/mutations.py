@@ -55,7 +55,7 @@ TESTS = {
     "logbook/checking": ["unit/test_check_log.py"],
     "logbook/filtering": ["unit/test_record_filter.py", "unit/test_log_posterior.py", "unit/test_learn.py"],
     "logbook/learning": ["unit/test_log_posterior.py", "unit/test_learn.py", "unit/test_learn_transits.py"],
-    "logbook/read_log.py": ["unit/test_read_log.py", "unit/test_nmea.py"],
+    "logbook/reading": ["unit/test_read_log.py", "unit/test_nmea.py"],
     "logbook/steady_legs": ["unit/test_learn_steady.py", "unit/test_plan_steady.py"],
     "logbook/transits": ["unit/test_predict_information.py", "unit/test_learn_transits.py"],
     "identification/least_squares.py": ["unit/test_solve.py", "unit/test_normal_equations.py", "unit/test_split.py"],

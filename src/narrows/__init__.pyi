@@ -54,6 +54,7 @@ from .logbook import learn_steady as learn_steady
 from .logbook import plan_steady as plan_steady
 from .logbook import predict_information as predict_information
 from .logbook import read_log as read_log
+from .logbook import stream_log as stream_log
 from .manoeuvres import Trials as Trials
 from .manoeuvres import Turning as Turning
 from .manoeuvres import ZigzagTest as ZigzagTest

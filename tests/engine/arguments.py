@@ -482,6 +482,9 @@ class Table:
                  "spread": 0.02},
                 answer=lambda found: found.to_dict(),
             ),
+            "stream_log": Entry(
+                log, understood, answer=lambda kept: [(own.antenna, own.condition, own.to_dataframe()) for own in kept]
+            ),
             "read_ship": Entry(
                 {"path": self.ship}, {"path": self.wider, "actuators": refused((), path=self.thrusting, base=(BOW,))}
             ),

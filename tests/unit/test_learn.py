@@ -10,6 +10,7 @@ import pytest
 
 import narrows as nw
 from logs import D, kvlcc2, sensed, trial, zigzag
+from narrows.logbook.filtering.likelihood import RecordLikelihood
 from narrows.logbook.filtering.record_grid import grid_of
 from narrows.logbook.learning.learn_log import hash_of
 from narrows.logbook.learning.log_setup import parts
@@ -205,6 +206,23 @@ def test_a_record_of_another_draft_is_left_out_and_said() -> None:
     found = nw.learn(mistaken(), [records()[0], light], free=("N_v",), sensors="basin", spread=0.1)
     assert len(found.records) == 1
     assert any("of a draft of 15 m" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(("scores", "kept"), [(7, "3 records"), (1, "1 record")])
+def test_an_interrupted_fit_keeps_what_is_done_and_says_so(
+    scores: int, kept: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done, usual = iter(range(scores)), RecordLikelihood.scored
+
+    def stopped(*told: Any) -> Any:
+        if next(done, None) is None:
+            raise KeyboardInterrupt
+        return usual(*told)
+
+    monkeypatch.setattr(RecordLikelihood, "scored", stopped)
+    found = nw.learn(mistaken(), records(), sensors="basin", spread=0.1)
+    assert any(note.startswith("The search was interrupted") and f"from {kept}" in note for note in found.notes)
+    assert abs(found.model["N_v"] / kvlcc2()["N_v"] - 1) < 0.12
 
 
 def test_a_learned_model_says_where_it_comes_from() -> None:

@@ -80,7 +80,7 @@ def in_degrees(record: nw.ShipRecord) -> np.ndarray:
 def test_the_law_of_a_pilot_is_found_in_the_rudder() -> None:
     """A pilot gives rudder against a heading and a yaw rate, and takes it off again."""
     setup = log_problem(ship(), twin()[1], "vdr", pilot=True)
-    found = search(setup.problem, setup.grids)
+    found = search(setup.problem, setup)
     assert found is not None
     names = [one.name for one in setup.problem.model.processes]
     for record in found.records:

@@ -8,6 +8,7 @@ import pytest
 import narrows as nw
 from engine_models import steered
 from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem, StochasticModel
+from narrows.logbook.learning.learn_log import rudder_matters
 from narrows.logbook.learning.log_posterior import LogPosterior, averaged, coefficient_prior, log_posterior
 
 FREE = ("b_bank", "c_bank", "b_uv")
@@ -106,3 +107,14 @@ def test_the_average_of_two_models_has_the_moments_of_their_mixture() -> None:
     assert both.covariance[place, place] == pytest.approx(drawn[:, place].var(), rel=1e-2)
     far = after(prior, np.full(size, 5.0), 50.0 * np.eye(size))
     assert averaged(far, one).probability == averaged(one, far).probability == one.probability
+
+
+def test_a_pilot_who_sees_more_than_the_log_is_told_from_a_standard_error() -> None:
+    model = ship()
+    prior = coefficient_prior(model, "held")
+    size = len(prior.groups)
+    given, near, far = (after(prior, np.full(size, at), 30.0 * np.eye(size)) for at in (0.2, 0.25, -0.5))
+    assert rudder_matters(model, given, near) == ()
+    told = rudder_matters(model, given, far)
+    assert [sentence.split()[0] for sentence in told] == ["b_bank", "c_bank"]
+    assert f"{far.values[model.terms.names.index('b_bank')]:.3g} with a pilot's law" in told[0]

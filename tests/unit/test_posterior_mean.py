@@ -26,7 +26,7 @@ def found(uncertain: dict[str, float]) -> tuple[LogSetup, SearchResult]:
     spread = {name: share * abs(KCS[name]) for name, share in uncertain.items()}
     setup = log_problem(KCS, log(), "vdr", spread=spread)
     problem = replace(setup.problem, model=replace(setup.problem.model, estimated=()))
-    result = search(problem, setup.grids)
+    result = search(problem, setup)
     assert result is not None
     assert result.converged
     return setup, result
@@ -35,7 +35,7 @@ def found(uncertain: dict[str, float]) -> tuple[LogSetup, SearchResult]:
 def test_mean_and_covariance_are_those_of_a_quadrature() -> None:
     setup, result = found(UNCERTAIN)
     problem, mode = result.problem, result.unknowns
-    (grid,), path = setup.grids, result.records[0].path
+    (grid,), path = setup, result.records[0].path
     assert path is not None
     likelihood = RecordLikelihood(problem, grid)
     sizes, axes = np.linalg.eigh(problem.covariance(result.information))

@@ -11,6 +11,7 @@ import pytest
 import narrows as nw
 from logs import antenna_on_earth, bent_waterway, motion
 from narrows.logbook.learning.log_setup import log_records
+from narrows.logbook.reading import read_log
 
 T = np.arange(0.0, 600.0, 2.0)
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -72,6 +73,56 @@ def test_numbers_by_which_ais_says_none_are_left_out() -> None:
     assert "1 of heading stand for none and were left out" in log.notes
 
 
+NOAA = {
+    "MMSI": [636021061, 367000001, 636021061, 636021061],
+    "BaseDateTime": ["2023-01-11T00:00:00", "2023-01-11T00:00:05", "2023-01-11T00:00:10", "2023-01-11T00:12:10"],
+    "LAT": [26.0, 43.0, 26.001, 26.101], "LON": [-80.0, -70.0, -80.0, -80.0], "SOG": [10.0, 0.0, 20.0, 20.0],
+    "COG": [90.0, 0.0, 360.0, 1.0], "Heading": [180.0, 95.0, 511.0, 2.0], "VesselName": ["A", "B", "A", "A"],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("mapping", [None, {"columns": {"latitude": "LAT", "longitude": "LON"}},
+                                     {"columns": {"speed_over_ground": "SOG", "heading": "Heading"}}])  # fmt: skip
+def test_a_table_of_the_archive_of_noaa_is_read_by_the_units_of_ais(mapping: dict | None) -> None:
+    """ITU-R M.1371: speed in knots, directions in degrees; 511 and 360 stand for none."""
+    log = nw.read_log(NOAA, mapping=mapping, mmsi=636021061)
+    first = log[0]
+    assert len(log) == 2
+    assert first["x"].t.tolist() == [0.0, 10.0]
+    np.testing.assert_allclose(first["x"].values, [0.0, 111.32], atol=0.7)
+    np.testing.assert_allclose(first["speed_over_ground"].values, np.array([10.0, 20.0]) * 1852 / 3600)
+    np.testing.assert_allclose(np.degrees(first["psi"].values) % 360, [180.0])
+    np.testing.assert_allclose(np.degrees(first["course"].values), [90.0])
+    assert "cut into 2 records where nothing came for 300 s; gap= sets another time" in log.notes
+    assert len(nw.read_log(NOAA, mapping=mapping, mmsi=636021061, gap=900.0)) == 1
+    late = nw.read_log(pd.DataFrame(NOAA).iloc[[3, 2, 1, 0]], mapping=mapping, mmsi=636021061)
+    assert late.notes == log.notes
+    assert [record["x"].t.tolist() for record in late] == [record["x"].t.tolist() for record in log]
+
+
+def test_a_table_of_the_danish_archive_is_read_with_the_day_before_the_month() -> None:
+    log = nw.read_log({
+        "# Timestamp": ["03/02/2024 23:59:50", "04/02/2024 00:00:00"], "Type of mobile": ["Class A"] * 2,
+        "MMSI": [219000001] * 2, "Latitude": [55.0, 55.001], "Longitude": [10.0, 10.0], "ROT": [5.0, 7.0],
+        "SOG": [10.0, 10.0], "COG": [1.0, 2.0], "Heading": [1.0, 2.0],
+    })  # fmt: skip
+    assert "t counts from 2024-02-03T23:59:50+00:00" in log.notes
+    assert log[0]["x"].t.tolist() == [0.0, 10.0]
+    assert "r" not in log[0]  # The archive does not document in which form it stands.
+    np.testing.assert_allclose(log[0]["speed_over_ground"].values, 10 * 1852 / 3600)
+    np.testing.assert_allclose(np.degrees(log[0]["psi"].values), [1.0, 2.0])
+
+
+def test_an_archive_of_ships_one_after_the_other_is_not_taken_for_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rows = pd.DataFrame({**NOAA, "MMSI": [1, 1, 2, 2]})
+    rows.to_csv(tmp_path / "ships.csv", index=False)
+    monkeypatch.setattr(read_log, "PIECE_ROWS", 2)
+    log = nw.stream_log(tmp_path / "ships.csv", gap=900.0)
+    assert [len(record["x"]) for record in log] == [2]
+
+
 def test_headers_are_read_in_any_case_of_letters() -> None:
     log = nw.read_log({"Time": ["2026-05-01T00:00:00Z"], "Rudder Angle [deg]": [5.0], "Rate of Turn (deg/min)": [6.0]})
     np.testing.assert_allclose(np.degrees([log[0]["rudder"].values[0], log[0]["r"].values[0]]), [5.0, 0.1])
@@ -91,6 +142,24 @@ def test_records_are_cut_by_their_column_or_at_gaps() -> None:
     assert [(own.name, len(own["rudder"])) for own in log] == [("record", 2), ("record 2", 2)]
     assert "cut into 2 records where nothing came for 300 s; gap= sets another time" in log.notes
     assert len(nw.read_log(gaps, gap=2000.0)) == 1
+
+
+def test_what_is_read_piece_by_piece_is_what_is_read_at_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    frame = pd.concat([table(), table().assign(t=T + 3000.0)])
+    frame.to_parquet(tmp_path / "log.parquet")
+    frame.to_csv(tmp_path / "log.csv", index=False)
+    whole = nw.read_log(frame)
+    monkeypatch.setattr(read_log, "PIECE_ROWS", 37)
+    for path in sorted(tmp_path.iterdir()):
+        for one, other in zip(nw.stream_log(path), whole, strict=True):
+            pd.testing.assert_frame_equal(one.to_dataframe(), other.to_dataframe())
+
+
+def test_a_record_beyond_what_memory_likes_goes_on_in_another(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(read_log, "PIECE_ROWS", 100)
+    monkeypatch.setattr(read_log, "MOST_ROWS", 100)
+    log = nw.read_log({"record": ["A"] * 90 + ["B"] * 90, "t": np.arange(180.0), "r": np.zeros(180)})
+    assert log.names == ("A", "B")
 
 
 def test_a_place_on_earth_is_told_along_a_bend_and_of_midship() -> None:
@@ -201,6 +270,7 @@ def test_free_running_tests_of_two_tanks_are_one_motion(tank: str, records: int,
         ({"t": [0.0], "x": [1.0]}, {"gap": 0.0}, "no time without a row"),
         ({"t": [0.0], "x": [1.0]}, {"mmsi": -1}, "whole number"),
         ({"t": [0.0], "x": [1.0]}, {"mmsi": 244000000}, "needs AIS reports, and this table has none"),
+        ({"MMSI": [1, 2], "BaseDateTime": ["2023-01-11"] * 2, "LAT": [1, 2], "LON": [1, 2]}, {}, "several ships"),
         ({"t": [0.0], "x": [1.0]}, {"units": {"speed": "kn"}}, "no documented column"),
         ({"t": [0.0], "x_rate": [1.0], "y_rate": [0.0]}, {}, "need the heading"),
         ({"t": [0.0], "heading": [1.0]}, {"waterway": bent_waterway()}, "only where the position is known"),

@@ -113,7 +113,7 @@ def test_smoothed_states_are_the_conditional_mean(seed: int) -> None:
 def test_the_score_is_the_slope_of_the_likelihood() -> None:
     """About a path, by central differences: coefficients, gusts and noise."""
     log = posed(1)
-    (grid,) = log.grids
+    (grid,) = log
     likelihood, draw = RecordLikelihood(log.problem, grid), np.random.default_rng(0)
     unknowns = 0.1 * draw.normal(size=len(log.problem.precision))
     path = likelihood.smoothed(unknowns, None, 2)
@@ -159,7 +159,7 @@ def test_scores_at_the_truth_have_a_mean_of_zero() -> None:
     scores, information = [], []
     for seed in range(12):
         log = scheduled(seed)
-        (grid,) = log.grids
+        (grid,) = log
         likelihood = RecordLikelihood(log.problem, grid)
         path = likelihood.smoothed(np.zeros(len(log.problem.precision)), None, 3)
         assert path is not None

@@ -57,7 +57,7 @@ TERMS = (
     "crossflow drag", "delay margin", "drift angle", "Fisher scoring", "Froude", "Gauss-Markov",
     "generalised least squares", "hidden Markov", "hydrodynamic derivative", "importance sampling", "innovation",
     "jackknife", "Karush-Kuhn-Tucker", "Laplace approximation", "line-of-sight guidance",
-    "linear-quadratic regulator", "model predictive control", "Monte Carlo", "multiple shooting", "NEES",
+    "linear-quadratic regulator", "model predictive control", "Monte Carlo", "multiple shooting", "NEES", "Nomoto",
     "optimal experiment design", "planar motion mechanism", "restricted maximum likelihood", "return flow", "Riccati",
     "Runge-Kutta", "Schijf", "sequential quadratic programming", "Shapley value", "sigma point", "smoother", "squat",
     "state-space", "straight-line program", "system identification", "thrust deduction", "under-keel clearance",

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import narrows as nw
 from narrows.cli.declarations import Argument, Option
@@ -21,7 +21,10 @@ from narrows.cli.options import (
 from narrows.cli.options import speed as read_speed
 from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
-from narrows.progress import stage
+from narrows.progress import LARGE_FILE, stage
+
+if TYPE_CHECKING:
+    from narrows.logbook import StreamedLog
 
 # Parts of the JSON output; null if not requested.
 PARTS = ("log", "truth", "steady", "envelope", "plan", "information")
@@ -137,7 +140,7 @@ def _learn(
     return _deliver(replace(fit, about=(*doubts, *fit.about)), delivery)
 
 
-def _doubts(model: "nw.Model", log: "nw.ShipLog", logged: LogOptions) -> tuple[str, ...]:
+def _doubts(model: "nw.Model", log: "nw.ShipLog | StreamedLog", logged: LogOptions) -> tuple[str, ...]:
     findings = nw.check_log(log, model, sensors=logged.sensors, spread=logged.spread)
     if wrong := findings.wrong:
         more = f" ({len(wrong) - 1} more: see nw.check_log)" if len(wrong) > 1 else ""
@@ -145,11 +148,14 @@ def _doubts(model: "nw.Model", log: "nw.ShipLog", logged: LogOptions) -> tuple[s
     return findings.doubts
 
 
-def _read(logs: list[Path], logged: LogOptions, ahead: InformationOptions) -> "nw.ShipLog":
+def _read(logs: list[Path], logged: LogOptions, ahead: InformationOptions) -> "nw.ShipLog | StreamedLog":
+    """Logs in memory, or read from disk at each pass if one is large."""
     twice = next((log for place, log in enumerate(logs) if log in logs[:place]), None)
     if twice is not None:
         raise InputError(f"{twice} is given twice and would count twice; give each log once")
     way = None if ahead.waterway is None else nw.read_waterway(ahead.waterway)
+    if len(logs) == 1 and logs[0].is_file() and logs[0].stat().st_size >= LARGE_FILE:
+        return nw.stream_log(logs[0], way, logged.mapping)
     return nw.read_log(logs, way, logged.mapping)
 
 

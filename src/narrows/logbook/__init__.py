@@ -8,7 +8,9 @@ from narrows.logbook.envelope_change import envelope_change as envelope_change
 from narrows.logbook.learned_coefficient import LearnedCoefficient as LearnedCoefficient
 from narrows.logbook.learning.learn_log import learn as learn
 from narrows.logbook.learning.log_fit import LogFit as LogFit
-from narrows.logbook.read_log import read_log as read_log
+from narrows.logbook.reading.read_log import StreamedLog as StreamedLog
+from narrows.logbook.reading.read_log import read_log as read_log
+from narrows.logbook.reading.read_log import stream_log as stream_log
 from narrows.logbook.sensor_grades import GRADES as GRADES
 from narrows.logbook.sensor_grades import SensorGrade as SensorGrade
 from narrows.logbook.sensor_grades import SignalGrade as SignalGrade

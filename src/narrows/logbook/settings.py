@@ -3,8 +3,9 @@
 import numpy as np
 
 # Reading
+MOST_ROWS = 500_000  # Rows of a record; a longer one continues in another, so that memory does not grow with the log
 RECORD_GAP = 300.0  # Time without a row after which another record begins [s]
-PIECE_ROWS = 32_000  # Sentences of NMEA 0183 read at once
+PIECE_ROWS = 32_000  # Rows read at once
 HEADING_GAP = 10.0  # Longest time between two headings that are joined [s]
 # Checks
 MOST_CHECKED = 20  # Records fitted by the checks: all have the faults of the sensors

@@ -10,7 +10,7 @@ from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.logbook import settings
 from narrows.logbook.checking.faults import FAULTS, FaultTest, FaultTests, longest_run, misreading, stuck
-from narrows.logbook.filtering.record_grid import RUDDER
+from narrows.logbook.filtering.record_grid import RUDDER, RecordGrid
 from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_posterior import Spread
 from narrows.logbook.learning.log_setup import LogSetup, log_problem, log_records, speed_of
@@ -262,7 +262,7 @@ def check_log(
 
     Parameters
     ----------
-    log, model : ShipLog, ShipRecord, sequence of them, table, voyage or path; Model
+    log, model : ShipLog, StreamedLog, ShipRecord, sequence of them, table, voyage or path; Model
         Records of the ship, and a model of it at its size.
     waterway : Waterway, optional
         Line of x and y, and banks; default: the log's own.
@@ -275,7 +275,7 @@ def check_log(
         Where there is no record.
     """
     log = log_records(log, waterway)
-    water = log.waterway if waterway is None else waterway
+    water = getattr(log, "waterway", None) if waterway is None else waterway
     findings, good, count = list[Finding](), list[ShipRecord](), 0
     for count, whole in enumerate(log, start=1):
         record = replace(whole, signals={name: whole[name] for name in whole if len(whole[name]) > 1})
@@ -302,7 +302,7 @@ def check_log(
 
 def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: Spread | None) -> Iterator[Finding]:
     setup = log_problem(model, log, sensors, spread=spread)
-    grids = setup.grids
+    grids = list(setup)
     for note in setup.left_out:
         yield Finding("missing", log.names[0], note.removesuffix("."), "leave it out, or record what is missing")
     if not grids:
@@ -322,14 +322,14 @@ def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: S
     else:
         gusty = setup.assumptions.gusts
         pushed = setup if gusty else log_problem(model, log, sensors, spread=spread, gusts=True)
-        yield from _tested(setup, pushed, where)
+        yield from _tested(setup, pushed, grids, where)
 
 
-def _tested(setup: LogSetup, pushed: LogSetup, where: str) -> Iterator[Finding]:
+def _tested(setup: LogSetup, pushed: LogSetup, grids: list[RecordGrid], where: str) -> Iterator[Finding]:
     """Yield the fault with the strongest score after a fit that harms, and the strongest that does not."""
-    learned = _scores(setup)
+    learned = _scores(setup, grids)
     # Without disturbances, the residual of the model is a force: it must not pass for a fault of a sensor.
-    scores = learned if pushed is setup else _scores(pushed)
+    scores = learned if pushed is setup else _scores(pushed, list(pushed))
     if not (learned and scores):
         said = "the model cannot follow this log at all: its motion goes to infinity"
         yield Finding("model", where, said, "look at signs, units and axes, and at the size of the model")
@@ -349,9 +349,9 @@ def _tested(setup: LogSetup, pushed: LogSetup, where: str) -> Iterator[Finding]:
         known.append(best.place)
 
 
-def _scores(setup: LogSetup) -> FaultTests | None:
-    found = search(setup.problem, setup.grids, settings.CHECK_STEPS)
-    return FaultTests.of(found, setup.grids, ALL) if found and found.records and not found.diverged else None
+def _scores(setup: LogSetup, grids: list[RecordGrid]) -> FaultTests | None:
+    found = search(setup.problem, setup, settings.CHECK_STEPS)
+    return FaultTests.of(found, grids, ALL) if found and found.records and not found.diverged else None
 
 
 def _finding(test: FaultTest, learned: FaultTests) -> Finding:

@@ -258,6 +258,9 @@ def _of_record(
     """Return the faults of a record, the scores of unknowns and faults, and their information."""
     problem, path = found.problem, record.path
     likelihood = RecordLikelihood(problem, grid)
+    path = path or likelihood.smoothed(found.unknowns, None, FIRST_PASSES)
+    if path is None:
+        return grid.record.name, [], record.score, record.information
     (e, s), by_value, by_variance = likelihood.slopes(found.unknowns, path)
     model, values, variances = problem.model_at(found.unknowns), [*by_value], [*by_variance]
     faults = list(faults_of(grid, grid.by_signal(e / np.sqrt(s))))

@@ -161,7 +161,7 @@ class RecordScore:
     autocovariance: np.ndarray  # (LAGS,) Products of normalised innovations of a signal, so many readings apart
     ranges: np.ndarray  # (2, 2) Least distance off the middle and speed, and largest
     outliers: Mapping[str, tuple[int, int]]  # Readings of each signal that count less, and all of them
-    path: RecordPath
+    path: RecordPath | None = None  # None in a long log
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,9 @@
 """Fisher scoring over all records with a trust region: Levenberg's damping, within the bounds of the coefficients.
 
-Each record contributes a score and an information matrix; these add.
+Each record contributes a score and an information matrix; these add. A record is laid out when its turn comes.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,11 +21,12 @@ LONGEST_MOVE = 2.0  # Longest step [prior standard deviations]
 LEAST_GAIN = 0.1  # Smallest accepted gain, over the expected one [1]
 # Damping over the information: initial, factors after an accepted and a rejected step, and the largest.
 FIRST, GENTLER, HARDER, MOST = 1e-3, 0.1, 10.0, 1e4
+KEPT_STEPS = 200_000  # Time steps of records whose paths are stored; longer logs smooth each path anew
 RESTARTS = 3  # Restarts of the search with another number of correlated readings
 SETTLED = 1.2  # Ratio of two such numbers below which the last one is kept
 LOOSE_WALK = 1e-3  # Process noise over lengths and speeds of the ship, where no whole record can be followed
 
-Grids = Sequence[RecordGrid]
+Grids = Iterable[RecordGrid]
 
 
 @dataclass(frozen=True)
@@ -35,6 +36,7 @@ class SearchResult:
     records: tuple[RecordScore, ...]
     steps: int = 0
     converged: bool = False
+    interrupted: bool = False
     diverged: bool = False
 
     @property
@@ -58,12 +60,12 @@ def search(
     # correlated: the likelihood then counts one of so many readings, as a composite likelihood does.
     begin = np.zeros(len(problem.precision))
     begin[: problem.count] = 0.0 if scaled is None else scaled
-    found = _maximum(problem, grids, begin, [None] * len(grids), steps)
+    found = _maximum(problem, grids, begin, (), steps)
     if found is None or found.diverged:
         problem = replace(problem, walk=LOOSE_WALK)
-        found = _maximum(problem, grids, np.zeros(len(problem.precision)), [None] * len(grids), steps)
+        found = _maximum(problem, grids, np.zeros(len(problem.precision)), (), steps)
     for _ in range(RESTARTS * (not problem.model.gusts)):
-        if found is None or not found.records:
+        if found is None or found.interrupted or not found.records:
             break
         counted = readings_for_one(np.sum([one.autocovariance for one in found.records], axis=0))
         if max(counted / problem.correlated, problem.correlated / counted) < SETTLED:
@@ -74,37 +76,49 @@ def search(
 
 
 def _maximum(
-    problem: LogProblem, grids: Grids, unknowns: np.ndarray, paths: Sequence[RecordPath | None], steps: int
+    problem: LogProblem, grids: Grids, unknowns: np.ndarray, paths: Iterable[RecordPath | None], steps: int
 ) -> SearchResult | None:
-    damping, found = FIRST, None
+    damping, found, paths = FIRST, None, list(paths)
     for number in range(1, steps + 1):
         after = scored(problem, grids, unknowns, paths, PASSES if found else FIRST_PASSES)
-        if after is None:
-            return found and replace(found, diverged=True)
+        if after is None or (after.interrupted and found):
+            return found and replace(found, interrupted=after is not None, diverged=after is None)
         found = replace(after, steps=number)
         step, gain = bounded_step(problem, unknowns, found.score, found.information)
-        if gain < CONVERGED_GAIN:
-            return replace(found, unknowns=unknowns + step, converged=True)
+        if gain < CONVERGED_GAIN or found.interrupted:
+            return replace(found, unknowns=unknowns + step, converged=gain < CONVERGED_GAIN)
         paths = [one.path for one in found.records]
-        if (moved := _helpful(problem, found, grids, damping)) is None:
+        try:
+            moved = _helpful(problem, found, grids, damping)
+        except KeyboardInterrupt:
+            return replace(found, interrupted=True)
+        if moved is None:
             return found
         unknowns, damping = unknowns + moved[0], moved[1] * GENTLER
     return found
 
 
 def scored(
-    problem: LogProblem, grids: Grids, unknowns: np.ndarray, paths: Sequence[RecordPath | None], passes: int
+    problem: LogProblem, grids: Grids, unknowns: np.ndarray, paths: list[RecordPath | None], passes: int
 ) -> SearchResult | None:
-    """Smooth the path of every record and score it there; None where one diverges."""
-    scores = list[RecordScore]()
-    with bar(len(grids), is_shown(), "records") as done:
-        for grid, before in zip(grids, paths, strict=True):
-            likelihood = RecordLikelihood(problem, grid)
-            path = likelihood.smoothed(unknowns, before, passes if before else FIRST_PASSES)
-            if path is None or not np.isfinite((one := likelihood.scored(unknowns, path)).cost):
-                return None
-            scores.append(one)
-            done(1)
+    """Smooth the path of every record and score it there, the finished ones after Ctrl-C; None where one diverges."""
+    scores, steps, total = list[RecordScore](), 0, len(paths)
+    try:
+        with bar(total, is_shown(), "records") as done:
+            for number, grid in enumerate(grids):
+                likelihood, before = RecordLikelihood(problem, grid), paths[number] if number < len(paths) else None
+                path = likelihood.smoothed(unknowns, before, passes if before else FIRST_PASSES)
+                if path is None:
+                    return None
+                one, steps = likelihood.scored(unknowns, path), steps + len(grid)
+                if not np.isfinite(one.cost):
+                    return None
+                scores.append(one if steps <= KEPT_STEPS else replace(one, path=None))
+                done(1)
+    except KeyboardInterrupt:
+        if not scores:
+            raise
+        return SearchResult(problem, unknowns, tuple(scores), interrupted=True)
     return SearchResult(problem, unknowns, tuple(scores))
 
 
@@ -112,8 +126,11 @@ def _helpful(problem: LogProblem, found: SearchResult, grids: Grids, damping: fl
     """An accepted step about the same paths, and its damping; None if no step gains enough."""
 
     def cost(unknowns: np.ndarray) -> float:
-        pairs = zip(grids, found.records, strict=True)
-        parts = sum(RecordLikelihood(problem, grid).cost(unknowns, one.path) for grid, one in pairs)
+        parts = 0.0
+        for grid, one in zip(grids, found.records, strict=True):
+            likelihood = RecordLikelihood(problem, grid)
+            path = one.path or likelihood.smoothed(found.unknowns, None, FIRST_PASSES)
+            parts += likelihood.cost(unknowns, path) if path else np.inf
         return parts + float(unknowns @ problem.precision @ unknowns)
 
     here = sum(one.cost for one in found.records) + float(found.unknowns @ problem.precision @ found.unknowns)

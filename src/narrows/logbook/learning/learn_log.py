@@ -1,6 +1,7 @@
 """Learn a model from a ship's own records: ``learn``."""
 
 import hashlib
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -16,7 +17,7 @@ from narrows.logbook.filtering.log_problem import SWAY, YAW, LogProblem
 from narrows.logbook.filtering.record_grid import HELM, REVOLUTIONS_OFFSET, RUDDER
 from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult, search
 from narrows.logbook.learned_coefficient import learned_model
-from narrows.logbook.learning.log_fit import MOST_DRAWN, Gusts, LogFit, SignalNoise, record_answer
+from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise, record_answers
 from narrows.logbook.learning.log_posterior import LogPosterior, Spread, averaged, log_posterior, posterior_mean
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.sensor_grades import SensorGrade
@@ -52,12 +53,12 @@ def learn(
     long as the records make most likely; sensor errors, currents and a steady wind are estimated with the ship's state.
     A pilot may see more than the sensors: where gusts act, the answer is the mean of two fits, one with the rudder as
     given, one with the rudder as readings of a pilot's linear law. Where no gusts act, whole records are predicted from
-    their start. Motion determines forces over inertia alone, so that the prior of the inertia holds the rest. The
-    result tells what was learned and what still comes from the prior.
+    their start. Motion determines forces over inertia alone, so that the prior of the inertia holds the rest. Ctrl-C
+    ends the search and keeps what was found. The result tells what was learned and what still comes from the prior.
 
     Parameters
     ----------
-    model, log : Model; ShipLog, ShipRecord, sequence of records, table, voyage or path
+    model, log : Model; ShipLog, StreamedLog, ShipRecord, sequence of records, table, voyage or path
         A model at the ship's own size with the covariance of its fit, which is the prior; what was recorded.
     free : sequence of str, optional
         Coefficients that may change, all that have a spread unless given. The others keep their mean and covariance,
@@ -84,17 +85,17 @@ def learn(
                     waterway=waterway, **choices)  # fmt: skip
     setup = posed()
     with stage("fitting the records"):
-        found = search(setup.problem, setup.grids)
+        found = search(setup.problem, setup)
     if found is None:
         raise InputError(RUNS_AWAY)
     if not found.records:
         why = " ".join(setup.left_out).removesuffix(".") or "it has none"
         raise InputError(f"no record of this log can be used: {why}")
     piloted = None
-    if setup.assumptions.gusts and RUDDER in setup.problem.motion.positions:
+    if setup.assumptions.gusts and RUDDER in setup.problem.motion.positions and not found.interrupted:
         joint = posed(pilot=True)
         with stage("fitting the records with a pilot"):
-            piloted = search(joint.problem, joint.grids, scaled=found.scaled)
+            piloted = search(joint.problem, joint, scaled=found.scaled)
     return log_result(setup, found, free, piloted)
 
 
@@ -138,16 +139,17 @@ def log_result(
     """Return the answer of a search, averaged with that of one with a pilot where there is one."""
     prior = posed.problem.prior.model
     after = _posterior(found)
-    if piloted is not None and piloted.records and not piloted.diverged:
-        after = averaged(after, _posterior(piloted))
-    answers = tuple(
-        record_answer(found, *pair, number < MOST_DRAWN)
-        for number, pair in enumerate(zip(posed.grids, found.records, strict=True))
-    )
+    apart: tuple[str, ...] = ()
+    if piloted is not None and piloted.records and not (piloted.diverged or piloted.interrupted):
+        given, joint = after, _posterior(piloted)
+        after, apart = averaged(given, joint), rudder_matters(prior, given, joint)
+    answers = record_answers(found, posed)
     ranges = np.stack([one.ranges for one in found.records]).T
     came, learned = learned_model(prior, after.values, after.covariance, "", *ranges)
+    stopped = f"The search was interrupted after {found.steps} steps; the result is from {len(answers)} records."
     assumed = _assumptions(found.problem, free, sum(answer.met for answer in answers))
-    about = (*(STRETCHES,) * (found.problem.walk == LOOSE_WALK), *assumed, *posed.left_out)
+    about = (*apart, *(STRETCHES,) * (found.problem.walk == LOOSE_WALK), *assumed, *posed.left_out,
+             *(stopped,) * found.interrupted)  # fmt: skip
     source = _source(posed.log, posed.assumptions.grade.name, prior, len(answers))
     return LogFit(
         replace(came, source=source), prior, learned, answers, _gusts(found), _noise(found), after.disagreement,
@@ -158,6 +160,20 @@ def log_result(
 def _posterior(found: SearchResult) -> LogPosterior:
     scores = np.stack([one.score for one in found.records])
     return log_posterior(found.problem, found.unknowns, found.information, scores, posterior_mean(found))
+
+
+def rudder_matters(model: Model, given: LogPosterior, joint: LogPosterior) -> tuple[str, ...]:
+    """Return the bank coefficients that depend on whether the rudder is an input or the order of a pilot."""
+    # Hausman (1978), Specification tests in econometrics, Econometrica 46: of the two only the second is consistent
+    # where the pilot sees more than the log.
+    return tuple(
+        f"{name} is {one:.3g} if the rudder is taken as given and {other:.3g} with a pilot's law, more than a standard "
+        "error apart: the pilot may see more than the log. Its interval includes both."
+        for name, one, other, variance in zip(
+            model.terms.names, given.values, joint.values, np.diag(given.covariance), strict=True
+        )
+        if model.terms[name].from_bank and abs(one - other) > math.sqrt(variance)
+    )
 
 
 def _inertia(problem: LogProblem) -> tuple[str, ...]:

@@ -1,13 +1,13 @@
 """Result of learning from a log: coefficients, and what each record contributed and how well others predict it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.logbook.filtering.likelihood import INPUTS, RecordPath, RecordScore
+from narrows.logbook.filtering.likelihood import INPUTS, RecordLikelihood, RecordPath, RecordScore
 from narrows.logbook.filtering.log_problem import CURRENT, PUSHES, LogProblem, StochasticModel
 from narrows.logbook.filtering.record_grid import (
     CURRENT_X,
@@ -19,7 +19,7 @@ from narrows.logbook.filtering.record_grid import (
     STATES,
     RecordGrid,
 )
-from narrows.logbook.filtering.search import SearchResult
+from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
 from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer, LearnedCoefficient
 from narrows.logbook.ship_log import size_of
 from narrows.model.model import Model
@@ -27,11 +27,13 @@ from narrows.model.model import Model
 MOST_DRAWN = 4  # records whose forecasts are kept to be drawn
 AHEAD = 3.5  # times of a ship length that a forecast reaches
 JUDGED = ("y", "psi", "r")  # States whose forecasts are judged
-
-
+MOST_COMPARED = 50  # records up to which whole records are predicted, and Nomoto models fitted
 # Standard deviations of a fitted start from the smoothed one: heading [rad], and speed, drift and turn over the ship's.
 START_FREE = np.array([0.01, 0.05, 0.05, 0.05])
-READING = 0.01  # Error of a heading [rad], which only weighs the start
+# The yaw rate, in turns of one radian a ship length, that the largest rudder of a record turns the ship with, about.
+USUAL_TURN = 0.5
+# Error of a heading [rad] and of the yaw rate at the start [rad/s], which only weigh the start.
+READING, START_RATE = 0.01, 0.01
 
 
 @dataclass(frozen=True)
@@ -55,42 +57,59 @@ class Forecast:
 class RecordAnswer:
     name: str  # Name of the record
     duration: float  # How long [s]
-    met: int  # Steps of the filter in which another ship passed
+    steps: int  # Steps of the filter
+    met: int  # In how many of them another ship passed
     zeros: dict[str, float]  # Constant errors and disturbances of the record, in SI; disturbances as accelerations
     information: dict[str, float]  # Share of what is known of each coefficient that is gone without the record [1]
+    moved: dict[str, float]  # How far the record moves each coefficient
     # Root mean square of what forecasts over 3.5 ship lengths miss of y [m], psi [rad] and r [rad/s]: by the model
     # before, and by one that learned from all other records
     missed: dict[str, tuple[float, float]]
     # Root mean square of what predictions of the whole record under its recorded rudder miss of the heading [rad], the
-    # start fitted: by the model ``before`` and ``after`` the other records; empty where gusts act
+    # start fitted: by the model ``before``, ``after`` the other records, and a nonlinear ``nomoto`` model of those;
+    # empty where gusts act
     whole: Mapping[str, float] = field(default_factory=dict)
     forecasts: tuple[Forecast, Forecast] | None = None  # By those two models, where they are kept to be drawn
     # (array, array) Times [s] and readings of x, y, psi and r, where forecasts are kept
     measured: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
 
-def record_answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool) -> RecordAnswer:
-    problem, prior, count, path = found.problem, found.problem.prior, found.problem.count, one.path
+def record_answers(found: SearchResult, grids: Iterable[RecordGrid]) -> tuple[RecordAnswer, ...]:
+    whole, scales = not found.problem.model.gusts and not found.interrupted, found.problem.scales
+    nomoto = nomoto_missed(grids, scales[0] / scales[3]) if whole and len(found.records) <= MOST_COMPARED else []
+    return tuple(
+        _answer(found, grid, one, number < MOST_DRAWN, nomoto[number] if nomoto else None)
+        for number, (grid, one) in enumerate(zip(grids, found.records, strict=False))
+    )
+
+
+def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool, nomoto: float | None) -> RecordAnswer:
+    problem, prior, count = found.problem, found.problem.prior, found.problem.count
     after = problem.covariance(found.information)
     without = problem.covariance(found.information - one.information)
-    gone = np.clip(1 - np.diag(after) / np.diag(without), 0.0, 1.0)[:count]
-    before_it = np.zeros(count)  # which is what is known without the only record, too
     moved = (without @ one.score)[:count] * prior.free
+    gone = np.clip(1 - np.diag(after) / np.diag(without), 0.0, 1.0)[:count]
+    path = one.path or RecordLikelihood(problem, grid).smoothed(found.unknowns, None, FIRST_PASSES)
+    assert path is not None
+    before_it = np.zeros(count)  # which is what is known without the only record, too
     without_it = found.scaled * prior.free - moved if len(found.records) > 1 else before_it
     model = problem.model_at(found.unknowns)
     both = forecast(problem, before_it, grid, path, model), forecast(problem, without_it, grid, path, model)
     before, later = (each.missed for each in both)
-    ends = {} if model.gusts else {"before": before_it, "after": without_it}
+    ends = {"before": before_it, "after": without_it}
+    heading = {name: whole_missed(problem, at, grid, path) for name, at in ends.items() if nomoto is not None}
     zeros = {
         process.name: float(path.processes[0, place]) for place, process in enumerate(model.processes)
         if np.isinf(process.memory) and not process.name.startswith(HELM)
     }  # fmt: skip
     read = {name: grid.readings[name] for name in ("x", *JUDGED) if drawn and name in grid.readings}
     return RecordAnswer(
-        grid.record.name, float(grid.times[-1] - grid.times[0]), int(grid.meetings.sum()), zeros,
-        dict(zip(prior.names, gone.tolist(), strict=True)), {name: (before[name], later[name]) for name in JUDGED},
-        {name: whole_missed(problem, at, grid, path) for name, at in ends.items()},
-        both if drawn else None, {name: (grid.times_of(own), own.values) for name, own in read.items()},
+        grid.record.name, float(grid.times[-1] - grid.times[0]), len(grid), int(grid.meetings.sum()), zeros,
+        dict(zip(prior.names, gone.tolist(), strict=True)),
+        dict(zip(prior.names, (moved * prior.scale).tolist(), strict=True)),
+        {name: (before[name], later[name]) for name in JUDGED},
+        heading if nomoto is None else heading | {"nomoto": nomoto}, both if drawn else None,
+        {name: (grid.times_of(own), own.values) for name, own in read.items()},
     )  # fmt: skip
 
 
@@ -151,6 +170,53 @@ def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path
     return float(READING * np.sqrt(np.mean(found.fun[:-4] ** 2)))
 
 
+def _nomoto_off(
+    start: np.ndarray, numbers: np.ndarray, step: float, rudder: list[float], heading: np.ndarray
+) -> np.ndarray:
+    """Return the headings missed, over READING, by ``rdot = a rudder + b + c r + d |r| r + e r^3`` (Euler)."""
+    # start (2,): heading and yaw rate off those recorded, in units of READING and START_RATE
+    a, b, c, d, e = numbers
+    few = min(10, len(heading) - 1)
+    psi, r = heading[0] + READING * start[0], (heading[few] - heading[0]) / few / step + START_RATE * start[1]
+    path = np.full(len(rudder), 1e3)
+    for place, angle in enumerate(rudder):
+        path[place] = psi
+        psi += step * r
+        r += step * (a * angle + b + (c + d * abs(r) + e * r * r) * r)
+        if not abs(r) < 1.0:
+            break
+    return np.asarray((path - heading) / READING)
+
+
+def nomoto_missed(grids: Iterable[RecordGrid], time: float) -> list[float]:
+    """Return the root mean square of headings missed by Nomoto models, each fitted to all other records [rad]."""
+    # time [s], of a ship length. The model of an only record is fitted to itself, and the start of each record too;
+    # without rudder or heading a record has NaN.
+    from scipy.optimize import least_squares
+
+    scale = np.array([1.0, 0.01, time, time**2, time**3]) / time**2
+    first = np.array([USUAL_TURN, 0.0, -1.0, 0.0, -4.0])
+
+    def residuals(unknowns: np.ndarray, records: Sequence[Any]) -> np.ndarray:
+        numbers, starts = unknowns[: len(first)] * scale, unknowns[len(first) :].reshape(-1, 2)
+        return np.concatenate([_nomoto_off(start, numbers, *own) for own, start in zip(records, starts, strict=True)])
+
+    known = [
+        (grid.step, grid.positions[RUDDER].tolist(), np.interp(grid.times, grid.times_of(read), read.values))
+        if (read := grid.readings.get("psi")) and RUDDER in grid.positions else None
+        for grid in grids
+    ]  # fmt: skip
+    steered, missed = [record for record in known if record], np.full(len(known), np.nan)
+    for place, record in enumerate(known):
+        if record is not None:
+            others = [other for other in steered if other is not record] or [record]
+            unknowns = np.append(first, np.zeros(2 * len(others)))
+            numbers = scale * least_squares(residuals, unknowns, args=(others,), max_nfev=40).x[: len(first)]
+            left = least_squares(_nomoto_off, np.zeros(2), args=(numbers, *record), max_nfev=40).fun
+            missed[place] = np.sqrt(np.mean(left**2)) * READING
+    return missed.tolist()
+
+
 IN_OPEN_WATER = "Learning in open water is tested against measured manoeuvres."  # Note for models without bank terms
 CONTRADICTION_PROBABILITY = 1e-3  # Probability below which log and prior contradict each other
 # Disturbances over prior gusts that gusts do not explain: of twins in gusts alone 5 % exceed 5, and of twins that
@@ -159,7 +225,7 @@ UNEXPLAINED_GUST_RATIO = 8.0
 HEADING_LEFT = np.radians(0.5)  # Residual noise of headings that exceeds the error of a compass [rad]
 MOVED_STDS = 3.0  # Prior standard deviations by which a named coefficient moved
 # What ``to_dict`` gives of each record.
-RECORD_FIELDS = ("name", "duration", "met", "zeros", "information", "whole")
+RECORD_FIELDS = ("name", "duration", "steps", "met", "zeros", "information", "moved", "whole")
 
 
 class Gusts(NamedTuple):
@@ -244,12 +310,14 @@ class LogFit(LearnedAnswer):
         far = [c.name for c in uncertain if abs(c.value - c.prior) > MOVED_STDS * c.prior_std]
         named = f", mainly in {', '.join(far)}" if far else ""
         left = self.noise["psi"].size if "psi" in self.noise else 0.0
-        strength = self.gusts.strength if self.gusts else 0.0
+        strength, whole = self.gusts.strength if self.gusts else 0.0, self.whole_missed
         doubts = {
             f"Log and prior contradict each other{named}: the sum of squares is {self.disagreement:.0f}, the expected "
             f"value {self.freedom}. Check the signs of rudder and yaw rate, and whether the log is from another ship "
             "or draft. Otherwise one of the stated errors is too small.": self.disagrees,
             "The search did not converge: do not rely on these numbers.": not self.settled,
+            "This model predicts the heading of left-out records less well than a nonlinear Nomoto model of the same "
+            "records. Do not rely on it for manoeuvres like these.": bool(whole) and whole["after"] > whole["nomoto"],
             f"The learned model misses the heading by {np.degrees(left):.1f} deg, more than the error of a compass. "
             "Its terms do not fit this log. Check whether the log is from another ship or draft.": left >= HEADING_LEFT,
             f"Disturbances are {strength:.0f} times as strong as the prior gusts. Other ships may have passed: mark "
@@ -272,8 +340,11 @@ class LogFit(LearnedAnswer):
         if len(self.records) < 2 or not np.isfinite([before, after]).all():
             return ""
         if self.whole_missed:
-            before, after = np.degrees(list(self.whole_missed.values()))
-            return f"Heading error over whole left-out records: {after:.2g} deg; {before:.2g} deg with the prior model."
+            before, after, nomoto = np.degrees(list(self.whole_missed.values()))
+            return (
+                f"Heading error over whole left-out records: {after:.2g} deg; {before:.2g} deg with the prior model, "
+                f"{nomoto:.2g} deg with a nonlinear Nomoto model."
+            )
         worse = " The log does not improve forecasts." * bool(after >= before)
         return (
             f"Heading error of forecasts over 3.5 ship lengths in left-out records: {after:.2g} deg; {before:.2g} deg "

@@ -1,10 +1,11 @@
 """A log as a problem: its records, what moves the ship, errors of sensors, what is known before."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from itertools import islice, pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -41,7 +42,7 @@ from narrows.logbook.learning.log_posterior import (
     with_spread,
     with_uncertain_asymmetry,
 )
-from narrows.logbook.read_log import read_log
+from narrows.logbook.reading.read_log import StreamedLog, read_log, stream_log
 from narrows.logbook.sensor_grades import GRADES, SensorGrade, SignalGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
 from narrows.model.model import Model
@@ -80,11 +81,14 @@ BASIN = SensorGrade(
         RUDDER: SignalGrade(1e-9, zero=0.1 * DEGREE),
     },
 )
+LOOKED_AT = 50  # Records by which it is seen what a log holds
 # Share of readings that differ from the one before, above which rounding leaves a white error [1].
 SELDOM_REPEATED = 0.5
 LONGEST = 6 * 3600.0  # Longest record taken as one [s]: constant errors do not stay constant for ever
 LEGS = 60  # Number of straight legs of a way
 OTHER_DRAFT = 0.02  # Share of a draft, by which a record may differ
+# Values of a log that are kept laid out; of a longer one each record is laid out when its turn comes.
+HELD_VALUES = 20_000_000
 
 
 # A pilot: noise of the rudder from step to step [rad], its trim [rad], and what an aim that wanders adds [rad]; the aim
@@ -114,7 +118,7 @@ class LogAssumptions:
     gusts: bool  # Whether pushes with a memory act
     surge: str  # Whether the speed is integrated
     pilot: bool  # Whether the rudder follows what a pilot sees
-    signals: set[str]  # Signals of the records
+    signals: set[str]  # Signals of the first records
     rounding: Mapping[str, tuple[float, float]]  # Standard deviation and memory [s] of the rounding error of signals
     length: float  # Length of the ship [m]
     u: float  # Usual speed [m/s]
@@ -191,14 +195,43 @@ class LogAssumptions:
         return [one for one in found if one.std > 0]
 
 
-class LogSetup(NamedTuple):
-    """Unknowns with their prior, and the records of the problem, laid out on even times."""
+@dataclass(frozen=True)
+class LogSetup:
+    """Unknowns, and the records of the problem, laid out on even times."""
 
-    problem: LogProblem
-    log: ShipLog
+    problem: LogProblem  # With the prior
+    log: Iterable[ShipRecord]  # That can be gone through again and again
     assumptions: LogAssumptions
-    grids: list[RecordGrid]
-    left_out: tuple[str, ...]  # Why records could not be laid out
+
+    left_out: dict[str, None] = field(default_factory=dict)  # Records that could not be laid out so far, and why
+
+    def __iter__(self) -> Iterator[RecordGrid]:
+        yield from self._held if self._held is not None else self._laid_out()
+
+    @cached_property
+    def _held(self) -> tuple[RecordGrid, ...] | None:
+        if not isinstance(self.log, ShipLog) or sum(self.log.counts.values()) > HELD_VALUES:
+            return None
+        return tuple(self._laid_out())
+
+    def _laid_out(self) -> Iterator[RecordGrid]:
+        for record in self.log:
+            for part in parts(record):
+                try:
+                    yield self._grid(part)
+                except InputError as error:
+                    self.left_out[f"{error}."] = None
+
+    def _grid(self, record: ShipRecord) -> RecordGrid:
+        usual, ship = self.problem.motion.positions, self.problem.prior.model.configuration.ship
+        if RUDDER in usual and not (RUDDER in record and len(record[RUDDER])):
+            raise InputError(f"record {record.name} has no rudder angle: bank and helm cannot be separated; record it")
+        if abs(record.condition.get("draft", ship.draft) / ship.draft - 1) > OTHER_DRAFT:
+            raise InputError(
+                f"record {record.name} is of a draft of {record.condition['draft']:.3g} m, the model of "
+                f"{ship.draft:.3g} m: leave it out, or give a model of that draft"
+            )
+        return grid_of(record, self.assumptions.step(speed_of(record)), usual, self.assumptions.pilot)
 
 
 def log_problem(
@@ -221,49 +254,35 @@ def log_problem(
         learnable(model, tuple(free))
     prior = coefficient_prior(model, surge, free)
     options = {"contact": "midship" if model.terms.has_bank else "none", "u": u, **choices}
-    if water := waterway or records.waterway:
+    if water := waterway or getattr(records, "waterway", None):
         check_along_only(water, "learning")
         options |= {"waterway": water, "x": water.line.length / 2}
     motion = RecordedMotion(model, _positions(model, assumptions), (), options)
-    problem = assumptions.problem(motion, prior, push_inertia(prior, u, choices.get("surge_inertia")))
-    grids, left_out = list[RecordGrid](), dict[str, None]()
-    for record in records:
-        for part in parts(record):
-            try:
-                grids.append(_grid(part, motion.positions, model.configuration.ship.draft, assumptions))
-            except InputError as error:
-                left_out[f"{error}."] = None
-    return LogSetup(problem, records, assumptions, grids, tuple(left_out))
+    inertia = push_inertia(prior, u, choices.get("surge_inertia"))
+    return LogSetup(assumptions.problem(motion, prior, inertia), records, assumptions)
 
 
-def _grid(record: ShipRecord, usual: Mapping[str, float], draft: float, assumed: LogAssumptions) -> RecordGrid:
-    if RUDDER in usual and not (RUDDER in record and len(record[RUDDER])):
-        raise InputError(f"record {record.name} has no rudder angle: bank and helm cannot be separated; record it")
-    if abs(record.condition.get("draft", draft) / draft - 1) > OTHER_DRAFT:
-        raise InputError(
-            f"record {record.name} is of a draft of {record.condition['draft']:.3g} m, the model of "
-            f"{draft:.3g} m: leave it out, or give a model of that draft"
-        )
-    return grid_of(record, assumed.step(speed_of(record)), usual, assumed.pilot)
-
-
-def log_records(log: Any, waterway: "Waterway | None") -> ShipLog:
-    """Return the records of a log, a path, a table, a voyage, or records."""
-    log = (log,) if isinstance(log, ShipRecord) else log
-    if isinstance(log, ShipLog):
+def log_records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:
+    """Return the records of a log, a path, a table, a voyage, or of what has records."""
+    if isinstance(log, ShipLog | StreamedLog):
         return log
-    if isinstance(log, list | tuple) and all(isinstance(record, ShipRecord) for record in log):
+    if isinstance(log, str | Path):
+        return stream_log(log, waterway)
+    log = (log,) if isinstance(log, ShipRecord) else log
+    if isinstance(log, Sequence) and all(isinstance(record, ShipRecord) for record in log):
         return ShipLog(tuple(log), waterway)
     table = log.to_dataframe().reset_index() if hasattr(log, "to_dataframe") else log
-    if isinstance(table, str | Path) or hasattr(table, "columns"):
+    if hasattr(table, "columns"):
         return read_log(table, waterway)
+    if isinstance(log, Iterable) and not hasattr(log, "__next__"):
+        return log
     raise InputError(f"a {type(log).__name__} is no log: give one that `read_log` made, records, a table, or a path")
 
 
-def _looked_at(log: ShipLog) -> tuple[set[str], dict[str, tuple[float, float]], float]:
-    """Signals of the records, the errors of those that are rounded coarsely, and the usual speed."""
+def _looked_at(records: Iterable[ShipRecord]) -> tuple[set[str], dict[str, tuple[float, float]], float]:
+    """Signals of the first records, the errors of those that are rounded coarsely, and the usual speed."""
     signals, rounding, speeds = set[str](), dict[str, tuple[float, float]](), list[float]()
-    for record in log:
+    for record in islice(records, LOOKED_AT):
         signals |= {name for name in record if len(record[name])}
         for name in record:
             rounding[name] = max(rounding.get(name, (0.0, 1.0)), _rounding(record[name]))

@@ -277,7 +277,7 @@ def expected_information(setup: LogSetup, gusts: np.ndarray, memory: float) -> n
             unknowns[place] = np.log(memory / usual[SWAY].memory)
         elif of == "correlation":
             unknowns[place] = np.arctanh(np.clip(gusts[0, 1] / max(std.prod(), np.finfo(float).tiny), -0.99, 0.99))
-    found = scored(problem, setup.grids, unknowns, [None] * len(setup.grids), FIRST_PASSES)
+    found = scored(problem, setup, unknowns, [], FIRST_PASSES)
     if found is None:
         raise InputError(TOO_COARSE)
     return found.information

@@ -1,29 +1,38 @@
-"""A ship's own log into records in SI and the package's axes: tables, text, Parquet, NMEA 0183."""
+"""Rows of a log to signals: columns with names, units and signs; from the map to the waterway."""
 
-import os
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from narrows.aliases import accept_aliases
-from narrows.errors import InputError, check_count, did_you_mean, shown
-from narrows.logbook.settings import HEADING_GAP, PIECE_ROWS, RECORD_GAP
-from narrows.logbook.ship_log import SIGNALS, TURNING, ShipLog, ShipRecord, Signal
+from narrows.errors import InputError, did_you_mean, shown
+from narrows.logbook.settings import HEADING_GAP
+from narrows.logbook.ship_log import SIGNALS, TURNING, ShipRecord, Signal
 from narrows.quantities.names import KNOT, Quantity
-from narrows.readers.cells import as_sheet, check_once, labels, name_of, numbers, row_number
-from narrows.readers.frames import Sheet, read_frame
-from narrows.readers.headers import DEGREE, SUFFIXES, Vocabulary, recognised_in
+from narrows.readers.headers import DEGREE, SUFFIXES, Vocabulary
 from narrows.readers.mapping import ColumnMapping
-from narrows.readers.nmea.nmea_recording import NmeaTable, is_nmea
 from narrows.ship.checks import is_finite
 from narrows.ship.ship_file import load_toml
-from narrows.waterway import Waterway, read_waterway
+from narrows.waterway import Waterway
 from narrows.waterway.map_lines import projected
+
+
+class LogMapping(NamedTuple):
+    columns: ColumnMapping = ColumnMapping()  # Names, units and signs
+    late: Mapping[str, float] = {}  # Lateness by column [s]
+    antenna: tuple[float, float] = (0.0, 0.0)  # Place of the antenna: forward and to starboard of midship [m]
+    condition: Mapping[str, float] = {}  # Loading, as in ``{"draft": 10.2}``
+
+
+class RawRecord(NamedTuple):
+    name: str  # Name of the record
+    t: np.ndarray  # (rows,) Time, as it came [s]
+    columns: dict[str, np.ndarray]  # (rows,) In SI; NaN where nothing was measured
+
 
 # Signals on the map, converted to the axes of the waterway or of the record.
 ON_EARTH = {
@@ -47,167 +56,69 @@ QUANTITIES = {"t": Quantity("s", "time"), **SIGNALS, **ON_EARTH, **IN_FIXED_AXES
 # Columns of words: the manoeuvre or transit; date and time where there is no ``t``.
 LABELS = ("record", "time")
 VOCABULARY = Vocabulary(QUANTITIES, LABELS, blanks=True)
+
 # Usual names of columns in logs, in any case of letters, a blank for an underscore; units stand in the header as ever.
 ALIASES = {
-    "test": "record", "run": "record", "timestamp": "time", "datetime": "time", "utc": "time", "lat": "latitude",
-    "lon": "longitude", "lng": "longitude", "hdg": "heading", "hdt": "heading", "sog": "speed_over_ground",
-    "cog": "course_over_ground", "rot": "r", "rate_of_turn": "r", "stw": "u", "rudder_angle": "rudder",
+    "test": "record", "run": "record", "timestamp": "time", "datetime": "time", "utc": "time", "basedatetime": "time",
+    "base_date_time": "time", "lat": "latitude", "lon": "longitude", "lng": "longitude", "hdg": "heading",
+    "hdt": "heading", "sog": "speed_over_ground", "cog": "course_over_ground", "rot": "r", "rate_of_turn": "r",
+    "stw": "u", "rudder_angle": "rudder",
     **{name: name for name in (*QUANTITIES, *LABELS) if len(name) > 1},
 }  # fmt: skip
-HEADER = re.compile(r"([A-Za-z][A-Za-z_ ]*?)\s*(\s*[\[(].*[\])]|_(?:" + "|".join(SUFFIXES) + "))?")
+# Columns of AIS archives and their units by ITU-R M.1371, which the headers do not state: those of the Danish Maritime
+# Authority (Timestamp, MMSI, Latitude, ...) and of NOAA's MarineCadastre (MMSI, BaseDateTime, LAT, ...).
+ARCHIVE_UNITS = {"speed_over_ground": "kn", "course_over_ground": "deg", "heading": "deg"}
+SHIP = "mmsi"
+UNDOCUMENTED = "r"  # The archives do not document the form of their rate of turn
+
 # Codes of AIS for missing values (ITU-R M.1371), as sent and in SI.
 ABSENT = {
     "longitude": (181.0,), "latitude": (91.0,), "heading": (511.0, 511.0 * DEGREE),
     "course_over_ground": (360.0, 360.0 * DEGREE), "speed_over_ground": (102.3, 102.3 * KNOT),
     "r": (-128.0, -128.0 * DEGREE / 60),
 }  # fmt: skip
-EARTH = {"latitude": 90.0, "longitude": 360.0}  # Degrees that a place on earth has at most
 
 
-@accept_aliases
-def read_log(
-    log: Any, waterway: Waterway | str | Path | None = None,
-    mapping: str | Path | Mapping[str, Any] | None = None, units: Mapping[str, str] | None = None, *,
-    gap: float = RECORD_GAP, mmsi: int | None = None,
-) -> ShipLog:  # fmt: skip
-    """Read a ship's own records, in SI and the package's axes.
+def one_ship(frame: pd.DataFrame, mmsi: int | None, table: str) -> tuple[pd.DataFrame, int | None] | None:
+    """Return the rows of one ship of an AIS archive, with the units of AIS in the headers, and its number.
 
-    Columns are those of ``SIGNALS``, SI and radians unless a header carries a unit, and those of docs/ship-log.md:
-    longitude and latitude, heading and course from north, velocities in fixed axes. Empty cells are times at which that
-    was not measured.
-
-    Parameters
-    ----------
-    log : str, Path, DataFrame, Dataset, or a sequence of them
-        CSV and text in any dialect, Parquet, Excel, a recording of NMEA 0183, or a table.
-    waterway : Waterway, str or Path, optional
-        Line of the positions; a plane where there is none.
-    mapping : str, Path or mapping, optional
-        The ship's own names, units and signs, what is late [s], where the antenna stands [m] and the loading: a TOML
-        file with ``[columns]``, ``[units]``, ``[positive]``, ``[late]``, ``[antenna]`` and ``[condition]``, or these
-        as in ``{"antenna": {"forward": -70.0}, "condition": {"draft": 10.2}}``.
-    units : mapping of str to str, optional
-        Units of columns without one in the header.
-    gap, mmsi : float [s], int, optional
-        A time without a row after which another record begins, where no column ``record`` names them; whose AIS reports
-        to read of a recording, by default what the ship reports of itself.
-
-    Raises
-    ------
-    InputError
-        In one sentence with file, row, column and remedy.
+    None where the table has not the headers of an archive: ships by number, and their time without a unit.
     """
-    parts = log if isinstance(log, list | tuple) else [log]
-    if not parts:
-        raise InputError("there is no log to read; give one or more")
-    if not gap > 0:
-        raise InputError(f"gap = {gap} s is no time without a row; give one over 0")
-    if mmsi is not None:
-        check_count("mmsi", mmsi, 1, 999_999_999)
-    water = read_waterway(waterway) if isinstance(waterway, str | Path) else waterway
-    named, notes, records = log_mapping(mapping, units), dict[str, None](), dict[str, ShipRecord]()
-    for part in parts:
-        path = Path(part) if isinstance(part, str | os.PathLike) else None
-        table = name_of(part) if path is None else str(path)
-        sheet = _sheet(part if path is None else path, mmsi, table)
-        rows, remarks = _rows(sheet.frame, named.columns, table)
-        found = []
-        for name, own in _split(rows, gap, "record" if path is None else path.stem, table):
-            record = Placing(name, own.pop("t").to_numpy(), own, named, water, table).record()
-            found += [record] * bool(record.signals)
-        if not found:
-            raise InputError(f"{table}: has no signal of a ship; give a log with at least one row and one signal")
-        for record in found:
-            name = f"{Path(table).stem} {record.name}" if record.name in records else record.name
-            records[name] = replace(record, name=name)
-        cut = f"cut into {len(found)} records where nothing came for {gap:g} s; gap= sets another time"
-        moved = "positions are brought from the antenna to midship, where the heading is known"
-        remarks += [cut] * (len(found) > 1 and "record" not in rows) + [moved] * any(named.antenna)
-        notes |= dict.fromkeys([*sheet.notes, *remarks])
-    return ShipLog(tuple(records.values()), water, tuple(notes))
+    plain = {str(header): _plain(str(header)) for header in frame.columns}
+    number = next((header for header, name in plain.items() if name == SHIP), None)
+    if number is None or not any(ALIASES.get(name) == "time" for name in plain.values()):
+        return None
+    ships = pd.to_numeric(frame[number], errors="coerce")
+    if mmsi is None and ships.nunique() > 1:
+        raise InputError(f"{table}: holds several ships; name one by its number, as mmsi={int(ships.iloc[0])}")
+    mmsi = int(ships.iloc[0]) if mmsi is None and ships.notna().any() else mmsi
+    kept = {header: ARCHIVE_UNITS.get(ALIASES.get(name, "")) for header, name in plain.items()
+            if ALIASES.get(name) != UNDOCUMENTED}  # fmt: skip
+    units = {header: f"{header} [{unit}]" for header, unit in kept.items() if unit}
+    return frame.loc[ships == mmsi, list(kept)].rename(columns=units), mmsi
 
 
-def _sheet(part: Any, mmsi: int | None, table: str) -> Sheet:
-    if isinstance(part, Path) and not part.is_file():
-        raise InputError(f"{table}: there is no such file; check the path")
-    if isinstance(part, Path) and is_nmea(part):
-        recording = NmeaTable(part, mmsi)
-        return Sheet(pd.concat(list(recording.frames(PIECE_ROWS))), recording.notes())
-    if mmsi is not None:
-        raise InputError(f"{table}: mmsi = {mmsi} needs AIS reports, and this table has none; leave it out")
-    return read_frame(part) if isinstance(part, Path) else as_sheet(part)
-
-
-def _rows(raw: pd.DataFrame, mapping: ColumnMapping, table: str) -> tuple[pd.DataFrame, list[str]]:
-    """Return a table in SI with notes: t, record if it has one, and signals with NaN where nothing was measured."""
-    frame, mapped = mapping.applied(_renamed(raw, mapping), table, VOCABULARY)
-    recognised, notes = recognised_in(frame, QUANTITIES, table), list(mapped)
-    check_once(recognised, [str(header) for header in frame.columns], QUANTITIES, table)
-    columns = {
-        column.quantity: numbers(frame, column.header, table, column.quantity != "t") * column.scale
-        for column in recognised
-    }
-    if "t" not in columns:
-        columns["t"], begin = _clock(frame, table)
-        notes.append(f"t counts from {begin}")
-    if len(columns) == 1:
-        raise InputError(f"{table}: has times and nothing else; head its columns as in docs/ship-log.md")
-    for name, column in columns.items():
-        none = np.isin(column, ABSENT.get(name, ()))
-        if (beyond := (np.abs(column) > EARTH.get(name, np.inf)) & ~none).any():
-            row, value = row_number(frame, beyond), column[int(np.argmax(beyond))]
-            raise InputError(f"{table}: row {row}, {name} {value:g} is not on earth; give it in degrees, WGS84")
-        if none.any():
-            notes.append(f"{int(none.sum())} of {name} stand for none and were left out")
-            columns[name] = np.where(none, np.nan, column)
-    named = {"record": labels(frame, "record", table)} if "record" in frame else {}
-    return pd.DataFrame({**named, **columns}), notes
-
-
-def _renamed(frame: pd.DataFrame, mapping: ColumnMapping) -> pd.DataFrame:
+def renamed(frame: pd.DataFrame, mapped: Iterable[str] = ()) -> pd.DataFrame:
     """Return a table with the documented names, but for headers that a mapping reads."""
-    headers, kept = [str(header) for header in frame.columns], set(mapping.columns.values())
-    new = {}
-    for header in headers:
-        match = HEADER.fullmatch(header.strip())
-        name = ALIASES.get(match[1].strip().replace(" ", "_").lower()) if match else None
-        if match and name and not {header, match[1]} & kept and (name := name + (match[2] or "")) not in headers:
-            new[header] = name
-    return frame.rename(columns=new)
+    headers, kept = [str(header) for header in frame.columns], set(mapped)
+    new = {old: name for old in headers if old not in kept and _bare(old) not in kept and (name := _documented(old))}
+    return frame.rename(columns={old: name for old, name in new.items() if name not in headers})
 
 
-def _clock(frame: pd.DataFrame, table: str) -> tuple[np.ndarray, str]:
-    """Return the seconds since the first time of a column of dates and times, and that time."""
-    if "time" not in frame:
-        raise InputError(f"{table}: no column has the time; head one 't [s]', or 'time' for dates and times")
-    dated = frame["time"] if frame["time"].dtype.kind == "M" else frame["time"].astype(str)
-    times = pd.to_datetime(dated, utc=True, errors="coerce", format="ISO8601")
-    if times.isna().any():
-        row = row_number(frame, times.isna().to_numpy())
-        raise InputError(f"{table}: row {row}, column 'time' is no date and time; write 2026-05-01T10:00:00Z")
-    return (times - times.min()).dt.total_seconds().to_numpy(float), times.min().isoformat() if len(times) else ""
+def _documented(header: str) -> str | None:
+    match = re.fullmatch(
+        r"([#A-Za-z][A-Za-z_ ]*?)\s*(\s*[\[(].*[\])]|_(?:" + "|".join(SUFFIXES) + "))?", header.strip()
+    )
+    name = ALIASES.get(_plain(match[1])) if match else None
+    return None if match is None or name is None else name + (match[2] or "")
 
 
-def _split(rows: pd.DataFrame, gap: float, stem: str, table: str) -> list[tuple[str, pd.DataFrame]]:
-    """Return the rows of each record with its name: by the column ``record``, or cut at gaps."""
-    if "record" in rows:
-        begins = rows["record"] != rows["record"].shift()
-        if (twice := rows["record"][begins].duplicated()).any():
-            record = rows["record"][begins][twice].iloc[0]
-            raise InputError(f"{table}: the rows of record {record} do not stand together; sort it by record")
-    else:
-        begins = rows["t"].diff() > gap
-    parts = [part for _, part in rows.groupby(np.cumsum(begins))]
-    firsts = [str(part.iloc[0].get("record", stem)) or stem for part in parts]
-    names = [f"{name} {place + 1}" if name in firsts[:place] else name for place, name in enumerate(firsts)]
-    return [(name, part.drop(columns="record", errors="ignore")) for name, part in zip(names, parts, strict=True)]
+def _plain(header: str) -> str:
+    return re.sub(r"\s+", "_", header.strip().removeprefix("#").strip()).lower()
 
 
-class LogMapping(NamedTuple):
-    columns: ColumnMapping = ColumnMapping()  # Names, units and signs
-    late: Mapping[str, float] = {}  # Lateness by column [s]
-    antenna: tuple[float, float] = (0.0, 0.0)  # Place of the antenna: forward and to starboard of midship [m]
-    condition: Mapping[str, float] = {}  # Loading, as in ``{"draft": 10.2}``
+def _bare(header: str) -> str:
+    return re.sub(r"\s*[\[(].*[\])]$", "", header)
 
 
 OF_COLUMNS = ("columns", "units", "positive")
@@ -245,11 +156,9 @@ Fixes = tuple[np.ndarray, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Placing:
-    """The signals of a record in the package's axes."""
+    """The signals of a raw record in the package's axes."""
 
-    name: str
-    t: np.ndarray  # (rows,) Time, as it came [s]
-    columns: pd.DataFrame  # In SI; NaN where nothing was measured
+    raw: RawRecord
     mapping: LogMapping  # Lateness, antenna, loading
     waterway: Waterway | None  # Line of the positions; a plane where there is none
     table: str  # The file, for sentences
@@ -268,18 +177,18 @@ class Placing:
             self._turn()
         self._add_velocities()
         ordered = {name: signals[name] for name in SIGNALS if name in signals}
-        return ShipRecord(self.name, ordered, (0.0, 0.0) if moved else antenna, self.mapping.condition)
+        return ShipRecord(self.raw.name, ordered, (0.0, 0.0) if moved else antenna, self.mapping.condition)
 
     def _together(self, *names: str) -> tuple[np.ndarray, ...] | None:
         """Return times and columns where all of some were measured at once; None where one never was."""
         # Directions are without jumps; values of one time, which is rounded then, are one by their mean.
-        if not set(names) <= set(self.columns):
+        if not set(names) <= self.raw.columns.keys():
             return None
-        columns = [self.columns[name].to_numpy() for name in names]
+        columns = [self.raw.columns[name] for name in names]
         known = np.isfinite(columns).all(axis=0)
         if not known.any():
             return None
-        t = self.t[known] - self.mapping.late.get(names[0], 0.0)
+        t = self.raw.t[known] - self.mapping.late.get(names[0], 0.0)
         columns = [column[known] for column in columns]
         return _once(t, [np.unwrap(own) if name in JUMPING else own for name, own in zip(names, columns, strict=True)])
 
@@ -323,7 +232,7 @@ class Placing:
     def _turn(self) -> None:
         """Directions from the axis, of those from north."""
         for name, by_map in BY_MAP.items():
-            if name not in self.columns and (signal := self._signal(by_map)):
+            if name not in self.raw.columns and (signal := self._signal(by_map)):
                 self.signals[name] = _smoothly(name, Signal(signal.t, signal.values - self._axis(signal.t)))
 
     def _at_midship(self, fixes: Fixes) -> Fixes:
