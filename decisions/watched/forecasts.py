@@ -4,11 +4,11 @@ import numpy as np
 
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.unscented import Gaussian
+from narrows.ship.particulars import half_swept
 from narrows.warning.forecasting.forecaster import (
     AFTER,
     ESCAPE_TIME,
     TAKEOVERS,
-    BridgePredictor,
     Forecaster,
     wrong_order_chance,
 )
@@ -19,6 +19,8 @@ from watched.truths import LENGTH, NARROWS, bend_at, modelled
 AT_ONCE, SCOUTS = 8, 16
 """Ships that are looked at closely in one call; samples that are sailed first: where none of them meets a bank in any
 way, the chances are taken for 0, and the others stay at home."""
+TRACK_STEP = 2.0
+"""Between points of a track without a model [s]."""
 COLUMNS = (
     "room", "curve", "contact", "likely_chance", "last_chance", "nobody", "as_is", "failing",
     "unattended", "helmsman", "escapes", "wrong_order",
@@ -88,6 +90,12 @@ def batches(ships: np.ndarray) -> list[np.ndarray]:
 def bridges_today(mean: np.ndarray, across: np.ndarray) -> dict[str, np.ndarray]:
     """Distance to the bank; time to contact on a track curved by the rate of turn."""
     x, y, psi, u, v, r = mean[:, :6].T
-    half = np.interp(x, *np.array(NARROWS).T)
-    beside = BridgePredictor(modelled().configuration.ship, half[:, None], y, psi, u, v + across, r, bend_at(x))
-    return {"room": beside._replace(half_width=half).now, "curve": beside.curved_contact(AFTER)}
+    half, hull = np.interp(x, *np.array(NARROWS).T), modelled().configuration.ship
+    t = np.arange(0.0, AFTER + TRACK_STEP / 2, TRACK_STEP)
+    turned = psi[:, None] + (r - bend_at(x) * u)[:, None] * t
+    speed = u[:, None] * np.sin(turned) + (v + across)[:, None] * np.cos(turned)
+    gone = np.cumsum((speed[:, 1:] + speed[:, :-1]) / 2 * TRACK_STEP, axis=1)
+    offset = y[:, None] + np.concatenate([np.zeros((len(y), 1)), gone], axis=1)
+    met = half[:, None] - np.abs(offset) - half_swept(hull, turned) <= 0.0
+    curve = np.where(met.any(axis=1), t[met.argmax(axis=1)], np.inf)
+    return {"room": half - np.abs(y) - half_swept(hull, psi), "curve": curve}

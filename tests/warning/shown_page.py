@@ -45,7 +45,7 @@ def forecast(
     likely = LikelyRun(contact, side, last_chance)
     chances = (0.0, 1.0, unattended, 0.3) if math.isfinite(contact) else (0.0, 0.0, unattended, 0.0)
     return BankForecast(
-        0.0, likely, last_chance, *chances, wrong_order, escape, contact, 0.1, -0.3, math.radians(35), tracks()
+        0.0, likely, last_chance, *chances, wrong_order, escape, 0.1, -0.3, math.radians(35), tracks()
     )  # fmt: skip
 
 

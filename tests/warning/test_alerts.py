@@ -189,7 +189,7 @@ def test_the_most_urgent_comes_first_and_what_is_over_last() -> None:
 
 def forecast(left: float = math.inf, gone: bool = False) -> BankForecast:
     escape, likely = Escape("then steady", -0.6, 0.6, 20.0), LikelyRun(50.0, "port", -1.0 if gone else 10.0)
-    return BankForecast(0.0, likely, left, 0.0, 1.0, 1.0, 0.0, 50.0, escape, 50.0, 0.0, 0.1, 0.6)
+    return BankForecast(0.0, likely, left, 0.0, 1.0, 1.0, 0.0, 50.0, escape, 0.0, 0.1, 0.6)
 
 
 USUAL = Thresholds()

@@ -130,7 +130,6 @@ def test_a_ship_that_heads_into_a_current_across_stays_on_its_line() -> None:
     assert now["current_across"] == pytest.approx(across, abs=2 * now.std["current_across"])
     assert not now.faults
     assert abs(forecaster().order(now.values)) < 0.05
-    assert forecaster().curved(now.values) == math.inf
     assert told.last_chance == math.inf
     assert np.abs(told.tracks.escape[:, 1]).max() < 5.0
 

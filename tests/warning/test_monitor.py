@@ -2,9 +2,7 @@
 
 import gc
 import socket
-import time
 import tracemalloc
-from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
 
@@ -14,7 +12,6 @@ from transit import canal, ship
 from watch import BEGAN, calm, monitor, monitored, ticks
 
 import narrows as nw
-from narrows.cli.watching import with_keys
 from narrows.readers.nmea.nmea_sentences import with_checksum
 from narrows.warning.alerts.alert import BANKS, NO_FORECAST, AlertState, Priority
 from narrows.warning.alerts.alert_log import AlertLog, logged
@@ -61,24 +58,6 @@ def test_memory_does_not_grow() -> None:
             sizes.append(tracemalloc.get_traced_memory()[0])
     tracemalloc.stop()
     assert np.diff(sizes).min() / 20 * 3600 < 1e6
-
-
-def test_keys_acknowledge_and_silence() -> None:
-    one = monitor()
-    monitored(ticks(18, y=95.0, psi=0.25, rudder=0.5), one)
-    still, asked = Tick(BEGAN + 18, (), {}), []
-    typed = iter([["s"], ["x", "a"]])
-    for state in (AlertState.SILENCED, AlertState.ACKNOWLEDGED):
-        told = with_keys(_slowly(still), one, next(typed))
-        asked = [tick for tick in told if tick.commands][:1]
-        one.update(asked[0], BEGAN + 18)
-        assert one.desk[BANK].state is state
-
-
-def _slowly(tick: Tick) -> Iterator[Tick]:
-    for _ in range(20):
-        time.sleep(0.02)
-        yield tick
 
 
 def test_outside_of_the_data_is_a_standing_note_and_no_alert() -> None:

@@ -5,21 +5,21 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from transit import ship
+from transit import canal, ship
 
 from narrows.warning.alerts.alert import BankLevel, Priority, Thresholds
 from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun
-from narrows.warning.forecasting.forecaster import BridgePredictor
 from narrows.warning.monitoring.bridge_status import clearances
-from narrows.warning.transit_scores import PREDICTORS, ScoredTransit, TransitScorer, alert_spells, score_transits
+from narrows.warning.monitoring.watched_transit import WatchedTransit
+from narrows.warning.transit_scores import alert_spells, score_transits
 
 HALF, SPEED = 150.0, 4.5
 STILL = dict.fromkeys(("x", "y", "psi", "u", "v", "r"), 0.0)
 
 
-def told(left: float, curved: float = math.inf) -> BankForecast:
+def told(left: float) -> BankForecast:
     escape, likely = Escape("then steady", -0.6, 0.6, 20.0), LikelyRun(math.inf, "", left)
-    return BankForecast(0.0, likely, left, 0.0, 1.0, 1.0, 0.0, 50.0, escape, curved, 0.0, 0.0, 0.6)
+    return BankForecast(0.0, likely, left, 0.0, 1.0, 1.0, 0.0, 50.0, escape, 0.0, 0.0, 0.6)
 
 
 @pytest.mark.parametrize("every", [1.0, 2.0])
@@ -33,66 +33,37 @@ def test_an_alert_stands_where_the_level_says_it(every: float) -> None:
     assert stands == said
 
 
-def beside(y: float, psi: float, r: float = 0.0, v: float = 0.0, bend: float = 0.0) -> BridgePredictor:
-    columns = (np.array([number]) for number in (y, psi, SPEED, v, r))
-    return BridgePredictor(ship().configuration.ship, HALF, *columns, bend)
-
-
-def test_straight_on_is_a_straight_line() -> None:
-    one = beside(40.0, 0.2)
-    way = float(one.now[0])
-    assert one.curved_contact(120.0)[0] == pytest.approx(way / (SPEED * math.sin(0.2)), abs=2.0)
-    assert beside(0.0, 0.0).curved_contact(120.0)[0] == math.inf
-    away = beside(40.0, 0.0, bend=1 / 2000.0)  # A bend to starboard leaves a straight track to port.
-    assert away.curved_contact(240.0)[0] == pytest.approx(math.sqrt(2 * 150.0 * 2000.0) / SPEED, rel=0.2)
-
-
-def test_the_curved_track_is_a_circle() -> None:
-    r = 0.004
-    one = beside(0.0, 0.0, r=r)
-    t = float(one.curved_contact(240.0)[0])
-    y = SPEED / r * (1 - math.cos(r * t))
-    assert float(one.clearance(np.array([y]), np.array([r * t]))[0]) == pytest.approx(0.0, abs=3.0)
-    assert beside(0.0, 0.0, r=SPEED / 2000.0, bend=1 / 2000.0).curved_contact(120.0)[0] == math.inf
-
-
-def transit(name: str, urgent: list[tuple[int, int]], clearance: float) -> ScoredTransit:
-    """400 s with an urgency of 1 in some of them for all predictors, a clearance that falls at 360 s, a last chance."""
+def transit(left: dict[tuple[int, int], float], clearance: dict[tuple[int, int], float]) -> WatchedTransit:
+    """400 s: 50 m of water and no last chance but for these seconds; nobody acts."""
     t = np.arange(400.0)
-    urgencies = np.zeros((400, len(PREDICTORS)))
-    for start, end in urgent:
-        urgencies[start:end] = 1.0
-    return ScoredTransit(name, t, urgencies, np.where(t >= 360.0, clearance, 50.0), 350.0 - t)
+    columns = {"t": t, "clearance": np.full(400, 50.0), "last_chance": np.full(400, math.inf), "nobody": np.ones(400)}
+    for name, changes in (("last_chance", left), ("clearance", clearance)):
+        for (start, end), value in changes.items():
+            columns[name][start:end] = value
+    return WatchedTransit(ship().configuration.ship, canal(), columns, (), {})
 
 
 def test_scores_are_those_counted_by_hand() -> None:
-    """An alert stands after 2 s; so 18 s before the last chance goes, or 8 s, which is less than the 10 s needed."""
-    silent = ScoredTransit(
-        "silent", np.arange(3.0), np.full((3, len(PREDICTORS)), math.nan), np.full(3, 50.0), np.ones(3)
+    """An alert stands after 2 s: 18 s before the last chance goes, or 8 s, which is less than the 10 s needed."""
+    early, late = (
+        {(start, 400): (left - np.arange(400.0 - start)).clip(min=0.0)} for start, left in ((330, 20.0), (340, 10.0))
     )
-    scores = score_transits([
-        transit("early", [(330, 400)], 4.9), transit("late", [(340, 400)], 4.9), transit("long before", [(5, 20)], 4.9),
-        transit("in vain", [(5, 20), (100, 120)], 20.1), transit("spike", [(5, 7)], 30.0), silent,
-    ])  # fmt: skip
+    near = {(352, 360): 10.0, (360, 400): 4.9}
+    silent = transit({}, {})
+    silent.columns["nobody"][:] = silent.columns["last_chance"][:] = math.nan
+    scores = score_transits({
+        "early": transit(early, near), "late": transit(late, near), "long before": transit({(5, 20): 20.0}, near),
+        "in vain": transit({(5, 20): 20.0, (100, 120): 80.0}, {(200, 220): 15.0}), "spike": transit({(5, 7): 1.0}, {}),
+        "silent": silent,
+    })  # fmt: skip
     assert (scores.contacts, scores.clear, scores.unknown) == (3, 2, ("silent",))
     assert scores.hours == pytest.approx((3 * 360 + 2 * 399) / 3600)
-    assert scores.left == {name: (left,) * 5 for name, left in (("early", 18.0), ("late", 8.0), ("long before", 0.0))}
-    for row in scores.rows:
-        assert (row.in_time, row.left) == (1, 8.0)
-        assert row.false == pytest.approx(300.0 / scores.hours)
-
-
-def test_predictors_count_in_their_own_thresholds() -> None:
-    """Distance 20 m, curved track 40 s, and the levels 90, 60 and 30 s."""
-    ready = SimpleNamespace(ready=True)
-    scorer = TransitScorer("one", Thresholds())
-    scorer.add(SimpleNamespace(t=7.0, clearance=50.0, estimate=ready, forecast=told(20.0, 25.0)))
-    scorer.add(SimpleNamespace(t=9.0, clearance=10.0, estimate=SimpleNamespace(ready=False), forecast=None))
-    scored = scorer.transit()
-    expected = [20 / 50, 40 / 25, 90 / 20, 60 / 20, 30 / 20]
-    np.testing.assert_allclose(scored.urgencies, [expected, [math.nan] * 5])
-    np.testing.assert_array_equal(scored.last_chance, [20.0, math.nan])
-    assert (scored.contact(5.0), scored.contact(50.1)) == (math.inf, 0.0)
+    assert scores.left == {
+        "early": (0.0, 18.0, 18.0, 18.0), "late": (0.0, 8.0, 8.0, 8.0), "long before": (300.0, 0.0, 0.0, 0.0),
+    }  # fmt: skip
+    assert [row.in_time for row in scores.rows] == [1, 1, 1, 1]
+    in_vain = [row.false * scores.hours / 100.0 for row in scores.rows]
+    assert in_vain == pytest.approx([1.0, 3.0, 2.0, 2.0])
 
 
 def test_clearances_count_from_the_corners_of_the_hull() -> None:

@@ -1,9 +1,7 @@
 """Transits that were watched: told, scored, and the demonstration with its verb."""
 
 import json
-import os
 import signal
-import time
 from pathlib import Path
 
 import numpy as np
@@ -13,15 +11,14 @@ from transit import canal, ship
 from watch import monitored, ticks, without
 
 import narrows as nw
-from narrows.cli.watching import _ended_by_sigterm
+from narrows.cli.watching import end_by_sigterm
 from narrows.report.transit_report import transit_track_figure, write_transit_report
-from narrows.warning.alerts.alert import Thresholds
 from narrows.warning.alerts.alert_log import logged
 from narrows.warning.monitoring import watched_transit
 from narrows.warning.monitoring.bridge_status import BridgeStatus
 from narrows.warning.monitoring.demonstration import demonstration
 from narrows.warning.monitoring.watched_transit import TransitLog, WatchedTransit
-from narrows.warning.transit_scores import PREDICTORS, TransitScorer, score_transits
+from narrows.warning.transit_scores import PREDICTORS, score_transits
 
 MISTAKE = (40.0, 120.0)  # [s] in which the demonstration's rudder is wrong
 NEEDED_TIME = 10.0  # [s] to act
@@ -30,12 +27,7 @@ NEEDED_TIME = 10.0  # [s] to act
 def test_recorded_transits_are_scored() -> None:
     """Two short twins: one that stays in the middle, and one that is steered into the bank."""
     told = {"calm": ticks(30), "aground": ticks(34, y=75.0, psi=0.25, rudder=0.5), "mute": ticks(12, without("HEHDT"))}
-    transits = []
-    for name, heard in told.items():
-        scorer = TransitScorer(name, Thresholds())
-        for status in monitored(heard):
-            scorer.add(status)
-        transits.append(scorer.transit())
+    transits = {name: transit_of(monitored(heard)) for name, heard in told.items()}
     scores = score_transits(transits)
     assert (scores.contacts, scores.clear, scores.unknown) == (1, 1, ("mute",))
     assert all(row.false == 0 for row in scores.rows)
@@ -140,13 +132,13 @@ def test_a_recording_of_nothing_is_no_watch(tmp_path: Path, cli) -> None:
 
 
 def test_sigterm_ends_a_watch_as_ctrl_c_does() -> None:
-    def killed() -> None:
-        with _ended_by_sigterm():
-            os.kill(os.getpid(), signal.SIGTERM)
-            time.sleep(1.0)
-
-    with pytest.raises(KeyboardInterrupt):
-        killed()
+    before = signal.getsignal(signal.SIGTERM)
+    end_by_sigterm()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGTERM)
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 @pytest.mark.parametrize(

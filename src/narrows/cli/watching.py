@@ -6,10 +6,9 @@ import sys
 import threading
 import time
 from collections.abc import Iterable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from queue import SimpleQueue
 from typing import TYPE_CHECKING, Annotated
 
 import click
@@ -156,17 +155,18 @@ def _ticks_of(inputs: InputOptions, pace: float, stack: ExitStack) -> Iterator["
 
 def _score(inputs: InputOptions, model: str, waterway: Path | None, y: float, delivery: ReportDelivery) -> None:
     from narrows.warning.monitoring.alert_publisher import AlertPublisher
-    from narrows.warning.transit_scores import TransitScorer, score_transits
+    from narrows.warning.monitoring.watched_transit import TransitLog
+    from narrows.warning.transit_scores import score_transits
 
-    transits = []
+    transits = {}
     for number, path in enumerate(inputs.score or (), 1):
         monitored = _monitor_of(model, waterway, inputs, y, AlertPublisher())
-        scorer = TransitScorer(path.name, monitored.thresholds)
+        log = TransitLog(monitored.model.configuration, monitored.waterway)
         with stage(f"{path.name}, {number} of {len(inputs.score or ())}"):
             monitored.prepare(USUAL_SPEED)
             for tick in _replayed(path, math.inf, inputs.mmsi):
-                scorer.add(monitored.update(tick, tick.t))
-        transits.append(scorer.transit())
+                log.add(monitored.update(tick, tick.t))
+        transits[str(path)] = log.transit()
     scores = score_transits(transits, inputs.limit)
     delivery.show(scores.to_dict, lambda: click.echo("\n".join([scores.summary(), *scores.notes])))
 
@@ -202,12 +202,10 @@ def _watched(
 
     with stage("compiling the missing parts"):
         monitored.prepare(USUAL_SPEED)
-    if not json and sys.stdin.isatty():
-        click.echo(HINT)
-        ticks = with_keys(ticks, monitored)
     ticks = page.watch(ticks, monitored) if page else ticks
     log = TransitLog(monitored.model.configuration, monitored.waterway)
-    with suppress(KeyboardInterrupt), _ended_by_sigterm():
+    end_by_sigterm()
+    with suppress(KeyboardInterrupt):
         for number, tick in enumerate(ticks):
             now = time.time()
             status = monitored.update(tick, now)
@@ -221,21 +219,10 @@ def _watched(
     return log.transit()
 
 
-@contextmanager
-def _ended_by_sigterm() -> Iterator[None]:
+def end_by_sigterm() -> None:
     """Let SIGTERM end the watch like Ctrl-C, with notice to pages and servers."""
-
-    def end(number: int, frame: object) -> None:
-        raise KeyboardInterrupt
-
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGTERM, end)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGTERM, before)
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
 
 
 def _say(number: int, status: "BridgeStatus") -> None:
@@ -291,35 +278,3 @@ def _page(page: PageOptions, stack: ExitStack) -> "BridgePage | None":
     shown = BridgePage()
     click.secho(f"The page: {stack.enter_context(shown.open(page.host, page.port))}", err=True, bold=True)
     return shown
-
-
-HINT = "a and Enter acknowledges what is alerted, s and Enter silences it for 30 s, Ctrl-C ends the watch."
-
-
-def with_keys(
-    ticks: Iterable["Tick"], monitored: "BridgeMonitor", lines: Iterable[str] | None = None
-) -> Iterator["Tick"]:
-    typed: SimpleQueue[str] = SimpleQueue()
-    threading.Thread(target=_read, args=(lines or sys.stdin, typed), daemon=True).start()
-    for tick in ticks:
-        commands = list(tick.commands)
-        while not typed.empty():
-            commands += _commands(typed.get(), tick.t, monitored)
-        yield tick._replace(commands=commands)
-
-
-def _read(lines: Iterable[str], typed: "SimpleQueue[str]") -> None:
-    for line in lines:
-        typed.put(line.strip())
-
-
-def _commands(key: str, t: float, monitored: "BridgeMonitor") -> list[bytes]:
-    """Sentences of a key: for each alert that accepts its command."""
-    from narrows.warning.alerts.alert import Command
-    from narrows.warning.alerts.alert_sentences import acn
-
-    keys = {"a": Command.ACKNOWLEDGE, "s": Command.SILENCE}
-    if key not in keys:
-        return []
-    alerts = [one for one in monitored.desk.alerts if one.commanded(keys[key], t) is not None]
-    return [acn(alert.identifier, alert.instance, keys[key]) for alert in alerts]

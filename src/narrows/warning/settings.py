@@ -48,7 +48,6 @@ LEAST_HELM_SCATTER = 0.035  # [rad] of a rudder about the law of its helmsman
 LEAST_HELM_LIMIT = 0.17  # [rad] angles that every helmsman uses
 ATTENDED_SHARE = 0.1  # [1] of a threshold [s] that holds where somebody acts in time for certain
 LAPSE_INTERVAL = 3600.0  # [s] mean time between two lapses at the helm
-TRACK_STEP = 2.0  # [s] between points of a track without a model
 CONTACT_TOLERANCE = 0.02  # [beams] a contact is located this closely
 # Inputs
 WATERWAY_REACH = 1000.0  # [m] a position farther beyond the banks or the ends is none of this waterway

@@ -1,7 +1,7 @@
 """Scores of recorded transits: how much time was left to act when each predictor warned, and how often in vain."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -9,25 +9,18 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.results import BaseSummary
+from narrows.warning import settings
 from narrows.warning.alerts.alert import Thresholds
-from narrows.warning.monitoring.bridge_status import BridgeStatus
-from narrows.warning.settings import (
-    BEFORE_CONTACT,
-    HYSTERESIS,
-    LOWER_DELAY,
-    NEEDED_TIME,
-    QUIET_CLEARANCE,
-    RAISE_DELAY,
-    SCORED_CONTACT,
-)
+from narrows.warning.forecasting.forecast import level_time
+from narrows.warning.monitoring.watched_transit import WatchedTransit
 
 if TYPE_CHECKING:
     import pandas as pd
 
-# Thresholds of predictors without a model: clearance [m], time to contact on a curved track [s], by warning_scores.py.
-CLEARANCE, CURVED = 20.0, 40.0
+# Threshold of the predictor without a model [m], by warning_scores.py.
+CLEARANCE = 20.0
 LEVELS = ("caution", "warning", "alarm")
-PREDICTORS = (f"distance to the bank, {CLEARANCE:g} m", f"curved by the rate of turn, {CURVED:g} s", *LEVELS)
+PREDICTORS = (f"distance to the bank, {CLEARANCE:g} m", *LEVELS)
 # Times [s] that are one; water and times that are none.
 SAME, LEAST = 1e-9, 1e-3
 
@@ -54,8 +47,8 @@ class TransitScores(BaseSummary):
     def notes(self) -> tuple[str, ...]:
         rule = (
             f"A contact is a clearance below {self.limit:g} m by the estimate; in time is an alert with "
-            f"{NEEDED_TIME:g} s left to act by the monitor's own forecast; false is one that no contact follows in "
-            f"{BEFORE_CONTACT:g} s."
+            f"{settings.NEEDED_TIME:g} s left to act by the monitor's own forecast; false is one without a contact in "
+            f"{settings.BEFORE_CONTACT:g} s."
         )
         few = ("A few transits determine these numbers poorly: see the intervals in docs/benchmarks.md.",)
         return (rule, *few, *(f"There was no forecast for {name}: it is left out." for name in self.unknown))
@@ -81,78 +74,48 @@ class TransitScores(BaseSummary):
         return pd.DataFrame([vars(row) for row in self.rows]).set_index("predictor")
 
 
-@dataclass(frozen=True, eq=False)
-class ScoredTransit:
-    name: str  # Name of the recording
-    t: np.ndarray  # (seconds,) Since the watch began [s]
-    urgencies: np.ndarray  # (seconds, predictors) Over their thresholds; NaN without a forecast [1]
-    clearance: np.ndarray  # (seconds,) Estimated, to the nearer bank; NaN where unknown [m]
-    last_chance: np.ndarray  # (seconds,) Last chance of the 95 % ship; negative where it has passed [s]
-
-    def contact(self, limit: float) -> float:
-        """Return when the clearance first was below a limit [s]; infinite where it never was."""
-        below = self.clearance < limit
-        return float(self.t[below.argmax()]) if below.any() else math.inf
-
-
-def score_transits(transits: Sequence[ScoredTransit], limit: float = SCORED_CONTACT) -> TransitScores:
-    if not 0.0 <= limit < QUIET_CLEARANCE:
+def score_transits(transits: Mapping[str, WatchedTransit], limit: float = settings.SCORED_CONTACT) -> TransitScores:
+    if not 0.0 <= limit < settings.QUIET_CLEARANCE:
         raise InputError(
-            f"a clearance of {limit:g} m does not separate contacts from quiet sailing; give 0 to {QUIET_CLEARANCE:g} m"
+            f"a clearance of {limit:g} m does not separate contacts from quiet sailing; give 0 to "
+            f"{settings.QUIET_CLEARANCE:g} m"
         )
-    known = [one for one in transits if np.isfinite(one.urgencies).any()]
-    unknown = tuple(one.name for one in transits if not np.isfinite(one.urgencies).any())
+    known = {name: one for name, one in transits.items() if one.known.any()}
     left: dict[str, tuple[float, ...]] = {}
-    false, seconds = np.zeros(len(PREDICTORS)), 0.0
-    for one in known:
-        met = one.contact(limit)
-        seconds += min(met, float(one.t[-1])) - float(one.t[0])
-        spells = [alert_spells(one.t, column) for column in one.urgencies.T]
-        false += [sum(not 0.0 <= met - start <= BEFORE_CONTACT and start < met for start, _ in own) for own in spells]
+    false, hours = np.zeros(len(PREDICTORS)), 0.0
+    for name, one in known.items():
+        t, below = one.columns["t"], one.columns["clearance"] < limit
+        met = float(t[below.argmax()]) if below.any() else math.inf
+        hours += (min(met, float(t[-1])) - float(t[0])) / 3600.0
+        spells = [alert_spells(t, urgency) for urgency in _urgencies(one)]
+        false += [sum(met - start > settings.BEFORE_CONTACT for start, _ in own) for own in spells]
         if math.isfinite(met):
-            left[one.name] = tuple(_left_at(one, met, own) for own in spells)
+            left[name] = tuple(_left_at(one, met, own) for own in spells)
     table = np.array([*left.values()]).reshape(-1, len(PREDICTORS))
-    hours = seconds / 3600.0
-    rows = tuple(
-        PredictorScore(
-            name, int((table[:, k] >= NEEDED_TIME).sum()), float(np.median(table[:, k])) if len(table) else math.nan,
-            float(100.0 * false[k] / hours) if hours else math.nan,
-        )
-        for k, name in enumerate(PREDICTORS)
-    )  # fmt: skip
+    in_time = (table >= settings.NEEDED_TIME).sum(axis=0)
+    median = np.median(table, axis=0) if len(table) else np.full(len(PREDICTORS), math.nan)
+    often = 100.0 * false / hours if hours else np.full(len(PREDICTORS), math.nan)
+    rows = tuple(map(PredictorScore, PREDICTORS, in_time.tolist(), median.tolist(), often.tolist()))
+    unknown = tuple(name for name in transits if name not in known)
     return TransitScores(len(left), len(known) - len(left), hours, limit, rows, left, unknown)
 
 
-def _left_at(one: ScoredTransit, met: float, spells: list[tuple[float, float]]) -> float:
+def _urgencies(one: WatchedTransit) -> list[np.ndarray]:
+    """(seconds,) Of each predictor over its threshold; NaN without a forecast [1]."""
+    columns, thresholds = one.columns, Thresholds()
+    near = np.where(one.known, CLEARANCE / np.maximum(columns["clearance"], LEAST), math.nan)
+    left = np.maximum(level_time(columns["last_chance"], columns["nobody"]), LEAST)
+    return [near, *(getattr(thresholds, level) / left for level in LEVELS)]
+
+
+def _left_at(one: WatchedTransit, met: float, spells: list[tuple[float, float]]) -> float:
     """Time left to act when the alert before a contact was raised [s]; 0 where it was gone, or there was none."""
-    raised = [max(start, met - BEFORE_CONTACT) for start, end in spells if start < met and end >= met - BEFORE_CONTACT]
+    begin, t = met - settings.BEFORE_CONTACT, one.columns["t"]
+    raised = [max(start, begin) for start, end in spells if start < met and end >= begin]
     if not raised:
         return 0.0
-    left = float(one.last_chance[min(int(np.searchsorted(one.t, raised[0] - SAME)), len(one.t) - 1)])
-    return max(left, 0.0) if math.isfinite(left) else BEFORE_CONTACT
-
-
-class TransitScorer:
-    """Collects what each predictor had to say in each second of a recording."""
-
-    def __init__(self, name: str, thresholds: Thresholds) -> None:
-        self.name, self.thresholds = name, thresholds
-        self._rows: list[tuple[float, ...]] = []
-
-    def add(self, status: BridgeStatus) -> None:
-        room = status.clearance if status.estimate.ready else math.nan
-        forecast = status.forecast
-        if forecast is None:
-            self._rows.append((status.t, room, math.nan, *(math.nan,) * len(PREDICTORS)))
-            return
-        left = max(forecast.level_time, LEAST)
-        levels = (getattr(self.thresholds, level) / left for level in LEVELS)
-        others = CLEARANCE / max(room, LEAST), CURVED / max(forecast.curved, LEAST)
-        self._rows.append((status.t, room, forecast.last_chance, *others, *levels))
-
-    def transit(self) -> ScoredTransit:
-        table = np.array(self._rows, float).reshape(-1, 3 + len(PREDICTORS))
-        return ScoredTransit(self.name, table[:, 0] - table[:1, 0], table[:, 3:], table[:, 1], table[:, 2])
+    left = float(one.columns["last_chance"][min(int(np.searchsorted(t, raised[0] - SAME)), len(t) - 1)])
+    return left if math.isfinite(left) else settings.BEFORE_CONTACT
 
 
 def alert_spells(t: np.ndarray, urgency: np.ndarray) -> list[tuple[float, float]]:
@@ -162,11 +125,11 @@ def alert_spells(t: np.ndarray, urgency: np.ndarray) -> list[tuple[float, float]
     stands = False
     for now, value in zip(t.tolist(), urgency.tolist(), strict=True):
         above = min(above, now) if value >= 1.0 else above if math.isnan(value) else math.inf
-        below = min(below, now) if value < HYSTERESIS else below if math.isnan(value) else math.inf
-        if not stands and now - above >= RAISE_DELAY - SAME:
+        below = min(below, now) if value < settings.HYSTERESIS else below if math.isnan(value) else math.inf
+        if not stands and now - above >= settings.RAISE_DELAY - SAME:
             stands = True
             spells.append((now, math.inf))
             below = math.inf
-        elif stands and now - below >= LOWER_DELAY - SAME:
+        elif stands and now - below >= settings.LOWER_DELAY - SAME:
             stands, spells[-1] = False, (spells[-1][0], now)
     return spells

@@ -12,16 +12,8 @@ from enum import Enum, IntEnum
 from typing import NamedTuple
 
 from narrows.errors import InputError
+from narrows.warning import settings
 from narrows.warning.forecasting.forecast import BankForecast
-from narrows.warning.settings import (
-    HOLD_TIME,
-    HYSTERESIS,
-    LOWER_DELAY,
-    MOST_REPEATS,
-    RAISE_DELAY,
-    REPEAT_AFTER,
-    SILENCE,
-)
 
 MOST_REVISIONS = 99
 
@@ -124,9 +116,9 @@ class Alert:
 
     def timed(self, t: float) -> "Alert":
         """Return the alert where time has passed: a silence ends, what nobody acknowledges sounds anew."""
-        if self.state is AlertState.SILENCED and t - self.changed >= SILENCE:
+        if self.state is AlertState.SILENCED and t - self.changed >= settings.SILENCE:
             return self._changed(t, AlertState.UNACKNOWLEDGED)
-        if self.sounds and t - self.changed >= REPEAT_AFTER and self.repeats < MOST_REPEATS:
+        if self.sounds and t - self.changed >= settings.REPEAT_AFTER and self.repeats < settings.MOST_REPEATS:
             return self._changed(t, self.state, repeats=self.repeats + 1)
         return self
 
@@ -172,7 +164,7 @@ CALM = Condition(Priority.NONE, "")
 class Hysteresis:
     """A condition that is spoken of for a while after it last held, so that it does not come and go with noise."""
 
-    def __init__(self, time: float = HOLD_TIME) -> None:
+    def __init__(self, time: float = settings.HOLD_TIME) -> None:
         self.time, self._last, self._until = time, CALM, -math.inf
 
     def held(self, t: float, condition: Condition) -> Condition:
@@ -249,11 +241,12 @@ class BankLevel:
     def update(self, t: float, forecast: BankForecast | None) -> Priority:
         """Return the level after a second; the forecast is None where the hazard is another."""
         wanted = self.thresholds.level(forecast) if forecast else Priority.NONE
-        kept = max(wanted, min(self.level, self.thresholds.level(forecast, HYSTERESIS))) if forecast else wanted
+        eased = self.thresholds.level(forecast, settings.HYSTERESIS) if forecast else wanted
+        kept = max(wanted, min(self.level, eased))
         self._above = min(self._above, t) if wanted > self.level else math.inf
         self._below = min(self._below, t) if kept < self.level else math.inf
-        if t - self._above >= RAISE_DELAY:
+        if t - self._above >= settings.RAISE_DELAY:
             self.level, self._above = wanted, math.inf
-        elif t - self._below >= LOWER_DELAY:
+        elif t - self._below >= settings.LOWER_DELAY:
             self.level, self._below = kept, math.inf
         return self.level

@@ -10,7 +10,7 @@ from narrows.results import BaseSummary
 from narrows.warning.settings import ATTENDED_SHARE, CLEAR_SHARE, HORIZON, TAKEOVERS, WRONG_ORDER_TIME
 
 NUMBERS = (
-    "t", "last_chance", "failing", "nobody", "unattended", "as_is", "wrong_order", "curved", "rudder",
+    "t", "last_chance", "failing", "nobody", "unattended", "as_is", "wrong_order", "rudder",
     "rudder_needed", "rudder_limit", "rudder_margin",
 )  # fmt: skip
 
@@ -64,7 +64,6 @@ class BankForecast(BaseSummary):
     as_is: float  # Chance of contact within the horizon, the rudder as it is [1]
     wrong_order: float  # Last chance of the likely ship after an order hard over to the worse side now [s]
     escape: Escape  # Best manoeuvre now
-    curved: float  # [s] to contact on a track curved by the yaw rate; infinite beyond the horizon
     rudder: float  # Now [rad]
     rudder_needed: float  # [rad] of the steady course here, by the estimated bank; infinite without one
     rudder_limit: float  # Limit of the gear [rad]

@@ -16,7 +16,7 @@ from narrows.estimation.estimate import Estimate
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.ship_filter import ShipFilter
 from narrows.quantities.names import GRAVITY
-from narrows.ship.particulars import Ship, half_swept
+from narrows.ship.particulars import half_swept
 from narrows.simulation.ship import SimulatedShip
 from narrows.warning import settings
 from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun, Tracks
@@ -106,7 +106,7 @@ class Forecaster:
         likely = LikelyRun(float(seen.contact[0]), _side(seen.side[0]), float(seen.likely_chance[0]))
         return BankForecast(
             estimate.t, likely, float(seen.last_chance[0]), float(seen.failing[0, best, 0]), float(seen.nobody[0]),
-            float(helmsman.unattended[0]), float(seen.as_is[0]), float(seen.wrong_order[0]), escape, self.curved(now),
+            float(helmsman.unattended[0]), float(seen.as_is[0]), float(seen.wrong_order[0]), escape,
             float(rudder[0]) + now.get("rudder_bias", 0.0), needed, limit, tracks,
         )  # fmt: skip
 
@@ -136,15 +136,6 @@ class Forecaster:
         return local_water(
             self.filter.model, self.filter.waterway, now["x"] if self.filter.waterway is not None else 0.0
         )
-
-    def curved(self, now: Mapping[str, float]) -> float:
-        """Return the time to contact of a track that is curved by the yaw rate [s]."""
-        water = self._water(now)
-        psi, u, v, r = (np.array([now[name]]) for name in ("psi", "u", "v", "r"))
-        v = v + now.get(CURRENT_ACROSS, 0.0)
-        y, hull = np.array([now["y"] - water.middle]), self.filter.model.configuration.ship
-        predictor = BridgePredictor(hull, water.width / 2, y, psi, u, v, r, water.curvature)
-        return float(predictor.curved_contact(AFTER)[0])
 
     def _tracks(
         self, mean: np.ndarray, root: np.ndarray, rudder: np.ndarray, law: Any, turns: float | None, best: int
@@ -294,34 +285,3 @@ def rudder_needed(
     values = {**ship.values(), **banks, **water.sections, **place, **turning, "y": offset}
     _, rudder = solved(ship, values, 1, 1)
     return float(rudder[0]) if math.isfinite(rudder[0]) else math.inf
-
-
-class BridgePredictor(NamedTuple):
-    """Predictions of a bridge without a model; the banks continue as beside the ship, bent as the line is there."""
-
-    hull: Ship  # Length and beam
-    half_width: float  # Half width of the water [m]
-    y: np.ndarray  # (n,) Offset to starboard of the middle [m]
-    psi: np.ndarray  # (n,) Heading, to the line [rad]
-    u: np.ndarray  # (n,) Surge and sway velocity [m/s]
-    v: np.ndarray  # (n,) Surge and sway velocity, over ground [m/s]
-    r: np.ndarray  # (n,) Yaw rate [rad/s]
-    bend: float = 0.0  # Curvature of the line [1/m]
-
-    def clearance(self, y: np.ndarray, psi: np.ndarray) -> Any:
-        """Return the water beside the corners of the hull [m]."""
-        return self.half_width - np.abs(y) - half_swept(self.hull, psi)
-
-    @property
-    def now(self) -> Any:
-        return self.clearance(self.y, self.psi)
-
-    def curved_contact(self, until: float) -> np.ndarray:
-        """Return when a ship that goes on turning as it does meets a bank, (n,) [s]; infinite where not by then."""
-        t = np.arange(0.0, until + settings.TRACK_STEP / 2, settings.TRACK_STEP)
-        psi = self.psi[:, None] + (self.r - self.bend * self.u)[:, None] * t
-        across = self.u[:, None] * np.sin(psi) + self.v[:, None] * np.cos(psi)
-        gone = np.cumsum((across[:, 1:] + across[:, :-1]) / 2 * settings.TRACK_STEP, axis=1)
-        y = self.y[:, None] + np.concatenate([np.zeros((len(self.y), 1)), gone], axis=1)
-        met = self.clearance(y, psi) <= 0.0
-        return np.where(met.any(axis=1), t[met.argmax(axis=1)], np.inf)

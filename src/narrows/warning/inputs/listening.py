@@ -18,20 +18,8 @@ from urllib.parse import parse_qs, urlsplit
 from narrows.errors import InputError, needs, reason
 from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import PARTICULARS, DecodedMessage, GroupedValues, Sentence, Values, sentences
+from narrows.warning import settings
 from narrows.warning.inputs.bridge_readings import Tick
-from narrows.warning.settings import (
-    AIS_TIME_SHARE,
-    FIRST_PAUSE,
-    LONGEST_LINE,
-    LONGEST_PAUSE,
-    MOST_SENDERS,
-    OPEN_TIMEOUT,
-    OTHERS_QUEUE,
-    OWN_QUEUE,
-    PERIOD,
-    READ_TIMEOUT,
-    SIGNAL_K_AGE,
-)
 
 
 class Arrival(NamedTuple):
@@ -40,7 +28,7 @@ class Arrival(NamedTuple):
 
 
 class Piece(NamedTuple):
-    content: bytes  # Nothing after ``READ_TIMEOUT`` of silence
+    content: bytes  # Nothing after ``settings.READ_TIMEOUT`` of silence
     sender: str = ""  # Host or device that it is from
 
 
@@ -56,19 +44,19 @@ class Connection:
     opened: Callable[[], AbstractContextManager[Read]]  # Opens it; what that gives reads
 
     def pieces(self, stop: Event, broken: Callable[[str], None]) -> Iterator[Piece]:
-        pause = FIRST_PAUSE
+        pause = settings.FIRST_PAUSE
         while not stop.is_set():
             try:
                 with self.opened() as read:
                     while not stop.is_set():
                         piece = read()
                         if piece.content:
-                            pause = FIRST_PAUSE
+                            pause = settings.FIRST_PAUSE
                             yield piece
             except OSError as error:
                 broken(reason(error))
                 stop.wait(pause)
-                pause = min(2 * pause, LONGEST_PAUSE)
+                pause = min(2 * pause, settings.LONGEST_PAUSE)
 
 
 class Listening:
@@ -93,12 +81,12 @@ class Listening:
 
     def ticks(self) -> Iterator[Tick]:
         """Yield the messages of every second, if any; times count from an arbitrary origin."""
-        due = time.monotonic() + PERIOD
+        due = time.monotonic() + settings.PERIOD
         while not self._stop.wait(max(0.0, due - time.monotonic())):
             now = time.monotonic()
             arrivals = self._arrivals(now)
             yield Tick(now, self._entries(arrivals), self.faults(), [*_commands(arrivals)])
-            due = max(due, now - PERIOD) + PERIOD
+            due = max(due, now - settings.PERIOD) + settings.PERIOD
 
     def faults(self) -> dict[str, int]:
         total = sum((Counter(faults) for faults in self._faults), Counter(self.decoder.faults))
@@ -108,7 +96,7 @@ class Listening:
     def _arrivals(self, now: float) -> list[Arrival]:
         """Return the messages that arrived: all of the own ship, and those of others as far as time allows."""
         arrivals = self.inbox.own()
-        while time.monotonic() < now + AIS_TIME_SHARE * PERIOD and (other := self.inbox.other()):
+        while time.monotonic() < now + settings.AIS_TIME_SHARE * settings.PERIOD and (other := self.inbox.other()):
             arrivals.append(other)
         return arrivals
 
@@ -132,7 +120,7 @@ class Listening:
                 continue
             splitter = splitters.setdefault(sender, LineSplitter(faults))
             splitters.move_to_end(sender)
-            while len(splitters) > MOST_SENDERS:
+            while len(splitters) > settings.MOST_SENDERS:
                 splitters.popitem(last=False)
             for sentence in sentences(splitter.lines(content, connection.whole), faults):
                 if sentence.kind.endswith("ACN") and sender not in self._peers:
@@ -153,8 +141,8 @@ def _commands(arrivals: list[Arrival]) -> Iterator[bytes]:
 class Inbox:
     def __init__(self) -> None:
         self.lost = 0
-        self._own: deque[Arrival] = deque(maxlen=OWN_QUEUE)
-        self._others: deque[Arrival] = deque(maxlen=OTHERS_QUEUE)
+        self._own: deque[Arrival] = deque(maxlen=settings.OWN_QUEUE)
+        self._others: deque[Arrival] = deque(maxlen=settings.OTHERS_QUEUE)
         self._lock = Lock()
 
     def put(self, arrival: Arrival) -> None:
@@ -184,7 +172,7 @@ class LineSplitter:
         *lines, rest = (self._rest + piece).replace(b"\r", b"\n").split(b"\n")
         if whole:
             lines, rest = [*lines, rest], b""
-        if len(rest) > LONGEST_LINE:
+        if len(rest) > settings.LONGEST_LINE:
             self.faults["that never ended"] += 1
             rest = b""
         self._rest = rest
@@ -246,7 +234,7 @@ class SignalK:
             return False
         at = datetime.fromisoformat(stamp)
         at = at if at.tzinfo else at.replace(tzinfo=UTC)
-        return abs(since_1970 - at.timestamp()) > SIGNAL_K_AGE
+        return abs(since_1970 - at.timestamp()) > settings.SIGNAL_K_AGE
 
 
 def _grouped(pairs: Any) -> GroupedValues:
@@ -299,7 +287,7 @@ def connection_of(address: str) -> Connection:
 def _udp(host: str, port: int) -> Iterator[Read]:
     with closing(socket.socket(socket.AF_INET, socket.SOCK_DGRAM)) as udp:
         udp.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        udp.settimeout(READ_TIMEOUT)
+        udp.settimeout(settings.READ_TIMEOUT)
         udp.bind((host, port))
         with suppress(ValueError):  # A name, or no host at all.
             if ipaddress.ip_address(host).is_multicast:  # As networks of IEC 61162-450 speak.
@@ -311,8 +299,8 @@ def _udp(host: str, port: int) -> Iterator[Read]:
 
 @contextmanager
 def _tcp(host: str, port: int) -> Iterator[Read]:
-    with closing(socket.create_connection((host, port), OPEN_TIMEOUT)) as tcp:
-        tcp.settimeout(READ_TIMEOUT)
+    with closing(socket.create_connection((host, port), settings.OPEN_TIMEOUT)) as tcp:
+        tcp.settimeout(settings.READ_TIMEOUT)
         yield _reader(tcp, host)
 
 
@@ -339,7 +327,7 @@ def _serial_line(address: str, device: str, baud: str) -> Connection:
 
     @contextmanager
     def line() -> Iterator[Read]:
-        with closing(serial.Serial(device, int(baud), timeout=READ_TIMEOUT)) as port:
+        with closing(serial.Serial(device, int(baud), timeout=settings.READ_TIMEOUT)) as port:
             yield lambda: Piece(bytes(port.read(max(1, port.in_waiting))), device)
 
     return Connection(address, False, False, line)
@@ -353,11 +341,11 @@ def _signal_k(address: str, stream: str) -> Connection:
     @contextmanager
     def socket_of() -> Iterator[Read]:
         try:
-            with connect(stream, open_timeout=OPEN_TIMEOUT, max_size=1 << 20) as websocket:
+            with connect(stream, open_timeout=settings.OPEN_TIMEOUT, max_size=1 << 20) as websocket:
 
                 def read() -> Piece:
                     try:
-                        return Piece(bytes(websocket.recv(READ_TIMEOUT, decode=False)))
+                        return Piece(bytes(websocket.recv(settings.READ_TIMEOUT, decode=False)))
                     except TimeoutError:
                         return Piece(b"")
 
