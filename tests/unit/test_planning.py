@@ -146,7 +146,6 @@ def test_a_plan_beats_harmonic_runs_about_the_centreline(plan: nw.Plan) -> None:
         assert plan.std[name][-1] < plan.usual[name]
         assert plan.std[name][-1] < plan.std[name][3]
         assert plan.reach[name] >= 1.95 * plan.std[name][-1]
-        assert plan.inflation[name] < 5
     assert "standard error" in plan.summary()
 
 

@@ -143,10 +143,10 @@ def _least(information: np.ndarray, targets: Sequence[int], criterion: str) -> i
 def expected_errors(
     runs: Sequence[Run], counts: Sequence[int], targets: Sequence[str], truth: Model, terms: TermTable,
     noise: Mapping[str, float], correlation_time: float, errors: RunErrors, made: Fit | None,
-) -> tuple[np.ndarray, dict[str, float]]:  # fmt: skip
+) -> np.ndarray:  # fmt: skip
     """Standard errors of some coefficients after the first of the runs and earlier tests, (counts, targets).
 
-    They are infinite where the tests do not determine a coefficient. Then the variance inflation under all runs.
+    They are infinite where the tests do not determine a coefficient.
     """
     planned, _ = accumulate(twin(truth, tuple(runs), {}, rate=RATE), terms)
     within = {force: size**2 * max(1.0, 2 * correlation_time * RATE) for force, size in noise.items()}
@@ -163,8 +163,7 @@ def expected_errors(
             std[rows.free_parameters] = np.sqrt(np.diag(spread)[: len(unit)]) * unit
         known = Diagnostics(equations, terms, motions).determined
         table.append([std[problem.slot[name]] if known(name) else np.inf for name in targets])
-    overall = Diagnostics(planned, terms, distinct_motions(planned)).overall.values()
-    return np.array(table), {name: vif for one in overall for name, vif in one.vif.items() if name in targets}
+    return np.array(table)
 
 
 def _joined(made: NormalEquations, planned: NormalEquations) -> NormalEquations:

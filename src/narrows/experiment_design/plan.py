@@ -58,14 +58,8 @@ class Plan(Tabulated):
     std : mapping of str to array (runs,)
         Predicted standard error of each of them after each run, in the coefficient's unit; infinite before it is
         determined.
-    inflation : mapping of str to float [1]
-        Variance inflation of each target's column under all runs.
-    reach : mapping of str to float
-        Half of the 95 % interval of each of them in a fit to all runs, in the coefficient's unit.
     usual : mapping of str to float
         Predicted standard errors of the best plan of as many harmonic runs about the centreline.
-    usual_inflation : mapping of str to float [1]
-        Variance inflation under that plan.
     considered : int
         Number of candidate runs.
     notes : tuple of str
@@ -81,10 +75,7 @@ class Plan(Tabulated):
     runs: tuple[Run, ...]
     targets: tuple[str, ...]
     std: Mapping[str, np.ndarray]
-    inflation: Mapping[str, float]
-    reach: Mapping[str, float]
     usual: Mapping[str, float]
-    usual_inflation: Mapping[str, float]
     considered: int
     notes: tuple[str, ...]
 
@@ -92,37 +83,34 @@ class Plan(Tabulated):
         return f"<Plan of {len(self.runs)} runs of {self.considered} for {', '.join(self.targets)}>"
 
     @property
+    def reach(self) -> dict[str, float]:
+        """Half of the 95 % interval of each target in a fit to all runs, in the coefficient's unit."""
+        return {name: float(HALF * std[-1]) for name, std in self.std.items()}
+
+    @property
     def determined(self) -> bool:
         """True if the runs determine every target."""
-        return all(np.isfinite(self.std[name][-1]) for name in self.targets)
+        return bool(np.isfinite(list(self.reach.values())).all())
 
     def summary(self) -> str:
         """Return the gain for each target, one line each."""
-        unknown = [name for name in self.targets if not np.isfinite(self.std[name][-1])]
-        gains = tuple(
-            f"{name}: standard error {self.std[name][-1]:.2g}, interval +- {self.reach[name]:.2g} with these runs (VIF "
-            f"{self.inflation[name]:.3g}); "
-            f"{self.usual[name]:.2g} (VIF {self.usual_inflation[name]:.3g}) with as many of the best harmonic runs "
-            "about the centreline."
-            for name in self.targets
-            if name not in unknown
-        )
-        lost = [f"These runs do not determine {', '.join(unknown)}: allow more depths, speeds or runs."]
-        return "\n".join((*gains, *(lost if unknown else [])))
+        reach, lost = self.reach, [name for name in self.targets if not np.isfinite(self.std[name][-1])]
+        lines = [
+            f"{name}: standard error {self.std[name][-1]:.2g}, interval +- {reach[name]:.2g} with these runs; "
+            f"{self.usual[name]:.2g} with as many of the best harmonic runs about the centreline."
+            for name in self.targets if name not in lost
+        ]  # fmt: skip
+        if lost:
+            lines.append(f"These runs do not determine {', '.join(lost)}: allow more depths, speeds or runs.")
+        return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything by name, as ``plan --json`` prints it."""
         return {
             "runs": self.rows(),
             "targets": {
-                name: {
-                    "std": float(self.std[name][-1]),
-                    "reach": self.reach[name],
-                    "vif": self.inflation[name],
-                    "usual_std": self.usual[name],
-                    "usual_vif": self.usual_inflation[name],
-                }
-                for name in self.targets
+                name: {"std": float(self.std[name][-1]), "reach": reach, "usual_std": self.usual[name]}
+                for name, reach in self.reach.items()
             },
             "considered": self.considered,
             "summary": self.summary(),
@@ -131,8 +119,14 @@ class Plan(Tabulated):
 
     def rows(self) -> list[dict[str, Any]]:
         """One row per run, with the standard errors after it."""
-        errors = [{f"std {name}": float(self.std[name][i]) for name in self.targets} for i in range(len(self.runs))]
-        return [_row(run) | after for run, after in zip(self.runs, errors, strict=True)]
+        rows = []
+        for i, run in enumerate(self.runs):
+            values = asdict(run) if isinstance(run, HarmonicRun | StraightRun) else {"name": run.name}
+            if "drift" in values:
+                values["drift_deg"] = float(np.degrees(values.pop("drift")))
+            after = {f"std {name}": float(std[i]) for name, std in self.std.items()}
+            rows.append({"kind": "straight", **values, "duration": run.duration, **after})
+        return rows
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return the runs as a table with units: one row each, with the standard errors after it."""
@@ -140,12 +134,6 @@ class Plan(Tabulated):
 
         headers = {name: f"{name.removesuffix('_deg')} [{unit}]" for name, unit in UNITS.items()}
         return pd.DataFrame(self.rows()).rename(columns=headers)
-
-
-def _row(run: Run) -> dict[str, Any]:
-    values = asdict(run) if isinstance(run, HarmonicRun | StraightRun) else {"name": run.name}
-    drift = {"drift_deg": float(np.degrees(values.pop("drift")))} if "drift" in values else {}
-    return {"kind": "straight", **values, **drift, "duration": run.duration}
 
 
 @accept_aliases
@@ -184,11 +172,6 @@ def plan_tests(
     errors : RunErrors, optional
         Differences between runs beyond their noise; those of ``identify`` unless given.
 
-    Returns
-    -------
-    Plan
-        The runs and their gain.
-
     Raises
     ------
     InputError
@@ -226,20 +209,19 @@ def plan_tests(
     # In long plans standard errors are those after some runs, repeated for the runs before.
     counts = np.unique(np.linspace(1, len(best), min(len(best), MOST_STEPS)).astype(int)).tolist()
     chosen, harmonic = (tuple(offered[i] for i in own) for own in (best, best_harmonic))
-    std, vif = expected_errors(chosen, counts, *given)
-    usual, usual_vif = expected_errors(harmonic, [len(harmonic)], *given)
-    each = std[np.searchsorted(counts, np.arange(1, len(best) + 1))]
-    return Plan(
-        chosen,
-        names,
-        dict(zip(names, each.T, strict=True)),
-        vif,
-        dict(zip(names, (HALF * std[-1]).tolist(), strict=True)),
-        dict(zip(names, usual[-1].tolist(), strict=True)),
-        usual_vif,
-        len(offered),
-        (*_assumed(*assumed, tank.length_for(configuration)), *limits),
+    std = expected_errors(chosen, counts, *given)[np.searchsorted(counts, np.arange(1, len(best) + 1))]
+    (usual,) = expected_errors(harmonic, [len(harmonic)], *given).tolist()
+    sizes = ", ".join(f"{size:g} {'N m' if force == 'N' else 'N'} in {force}" for force, size in noise.items())
+    notes = (
+        f"Assumed: noise of {sizes}, correlated over {correlation_time:g} s; {tank.length_for(configuration):g} m of "
+        "steady motion a run.",
+        f"Runs differ by {errors.gain:.1%} in gain, {errors.zero:.1%} of the usual force in zero, and by "
+        f"{errors.form:.1%} of their force from the form of the terms; a zero that all runs share and the form of the "
+        "bank are unknown too.",
+        *limits,
     )
+    std_of, usual_of = dict(zip(names, std.T, strict=True)), dict(zip(names, usual, strict=True))
+    return Plan(chosen, names, std_of, usual_of, len(offered), notes)
 
 
 def _separating(
@@ -277,18 +259,6 @@ def _check(runs: int, criterion: str, terms: TermTable, noise: Mapping[str, floa
         raise InputError("no term depends on the water's depth; leave the depths out, or take terms that do")
 
 
-def _assumed(
-    noise: Mapping[str, float], correlation_time: float, errors: RunErrors, length: float
-) -> tuple[str, str]:  # fmt: skip
-    sizes = ", ".join(f"{size:g} {'N m' if force == 'N' else 'N'} in {force}" for force, size in noise.items())
-    return (
-        f"Assumed: noise of {sizes}, correlated over {correlation_time:g} s; {length:g} m of steady motion a run.",
-        f"Runs differ by {errors.gain:.1%} in gain, {errors.zero:.1%} of the usual force in zero, and by "
-        f"{errors.form:.1%} of their force from the form of the terms; a zero that all runs share and the form of the "
-        "bank are unknown too.",
-    )
-
-
 def _targets(terms: TermTable, targets: Sequence[str]) -> tuple[str, ...]:
     names = (targets,) if isinstance(targets, str) else tuple(targets)
     names = names or tuple(term.name for term in terms.terms if term.from_bank)
@@ -302,8 +272,8 @@ def _targets(terms: TermTable, targets: Sequence[str]) -> tuple[str, ...]:
 
 def expected_model(configuration: Configuration) -> Model:
     """Return a model of the approximate forces: the published one by Froude's law."""
-    published_model = published("mikkelsen2025_dtc")
-    return replace(scale_model(published_model, configuration.ship.length).model, configuration=configuration)
+    scaled = scale_model(published("mikkelsen2025_dtc"), configuration.ship.length).model
+    return replace(scaled, configuration=configuration)
 
 
 def usual_forces(offered: list[Run], truth: Model) -> dict[str, float]:
@@ -314,13 +284,13 @@ def usual_forces(offered: list[Run], truth: Model) -> dict[str, float]:
 
 def within_tested(tank: Tank, tested: DataRange | None) -> tuple[Tank, tuple[str, ...]]:
     """Return a tank limited to the tested speeds and offsets, unless others were set."""
-    notes = []
-    if tested is not None and tested.speed is not None and not tank.speeds:
+    notes, tested = [], tested or DataRange()
+    if tested.speed is not None and not tank.speeds:
         low, high = tested.speed
         speeds = (low,) if high - low < SAME_SPEED_TOLERANCE * high else (low, (low + high) / 2, high)
         tank = replace(tank, speeds=tuple(round(speed, 3) for speed in speeds if round(speed, 3) > 0))
         notes.append(f"Speeds are within those tested, {low:.3g} to {high:.3g} m/s, as none were asked for.")
-    if tested is not None and tested.abs_y is not None and tested.abs_y[1] > 0 and tank.reach is None:
+    if tested.abs_y is not None and tested.abs_y[1] > 0 and tank.reach is None:
         tank = replace(tank, reach=tested.abs_y[1])
         notes.append(f"Offsets are within those tested, {tested.abs_y[1]:.3g} m, as no reach was asked for.")
     return tank, tuple(notes)
