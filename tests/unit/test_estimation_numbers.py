@@ -1,16 +1,11 @@
 """Numbers of the estimator against scaling laws and hand computations; no filter runs here."""
 
-from types import SimpleNamespace
-from typing import Any
-
 import numpy as np
 import pytest
 
 from narrows.codegen.cache import compiled_loops
 from narrows.estimation import Prior, ProcessNoise, square_roots
-from narrows.estimation.records import Records
 from narrows.estimation.ship_filter import MEMORIES
-from narrows.estimation.smoothing import _positions
 from narrows.estimation.unscented import sigma_point_weights
 
 
@@ -54,10 +49,3 @@ def test_drifts_are_geometric_sums_of_innovations() -> None:
     leans = [(1 + 2 * fading) / np.sqrt(1 + fading**2) for fading in (5 / 6, 11 / 12, 23 / 24)]
     assert drift(sums, 1.0) == pytest.approx([max(leans)])
     assert drift(np.zeros((2, 3, 1)), -70.0) == pytest.approx([5.0])  # what is larger is the gate's
-
-
-def test_a_position_is_held_until_the_next_is_told() -> None:
-    told = np.array([np.nan, 1.0, np.nan, 2.0, np.nan])
-    filter: Any = SimpleNamespace(actuators=("rudder", "revolutions"), at_rest=np.array([7.0, 3.0]))
-    found = _positions(filter, Records(np.arange(5.0), {}, {"rudder": told}))
-    np.testing.assert_array_equal(found.T, [[7.0, 1.0, 1.0, 2.0, 2.0], [3.0] * 5])

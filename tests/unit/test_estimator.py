@@ -237,6 +237,15 @@ def test_the_smoother_knows_more_than_the_filter() -> None:
     np.testing.assert_allclose(plain.smooth(table).mean[-1], plain.run(table).mean[-1], rtol=1e-6, atol=1e-8)
 
 
+def test_a_position_is_held_until_the_next_is_told() -> None:
+    """Every other indication of the rudder, none in the first second: at rest until then."""
+    table = {name: column[:40] for name, column in record()[0].items()}
+    told, held = np.where(np.arange(40) % 2 == 0, table["rudder"], np.nan), np.repeat(table["rudder"][::2], 2)
+    told[:6], held[:6] = np.nan, 0.0
+    found = [estimator().smooth({**table, "rudder": rudder}).mean for rudder in (told, held)]
+    np.testing.assert_allclose(found[0], found[1], rtol=1e-9, atol=1e-12)
+
+
 def test_a_table_goes_in_as_frame_or_dataset() -> None:
     import pandas as pd
 

@@ -13,7 +13,7 @@ from test_estimator import SENSORS, estimator, record, steered
 
 import narrows as nw
 from narrows.estimation import Estimate, Estimator, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
-from narrows.estimation.fault_bank import FaultBank, WhitenessTest
+from narrows.estimation.fault_bank import WhitenessTest
 from narrows.estimation.settings import STUCK_READINGS, WHITENESS_THRESHOLD
 
 BEGUN = 10.0
@@ -169,10 +169,9 @@ def test_a_start_from_wrong_readings_is_begun_anew() -> None:
 def test_adopted_states_are_marginals_of_the_others() -> None:
     """To a filter with a fault and back: the state is the same; with it, the fault is at its prior."""
     filter = estimator().filter
-    bank = FaultBank(filter, {})
     now = estimated(lambda t, readings: None)[0][30].joint
     assert now is not None
-    more = bank.faulty(frozenset({"gyro"}))
+    more = filter.with_errors(frozenset({"gyro"}), frozenset())
     there = more.adopt(now, filter)
     back = filter.adopt(there, more)
     np.testing.assert_allclose(back.mean, now.mean)

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from narrows.aliases import accept_aliases
-from narrows.codegen.choices import STAGES
 from narrows.control.closed_loop import LawOrders
 from narrows.errors import InputError, check_count
 from narrows.estimation.estimate import Estimate
@@ -24,8 +23,6 @@ from narrows.estimation.ship_filter import ShipFilter
 from narrows.estimation.states import Columns, described
 from narrows.estimation.unscented import Gaussian
 from narrows.model.model import Model
-from narrows.physics.rudder import gear_motion
-from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import GRAVITY
 from narrows.results import BaseResult
 from narrows.simulation.controllers import ControlLaw
@@ -52,10 +49,8 @@ class Consistency(BaseResult):
     ----------
     t : array (times,) [s]
         Time.
-    error : array (twins, times, states)
-        Estimate less truth; NaN where there was no estimate.
-    std : array (twins, times, states)
-        Standard deviations of the estimate.
+    error, std : array (twins, times, states)
+        Estimate less truth, and standard deviations of the estimate; NaN where there was none.
     nees : array (twins, times) [1]
         Squared error over its covariance, for all states together.
     nis : dict of str to array (twins, times) [1]
@@ -64,14 +59,12 @@ class Consistency(BaseResult):
         True if a gate refused a reading, and if a sensor's innovations are biased.
     numbers : dict of str to int
         Number of components of each sensor.
-    states : tuple of str
-        Names of the states.
+    states, notes : tuple of str
+        Names of the states, and notes on validity.
     settled : float [s]
         Start of the statistics.
     aground : int
         Number of twins that met a bank; they are left out.
-    notes : tuple of str
-        Notes on validity.
     """
 
     t: np.ndarray
@@ -215,14 +208,10 @@ def consistency(
         A model with terms of a rudder, unless the given controller needs none.
     sensors : sequence of Sensor and RudderIndicator
         As for ``Estimator``.
-    y : float [m]
-        Offset of the twins.
-    u : float [m/s]
-        Their speed.
-    twins : int
-        Number of twins.
-    duration : float [s]
-        Duration of each.
+    y, u : float [m], [m/s]
+        Offset and speed of the twins.
+    twins, duration : int, float [s]
+        Number of twins, and duration of each.
     drawn : bool
         True: each twin has coefficients drawn from the covariance of the fit, to test the estimate under model error.
     seed : int
@@ -235,16 +224,8 @@ def consistency(
         Alternating rudder added to the orders, so that the motion carries information.
     fault : callable, optional
         Takes time and readings and returns faulty readings: a jump, an outage, a spoof.
-    waterway : Waterway, optional
-        Waterway instead of the model's own canal.
-    **filtering : Any
-        Other options of ``Estimator``: noise, prior, coefficients, memory, refusing, step, surge, surge_inertia,
-        coriolis.
-
-    Returns
-    -------
-    Consistency
-        NEES, NIS and errors, with their chance bounds.
+    waterway, **filtering : optional
+        Waterway instead of the model's own canal, and other options of ``Estimator``.
 
     Raises
     ------
@@ -254,9 +235,7 @@ def consistency(
     check_count("twins", twins, 1)
     check_count("seed", seed)
     if controller is not None and not isinstance(controller, ControlLaw):
-        raise InputError(
-            f"a {type(controller).__name__} cannot steer twins; give a law in arithmetic, such as Autopilot"
-        )
+        raise InputError(f"a {type(controller).__name__} is no law in arithmetic; give one, such as Autopilot")
     check_steps(duration, 1.0, math.inf)
     first = Estimator(model, sensors, waterway=waterway, **filtering)
     psi = 0.0
@@ -350,13 +329,11 @@ def _started(filter: ShipFilter, start: Sequence[float], count: int, random: np.
 
 
 class _Helm:
-    """Rudders of twins: orders of a law, with a swing to either side, by the steering gear."""
+    """Rudders of twins: orders of a law, with a swing to either side, at the rate of the steering gear."""
 
     def __init__(self, filter: ShipFilter, law: ControlLaw, dt: float, excitation: float) -> None:
-        gear = filter.model.configuration.gear
-        self.filter, self.dt, self.excitation, self.limit = filter, dt, excitation, gear.limit
-        self.law, self.stages = LawOrders(filter.model, law, dt, filter.waterway), list[np.ndarray]()
-        self.gear = {name.removeprefix("rudder_"): value for name, value in gear.values().items()}
+        self.filter, self.excitation, self.gear = filter, excitation, filter.model.configuration.gear
+        self.law, self.reach = LawOrders(filter.model, law, dt, filter.waterway), self.gear.rate * dt
         self.side = TWIN_SIDE_TIME * math.sqrt(filter.model.configuration.ship.length / GRAVITY)
 
     def positions(self, t: float, states: np.ndarray, before: np.ndarray) -> np.ndarray:
@@ -367,12 +344,8 @@ class _Helm:
         place, turn = names.index(RUDDER), int(t / self.side)
         known = dict(zip((*self.filter.states.names, *names), (*states.T, *before.T), strict=True))
         swing = self.excitation * (turn % 2 * 2 - 1) * (turn % 3 == 0)
-        order = np.clip(self.law.orders(t, known)[RUDDER] + swing, -self.limit, self.limit)
-        stages = self.stages or [before[:, place]] * STAGES
-        moved, self.stages = gear_motion(
-            order, before[:, place], stages, self.gear, self.dt, {**COLUMNS, "exp": np.exp}
-        )
-        after[:, place] += moved
+        order = np.clip(self.law.orders(t, known)[RUDDER] + swing, -self.gear.limit, self.gear.limit)
+        after[:, place] += np.clip(order - before[:, place], -self.reach, self.reach)
         return after
 
 

@@ -26,8 +26,8 @@ class Estimate(BaseSummary):
         Time.
     states : StateNames
         Names of the states.
-    normal : Gaussian, optional
-        Mean and root of the covariance; none before the start.
+    joint : Gaussian, optional
+        Mean and root of the covariance, with corrections of the coefficients after the states; none before the start.
     ready : bool
         True while it follows the readings: false before the start, and from a reset to the next start.
     nis : dict of str to float
@@ -38,22 +38,25 @@ class Estimate(BaseSummary):
         Sensors whose innovations are biased, or that are left out.
     notes : tuple of str
         Notes, one sentence each.
-    joint : Gaussian, optional
-        The state together with the corrected directions of the coefficients' covariance.
     faults : tuple of str
         Sensors, ``rudder`` or ``model`` that contradict the others and are left out.
     """
 
     t: float
     states: StateNames
-    normal: Gaussian | None
+    joint: Gaussian | None
     ready: bool
     nis: dict[str, float]
     refused: tuple[str, ...] = ()
     suspects: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
-    joint: Gaussian | None = None
     faults: tuple[str, ...] = ()
+
+    @property
+    def normal(self) -> Gaussian | None:
+        """Mean and root of the covariance of the states; none before the start."""
+        size = len(self.states)
+        return Gaussian(self.joint.mean[:size], self.joint.root[:size]) if self.joint else None
 
     @property
     def values(self) -> dict[str, float]:

@@ -1,8 +1,6 @@
 """The estimator: a ship's position and motion and the effects of banks, current and gear, from readings."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from operator import attrgetter
 from typing import TYPE_CHECKING, Any, get_args
 
 import numpy as np
@@ -11,9 +9,9 @@ from narrows.aliases import accept_aliases
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice
 from narrows.estimation.estimate import Estimate, EstimatedTrack
-from narrows.estimation.fault_bank import FaultBank, Faults
-from narrows.estimation.filter_run import FilterRun, Moment
-from narrows.estimation.records import Reading, checked_readings, records_of
+from narrows.estimation.fault_bank import FaultBank
+from narrows.estimation.filter_run import AGROUND, FilterRun, Moment
+from narrows.estimation.records import Reading, checked_readings, records_of, rows_of
 from narrows.estimation.sensors import split_sensors
 from narrows.estimation.settings import COEFFICIENT_MEMORY, LONGEST_GAP, SAME_TIME, SILENT_PERIODS, START_READINGS
 from narrows.estimation.ship_filter import MODEL, Coefficients, ShipFilter, UpdateResult, default_step
@@ -28,8 +26,6 @@ from narrows.simulation.ship_lanes import RUDDER
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
-
-AGROUND = "At t = {:g} s the estimate lay in a bank or beyond the waterway: it begins anew."
 
 
 @accept_aliases
@@ -93,7 +89,6 @@ class Estimator(BaseSummary):
             prior or Prior.of_length(length), coefficients, refusing,
             default_step(model) if step is None else float(step), float(memory), surge, surge_inertia, coriolis,
         )  # fmt: skip
-        self._filters: dict[tuple[Faults, Faults], ShipFilter] = {}
         self.forget()
 
     def forget(self) -> None:
@@ -102,7 +97,7 @@ class Estimator(BaseSummary):
         self._begin_anew(0.0)
 
     def _begin_anew(self, t: float) -> None:
-        self._start, self._bank = Start(self.filter), FaultBank(self.filter, self._filters, t)
+        self._start, self._bank = Start(self.filter), FaultBank(self.filter, t)
         self._run: FilterRun | None = None
         self._last_reading: dict[str, float] = {}
         self._verdict = ""
@@ -116,16 +111,14 @@ class Estimator(BaseSummary):
 
     def summary(self) -> str:
         """Describe the states and the sensors."""
-        filter = self.filter
-        return (
-            f"{', '.join(filter.states.names)} of {filter.model.configuration.ship.name} by {', '.join(filter.sensors)}"
-        )
+        ship, filter = self.filter.model.configuration.ship, self.filter
+        return f"{', '.join(filter.states.names)} of {ship.name} by {', '.join(filter.sensors)}"
 
     def update(self, t: float, readings: Mapping[str, Any] | None = None, **named: Reading) -> Estimate:
-        """Use the readings of a time, and return the estimate at that time.
+        """Use the readings of a time, and return the estimate at that time: finite for any input.
 
         A late reading is inserted at its time, and later updates are repeated. NaN means no reading. Rudder angle and
-        propeller revolutions keep their value until the next reading.
+        propeller revolutions keep their value until the next reading. ``notes`` of the estimate name invalid readings.
 
         Parameters
         ----------
@@ -136,11 +129,6 @@ class Estimator(BaseSummary):
         **named : float or sequence of float
             The same by keyword.
 
-        Returns
-        -------
-        Estimate
-            Finite for any input; its ``notes`` name invalid readings.
-
         Raises
         ------
         InputError
@@ -149,8 +137,7 @@ class Estimator(BaseSummary):
         if not is_finite(t):
             raise InputError(f"t = {t} is no time; give seconds, then the readings")
         given = {**(readings or {}), **named}
-        measured, positions, lost = checked_readings(given, self.filter.sensors, self.filter.actuators)
-        notes = list(lost)
+        measured, positions, notes = checked_readings(given, self.filter.sensors, self.filter.actuators)
         gap = t - self._run.last.t if self._run else 0.0
         if abs(gap) > LONGEST_GAP:
             what = f"No reading for {gap:.0f} s" if gap > 0.0 else f"The time went back by {-gap:.0f} s"
@@ -160,18 +147,13 @@ class Estimator(BaseSummary):
         return process(float(t), measured, positions, notes)
 
     def run(self, records: Any) -> EstimatedTrack:
-        """Estimate a whole record as in real time, after a restart.
+        """Estimate a whole record as in real time, after a restart, from the first time with enough readings to start.
 
         Parameters
         ----------
         records : DataFrame, Dataset or mapping of str to array
             One row per time: ``t`` [s], the fields of the sensors (``gnss_x``, ``gnss_y``, ``gyro`` ...) and positions
             of actuators (``rudder`` [rad], ``revolutions`` [1/s]); NaN for no reading.
-
-        Returns
-        -------
-        EstimatedTrack
-            Estimates from the first time with enough readings to start.
 
         Raises
         ------
@@ -180,55 +162,38 @@ class Estimator(BaseSummary):
         """
         recorded = records_of(records, self.filter.sensors, self.filter.actuators)
         self.forget()
-        found = [self.update(t, {**readings, **positions}) for t, readings, positions in recorded.rows()]
-        known = [estimate for estimate in found if estimate.normal is not None]
+        found = [self.update(t, now) for t, now in rows_of(recorded, self.filter.sensors, self.filter.actuators)]
+        known = [estimate for estimate in found if estimate.normal]
         if not known:
             raise InputError(
                 f"these records lack {self._start.missing}; an estimate starts from {START_READINGS} readings of each"
             )
-        flags = [
-            {name: np.array([name in sentences(estimate) for estimate in known]) for name in self.filter.sensors}
-            for sentences in (attrgetter("refused"), attrgetter("suspects"))
-        ]
-        mean = np.array([list(estimate.values.values()) for estimate in known])
-        covariance = np.array([estimate.covariance for estimate in known])
-        begun = dict.fromkeys(note for estimate in known for note in estimate.notes if note.startswith("At t = "))
+        refused, suspected = (
+            {name: np.array([name in getattr(one, kind) for one in known]) for name in self.filter.sensors}
+            for kind in ("refused", "suspects")
+        )
+        begun = dict.fromkeys(note for one in known for note in one.notes if note.startswith("At t = "))
         return EstimatedTrack(
-            np.array([estimate.t for estimate in known]), mean, covariance, self.filter.states.names,
-            np.array([estimate.ready for estimate in known]), flags[0], flags[1], False, (*self.notes, *begun),
+            np.array([one.t for one in known]), np.array([list(one.values.values()) for one in known]),
+            np.array([one.covariance for one in known]), self.filter.states.names,
+            np.array([one.ready for one in known]), refused, suspected, False, (*self.notes, *begun),
         )  # fmt: skip
 
     def smooth(self, records: Any) -> EstimatedTrack:
         """Estimate a whole record afterwards: each state from all readings, before and after it.
 
-        The uncertain coefficients are estimated together with the states, from the fit's covariance.
-
-        Parameters
-        ----------
-        records : DataFrame, Dataset or mapping of str to array
-            As for ``run``.
-
-        Returns
-        -------
-        EstimatedTrack
-            At the times of the record, from the first with enough readings to start.
-
-        Raises
-        ------
-        InputError
-            As for ``run``.
+        The uncertain coefficients are estimated together with the states, from the fit's covariance. Parameters and
+        errors are those of ``run``.
         """
         recorded = records_of(records, self.filter.sensors, self.filter.actuators)
-        track, resets = smooth(self.filter, recorded)
-        return replace(track, notes=(*self.notes, *map(AGROUND.format, resets)))
+        return smooth(self.filter, recorded, self.notes)
 
     def _collect_start(
         self, t: float, measured: dict[str, tuple[float, ...]], positions: dict[str, float], notes: list[str]
     ) -> Estimate:
         start = self._start
-        for name, last in self._last_reading.items():
-            if self._quiet(name, t - last):
-                start.readings.pop(name, None)  # Too old for a start
+        for name in self._silences(t):
+            start.readings.pop(name, None)  # Too old for a start
         late = max((self.filter.sensors[name].late for name in measured), default=0.0)
         start.add(t - late, measured)
         self._last_reading.update(dict.fromkeys(measured, t))
@@ -238,7 +203,7 @@ class Estimator(BaseSummary):
         first = Moment(
             t - late, start.state(t - late), self._indicated(positions, self.filter.at_rest), {}, self.filter.monitor()
         )
-        self._bank = FaultBank(self.filter, self._filters, t)
+        self._bank = FaultBank(self.filter, t)
         self._run = FilterRun(self.filter, [first], self._bank.horizon, self._bank.kept)
         return self._advance(t, {}, positions, notes)
 
@@ -261,25 +226,25 @@ class Estimator(BaseSummary):
         self._run, verdict = self._bank.test_hypotheses(self._run, {**measured, **indicated})
         self._verdict = verdict or self._verdict
         self._last = self.filter.adopt(self._run.last.state, self._run.filter)
-        return self._estimate(now, self._last, True, [*notes, *self._silences(now)], results)
+        notes += [f"No reading of {name} came for {time:.0f} s." for name, time in self._silences(now).items()]
+        return self._estimate(now, self._last, True, notes, results)
 
     def _indicated(self, positions: dict[str, float], before: np.ndarray) -> np.ndarray:
         """Return the positions of all actuators, unchanged without a reading."""
         both = zip(self.filter.actuators, before.tolist(), strict=True)
         return np.array([positions.get(name, last) for name, last in both], float)
 
-    def _silences(self, now: float) -> list[str]:
+    def _silences(self, now: float) -> dict[str, float]:
+        """Return for how long each silent sensor has been so [s]."""
         quiet = {name: now - self._last_reading.setdefault(name, now) for name in self.filter.sensors}
-        return [f"No reading of {n} came for {time:.0f} s." for n, time in quiet.items() if self._quiet(n, time)]
-
-    def _quiet(self, name: str, time: float) -> bool:
-        return not 0.0 <= time <= SILENT_PERIODS * self.filter.sensors[name].period
+        longest = {name: SILENT_PERIODS * sensor.period for name, sensor in self.filter.sensors.items()}
+        return {name: time for name, time in quiet.items() if not 0.0 <= time <= longest[name]}
 
     def _estimate(
         self, t: float, joint: Gaussian | None, ready: bool, notes: list[str], results: Sequence[UpdateResult] = ()
     ) -> Estimate:
         nis = {name: square for result in results for name, square in result.nis.items()}
-        faults = tuple(sorted(self._bank.faults)) if self._run else ()
+        faults = tuple(sorted(self._bank.faults))
         refused, surprising, drifting = (
             [name for result in results for name in getattr(result, kind)]
             for kind in ("refused", "surprising", "suspects")
@@ -294,6 +259,4 @@ class Estimator(BaseSummary):
         if not faults:
             self._verdict = ""
         suspects = tuple(dict.fromkeys([*(name for name in faults if name != MODEL), *drifting]))
-        size = len(self.filter.states)
-        state = None if joint is None else Gaussian(joint.mean[:size], joint.root[:size])
-        return Estimate(t, self.filter.states, state, ready, nis, tuple(refused), suspects, tuple(notes), joint, faults)
+        return Estimate(t, self.filter.states, joint, ready, nis, tuple(refused), suspects, tuple(notes), faults)

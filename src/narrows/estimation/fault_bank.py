@@ -16,43 +16,22 @@ from typing import NamedTuple
 
 import numpy as np
 
+from narrows.estimation import settings
 from narrows.estimation.filter_run import FilterRun, Moment, Readings, replay
-from narrows.estimation.sensors import is_white, slowed
-from narrows.estimation.settings import (
-    BANK_THRESHOLD,
-    DRIFT_ONSETS,
-    DRIFT_START,
-    DRIFT_THRESHOLD,
-    FAULT_PRIOR,
-    FAULT_STD,
-    JUDGE_WAIT,
-    LONGEST_FAULT,
-    REFUSED_PERIODS,
-    REPLAY_TIME,
-    RESTART_TIME,
-    SAME_TIME,
-    STEP_START,
-    STUCK_READINGS,
-    WHITENESS_MEMORY,
-    WHITENESS_READINGS,
-    WHITENESS_THRESHOLD,
-)
+from narrows.estimation.sensors import is_white
 from narrows.estimation.ship_filter import MODEL, ShipFilter
 from narrows.estimation.start import Start
-from narrows.estimation.unscented import Gaussian
 from narrows.simulation.ship_lanes import RUDDER
 
 Faults = frozenset[str]
 
 # Share of the sums of a whiteness test, and of their variance, that remains after a reading.
-WHITENESS_FADING = (1.0 - 1.0 / WHITENESS_MEMORY) ** np.array([1, 2, 1, 1])
+WHITENESS_FADING = (1.0 - 1.0 / settings.WHITENESS_MEMORY) ** np.array([1, 2, 1, 1])
 
 
 class Hypothesis(NamedTuple):
     faults: Faults
-    state: Gaussian  # State of the filter with these faults at the start of the window
-    moments: list[Moment]  # Moments of the window
-    run: FilterRun  # Filter run over them
+    run: FilterRun  # Filter with these faults, run over the moments of the window
     score: float  # Log-likelihood of all readings in the bank's window, less the penalty of the faults
     slow: Faults = frozenset()  # Sensors with slow errors that were not declared
     is_restart: bool = False  # True if it starts from readings and not from the estimate
@@ -76,13 +55,16 @@ class WhitenessTest:
         self.sums += innovation @ before, innovation.size, innovation @ innovation, innovation.size
         self.readings, self.last = self.readings + 1, innovation
         products, variance, squares, components = self.sums.tolist()
-        return products / math.sqrt(variance) * components / squares if self.readings >= WHITENESS_READINGS else 0.0
+        return (
+            products / math.sqrt(variance) * components / squares
+            if self.readings >= settings.WHITENESS_READINGS
+            else 0.0
+        )
 
 
 @dataclass
 class FaultBank:
     filter: ShipFilter  # Filter without faults
-    filters: dict[tuple[Faults, Faults], ShipFilter]  # Filters by faults and slow errors, kept from start to start
     t: float = 0.0  # Time of the start [s]
     faults: Faults = frozenset()  # Current faults: sensors, the rudder's indicator, the model
     slow: Faults = frozenset()  # Sensors with slow errors that were not declared
@@ -95,39 +77,30 @@ class FaultBank:
     def __post_init__(self) -> None:
         self.horizon = max(sensor.late for sensor in self.filter.sensors.values())  # Largest delay of a reading [s]
         self.scale = self.filter.time_scale
-        self.kept = max(self.horizon, REPLAY_TIME * self.scale)
-        self.filters.setdefault((frozenset(), frozenset()), self.filter)
+        self.wait, self.window = settings.JUDGE_WAIT * self.scale, settings.REPLAY_TIME * self.scale
+        self.kept = max(self.horizon, self.window)
         self._next = self._routine = self.t
         # Receivers without a slow error, neither declared nor found
         self._white = frozenset(name for name, one in self.filter.sensors.items() if is_white(one))
-
-    def faulty(self, faults: Faults, slow: Faults | None = None) -> ShipFilter:
-        """Return the filter with faults and undeclared slow errors, those found unless given."""
-        key = faults, self.slow if slow is None else slow
-        if key not in self.filters:
-            sensors = {name: slowed(one) if name in key[1] else one for name, one in self.filter.sensors.items()}
-            self.filters[key] = replace(self.filter, sensors=sensors, faults=faults)
-        return self.filters[key]
 
     def test_hypotheses(self, run: FilterRun, read: Readings) -> tuple[FilterRun, str]:
         """Return the run of the most likely hypothesis on new readings, and a sentence if the hypothesis changed."""
         t, coloured = run.last.t, self.slow | self._correlated(run)
         if coloured != self.slow:
-            state = self.faulty(self.faults, coloured).adopt(run.history[0].state, run.filter)
-            return self._switched_to(run, Hypothesis(self.faults, state, run.history, run, 0.0, coloured), t)
+            return self._switched_to(run, Hypothesis(self.faults, run, 0.0, coloured), t)
         refusing, drifting, stuck = self._refusing(run, t), self._drifting(run, t), self._stuck(read)
         routine = bool(stuck - self.faults or self.faults) and t >= self._routine
-        young = t - run.begun < REPLAY_TIME * self.scale
-        if t < max(self._next, run.begun + 2 * JUDGE_WAIT * self.scale) or not (refusing or drifting or routine):
+        young = t - run.begun < self.window
+        if t < max(self._next, run.begun + 2 * self.wait) or not (refusing or drifting or routine):
             return run, ""
-        self._next, self._routine = (t + wait * self.scale for wait in (JUDGE_WAIT, REPLAY_TIME))
+        self._next, self._routine = t + self.wait, t + self.window
         suspects = [one for one in self._suspects if refusing or drifting or one in stuck]
-        best = max(self._hypotheses(run, suspects, refusing, stuck), key=lambda one: one.score, default=None)
+        best = self._best_hypothesis(run, suspects, refusing, stuck)
         # A ship does not jump: a restart is for an estimate that was wrong from its start, or that no hypothesis
         # explains.
         unexplained = young or best is None or (refusing and _still_refused(best.run))
         restart = self._restart_hypothesis(run) if unexplained else None
-        cost = 0.0 if young else FAULT_PRIOR
+        cost = 0.0 if young else settings.FAULT_PRIOR
         if restart and (
             best is None
             or restart.score - cost > _likelihood(best.run, restart.run.begun) - _penalty_of_faults(best.faults)
@@ -139,16 +112,15 @@ class FaultBank:
 
     def _switched_to(self, run: FilterRun, best: Hypothesis, t: float) -> tuple[FilterRun, str]:
         """Return the run without the faulty sensors."""
-        own = self.faulty(best.faults & {RUDDER, MODEL}, best.slow)
-        state = own.adopt(best.state, self.faulty(best.faults, best.slow))
-        first = best.moments[0]._replace(state=state, monitor=own.monitor())
-        after = replay(own, first, best.moments[1:], self.horizon, self.kept, best.faults)
+        own, (first, *later) = self.filter.with_errors(best.faults & {RUDDER, MODEL}, best.slow), best.run.history
+        first = first._replace(state=own.adopt(first.state, best.run.filter), monitor=own.monitor())
+        after = replay(own, first, later, self.horizon, self.kept, best.faults)
         if after is None:
             return run, ""
         if not best.is_restart:
             after.begun = run.begun
             if own.states == run.filter.states:
-                before = bisect_left(run.history, first.t - SAME_TIME, key=lambda one: one.t)
+                before = bisect_left(run.history, first.t - settings.SAME_TIME, key=lambda one: one.t)
                 after.history[:0] = run.history[:before]
         said = _sentence(t, self.faults, best.faults, best.slow - self.slow, best.is_restart)
         self._since |= dict.fromkeys(best.faults - self.faults, t)
@@ -167,7 +139,7 @@ class FaultBank:
         for name in self._white - self.faults:
             test = self._whiteness.setdefault(name, WhitenessTest())
             innovations = [one.whitened[one.parts[name]] for one in run.results if name in one.parts]
-            if any(test.statistic(innovation) > WHITENESS_THRESHOLD for innovation in innovations):
+            if any(test.statistic(innovation) > settings.WHITENESS_THRESHOLD for innovation in innovations):
                 found.add(name)
         return frozenset(found)
 
@@ -181,64 +153,63 @@ class FaultBank:
                 else:
                     self._refused.pop(name, None)
         periods = ((t - since) / self.filter.sensors[name].period for name, since in self._refused.items())
-        return max(periods, default=0.0) >= REFUSED_PERIODS
+        return max(periods, default=0.0) >= settings.REFUSED_PERIODS
 
     def _drifting(self, run: FilterRun, t: float) -> bool:
         """Return whether a sensor drifts, or seemed to some readings ago: a step shows in the readings after it."""
         drift = max((result.drift_statistic for result in run.results), default=0.0)
-        if self._watched is None and drift > BANK_THRESHOLD and not self.faults:
+        if self._watched is None and drift > settings.BANK_THRESHOLD and not self.faults:
             self._watched = t
-        if self._watched is not None and t >= self._watched + JUDGE_WAIT * self.scale:
+        if self._watched is not None and t >= self._watched + self.wait:
             self._watched = None
             return True
-        return drift > DRIFT_THRESHOLD
+        return drift > settings.DRIFT_THRESHOLD
 
     def _stuck(self, read: Readings) -> Faults:
         """Sensors, or the rudder's indicator, with a constant value for long: either stuck, or the motion is steady."""
         for name, reading in read.items():
             value, count = self._same.get(name, (None, 0))
             self._same[name] = (reading, count + 1 if reading == value else 1)
-        return frozenset(name for name, (_, count) in self._same.items() if count >= STUCK_READINGS)
+        return frozenset(name for name, (_, count) in self._same.items() if count >= settings.STUCK_READINGS)
 
-    def _hypotheses(self, run: FilterRun, suspects: list[str], refusing: bool, stuck: Faults) -> list[Hypothesis]:
-        """Return the hypotheses: no change, one sensor sound again, a slow error, one more with a drift or a step."""
-        moments, t, before = run.history, run.last.t, self.faulty(self.faults)
-        begun, known = before.adopt(moments[0].state, run.filter), self.faults | stuck
-        base = self._scored(before, self.slow, begun, moments, known)
+    def _best_hypothesis(self, run: FilterRun, suspects: list[str], refusing: bool, stuck: Faults) -> Hypothesis | None:
+        """Return the best of: no change, one sensor sound again, a slow error, one more with a drift or a step."""
+        moments, t, known, same = run.history, run.last.t, self.faults | stuck, (self.faults, self.slow)
+        base = self._scored(*same, run.filter, moments, known)
         tried = [base]
         for one in self.faults - stuck:
-            lasting = base is not None and t - self._since[one] < LONGEST_FAULT * self.scale
+            lasting = base and t - self._since[one] < settings.LONGEST_FAULT * self.scale
             cost = self._occam_factor(one) if lasting and base and not self._small(base.run, one) else 0.0
-            own = self.faulty(self.faults - {one})
-            tried.append(self._scored(own, self.slow, own.adopt(begun, before), moments, known, cost))
+            tried.append(self._scored(self.faults - {one}, self.slow, run.filter, moments, known, cost))
         for one in self._white - self.faults:
-            own, slow = self.faulty(self.faults, self.slow | {one}), self.slow | {one}
-            tried.append(self._scored(own, slow, own.adopt(begun, before), moments, known, FAULT_PRIOR))
-        step = min(self._refused.values()) if refusing else t - JUDGE_WAIT * self.scale
-        onsets = [(t - ago * self.scale, DRIFT_START) for ago in DRIFT_ONSETS]
-        onsets.append((step, 1.0 if refusing else STEP_START))
-        if base is None:
-            return [one for one in tried if one]
-        for one in suspects:
-            own = self.faulty(self.faults | {one})
-            for onset, size in onsets if own is not before else ():
+            slow = self.slow | {one}
+            tried.append(self._scored(self.faults, slow, run.filter, moments, known, settings.FAULT_PRIOR))
+        onsets = [(t - ago * self.scale, settings.DRIFT_START) for ago in settings.DRIFT_ONSETS]
+        step = (min(self._refused.values()), 1.0) if refusing else (t - self.wait, settings.STEP_START)
+        onsets.append(step)
+        for one in [name for name in suspects if name not in self.faults] if base else ():
+            for onset, size in onsets:
                 place = max(bisect_left(moments, onset, key=lambda moment: moment.t) - 1, 0)
-                then = own.adopt(base.run.history[place].state, before, size)
                 cost = math.log(len(onsets)) + _likelihood(base.run, moments[place].t) - _likelihood(base.run)
-                tried.append(self._scored(own, self.slow, then, moments[place:], known, cost))
-        return [one for one in tried if one]
+                later = base.run.history[place:]
+                tried.append(self._scored(self.faults | {one}, self.slow, base.run.filter, later, known, cost, size))
+        return _most_likely(tried)
 
     def _scored(
-        self, own: ShipFilter, slow: Faults, state: Gaussian, moments: list[Moment], known: Faults, cost: float = 0.0
-    ) -> Hypothesis | None:
-        run = replay(own, moments[0]._replace(state=state, monitor=own.monitor()), moments[1:], self.horizon, self.kept)
-        score = _likelihood(run) - _penalty_of_faults(own.faults, known) - cost if run else 0.0
-        return Hypothesis(own.faults, state, moments, run, score, slow) if run else None
+        self, faults: Faults, slow: Faults, before: ShipFilter, moments: list[Moment], known: Faults, cost: float = 0.0,
+        size: float = 1.0,
+    ) -> Hypothesis | None:  # fmt: skip
+        """Run a filter over moments, from the first one's state of the filter before."""
+        own, (first, *later) = self.filter.with_errors(faults, slow), moments
+        state = own.adopt(first.state, before, size)
+        run = replay(own, first._replace(state=state, monitor=own.monitor()), later, self.horizon, self.kept)
+        score = _likelihood(run) - _penalty_of_faults(faults, known) - cost if run else 0.0
+        return Hypothesis(faults, run, score, slow) if run else None
 
     def _occam_factor(self, name: str) -> float:
         """Log-likelihood [1] that a filter gains by having no wide error of a sensor, whether right or wrong."""
         numbers = len(self.filter.sensors[name].fields) if name in self.filter.sensors else 1
-        return FAULT_PRIOR + numbers * math.log(FAULT_STD)
+        return settings.FAULT_PRIOR + numbers * math.log(settings.FAULT_STD)
 
     def _small(self, run: FilterRun, name: str) -> bool:
         """Return whether the error of a sensor is as small as its noise again."""
@@ -250,7 +221,7 @@ class FaultBank:
 
     def _restart_hypothesis(self, run: FilterRun) -> Hypothesis | None:
         """Return the most likely restart from recent readings, without the previous state."""
-        since = min(self._refused.values(), default=run.last.t - RESTART_TIME * self.scale)
+        since = min(self._refused.values(), default=run.last.t - settings.RESTART_TIME * self.scale)
         recent = [one for one in run.history if one.t >= since]
         start = Start(self.filter)
         while start.missing and recent:
@@ -262,28 +233,34 @@ class FaultBank:
         placing = [name for name, sensor in sensors if "x" in sensor.start((0.0,) * len(sensor.fields))]
         suspects = [one for one in self._suspects if one not in placing or len(placing) > 1]
         sets: list[Faults] = [frozenset(), *(frozenset({one}) for one in suspects)]
-        begun = ((one, replace(start, filter=self.faulty(one)).state(first.t)) for one in sets)
-        moments = [first, *recent]
-        tried = [self._scored(self.faulty(one), self.slow, state, moments, self.faults) for one, state in begun]
-        best = max((one for one in tried if one), key=lambda one: one.score, default=None)
+        tried = []
+        for faults in sets:
+            own = self.filter.with_errors(faults, self.slow)
+            begun = first._replace(state=replace(start, filter=own).state(first.t))
+            tried.append(self._scored(faults, self.slow, own, [begun, *recent], self.faults))
+        best = _most_likely(tried)
         return best._replace(is_restart=True) if best else None
+
+
+def _most_likely(tried: list[Hypothesis | None]) -> Hypothesis | None:
+    return max((one for one in tried if one), key=lambda one: one.score, default=None)
 
 
 def _still_refused(run: FilterRun) -> bool:
     """Return whether a sensor contradicts a run until its end."""
     names = {name for result in run.results for name in result.nis}
-    recent = {name: [one for one in run.results if name in one.nis][-int(REFUSED_PERIODS) :] for name in names}
+    recent = {name: [one for one in run.results if name in one.nis][-int(settings.REFUSED_PERIODS) :] for name in names}
     return any(all(name in (*one.refused, *one.surprising) for one in last) for name, last in recent.items())
 
 
 def _likelihood(run: FilterRun, since: float = -math.inf) -> float:
     """Log-likelihood of the readings after a time."""
-    return math.fsum(result.log_likelihood for result in run.results if result.t > since + SAME_TIME)
+    return math.fsum(result.log_likelihood for result in run.results if result.t > since + settings.SAME_TIME)
 
 
 def _penalty_of_faults(faults: Faults, known: Faults = frozenset()) -> float:
     """Return the penalty of faults without other evidence."""
-    return FAULT_PRIOR * len(faults - known) * len(faults)
+    return settings.FAULT_PRIOR * len(faults - known) * len(faults)
 
 
 def _sentence(t: float, before: Faults, after: Faults, slow: Faults, is_restart: bool) -> str:

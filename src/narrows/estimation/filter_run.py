@@ -12,6 +12,7 @@ from narrows.estimation.ship_filter import MotionStep, ShipFilter, UpdateResult
 from narrows.estimation.unscented import Gaussian
 
 Readings = dict[str, tuple[float, ...]]
+AGROUND = "At t = {:g} s the estimate lay in a bank or beyond the waterway: it begins anew."
 
 
 class Moment(NamedTuple):

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
@@ -10,18 +10,8 @@ import numpy as np
 
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError
-from narrows.estimation.sensors import RudderIndicator, Sensor, error_states
-from narrows.estimation.settings import (
-    DRIFT_MEMORIES,
-    DRIFT_MOST_INNOVATION,
-    DRIFT_THRESHOLD,
-    GROSS_ERROR_NIS,
-    MODEL_FAULT,
-    REFERENCE_LENGTH,
-    RUDDER_FAULT_STD,
-    RUDDER_FAULT_TIME,
-    STEPS_A_PERIOD,
-)
+from narrows.estimation import settings
+from narrows.estimation.sensors import RudderIndicator, Sensor, error_states, slowed
 from narrows.estimation.states import MOTION_STATES, STATES, Columns, MarkovProcess, Prior, ProcessNoise, StateNames
 from narrows.estimation.unscented import (
     Gaussian,
@@ -42,7 +32,7 @@ if TYPE_CHECKING:
 MODEL = "model"
 Coefficients = Literal["certain", "estimated"]
 Readings = Mapping[str, Sequence[float]]
-MEMORIES = np.array(DRIFT_MEMORIES)
+MEMORIES = np.array(settings.DRIFT_MEMORIES)
 # Velocity through the water that a change of each current makes.
 WATER_VELOCITIES = {"current": "u", "current_across": "v"}
 
@@ -135,7 +125,7 @@ class ShipFilter:
         return {
             "v": prior.sway, "r": prior.yaw_rate, "bank": prior.bank, "current": prior.current,
             "current_across": prior.current_across,
-            "rudder_bias": RUDDER_FAULT_STD if RUDDER in self.faults else rudder,
+            "rudder_bias": settings.RUDDER_FAULT_STD if RUDDER in self.faults else rudder,
             **{name: std for name, (_, std, _) in self.errors.items()},
         }  # fmt: skip
 
@@ -144,16 +134,16 @@ class ShipFilter:
         """Random walk of each state per root second, and its correlation time [s]."""
         walks = {name: (walk, math.inf) for name, walk in self.noise.by_state().items()}
         if MODEL in self.faults:
-            walks |= {name: (MODEL_FAULT * walks[name][0], math.inf) for name in ("u", "v", "r")}
+            walks |= {name: (settings.MODEL_FAULT * walks[name][0], math.inf) for name in ("u", "v", "r")}
         slow = {name: (std, time) for name, (_, std, time) in self.errors.items()}
         if RUDDER in self.faults:
-            slow["rudder_bias"] = (RUDDER_FAULT_STD, RUDDER_FAULT_TIME * self.time_scale)
+            slow["rudder_bias"] = (settings.RUDDER_FAULT_STD, settings.RUDDER_FAULT_TIME * self.time_scale)
         return walks | {name: (std * math.sqrt(2.0 / time), time) for name, (std, time) in slow.items()}
 
     @property
     def time_scale(self) -> float:
         """Times of this ship over those of the reference ship [1]."""
-        return math.sqrt(self.model.configuration.ship.length / REFERENCE_LENGTH)
+        return math.sqrt(self.model.configuration.ship.length / settings.REFERENCE_LENGTH)
 
     @cached_property
     def states(self) -> StateNames:
@@ -218,6 +208,17 @@ class ShipFilter:
     @cached_property
     def lanes(self) -> ShipLanes:
         return ShipLanes(self.ship, self.states.names, 1 + 2 * self.pairs, self.waterway)
+
+    def with_errors(self, faults: frozenset[str], slow: frozenset[str]) -> "ShipFilter":
+        """Return the filter with faults, and with slow errors of some sensors; each is made once."""
+        if (faults, slow) not in self._others:
+            sensors = {name: slowed(one) if name in slow else one for name, one in self.sensors.items()}
+            self._others[faults, slow] = replace(self, sensors=sensors, faults=faults)
+        return self._others[faults, slow]
+
+    @cached_property
+    def _others(self) -> dict[tuple[frozenset[str], frozenset[str]], "ShipFilter"]:
+        return {(frozenset(), frozenset()): self}
 
     def monitor(self) -> np.ndarray:
         """Return empty sums of innovations: they grow for a drifting sensor, although each one passes its gate."""
@@ -289,11 +290,11 @@ class ShipFilter:
             innovation[angle] = math.remainder(innovation[angle], 2.0 * math.pi)
         now, whitened, tests, agree, likelihood = update(
             now, np.concatenate((rows, layout.noise)), innovation, *layout.tests, monitor, MEMORIES,
-            DRIFT_MOST_INNOVATION, GROSS_ERROR_NIS,
+            settings.DRIFT_MOST_INNOVATION, settings.GROSS_ERROR_NIS,
         )  # fmt: skip
         nis, odd, drift = tests.tolist()
         wrong = tuple(name for name, exceeds in zip(readings, odd, strict=True) if exceeds)
-        suspects = tuple(name for name, one in zip(readings, drift, strict=True) if one > DRIFT_THRESHOLD)
+        suspects = tuple(name for name, one in zip(readings, drift, strict=True) if one > settings.DRIFT_THRESHOLD)
         squared = dict(zip(readings, nis, strict=True))
         refused, surprising = ((), wrong) if agree else (wrong, ())
         return now, UpdateResult(
@@ -349,4 +350,4 @@ def gate(probability: float, size: int) -> float:
 
 def default_step(model: Model) -> float:
     """Return the longest step that resolves the motion [s]."""
-    return math.sqrt(model.configuration.ship.length / GRAVITY) / STEPS_A_PERIOD
+    return math.sqrt(model.configuration.ship.length / GRAVITY) / settings.STEPS_A_PERIOD

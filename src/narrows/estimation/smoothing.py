@@ -3,29 +3,39 @@
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from narrows.errors import InputError
 from narrows.estimation.estimate import EstimatedTrack
-from narrows.estimation.filter_run import FilterRun, Moment, Readings
-from narrows.estimation.records import Records
+from narrows.estimation.filter_run import AGROUND, FilterRun, Moment, Readings
+from narrows.estimation.records import rows_of
 from narrows.estimation.settings import START_READINGS
 from narrows.estimation.ship_filter import MotionStep, ShipFilter
 from narrows.estimation.start import Start
 from narrows.estimation.unscented import Gaussian
 
+if TYPE_CHECKING:
+    import pandas as pd
 
-def smooth(filter: ShipFilter, records: Records) -> tuple[EstimatedTrack, list[float]]:
-    """Return states by all readings, before and after, and the times at which the estimate lay in a bank [s]."""
+
+def smooth(filter: ShipFilter, records: "pd.DataFrame", notes: tuple[str, ...]) -> EstimatedTrack:
+    """Return states by all readings, before and after; where the estimate lay in a bank it begins anew."""
     # The coefficients are states too, with the fit's covariance as prior: a whole record may correct them.
-    joint, count, size = replace(filter, coefficients="estimated", memory=math.inf), len(records.t), len(filter.states)
+    joint, count, size = replace(filter, coefficients="estimated", memory=math.inf), len(records), len(filter.states)
     refused, suspected = ({name: np.zeros(count, bool) for name in filter.sensors} for _ in range(2))
-    start, run, resets, positions = Start(joint), None, list[float](), _positions(joint, records)
+    held = (
+        records[list(filter.actuators)]
+        .ffill()
+        .fillna(dict(zip(filter.actuators, joint.at_rest, strict=True)))
+        .to_numpy()
+    )
+    start, run, times = Start(joint), None, records.index.to_numpy()
     # Filter runs between resets, with the rows of the records and the places of their moments in the run's history.
-    runs: list[tuple[FilterRun, list[int], list[int]]] = []
+    runs: list[tuple[FilterRun, list[tuple[int, int]]]] = []
     for t, readings, rows, row in _events(joint, records):
-        at = np.array([np.interp(t, records.t, column) for column in positions.T])
+        at = np.array([np.interp(t, times, column) for column in held.T])
         if run and run.advance(t, at, readings):
             for result in run.results:
                 for flags, names in ((refused, result.refused), (suspected, result.suspects)):
@@ -34,51 +44,42 @@ def smooth(filter: ShipFilter, records: Records) -> tuple[EstimatedTrack, list[f
             run.results.clear()
         else:
             if run:
-                resets.append(t)
-                run, start = None, Start(joint)
+                notes, run, start = (*notes, AGROUND.format(t)), None, Start(joint)
             start.add(t, readings)
             if start.missing:
                 continue
             run = FilterRun(joint, [Moment(t, start.state(t), at, {}, joint.monitor())], 0.0, math.inf)
-            runs.append((run, [], []))
+            runs.append((run, []))
         if row >= 0:
-            runs[-1][1].append(row)
-            runs[-1][2].append(len(run.history) - 1)
+            runs[-1][1].append((row, len(run.history) - 1))
     if not runs:
-        missing = f"these records lack {start.missing}"
-        raise InputError(f"{missing}; an estimate starts from {START_READINGS} readings of each")
+        raise InputError(
+            f"these records lack {start.missing}; an estimate starts from {START_READINGS} readings of each"
+        )
     mean, covariance = np.full((count, size), np.nan), np.full((count, size, size), np.nan)
-    for run, numbers, moments in runs:
+    for run, places in runs:
         back = smoothed([step for moment in run.history for step in moment.steps], run.last.state)
         until = np.cumsum([len(moment.steps) for moment in run.history])
-        for row, moment in zip(numbers, moments, strict=True):
+        for row, moment in places:
             mean[row], covariance[row] = back[until[moment]][0][:size], back[until[moment]][1][:size, :size]
     known = np.isfinite(mean[:, 0])
     mean[:, 2] = (mean[:, 2] + np.pi) % (2 * np.pi) - np.pi
     refused, suspected = ({name: flag[known] for name, flag in by.items()} for by in (refused, suspected))
-    ready = np.ones(int(known.sum()), bool)
-    names = filter.states.names
-    track = EstimatedTrack(records.t[known], mean[known], covariance[known], names, ready, refused, suspected, True, ())
-    return track, resets
+    t, ready = times[known], np.ones(known.sum(), bool)
+    return EstimatedTrack(
+        t, mean[known], covariance[known], filter.states.names, ready, refused, suspected, True, notes
+    )
 
 
-def _events(filter: ShipFilter, records: Records) -> list[tuple[float, Readings, dict[str, int], int]]:
+def _events(filter: ShipFilter, records: "pd.DataFrame") -> list[tuple[float, Readings, dict[str, int], int]]:
     """Times of measurement in order: the readings, their rows, and the row that needs the state there, or -1."""
     found: dict[float, tuple[Readings, dict[str, int], int]] = {}
-    for row, (t, measured, _) in enumerate(records.rows()):
+    for row, (t, measured) in enumerate(rows_of(records, filter.sensors, ())):
         found[t] = (*found.get(t, ({}, {}))[:2], row)
         for name, reading in measured.items():
             readings, rows, _ = found.setdefault(t - filter.sensors[name].late, ({}, {}, -1))
-            readings[name], rows[name] = tuple(reading.tolist()), row
+            readings[name], rows[name] = reading, row
     return [(t, *found[t]) for t in sorted(found)]
-
-
-def _positions(filter: ShipFilter, records: Records) -> np.ndarray:
-    """Latest indicated positions, (rows, actuators); at rest before."""
-    import pandas as pd
-
-    columns = pd.DataFrame(records.positions, range(len(records.t)), list(filter.actuators), float)
-    return columns.ffill().fillna(dict(zip(filter.actuators, filter.at_rest, strict=True))).to_numpy()
 
 
 def smoothed(steps: Sequence[MotionStep], last: Gaussian) -> list[tuple[np.ndarray, np.ndarray]]:
