@@ -12,6 +12,7 @@ systems, IEEE Transactions on Automatic Control 21. Time-outs, and a restart aft
 import math
 from bisect import bisect_left
 from dataclasses import dataclass, field, replace
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -187,8 +188,8 @@ class FaultBank:
         onsets = [(t - ago * self.scale, settings.DRIFT_START) for ago in settings.DRIFT_ONSETS]
         step = (min(self._refused.values()), 1.0) if refusing else (t - self.wait, settings.STEP_START)
         onsets.append(step)
-        for one in [name for name in suspects if name not in self.faults] if base else ():
-            for onset, size in onsets:
+        for one, (onset, size) in product(suspects, onsets):
+            if base and one not in self.faults:
                 place = max(bisect_left(moments, onset, key=lambda moment: moment.t) - 1, 0)
                 cost = math.log(len(onsets)) + _likelihood(base.run, moments[place].t) - _likelihood(base.run)
                 later = base.run.history[place:]
