@@ -13,9 +13,8 @@ from common import installed, median_seconds, show, sizes
 from scipy.optimize import lsq_linear
 
 import narrows as nw
-from narrows.identification.design_matrix import DesignMatrix
 from narrows.identification.least_squares import reduced, solve
-from narrows.identification.normal_equations import NormalEquations, accumulate, products
+from narrows.identification.normal_equations import DesignMatrix, NormalEquations, accumulate, products
 
 
 def formed(tests: nw.CaptiveTests) -> tuple[DesignMatrix, np.ndarray]:

@@ -319,7 +319,7 @@ class Doors:
         nw.ensemble(DTC, **{"duration": 0.05, **given(f"{STARTS} {VARIED} {more}", chance)})
 
     def identify(self, chance: random.Random) -> None:
-        names = ["terms", "balance", "split", "seed"]
+        names = ["terms", "balance", "accelerations", "pool"]
         nw.identify(TESTS, **{name: anything(chance) for name in chance.sample(names, chance.choice([1, 2]))})
 
     def scale(self, chance: random.Random) -> None:

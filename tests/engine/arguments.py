@@ -414,8 +414,8 @@ class Table:
     def identification(self) -> dict[str, Entry]:
         own = {"tests": short_twin()}
         conditions = nw.measured_tests("kcs")
-        fitted = {"tests": other_tests(), "terms": "speed", "balance": "rows", "split": "random",
-                  "seed": under(3, split="random"), "accelerations": "motion",
+        fitted = {"tests": other_tests(), "terms": "speed", "balance": "rows",
+                  "accelerations": "motion",
                   "errors": nw.RunErrors(gain=0.05), "pool": under("depth", tests=conditions, terms="paper+keel_gap"),
                   "pass_over": refused((), tests=turned(), base=("rudder",))}  # fmt: skip
         plan = {"configuration": paper().configuration, "runs": 2}

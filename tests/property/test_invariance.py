@@ -49,13 +49,12 @@ def test_order_of_tests(order: list[int]) -> None:
 
 @given(rows=BLOCKS)
 @settings(max_examples=3)
-@pytest.mark.parametrize("split", ["test", "random"])
-def test_size_of_blocks(rows: int, split: str) -> None:
+def test_size_of_blocks(rows: int) -> None:
     tests = short_twin()
-    whole = nw.identify(tests, split=split)
+    whole = nw.identify(tests)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("narrows.captive.tests.BLOCK_ROWS", rows)
-        assert_same(whole, nw.identify(tests, split=split))
+        assert_same(whole, nw.identify(tests))
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
@@ -68,13 +67,12 @@ def test_streamed_is_in_memory(
     path = written(frame_of(tests), tmp_path / f"t{suffix}")
     monkeypatch.setattr("narrows.captive.tests.BLOCK_ROWS", rows)
     whole, streamed = nw.read_captive(path, tests.configuration), nw.stream_captive(path, tests.configuration)
-    for split in ("test", "random"):
-        one, other = nw.identify(whole, split=split), nw.identify(streamed, split=split)
-        assert_same(one, other)
-        assert other.motions.labels == one.motions.labels
-        for kind in ("mse", "mean_abs", "lmg"):
-            for force, shares in one.shapley(kind).items():
-                assert other.shapley(kind)[force] == pytest.approx(shares, rel=1e-7, abs=1e-12)
+    one, other = nw.identify(whole), nw.identify(streamed)
+    assert_same(one, other)
+    assert other.motions.labels == one.motions.labels
+    for kind in ("mse", "mean_abs", "lmg"):
+        for force, shares in one.shapley(kind).items():
+            assert other.shapley(kind)[force] == pytest.approx(shares, rel=1e-7, abs=1e-12)
 
 
 def test_table_in_memory_or_from_disk(short: nw.CaptiveTests, tmp_path: Path) -> None:

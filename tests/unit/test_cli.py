@@ -79,14 +79,12 @@ def test_options_reach_the_fit(ship_file: Path, tmp_path: Path, cli) -> None:
     path = written(frame_of(short_twin(4, many_runs())), tmp_path / "t.parquet")
     tests = nw.read_captive(path, ship_file)
     for words, options in (
-        (["--split", "random", "--seed", "5"], {"split": "random", "seed": 5}),
         (["--balance", "rows"], {"balance": "rows"}),
         (["--terms", "tapered"], {"terms": nw.TAPERED}),
     ):
         shown = json.loads(cli("identify", path, "--ship", ship_file, "--json", *words)[1])
         fit = nw.identify(tests, **options)
         assert shown["coefficients"]["b_bank"]["value"] == fit.coefficients["b_bank"]
-        assert shown["split"] == fit.split
     fast = json.loads(cli("identify", path, "--ship", ship_file, "--where", "u > 0.9", "--json")[1])
     assert {own["most_informing"] for own in fast["influence"].values()} <= {
         name for name in tests.names if tests.test(name)["u"][0] > 0.9

@@ -120,7 +120,7 @@ def test_absent_files_and_folders(ship_file: Path, tmp_path: Path, table: pd.Dat
         ("identify", tmp_path / "no.csv", "--ship", ship_file),
         ("identify", path, "--ship", tmp_path / "no.toml"),
         ("identify", path, "--ship", ship_file, "-o", tmp_path / "no" / "m.toml"),
-        ("identify", path, "--ship", ship_file, "--split", "tset"),
+        ("identify", path, "--ship", ship_file, "--balance", "tset"),
         ("identify", path, "--ship", ship_file, "--condition", "deep"),
         ("identify", path, "--ship", ship_file, "--terms", "papr"),
         ("identify", path, "--ship", ship_file, "--where", "speed > 1"),

@@ -5,9 +5,8 @@ import pytest
 
 import narrows as nw
 from narrows.identification.collinearity import diagnose
-from narrows.identification.design_matrix import ONE
 from narrows.identification.motions import distinct_motions
-from narrows.identification.normal_equations import accumulate, products
+from narrows.identification.normal_equations import ONE, accumulate, products
 from tables import many_runs, short_twin
 
 

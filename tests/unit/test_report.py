@@ -83,8 +83,3 @@ def test_a_streamed_fit_has_a_report_without_rows(short: nw.CaptiveTests, ship_f
     fit = nw.identify(nw.stream_captive(written(frame_of(short), tmp_path / "t.csv"), ship_file))
     write_report({"": fit}, tmp_path / "r.html")
     assert (tmp_path / "r.html").read_text().count("<figure") == 7
-
-
-def test_a_random_split_has_a_report(short: nw.CaptiveTests, tmp_path: Path) -> None:
-    write_report({"": nw.identify(short, split="random")}, tmp_path / "r.html")
-    assert "drawn at random with seed 0" in (tmp_path / "r.html").read_text()

@@ -1,8 +1,8 @@
 """Captive tests: tables and raw records in, checked columns in SI out."""
 
+from narrows.captive.read import concat as concat
 from narrows.captive.read import read_captive as read_captive
 from narrows.captive.read import stream_captive as stream_captive
-from narrows.captive.split import concat as concat
 from narrows.captive.synthetic import HarmonicRun as HarmonicRun
 from narrows.captive.synthetic import StraightRun as StraightRun
 from narrows.captive.synthetic import twin as twin

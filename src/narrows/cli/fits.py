@@ -45,8 +45,6 @@ SIMULATED_SPEEDS = (0.7, 1.0)  # [m/s]
 
 @dataclass(frozen=True)
 class FittingOptions:
-    split: Annotated[str, Option(help="Validation data: each 'test' in turn, or 'random' rows.")] = "test"
-    seed: Annotated[int, Option(help="Seed of the random split.")] = 0
     balance: Annotated[str, Option(help="Units of equal weight: 'tests' of any length, or 'rows'.")] = "tests"
     terms: TermsName = "paper"
     accelerations: Annotated[
@@ -63,7 +61,7 @@ class FittingOptions:
         from narrows.terms.tables import table_named
 
         read = {"terms": table_named(self.terms), "pass_over": tuple(filter(None, self.pass_over.split(",")))}
-        plain = {name: getattr(self, name) for name in ("split", "seed", "balance", "accelerations", "pool")}
+        plain = {name: getattr(self, name) for name in ("balance", "accelerations", "pool")}
         return {**plain, **read, "errors": run_errors_of(self.run_errors)}
 
 

@@ -108,7 +108,7 @@ class BankSummary:
 
 def summarise_bank(fit: Fit) -> BankSummary:
     """Summarise the bank coefficients of a fit, with its terms and with those that predict left-out tests best."""
-    comparable = isinstance(fit.tests, CaptiveTests) and bank_names(fit) and fit.split == "test"
+    comparable = isinstance(fit.tests, CaptiveTests) and bank_names(fit)
     return BankSummary(fit, preferred_fit(fit) if comparable else None)
 
 

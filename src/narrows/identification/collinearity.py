@@ -7,10 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from narrows.identification.design_matrix import ONE
 from narrows.identification.least_squares import RANK_TOLERANCE
 from narrows.identification.motions import DistinctMotions
-from narrows.identification.normal_equations import NormalEquations
+from narrows.identification.normal_equations import ONE, NormalEquations
 from narrows.terms.term import Term, TermTable
 
 # A column takes part in a direction of unit length where its share is larger than this.

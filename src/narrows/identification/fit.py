@@ -11,11 +11,10 @@ import numpy as np
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.identification import shapley
 from narrows.identification.collinearity import Diagnostics
-from narrows.identification.design_matrix import ONE, DesignMatrix
 from narrows.identification.estimates import CoefficientEstimates, estimates
 from narrows.identification.least_squares import Problem, Solution
 from narrows.identification.motions import DistinctMotions, distinct_motions
-from narrows.identification.normal_equations import NormalEquations, Score, score
+from narrows.identification.normal_equations import ONE, DesignMatrix, NormalEquations, Score, score
 from narrows.identification.plausibility import implausible, unmodelled_rudder
 from narrows.identification.prediction import Prediction
 from narrows.identification.resampling import (
@@ -53,9 +52,7 @@ class Fit(Prediction):
     problem : Problem
         The terms, their bounds and ties.
     left_out : mapping of str to Score
-        R2 and RMSE of each force on rows left out.
-    split : str
-        Rows left out: ``test``, those of each distinct motion in turn, or ``random``.
+        R2 and RMSE of each force on distinct motions left out in turn.
     data_range : DataRange
         Ranges that the rows cover.
     errors : RunErrors
@@ -71,7 +68,6 @@ class Fit(Prediction):
     normal_equations: NormalEquations
     problem: Problem
     left_out: Mapping[str, Score]
-    split: str
     data_range: DataRange
     errors: RunErrors
 
@@ -281,14 +277,13 @@ class Fit(Prediction):
                 for speed, by_force in self.diagnostics.by_speed.items()
             ],
             "shapley": {kind: self.shapley(kind) for kind in shapley.KINDS},
-            "kkt": self.solution.kkt.to_dict(),
+            "kkt": {"satisfied": self.solution.kkt.satisfied, **self.solution.kkt._asdict()},
             "influence": {
                 name: {"most_informing": share.idxmax(), "share": float(share.max())}
                 for name, share in self.influence.items()
             },
             "predictiveness": [asdict(one) for one in self.predictiveness],
             "error_scales": self.error_scales,
-            "split": self.split,
             "implausible": list(self.implausible),
             "notes": list(self.notes),
         }

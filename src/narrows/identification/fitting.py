@@ -9,9 +9,8 @@ from narrows.aliases import accept_aliases
 from narrows.captive.accelerations import CHOICES, Accelerations, with_accelerations
 from narrows.captive.measured import measured_files
 from narrows.captive.read import as_tests, read_captive
-from narrows.captive.split import random_split
 from narrows.captive.tests import CaptiveTests, Tests
-from narrows.errors import InputError, check_choice, check_count, did_you_mean, shown
+from narrows.errors import InputError, check_choice, did_you_mean, shown
 from narrows.identification.fit import Fit
 from narrows.identification.least_squares import reduced
 from narrows.identification.motions import distinct_motions, numbered
@@ -25,7 +24,6 @@ from narrows.terms.additions import pooled
 from narrows.terms.tables import PAPER, STEERED, table_named
 from narrows.terms.term import TermTable
 
-Split = Literal["test", "random"]
 Pool = Literal["depth"]
 # Stretches of each test: their scatter about a fit to it gives the noise.
 PIECES = 8
@@ -39,7 +37,6 @@ CONDITION, DENSITY = "C0101A02", 1025.0
 @accept_aliases
 def identify(
     tests: Any, terms: TermTable | str = PAPER, balance: Balance = "tests",
-    split: Split = "test", seed: int = 0,
     accelerations: Accelerations = "checked", errors: RunErrors = DEFAULT_ERRORS, pass_over: Sequence[str] = (),
     pool: Pool | None = None, ship: ShipSource | None = None,
 ) -> Fit:  # fmt: skip
@@ -57,11 +54,6 @@ def identify(
     balance : str
         ``tests``: each test counts alike, a static run of one averaged row as much as a harmonic one of thousands;
         ``rows``: each row does, as in the paper.
-    split : str
-        ``test``: fit on every row, check on each distinct motion left out in turn, its repeats with it; ``random``:
-        fit on a seeded random 80 % of the rows, check on the rest, as the paper does.
-    seed : int
-        Seed of the random split.
     accelerations : str
         ``checked``: where the measured ones stray from a periodic or straight motion with time, those of the motion are
         taken, and ``notes`` say so; ``motion``: wherever the motion gives them; ``measured``: never.
@@ -92,9 +84,7 @@ def identify(
     >>> bool(fit["b_vdot"] > 0)
     True
     """
-    check_choice("split", split, get_args(Split))
     check_choice("balance", balance, get_args(Balance))
-    check_count("seed", seed)
     check_choice("accelerations", accelerations, CHOICES)
     tests = as_tests(tests, ship)
     terms = table_named(terms) if isinstance(terms, str) else terms
@@ -108,23 +98,19 @@ def identify(
         check_choice("pass_over", name, ("rudder",))
     if isinstance(tests, CaptiveTests):
         tests = with_accelerations(tests, accelerations)
-    fitted, checked = random_split(tests, seed=seed) if split == "random" else (tests, None)
-    equations, data_range = accumulate(fitted, terms, PIECES, balance)
-    rudder = unmodelled_rudder(fitted, equations, terms)
+    equations, data_range = accumulate(tests, terms, PIECES, balance)
+    rudder = unmodelled_rudder(tests, equations, terms)
     if rudder and "rudder" not in pass_over:
         raise InputError(f"{rudder}, or fit all the same (--pass-over rudder, in Python pass_over='rudder')")
     if len(equations.tests) < 2:
         raise InputError(f"one row of test {equations.tests[0]} is all there is; standard errors need two or more")
     problem = reduced(equations, terms)
     motions = distinct_motions(equations)
-    if checked is not None:
-        rest, _ = accumulate(checked, terms, balance=balance)
-        left_out = score(rest, rest.total[None], terms, problem.fits(equations.total[None]))
-    elif len(motions) > 1:
+    if len(motions) > 1:
         left_out = score(equations, motions.sums, terms, problem.fits(motions.without))
     else:
         left_out = {force: Score(float("nan"), float("nan")) for force, part in terms.forces.items() if part}
-    return Fit(fitted, equations, problem, left_out, split, data_range, errors)
+    return Fit(tests, equations, problem, left_out, data_range, errors)
 
 
 def depths_of(tests: Tests) -> list[float]:

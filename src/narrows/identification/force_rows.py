@@ -5,10 +5,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from narrows.identification.design_matrix import ONE
 from narrows.identification.least_squares import Problem
 from narrows.identification.motions import DistinctMotions
-from narrows.identification.normal_equations import NormalEquations
+from narrows.identification.normal_equations import ONE, NormalEquations
 from narrows.terms.term import Term
 
 # Squared size of a direction over that of the columns: a smaller one is noise of the motion [1].

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -93,8 +94,7 @@ def free_parameters(terms: TermTable) -> dict[str, int]:
     return {name: order.index(head) for name, head in leader.items()}
 
 
-@dataclass(frozen=True)
-class Kkt:
+class Kkt(NamedTuple):
     """Residuals of the Karush-Kuhn-Tucker conditions, relative to the largest entry of g."""
 
     stationarity: float  # Largest gradient among the free parameters [1]
@@ -103,16 +103,11 @@ class Kkt:
 
     @property
     def satisfied(self) -> bool:
-        """Whether each is under the tolerance of 1e-8."""
-        return max(self.stationarity, self.multiplier, self.infeasibility) <= KKT_TOLERANCE
-
-    def to_dict(self) -> dict[str, bool | float]:
-        """Give whether they are met, and how well."""
-        return {"satisfied": self.satisfied, "stationarity": self.stationarity, "multiplier": self.multiplier}
+        """Whether each is within tolerance."""
+        return max(self) <= KKT_TOLERANCE
 
 
-@dataclass(frozen=True)
-class Solution:
+class Solution(NamedTuple):
     """Solution of the bounded least-squares problem."""
 
     z: np.ndarray  # (p,) Scaled parameters

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from narrows.captive.tests import CaptiveTests, Tests
-from narrows.identification.design_matrix import ONE
-from narrows.identification.normal_equations import NormalEquations, score
+from narrows.identification.normal_equations import ONE, NormalEquations, score
 from narrows.model.froude import ittc57
 from narrows.model.masses import added_sway, added_yaw, ship_inertia, ship_mass, wetted_surface
 from narrows.terms.term import TermKind, TermTable
@@ -47,7 +46,7 @@ def implausible(fit: Any) -> tuple[str, ...]:
     rejected = [name for name, held in zip(names, fit.estimates.held, strict=True) if held]
     sentences = (
         *(f"{force} of the other sign fits far better: is {AXES[force]}?" for force in turned),
-        *([] if "X" in turned else [push_sentence(fit), drag_sentence(fit)]),
+        "" if "X" in turned else surge_sentence(fit),
         "" if turned else bank_sentence(fit.terms, known),
         *(mass_sentence(fit, known, *mass) for mass in MASSES if mass[0] not in turned),
         rudder_sentence(fit.terms, rejected),
@@ -67,32 +66,25 @@ def fits_reversed(fit: Any, force: str) -> bool:
     return score(equations, other, fit.terms, again)[force].rmse < CLEARLY * now
 
 
-def push_sentence(fit: Any) -> str:
-    """Warn that X pushes the ship ahead, run by run; empty where it resists, or a propeller is modelled."""
-    propelled = any(actuator.name == "revolutions" for actuator in fit.terms.actuators)
-    if not fit.terms.forces["X"] or propelled or not isinstance(fit.tests, CaptiveTests):
+def surge_sentence(fit: Any) -> str:
+    """Warn that X pushes the ship ahead, run by run, or resists less than its friction; empty where a propeller may."""
+    tests, ship, terms = fit.tests, fit.tests.configuration.ship, fit.terms
+    if not terms.forces["X"] or not isinstance(tests, CaptiveTests):
         return ""
-    means = np.array([np.mean(np.sign(run["u"]) * run["X"]) for run in fit.tests])
-    if len(means) < 2 or means.mean() <= SURE_PUSH * means.std(ddof=1) / math.sqrt(len(means)):
-        return ""
-    return (
-        f"X pushes the ship the way it goes, by {means.mean():.2g} N in the mean of {len(means)} runs: is X counted "
-        "astern, or does a propeller push?"
-    )
-
-
-def drag_sentence(fit: Any) -> str:
-    """Warn that X resists less than the friction of the hull; empty where it does not, or a propeller turns."""
-    tests, ship = fit.tests, fit.tests.configuration.ship
-    if not fit.terms.forces["X"] or not isinstance(tests, CaptiveTests) or "revolutions" in tests.columns:
-        return ""
+    means = np.array([np.mean(np.sign(run["u"]) * run["X"]) for run in tests])
+    propelled = any(actuator.name == "revolutions" for actuator in terms.actuators) or len(means) < 2
+    if not propelled and means.mean() > SURE_PUSH * means.std(ddof=1) / math.sqrt(len(means)):
+        return (
+            f"X pushes the ship the way it goes, by {means.mean():.2g} N in the mean of {len(means)} runs: is X "
+            "counted astern, or does a propeller push?"
+        )
     u, density = tests.columns["u"], tests.configuration.water.density
     fast = np.abs(u) > np.abs(u).max() / 2
     speed = float(np.sqrt(np.mean(u[fast] ** 2)))
     line = ittc57(max(speed * ship.length / VISCOSITY, LEAST_REYNOLDS))
     friction = 0.5 * density * wetted_surface(ship) * speed**2 * line
     drag = -float(np.mean(np.sign(u[fast]) * tests.columns["X"][fast]))
-    if not 0 < drag < LEAST_DRAG * friction:
+    if "revolutions" in tests.columns or not 0 < drag < LEAST_DRAG * friction:
         return ""
     return (
         f"X resists with {drag:.2g} N in the mean, {drag / friction:.2g} of the friction of this hull at "

@@ -10,8 +10,7 @@ from narrows.captive.columns import check_given
 from narrows.captive.read import as_tests
 from narrows.captive.tests import Tests
 from narrows.errors import InputError, shown
-from narrows.identification.design_matrix import ONE
-from narrows.identification.normal_equations import NormalEquations, Score, accumulate, score
+from narrows.identification.normal_equations import ONE, NormalEquations, Score, accumulate, score
 from narrows.results import BaseResult
 from narrows.ship.ship_file import ShipSource
 

@@ -7,9 +7,9 @@ from itertools import chain
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.identification.design_matrix import ONE
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.mixed_model import MixedModel
+from narrows.identification.normal_equations import ONE
 from narrows.quantities.names import FORCES
 from narrows.ship.particulars import Configuration
 

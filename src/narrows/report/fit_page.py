@@ -97,7 +97,6 @@ def section(label: str, fit: Fit, number: int, answer: BankSummary | None = None
         "predictiveness": [one.sentence for one in fit.predictiveness],
         "doubts": [verdict.sentence(name) for name, verdict in fit.verdicts.items() if verdict.status != IDENTIFIED],
         "scores": [(force, score, fit.left_out[force]) for force, score in fit.scores.items()],
-        "split": fit.split,
         "influence": [(name, fit.influence[name].idxmax(), f"{fit.influence[name].max():.2f}")
                       for name in fit.terms.names if fit.verdicts[name].determined],
         "shapley": share_rows({kind: fit.shapley(kind) for kind in KINDS}),
@@ -108,7 +107,7 @@ def section(label: str, fit: Fit, number: int, answer: BankSummary | None = None
 
 def _first_picture(fit: Fit) -> list[dict[str, str]]:
     """Measured against predicted forces of left-out motions."""
-    if not isinstance(fit.tests, CaptiveTests) or len(fit.motions) < 2 or fit.split != "test":
+    if not isinstance(fit.tests, CaptiveTests) or len(fit.motions) < 2:
         return []
     caption = "Measured forces against those predicted by the other motions, each motion left out in turn."
     return [figure(draw.left_out_figure(fit, fit.tests), caption)]

@@ -75,7 +75,7 @@ def heading(fit: Fit, label: str) -> str:
 def kkt_sentence(fit: Fit) -> str:
     """Return whether the solution is optimal, in words."""
     kkt = fit.solution.kkt
-    worst = max(kkt.stationarity, kkt.multiplier, kkt.infeasibility)
+    worst = max(kkt)
     verb = "hold" if kkt.satisfied else "FAIL"
     return f"The Karush-Kuhn-Tucker conditions {verb}: largest violation {worst:.1e}, relative."
 
@@ -104,9 +104,8 @@ SCORES = {
 
 
 def _scores(fit: Fit) -> Table:
-    out = "each distinct motion left out" if fit.split == "test" else "rows left out"
     rows = ({"force": force, "fit": score, "left_out": fit.left_out[force]} for force, score in fit.scores.items())
-    return table_of(SCORES, rows, title=f"Fit, and on {out}")
+    return table_of(SCORES, rows, title="Fit, and on each distinct motion left out")
 
 
 def _shares(fit: Fit) -> Table:
