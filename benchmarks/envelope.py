@@ -5,7 +5,6 @@ python benchmarks/envelope.py [DRAWS] [--small]
 
 import time
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from common import median_seconds, show, sizes
@@ -14,7 +13,6 @@ from scipy.optimize import root
 import narrows as nw
 from narrows.identification.fitting import bundled_ship
 from narrows.safety.held_trials import trials
-from narrows.safety.pilots import PILOTS
 from narrows.safety.request import Disturbance
 from narrows.safety.settings import STEPS_A_LENGTH, TRIAL_LENGTHS
 from narrows.terms.tables import table_named
@@ -37,7 +35,9 @@ def one_by_one(model: nw.Model, y: float, u: float) -> None:
         return np.array([found["Y"] / 1e6, found["N"] / 1e8])
 
     drift, rudder = root(off, [0.0, 0.0]).x
-    pilot = replace(nw.track_pilot(model, y, u), rudder=rudder, psi=-np.arctan(drift), v=u * drift)
+    helm = nw.control.regulator(model, y, u)
+    line = replace(helm.lines[0], rudder=rudder, psi=-np.arctan(drift), v=u * drift)
+    pilot = replace(helm, lines=(line,))
     length = model.configuration.ship.length
     nw.simulate(
         model, y=y, u=u, psi=-np.arctan(drift) + 0.03, v=u * drift, rudder=rudder, controller=pilot,
@@ -57,10 +57,9 @@ def main(draws: int, poses: int) -> None:
     """Measure and print."""
     model, calm = full_scale(), np.zeros(len(SPEEDS))
     # One pilot, as one by one; an answer tries another beside it, who knows each ship.
-    one_pilot: dict[str, Any] = {"pilot": PILOTS["track"], "knowing": False}
-    trials(model, OFFSETS[:2], SPEEDS[:2], calm[:2], Disturbance(), 2, 0, **one_pilot)
+    trials(model, OFFSETS[:2], SPEEDS[:2], calm[:2], Disturbance(), 2, 0, knowing=False)
     start = time.perf_counter()
-    points = trials(model, OFFSETS, SPEEDS, calm, Disturbance(), draws, 0, **one_pilot)["held"].size
+    points = trials(model, OFFSETS, SPEEDS, calm, Disturbance(), draws, 0, knowing=False)["held"].size
     each = (time.perf_counter() - start) / points
     alone = median_seconds(lambda: one_by_one(model, 20.0, 5.0), 3)
     rows = [("narrows", each, f"{points} points in {each * points:.1f} s"), ("one by one, plain Python", alone, "")]

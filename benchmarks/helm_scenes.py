@@ -20,7 +20,7 @@ from rich.console import Console
 from rich.table import Table
 from scenes.five_scenes import DURATION, SPEED, Scene, scenes
 from scenes.fleet import DT, Fleet
-from scenes.helms import HELMS, Laws, Objects
+from scenes.helms import HELMS, Laws, Objects, track_pilot
 
 import narrows as nw
 
@@ -113,7 +113,7 @@ def main(truths: int, small: bool) -> None:
     for header in ("y m", "track", "regulator"):
         starts.add_column(header, justify="right")
     for y in (50.0, 65.0):
-        helms = (nw.track_pilot(model, y, SPEED), nw.control.regulator(model, y, SPEED))
+        helms = (track_pilot(model, y, SPEED), nw.control.regulator(model, y, SPEED))
         starts.add_row(f"{y:g}", *(f"{recovered(model, y, helm, across):.3f}" for helm in helms))
     console.print(starts)
 

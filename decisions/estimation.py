@@ -7,8 +7,10 @@ python decisions/estimation.py [--write]
 """
 
 import math
+import sys
 from collections.abc import Callable
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,6 +32,9 @@ from narrows.estimation import (
 from narrows.estimation.consistency import sail_twins
 from narrows.report.figures import track_figure
 from narrows.terms.tables import table_named
+
+sys.path.append(str(Path(__file__).parent.parent / "benchmarks"))
+from scenes.helms import track_pilot
 
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 SENSORS = (Gnss(), Gyro(math.radians(0.2)), RateOfTurn(math.radians(0.03)), Log(), RudderIndicator())
@@ -110,7 +115,7 @@ def text(ways: tuple[str, ...] = WAYS) -> str:
 
 def told_to_bridge() -> tuple[EstimatedTrack, np.ndarray]:
     """One twin with a jump, a minute of silence and a spoof: its estimate and its truth."""
-    one, pilot = Estimator(model(), SENSORS), nw.track_pilot(model(), Y, U)
+    one, pilot = Estimator(model(), SENSORS), track_pilot(model(), Y, U)
     start = (0.0, Y, U, float(pilot.psi))
     twins = sail_twins(one.filter, pilot, start, TWINS, 540.0, True, math.radians(3.0), 11)
     twin = int(np.argmin(twins.aground))

@@ -6,10 +6,9 @@ python decisions/sensor_errors.py [--write]
 import math
 
 import numpy as np
-from estimation import SENSORS, U, Y, model
+from estimation import SENSORS, U, Y, model, track_pilot
 from pages import markdown, publish
 
-import narrows as nw
 from narrows.estimation import Estimator, GaussMarkov, Gnss
 from narrows.estimation.consistency import sail_twins
 
@@ -32,7 +31,7 @@ DECLARED = {
 def covered(true: Gnss, told: Gnss, off: float) -> tuple[float, float, float]:
     """Share of the offsets within the band, root mean square error and standard deviation [m], while the error acts."""
     sailing, one = (Estimator(model(), [own, *SENSORS[1:]]) for own in (true, told))
-    pilot = nw.track_pilot(model(), Y, U)
+    pilot = track_pilot(model(), Y, U)
     start = (0.0, Y, U, float(pilot.psi))
     truth = sail_twins(sailing.filter, pilot, start, TWINS, DURATION, True, math.radians(3.0), 31)
     first, last = (BEGINS, ENDS) if off else (SETTLED, DURATION)

@@ -24,6 +24,7 @@ from narrows.estimation.consistency import sail_twins
 
 sys.path.append(str(Path(__file__).parent.parent / "benchmarks"))
 from scenes.five_scenes import scenes
+from scenes.helms import track_pilot
 
 TWINS, DURATION, BEGUN, COUNTED = 8, 360.0, 60.0, 120.0
 SEEDS = 1, 2, 3
@@ -48,7 +49,7 @@ FAULTS: dict[str, Callable[[float, Readings], Readings]] = {
 
 def faults() -> str:
     """Largest errors of the states, and when the sensor was named."""
-    one, pilot = Estimator(model(), SENSORS), nw.track_pilot(model(), Y, U)
+    one, pilot = Estimator(model(), SENSORS), track_pilot(model(), Y, U)
     start = (0.0, Y, U, float(pilot.psi))
     truth = sail_twins(one.filter, pilot, start, TWINS, DURATION, False, math.radians(3.0), 5)
     rows = []

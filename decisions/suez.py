@@ -31,7 +31,7 @@ START, LONGEST, STEP = 2.0, 3600.0, 0.25
 SAMPLES = 500
 TRIED = 2000
 HELD_AT = (0.0, 10.0, 20.0)
-WHO = {"track": "track pilot", "human": "human helmsman", "regulator": "one regulator"}
+WHO = {"human": "human helmsman", "regulator": "one regulator"}
 CLEARANCES = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 

@@ -55,9 +55,17 @@ class Objects:
 Helm = Callable[[Fleet, Scene], Any]
 
 
+def track_pilot(model: nw.Model, y: float, u: float) -> nw.Autopilot:
+    """Linear-quadratic on the rudder, by Bryson's rule on the centreline, without an integral."""
+    course, half_beam = nw.control.linearize(model, y, u).course, model.configuration.ship.beam / 2
+    weights = [half_beam**-2, np.radians(5.0) ** -2, 0.0, 0.0]
+    (gains,), *_ = nw.control.lqr(nw.control.linearize(model, u=u), weights, np.radians(10.0) ** -2, "rudder")
+    return nw.Autopilot(y, tuple(gains), *(float(course[name]) for name in ("rudder", "psi", "v")))
+
+
 def track(fleet: Fleet, scene: Scene) -> Any:
-    """The track pilot, its line moved where the scene asks: linear-quadratic on the rudder, without an integral."""
-    return [(start, nw.track_pilot(fleet.model, y, SPEED)) for start, y in scene.lines]
+    """The track pilot, its line moved where the scene asks."""
+    return [(start, track_pilot(fleet.model, y, SPEED)) for start, y in scene.lines]
 
 
 def regulated(fleet: Fleet, scene: Scene) -> Regulator:

@@ -14,7 +14,6 @@ from .captive.measured import measured_tests as measured_tests
 from .codegen.printers.latex import latex as latex
 from .control import self_propulsion as self_propulsion
 from .control import steady_course as steady_course
-from .control import track_pilot as track_pilot
 from .empirical import estimate_model as estimate_model
 from .empirical import published as published
 from .empirical import ready_ships as ready_ships

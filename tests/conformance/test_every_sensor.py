@@ -92,8 +92,8 @@ def accurate(make: type[Measuring], **told: Any) -> Measuring:
 
 def sailed(filter: Estimator, duration: float = 12.0) -> tuple[dict[str, np.ndarray], Twins]:
     """What a twin's sensors read, as a table of records, and the twin."""
-    pilot = nw.track_pilot(ship(), 0.4, 1.0)
-    twins = sail_twins(filter.filter, pilot, (0.0, 0.4, 1.0, float(pilot.psi)), 1, duration, False, 0.05, 4)
+    pilot = nw.control.regulator(ship(), 0.4, 1.0)
+    twins = sail_twins(filter.filter, pilot, (0.0, 0.4, 1.0, pilot.lines[0].psi), 1, duration, False, 0.05, 4)
     table = {"t": twins.t, "rudder": twins.indicated[:, 0, 0]}
     for name, sensor in filter.filter.sensors.items():
         table |= {field: twins.readings[name][:, 0, k] for k, field in enumerate(sensor.fields)}
@@ -135,8 +135,8 @@ def test_its_errors_become_states_that_are_as_large_as_declared(make: type[Measu
     own = estimator(sensor)
     names = [f"{field}_{kind}" for field in sensor.fields for kind in ("bias", "wander")]
     assert set(names) <= set(own.filter.states.names)
-    pilot = nw.track_pilot(ship(), 0.4, 1.0)
-    twins = sail_twins(own.filter, pilot, (0.0, 0.4, 1.0, float(pilot.psi)), 200, 0.2, False, 0.0, 4)
+    pilot = nw.control.regulator(ship(), 0.4, 1.0)
+    twins = sail_twins(own.filter, pilot, (0.0, 0.4, 1.0, pilot.lines[0].psi), 200, 0.2, False, 0.0, 4)
     for name in names:
         drawn = twins.states[0, :, own.filter.states.places[name]]
         assert drawn.std() == pytest.approx(size, rel=0.2)

@@ -271,7 +271,7 @@ class Table:
             "model": replace(by_depth(), covariance=4 * by_depth().covariance), "y": np.array([0.0, 0.7]),
             "u": np.array([0.3, 0.5]), "disturbance": nw.Disturbance(gust=300.0, gust_lever=1.0),
             "reserve": 0.9, "keel": 0.13, "samples": 5, "most_revolutions": refused(1.0),
-            "seed": 1, "walls": (3.0, 2.5), "bank": "sloping", "controller": "track", "workers": refused(-1),
+            "seed": 1, "walls": (3.0, 2.5), "bank": "sloping", "controller": "human", "workers": refused(-1),
             "progress": shown(True), "curvature": 0.02, "current": under(0.1, curvature=0.02),
         }  # fmt: skip
         course = {"model": by_depth(), "y": 0.5, "u": 1.0}
@@ -305,7 +305,6 @@ class Table:
                 {"model": mmg(), "samples": 3, "seed": under(1, samples=3), "workers": refused(-1), "y": 0.6,
                  "u": 1.1, "b_bank": 2.0},
             ),
-            "track_pilot": Entry(course, {"model": mmg(), "y": 0.6, "u": 1.1, "b_bank": 0.06}),
             "self_propulsion": Entry(
                 {"model": mmg(), "u": 1.0}, {"model": mmg().with_coefficients(R_0=0.03), "u": 1.2}
             ),

@@ -101,13 +101,13 @@ def test_margins_of_gains_are_those_of_the_law_at_short_steps() -> None:
 
 
 @pytest.mark.parametrize("dt", [0.1, 1.0, 2.0])
-@pytest.mark.parametrize("helm", ["track", "regulator", "predictive"])
+@pytest.mark.parametrize("helm", ["regulator", "predictive"])
 def test_every_controller_holds_its_line_with_delay_and_lag(helm: str, dt: float) -> None:
-    """The track pilot with 2 s of delay and 2.5 s of lag, the others with 5 s and 4 s."""
-    made: dict[str, Any] = {"track": nw.track_pilot, "regulator": regulator, "predictive": PredictiveHelm}
+    """5 s of delay and 4 s of lag."""
+    made: dict[str, Any] = {"regulator": regulator, "predictive": PredictiveHelm}
     if helm == "predictive":
         pytest.importorskip("daqp")
-    gear = SLOW if helm == "track" else nw.SteeringGear(dead_time=5.0, lag=4.0)
+    gear = nw.SteeringGear(dead_time=5.0, lag=4.0)
     law = made[helm](full_size(), HOLD, SPEED)
     voyage = closed_loop(full_size(), law, gear=gear, u=SPEED, dt=dt).simulate(400.0, y=HOLD + 1.0)
     assert voyage.outcome.kind == "afloat"

@@ -8,18 +8,15 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.text import Text
-from scipy.linalg import solve_continuous_are
 from scipy.optimize import root
 
 import narrows as nw
 from dop853 import STATE, rates_of
 from narrows.captive.measured import measured_files
-from narrows.control.regulator import track_gains
 from narrows.model.data_range import DataRange
 from narrows.safety.envelope import is_settled, share_interval
 from narrows.safety.headline import crossing, largest_block, runs
 from narrows.safety.held_trials import trials
-from narrows.safety.pilots import PILOTS
 from narrows.safety.request import Disturbance, keel_at
 from narrows.simulation.ship import SimulatedShip
 from narrows.terms.tables import table_named, with_helm
@@ -32,7 +29,6 @@ STEPS_A_LENGTH, TRIAL_LENGTHS, BACK_LENGTHS = 40, 15.0, 3.0
 OFFSETS, SPEEDS = np.array([-70.0, -25.0, 0.0, 10.0, 45.0]), np.array([2.5, 5.0])
 TURNED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and abs(psi_deg) < 20"
 BEAM, LENGTH = 32.2, 230.0
-TRACK = PILOTS["track"]
 
 
 @pytest.fixture(scope="module")
@@ -120,22 +116,7 @@ class TestSteadyCourse:
             nw.steady_course(dtc, y=0.5)
 
 
-class TestAutopilot:
-    def test_the_loop_is_stable(self, ship: nw.Model) -> None:
-        """The gains are those of SciPy's Riccati solver by Bryson's rule; with the rudder in the loop it is stable."""
-        own = SimulatedShip(ship)
-        gains = track_gains(own, 5.0)
-        exact = own.system().linearisation(own.values(), own.actuators)
-        state = {"u": 5.0}
-        place = [1, 2, 4, 5]
-        motion = exact.state(state)[np.ix_(place, place)]
-        push = exact.controls(state)[place, 3]
-        assert np.linalg.eigvals(motion).real.max() > 0
-        assert np.linalg.eigvals(motion - np.outer(push, gains)).real.max() < 0
-        weights = np.diag([(ship.configuration.ship.beam / 2) ** -2, np.radians(5.0) ** -2, 0.0, 0.0])
-        cost = solve_continuous_are(motion, push[:, None], weights, [[np.radians(10.0) ** -2]])
-        np.testing.assert_allclose(gains, np.radians(10.0) ** 2 * push @ cost, rtol=1e-6)
-
+class TestRegulator:
     def test_the_derivative_by_the_rudder_is_a_difference(self, ship: nw.Model) -> None:
         own, pose = SimulatedShip(ship), (0.0, 12.0, 0.1, 5.0, 0.2, 0.003)
         exact = own.system().linearisation(own.values(), own.actuators)
@@ -166,19 +147,11 @@ class TestAutopilot:
         assert code == 2
         assert "hull in the bank" in error
 
-    @pytest.mark.parametrize("bank", [{}, {"b_bank": 0.0, "c_bank": 0.0}], ids=["a bank that pulls", "no bank"])
-    def test_a_rudder_that_turns_nothing_holds_nothing(self, ship: nw.Model, bank: dict[str, float]) -> None:
-        dead = ship.with_coefficients(a_helm=0.0, b_helm=0.0, c_helm=0.0, **bank)
-        with pytest.raises(nw.InputError, match="has no effect"):
-            track_gains(SimulatedShip(dead), 5.0)
 
-
-def voyage_of(
-    model: nw.Model, thrown: dict, y: float, u: float, sample: int, time: float, pilot: str = "track"
-) -> nw.Voyage:
+def voyage_of(model: nw.Model, thrown: dict, y: float, u: float, sample: int, time: float) -> nw.Voyage:
     """One trial by the voyage's own integrator: gust first, then without."""
-    helm = nw.track_pilot(model, y, u) if pilot == "track" else nw.control.regulator(model, y, u)
-    line = helm if pilot == "track" else helm.lines[0]
+    helm = nw.control.regulator(model, y, u)
+    line = helm.lines[0]
     dt = LENGTH / (STEPS_A_LENGTH * u)
     blown = dt * round(time / dt)
     push = {name: [(0.0, float(thrown[name][sample])), (blown, 0.0)] for name in ("Y", "N")}
@@ -194,9 +167,9 @@ def mirrored(thrown: dict, y: float) -> dict:
     return {name: -column if y < 0 else column for name, column in thrown.items()}
 
 
-def was_held(model: nw.Model, thrown: dict, y: float, u: float, sample: int, time: float, pilot: str) -> bool:
+def was_held(model: nw.Model, thrown: dict, y: float, u: float, sample: int, time: float) -> bool:
     try:
-        voyage = voyage_of(model, thrown, y, u, sample, time, pilot)
+        voyage = voyage_of(model, thrown, y, u, sample, time)
     except nw.InputError:  # no rudder holds it there
         return False
     last = voyage.t > voyage.t[-1] - BACK_LENGTHS * LENGTH / u + 1e-9
@@ -210,18 +183,17 @@ def hull_reach(voyage: nw.Voyage) -> float:
 
 class TestTrials:
     @pytest.mark.slow
-    @pytest.mark.parametrize("pilot", ["track", "regulator"])
-    def test_each_is_a_voyage_of_its_own(self, ship: nw.Model, pilot: str) -> None:
+    def test_each_is_a_voyage_of_its_own(self, ship: nw.Model) -> None:
         """Brute force: the same trials, one at a time, by another integrator in plain Python, judged by its columns."""
         gust = Disturbance(3.0, offset=2.0, gust=1.2e6, gust_lever=20.0, gust_time=90.0)
         offsets, samples = np.array([-70.0, 0.0, 85.0]), 4
-        tried = trials(ship, offsets, SPEEDS, np.zeros(2), gust, samples, seed=5, pilot=PILOTS[pilot], knowing=False)
+        tried = trials(ship, offsets, SPEEDS, np.zeros(2), gust, samples, seed=5, knowing=False)
         thrown = gust.drawn(samples, 5)
         fates = set()
         for y in offsets:
             for u in SPEEDS:
                 for sample in range(samples):
-                    held = was_held(ship, mirrored(thrown, y), float(y), float(u), sample, gust.gust_time, pilot)
+                    held = was_held(ship, mirrored(thrown, y), float(y), float(u), sample, gust.gust_time)
                     assert bool(tried.held.sel(y=y, u=u)[sample]) == held, (y, u, sample)
                     fates.add(held)
         assert fates == {True, False}
@@ -236,9 +208,7 @@ class TestTrials:
         wall = (reach[to_starboard].min() + reach[~to_starboard].max()) / 2
         assert reach[to_starboard].min() > reach[~to_starboard].max() + 1.0
         free, walled = (
-            trials(ship, np.array([30.0]), speed, np.zeros(1), gust, samples, 0, walls, TRACK)["held"]
-            .to_numpy()
-            .ravel()
+            trials(ship, np.array([30.0]), speed, np.zeros(1), gust, samples, 0, walls)["held"].to_numpy().ravel()
             for walls in ((np.inf, np.inf), (np.inf, wall))
         )
         assert free.all()

@@ -168,8 +168,8 @@ def test_an_antenna_stands_where_the_map_says(place: float) -> None:
 def record(seed: int = 3, *sensors: Any) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """What a twin's sensors tell, and its truth."""
     made = estimator(*sensors).filter
-    pilot = nw.track_pilot(steered(), 0.4, 1.0)
-    twins = sail_twins(made, pilot, (0.0, 0.4, 1.0, float(pilot.psi)), 1, 20.0, False, 0.05, seed)
+    pilot = nw.control.regulator(steered(), 0.4, 1.0)
+    twins = sail_twins(made, pilot, (0.0, 0.4, 1.0, pilot.lines[0].psi), 1, 20.0, False, 0.05, seed)
     table = {"t": twins.t, "rudder": twins.indicated[:, 0, 0]}
     for name, sensor in made.sensors.items():
         table |= {field: twins.readings[name][:, 0, k] for k, field in enumerate(sensor.fields)}

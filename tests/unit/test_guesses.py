@@ -188,7 +188,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.froude": (lambda: nw.froude, "write scale_model"),  # type: ignore[attr-defined]
     "nw.step_response": (lambda: nw.step_response, "state_space"),  # type: ignore[attr-defined]
     "nw.simulate(..., T=20)": (lambda: nw.simulate(DTC, y=0.5, T=20), "write duration"),
-    "nw.simulate(..., hold=0)": (lambda: nw.simulate(DTC, y=0.5, hold=0), "write controller=nw.track_pilot"),
+    "nw.simulate(..., hold=0)": (lambda: nw.simulate(DTC, y=0.5, hold=0), "write controller=nw.control.regulator"),
     "model.sensitivity()": (lambda: DTC.sensitivity(), "write nw.sensitivities"),  # type: ignore[attr-defined]
     "nw.cross_validate(tests)": (lambda: nw.cross_validate(TESTS()), "write identify"),  # type: ignore[attr-defined]
     'nw.simulate(u="8 kn")': (lambda: nw.simulate(DTC, u="8 kn"), "8 kn is 4.12 m/s"),  # type: ignore[arg-type]

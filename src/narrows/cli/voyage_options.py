@@ -1,7 +1,7 @@
 """Groups of options of ``simulate`` and ``map``: start, forces, helm, time, physics, water."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import radians
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,7 +16,7 @@ from narrows.errors import InputError, check_choice
 if TYPE_CHECKING:
     from narrows.simulation.initial_state import VoyageDefaults
 
-HELMS = ("regulator", "predictive", "track")
+HELMS = ("regulator", "predictive")
 ContactKind = Annotated[
     str, Option(help="Contact with the bank: hull 'corners', 'midship' clearance, or 'none' in open water.")
 ]
@@ -64,9 +64,7 @@ class HelmOptions:
         float, Option(help="Rudder angle [deg], positive to starboard; for models with a rudder.")
     ] = 0.0
     hold: Annotated[float | None, Option(help="Offset held by a helm [m], for models with a rudder.")] = None
-    controller: Annotated[
-        str | None, Option(help="Helm: regulator, predictive, or track for the one without an integral.")
-    ] = None
+    controller: Annotated[str | None, Option(help="Helm: regulator or predictive.")] = None
 
     def of(self, model: "nw.Model", u: float, x: float, way: "nw.Waterway | None") -> Any:
         """Return the helm for the model's own canal, or for the section of a waterway at the ship's start."""
@@ -80,21 +78,9 @@ class HelmOptions:
             from narrows.control.predictive import PredictiveHelm
 
             return PredictiveHelm(model, self.hold, u, way)
-        if self.controller == "track":
-            return _track_pilot(model, self.hold, u, x, way)
         from narrows.control.regulator import regulator
 
         return regulator(model, self.hold, u, waterway=way, at=0.0 if way is None else x)
-
-
-def _track_pilot(model: "nw.Model", hold: float, u: float, x: float, way: "nw.Waterway | None") -> Any:
-    if way is None:
-        return nw.track_pilot(model, hold, u)
-    canal = way.canal(x)
-    canal = canal if canal.depth else replace(canal, depth=model.configuration.canal.depth)
-    there = replace(model, configuration=replace(model.configuration, canal=canal))
-    # Offsets in that section count from its middle, those of the voyage from the line.
-    return replace(nw.track_pilot(there, hold - float(way.section(x).middle), u), y=hold)
 
 
 @dataclass(frozen=True)

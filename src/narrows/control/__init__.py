@@ -13,7 +13,6 @@ from narrows.control.predictive import PredictiveHelm as PredictiveHelm
 from narrows.control.regulator import HeldLine as HeldLine
 from narrows.control.regulator import Regulator as Regulator
 from narrows.control.regulator import regulator as regulator
-from narrows.control.regulator import track_pilot as track_pilot
 from narrows.control.regulator_gains import RegulatorWeights as RegulatorWeights
 from narrows.control.regulator_gains import lqr as lqr
 from narrows.control.speed_governor import SpeedGovernor as SpeedGovernor

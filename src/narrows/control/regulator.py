@@ -1,6 +1,5 @@
-"""Regulator and autopilot: control laws of the rudder, their gains by the Riccati equation of the linear ship."""
+"""Regulator: a control law of the rudder, its gains by the Riccati equation of the linear ship."""
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -10,26 +9,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.aliases import accept_aliases
-from narrows.codegen.linearisation import LINEARISED
 from narrows.control import settings
 from narrows.control.linear_system import LinearSystem
 from narrows.control.linearization import linearize
-from narrows.control.regulator_gains import DEFAULT_WEIGHTS, FEEDBACK, RegulatorWeights, best_gains, regulator_gains
-from narrows.control.steady_course import check_holds, check_inside, check_rudder, solved
+from narrows.control.regulator_gains import DEFAULT_WEIGHTS, FEEDBACK, RegulatorWeights, regulator_gains
+from narrows.control.steady_course import check_holds, check_rudder
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.quantities.arithmetic import choice, clip, maximum
 from narrows.results import BaseSummary
-from narrows.simulation.controllers import LAST_ORDER, ORDER_TOLERANCE, Autopilot, Named
-from narrows.simulation.self_propulsion import self_propulsion
-from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.controllers import LAST_ORDER, ORDER_TOLERANCE, Named
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 TURNED = ("psi", "v", "rudder")
-TRACKED = FEEDBACK[:4]
-IN_VAIN = "no autopilot holds this ship on the centreline: its rudder has no effect"
 
 
 @dataclass(frozen=True)
@@ -198,55 +192,3 @@ def held_line(
     turning = np.linalg.solve(by_choice, -linear.A[balanced, 3]).tolist()
     psi, v, rudder = (course[name] - by_turn * course["r"] for name, by_turn in zip(TURNED, turning, strict=True))
     return HeldLine(course["y"], gains, rudder, psi, v, tuple(turning), start)
-
-
-@accept_aliases
-def track_pilot(model: Model, y: float, u: float, **values: float) -> Autopilot:
-    """Return the autopilot that holds a ship at an offset, about the rudder and drift of the steady course.
-
-    Parameters
-    ----------
-    model : Model
-        A model with terms of a rudder.
-    y : float [m]
-        Offset to starboard of the centreline.
-    u : float [m/s]
-        Surge velocity.
-    **values : float [SI]
-        Particulars and coefficients other than the model's, as in ``ensemble``.
-
-    Raises
-    ------
-    InputError
-        If no rudder angle holds it there, or no autopilot on the centreline.
-
-    Examples
-    --------
-    >>> nw.track_pilot(kcs, y=0.0, u=6.0).y
-    0.0
-    """
-    check_rudder(model)
-    check_inside(y, model.configuration.canal.width, model.configuration.ship.beam)
-    ship = SimulatedShip(model)
-    propulsion = {"revolutions": self_propulsion(model, u)} if "revolutions" in model.terms.inputs else {}
-    (v,), (rudder,) = solved(ship, {"y": y, "u": u, **propulsion, **values}, 1, 1)
-    check_holds(model, rudder, y, u)
-    by_y, by_psi, by_v, by_r = track_gains(ship, u, **propulsion, **values).tolist()
-    return Autopilot(y, (by_y, by_psi, by_v, by_r), float(rudder), -math.atan(v / u), float(v))
-
-
-def track_gains(ship: SimulatedShip, speed: float, **values: float) -> np.ndarray:
-    """Return the rudder per deviation of offset, heading, sway velocity and yaw rate: [rad/m, 1, rad s/m, s]."""
-    # Linear-quadratic, by Bryson's rule. Bryson and Ho (1975), Applied optimal control, section 5.2.
-    inputs = {**ship.values(), **values}
-    linear = ship.linearisation(inputs)
-    at = {"u": speed, "revolutions": inputs.get("revolutions", 0.0)}
-    indices = [LINEARISED.index(name) for name in TRACKED]
-    motion = linear.state(at)[np.ix_(indices, indices)]
-    push = settings.OFF_RUDDER * linear.controls(at)[indices, linear.controlled.index("rudder")]
-    half_beam = ship.model.configuration.ship.beam / 2
-    weights = np.diag([half_beam**-2, settings.OFF_HEADING**-2, 0.0, 0.0])
-    gains = np.asarray(settings.OFF_RUDDER * best_gains(motion[None], push[None], weights)[0])
-    if not np.isfinite(gains).all():
-        raise InputError(IN_VAIN)
-    return gains

@@ -65,11 +65,11 @@ def gains_of(
     rate = np.minimum(rudder / (weights.stroke_time * time), gear.rate)
     scaled = time[:, None, None] * motion * size[:, None, :] / size[:, :, None]
     drive = (time * rate)[:, None] * push / size
-    by_full_slope = best_gains(scaled, drive, SCALED_WEIGHTS)
     reduced = scaled.copy()
     reduced[:, :4, 0] *= weights.bank
     gains = best_gains(reduced, drive, SCALED_WEIGHTS)
-    gains = np.where(stabilised(scaled, drive, gains)[:, None], gains, by_full_slope)
+    lost = ~stabilised(scaled, drive, gains)
+    gains[lost] = best_gains(scaled[lost], drive[lost], SCALED_WEIGHTS)
     return np.asarray(gains * rate[:, None] / size)
 
 
@@ -112,58 +112,25 @@ def stabilised(motion: np.ndarray, push: np.ndarray, gains: np.ndarray) -> np.nd
 
 def best_gains(motion: np.ndarray, push: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Return the optimal gains of many systems with one input each, (n, k); NaN if nothing stabilises a system."""
-    # The cost is the square of the input and the weighted squares of the states; the equation is solved by doubling.
-    # Chu, Fan and Lin (2005), A structure-preserving doubling algorithm for continuous-time algebraic Riccati
-    # equations, Linear Algebra and its Applications 396.
     gains = np.full(push.shape, np.nan)
-    known = np.flatnonzero(np.isfinite(motion).all(axis=(1, 2)) & np.isfinite(push).all(axis=1))
-    if not known.size:
-        return gains
-    with np.errstate(all="ignore"):
-        cost = riccati_solutions(motion[known], push[known, :, None] * push[known, None, :], weights)
-        found = np.einsum("ni,nij->nj", push[known], cost)
-    holds = stabilised(motion[known], push[known], found)
-    gains[known[holds]] = found[holds]
+    known = np.isfinite(motion).all(axis=(1, 2)) & np.isfinite(push).all(axis=1)
+    motion, push = motion[known], push[known]
+    cost = riccati_solutions(motion, push[:, :, None] * push[:, None, :], weights)
+    found = np.einsum("ni,nij->nj", push, cost)
+    gains[known] = np.where(stabilised(motion, push, found)[:, None], found, np.nan)
     return gains
 
 
 def riccati_solutions(motion: np.ndarray, effect: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Return the stabilising solution of many continuous-time Riccati equations; infinite or NaN if there is none."""
-    # A Cayley transform to discrete time. effect: the controls' B R^-1 B'.
+    """Return the solutions of many continuous-time Riccati equations from A, B R^-1 B' and Q."""
+    # By the stable half of the eigenvectors of the Hamiltonian matrix. Without a stabilising solution the result is
+    # another matrix. Arnold and Laub (1984), Generalized eigenproblem algorithms, Proceedings of the IEEE 72(12).
     size = motion.shape[-1]
-    shift = 1.1 * np.maximum(np.abs(motion).sum(axis=2).max(axis=1), 1.0)[:, None, None]
-    moved = motion - shift * np.eye(size)
-    driven = solved_or_nan(moved, effect)
-    inverse = solved_or_nan(moved.swapaxes(1, 2) + weights @ driven, np.broadcast_to(np.eye(size), moved.shape))
-    step = np.eye(size) + 2 * shift * inverse.swapaxes(1, 2)
-    reach = 2 * shift * driven @ inverse
-    cost = 2 * shift * inverse @ weights @ solved_or_nan(moved, np.broadcast_to(np.eye(size), moved.shape))
-    return discrete_riccati(step, reach, cost)
-
-
-def discrete_riccati(step: np.ndarray, reach: np.ndarray, cost: np.ndarray) -> np.ndarray:
-    """Return the stabilising solution of many discrete-time equations from A, B R^-1 B' and Q; NaN for none."""
-    size = step.shape[-1]
-    for _ in range(40):  # Each round doubles the time horizon
-        both = solved_or_nan(np.eye(size) + reach @ cost, np.concatenate([step, reach], axis=2))
-        back, change = step.swapaxes(1, 2), step.swapaxes(1, 2) @ cost @ both[..., :size]
-        reach = reach + step @ both[..., size:] @ back
-        step, cost = step @ both[..., :size], cost + change
-        if not (np.abs(change).max(axis=(1, 2)) > 1e-14 * np.abs(cost).max(axis=(1, 2))).any():
-            break
-    return np.asarray(cost)
-
-
-def solved_or_nan(matrices: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """Solutions of many systems; NaN if any matrix is singular to the last bit."""
-    try:
-        return np.linalg.solve(matrices, right)
-    except np.linalg.LinAlgError:
-        solutions = np.full(right.shape, np.nan)
-        for index, matrix in enumerate(matrices):
-            if np.isfinite(matrix).all() and np.linalg.matrix_rank(matrix) == len(matrix):
-                solutions[index] = np.linalg.solve(matrix, right[index])
-        return solutions
+    costs = np.broadcast_to(weights, motion.shape)
+    values, vectors = np.linalg.eig(np.block([[motion, -effect], [-costs, -motion.swapaxes(1, 2)]]))
+    order = np.argsort(values.real, axis=1)[:, None, :size]
+    stable = np.take_along_axis(vectors, order, axis=2)
+    return np.asarray((stable[:, size:] @ np.linalg.pinv(stable[:, :size])).real)
 
 
 @accept_aliases
@@ -191,8 +158,6 @@ def lqr(linear: Any, Q: Any, R: Any, *controls: str) -> tuple[np.ndarray, np.nda
     ----------
     Anderson and Moore (1990), Optimal Control: Linear Quadratic Methods.
     """
-    from scipy.linalg import solve_continuous_are
-
     system: LinearSystem = linear if isinstance(linear, LinearSystem) else linear.linearize()
     A, B = system.matrices(*controls)
     weights = []
@@ -202,12 +167,10 @@ def lqr(linear: Any, Q: Any, R: Any, *controls: str) -> tuple[np.ndarray, np.nda
         if matrix.shape != (len(names), len(names)):
             raise InputError(f"{name} has the shape {matrix.shape}; give a row and a column for {', '.join(names)}")
         weights.append(matrix)
-    try:
-        riccati = np.asarray(solve_continuous_are(A, B, weights[0], weights[1]))
-        gains = np.linalg.solve(weights[1], B.T @ riccati)
-        poles = np.linalg.eigvals(A - B @ gains)
-    except (np.linalg.LinAlgError, ValueError):  # Without a solution there are no poles in the left half plane
-        poles = np.full(len(A), np.inf)
-    if not poles.real.max() < 0:
+    from_cost = np.linalg.pinv(weights[1]) @ B.T
+    (riccati,) = riccati_solutions(A[None], (B @ from_cost)[None], weights[0])
+    gains = from_cost @ riccati
+    poles = np.linalg.eigvals(A - B @ gains)
+    if not poles.real.max() < -LEAST_DECAY * np.abs(poles).max():
         raise InputError("no gains hold this ship with these weights; give R over 0, and Q over 0 for y")
     return gains, riccati, poles

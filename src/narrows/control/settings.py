@@ -1,12 +1,7 @@
 """Settings of the helms; the unit of time is that of a ship length, the unit of rates its inverse."""
 
-import math
-
 import numpy as np
 
-# Bryson's rule for the track pilot: deviations of heading and rudder [rad] that cost as much as half a
-# beam off the line.
-OFF_HEADING, OFF_RUDDER = math.radians(5.0), math.radians(10.0)
 # Time of looking ahead for bends.
 LEAD_TIME = 0.45
 # Lowest speed relative to a regulator's design speed, below which its gains stay constant [1].

@@ -219,7 +219,7 @@ def consistency(
     x : float [m]
         Start along the waterway.
     controller : ControlLaw, optional
-        Controller of the twins; unless given, the track pilot of this offset and speed in the model's own canal.
+        Controller of the twins; unless given, the regulator of this offset and speed in the model's own canal.
     excitation : float [rad]
         Alternating rudder added to the orders, so that the motion carries information.
     fault : callable, optional
@@ -240,10 +240,10 @@ def consistency(
     first = Estimator(model, sensors, waterway=waterway, **filtering)
     psi = 0.0
     if controller is None:
-        from narrows.control.regulator import track_pilot
+        from narrows.control.regulator import regulator
 
-        controller = track_pilot(model, y, u)
-        psi = float(controller.psi)
+        controller = regulator(model, y, u)
+        psi = float(controller.lines[0].psi)
     truth = sail_twins(first.filter, controller, (x, y, u, psi), twins, duration, drawn, excitation, seed)
     afloat = np.flatnonzero(~truth.aground)
     if not len(afloat):

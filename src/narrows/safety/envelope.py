@@ -64,8 +64,8 @@ def safe_envelope(
     bank : str
         Kind of bank for the comparison with outside rules: ``gentle``, ``sloping`` or ``steep``.
     controller : str
-        Pilot without the true coefficients: ``regulator``, the best available; ``track``, that of earlier versions;
-        ``human``, a helmsman with delay, whole degrees and a limit.
+        Pilot without the true coefficients: ``regulator``, or ``human``, a helmsman with delay, whole degrees and a
+        limit.
     curvature : float [1/m]
         Curvature of the canal, to starboard: in a bend the steady turn leaves the reserve, and trials sail it.
     current : float [m/s]

@@ -1,7 +1,7 @@
 """Pilots of the envelope, by name; none has the coefficients of the drawn ship."""
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from narrows.control.regulator import IN_VAIN, TRACKED, HeldLine, Regulator, track_gains
+from narrows.control.regulator import HeldLine, Regulator
 from narrows.control.regulator_gains import DEFAULT_WEIGHTS, FEEDBACK, RegulatorWeights, stacked_gains
 from narrows.control.settings import LEAD_TIME
 from narrows.control.steady_course import solved, with_propulsion
@@ -17,7 +17,7 @@ from narrows.errors import InputError
 from narrows.quantities.arithmetic import choice, clip
 from narrows.results import BaseSummary
 from narrows.safety.request import STRAIGHT, Bend
-from narrows.simulation.controllers import ORDER_TOLERANCE, Autopilot, ControlLaw, Named
+from narrows.simulation.controllers import ORDER_TOLERANCE, ControlLaw, Named
 from narrows.simulation.grid import Grid, grid_of
 from narrows.simulation.ship import SimulatedShip
 
@@ -79,19 +79,13 @@ class BestEstimateCourses:
         known = np.isfinite(table).all(axis=-1)
         held = np.flatnonzero(known.any(axis=0))
         if not held.size or (len(held) < len(self.speeds) and not any(self.wind)):
-            raise InputError(IN_VAIN)
+            raise InputError("no pilot holds this ship on the centreline: its rudder has no effect")
         # In a wind that leaves no course at a speed, that of the nearest speed with one stands in.
         instead = held[np.abs(self.speeds[:, None] - self.speeds[held]).argmin(axis=1)]
         table, known = table[:, instead], known[:, instead]
         far = np.abs(self.places[:, None] - self.offsets[None, :])[:, :, None]
         nearest = np.where(known[:, None, :], far, np.inf).argmin(axis=0)
         return np.asarray(table[nearest, np.arange(len(self.speeds))])
-
-    def on_the_centreline(self) -> Iterator[tuple[float, dict[str, float]]]:
-        """Yield each speed [m/s] with the dependent quantities: heave [m], revolutions [1/s]."""
-        given = [name for name in ("heave", "revolutions") if name in self.values]
-        for index, speed in enumerate(self.speeds):
-            yield float(speed), {name: float(self.values[name][index]) for name in given}
 
 
 def limited_course(ship: SimulatedShip, values: Course, count: int, bend: Bend, workers: int | None) -> Numbers:
@@ -126,21 +120,6 @@ def _regulator(ship: SimulatedShip, numbers: Numbers, course: Course) -> Control
     return regulator_of(ship, [numbers[f"by_{name}"] for name in FEEDBACK], {**numbers, "y": course["y"]}, course["u"])
 
 
-def _track_numbers(courses: BestEstimateCourses, tuning: None) -> Numbers:
-    """Gains, one set per speed."""
-    rows = [track_gains(courses.ship, speed, **inputs) for speed, inputs in courses.on_the_centreline()]
-    gains = np.broadcast_to(np.array(rows), (len(courses.offsets), len(rows), len(TRACKED)))
-    return {f"by_{name}": gains[..., index] for index, name in enumerate(TRACKED)}
-
-
-def _track_pilot(ship: SimulatedShip, numbers: Numbers, course: Course) -> ControlLaw:
-    """The autopilot about the course of the drawn ship."""
-    by_y, by_psi, by_v, by_r = (numbers[f"by_{name}"] for name in TRACKED)
-    # It steers against every yaw rate: that of the bend is added to the rudder that holds the ship.
-    rudder = course["rudder"] + by_r * course["r"]
-    return Autopilot(course["y"], (by_y, by_psi, by_v, by_r), rudder, course["psi"], course["v"])
-
-
 def _hand_numbers(courses: BestEstimateCourses, share: float) -> Numbers:
     """A share of the manual gains, and rudder and heading of the best-estimate course."""
     hull, held = courses.ship.model.configuration.ship, courses.held()
@@ -172,11 +151,6 @@ PILOTS = {
     "regulator": Pilot(
         "a regulator designed for the best estimate of the coefficients, with the tuning that holds most cases",
         (DEFAULT_WEIGHTS, *TIGHTER), _regulator_numbers, _regulator,
-    ),
-    "track": Pilot(
-        "a track pilot without an integral, designed on the centreline for the best estimate of the coefficients, with "
-        "the true steady rudder",
-        (None,), _track_numbers, _track_pilot,
     ),
     "human": Pilot(
         f"a helmsman: a look every {DELAY:g} s, an order in whole degrees, executed {DELAY:g} s later, at most "

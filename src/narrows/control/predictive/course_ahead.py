@@ -22,7 +22,7 @@ from narrows.control.predictive.line_frame import (
     over_interval,
     share_of,
 )
-from narrows.control.regulator_gains import RegulatorWeights, discrete_riccati
+from narrows.control.regulator_gains import RegulatorWeights
 from narrows.control.settings import FURTHEST, MOST_PLACES, OTHER_SPEED, PLACES_A_LENGTH, SHARES, WAYS
 from narrows.errors import InputError
 from narrows.model.model import Model
@@ -241,9 +241,10 @@ def weights_of(weights: RegulatorWeights, half_beam: float, passing: float) -> W
 
 def regulator_of(A: np.ndarray, B: np.ndarray, weights: Weights) -> tuple[np.ndarray, np.ndarray]:
     """Return the best gains (5,) of the rudder's rate and the infinite-horizon cost matrix (5, 5)."""
-    with np.errstate(all="ignore"):
-        (cost,) = discrete_riccati(A[None], np.outer(B, B)[None] / weights.rate, np.diag(weights.states)[None])
-        gains = np.asarray(B @ cost @ A / (weights.rate + B @ cost @ B))
-    if not np.isfinite(gains).all() or not np.abs(np.linalg.eigvals(A - np.outer(B, gains))).max() < 1.0:
-        raise InputError("no helm holds this ship: its rudder has no effect")
-    return gains, np.asarray((cost + cost.T) / 2)
+    from scipy.linalg import solve_discrete_are
+
+    try:
+        cost = solve_discrete_are(A, B[:, None], np.diag(weights.states), [[weights.rate]])
+    except (np.linalg.LinAlgError, ValueError):
+        raise InputError("no helm holds this ship: its rudder has no effect") from None
+    return np.asarray(B @ cost @ A / (weights.rate + B @ cost @ B)), np.asarray(cost)

@@ -7,7 +7,8 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from narrows.control.regulator import track_pilot
+from narrows.control.linearization import linearize
+from narrows.control.regulator_gains import lqr
 from narrows.identification.fitting import bundled_ship
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
@@ -86,7 +87,15 @@ class Demonstration:
 def demonstration(seed: int = 0) -> Demonstration:
     """Return the demonstration: a 230 m container ship in a canal 300 m wide."""
     model, way = bundled_ship(LENGTH, WIDTH, DEPTH, table_named(TERMS)), demonstrated_canal()
-    pilot, moment = MistakenHelm(track_pilot(model, LINE, SPEED), MISTAKE, math.radians(WRONG_RUDDER)), _moment(model)
+    middle, course = linearize(model, u=SPEED), linearize(model, LINE, SPEED).course
+    # Half a beam off the line costs as much as 5 degrees off the course and 10 degrees of rudder.
+    weights = [(model.configuration.ship.beam / 2) ** -2, math.radians(5.0) ** -2, 0.0, 0.0]
+    (gains,), *_ = lqr(middle, weights, math.radians(10.0) ** -2, "rudder")
+    autopilot = Autopilot(LINE, tuple(gains), *(float(course[name]) for name in ("rudder", "psi", "v")))
+    pilot = MistakenHelm(autopilot, MISTAKE, math.radians(WRONG_RUDDER))
+    turn, rudder = middle.states.index("r"), middle.controls.index("rudder")
+    by_rudder = float(middle.B[turn, rudder] / middle.G[turn, middle.disturbances.index("N")])
+    moment = by_rudder * math.radians(MOMENT)
     voyage = simulate(
         model, x=300.0, y=LINE, u=SPEED, controller=pilot, waterway=way, duration=DURATION, dt=1.0,
         N=[(0.0, 0.0), (UPSET[0], moment), (UPSET[1], 0.0)],
@@ -102,16 +111,6 @@ def demonstrated_canal() -> Waterway:
     ends, half = np.array([0.0, line.length]), np.full(2, WIDTH / 2)
     banks = Bank("starboard", ends, half), Bank("port", ends, half)
     return Waterway(line, *banks, (ends, np.full(2, DEPTH)), name="the canal of the demonstration", origin=ORIGIN)
-
-
-def _moment(model: Model) -> float:
-    """Return the moment of the upset [N m], by the moment of the rudder."""
-    from narrows.control.linearization import linearize
-
-    linear = linearize(model, y=0.0, u=SPEED)
-    turn = linear.states.index("r")
-    by_rudder = linear.B[turn, linear.controls.index("rudder")] / linear.G[turn, linear.disturbances.index("N")]
-    return float(by_rudder) * math.radians(MOMENT)
 
 
 # Standard deviations of the sensors, in SI.
