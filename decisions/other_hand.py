@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import narrows as nw
-from narrows.logbook.transits.transit_twins import ROUTINE, Excursion, TransitPilot, TransitTwin, wandering
+from narrows.logbook.steady_legs.steady_readings import steady_push
+from narrows.logbook.transits.transit_twins import ROUTINE, Excursion, TransitPilot, TransitTwin, gust_push, wandering
 from narrows.simulation.self_propulsion import self_propulsion
 
 DEGREE = math.pi / 180
@@ -85,7 +86,7 @@ class OtherTransit(TransitTwin):
         for i in range(2, len(values)):
             values[i] += first * values[i - 1] + second * values[i - 2]
         values = values[200:] / values[200:].std(axis=0)
-        pushes = values @ told.gust_push(self.truth).T + draw.standard_normal(2) * told.steady_push(self.truth)
+        pushes = values @ gust_push(told, self.truth).T + draw.standard_normal(2) * steady_push(told, self.truth)
         return {
             axis: list(zip(times.tolist(), own.tolist(), strict=True)) for axis, own in zip("YN", pushes.T, strict=True)
         }

@@ -20,6 +20,7 @@ from suez import CLEARANCES, measured
 import narrows as nw
 from narrows.control import regulator
 from narrows.logbook.settings import SETTLING
+from narrows.logbook.steady_legs.steady_readings import left_over, reading_error, shared_errors
 from narrows.quantities.names import KNOT
 from narrows.simulation.grid import sampled
 
@@ -168,12 +169,12 @@ def table(form: str) -> nw.TermTable:
 def _held(truth: nw.Model, kind: Kind, draw: np.random.Generator) -> dict[str, Any] | None:
     """Steady legs by the balance, with wind, zeros, a rest of motion and errors; None where one is broken off."""
     legs, conditions, errors = len(kind.legs), nw.SteadyConditions(), nw.ReadingErrors()
-    shared, left_over = conditions.shared(truth), conditions.left_over(truth)
+    shared, left = shared_errors(conditions, truth), left_over(conditions, truth)
     common = shared[:2] * draw.standard_normal(2)
     change = kind.wind_change * shared[:2] * draw.standard_normal((legs, 2))
     # A rest of acceleration is a force the other way; what is left of turning is a tenth of it, and left out here.
     mass = np.array([truth["b_vdot"], truth["c_rdot"]])
-    push = common + change + mass * left_over[3:] * draw.standard_normal((legs, 2))
+    push = common + change + mass * left[3:] * draw.standard_normal((legs, 2))
     y = np.array(kind.legs) + KEPT * draw.standard_normal(legs)
     u = SPEED + 0.1 * draw.standard_normal(legs)
     aside = kind.shifted or shared[-1] * draw.standard_normal()
@@ -191,7 +192,7 @@ def _heave(model: nw.Model, speeds: np.ndarray) -> np.ndarray:
 def _sailed(truth: nw.Model, kind: Kind, draw: np.random.Generator) -> dict[str, Any] | None:
     """Legs that a regulator holds in gusts, with the time to settle of a plan and two minutes to read."""
     model, conditions = hulls()["C0101A02"], nw.SteadyConditions()
-    wind = conditions.shared(truth)[:2] * draw.standard_normal(2)
+    wind = shared_errors(conditions, truth)[:2] * draw.standard_normal(2)
     settling = SETTLING * model.configuration.ship.length / SPEED
     told: dict[str, Any] = {"u": SPEED, "duration": settling + conditions.leg_time, "dt": 1.0}
     if kind.thrust != 1.0:
@@ -241,7 +242,9 @@ def _read(
     """What instruments show of legs."""
     zeros = np.radians([kind.rudder_zero, nw.SteadyConditions().drift_zero_deg]) * draw.standard_normal(2)
     true = {"y": y, "u": u, "rudder": kind.gain * rudder + zeros[0], "drift": psi + zeros[1]}
-    return {name: column + errors.of(name) * draw.standard_normal(len(column)) for name, column in true.items()}
+    return {
+        name: column + reading_error(errors, name) * draw.standard_normal(len(column)) for name, column in true.items()
+    }
 
 
 @dataclass(frozen=True)

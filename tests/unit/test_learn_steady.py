@@ -14,7 +14,7 @@ import narrows as nw
 from engine_models import mmg, steered
 from narrows.logbook.learned_coefficient import covered_range
 from narrows.logbook.steady_legs.learn_steady import LATENT, SteadyBalance
-from narrows.logbook.steady_legs.steady_readings import UNKNOWN
+from narrows.logbook.steady_legs.steady_readings import UNKNOWN, reading_error, shared_errors
 
 CALM = nw.SteadyConditions(wind=0.5, wind_change=0.0, y_zero=0.0, yaw_rate_deg=0.0, yaw_change_deg=0.0, sway_change=0.0)
 HELD = {"y": [0.5, -0.5, 0.3], "u": [0.8, 0.8, 0.9]}
@@ -80,8 +80,8 @@ def test_the_answer_is_that_of_a_search_over_coefficients_wind_zeros_and_places(
     model = replace(model, covariance=known)
     size = np.array([np.sqrt(known[i, i]) for i, name in enumerate(model.terms.names) if name in names])
     read = np.stack([frame["y"], frame["u"], *(np.radians(frame[f"{a} [deg]"]) for a in ("rudder", "drift"))], axis=1)
-    error = np.array([ERRORS.of(name) for name in ("y", "u", "rudder", "drift")])
-    mean, shared = np.array([model.coefficients[name] for name in names]), CALM.shared(model)[:4]
+    error = np.array([reading_error(ERRORS, name) for name in ("y", "u", "rudder", "drift")])
+    mean, shared = np.array([model.coefficients[name] for name in names]), shared_errors(CALM, model)[:4]
 
     def misfit(x: np.ndarray) -> np.ndarray:
         theta, common, place = np.split(x, [len(names), len(names) + 4])

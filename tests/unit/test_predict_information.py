@@ -12,7 +12,7 @@ from narrows.logbook import GRADES
 from narrows.logbook.learning.log_posterior import expected_std
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.transits.predict_information import expected_information
-from narrows.logbook.transits.transit_twins import Excursion, TransitTwin, recorded
+from narrows.logbook.transits.transit_twins import Excursion, TransitTwin, gust_push, recorded
 from pictures import assert_readable
 
 BREEZE = nw.TransitConditions(wind=0.5, gust=0.2, gust_time=2.0, wander=0.05, wander_time=15.0, gust_correlation=0.4)
@@ -56,7 +56,7 @@ def posed(*seeds: int) -> LogSetup:
 
 def expected(log: LogSetup, copies: int = 1) -> dict[str, float]:
     """Standard errors by the expected information."""
-    push = BREEZE.gust_push(ship())
+    push = gust_push(BREEZE, ship())
     return expected_std(log.problem, copies * expected_information(log, push @ push.T, BREEZE.gust_time))
 
 

@@ -28,6 +28,8 @@ from narrows.logbook.steady_legs.steady_readings import (
     ReadingErrors,
     SteadyConditions,
     SteadyReadings,
+    left_over,
+    shared_errors,
     steady_readings,
 )
 from narrows.model.data_range import extrapolation
@@ -91,8 +93,13 @@ class SteadyFit(LearnedAnswer):
     def notes(self) -> tuple[str, ...]:
         """Contradictions, undetermined quantities, inseparable pairs, assumptions."""
         taken = f"Assumed: {self.conditions.summary()}."
-        whose = () if self.checks.contradicted else (WHOSE,)
-        return (*self.checks.findings, *self.correlated(), taken, *self.prior.configuration.notes, *whose, ON_TWINS)
+        notes = [*self.checks.findings, *self.correlated(), taken, *self.prior.configuration.notes]
+        if not self.checks.contradicted:
+            notes.append(
+                "Legs that agree do not show that they are of this ship: on twins those of one a quarter shorter or "
+                "longer agree, and a rudder of the wrong sign may; see to ship, draft and signs."
+            )
+        return (*notes, ON_TWINS)
 
     def summary(self) -> str:
         """What was learned, what still comes from the tests, and whether the legs agree."""
@@ -104,14 +111,15 @@ class SteadyFit(LearnedAnswer):
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name: part of what ``learn --steady --json`` prints."""
+        prior = shared_errors(self.conditions, self.prior)
         return {
             "summary": self.summary(),
             "informative": self.informative,
             "coefficients": [coefficient.to_dict() for coefficient in self.coefficients.values()],
             "shared": [
-                {"name": name, "unit": unit, "value": factor * value, "std": factor * std, "prior_std": factor * before}
-                for (name, (_, unit, factor)), (value, std), before in zip(
-                    SHARED.items(), self.shared.values(), self.conditions.shared(self.prior).tolist(), strict=True)
+                {"name": name, "unit": unit, "value": factor * self.shared[name][0],
+                 "std": factor * self.shared[name][1], "prior_std": factor * before}
+                for (name, (_, unit, factor)), before in zip(SHARED.items(), prior.tolist(), strict=True)
             ],
             **{name: getattr(self.checks, name) for name in ("chi_square", "freedom", "probability", "contradicted")},
             "legs": self.leg_rows(),
@@ -123,15 +131,13 @@ class SteadyFit(LearnedAnswer):
         """Give a row a leg: what was read, where the ship most likely was, and how well the leg fits the others."""
         read, (y, _, rudder, heading) = self.readings.values, self.latent.T
         columns = {
-            "y": read["y"], "u": read["u"], "rudder_deg": np.degrees(read["rudder"]),
+            "leg": self.readings.legs, "y": read["y"], "u": read["u"], "rudder_deg": np.degrees(read["rudder"]),
             "direction_deg": np.degrees(read[self.readings.directions[0]]), "likely_y": y,
             "likely_rudder_deg": np.degrees(rudder), "likely_heading_deg": np.degrees(heading),
+            "probability": list(self.checks.leg_probabilities.values()),
         }  # fmt: skip
-        return [
-            {"leg": leg, **{name: float(column[i]) for name, column in columns.items()},
-             "probability": self.checks.leg_probabilities[leg]}
-            for i, leg in enumerate(self.readings.legs)
-        ]  # fmt: skip
+        rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
+        return [dict(zip(columns, row, strict=True)) for row in rows]
 
 
 @accept_aliases
@@ -180,17 +186,7 @@ def learn_steady(
     return SteadyFit(after, model, readings, conditions, learned, shared, found.latent, checks)
 
 
-# Quantities that a balance with so many unknowns cannot determine.
-WHOSE = (
-    "Legs that agree do not show that they are of this ship: on twins those of one a quarter shorter or longer agree, "
-    "and a rudder of the wrong sign may; see to ship, draft and signs."
-)
 TURNED = ("rudder", "drift", "heading")  # Readings that are often written with the other sign
-ONE_SIDE = (
-    "All legs are on one side of the middle: wind and the zeros of rudder and drift do not cancel, and what was "
-    "learned rests on how large they were taken to be; hold the other side too."
-)
-SCALE = "A steady balance determines ratios of forces: their scale is that of the tests."
 
 
 def steady_checks(readings: SteadyReadings, found: "LegFit", problem: "LegProblem") -> SteadyChecks:
@@ -200,7 +196,12 @@ def steady_checks(readings: SteadyReadings, found: "LegFit", problem: "LegProble
     legs = dict(zip(readings.legs, each.tolist(), strict=True))
     chance = float(chdtrc(found.counted, max(found.chi_square, 0.0)))
     y = readings.values["y"]
-    findings = [] if y.min() < 0 < y.max() else [ONE_SIDE]
+    findings = []
+    if not y.min() < 0 < y.max():
+        findings.append(
+            "All legs are on one side of the middle: wind and the zeros of rudder and drift do not cancel, and what "
+            "was learned rests on how large they were taken to be; hold the other side too."
+        )
     if chance < CONTRADICTION:
         findings.append(
             "The legs contradict the model, each other or their errors: a sum of squares of "
@@ -212,7 +213,8 @@ def steady_checks(readings: SteadyReadings, found: "LegFit", problem: "LegProble
         findings.append("The search for the true states of the legs did not converge; give smaller errors of y and u.")
     asked, covered = {"speed": readings.values["u"], "abs_y": np.abs(y)}, problem.prior.model.data_range
     findings += extrapolation(covered, {name: column for name, column in asked.items() if getattr(covered, name)})
-    return SteadyChecks(found.chi_square, found.counted, chance, legs, (*findings, SCALE))
+    findings.append("A steady balance determines ratios of forces: their scale is that of the tests.")
+    return SteadyChecks(found.chi_square, found.counted, chance, legs, tuple(findings))
 
 
 def _other_sign(readings: SteadyReadings, squares: float, problem: "LegProblem") -> list[str]:
@@ -232,9 +234,6 @@ LATENT = ("y", "u", "rudder", "psi")  # True state of a leg, of which its readin
 # Forces in balance on a steady leg, and the velocity whose rate each makes.
 BALANCED = {"Y": "v", "N": "r"}
 FORCES = slice(len(BALANCED))
-UNLIKE = (
-    "errors of these readings are beyond all measure, or differ by too many powers of ten; check each, and its unit"
-)
 
 
 class LegFit(NamedTuple):
@@ -264,7 +263,7 @@ class LegProblem(Unknowns):
 
     @classmethod
     def of(cls, model: Model, conditions: SteadyConditions) -> "LegProblem":
-        return cls(coefficient_prior(model, "held"), conditions.shared(model), conditions.left_over(model))
+        return cls(coefficient_prior(model, "held"), shared_errors(conditions, model), left_over(conditions, model))
 
     @property
     def spreads(self) -> np.ndarray:
@@ -338,7 +337,10 @@ class LegProblem(Unknowns):
         try:
             root = np.linalg.cholesky(covariance)
         except np.linalg.LinAlgError:
-            raise InputError(UNLIKE) from None
+            raise InputError(
+                "errors of these readings are beyond all measure, or differ by too many powers of ten; check each, and "
+                "its unit"
+            ) from None
         white = [np.linalg.solve(root, own) for own in (value[..., None], design, through)]
         return white[0][..., 0], white[1], white[2]
 

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -20,22 +20,14 @@ from narrows.logbook.learning.log_posterior import (
     regression_on_estimated,
 )
 from narrows.logbook.steady_legs.learn_steady import LegProblem
-from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyConditions, SteadyReadings
+from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyConditions, SteadyReadings, reading_error
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
-from narrows.results import BaseResult
+from narrows.results import Tabulated
 from narrows.safety.request import keel_at
 from narrows.safety.settings import KEEL_SHARE, RESERVE, SURE_SHARE
 from narrows.ship.checks import is_finite
 from narrows.simulation.outcome import water_notes
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-WHO_HOLDS = (
-    "The plan looks at the steady rudder, the side and the keel; the safe envelope tests whether a pilot holds the "
-    "ship there, and the master decides."
-)
 
 
 @dataclass(frozen=True)
@@ -63,7 +55,7 @@ class PlannedLeg:
 
 
 @dataclass(frozen=True, repr=False)
-class SteadyPlan(BaseResult):
+class SteadyPlan(Tabulated):
     """Legs to hold, in the order to hold them.
 
     Parameters
@@ -129,12 +121,6 @@ class SteadyPlan(BaseResult):
             | {f"std {name}": float(self.std[name][i]) for name in self.targets}
             for i, leg in enumerate(self.legs, start=1)
         ]  # fmt: skip
-
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Give the legs as a table."""
-        import pandas as pd
-
-        return pd.DataFrame(self.rows())
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name."""
@@ -212,23 +198,25 @@ def plan_steady(
     known = [expected_std(problem, one) for one in information]
     after = log_posterior(problem, np.zeros(len(information[-1])), information[-1]).covariance
     then = candidates(replace(model, covariance=after), beside, ahead, reserve, side, samples, seed) if order else found
-    told = (*model.notes, *water_notes(None, model.configuration.canal.depth))
+    notes = (
+        *model.notes, *water_notes(None, model.configuration.canal.depth), *_refused(found, reserve, side),
+        f"Assumed: {errors.summary()}; {conditions.summary()}.",
+        "The plan looks at the steady rudder, the side and the keel; the safe envelope tests whether a pilot holds the "
+        "ship there, and the master decides.",
+    )  # fmt: skip
     return SteadyPlan(
         tuple(found.leg(allowed[i], sign) for i, sign in held), names,
         {name: np.array([one[name] for one in known]) for name in names}, model, errors, conditions, reserve, side,
-        len(allowed), (found.farthest, max(found.farthest, then.farthest)),
-        (*told, *_refused(found, reserve, side), f"Assumed: {errors.summary()}; {conditions.summary()}.", WHO_HOLDS),
+        len(allowed), (found.farthest, max(found.farthest, then.farthest)), notes,
     )  # fmt: skip
 
 
-def _rising(name: str, values: object) -> np.ndarray:
-    try:
-        column = np.asarray(values, float)
-    except (TypeError, ValueError, OverflowError):
-        column = np.empty(0)
-    if column.ndim != 1 or not column.size or not (np.isfinite(column) & (column > 0)).all():
+def _rising(name: str, values: Any) -> np.ndarray:
+    column = np.asarray(values if isinstance(values, Sequence | np.ndarray) else [])
+    numbers = column.ndim == 1 and column.size and column.dtype.kind in "iuf"
+    if not (numbers and (np.isfinite(column) & (column > 0)).all()):
         raise InputError(f"the {name} that may be held are finite numbers over 0; give a sequence of them")
-    return np.unique(column)
+    return np.unique(column.astype(float))
 
 
 class Candidates(NamedTuple):
@@ -275,10 +263,10 @@ def pair_informations(problem: LegProblem, found: Candidates, allowed: np.ndarra
     size, sides = len(problem.precision), np.array([[1.0], [-1.0]])
     if not allowed.size:
         return np.zeros((0, 2, size, size))
-    columns = {"y": sides * found.offsets, "u": abs(sides) * found.speeds,
-               "rudder": sides * found.rudder, "drift": sides * found.psi}  # fmt: skip
+    columns = {"y": sides * found.offsets, "u": abs(sides) * found.speeds, "rudder": sides * found.rudder}
+    columns["drift"] = sides * found.psi
     values = {name: column[:, allowed].ravel() for name, column in columns.items()}
-    stated = {name: np.full(2 * len(allowed), errors.of(name)) for name in values}
+    stated = {name: np.full(2 * len(allowed), reading_error(errors, name)) for name in values}
     legs = SteadyReadings(tuple(map(str, range(2 * len(allowed)))), values, stated)
     return problem.informations(legs).reshape(2, len(allowed), size, size).swapaxes(0, 1)
 

@@ -75,15 +75,10 @@ class ReadingErrors(BaseSummary):
             f"{self.drift_deg:g} deg, heading to {self.heading_deg:g} deg (standard deviations of a leg's mean)"
         )
 
-    def of(self, name: str) -> float:
-        """Return that of a quantity, in SI.
 
-        Parameters
-        ----------
-        name : {"y", "u", "rudder", "drift", "heading"}
-            The quantity.
-        """
-        return math.radians(getattr(self, f"{name}_deg")) if READ[name].unit == "rad" else float(getattr(self, name))
+def reading_error(errors: ReadingErrors, name: str) -> float:
+    """Return the error of a reading, in SI."""
+    return math.radians(getattr(errors, f"{name}_deg")) if READ[name].unit == "rad" else float(getattr(errors, name))
 
 
 @dataclass(frozen=True, repr=False)
@@ -154,7 +149,11 @@ def steady_readings(table: Any, errors: ReadingErrors | None = None) -> SteadyRe
     if not {"drift", "heading"} & set(columns):
         raise InputError(f"{source}: no column is drift or heading; give one of them, as in 'drift [deg]'")
     own = errors or ReadingErrors()
-    stated = {name: columns.get(f"{name}_error", np.full(len(frame), own.of(name))) for name in READ if name in columns}
+    stated = {
+        name: columns.get(f"{name}_error", np.full(len(frame), reading_error(own, name)))
+        for name in READ
+        if name in columns
+    }
     names = labels(frame, LABEL, source) if LABEL in frame else range(1, len(frame) + 1)
     values = {name: columns[name] for name in (*READ, *GIVEN) if name in columns}
     _check(readings := SteadyReadings(tuple(map(str, names)), values, stated, source, sha256_of_frame(frame)))
@@ -197,11 +196,12 @@ class BeamWind(BaseSummary):
     def __post_init__(self) -> None:
         check_sizes(self, over=[name for name in vars(self) if name.endswith("_time")])
 
-    def steady_push(self, model: Model) -> np.ndarray:
-        """Return sway force [N] and yaw moment [N m] of the wind, (2,)."""
-        length = model.configuration.ship.length
-        force = wind_force(self.wind, WINDAGE * length**2 if self.windage is None else self.windage)
-        return np.array([force, force * (WIND_LEVER * length if self.wind_lever is None else self.wind_lever)])
+
+def steady_push(conditions: BeamWind, model: Model) -> np.ndarray:
+    """Return sway force [N] and yaw moment [N m] of the wind, (2,)."""
+    length, lever = model.configuration.ship.length, conditions.wind_lever
+    force = wind_force(conditions.wind, WINDAGE * length**2 if conditions.windage is None else conditions.windage)
+    return np.array([force, force * (WIND_LEVER * length if lever is None else lever)])
 
 
 @dataclass(frozen=True, repr=False)
@@ -259,26 +259,16 @@ class SteadyConditions(BeamWind):
             f"deg, of the offset {aside}; turning at {self.yaw_rate_deg:g} deg/s (standard deviations)"
         )
 
-    def shared(self, model: Model) -> np.ndarray:
-        """Return the standard deviations of ``UNKNOWN``, (6,) [N, N m, rad, rad, rad, m].
 
-        Parameters
-        ----------
-        model : Model
-            The ship.
-        """
-        zeros = map(math.radians, (self.rudder_zero_deg, self.drift_zero_deg, self.heading_zero_deg))
-        aside = MISPLACED * model.configuration.ship.beam if self.y_zero is None else self.y_zero
-        return np.array([*self.steady_push(model), *zeros, aside], float)
+def shared_errors(conditions: SteadyConditions, model: Model) -> np.ndarray:
+    """Return the standard deviations of ``UNKNOWN``, (6,) [N, N m, rad, rad, rad, m]."""
+    zeros = (conditions.rudder_zero_deg, conditions.drift_zero_deg, conditions.heading_zero_deg)
+    aside = MISPLACED * model.configuration.ship.beam if conditions.y_zero is None else conditions.y_zero
+    return np.array([*steady_push(conditions, model), *np.radians(zeros), aside], float)
 
-    def left_over(self, model: Model) -> np.ndarray:
-        """Return what is left on each leg: force and moment [N, N m], yaw rate [rad/s], accelerations [m/s2, rad/s2].
 
-        Parameters
-        ----------
-        model : Model
-            The ship.
-        """
-        gust = self.wind_change * self.steady_push(model)
-        rates = self.sway_change / self.leg_time, math.radians(self.yaw_change_deg) / self.leg_time
-        return np.array([*gust, math.radians(self.yaw_rate_deg), *rates])
+def left_over(conditions: SteadyConditions, model: Model) -> np.ndarray:
+    """Return what is left on each leg: force and moment [N, N m], yaw rate [rad/s], accelerations [m/s2, rad/s2]."""
+    gust = conditions.wind_change * steady_push(conditions, model)
+    rates = conditions.sway_change / conditions.leg_time, math.radians(conditions.yaw_change_deg) / conditions.leg_time
+    return np.array([*gust, math.radians(conditions.yaw_rate_deg), *rates])

@@ -18,30 +18,26 @@ from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.sensor_grades import SensorGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog
 from narrows.logbook.steady_legs.plan_steady import usual_offsets, usual_speeds
-from narrows.logbook.transits.transit_twins import ROUTINE, Excursion, TransitConditions, TransitTwin, recorded
+from narrows.logbook.transits.transit_twins import (
+    ROUTINE,
+    Excursion,
+    TransitConditions,
+    TransitTwin,
+    gust_push,
+    recorded,
+)
 from narrows.model.model import Model
 from narrows.progress import bar, is_shown
 from narrows.quantities.names import KNOT
-from narrows.results import BaseResult
+from narrows.results import Tabulated
 from narrows.safety.envelope import safe_envelope
 from narrows.simulation.inputs import check_waterway, finite_numbers
 
 if TYPE_CHECKING:
-    import pandas as pd
-
     from narrows.waterway.waterway import Waterway
 
 TRANSITS = (1, 5, 20)
 MINUTE = 60.0
-NO_RUDDER = (
-    "Nothing is predicted: without the rudder angle, the information depends on the assumed pilot and not on the bank; "
-    "record the rudder."
-)
-NOWHERE = (
-    "No excursion is considered: with the present uncertainty, no offset is safe at {:.3g} m/s; hold steady legs first "
-    "(plan_steady), or sail routine transits."
-)
-TOO_COARSE = "these sensors are too coarse to locate a ship of this size in its canal; give a grade of finer sensors"
 LEAST_GUST_SHARE = 0.01  # Least assumed strength of gusts over the usual one [1]
 
 
@@ -52,7 +48,7 @@ class TransitInformation:
 
 
 @dataclass(frozen=True, repr=False)
-class InformationForecast(BaseResult):
+class InformationForecast(Tabulated):
     """Expected standard errors of coefficients.
 
     Parameters
@@ -125,12 +121,6 @@ class InformationForecast(BaseResult):
             for kind in self.kinds for i, count in enumerate(self.transits)
         ]  # fmt: skip
 
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Give the rows as a table."""
-        import pandas as pd
-
-        return pd.DataFrame(self.rows())
-
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name."""
         return {
@@ -186,9 +176,12 @@ def predict_information(
     plan = _plan(model, waterway, u, duration, conditions)
     std = model.to_dataframe()["std"]
     told = counts, names, {name: float(std[name]) for name in names}, model, grade, conditions, plan.u, plan.duration
-    forecast = InformationForecast((), *told, 0.0, (NO_RUDDER,))
     if "rudder" not in grade.signals:
-        return forecast
+        no_rudder = (
+            "Nothing is predicted: without the rudder angle, the information depends on the assumed pilot and not on "
+            "the bank; record the rudder."
+        )
+        return InformationForecast((), *told, 0.0, (no_rudder,))
     if within is None:
         safe = safe_offset(_narrowest(model, waterway), plan.u, seed)
     elif (safe := finite_numbers(within=within)["within"]) < 0:
@@ -200,8 +193,11 @@ def predict_information(
         except InputError as error:
             reasons.append(f"Left out: {error}.")
     if within is None and not safe:
-        reasons.append(NOWHERE.format(plan.u))
-    return replace(forecast, kinds=tuple(kinds), safe_offset=safe, reasons=tuple(reasons))
+        reasons.append(
+            f"No excursion is considered: with the present uncertainty, no offset is safe at {plan.u:.3g} m/s; hold "
+            "steady legs first (plan_steady), or sail routine transits."
+        )
+    return InformationForecast(tuple(kinds), *told, safe, tuple(reasons))
 
 
 def _plan(
@@ -242,7 +238,7 @@ def excursions(safe: float, time: float) -> list[Excursion]:
 def _information(
     plan: TransitTwin, excursion: Excursion, grade: SensorGrade, names: Sequence[str], counts: Sequence[int], seed: int
 ) -> TransitInformation:
-    push, std = plan.conditions.gust_push(plan.truth), []
+    push, std = gust_push(plan.conditions, plan.truth), []
     with bar(settings.SIMULATED_TRANSITS, is_shown(), excursion.words) as done:
         for number in range(seed, seed + settings.SIMULATED_TRANSITS):
             record = recorded(f"transit {number}", plan.sailed(number, excursion), grade, number, current=0.0)
@@ -257,9 +253,8 @@ def _information(
 def _narrowest(model: Model, waterway: "Waterway | None") -> Model:
     if waterway is None:
         return model
-    canal = min(
-        (waterway.canal(float(x)) for x in np.linspace(0, waterway.line.length, 101)), key=lambda one: one.width
-    )
+    places = np.linspace(0, waterway.line.length, 101)
+    canal = waterway.canal(float(places[waterway.section(places).width.argmin()]))
     canal = replace(canal, depth=canal.depth or model.configuration.canal.depth)
     return replace(model, configuration=replace(model.configuration, canal=canal))
 
@@ -279,5 +274,7 @@ def expected_information(setup: LogSetup, gusts: np.ndarray, memory: float) -> n
             unknowns[place] = np.arctanh(np.clip(gusts[0, 1] / max(std.prod(), np.finfo(float).tiny), -0.99, 0.99))
     found = scored(problem, setup, unknowns, [], FIRST_PASSES)
     if found is None:
-        raise InputError(TOO_COARSE)
+        raise InputError(
+            "these sensors are too coarse to locate a ship of this size in its canal; give a grade of finer sensors"
+        )
     return found.information

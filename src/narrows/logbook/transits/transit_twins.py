@@ -15,7 +15,7 @@ from narrows.identification.fitting import bundled_ship
 from narrows.logbook import settings
 from narrows.logbook.sensor_grades import SensorGrade
 from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
-from narrows.logbook.steady_legs.steady_readings import BeamWind
+from narrows.logbook.steady_legs.steady_readings import BeamWind, steady_push
 from narrows.model.model import Model
 from narrows.progress import bar, is_shown
 from narrows.quantities.names import KNOT
@@ -76,16 +76,11 @@ class TransitConditions(BeamWind):
             f", an aim that wanders by {self.wander:g} m in {self.wander_time:g} s (standard deviations)"
         )
 
-    def gust_push(self, model: Model) -> np.ndarray:
-        """Return sway force [N] and yaw moment [N m] of two independent gusts of size one, (2, 2).
 
-        Parameters
-        ----------
-        model : Model
-            The ship.
-        """
-        along, apart = self.gust_correlation, math.sqrt(1 - self.gust_correlation**2)
-        return np.asarray(self.gust * self.steady_push(model)[:, None] * [[1.0, 0.0], [along, apart]])
+def gust_push(conditions: TransitConditions, model: Model) -> np.ndarray:
+    """Return sway force [N] and yaw moment [N m] of two independent gusts of size one, (2, 2)."""
+    along, apart = conditions.gust_correlation, math.sqrt(1 - conditions.gust_correlation**2)
+    return np.asarray(conditions.gust * steady_push(conditions, model)[:, None] * [[1.0, 0.0], [along, apart]])
 
 
 def wandering(
@@ -211,8 +206,8 @@ class TransitTwin:
     def _pushes(self, draw: np.random.Generator) -> dict[str, list[tuple[float, float]]]:
         conditions, step = self.conditions, min(settings.PUSH_STEP, self.conditions.gust_time / settings.GUST_PIECES)
         times = np.arange(0.0, self.duration, step)
-        gusts = wandering(1.0, conditions.gust_time, step, len(times), draw, 2) @ conditions.gust_push(self.truth).T
-        pushes = gusts + draw.standard_normal(2) * conditions.steady_push(self.truth)
+        gusts = wandering(1.0, conditions.gust_time, step, len(times), draw, 2) @ gust_push(conditions, self.truth).T
+        pushes = gusts + draw.standard_normal(2) * steady_push(conditions, self.truth)
         return {name: list(zip(times.tolist(), pushes[:, i].tolist(), strict=True)) for i, name in enumerate("YN")}
 
 
