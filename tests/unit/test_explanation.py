@@ -39,14 +39,6 @@ def test_a_wrong_model_does_not(found: nw.Explanation) -> None:
     assert any("More than 3 standard errors" in said and "b_bank" in said for said in wrong.summary().splitlines())
 
 
-def test_shares_are_those_of_the_model(found: nw.Explanation) -> None:
-    """A fit has the same shares as an explanation of it on its own tests."""
-    again = nw.explain(found.fit.model, found.fit.tests, ("speed",))
-    for kind in ("mse", "mean_abs", "lmg"):
-        for force, shares in found.fit.shapley(kind).items():
-            assert again.shares[kind][force] == pytest.approx(shares, nan_ok=True)
-
-
 def test_tables_are_compared_by_what_was_left_out(found: nw.Explanation) -> None:
     assert list(found.comparison.fits) == ["paper", "speed", "paper+distance"]
     rows = {(row["table"], row["force"]): row for row in found.comparison.rows()}

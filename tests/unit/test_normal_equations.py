@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.identification.collinearity import diagnose
 from narrows.identification.motions import distinct_motions
 from narrows.identification.normal_equations import ONE, accumulate, products
+from narrows.identification.verdict import diagnose
 from tables import many_runs, short_twin
 
 

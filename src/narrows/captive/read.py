@@ -205,7 +205,6 @@ class StreamedTests:
         return lengths
 
     def blocks(self, pieces: int = 1) -> Iterator[Block]:
-        """Yield every row once, in blocks."""
         done = dict.fromkeys(self.names, 0)
         last: tuple[str, float] = ("", -np.inf)
         conditions: set[str] = set()

@@ -13,20 +13,50 @@ from narrows.empirical.fleet import published
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.model.sections import Source
+from narrows.quantities.names import Number
 from narrows.ship.motion import Motion
 
-# Motions that a towing tank can make: harmonic sway and yaw, and straight runs off the centreline.
 Columns = dict[str, np.ndarray]
 
 
-def _check_positive(run: "HarmonicRun | StraightRun", names: tuple[str, ...]) -> None:
-    for name in names:
-        if not getattr(run, name) > 0:
-            raise InputError(f"run {run.name}: {name} = {getattr(run, name)} must be positive")
+COLUMNS = ("t", "x", "y", "psi", "u", "v", "r", "udot", "vdot", "rdot", "heave")
+
+
+class TowedRun:
+    """A run at constant speed, harmonic or straight."""
+
+    name: str
+    speed: float
+    duration: float
+
+    @property
+    def length(self) -> float:
+        """Approximate length of tank needed [m]."""
+        return self.duration * self.speed
+
+    def columns(self, rate: float) -> Columns:
+        """Return time, motion and accelerations at each sample.
+
+        Parameters
+        ----------
+        rate : float [Hz]
+            Sampling rate.
+        """
+        t = np.arange(round(self.duration * rate)) / rate
+        motion = {"t": t, **self._motion(t)}
+        return {name: motion.get(name, 0.0) + np.zeros(len(t)) for name in COLUMNS}
+
+    def _motion(self, t: np.ndarray) -> dict[str, Number]:
+        raise NotImplementedError
+
+    def _check_positive(self, *names: str) -> None:
+        for name in names:
+            if not getattr(self, name) > 0:
+                raise InputError(f"run {self.name}: {name} = {getattr(self, name)} must be positive")
 
 
 @dataclass(frozen=True)
-class HarmonicRun:
+class HarmonicRun(TowedRun):
     """A harmonic captive test at constant speed.
 
     Parameters
@@ -71,57 +101,31 @@ class HarmonicRun:
     def __post_init__(self) -> None:
         if self.kind not in ("yaw", "sway"):
             raise InputError(f"run {self.name}: kind {self.kind!r} is unknown; choose yaw or sway")
-        _check_positive(self, ("amplitude", "period", "speed", "cycles"))
+        self._check_positive("amplitude", "period", "speed", "cycles")
         if self.kind == "yaw" and self.amplitude * 2 * np.pi / self.period >= self.speed:
             raise InputError(f"run {self.name}: too steep for {self.speed} m/s; lengthen the period")
 
     @property
-    def duration(self) -> float:
+    def duration(self) -> float:  # type: ignore[override]
         """Duration [s]."""
         return self.cycles * self.period
 
-    @property
-    def length(self) -> float:
-        """Approximate length of tank needed [m]."""
-        return self.duration * self.speed
-
-    def columns(self, rate: float) -> Columns:
-        """Return time, motion and accelerations at each sample.
-
-        Parameters
-        ----------
-        rate : float [Hz]
-            Sampling rate.
-        """
-        t = np.arange(round(self.duration * rate)) / rate
-        columns = self._yaw(t) if self.kind == "yaw" else self._sway(t)
-        return columns | {"y": self.offset + columns["y"], "heave": np.zeros(len(t))}
-
-    def _yaw(self, t: np.ndarray) -> Columns:
-        """y = A sin wt along the ship's own path: sin psi = y'/U, so that v = 0 exactly."""
-        w, a, speed = 2 * np.pi / self.period, self.amplitude, np.full(len(t), self.speed)
-        # Derivatives of the sine: each leads the one before by a quarter of a period.
-        slope, bend, jerk = (a * w**n / self.speed * np.sin(w * t + n * np.pi / 2) for n in (1, 2, 3))
+    def _motion(self, t: np.ndarray) -> dict[str, Number]:
+        w, a, speed = 2 * np.pi / self.period, self.amplitude, self.speed
+        y = self.offset + a * np.sin(w * t)
+        if self.kind == "sway":
+            return {"x": speed * t, "y": y, "u": speed, "v": a * w * np.cos(w * t), "vdot": -a * w * w * np.sin(w * t)}
+        # y = A sin wt along the ship's own path: sin psi = y'/U, so that v = 0 exactly. Derivatives of the sine: each
+        # leads the one before by a quarter of a period.
+        slope, bend, jerk = (a * w**n / speed * np.sin(w * t + n * np.pi / 2) for n in (1, 2, 3))
         cosine = np.sqrt(1 - slope**2)
-        psi, r = np.arcsin(slope), bend / cosine
+        x = np.concatenate([[0.0], np.cumsum(speed * (cosine[1:] + cosine[:-1]) / 2 * np.diff(t))])
         rdot = jerk / cosine + slope * bend**2 / cosine**3
-        x = np.concatenate([[0.0], np.cumsum(self.speed * (cosine[1:] + cosine[:-1]) / 2 * np.diff(t))])
-        zero = np.zeros(len(t))
-        return {
-            "t": t, "x": x, "y": a * np.sin(w * t), "psi": psi, "u": speed, "v": zero, "r": r,
-            "udot": zero, "vdot": zero, "rdot": rdot,
-        }  # fmt: skip
-
-    def _sway(self, t: np.ndarray) -> Columns:
-        w, a, zero = 2 * np.pi / self.period, self.amplitude, np.zeros(len(t))
-        return {
-            "t": t, "x": self.speed * t, "y": a * np.sin(w * t), "psi": zero, "u": np.full(len(t), self.speed),
-            "v": a * w * np.cos(w * t), "r": zero, "udot": zero, "vdot": -a * w * w * np.sin(w * t), "rdot": zero,
-        }  # fmt: skip
+        return {"x": x, "y": y, "psi": np.arcsin(slope), "u": speed, "r": bend / cosine, "rdot": rdot}
 
 
 @dataclass(frozen=True)
-class StraightRun:
+class StraightRun(TowedRun):
     """A straight captive test at constant speed, parallel to the banks.
 
     Parameters
@@ -158,30 +162,13 @@ class StraightRun:
     depth: float | None = None
 
     def __post_init__(self) -> None:
-        _check_positive(self, ("speed", "duration"))
+        self._check_positive("speed", "duration")
         if not abs(self.drift) < np.pi / 2:
             raise InputError(f"run {self.name}: drift = {self.drift} is not an angle below pi/2; give it in radians")
 
-    @property
-    def length(self) -> float:
-        """Approximate length of tank needed [m]."""
-        return self.duration * self.speed
-
-    def columns(self, rate: float) -> Columns:
-        """Return time, motion and accelerations at each sample.
-
-        Parameters
-        ----------
-        rate : float [Hz]
-            Sampling rate.
-        """
-        t = np.arange(round(self.duration * rate)) / rate
-        zero, one = np.zeros(len(t)), np.ones(len(t))
-        return {
-            "t": t, "x": self.speed * t, "y": self.offset * one, "psi": self.drift * one,
-            "u": self.speed * np.cos(self.drift) * one, "v": -self.speed * np.sin(self.drift) * one, "r": zero,
-            "udot": zero, "vdot": zero, "rdot": zero, "heave": zero,
-        }  # fmt: skip
+    def _motion(self, t: np.ndarray) -> dict[str, Number]:
+        u, v = self.speed * np.cos(self.drift), -self.speed * np.sin(self.drift)
+        return {"x": self.speed * t, "y": self.offset, "psi": self.drift, "u": u, "v": v}
 
 
 # A run for twins and designs.

@@ -7,7 +7,6 @@ import numpy as np
 
 from narrows.captive.synthetic import Run, StraightRun, motion_of, twin
 from narrows.errors import InputError
-from narrows.identification.collinearity import Diagnostics
 from narrows.identification.estimates import joint_forces
 from narrows.identification.fit import Fit
 from narrows.identification.force_rows import ForceRows
@@ -15,6 +14,7 @@ from narrows.identification.least_squares import free_parameters, reduced
 from narrows.identification.motions import distinct_motions
 from narrows.identification.normal_equations import ONE, NormalEquations, accumulate
 from narrows.identification.systematic_effects import RunErrors, assemble
+from narrows.identification.verdict import Diagnostics
 from narrows.model.model import Model
 from narrows.ship.particulars import Configuration
 from narrows.terms.term import TermTable

@@ -113,7 +113,6 @@ def summarise_bank(fit: Fit) -> BankSummary:
 
 
 def bank_names(fit: Fit) -> list[str]:
-    """Return the bank's coefficients."""
     return [term.name for term in fit.terms.terms if term.from_bank]
 
 

@@ -14,7 +14,6 @@ from narrows.errors import InputError
 from narrows.identification.fit import Fit
 from narrows.identification.fitting import identify
 from narrows.identification.normal_equations import Balance, Score, score
-from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import NOT_SEPARABLE
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
@@ -200,11 +199,6 @@ class Explanation(BaseResult):
         return f"<Explanation of a model of {self.model.configuration.ship.name or 'a ship'}: {self.fit!r}>"
 
     @cached_property
-    def shares(self) -> dict[str, dict[str, dict[str, float]]]:
-        """Shapley shares of the model's own coefficients on these tests: kind -> force -> coefficient -> share."""
-        return {kind: self.fit.shapley(kind, self.model.coefficients) for kind in KINDS}
-
-    @cached_property
     def distance(self) -> dict[str, float]:
         """Distance of the model's coefficients from those of these tests, in joint standard errors; NaN if unknown."""
         names, covariance = self.fit.terms.names, self.model.covariance
@@ -257,7 +251,6 @@ class Explanation(BaseResult):
             "model": {force: errors._asdict() for force, errors in self.scores.items()},
             "by_test": {test: {f: own.rmse for f, own in scores.items()} for test, scores in self.by_test.items()},
             "distance": dict(self.distance),
-            "shapley": self.shares,
             "these_tests": self.fit.to_dict(),
             "tables": self.comparison.rows(),
             "tables_left_out": dict(self.comparison.left_out),
@@ -290,7 +283,7 @@ def explain(model: Model, tests: Any, tables: Sequence[str] = (), ship: ShipSour
     Returns
     -------
     Explanation
-        Errors of the model, the fit to these tests with all that is known of it, Shapley shares, other tables.
+        Errors of the model, the fit to these tests with all that is known of it, other tables.
 
     Raises
     ------

@@ -10,7 +10,6 @@ import numpy as np
 
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.identification import shapley
-from narrows.identification.collinearity import Diagnostics
 from narrows.identification.estimates import CoefficientEstimates, estimates
 from narrows.identification.least_squares import Problem, Solution
 from narrows.identification.motions import DistinctMotions, distinct_motions
@@ -26,7 +25,7 @@ from narrows.identification.resampling import (
 )
 from narrows.identification.shapley import Kind as ShareKind
 from narrows.identification.systematic_effects import Effect, RunErrors
-from narrows.identification.verdict import IDENTIFIED, Verdict, verdicts
+from narrows.identification.verdict import IDENTIFIED, Diagnostics, Verdict, verdicts
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.ship.particulars import Configuration
@@ -197,25 +196,21 @@ class Fit(Prediction):
         """Share of the information on each coefficient that is gone without a distinct motion: a row for each [1]."""
         return influence(self.motions, self.estimates)
 
-    def shapley(
-        self, kind: ShareKind = "mse", coefficients: Mapping[str, float] | None = None
-    ) -> dict[str, dict[str, float]]:
+    def shapley(self, kind: ShareKind = "mse") -> dict[str, dict[str, float]]:
         """Shapley share of each term: force -> coefficient -> share, sizes adding up to 1.
 
         Parameters
         ----------
         kind : str
             ``mse``, ``mean_abs`` or ``lmg``.
-        coefficients : mapping of str to float, optional
-            Values of the coefficients instead of the fit's own, in their SI units.
 
         Raises
         ------
         InputError
             Where the kind is none of these.
         """
-        values = self.coefficients if coefficients is None else coefficients
-        return shapley.shares(kind, self.normal_equations, self.terms, values, lambda: self._deviations)
+        equations, values = self.normal_equations, self.coefficients
+        return shapley.shares(kind, equations, self.terms, values, lambda: self._deviations)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -235,18 +230,7 @@ class Fit(Prediction):
         return (*self.tests.notes, *filter(None, notes))
 
     def save(self, path: str | Path) -> None:
-        """Write it in the format of the suffix; ``.toml`` is its model, which ``load_model`` reads.
-
-        Parameters
-        ----------
-        path : str or Path
-            Path of the file.
-
-        Raises
-        ------
-        InputError
-            If there is no such format, or the file cannot be written.
-        """
+        """Write it in the format of the suffix; ``.toml`` is its model, which ``load_model`` reads."""
         if Path(path).suffix == ".toml":
             self.model.save(path)
         else:

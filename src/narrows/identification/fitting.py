@@ -177,7 +177,6 @@ def identify_conditions(
 
 
 def the_condition(tests: Tests, condition: str | None) -> Tests:
-    """Return the tests of one condition."""
     parts = _by_condition(tests)
     known = [label for label in parts if label]
     if condition is None and len(parts) > 1:

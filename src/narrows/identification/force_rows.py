@@ -76,7 +76,6 @@ class ForceRows:
         self.reach = float(max(motions.features["reach"].max(), 1e-9))
 
     def place(self, term: Term) -> int:
-        """Return the column of ``x`` that a term adds to."""
         return self.free_parameters.index(self.problem.slot[term.name])
 
     def of(self, force: int, column: np.ndarray) -> np.ndarray:
@@ -84,7 +83,6 @@ class ForceRows:
         return np.outer(np.arange(self.count) == force, column).ravel()
 
     def all(self, column: np.ndarray) -> np.ndarray:
-        """A column in the rows of every force."""
         return np.tile(column, self.count)
 
     @property
@@ -98,7 +96,6 @@ class ForceRows:
         return np.outer([levers.get(name, 0.0) for name in self.forces], force).ravel()
 
     def raw(self, name: str) -> np.ndarray:
-        """A column of the sums."""
         return np.asarray(self.columns[:, self.names[name]])
 
     def rms(self, column: np.ndarray) -> float:

@@ -51,7 +51,6 @@ class Problem:
         return h, g
 
     def solve(self, sums: np.ndarray) -> "Solution":
-        """Fit to the rows behind some sums (m, m)."""
         return solve(*self.normal(sums), self.lower, self.upper)
 
     def fits(self, sums: np.ndarray) -> np.ndarray:
@@ -134,7 +133,6 @@ def solve(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) ->
 
 
 def check(h: np.ndarray, g: np.ndarray, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Kkt:
-    """Measure how far a point is from optimal."""
     gradient = (h @ z - g) / max(float(np.abs(g).max(initial=0.0)), 1e-300)
     low, high = z <= lower, z >= upper
     pushed = np.concatenate([-gradient[low & ~high], gradient[high & ~low]])

@@ -85,7 +85,6 @@ class MixedModel:
 
     @property
     def fixed(self) -> int:
-        """Number p of coefficients."""
         return int(self.taken.shape[0])
 
     @cached_property
@@ -152,7 +151,6 @@ class MixedModel:
         return np.append(self.prior * self._ratio(z), 1.0)
 
     def _ratio(self, z: np.ndarray) -> np.ndarray:
-        """Every scale over its prior."""
         from scipy import special
 
         return np.asarray(-special.stdtrit(self.freedom, 0.5 * special.ndtr(-np.maximum(z, NO_SCALE))))

@@ -64,7 +64,6 @@ class DistinctMotions:
 
     @property
     def sentence(self) -> str:
-        """One sentence of the tests taken as independent."""
         tests = sum(map(len, self.members))
         if tests == len(self):
             return f"Errors are those of {tests} runs, each a motion of its own."
@@ -74,7 +73,6 @@ class DistinctMotions:
 
 
 def distinct_motions(equations: NormalEquations) -> DistinctMotions:
-    """Group tests by what was done in them."""
     moved, length, (mean, std) = equations.moved, equations.length, _moments(equations)
     speed = np.maximum(np.hypot(mean["u"], mean["v"]), 1e-9)
     sizes: dict[str, np.ndarray | float] = {"v": speed, "sin_psi": 1.0, "y": length}

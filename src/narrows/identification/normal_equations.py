@@ -202,7 +202,6 @@ class NormalEquations:
         return sums
 
     def of_tests(self, names: Collection[str]) -> "NormalEquations":
-        """Return those of some tests alone."""
         keep = np.array([name in names for name in self.tests])
         moved = {name: moments[keep] for name, moments in self.moved.items()}
         tests = tuple(name for name in self.tests if name in names)
@@ -218,7 +217,6 @@ class NormalEquations:
 def accumulate(
     tests: Tests, terms: TermTable, pieces: int = 1, balance: Balance = "rows"
 ) -> tuple[NormalEquations, DataRange]:
-    """Sum over every row, once."""
     matrix = DesignMatrix(terms)
     # The motion, and further set quantities that the terms need.
     quantities = tuple(dict.fromkeys((*MOVED, *(name for name in terms.inputs if name not in NOT_SET))))

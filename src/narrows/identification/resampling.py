@@ -37,7 +37,6 @@ class Predictiveness:
 
     @property
     def sentence(self) -> str:
-        """One sentence of the result."""
         return (
             f"{self.force} of {self.motions} motions left out in turn: {self.held:.0%} lie within the 95 % predictive "
             f"interval, whose median half width is {self.half:.2g} {FORCES[self.force].unit} ({self.relative:.0%} of "
@@ -130,7 +129,6 @@ class DepthTest:
         return self.p < DIFFERENT
 
     def sentence(self, name: str) -> str:
-        """One sentence of the result."""
         values = ", ".join(f"{with_error(value, self.std[h])} at {h:.4g} m" for h, value in self.values.items())
         word = "it changes with the depth" if self.changes else "no change with the depth is seen"
         return f"{name} by each depth alone is {values}: {word} (p = {self.p:.2g})."

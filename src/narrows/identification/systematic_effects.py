@@ -68,7 +68,6 @@ class Effect:
 
     @property
     def learned(self) -> bool:
-        """True where the tests determine its size."""
         return self.group != FIXED
 
     @property

@@ -8,11 +8,10 @@ from rich.console import Console
 
 from narrows.files import write_whole
 from narrows.identification import Comparison, Explanation
-from narrows.identification.shapley import KINDS
 from narrows.quantities.names import FORCES
 from narrows.report.fit_figures import comparison_figure
 from narrows.report.fit_page import figure, render, section
-from narrows.report.fit_table import coefficient_row, heading, print_fit, share_rows
+from narrows.report.fit_table import coefficient_row, heading, print_fit
 from narrows.report.terminal import console_of, table_of
 
 
@@ -27,8 +26,6 @@ def write_explanation(explanation: Explanation, path: str | Path, title: str) ->
         scores=explanation.scores,
         by_test=explanation.by_test,
         coefficients=[_row(explanation, name) for name in explanation.fit.terms.names],
-        kinds=KINDS,
-        shapley=share_rows(explanation.shares),
         compared=explanation.comparison.summary().splitlines(),
         left_out=explanation.comparison.left_out,
         comparison=figure(comparison_figure(rows), "Errors of tables of terms, of the fit and on left-out tests."),

@@ -8,9 +8,8 @@ from matplotlib.ticker import LogLocator, NullFormatter
 
 from narrows.captive.tests import CaptiveTests
 from narrows.identification import Comparison, Fit
-from narrows.identification.collinearity import Diagnosis
 from narrows.identification.shapley import KINDS
-from narrows.identification.verdict import IDENTIFIED
+from narrows.identification.verdict import IDENTIFIED, Diagnosis
 from narrows.model.data_range import Range
 from narrows.physics.clearance import delta, taper
 from narrows.report.style import (

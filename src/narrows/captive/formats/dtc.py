@@ -18,12 +18,10 @@ HEADERS = ("time [s]", "x0 [m]", "y0 [m]", "psi [°]", "heave [mm]", "X [N]", "Y
 
 
 def recognises(frame: pd.DataFrame) -> bool:
-    """Return whether a frame has this layout."""
     return set(HEADERS) <= set(frame.columns)
 
 
 def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Convert the layout to the documented headers."""
     t, x, y, degrees = (cells.numbers(frame, header, table) for header in HEADERS[:4])
     psi = np.unwrap(np.radians(degrees))
     try:

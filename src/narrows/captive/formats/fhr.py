@@ -29,12 +29,10 @@ TURNED = (
 
 
 def recognises(frame: pd.DataFrame) -> bool:
-    """Return whether a frame has this layout."""
     return {"env", "type", "psi_deg", "rud_given_deg"} <= set(frame.columns)
 
 
 def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Convert the layout to the documented headers."""
     # Unless the user's selection names the type of test or the rudder, harmonic tests with the rudder amidships are
     # kept: the paper's terms cover neither a rudder nor a drift of 90 degrees.
     turned = -cells.numbers(frame, "rud_given_deg", table)
@@ -46,7 +44,6 @@ def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFra
 
 
 def sample() -> pd.DataFrame:
-    """Return a few rows in its format."""
     return pd.read_csv(StringIO(SAMPLE))
 
 

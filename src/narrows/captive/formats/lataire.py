@@ -36,12 +36,10 @@ BANKS = {
 
 
 def recognises(frame: pd.DataFrame) -> bool:
-    """Return whether a frame has this layout."""
     return {"lateral position", "psi", "sinkage fore", "sinkage aft", "bank name"} <= set(frame.columns)
 
 
 def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Convert the layout to the documented headers."""
     ahead = frame[np.abs(cells.numbers(frame, "psi", table)) < 90].rename(columns=RENAMED)
     fore, aft = (cells.numbers(ahead, f"sinkage {end}", table) for end in ("fore", "aft"))
     ahead["heave [mm]"] = (fore + aft) / 2
@@ -65,7 +63,6 @@ def _between_walls(frame: pd.DataFrame, table: str) -> pd.DataFrame:
 
 
 def sample() -> pd.DataFrame:
-    """Return a few rows in its format."""
     return pd.read_csv(StringIO(SAMPLE))
 
 
