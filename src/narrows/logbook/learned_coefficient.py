@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.identification.verdict import IDENTIFIED
-from narrows.logbook.settings import LEARNED_TO, PAIR_CORRELATION, SHARPENED_TO, TIED_CORRELATION
+from narrows.logbook.settings import LEARNED_TO, SHARPENED_TO
 from narrows.model.data_range import DataRange, Range
 from narrows.model.model import Model
 from narrows.results import BaseResult
@@ -120,23 +120,6 @@ class LearnedAnswer(BaseResult):
         unchanged = ", ".join(c.name for c in known if c.word == PRIOR)
         rest = f" Unchanged from the prior: {unchanged}." if unchanged else ""
         return f"Learned from {source}: {'; '.join(sentences) or 'nothing'}.{rest}"
-
-    def correlated(self) -> list[str]:
-        """Return a sentence for each pair of coefficients of which a record determines a combination."""
-        names, covariance = list(self.coefficients), np.asarray(self.model.covariance)
-        size = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-        scale = np.where(size > 0, size, np.inf)
-        correlation = covariance / np.outer(scale, scale)
-        correlation[np.abs(correlation) > TIED_CORRELATION] = 0.0  # Itself, and what is tied to it.
-        found: dict[frozenset[str], str] = {}
-        for name, row in zip(names, correlation, strict=True):
-            other = int(np.abs(row).argmax())
-            if self.coefficients[name].word != PRIOR and abs(row[other]) >= PAIR_CORRELATION:
-                found.setdefault(
-                    frozenset((name, names[other])), f"{name} and {names[other]} are correlated ({row[other]:+.2f}): a "
-                    "combination of both is more precise than each.",
-                )  # fmt: skip
-        return list(found.values())
 
 
 def learnable(model: Model, targets: object) -> tuple[str, ...]:

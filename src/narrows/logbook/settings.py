@@ -35,8 +35,6 @@ RUDDER_REST_BETWEEN_BANKS = 10.0  # The same between banks [ship lengths]
 # Information of a record
 LEARNED_TO = 0.5  # Largest remaining share of the standard error: the record has three quarters of the information [1]
 SHARPENED_TO = 0.9  # Largest remaining share of the standard error: the record has a fifth of the information [1]
-TIED_CORRELATION = 1 - 1e-9  # Correlation beyond which two coefficients are tied [1]
-PAIR_CORRELATION = 0.7  # Correlation beyond which two coefficients are reported as a pair [1]
 CHANGE_SAMPLES = 200  # Samples of coefficients and disturbances: enough for a preview, not for a chart
 CHANGE_OFFSETS = (0.0, 0.5, 1.0, 1.5)  # Offsets over the largest of a record [1]
 CHANGE_SPEEDS = (0.8, 1.0, 1.2)  # Speeds over the mean of a record [1]

@@ -279,24 +279,6 @@ class ShipLog(BaseResult):
         """
         return replace(self, records=tuple(self[name] for name in names))
 
-    def drop(self, *names: str) -> "ShipLog":
-        """Return all records but some.
-
-        Parameters
-        ----------
-        *names : str
-            Names of the records to leave out.
-
-        Raises
-        ------
-        InputError
-            Where there is no such record, or none is left.
-        """
-        left = [name for name in self.names if name not in [self[own].name for own in names]]
-        if not left:
-            raise InputError("no record is left after the selection; leave out fewer")
-        return self.select(*left)
-
     @property
     def counts(self) -> dict[str, int]:
         """Values of each signal in all records."""

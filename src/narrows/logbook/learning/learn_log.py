@@ -25,7 +25,6 @@ from narrows.logbook.ship_log import ShipLog, ShipRecord
 from narrows.model.model import Model
 from narrows.model.sections import Source
 from narrows.progress import stage
-from narrows.terms.term import TermKind
 
 if TYPE_CHECKING:
     from narrows.waterway import Waterway
@@ -153,7 +152,7 @@ def log_result(
     source = _source(posed.log, posed.assumptions.grade.name, prior, len(answers))
     return LogFit(
         replace(came, source=source), prior, learned, answers, _gusts(found), _noise(found), after.disagreement,
-        after.freedom, after.probability, _inertia(found.problem), about, found.converged,
+        after.freedom, after.probability, about, found.converged,
     )  # fmt: skip
 
 
@@ -174,13 +173,6 @@ def rudder_matters(model: Model, given: LogPosterior, joint: LogPosterior) -> tu
         )
         if model.terms[name].from_bank and abs(one - other) > math.sqrt(variance)
     )
-
-
-def _inertia(problem: LogProblem) -> tuple[str, ...]:
-    model = problem.prior.model
-    seconds, free = {second for _, second in model.terms.ties}, problem.motion.integrator.ship.surge == "free"
-    acting = [term for force, terms in model.terms.forces.items() if force != "X" or free for term in terms]
-    return tuple(term.name for term in acting if term.kind == TermKind.INERTIA and term.name not in seconds)
 
 
 def _gusts(found: SearchResult) -> Gusts | None:

@@ -218,6 +218,7 @@ def nomoto_missed(grids: Iterable[RecordGrid], time: float) -> list[float]:
 
 
 IN_OPEN_WATER = "Learning in open water is tested against measured manoeuvres."  # Note for models without bank terms
+INERTIA = "Motion determines only forces over inertia: inertia keeps its prior."
 CONTRADICTION_PROBABILITY = 1e-3  # Probability below which log and prior contradict each other
 # Disturbances over prior gusts that gusts do not explain: of twins in gusts alone 5 % exceed 5, and of twins that
 # another ship passes every ten minutes 90 % exceed 17.
@@ -260,8 +261,6 @@ class LogFit(LearnedAnswer):
     disagreement, freedom, probability : float [1], int, float [1]
         Sum of squared changes of the coefficients over their expected errors, number of combinations of coefficients
         that the log determines, and probability of at least this sum if log and prior belong to one ship.
-    held : tuple of str
-        Inertia coefficients that keep their prior: motion determines only ratios of forces to inertia.
     about : tuple of str
         Assumptions, and records that were left out.
     settled : bool
@@ -277,7 +276,6 @@ class LogFit(LearnedAnswer):
     disagreement: float
     freedom: int
     probability: float
-    held: tuple[str, ...]
     about: tuple[str, ...]
     settled: bool
 
@@ -299,10 +297,9 @@ class LogFit(LearnedAnswer):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Contradictions, inseparable pairs, assumptions, left-out records, and coefficients that fix the rest."""
-        inertia = f"Motion determines only forces over inertia. Inertia keeps its prior: {', '.join(self.held)}."
+        """Contradictions, assumptions, and left-out records."""
         open_water = (IN_OPEN_WATER,) * (not self.prior.has_bank)
-        return (*self._doubts, *self.correlated(), inertia, *self.about, *open_water, ON_TWINS)
+        return (*self._doubts, INERTIA, *self.about, *open_water, ON_TWINS)
 
     @property
     def _doubts(self) -> tuple[str, ...]:

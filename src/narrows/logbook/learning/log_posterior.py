@@ -7,7 +7,6 @@ import numpy as np
 
 from narrows.errors import InputError, did_you_mean
 from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem, Unknowns
-from narrows.logbook.filtering.record_grid import RUDDER
 from narrows.logbook.filtering.search import SearchResult
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES
@@ -70,23 +69,12 @@ def with_uncertain_asymmetry(model: Model, u: float) -> Model:
         model = replace(model, terms=table, coefficients={name: zeros[name] for name in table.names})
     places, whole = [model.terms.names.index(name) for name in old], np.zeros((len(model.terms),) * 2)
     whole[np.ix_(places, places)] = model.covariance
-    for name, size in zip(names, _turned_rudder(model, u), strict=True):
-        place = model.terms.names.index(name)
-        whole[place, place] = whole[place, place] or size**2
+    still, turned = model.forces(u=u), model.forces(u=u, rudder=RUDDER_ZERO)
+    more = model.with_coefficients(**{name: model[name] + 1.0 for name in names}).forces(u=u)
+    for force, name in zip(("Y", "N"), names, strict=True):
+        place, size = model.terms.names.index(name), (turned[force] - still[force]) / (more[force] - still[force])
+        whole[place, place] = whole[place, place] or float(size) ** 2
     return replace(model, covariance=whole)
-
-
-def _turned_rudder(model: Model, u: float) -> list[float]:
-    """Asymmetries as large as what the rudder does at an angle of ``RUDDER_ZERO``."""
-    still = {**SimulatedShip(model).values(), **Motion.at(u=u).values()}
-    rudder = next(actuator for actuator in model.terms.actuators if actuator.name == RUDDER)
-    turned = {**still, **rudder.placed(RUDDER_ZERO)}
-    forces = [
-        sum(model[t.name] * (t.column(turned) - t.column(still)) for t in terms if t.kind == TermKind.RUDDER)
-        for terms in (model.terms.sway, model.terms.yaw)
-    ]
-    columns = [model.terms[name].column(still) for name in asymmetry_names(model.terms)]
-    return [abs(float(force / column)) for force, column in zip(forces, columns, strict=True)]
 
 
 def coefficient_prior(model: Model, surge: str, free: Collection[str] = ()) -> CoefficientPrior:

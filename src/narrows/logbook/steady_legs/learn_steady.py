@@ -91,9 +91,9 @@ class SteadyFit(LearnedAnswer):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Contradictions, undetermined quantities, inseparable pairs, assumptions."""
+        """Contradictions, undetermined quantities, assumptions."""
         taken = f"Assumed: {self.conditions.summary()}."
-        notes = [*self.checks.findings, *self.correlated(), taken, *self.prior.configuration.notes]
+        notes = [*self.checks.findings, taken, *self.prior.configuration.notes]
         if not self.checks.contradicted:
             notes.append(
                 "Legs that agree do not show that they are of this ship: on twins those of one a quarter shorter or "
