@@ -198,8 +198,8 @@ def built() -> dict[str, Built]:
         ),
         "SignalGrade": Built(
             nw.SignalGrade(0.02, 1.0, 0.01, 5.0, 0.01),
-            lambda grade: (predicted(nw.SensorGrade("own", "", {**ours, "y": grade})), grade.source),
-            {"noise": 0.05, "period": 2.0, "wander": 0.05, "memory": 20.0, "zero": 0.1, "source": "a maker's"},
+            lambda grade: predicted(nw.SensorGrade("own", "", {**ours, "y": grade})),
+            {"noise": 0.05, "period": 2.0, "wander": 0.05, "memory": 20.0, "zero": 0.1},
         ),
         "SensorGrade": Built(
             nw.SensorGrade("own", "a test's", ours), predicted,

@@ -30,7 +30,6 @@ def test_a_signal_is_joined_over_small_gaps_only() -> None:
         (lambda: nw.ShipLog((record("A"), record("A"))), "two records are called 'A'"),
         (lambda: nw.ShipLog((record("A"),))["B"], "no record 'B'"),
         (lambda: nw.ShipLog((record("A"),))[1], "no record 1"),
-        (lambda: nw.ShipLog((record("A"),)).drop("A"), "no record is left"),
     ],
 )
 def test_what_is_wrong_is_said(make: object, told: str) -> None:

@@ -11,19 +11,6 @@ from narrows.results import BaseSummary
 from narrows.ship.checks import check_sizes
 
 DEGREE = math.pi / 180
-ASSUMED = "assumed"
-GYRO = (
-    "IMO A.424(XI), gyro-compasses: to 0.75 deg at rest, 1.0 deg under way, times the secant of the latitude; standard "
-    "deviations assumed, about half of it (nippon.zaidan.info/seikabutsu/2000/00402/contents/006.htm, checked)"
-)
-TURNING = (
-    "IMO A.526(13), rate-of-turn indicators: to 0.5 deg/min and 5 % of what is shown "
-    "(ajishnavigator.blogspot.com/2011/10/imo-performance-standards-for-rot.html, checked)"
-)
-BROADCAST = (
-    "heading in whole degrees and no rudder, by the form of the message (ais_msg_2.html at vislab-ccom.unh.edu, "
-    "checked); the rest assumed"
-)
 
 
 @dataclass(frozen=True)
@@ -38,8 +25,6 @@ class SignalGrade:
         Standard deviation and correlation time of an error of a first-order process.
     zero : float [unit of the signal]
         Standard deviation of an error that is constant over a record.
-    source : str
-        Source of the numbers.
 
     Raises
     ------
@@ -57,7 +42,6 @@ class SignalGrade:
     wander: float = 0.0
     memory: float = 60.0
     zero: float = 0.0
-    source: str = ASSUMED
 
     def __post_init__(self) -> None:
         check_sizes(self, over=("noise", "period", "memory"))
@@ -97,16 +81,20 @@ class SensorGrade(BaseSummary):
         return f"{self.name}: {self.words}; measures {', '.join(self.signals)}"
 
 
+# Assumed but for these. IMO A.424(XI), gyro-compasses: to 0.75 deg at rest, 1.0 deg under way, times the secant of the
+# latitude; standard deviations are about half of it (nippon.zaidan.info/seikabutsu/2000/00402/contents/006.htm,
+# checked). IMO A.526(13), rate-of-turn indicators: to 0.5 deg/min and 5 % of what is shown
+# (ajishnavigator.blogspot.com/2011/10/imo-performance-standards-for-rot.html, checked). AIS: heading in whole degrees
+# and no rudder, by the form of the message (ais_msg_2.html at vislab-ccom.unh.edu, checked). The zeros of x and y are
+# those of the antenna and of the banks as charted.
 RTK = SensorGrade(
     "rtk",
     "a pilot's own unit, two antennas with corrections, and the rudder's indicator by wire",
     {
-        "y": SignalGrade(0.05, zero=0.3, source="assumed; the zero is of the banks as charted"),
-        "x": SignalGrade(0.05, zero=0.3),
+        **dict.fromkeys(("y", "x"), SignalGrade(0.05, zero=0.3)),
         "psi": SignalGrade(0.05 * DEGREE, zero=0.1 * DEGREE),
         "r": SignalGrade(0.008 * DEGREE, wander=0.002 * DEGREE),
-        "v_ground": SignalGrade(0.02, wander=0.01, memory=100.0),
-        "u_ground": SignalGrade(0.02, wander=0.01, memory=100.0),
+        **dict.fromkeys(("v_ground", "u_ground"), SignalGrade(0.02, wander=0.01, memory=100.0)),
         "rudder": SignalGrade(0.1 * DEGREE, zero=0.3 * DEGREE),
     },
 )
@@ -114,12 +102,9 @@ VDR = SensorGrade(
     "vdr",
     "what a voyage data recorder keeps: GNSS, gyro, rate of turn, rudder indicator",
     {
-        "y": SignalGrade(
-            0.7, wander=1.0, memory=300.0, zero=2.0, source="assumed; the zero is of antenna and charted banks"
-        ),
-        "x": SignalGrade(0.7, wander=1.0, memory=300.0, zero=2.0),
-        "psi": SignalGrade(0.15 * DEGREE, wander=0.2 * DEGREE, memory=600.0, zero=0.5 * DEGREE, source=GYRO),
-        "r": SignalGrade(0.01 * DEGREE, wander=0.004 * DEGREE, memory=60.0, source=TURNING),
+        **dict.fromkeys(("y", "x"), SignalGrade(0.7, wander=1.0, memory=300.0, zero=2.0)),
+        "psi": SignalGrade(0.15 * DEGREE, wander=0.2 * DEGREE, memory=600.0, zero=0.5 * DEGREE),
+        "r": SignalGrade(0.01 * DEGREE, wander=0.004 * DEGREE, memory=60.0),
         "u": SignalGrade(0.1, zero=0.1),
         "rudder": SignalGrade(0.4 * DEGREE, zero=0.5 * DEGREE),
     },
@@ -128,11 +113,8 @@ AIS = SensorGrade(
     "ais",
     "what the ship broadcasts: position, heading in whole degrees, every ten seconds, without the rudder",
     {
-        "y": SignalGrade(1.5, period=10.0, wander=1.0, memory=300.0, zero=3.0),
-        "x": SignalGrade(1.5, period=10.0, wander=1.0, memory=300.0, zero=3.0),
-        "psi": SignalGrade(
-            0.3 * DEGREE, period=10.0, wander=0.2 * DEGREE, memory=600.0, zero=1.0 * DEGREE, source=BROADCAST
-        ),
+        **dict.fromkeys(("y", "x"), SignalGrade(1.5, period=10.0, wander=1.0, memory=300.0, zero=3.0)),
+        "psi": SignalGrade(0.3 * DEGREE, period=10.0, wander=0.2 * DEGREE, memory=600.0, zero=1.0 * DEGREE),
         "speed_over_ground": SignalGrade(0.05 * KNOT, period=10.0, wander=0.05 * KNOT, memory=300.0),
     },
 )

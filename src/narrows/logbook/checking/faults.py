@@ -5,7 +5,7 @@ the root of its information. One step of Fisher scoring gives the size of the fa
 scatter more than the model predicts, White (1982), Econometrica 50, gives the variance of their common score.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -97,58 +97,51 @@ class Misreading(NamedTuple):
     """Another way to read signals: another sign, unit or axis."""
 
     signals: tuple[str, ...]
-    sentence: str
     remedy: str
-    reread: Callable[[ShipRecord], ShipRecord]
-    shrunk: float  # Logarithm of how many times smaller a reading becomes: the Jacobian of the likelihood
+    factor: float = 1.0  # By which they are multiplied
+    turned: complex = 0.0  # By so many times the heading velocities over ground are turned
     least: float = 0.0  # Size that some recorded value must reach
+
+    @property
+    def sentence(self) -> str:
+        if self.turned:
+            return "u_ground and v_ground are along other axes"
+        times = "counts the other way" if self.factor == -1 else f"is {1 / self.factor:.4g} times what it should be"
+        return f"{' and '.join(self.signals)} {times}"
 
     def possible(self, record: ShipRecord) -> bool:
         return all(
             name in record and np.abs(record[name].values).max(initial=0.0) >= self.least for name in self.signals
         )
 
-
-def _times_as_much(factor: float, *names: str, remedy: str, least: float = 0.0) -> Misreading:
-    def reread(record: ShipRecord) -> ShipRecord:
-        return record.with_signals(**{name: Signal(record[name].t, factor * record[name].values) for name in names})
-
-    words = "counts the other way" if factor == -1 else f"is {1 / factor:.4g} times what it should be"
-    return Misreading(names, f"{' and '.join(names)} {words}", remedy, reread, -float(np.log(abs(factor))), least)
-
-
-def _turned(by: complex, remedy: str) -> Misreading:
-    names = ("u_ground", "v_ground")
-
-    def reread(record: ShipRecord) -> ShipRecord:
+    def reread(self, record: ShipRecord) -> ShipRecord:
+        if not self.turned:
+            scaled = {name: Signal(record[name].t, self.factor * record[name].values) for name in self.signals}
+            return record.with_signals(**scaled)
         t = record["u_ground"].t
         velocity = record["u_ground"].values + 1j * record["v_ground"].at(t)
-        velocity = velocity * np.exp(by * record["psi"].at(t))
-        known = np.isfinite(velocity)
-        return record.with_signals(
-            u_ground=Signal(t[known], velocity[known].real), v_ground=Signal(t[known], velocity[known].imag)
-        )
-
-    return Misreading((*names, "psi"), "u_ground and v_ground are along other axes", remedy, reread, 0.0)
+        velocity = velocity * np.exp(self.turned * record["psi"].at(t))
+        t, velocity = t[np.isfinite(velocity)], velocity[np.isfinite(velocity)]
+        return record.with_signals(u_ground=Signal(t, velocity.real), v_ground=Signal(t, velocity.imag))
 
 
+VELOCITIES = ("u_ground", "v_ground", "psi")
 MISREADINGS = (
-    *(_times_as_much(-1.0, name, remedy=f'turn its sign ([positive] {name} = "port")')
+    *(Misreading((name,), f'turn its sign ([positive] {name} = "port")', -1.0)
       for name in (RUDDER, "psi", "r", "y", "v", "v_ground", "course")),
     # Read as degrees a rudder nearly vanishes; where the model's rudder is too strong, that alone is more likely.
-    _times_as_much(DEGREES, RUDDER, remedy="it looks like degrees: head it 'rudder [deg]'", least=MOST_ANGLE),
-    *(_times_as_much(DEGREES, name, remedy=f"it looks like degrees: head it '{name} [deg]'")
-      for name in ("psi", "course")),
-    _times_as_much(1 / DEGREES, RUDDER, remedy="radians were read as degrees: give its unit"),
-    _times_as_much(DEGREES, "r", remedy="r looks like degrees a second: give its unit"),
-    _times_as_much(DEGREES / 60, "r", remedy="r looks like degrees a minute: give its unit"),
-    _times_as_much(DEGREES, "psi", "r", remedy="psi looks like degrees and r like degrees a second: give their units"),
-    *(_times_as_much(KNOT, *names, remedy="knots were read as metres a second: give the unit")
+    Misreading((RUDDER,), "it looks like degrees: head it 'rudder [deg]'", DEGREES, least=MOST_ANGLE),
+    *(Misreading((name,), f"it looks like degrees: head it '{name} [deg]'", DEGREES) for name in ("psi", "course")),
+    Misreading((RUDDER,), "radians were read as degrees: give its unit", 1 / DEGREES),
+    Misreading(("r",), "r looks like degrees a second: give its unit", DEGREES),
+    Misreading(("r",), "r looks like degrees a minute: give its unit", DEGREES / 60),
+    Misreading(("psi", "r"), "psi looks like degrees and r like degrees a second: give their units", DEGREES),
+    *(Misreading(names, "knots were read as metres a second: give the unit", KNOT)
       for names in (("u",), ("speed_over_ground",), ("u_ground", "v_ground"))),
-    *(_times_as_much(factor, "revolutions", remedy=f"they look like turns a {unit}: give their unit")
+    *(Misreading(("revolutions",), f"they look like turns a {unit}: give their unit", factor)
       for factor, unit in ((1 / 60, "minute"), (60.0, "second"))),
-    _turned(-1j, "they are along x and y, not along the ship: call them x_rate and y_rate"),
-    _turned(1j, "they are along the ship already: call them u_ground and v_ground"),
+    Misreading(VELOCITIES, "they are along x and y, not along the ship: call them x_rate and y_rate", turned=-1j),
+    Misreading(VELOCITIES, "they are along the ship already: call them u_ground and v_ground", turned=1j),
 )  # fmt: skip
 
 
@@ -285,7 +278,8 @@ def misreading(problem: LogProblem, grids: Sequence[RecordGrid]) -> tuple[float,
                 len(one.readings[name].values) for one in again for name in other.signals if name in one.readings
             )
             fits = [_fitted(problem, *pair) for pair in zip(again, grids, strict=True)]
-            there = sum(cost for cost, _ in fits) + 2 * other.shrunk * read
+            # The Jacobian of the likelihood: readings become smaller.
+            there = sum(cost for cost, _ in fits) - 2 * float(np.log(abs(other.factor))) * read
             found.append((np.inf if max(far for _, far in fits) > most else there, other))
     cost, other = min(found, key=lambda pair: pair[0])
     return (here - cost, other) if here - cost > 2 * np.log(len(found) / FALSE_ALARM) and np.isfinite(cost) else None
