@@ -265,7 +265,7 @@ def test_what_it_cannot_do_is_one_sentence_with_a_remedy(monkeypatch: pytest.Mon
     for told, word in (
         ({"y": 3.3}, "in the bank"), ({"u": 0.0}, "without way"), ({"u": math.nan}, "finite"),
         ({"margin": -1.0}, "must not be negative"),
-        ({"confidence": 1.0}, "share"), ({"horizon": 0.0}, "positive"), ({"period": 100.0}, "too seldom"),
+        ({"confidence": 1.0}, "share"), ({"horizon": 0.0}, "positive"),
         ({"intervals": 1}, "intervals"), ({"revolutions": 3.0}, "propeller"), ({"seconds": -1.0}, "not be negative"),
         ({"waterway": "canal"}, "read_waterway"),
     ):  # fmt: skip
@@ -293,7 +293,7 @@ def test_a_rudder_that_turns_nothing_is_refused() -> None:
     "other",
     [
         {"y": 0.3}, {"u": 1.2}, {"margin": 2.0}, {"confidence": 0.999}, {"horizon": 4.0}, {"intervals": 20},
-        {"period": 0.3}, {"weights": RegulatorWeights(heading_deg=5.0)},
+        {"weights": RegulatorWeights(heading_deg=5.0)},
     ],
     ids=str,
 )  # fmt: skip

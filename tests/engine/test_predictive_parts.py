@@ -289,10 +289,10 @@ def test_nodes_later_are_nodes_between() -> None:
 
 
 def test_a_horizon_is_as_long_as_the_ship_is_slow() -> None:
-    usual = horizon_of(50.0, None, 30, None)
+    usual = horizon_of(50.0, None, 30)
     assert usual.time == pytest.approx(120.0)
     assert (usual.interval, usual.period) == pytest.approx((4.0, 0.8))
-    assert horizon_of(50.0, 60.0, 20, 1.0).interval == pytest.approx(3.0)
+    assert horizon_of(50.0, 60.0, 20).interval == pytest.approx(3.0)
 
 
 def test_the_water_ahead_is_the_waterway_and_goes_on_beyond_its_ends() -> None:

@@ -218,14 +218,10 @@ class ClosedLoop(BaseSummary):
         usual = self._late_offset(0.0, seed)
         noisy = 2.0 * usual if self.sensors and usual < beam / 2 else 0.0
         most = max(noisy, settings.LOST_LOOP * settings.LOOP_OFFSET * beam)
-        if usual > most:
-            return 0.0
-        if self._late_offset(longest, seed) <= most:
-            return longest
-        kept, lost = 0.0, longest
-        while lost - kept > settings.DELAY_DIGITS * max(kept, self.dt):
-            middle = (kept + lost) / 2
+        kept, middle, lost = 0.0, longest, 2 * longest
+        while usual <= most and kept < longest and lost - kept > settings.DELAY_DIGITS * max(kept, self.dt):
             kept, lost = (middle, lost) if self._late_offset(middle, seed) <= most else (kept, middle)
+            middle = (kept + lost) / 2
         return kept
 
     def _late_offset(self, delay: float, seed: int) -> float:
@@ -235,8 +231,8 @@ class ClosedLoop(BaseSummary):
         loop.__dict__["course"] = self.course
         begun = self.y - math.copysign(settings.LOOP_OFFSET * self.model.configuration.ship.beam, self.y)
         voyage = loop.simulate(settings.LOOP_TIME * self._passing, seed, y=begun)
-        off = np.abs(voyage.y - self.y)[voyage.t > voyage.t[-1] / 2]
-        return float(off.max()) if voyage.outcome.kind == "afloat" else math.inf
+        late = np.abs(voyage.y - self.y)[voyage.t > voyage.t[-1] / 2]
+        return float(late.max()) if voyage.outcome.kind == "afloat" else math.inf
 
     def summary(self) -> str:
         """Describe the controller, the gear and the sensors."""

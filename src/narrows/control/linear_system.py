@@ -1,7 +1,7 @@
 """The linear state-space system of a ship about a steady course, with named states and inputs."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -20,11 +20,7 @@ UNITS = {
     "Y": "N", "N": "N m", "current": "m/s", "curvature": "1/m",
 }  # fmt: skip
 
-SYMBOLS = {"psi": r"\psi", "rudder": r"\delta", "revolutions": "n", "current": r"c", "curvature": r"\kappa"}
-
 RANK_TOLERANCE = 1e-9  # Smallest singular value relative to the largest [1]
-DIGITS = 4  # Digits in LaTeX
-ROUNDING = 1e-12  # Smallest entry relative to the largest of its column [1]: below it 0 is written
 LOWEST, HIGHEST = 1e-5, 1e5  # Frequency range of margins, relative to speed over length [rad]
 
 
@@ -169,18 +165,6 @@ class LinearSystem(BaseResult):
         state, inputs = (np.array([float(self.course[name]) for name in part]) for part in (self.states, names))
         return state, inputs
 
-    def latex(self) -> str:
-        """Write the system of one course in LaTeX, with four digits."""
-        symbols = {name: SYMBOLS.get(name, name) for name in (*self.states, *self.controls, *self.disturbances)}
-        products = []
-        for matrix, names in ((self.A, self.states), (self.B, self.controls), (self.G, self.disturbances)):
-            sizes = np.abs(self._of_one(matrix)) / self._scales()[:, None]
-            rounded = np.where(sizes > ROUNDING * sizes.max(axis=0), matrix, 0.0)
-            rows = _column(" & ".join(_number(float(value)) for value in row) for row in rounded)
-            products.append(f"{rows} " + _column(rf"\Delta {symbols[name]}" for name in names))
-        rates = _column(rf"\Delta\dot{{{symbols[name]}}}" for name in self.states)
-        return f"{rates} = {' + '.join(products)}"
-
     def summary(self) -> str:
         """Describe the course and the growth rates of deviations from it."""
         if self.A.ndim > 2:
@@ -248,15 +232,6 @@ class LinearSystem(BaseResult):
         speed = float(self.course["u"])
         sizes = {"y": self.length, "u": speed, "v": speed, "r": speed / self.length}
         return np.array([sizes.get(name, 1.0) for name in self.states])
-
-
-def _column(entries: Iterable[str]) -> str:
-    return r"\begin{bmatrix} " + r" \\ ".join(entries) + r" \end{bmatrix}"
-
-
-def _number(value: float) -> str:
-    digits, _, exponent = f"{value + 0.0:.{DIGITS}g}".partition("e")
-    return rf"{digits} \cdot 10^{{{int(exponent)}}}" if exponent else digits
 
 
 def loop_margins(

@@ -77,10 +77,10 @@ class Regulator(BaseSummary):
             raise InputError(
                 "a regulator holds one line or more, each from a later time or place than the one before; give them"
             )
-        for name, least in (("u", 0.0), ("unwinding", 0.0), ("lead", -np.inf), ("integral", -np.inf)):
-            value = np.asarray(getattr(self, name))
-            if not (np.isfinite(value) & (value > least)).all():
-                remedy = "a finite number" if least else f"{name} over 0"
+        for name in ("u", "unwinding", "lead", "integral"):
+            value, positive = np.asarray(getattr(self, name)), name in ("u", "unwinding")
+            if not (np.isfinite(value) & ((value > 0) | (not positive))).all():
+                remedy = f"{name} over 0" if positive else "a finite number"
                 raise InputError(f"a regulator with {name} = {getattr(self, name)} steers nothing; give {remedy}")
 
     def summary(self) -> str:

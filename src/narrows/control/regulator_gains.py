@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from math import isfinite, radians
+from math import inf, radians
 from typing import Any
 
 import numpy as np
@@ -42,8 +42,7 @@ class RegulatorWeights:
     def __post_init__(self) -> None:
         for entry in fields(self):
             value = getattr(self, entry.name)
-            right = 0 <= value <= 1 if entry.name == "bank" else value > 0
-            if not (right and isfinite(value)):
+            if not (0 <= value <= 1 if entry.name == "bank" else 0 < value < inf):
                 span = "0 to 1" if entry.name == "bank" else "a number over 0"
                 raise InputError(f"weights of a regulator: {entry.name} = {value} is none; give {span}")
 

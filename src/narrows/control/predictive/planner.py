@@ -73,14 +73,14 @@ class RudderPlan:
 
     def from_here(self, x: float, state: np.ndarray, share: float = 0.0) -> "RudderPlan":
         """Return the plan a share of an interval later, with places along the line relative to the ship."""
-        places, states = later(self.x, share), later(self.states, share)
+        table = later(np.column_stack([self.x, self.states, np.append(self.rates, 0.0)]), share)
+        places, states, rates = table[:, 0].copy(), table[:, 1:-1].copy(), table[:-1, -1].copy()
         pace = self.x[-1] - self.x[-2]
         places[1:] = x + np.maximum(places[1:] - places[0], 0.0)
-        count = min(int(np.ceil(share)), len(self.rates))
-        if count:  # ``later`` repeats the last place, and the ship goes on at its speed
+        count = min(int(np.ceil(share)), len(rates))
+        if count:  # The last place is repeated, and the ship goes on at its speed
             places[-count:] = places[-count - 1] + pace * np.arange(1, count + 1)
         places[0], states[0] = x, state
-        rates = later(np.append(self.rates, 0.0), share)[:-1]
         return RudderPlan(places, states, rates)
 
 
@@ -101,7 +101,11 @@ class Horizon:
 
     intervals: int  # Number of intervals
     interval: float  # Length of each [s]
-    period: float  # Time between plans [s]
+
+    @property
+    def period(self) -> float:
+        """Time between plans [s]."""
+        return self.interval / settings.PLANS_AN_INTERVAL
 
     @property
     def time(self) -> float:
@@ -236,22 +240,14 @@ def solve_program(program: QuadraticProgram, seconds: float = 0.0) -> np.ndarray
     return z if flag > 0 and np.isfinite(z).all() else None
 
 
-def horizon_of(passing: float, horizon: float | None, intervals: int, period: float | None) -> Horizon:
+def horizon_of(passing: float, horizon: float | None, intervals: int) -> Horizon:
     check_count("intervals", intervals, 2, settings.MOST_INTERVALS)
-    for name, value in (("horizon", horizon), ("period", period)):
-        if value is not None and not 0 < value < np.inf:
-            raise InputError(f"{name} = {value} must be a positive time in seconds")
-    interval = (settings.HORIZON_LENGTHS * passing if horizon is None else horizon) / intervals
-    between = interval / settings.PLANS_AN_INTERVAL if period is None else period
-    if between > interval:
-        seldom = f"a plan every {between:g} s is too seldom for intervals of {interval:.3g} s"
-        raise InputError(f"{seldom}; shorten the period or lengthen the horizon")
-    return Horizon(intervals, interval, between)
+    if horizon is not None and not 0 < horizon < np.inf:
+        raise InputError(f"horizon = {horizon} must be a positive time in seconds")
+    return Horizon(intervals, (settings.HORIZON_LENGTHS * passing if horizon is None else horizon) / intervals)
 
 
 def later(nodes: np.ndarray, share: float) -> np.ndarray:
     """Return a plan's nodes a share of an interval later; the last one stays."""
-    whole = min(int(share), len(nodes) - 1)
-    shifted = np.concatenate([nodes[whole:], *[nodes[-1:]] * whole]) if whole else nodes.copy()
-    shifted[:-1] += (share - int(share)) * np.diff(shifted, axis=0)
+    shifted: np.ndarray = compiled_loops(plan_loops).interpolate(nodes, 0.0, 1.0, np.arange(len(nodes)) + share)[0]
     return shifted

@@ -189,7 +189,6 @@ class PredictiveHelm(BaseSummary):
     confidence: float = 0.95  # Probability that the hull stays clear, given uncertain coefficients [1]
     horizon: float | None = None  # Length of plans [s]; the time of 2.4 ship lengths unless given
     intervals: int = INTERVALS  # Number of intervals of a plan, each with one rudder rate
-    period: float | None = None  # Time between plans [s]; a fifth of an interval unless given
     revolutions: float | None = None  # Propeller revolutions [1/s]; those that keep the speed unless given
     seconds: float = 0.0  # Time limit of a plan's program [s]; 0 for none
     weights: RegulatorWeights = DEFAULT_WEIGHTS  # Weights of offset, heading, rudder and stroke time in a plan
@@ -219,7 +218,7 @@ class PredictiveHelm(BaseSummary):
 
     def _horizon(self) -> Horizon:
         passing = self.model.configuration.ship.length / self.u
-        return horizon_of(passing, self.horizon, self.intervals, self.period)
+        return horizon_of(passing, self.horizon, self.intervals)
 
     def summary(self) -> str:
         """Describe the offset, the horizon and the period."""
