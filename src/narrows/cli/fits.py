@@ -128,7 +128,7 @@ def demo(
     """
     folder(out)
     fits = nw.identify_conditions(nw.measured_tests("kcs"))
-    delivery = ModelDelivery(out / "kcs.toml", out / "report.html", json)
+    delivery = ModelDelivery(out / "kcs.toml", json, out / "report.html")
     publish(fits, "simulated and measured tests", delivery, {"simulated tests": _simulated()})
 
 

@@ -219,23 +219,14 @@ class Delivery:
 
 
 @dataclass(frozen=True)
-class ModelDelivery(Delivery):
-    output: ModelOutput = None
-    report: Report = None
-    json: AsJson = False
-
-
-@dataclass(frozen=True)
 class PlainModelDelivery(Delivery):
     output: ModelOutput = None
     json: AsJson = False
 
 
 @dataclass(frozen=True)
-class ReportDelivery(Delivery):
-    output: TableOutput = None
+class ModelDelivery(PlainModelDelivery):
     report: Report = None
-    json: AsJson = False
 
 
 @dataclass(frozen=True)
@@ -245,27 +236,25 @@ class TableDelivery(Delivery):
 
 
 @dataclass(frozen=True)
-class ChartDelivery(Delivery):
-    output: TableOutput = None
-    plot: Plot = None
-    json: AsJson = False
+class ReportDelivery(TableDelivery):
+    report: Report = None
 
 
 @dataclass(frozen=True)
-class TrackDelivery(Delivery):
+class ChartDelivery(TableDelivery):
+    plot: Plot = None
+
+
+@dataclass(frozen=True)
+class TrackDelivery(ChartDelivery):
     output: TrackOutput = None
-    plot: Plot = None
-    json: AsJson = False
 
 
 @dataclass(frozen=True)
-class DatasetDelivery(Delivery):
+class DatasetDelivery(ChartDelivery):
     output: DatasetOutput = None
-    plot: Plot = None
-    json: AsJson = False
 
 
 @dataclass(frozen=True)
-class WaterwayDelivery(Delivery):
+class WaterwayDelivery(TableDelivery):
     output: WaterwayOutput = None
-    json: AsJson = False

@@ -165,7 +165,6 @@ def delta_surface_figure(configuration: Configuration) -> Figure:
     return figure
 
 
-# Figures of the columns: correlations, and variance inflation over all rows and within each speed.
 MARKERS = ("o", "^", "s", "D", "v", "P")
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY, BLACK)
@@ -203,34 +202,7 @@ def _matrix(panel, diagnosis: Diagnosis):  # type: ignore[no-untyped-def]
     return image
 
 
-def inflation_figure(fit: Fit) -> Figure:
-    """Draw the variance inflation of each coefficient, over all rows and within each speed."""
-    names = tuple(term.name for term in (*fit.terms.sway, *fit.terms.yaw))
-    figure, axes = panels(1, 1, 3.2, Margins(left=0.9, bottom=0.85, top=0.35), "y")
-    panel = axes[0, 0]
-    everywhere = {n: d.vif[n] for d in fit.diagnostics.overall.values() for n in d.names}
-    panel.plot(range(len(names)), [_finite(everywhere[n]) for n in names], "k_", markersize=14, label="all rows")
-    for i, (speed, by_force) in enumerate(fit.diagnostics.by_speed.items()):
-        inflation = {n: d.vif[n] for d in by_force.values() for n in d.names}
-        style = {"color": COLOURS[i % 6], "marker": MARKERS[i % 6], "linestyle": "none", "markersize": 5}
-        panel.plot(range(len(names)), [_finite(inflation[n]) for n in names], label=f"{speed:.2f} m/s alone", **style)
-    for limit, dashes in ((VIF_LIMIT, "--"), (HIGH_VIF, ":")):
-        panel.axhline(limit, color=GREY, linestyle=dashes, linewidth=0.9)
-    panel.set(yscale="log", ylabel="variance inflation [1]", xlabel="coefficient [-]")
-    panel.yaxis.set_major_formatter("{x:g}")
-    panel.yaxis.set_minor_formatter(NullFormatter())
-    panel.set_xticks(range(len(names)), names, rotation=90)
-    panel.legend(frameon=False, ncols=4, loc="upper center", bbox_to_anchor=(0.5, 1.15))
-    return figure
-
-
-def _finite(value: float) -> float:
-    return value if np.isfinite(value) else np.nan
-
-
 MOST_TESTS = 60
-# Variance inflation at which a column keeps a tenth, and a thirtieth, of its own information.
-VIF_LIMIT, HIGH_VIF = 10.0, 30.0
 
 
 def influence_figure(fit: Fit) -> Figure:

@@ -138,8 +138,6 @@ def _figures(fit: Fit) -> list[dict[str, str]]:
     configuration = fit.tests.configuration
     pictures = [
         figure(draw.intervals_figure(fit), "Coefficients with their 95 % intervals, each over its own size."),
-        figure(draw.inflation_figure(fit), "Variance inflation over all rows and within each speed; dashed and "
-               "dotted: the limits over all rows and within one speed."),
         figure(draw.correlation_figure(fit), "Correlations between the columns of each force; grey: constant."),
         figure(draw.influence_figure(fit), "Share of each coefficient's information by test."),
         figure(draw.shapley_figure(fit), "Shapley shares of the terms under three value functions."),

@@ -1,6 +1,6 @@
 """Results learned from a log, as one self-contained page."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -10,12 +10,14 @@ from matplotlib.figure import Figure
 from narrows.files import write_whole
 from narrows.logbook import LogFindings, LogFit, ShipLog, Signal
 from narrows.logbook.learned_coefficient import ON_TWINS, QUANTILE_95, LearnedCoefficient
-from narrows.logbook.learning.log_fit import Forecast, RecordAnswer
+from narrows.logbook.learning.log_fit import RecordAnswer
 from narrows.report.fit_page import figure, render
 from narrows.report.pilot_page import LEARNED, learned_rows
 from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Margins, panels
 from narrows.report.terminal import print_result, table_of
 
+# Margin around measured values, relative to their extent.
+ROOM_ACROSS = 0.6
 # Errors of forecasts: state, words, factor.
 MISSED = (("y", "offset [m]", 1.0), ("psi", "heading [deg]", 180 / np.pi), ("r", "yaw rate [deg/s]", 180 / np.pi))
 BESIDE = "Measured, and predicted every 3.5 ship lengths with the recorded rudder."
@@ -37,16 +39,10 @@ def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] |
         missed_heads=[words for _, words, _ in MISSED],
         records=[_row(fit, number) for number in range(len(fit.records))],
         informed=list(_informed(fit)),
-        forecasts=[picture for record in fit.records if record.forecasts for picture in _pictures(record)],
+        forecasts=[figure(forecast_figure(record), BESIDE) for record in fit.records if record.forecasts],
         notes=[note for note in fit.notes if note != ON_TWINS],
     )
     write_whole(path, page)
-
-
-def _pictures(record: RecordAnswer) -> Iterator[dict[str, str]]:
-    if {"x", "y"} <= set(record.measured):
-        yield figure(log_track_figure(record), f"From above. {BESIDE}")
-    yield figure(forecast_figure(record), BESIDE)
 
 
 def _informed(fit: LogFit) -> tuple[str, ...]:
@@ -112,9 +108,14 @@ def forecast_figure(record: RecordAnswer) -> Figure:
         if name in record.measured:
             t, values = record.measured[name]
             panel.plot(t, factor * values, ".", color=GREY, ms=1.5, label="measured", rasterized=True)
-            panel.set_ylim(_about(factor * values, ROOM_ACROSS, 1e-9))  # A prediction that diverges hides no other.
+            room = ROOM_ACROSS * factor * float(np.ptp(values)) + 1e-9  # A prediction that diverges hides no other.
+            panel.set_ylim(factor * float(values.min()) - room, factor * float(values.max()) + room)
         for (colour, words), predicted in zip(BY, record.forecasts, strict=True):
-            draw_pieces(panel, predicted, predicted.t, factor * predicted.states[:, place], color=colour, label=words)
+            begins = np.append(0, predicted.ends[:-1] + 1)
+            for begin, end in zip(begins, predicted.ends, strict=True):
+                piece, words_once = slice(begin, end + 1), None if begin else words
+                values = factor * predicted.states[piece, place]
+                panel.plot(predicted.t[piece], values, color=colour, lw=1.0, label=words_once)
         panel.set(ylabel=label)
     for panel in axes[:, 0]:
         panel.set_xlim(record.forecasts[1].t[0], record.forecasts[1].t[-1])
@@ -122,50 +123,6 @@ def forecast_figure(record: RecordAnswer) -> Figure:
     axes[-1, 0].set_xlabel("time [s]")
     figure.legend(*axes[-1, 0].get_legend_handles_labels(), loc="lower center", ncols=3, frameon=False, fontsize=7)
     return figure
-
-
-def draw_pieces(axes: Axes, predicted: Forecast, across: np.ndarray, up: np.ndarray, label: str, color: str) -> None:
-    begins = np.append(0, predicted.ends[:-1] + 1)
-    for number, (begin, end) in enumerate(zip(begins, predicted.ends, strict=True)):
-        piece = slice(begin, end + 1)
-        axes.plot(across[piece], up[piece], color=color, lw=1.0, label=None if number else label)
-
-
-# Largest and smallest height of the figure [in].
-TALLEST, FLATTEST = 5.5, 1.6
-# Ratio of length to width up to which both have one scale.
-TRUE_SHAPE = 8.0
-# Margins around measured values, relative to their extent, along the track and across; what is predicted beyond is not
-# shown.
-ROOM_ALONG, ROOM_ACROSS = 0.08, 0.6
-
-
-def log_track_figure(record: RecordAnswer) -> Figure:
-    """Draw the measured track and predictions every 3.5 ship lengths, from above, starboard down."""
-    assert record.forecasts is not None
-    t, y = record.measured["y"]
-    x = np.interp(t, *record.measured["x"])
-    along, across = float(np.ptp(x)), float(np.ptp(y))
-    to_scale = max(along, across) <= TRUE_SHAPE * min(along, across)
-    margins = Margins(left=0.75, bottom=0.75, top=0.3)
-    high = 6.3 * (across / along if to_scale else 0.25) + margins.bottom + margins.top
-    figure, axes = panels(1, 1, float(np.clip(high, FLATTEST, TALLEST)), margins)
-    panel: Axes = axes[0, 0]
-    panel.plot(x, y, ".", color=GREY, ms=2.5, label="measured", rasterized=True)
-    for (colour, words), predicted in zip(BY, record.forecasts, strict=True):
-        draw_pieces(panel, predicted, predicted.states[:, 0], predicted.states[:, 1], label=words, color=colour)
-    room = ROOM_ALONG if to_scale else ROOM_ACROSS
-    panel.set(xlim=_about(x, ROOM_ALONG), ylim=_about(y, room)[::-1], xlabel="x [m]", ylabel="y, to starboard [m]")
-    shape = "to scale" if to_scale else "not to scale: y is stretched"
-    panel.set_title(f"{record.name} from above, {shape}")
-    panel.set_aspect("equal" if to_scale else "auto", adjustable="datalim")
-    figure.legend(*panel.get_legend_handles_labels(), loc="lower center", ncols=3, frameon=False, fontsize=7)
-    return figure
-
-
-def _about(values: np.ndarray, share: float, least: float = 1.0) -> tuple[float, float]:
-    room = share * float(np.ptp(values)) + least
-    return float(values.min()) - room, float(values.max()) + room
 
 
 def print_log_fit(fit: LogFit, truth: Mapping[str, float] | None = None) -> None:

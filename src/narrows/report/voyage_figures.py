@@ -219,10 +219,6 @@ LABELS = {
 }
 
 
-# A second dimension that changes the distances of so many starts [1] by so little [1] is not drawn.
-MOST_STARTS, LITTLE = 0.8, 0.1
-
-
 def map_figure(
     voyages: xr.Dataset, model: Model | None, within: float | None = None, waterway: Waterway | None = None,
     start: Mapping[str, Any] | None = None,
@@ -252,9 +248,6 @@ def map_figure(
         quantity = quantity.median("sample", keep_attrs=True)
         voyages = voyages.isel(sample=0)
     notes = str(voyages.attrs.get("notes", "")).splitlines()
-    if quantity.ndim == 2 and within is None and (note := _little_change(quantity)):
-        middle = {str(quantity.dims[1]): quantity.sizes[quantity.dims[1]] // 2}
-        quantity, voyages, notes = quantity.isel(middle), voyages.isel(middle), [note, *notes]
     dims = [str(name) for name in quantity.dims]
     if len(dims) not in (1, 2):
         raise InputError(f"a picture has one or two dimensions, and this map has {len(dims)}: {', '.join(dims)}")
@@ -275,19 +268,6 @@ def map_figure(
         if model:
             headed(figure, *_title(model.configuration, waterway, start or {}))
     return figure
-
-
-def _little_change(quantity: xr.DataArray) -> str:
-    """Return a sentence if the second dimension changes the distances little, so that a curve shows them."""
-    name = str(quantity.dims[1])
-    values, at = quantity.to_numpy(), quantity[name].to_numpy()
-    changes = np.ptp(values, axis=1)[np.isfinite(values).all(axis=1)] / np.nanmax(values, initial=1e-9)
-    if not changes.size or len(at) < 2 or (most := float(np.quantile(changes, MOST_STARTS))) > LITTLE:
-        return ""
-    return (
-        f"Drawn at {name} = {at[len(at) // 2]:.3g}: from {at[0]:.3g} to {at[-1]:.3g} the distance of {MOST_STARTS:.0%} "
-        f"of the starts changes by {most:.1%} of the longest at most."
-    )
 
 
 def _title(configuration: Configuration, waterway: Waterway | None, start: Mapping[str, Any]) -> tuple[str, list[str]]:
