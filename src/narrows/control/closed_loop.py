@@ -306,7 +306,6 @@ class LawOrders:
         return float(self.orders(t, state._asdict())["rudder"])
 
     def orders(self, t: float, state: Mapping[str, Any]) -> Mapping[str, Any]:
-        """Return the orders of a time; they change the memory."""
         at = {**self._known, "t": t, "current": self._along("current", state["x"]), **state}
         at |= {"cos_psi": np.cos(at["psi"]), "sin_psi": np.sin(at["psi"])}
         memory = self.law.memory(at) if self._memory is None else self._memory

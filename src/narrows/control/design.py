@@ -133,7 +133,6 @@ class DesignTrials:
         self._begun, self._segments = np.array(self._run.start), list(self._pushed())
 
     def _each(self, values: Sequence[float] | np.ndarray) -> np.ndarray:
-        """A column over all trials of one number per scene."""
         return np.repeat(np.asarray(values, float), self.ships)
 
     def _pushed(self) -> Iterator[tuple[int, dict[str, np.ndarray]]]:
@@ -261,7 +260,6 @@ def design(
 
 
 def with_gear(model: Model, gear: SteeringGear) -> Model:
-    """Return the model with another steering gear."""
     return replace(model, configuration=replace(model.configuration, steering=gear))
 
 

@@ -32,8 +32,6 @@ HOLDING = {"held": ("Y", "N"), "free": ("X", "Y", "N")}  # Forces on a ship whos
 
 @dataclass(frozen=True)
 class LocalWater:
-    """The water at a place, or at many, assumed constant along the line."""
-
     width: Any  # Width of the section [m]
     # Width and depth for the terms instead of the model's own canal [m]
     sections: Mapping[str, Any] = field(default_factory=dict)
@@ -62,7 +60,6 @@ class LocalMotion:
         return self._system.constants(self.values)
 
     def rates(self, at: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the rates, computed by the engine's own lines."""
         columns, inputs = self._system.columns, dict(self._constants)
         inputs |= {INPUTS[force]: at.get(force, 0.0) for force in FORCES}
         for actuator in self.ship.model.terms.actuators:

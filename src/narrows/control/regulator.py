@@ -125,7 +125,6 @@ class Regulator(BaseSummary):
         return {"rudder": order}, {"integral": at.integral + at.dt * off_y + wound, LAST_ORDER: order}
 
     def _now(self, at: Any, name: str) -> Any:
-        """Return a number of the current line."""
         value = getattr(at, f"{name}_0")
         for index in range(1, len(self.lines)):
             begun = (at.x if self.along else at.t + ORDER_TOLERANCE * at.dt) - getattr(at, f"start_{index}")

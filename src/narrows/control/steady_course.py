@@ -104,7 +104,6 @@ def check_holds(model: Model, rudder: float, y: float, u: float) -> None:
 
 
 def check_inside(y: Any, width: Any, beam: Any) -> None:
-    """Raise if a hull at its offset is in a bank."""
     if not np.all(np.abs(y) < (width - beam) / 2):
         far, room = float(np.abs(y).max()), float(np.min((width - beam) / 2))
         raise InputError(f"an offset of {far:g} m has the hull in the bank; stay within {room:.4g} m of the middle")
@@ -181,7 +180,6 @@ def _balance_text(system: "System") -> str:
 
 
 def with_propulsion(model: Model, vary: dict[str, object]) -> dict[str, object]:
-    """Return the given values, with revolutions that fit the speed if the terms need them."""
     if not model.terms.propelled or "revolutions" in vary:
         return vary
     speed: Any = vary["u"]

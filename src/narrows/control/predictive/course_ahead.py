@@ -100,7 +100,6 @@ class CourseAhead:
 
     @property
     def narrowest(self) -> int:
-        """Index of the place with the least clearance."""
         there, off = self.water.at(self.track.places), self.track.states[0, :, 0]
         return int(np.minimum(there["keel_starboard"] - off, there["keel_port"] + off).argmin())
 
@@ -240,7 +239,6 @@ def weights_of(weights: RegulatorWeights, half_beam: float, passing: float) -> W
 
 
 def regulator_of(A: np.ndarray, B: np.ndarray, weights: Weights) -> tuple[np.ndarray, np.ndarray]:
-    """Return the best gains (5,) of the rudder's rate and the infinite-horizon cost matrix (5, 5)."""
     from scipy.linalg import solve_discrete_are
 
     try:

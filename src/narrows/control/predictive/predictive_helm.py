@@ -45,8 +45,6 @@ SCALARS: dict[str, Callable[..., Any]] = {
 
 
 class Seen(NamedTuple):
-    """The ship as the helm sees it."""
-
     t: float  # Time [s]
     x: float  # Place along the line [m]
     speed: float  # Surge velocity [m/s]
@@ -127,7 +125,6 @@ class VoyageOrders:
         return self._predicted(last, there - last.state[RUDDER], elapsed)
 
     def _predicted(self, seen: Seen, turned: float, time: float) -> Seen:
-        """Return the ship after a time in which the rudder turns by an angle."""
         x, states = np.full(2, seen.x), np.tile(seen.state, (2, 1))  # One lane alone would share its inputs
         push, _ = self.push.at(self._share(x, seen.state[0]))
         rates, positions = np.full(2, turned / time), self.planner.positions
@@ -248,7 +245,6 @@ class PredictiveHelm(BaseSummary):
 
 
 def _without_gaps(t: float, state: VoyageState, expected: Seen) -> Seen:
-    """Return the measured state, with expected values in place of NaN."""
     sensed = np.array([state.x, state.u, state.y, state.psi, state.v, state.r, state.rudder], float)
     whole = np.where(np.isfinite(sensed), sensed, [expected.x, expected.speed, *expected.state])
     return Seen(t, float(whole[0]), float(whole[1]), whole[2:])
