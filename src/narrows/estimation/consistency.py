@@ -7,10 +7,11 @@ Bar-Shalom, Li and Kirubarajan (2001), Estimation with applications to tracking 
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from scipy.special import chdtri
 
 from narrows.aliases import accept_aliases
 from narrows.control.closed_loop import LawOrders
@@ -93,17 +94,12 @@ class Consistency(BaseResult):
     @property
     def median_nees(self) -> float:
         """Median NEES over the median of chi-squared [1]."""
-        from scipy.stats import chi2
-
-        return float(np.nanmedian(self.nees[:, self.counted]) / chi2.median(len(self.states)))
+        return float(np.nanmedian(self.nees[:, self.counted]) / chdtri(len(self.states), 0.5))
 
     def bounds(self) -> tuple[float, float]:
         """Return the chance bounds of the mean NEES of all twins at one time, over the number of states [1]."""
-        from scipy.stats import chi2
-
-        freedom = len(self.nees) * len(self.states)
-        low, high = chi2.interval(CONFIDENCE, freedom)
-        return float(low / freedom), float(high / freedom)
+        freedom, tail = len(self.nees) * len(self.states), (1 - CONFIDENCE) / 2
+        return float(chdtri(freedom, 1 - tail) / freedom), float(chdtri(freedom, tail) / freedom)
 
     @property
     def within(self) -> float:
@@ -149,10 +145,9 @@ class Consistency(BaseResult):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the measures by name."""
-        names = ("mean_nees", "median_nees", "within", "mean_nis", "rmse", "covered", "aground", "states")
-        measures = {name: getattr(self, name) for name in names}
-        bounds = {"bounds": self.bounds(), "twins": len(self.nees), "settled": self.settled}
-        return {**measures, **bounds, "summary": self.summary(), "notes": list(self.notes)}
+        names = ("mean_nees", "median_nees", "within", "mean_nis", "rmse", "covered", "settled", "aground", "states")
+        more = {"bounds": self.bounds(), "twins": len(self.nees), "summary": self.summary(), "notes": list(self.notes)}
+        return {name: getattr(self, name) for name in names} | more
 
     def to_dataframe(self) -> "pd.DataFrame":
         """Return one row per state: unit, root mean square error, share within the band of 95 %."""
@@ -237,8 +232,7 @@ def consistency(
     if controller is not None and not isinstance(controller, ControlLaw):
         raise InputError(f"a {type(controller).__name__} is no law in arithmetic; give one, such as Autopilot")
     check_steps(duration, 1.0, math.inf)
-    first = Estimator(model, sensors, waterway=waterway, **filtering)
-    psi = 0.0
+    first, psi = Estimator(model, sensors, waterway=waterway, **filtering), 0.0
     if controller is None:
         from narrows.control.regulator import regulator
 
@@ -285,11 +279,8 @@ def sail_twins(
     random, lanes = np.random.default_rng(seed), _lanes(filter, max(count, 2), drawn, seed)
     dt = min(sensor.period for sensor in filter.sensors.values())
     times = dt * np.arange(math.floor(duration / dt + 1e-9) + 1)
-    helm, process, parts = (
-        _Helm(filter, law, dt, excitation),
-        filter.process(),
-        max(1, math.ceil(dt / filter.step - 1e-9)),
-    )
+    helm, process = _Helm(filter, law, dt, excitation), replace(filter, coefficients="certain").disturbances
+    parts = max(1, math.ceil(dt / filter.step - 1e-9))
     states, indicated = [_started(filter, start, lanes.lanes, random)], [np.tile(filter.at_rest, (lanes.lanes, 1))]
     aground = np.zeros(lanes.lanes, bool)
     for t in times[:-1].tolist():
@@ -305,9 +296,8 @@ def sail_twins(
     truth, noisy = np.array(states), np.array(indicated)
     if RUDDER in filter.actuators and filter.indicator.noise:
         noisy[..., filter.actuators.index(RUDDER)] += filter.indicator.noise * random.standard_normal(noisy.shape[:2])
-    readings = {
-        name: _readings(one, lanes, filter, times, truth, random)[:, :count] for name, one in filter.sensors.items()
-    }
+    sailed = lanes, filter, times, truth, random
+    readings = {name: _readings(sensor, *sailed)[:, :count] for name, sensor in filter.sensors.items()}
     return Twins(times, truth[:, :count], noisy[:, :count], readings, aground[:count])
 
 

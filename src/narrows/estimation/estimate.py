@@ -32,10 +32,8 @@ class Estimate(BaseSummary):
         True while it follows the readings: false before the start, and from a reset to the next start.
     nis : dict of str to float
         Normalised innovation squared of each reading [1].
-    refused : tuple of str
-        Sensors with a reading too far from the prediction.
-    suspects : tuple of str
-        Sensors whose innovations are biased, or that are left out.
+    refused, suspects : tuple of str
+        Sensors with a reading too far from the prediction; those whose innovations are biased, or that are left out.
     notes : tuple of str
         Notes, one sentence each.
     faults : tuple of str
@@ -88,12 +86,9 @@ class Estimate(BaseSummary):
         if self.normal is None:
             return f"t = {self.t:g} s: nothing to start from yet."
         values, std = self.values, self.std
-        parts = [
-            f"{name} = {with_error(values[name], 1.96 * std[name])} {described(name)[0]}"
-            for name in ("x", "y", "psi", "u")
-        ]
-        lines = [f"t = {self.t:g} s: {', '.join(parts)} (95 %)."]
-        return "\n".join([*lines, *self.notes])
+        shown = {name: with_error(values[name], 1.96 * std[name]) for name in ("x", "y", "psi", "u")}
+        parts = [f"{name} = {value} {described(name)[0]}" for name, value in shown.items()]
+        return "\n".join([f"t = {self.t:g} s: {', '.join(parts)} (95 %).", *self.notes])
 
 
 @dataclass(frozen=True, repr=False, eq=False)
@@ -104,22 +99,16 @@ class EstimatedTrack(Tabulated):
     ----------
     t : array (times,) [s]
         Time.
-    mean : array (times, states)
-        Estimates.
-    covariance : array (times, states, states)
-        Covariances of their errors.
-    states : tuple of str
-        Names of the states.
+    mean, covariance : array (times, states), (times, states, states)
+        Estimates, and covariances of their errors.
+    states, notes : tuple of str
+        Names of the states, and notes on validity.
     ready : array (times,) of bool
         True if the estimate followed the readings.
-    refused : dict of str to array (times,) of bool
-        True if a sensor's reading was refused.
-    suspected : dict of str to array (times,) of bool
-        True if a sensor's innovations were biased.
+    refused, suspected : dict of str to array (times,) of bool
+        True if a sensor's reading was refused, and if its innovations were biased.
     smoothed : bool
         True if later readings are used too.
-    notes : tuple of str
-        Notes on validity.
     """
 
     t: np.ndarray
@@ -181,6 +170,6 @@ class EstimatedTrack(Tabulated):
         for what, flags in (("refused", self.refused), ("suspected", self.suspected)):
             data |= {f"{name}_{what}": ("t", flag.astype(np.int8), {"units": "1"}) for name, flag in flags.items()}
         data["covariance"] = (("t", "state", "other"), self.covariance, {"units": "product of those of the states"})
-        coordinates = {"t": ("t", self.t, {"units": "s", "long_name": "time"}), "state": list(self.states)}
-        notes = {"summary": self.summary(), "notes": "\n".join(self.notes)}
-        return xarray.Dataset(data, coords={**coordinates, "other": list(self.states)}, attrs=notes)
+        coordinates: dict[str, Any] = {name: list(self.states) for name in ("state", "other")}
+        coordinates["t"] = "t", self.t, {"units": "s", "long_name": "time"}
+        return xarray.Dataset(data, coordinates, {"summary": self.summary(), "notes": "\n".join(self.notes)})

@@ -1,5 +1,6 @@
 """The estimator: a ship's position and motion and the effects of banks, current and gear, from readings."""
 
+import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, get_args
 
@@ -13,13 +14,21 @@ from narrows.estimation.fault_bank import FaultBank
 from narrows.estimation.filter_run import AGROUND, FilterRun, Moment
 from narrows.estimation.records import Reading, checked_readings, records_of, rows_of
 from narrows.estimation.sensors import split_sensors
-from narrows.estimation.settings import COEFFICIENT_MEMORY, LONGEST_GAP, SAME_TIME, SILENT_PERIODS, START_READINGS
-from narrows.estimation.ship_filter import MODEL, Coefficients, ShipFilter, UpdateResult, default_step
+from narrows.estimation.settings import (
+    COEFFICIENT_MEMORY,
+    LONGEST_GAP,
+    SAME_TIME,
+    SILENT_PERIODS,
+    START_READINGS,
+    STEPS_A_PERIOD,
+)
+from narrows.estimation.ship_filter import MODEL, Coefficients, ShipFilter, UpdateResult
 from narrows.estimation.smoothing import smooth
 from narrows.estimation.start import Start
 from narrows.estimation.states import Prior, ProcessNoise
 from narrows.estimation.unscented import Gaussian
 from narrows.model.model import Model
+from narrows.quantities.names import GRAVITY
 from narrows.results import BaseSummary
 from narrows.ship.checks import is_finite
 from narrows.simulation.ship_lanes import RUDDER
@@ -44,10 +53,9 @@ class Estimator(BaseSummary):
         with the interface ``Sensor``.
     waterway : Waterway, optional
         Waterway instead of the model's own canal.
-    noise : ProcessNoise, optional
-        Random walks of the motion about the model; by the ship's length unless given.
-    prior : Prior, optional
-        Uncertainty before any reading; by the ship's length unless given.
+    noise, prior : ProcessNoise, Prior, optional
+        Random walks of the motion about the model, and uncertainty before any reading; by the ship's length unless
+        given.
     coefficients : {"estimated", "certain"}
         Use of the coefficients' covariance: ``estimated`` corrects the coefficients by the readings; ``certain``
         ignores it, in two thirds of the time.
@@ -84,10 +92,11 @@ class Estimator(BaseSummary):
         check_choice("coefficients", coefficients, get_args(Coefficients))
         length = model.configuration.ship.length
         by_name, indicator = split_sensors(sensors)
+        longest = math.sqrt(length / GRAVITY) / STEPS_A_PERIOD if step is None else float(step)
         self.filter = ShipFilter(
             model, by_name, indicator, waterway, noise or ProcessNoise.of_length(length),
-            prior or Prior.of_length(length), coefficients, refusing,
-            default_step(model) if step is None else float(step), float(memory), surge, surge_inertia, coriolis,
+            prior or Prior.of_length(length), coefficients, refusing, longest, float(memory), surge, surge_inertia,
+            coriolis,
         )  # fmt: skip
         self.forget()
 
@@ -185,8 +194,7 @@ class Estimator(BaseSummary):
         The uncertain coefficients are estimated together with the states, from the fit's covariance. Parameters and
         errors are those of ``run``.
         """
-        recorded = records_of(records, self.filter.sensors, self.filter.actuators)
-        return smooth(self.filter, recorded, self.notes)
+        return smooth(self.filter, records_of(records, self.filter.sensors, self.filter.actuators), self.notes)
 
     def _collect_start(
         self, t: float, measured: dict[str, tuple[float, ...]], positions: dict[str, float], notes: list[str]

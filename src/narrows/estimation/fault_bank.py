@@ -56,11 +56,8 @@ class WhitenessTest:
         self.sums += innovation @ before, innovation.size, innovation @ innovation, innovation.size
         self.readings, self.last = self.readings + 1, innovation
         products, variance, squares, components = self.sums.tolist()
-        return (
-            products / math.sqrt(variance) * components / squares
-            if self.readings >= settings.WHITENESS_READINGS
-            else 0.0
-        )
+        enough = self.readings >= settings.WHITENESS_READINGS
+        return products / math.sqrt(variance) * components / squares if enough else 0.0
 
 
 @dataclass
@@ -81,6 +78,7 @@ class FaultBank:
         self.wait, self.window = settings.JUDGE_WAIT * self.scale, settings.REPLAY_TIME * self.scale
         self.kept = max(self.horizon, self.window)
         self._next = self._routine = self.t
+        self._suspects = [*self.filter.sensors, *({RUDDER} & set(self.filter.actuators)), MODEL]
         # Receivers without a slow error, neither declared nor found
         self._white = frozenset(name for name, one in self.filter.sensors.items() if is_white(one))
 
@@ -128,11 +126,6 @@ class FaultBank:
         self.faults, self.slow, self._refused, after.results = best.faults, best.slow, {}, []
         self._white -= self.slow
         return after, said
-
-    @property
-    def _suspects(self) -> list[str]:
-        rudder = [RUDDER] if RUDDER in self.filter.actuators else []
-        return [*self.filter.sensors, *rudder, MODEL]
 
     def _correlated(self, run: FilterRun) -> Faults:
         """Return receivers that count as white and whose innovations are correlated."""

@@ -71,11 +71,6 @@ class GaussMarkov:
         Standard deviation, of all components of the sensor or of each of them; 0 for none.
     time : float [s]
         Correlation time; ``math.inf`` for a constant bias.
-
-    Raises
-    ------
-    InputError
-        If a number is invalid.
     """
 
     std: float | tuple[float, ...]
@@ -98,6 +93,7 @@ class Measuring:
     bias: float = 0.0  # Standard deviation of a constant error [SI]
     coloured: GaussMarkov | None = None  # Error correlated in time
     angles: ClassVar[tuple[bool, ...]] = (False,)
+    straight: ClassVar[bool] = True
     suffixes: ClassVar[tuple[str, ...]] = ("",)  # Ends of the names of the components
     state: ClassVar[str]  # Name of the state that it measures
 
@@ -115,10 +111,6 @@ class Measuring:
     @property
     def errors(self) -> tuple[GaussMarkov, ...]:
         return (*((GaussMarkov(self.bias),) if self.bias else ()), *((self.coloured,) if self.coloured else ()))
-
-    @property
-    def straight(self) -> bool:
-        return True
 
     def numbers(self, reading: Sequence[float]) -> Values:
         return tuple(reading)
@@ -143,21 +135,14 @@ class Gyro(Measuring):
     noise : float [rad]
         Standard deviation of the white error; by default that of a gyrocompass within IMO A.424(XI), as in the
         ``"vdr"`` grade of a log's sensors. Its slow error, of 0.2 degrees, is ``coloured`` or ``bias``.
-    period : float [s]
-        Time between readings.
-    late : float [s]
-        Delay of a reading.
+    period, late : float [s]
+        Time between readings, and delay of a reading.
     name : str
         Name of its readings.
     bias : float [rad]
         Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
     coloured : GaussMarkov, optional
         Error correlated in time, which becomes a state too.
-
-    Raises
-    ------
-    InputError
-        If a number is invalid.
     """
 
     noise: float = math.radians(0.15)
@@ -259,7 +244,7 @@ class Gnss(Antenna):
         return super(Gnss, usual).errors
 
     @property
-    def straight(self) -> bool:
+    def straight(self) -> bool:  # type: ignore[override]
         return not (self.forward or self.starboard)
 
     def measured(self, at: Columns) -> Values:
@@ -297,10 +282,7 @@ class CourseOverGround(Antenna):
     _: KW_ONLY
     name: str = "course"
     suffixes: ClassVar[tuple[str, ...]] = ("_over_ground", "_speed")
-
-    @property
-    def straight(self) -> bool:
-        return False
+    straight: ClassVar[bool] = False
 
     def numbers(self, reading: Sequence[float]) -> Values:
         course, speed = reading

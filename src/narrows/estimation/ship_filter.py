@@ -3,26 +3,20 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
+from scipy.special import chdtri
 
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError
 from narrows.estimation import settings
 from narrows.estimation.sensors import RudderIndicator, Sensor, error_states, slowed
 from narrows.estimation.states import MOTION_STATES, STATES, Columns, MarkovProcess, Prior, ProcessNoise, StateNames
-from narrows.estimation.unscented import (
-    Gaussian,
-    SigmaPointWeights,
-    predict,
-    sigma_point_weights,
-    triangular_root,
-    update,
-)
+from narrows.estimation.unscented import Gaussian, predict, sigma_point_weights, triangular_root, update
 from narrows.model.model import Model
-from narrows.quantities.names import GRAVITY
+from narrows.ship.checks import check_sizes
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.ship_lanes import RUDDER, ShipLanes
 
@@ -88,8 +82,7 @@ class ShipFilter:
     faults: frozenset[str] = frozenset()  # Sensors, "rudder" or "model" that count as faulty
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.step) and self.step > 0.0):
-            raise InputError(f"step = {self.step} is no length of a step; give seconds over 0")
+        check_sizes(self, ("step",), ("step",))
         if not self.memory > 0.0:
             raise InputError(f"memory = {self.memory} is no length of time; give seconds over 0, or math.inf")
         if not 0.0 <= self.refusing < 1.0:
@@ -97,10 +90,8 @@ class ShipFilter:
 
     @cached_property
     def ship(self) -> SimulatedShip:
-        open_water = self.waterway is None and not self.model.terms.has_bank
-        return SimulatedShip(
-            self.model, self.surge, self.surge_inertia, self.coriolis, "none" if open_water else "corners"
-        )
+        contact = "corners" if self.waterway is not None or self.model.terms.has_bank else "none"
+        return SimulatedShip(self.model, self.surge, self.surge_inertia, self.coriolis, contact)
 
     @cached_property
     def actuators(self) -> tuple[str, ...]:
@@ -179,31 +170,20 @@ class ShipFilter:
         """Directions of the coefficients that are corrected: states after the others, standard normal a priori."""
         return int(self.root.shape[1])
 
-    def process(self, more: Sequence[tuple[float, float]] = ()) -> MarkovProcess:
-        """Return the walks of the states, then more by walk and correlation time [s]."""
-        walks, times = np.array([*(self.walks[name] for name in self.states.names), *more]).T
+    @cached_property
+    def disturbances(self) -> MarkovProcess:
+        """Walks of the states and of the coefficients: corrections fade, and the stationary spread is the fit's."""
+        fading = [(math.sqrt(2.0 / self.memory), self.memory)] * self.estimated
+        walks, times = np.array([*(self.walks[name] for name in self.states.names), *fading]).T
         places = self.states.places
         # A ship keeps its way over the ground when the current changes; that through the water takes the change.
         pairs = [(places[one], places[other]) for one, other in WATER_VELOCITIES.items() if one in places]
         return MarkovProcess(walks, times, pairs)
 
     @cached_property
-    def disturbances(self) -> MarkovProcess:
-        """Walks of the states and of the coefficients: corrections fade, and the stationary spread is the fit's."""
-        return self.process([(math.sqrt(2.0 / self.memory), self.memory)] * self.estimated)
-
-    @cached_property
-    def measuring(self) -> SigmaPointWeights:
-        return sigma_point_weights(len(self.disturbances.walks))
-
-    @cached_property
     def pairs(self) -> int:
         """Pairs of sigma points of the motion: of the states, and of the noise of the rudder's indication if any."""
         return len(self.disturbances.walks) + (RUDDER in self.actuators and self.indicator.noise > 0.0)
-
-    @cached_property
-    def moving(self) -> SigmaPointWeights:
-        return sigma_point_weights(self.pairs)
 
     @cached_property
     def lanes(self) -> ShipLanes:
@@ -256,26 +236,26 @@ class ShipFilter:
     def predict(self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray) -> MotionStep:
         """Return one step of the motion; actuators move from start to end (actuators,)."""
         lanes, size, process, before, pairs = self.lanes, len(self.states), self.disturbances, now, self.pairs
+        weights = sigma_point_weights(pairs)
         if pairs > now.root.shape[1]:  # The last pair has the noise of the rudder's indication
             now = Gaussian(now.mean, np.concatenate([now.root, np.zeros((len(now.mean), 1))], axis=1))
             end, rudder = np.repeat(end[None], lanes.lanes, axis=0), lanes.actuators.index(RUDDER)
-            end[[pairs, 2 * pairs], rudder] += self.indicator.noise * self.moving.distance * np.array([1.0, -1.0])
+            end[[pairs, 2 * pairs], rudder] += self.indicator.noise * weights.distance * np.array([1.0, -1.0])
         left, noise = process.over(duration)
 
         def move(points: np.ndarray) -> np.ndarray:
             columns = None
             if self.estimated:
-                bank = points[:, self.states.places["bank"]] if "bank" in self.states else np.ones(len(points))
+                bank = points[:, self.states.places["bank"]] if "bank" in self.states.places else np.ones(len(points))
                 columns = lanes.columns_of(self.middle + points[:, size:] @ self.root.T, bank)
             after = lanes.advance(points, duration, start, end, columns)
             if len(left):
                 after[:, process.places] *= left
             return after
 
-        after, slopes = predict(now, move, noise, self.moving)
-        return MotionStep(
-            before, after, slopes, bool(lanes.prepared.codes[0, 0]) or not math.isfinite(after.mean.sum())
-        )
+        after, slopes = predict(now, move, noise, weights)
+        aground = bool(lanes.prepared.codes[0, 0]) or not math.isfinite(after.mean.sum())
+        return MotionStep(before, after, slopes, aground)
 
     def update(self, t: float, now: Gaussian, readings: Readings, monitor: np.ndarray) -> tuple[Gaussian, UpdateResult]:
         """Return the state after the readings of one time that pass the gates; the monitor's sums change."""
@@ -283,7 +263,9 @@ class ShipFilter:
         if layout.seen is not None:
             expected, rows = layout.seen @ now.mean, now.root.T @ layout.seen.T
         else:
-            expected, rows = self.measuring.transform(now, lambda points: self.measured(points, layout))
+            expected, rows = sigma_point_weights(len(now.mean)).transform(
+                now, lambda points: self.measured(points, layout)
+            )
         numbers = (number for name in readings for number in self.sensors[name].numbers(readings[name]))
         innovation = np.fromiter(numbers, float, len(expected)) - expected
         for angle in layout.angles:
@@ -340,14 +322,6 @@ class ShipFilter:
         return values
 
 
-@lru_cache(maxsize=64)
 def gate(probability: float, size: int) -> float:
     """Return the normalised innovation squared that a valid measurement exceeds with a probability [1]."""
-    from scipy.stats import chi2
-
-    return float(chi2.isf(probability, size)) if probability > 0.0 else math.inf
-
-
-def default_step(model: Model) -> float:
-    """Return the longest step that resolves the motion [s]."""
-    return math.sqrt(model.configuration.ship.length / GRAVITY) / settings.STEPS_A_PERIOD
+    return float(chdtri(size, probability))

@@ -48,9 +48,6 @@ class StateNames:
     def __len__(self) -> int:
         return len(self.names)
 
-    def __contains__(self, name: str) -> bool:
-        return name in self.names
-
     @cached_property
     def places(self) -> dict[str, int]:
         return {name: place for place, name in enumerate(self.names)}
@@ -121,13 +118,7 @@ class ScaledNoise:
 
     @classmethod
     def of_length(cls, length: float) -> Self:
-        """Return the defaults for a ship, by Froude's law from one of 230 m.
-
-        Parameters
-        ----------
-        length : float [m]
-            Length of the ship.
-        """
+        """Return the defaults for a ship of a length [m], by Froude's law from one of 230 m."""
         scale = length / REFERENCE_LENGTH
         return cls(**{name: getattr(cls, name) * scale**power for name, power in cls.POWERS.items()})
 
@@ -138,21 +129,14 @@ class ProcessNoise(ScaledNoise):
 
     Parameters
     ----------
-    surge, sway : float [m/s per root s]
+    surge, sway, yaw : float [m/s, m/s, rad/s per root s]
         Walks of the velocities: gusts, waves, squat, effects that the terms ignore.
-    yaw : float [rad/s per root s]
-        Walk of the yaw rate, for the same reasons.
     bank : float [1 per root s]
         Walk of the bank's strength: real banks differ from the drawn ones.
     current, current_across : float [m/s per root s]
         Walks of the current; across, 0 with a prior of 0 omits that state.
     rudder_bias : float [rad per root s]
         Walk of the bias of the rudder's indicator.
-
-    Raises
-    ------
-    InputError
-        If a number is invalid.
     """
 
     surge: float = 0.005
@@ -188,11 +172,6 @@ class Prior(ScaledNoise):
         The bank's strength about 1, the model's.
     current, current_across : float [m/s]
         Current, about the waterway's and about 0.
-
-    Raises
-    ------
-    InputError
-        If a number is invalid.
     """
 
     sway: float = 0.15

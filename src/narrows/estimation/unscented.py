@@ -43,6 +43,7 @@ class SigmaPointWeights(NamedTuple):
 
 # Julier and Uhlmann (1997), A new extension of the Kalman filter to nonlinear systems. van der Merwe (2004),
 # Sigma-point Kalman filters for probabilistic inference in dynamic state-space models, chapter 3.
+@lru_cache(maxsize=64)
 def sigma_point_weights(
     size: int, alpha: float = 0.5, beta: float = 2.0, kappa: float | None = None
 ) -> SigmaPointWeights:
