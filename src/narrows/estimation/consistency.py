@@ -62,10 +62,8 @@ class Consistency(BaseResult):
         Number of components of each sensor.
     states, notes : tuple of str
         Names of the states, and notes on validity.
-    settled : float [s]
-        Start of the statistics.
-    aground : int
-        Number of twins that met a bank; they are left out.
+    settled, aground : float [s], int
+        Start of the statistics, and number of twins that met a bank; they are left out.
     """
 
     t: np.ndarray
@@ -209,10 +207,8 @@ def consistency(
         Number of twins, and duration of each.
     drawn : bool
         True: each twin has coefficients drawn from the covariance of the fit, to test the estimate under model error.
-    seed : int
-        Seed of all random numbers.
-    x : float [m]
-        Start along the waterway.
+    seed, x : int, float [m]
+        Seed of all random numbers, and start along the waterway.
     controller : ControlLaw, optional
         Controller of the twins; unless given, the regulator of this offset and speed in the model's own canal.
     excitation : float [rad]

@@ -187,10 +187,8 @@ class RudderIndicator:
 
     Parameters
     ----------
-    noise : float [rad]
-        Standard deviation of a reading.
-    bias : float [rad]
-        Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
+    noise, bias : float [rad]
+        Standard deviations of a reading, and of a constant error, which becomes a state of the estimate; 0 for none.
     """
 
     noise: float = 0.0
