@@ -90,8 +90,8 @@ class ShipFilter:
 
     @cached_property
     def ship(self) -> SimulatedShip:
-        contact = "corners" if self.waterway is not None or self.model.terms.has_bank else "none"
-        return SimulatedShip(self.model, self.surge, self.surge_inertia, self.coriolis, contact)
+        options, banks = (self.surge, self.surge_inertia, self.coriolis), self.waterway or self.model.terms.has_bank
+        return SimulatedShip(self.model, *options, "corners" if banks else "none")
 
     @cached_property
     def actuators(self) -> tuple[str, ...]:
