@@ -211,12 +211,14 @@ def plan_steady(
     )  # fmt: skip
 
 
-def _rising(name: str, values: Any) -> np.ndarray:
-    column = np.asarray(values if isinstance(values, Sequence | np.ndarray) else [])
-    numbers = column.ndim == 1 and column.size and column.dtype.kind in "iuf"
-    if not (numbers and (np.isfinite(column) & (column > 0)).all()):
+def _rising(name: str, values: object) -> np.ndarray:
+    try:
+        column = np.asarray(values, float)
+    except (TypeError, ValueError, OverflowError):
+        column = np.empty(0)
+    if column.ndim != 1 or not column.size or not (np.isfinite(column) & (column > 0)).all():
         raise InputError(f"the {name} that may be held are finite numbers over 0; give a sequence of them")
-    return np.unique(column.astype(float))
+    return np.unique(column)
 
 
 class Candidates(NamedTuple):
