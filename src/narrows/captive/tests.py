@@ -142,7 +142,8 @@ class CaptiveTests(Configured, Tabulated):
         labels = list(dict.fromkeys(self.conditions))
         several = f" in {len(labels)} conditions" if len(labels) > 1 else ""
         tests = f"{len(self.names)} test{'s' * (len(self.names) > 1)}{several}, {int(self.starts[-1])} rows"
-        return f"{tests}, with {', '.join(measured(self.columns)) or 'no force'}: {self.configuration.summary()}."
+        forces = ", ".join(force for force in FORCES if force in self.columns) or "no force"
+        return f"{tests}, with {forces}: {self.configuration.summary()}."
 
     def to_dict(self) -> dict[str, Any]:
         """Return everything by name."""
@@ -351,7 +352,3 @@ class CaptiveTests(Configured, Tabulated):
 
 def _is_part(name: str, columns: Mapping[str, np.ndarray]) -> bool:
     return name.startswith(("cos_", "sin_")) and name[4:] in columns
-
-
-def measured(columns: Mapping[str, np.ndarray]) -> list[str]:
-    return [force for force in FORCES if force in columns]

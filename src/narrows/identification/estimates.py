@@ -36,11 +36,6 @@ class ForcePosterior:
     posterior: ScaleMixture
 
     @property
-    def free_parameters(self) -> list[int]:
-        """Indices of the coefficients of these forces among all free ones."""
-        return self.rows.free_parameters
-
-    @property
     def scales(self) -> dict[str, float]:
         """Estimated size of each error: shares of the force, and multiples of the usual sizes."""
         found = self.posterior.model.scales(self.posterior.weights @ self.posterior.points)
@@ -54,17 +49,12 @@ class CoefficientEstimates:
     problem: Problem
     forces: tuple[ForcePosterior, ...]
     free_values: np.ndarray  # (n,) without its own bound, given the other coefficients at their bounds
-    free_half: np.ndarray  # (n,) half width of the 95 % interval without bounds
+    free_std: np.ndarray  # (n,) half width of the 95 % interval without bounds, as a standard error
     values: np.ndarray  # (n,)
     std: np.ndarray  # (n,)
     ends: np.ndarray  # (n, 2) 95 % interval within the bounds
     held: np.ndarray  # (n,) held at a bound that the data reject
     covariance: np.ndarray  # (n, n), zero where a coefficient is held at a bound
-
-    @property
-    def free_std(self) -> np.ndarray:
-        """Standard errors that make the free intervals, (n,)."""
-        return self.free_half / HALF
 
     @cached_property
     def tipping(self) -> dict[str, list[tuple[Effect, float]]]:
@@ -83,12 +73,12 @@ class CoefficientEstimates:
             shifts = np.abs(part.posterior.shifts * part.unit[:, None])
             for name, away, held in zip(result, distance, self.held, strict=True):
                 slot = self.problem.slot[name]
-                if slot in part.free_parameters and 0 < away < np.inf and not held:
-                    needed = away / np.maximum(shifts[part.free_parameters.index(slot)], 1e-300)
+                if slot in part.rows.free_parameters and 0 < away < np.inf and not held:
+                    needed = away / np.maximum(shifts[part.rows.free_parameters.index(slot)], 1e-300)
                     sizes = [
                         (effect, min(float(n * effect.usual), effect.linear))
                         for effect, n in zip(part.effects, needed, strict=True)
-                        if effect.has_usual_size
+                        if effect.unit
                     ]
                     usual = [(effect, size) for effect, size in sizes if size < effect.most]
                     result[name] = sorted(usual, key=lambda one: one[1] / one[0].usual)
@@ -107,13 +97,13 @@ def estimates(
         rows = ForceRows(equations, motions, problem, forces)
         model, effects, unit = assemble(rows, errors, configuration)
         parts.append(part := ForcePosterior(rows, effects, unit, integrate(model)))
-        at = np.array(part.free_parameters)
+        at = np.array(rows.free_parameters)
         table[at], covariance[np.ix_(at, at)] = _within_bounds(part, problem.bounds[at])
     order = np.array([problem.slot[name] for name in problem.terms.names])
     table = table[order]
-    (free, free_half, values, std), ends, held = table[:, :4].T, table[:, 4:6], table[:, 6] > 0
+    (free, free_std, values, std), ends, held = table[:, :4].T, table[:, 4:6], table[:, 6] > 0
     covariance = covariance[np.ix_(order, order)]
-    return CoefficientEstimates(problem, tuple(parts), free, free_half, values, std, ends, held, covariance)
+    return CoefficientEstimates(problem, tuple(parts), free, free_std, values, std, ends, held, covariance)
 
 
 def joint_forces(problem: Problem) -> list[tuple[str, ...]]:
@@ -126,10 +116,10 @@ def joint_forces(problem: Problem) -> list[tuple[str, ...]]:
 
 
 def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Free estimates and half widths, then values, standard errors, ends and held within the bounds; covariance."""
+    """Free estimates and standard errors, then values, standard errors, ends and held within the bounds; covariance."""
     unit, weights = part.unit, part.posterior.weights
     means, spreads = part.posterior.means * unit, part.posterior.covariances * np.outer(unit, unit)
-    held, free, free_half = np.zeros(len(unit), bool), np.zeros(len(unit)), np.zeros(len(unit))
+    held, free, free_std = np.zeros(len(unit), bool), np.zeros(len(unit)), np.zeros(len(unit))
     for _ in range(len(unit)):
         mean = weights @ means
         variances = np.maximum(np.diagonal(spreads, axis1=1, axis2=2), 0.0)  # Rounding may make it negative.
@@ -139,18 +129,18 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
         if beyond.max() < CERTAIN:
             break
         worst = int(beyond.argmax())
-        held[worst], free[worst], free_half[worst] = True, mean[worst], HALF * std[worst]
+        held[worst], free[worst], free_std[worst] = True, mean[worst], std[worst]
         means, spreads = _conditioned(means, spreads, worst, float(np.clip(mean[worst], *bounds[worst])))
     draws, low, high = _draws(means, spreads, weights), bounds[:, 0], bounds[:, 1]
     inside = draws[((draws >= low) & (draws <= high) | held).all(axis=1)]
     inside = inside if len(inside) >= LEAST else np.clip(draws, low, high)
     free = np.where(held, free, weights @ means)
-    free_half = np.where(held, free_half, 0.5 * np.diff(np.quantile(draws, TAILS, axis=0), axis=0)[0])
+    free_std = np.where(held, free_std, 0.5 / HALF * np.diff(np.quantile(draws, TAILS, axis=0), axis=0)[0])
     values = _nearest(weights @ means, np.atleast_2d(np.cov(draws.T)), bounds)
     for edge in (low, high):  # A value that differs from its bound by rounding is the bound.
         values = np.where(np.isclose(values, edge, rtol=1e-9, atol=0.0), edge, values)
     ends = np.quantile(inside, TAILS, axis=0)
-    near = (np.abs(free[:, None] - bounds).min(axis=1) < BOUND_HALF_WIDTHS * free_half) & ~held
+    near = (np.abs(free[:, None] - bounds).min(axis=1) < BOUND_HALF_WIDTHS * HALF * free_std) & ~held
     for i in np.flatnonzero(near):
         # If the true value lies on this bound, the others follow their conditional distribution.
         edge = bounds[i, np.abs(free[i] - bounds[i]).argmin()]
@@ -158,11 +148,11 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
         ends = _widened(ends, np.clip(given, low, high))
     for i in np.flatnonzero(near | held):
         # Near a bound the unified interval contains a true value on it; a truncated quantile never does.
-        ends[:, i] = bounded_interval(float(free[i]), float(free_half[i]) / HALF, tuple(bounds[i]))
+        ends[:, i] = bounded_interval(float(free[i]), float(free_std[i]), tuple(bounds[i]))
     covariance = np.atleast_2d(np.cov(inside.T)) * np.outer(~held, ~held)
-    std = np.where(held, _truncated_std(np.abs(free - values), free_half / HALF), np.sqrt(np.diag(covariance)))
+    std = np.where(held, _truncated_std(np.abs(free - values), free_std), np.sqrt(np.diag(covariance)))
     ends = _widened(ends, np.stack([values, values]))
-    return np.column_stack([free, free_half, values, std, *ends, held]), covariance
+    return np.column_stack([free, free_std, values, std, *ends, held]), covariance
 
 
 def _widened(ends: np.ndarray, others: np.ndarray) -> np.ndarray:

@@ -21,7 +21,6 @@ TYPES, STRAIGHT, CAMPAIGN, CLOCK = "types of run", "straight runs", "campaign", 
 SETTLING, CROSSTALK = "settling", "crosstalk"
 # Effects whose columns hold measured forces: learning their scale would explain the forces by themselves.
 FIXED = "fixed"
-OF_A_CAMPAIGN = (TYPES, STRAIGHT, CAMPAIGN, WITH_OFFSET, CLOCK, SETTLING, CROSSTALK, FIXED)
 # Usual sizes, by which the scales' priors are stated: shares of a term or of a force's level, or the effect's unit.
 SIZES = {
     "damping by speed": 0.3, "damping by period": 0.05, "damping by depth": 0.3,  # power, per octave, power
@@ -60,20 +59,11 @@ class Effect:
     """An error that several runs share."""
 
     name: str
-    unit: str
+    unit: str  # empty where no laboratory knows its usual size
     usual: float  # size in that unit
     group: str
     most: float = np.inf  # size that no laboratory overlooks
     linear: float = np.inf  # size up to which forces follow it in proportion
-
-    @property
-    def learned(self) -> bool:
-        return self.group != FIXED
-
-    @property
-    def has_usual_size(self) -> bool:
-        """True if laboratories know its usual size, so that it has a tipping point."""
-        return self.group in OF_A_CAMPAIGN and bool(self.unit)
 
 
 @dataclass(frozen=True)
@@ -300,7 +290,7 @@ def assemble(
     x = np.column_stack([rows.x * unit, *columns])
     runs = {name: parts for name, parts in _run_errors(rows, errors).items() if parts[0] > 0 and not errors.none}
     priors = {name: size for name, (size, _, _) in runs.items()}
-    priors |= {effect.group: 1.0 for effect in effects if effect.learned}
+    priors |= {effect.group: 1.0 for effect in effects if effect.group != FIXED}
     places = {name: i for i, name in enumerate((*priors, FIXED))}
     model = MixedModel(
         tuple(priors), x, rows.y,

@@ -201,9 +201,9 @@ def _judged(name: str, found: CoefficientEstimates) -> Verdict:
     if (low > 0 or high < 0) and half < PRECISE * abs(value):
         tipping, limits = (_named(errors[name]) for errors in (found.tipping, found.limits))
         return Verdict(IDENTIFIED, (f"{known}, {half / abs(value):.0%}",), (), tipping, limits)
-    part = next(part for part in found.forces if slot[name] in part.free_parameters)
+    part = next(part for part in found.forces if slot[name] in part.rows.free_parameters)
     # The unit is the value at which the term is as large as its force.
-    if max(abs(low), abs(high)) < NEGLIGIBLE * part.unit[part.free_parameters.index(slot[name])]:
+    if max(abs(low), abs(high)) < NEGLIGIBLE * part.unit[part.rows.free_parameters.index(slot[name])]:
         return Verdict(ZERO, (f"{low:.2g} to {high:.2g} makes less than {NEGLIGIBLE:.0%} of the force",))
     # The coefficient whose estimate is most correlated with this one's, and the combination that the tests determine.
     c, size = found.covariance, np.sqrt(np.diag(found.covariance))
