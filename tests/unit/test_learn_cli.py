@@ -49,7 +49,7 @@ def test_a_log_makes_a_model_and_a_page(cli, folder: Path) -> None:
         in learned.source.text
     )
     text = page.read_text(encoding="utf-8")
-    assert text.count("<svg") == 5
+    assert text.count("<svg") == 3
     assert "zigzag +20" in text
     assert "Motion determines only forces over inertia" in text
 
