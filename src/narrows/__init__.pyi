@@ -17,6 +17,7 @@ from .control import steady_course as steady_course
 from .empirical import estimate_model as estimate_model
 from .empirical import published as published
 from .empirical import ready_ships as ready_ships
+from .empirical import with_astern_thrust as with_astern_thrust
 from .errors import InputError as InputError
 from .errors import show_versions as show_versions
 from .experiment_design import Plan as Plan
@@ -54,9 +55,11 @@ from .logbook import plan_steady as plan_steady
 from .logbook import predict_information as predict_information
 from .logbook import read_log as read_log
 from .logbook import stream_log as stream_log
+from .manoeuvres import StoppingTest as StoppingTest
 from .manoeuvres import Trials as Trials
 from .manoeuvres import Turning as Turning
 from .manoeuvres import ZigzagTest as ZigzagTest
+from .manoeuvres import crash_stop as crash_stop
 from .manoeuvres import overshoots as overshoots
 from .manoeuvres import sail_trials as sail_trials
 from .manoeuvres import turning_circle as turning_circle

@@ -1,4 +1,4 @@
-"""A propeller whose thrust is known ahead alone: at no door does it push the ship ahead when it turns astern."""
+"""A propeller astern brakes the ship by the thrust of a published series, and is refused where none is known."""
 
 import importlib.util
 import runpy
@@ -7,12 +7,25 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
+from scipy.integrate import solve_ivp
 
 import narrows as nw
 from narrows.model.data_range import DataRange
 
-KVLCC2 = nw.published("yasukawa2015_kvlcc2")
+TANKER = nw.published("yasukawa2015_kvlcc2_full")
+SERIES = Path(__file__).parents[2] / "decisions/propeller_series.csv"
+
+
+def ahead_only() -> nw.Model:
+    """The 7 m model of KVLCC2, without the thrust astern."""
+    model = nw.published("yasukawa2015_kvlcc2")
+    propeller = replace(model.configuration.propeller, astern_0=0.0, astern_1=0.0, astern_2=0.0)
+    return replace(model, configuration=model.configuration.with_parts([propeller]))
+
+
+KVLCC2 = ahead_only()
 FREE = {"u": 1.0, "surge": "free", "contact": "none", "duration": 5.0, "dt": 0.1}
 
 
@@ -68,6 +81,92 @@ def test_an_exported_file_takes_them_for_a_stopped_propeller(tmp_path: Path) -> 
         inputs.revolutions = turns
         rates.append(ship.rates(state, inputs, constants))
     np.testing.assert_array_equal(*rates)
+
+
+def series_thrust(advance: np.ndarray, pitch: str) -> np.ndarray:
+    """K_T of the B4-70 series at revolutions astern, from its Fourier series over the advance angle."""
+    table = pd.read_csv(SERIES, index_col="k")
+    angle = np.arctan2(-advance, -0.7 * np.pi)
+    waves = np.multiply.outer(table.index, angle)
+    cosines, sines = (table[f"{part}_{pitch}"].to_numpy() @ wave(waves) for part, wave in (("A", np.cos), ("B", np.sin)))
+    return np.pi / 8 * (advance**2 + (0.7 * np.pi) ** 2) * (cosines + sines) / 100
+
+
+@pytest.mark.parametrize(("ahead", "pitch"), [(0.2421, "0.6"), (0.3461, "0.8"), (0.4499, "1.0"), (0.5193, "1.2")])
+@pytest.mark.parametrize("square", [0.0, -0.1385])
+def test_thrust_astern_is_that_of_the_series(ahead: float, pitch: str, square: float) -> None:
+    """Roddy, Hess and Faller (2006)."""
+    fitted = nw.with_astern_thrust(nw.Propeller(1.0, 0.0, 0.0, ahead, -0.4, square))
+    advance = -np.linspace(0.0, 1.5, 16)
+    rise = np.sqrt(advance**2 + 0.49)
+    thrust = fitted.astern_0 + fitted.astern_1 * advance + fitted.astern_2 * rise + square * advance**2
+    np.testing.assert_allclose(thrust, series_thrust(advance, pitch), atol=0.062)
+
+
+def test_the_published_tanker_has_the_thrust_of_the_series() -> None:
+    for name in ("yasukawa2015_kvlcc2", "yasukawa2015_kvlcc2_full"):
+        propeller = nw.published(name).configuration.propeller
+        assert nw.with_astern_thrust(propeller) == propeller
+
+
+def test_a_ship_brakes_the_more_the_more_its_propeller_turns_astern() -> None:
+    told = {"u": 4.0, "surge": "free", "contact": "none", "duration": 120.0, "dt": 1.0}
+    voyages = [nw.simulate(TANKER, revolutions=turns, **told) for turns in (0.0, -1e-6, -0.5, -1.0, -1.5)]
+    speeds = np.array([voyage.u[-1] for voyage in voyages])
+    assert speeds[0] == pytest.approx(3.60, abs=0.01)
+    assert speeds[1] == pytest.approx(speeds[0], abs=1e-5)
+    assert (np.diff(speeds[1:]) < 0).all()
+    fleet = nw.ensemble(TANKER, revolutions=[0.0, -1.0], **told)
+    np.testing.assert_allclose(fleet["u_end"], speeds[[0, 3]], rtol=1e-9)
+
+
+def test_a_crash_stop_is_that_of_an_independent_integration() -> None:
+    """Surge alone, for a ship that stays straight: SciPy, with the forces of the model at each moment."""
+    found = nw.crash_stop(TANKER, speed=6.0, revolutions=-1.0, delay=10.0, reversal=60.0)
+    model, begun = TANKER.in_open_water(), nw.self_propulsion(TANKER, 6.0)
+    mass = TANKER.surge_inertia
+
+    def rates(t: float, state: np.ndarray) -> list[float]:
+        turns = begun + np.clip((t - 10.0) / 60.0, 0.0, 1.0) * (-1.0 - begun)
+        return [state[1], model.forces(u=state[1], revolutions=turns)["X"] / mass]
+
+    def still(t: float, state: np.ndarray) -> float:
+        return state[1]
+
+    still.terminal = True
+    stop = solve_ivp(rates, (0.0, 3000.0), [0.0, 6.0], events=still, rtol=1e-8, max_step=5.0)
+    assert found.time == pytest.approx(stop.t[-1], rel=2e-3)
+    assert found.head_reach == pytest.approx(stop.y[0, -1], rel=2e-3)
+    assert found.track_reach == pytest.approx(found.head_reach, rel=1e-6)
+
+
+def test_a_tanker_stops_as_tankers_do() -> None:
+    """10 to 15 lengths from sea speed for supertankers (Journal of Navigation, reverse stopping ability), IMO: 15."""
+    found = nw.crash_stop(TANKER, revolutions=-1.0, delay=10.0, reversal=60.0)
+    assert 10.0 < found.to_dict()["track_reach_over_length"] < 15.0
+    assert "IMO allows 15 L" in found.summary()
+    slower = nw.crash_stop(TANKER, revolutions=-1.0, delay=60.0, reversal=120.0)
+    assert found.track_reach < slower.track_reach
+
+
+@pytest.mark.parametrize(
+    ("told", "words"),
+    [
+        ({"revolutions": 1.0}, "below 0"),
+        ({"delay": -1.0}, "from 0 s"),
+        ({"revolutions": -0.01}, "still makes"),
+    ],
+)
+def test_a_test_that_stops_no_ship_is_refused(told: dict[str, float], words: str) -> None:
+    with pytest.raises(nw.InputError, match=words):
+        nw.crash_stop(TANKER, **told)
+
+
+def test_a_ship_without_thrust_astern_or_propeller_makes_no_crash_stop() -> None:
+    with pytest.raises(nw.InputError, match="known ahead only"):
+        nw.crash_stop(nw.published("son1982_s175"))
+    with pytest.raises(nw.InputError, match="needs terms of a propeller"):
+        nw.crash_stop(nw.published("mikkelsen2025_dtc"))
 
 
 def test_way_astern_is_noted_of_voyages_and_fleets() -> None:

@@ -4,6 +4,9 @@ import math
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
+import numpy as np
+
+from narrows.aliases import accept_aliases
 from narrows.empirical.formulas import Hull
 from narrows.errors import InputError
 from narrows.model.masses import wetted_surface
@@ -106,7 +109,48 @@ def estimated_propeller(ship: Ship, hull: Hull, kind: ShipType, water: Water, sp
         kind.propeller * ship.draft, 0.0, wake(hull), *kind.thrust,
         wake_rate=WAKE_RATE, wake_starboard=thinned, wake_port=thinned,
     )  # fmt: skip
-    return replace(shaped, revolutions=balanced_revolutions(ship, hull, shaped, speed))
+    return with_astern_thrust(replace(shaped, revolutions=balanced_revolutions(ship, hull, shaped, speed)))
+
+
+# Thrust of the Wageningen B4-70 series at the pitch ratios 0.6, 0.8, 1 and 1.2: K_T ahead without advance, and a_0, a_1,
+# a_2 of K_T astern where k_2 is 0; less k_2 times what J^2 is in their functions (``decisions/propeller_series.py``).
+SERIES = np.array([
+    [0.2421, 0.3461, 0.4499, 0.5193], [0.959, 0.924, 0.962, 1.036], [-0.488, -0.504, -0.650, -0.772],
+    [-1.633, -1.706, -1.906, -2.131],
+])  # fmt: skip
+SQUARE = (-2.386, 0.865, 3.525)
+
+
+@accept_aliases
+def with_astern_thrust(propeller: Propeller) -> Propeller:
+    """Return a propeller with the thrust astern of the Wageningen B4-70 series, at the pitch of its thrust ahead.
+
+    The pitch ratio is that at which the series has the same K_T without advance; beyond 0.6 and 1.2 the nearest counts.
+    For advances J from -1.5 to 0 the fit is within 0.06 of the series' K_T.
+
+    Parameters
+    ----------
+    propeller : Propeller
+        A propeller whose thrust ahead is known.
+
+    Returns
+    -------
+    Propeller
+        The same with ``astern_0``, ``astern_1`` and ``astern_2``.
+
+    References
+    ----------
+    Roddy, Hess and Faller (2006), Neural network predictions of the 4-quadrant Wageningen propeller series,
+    NSWCCD-50-TR-2006/004.
+
+    Examples
+    --------
+    >>> nw.with_astern_thrust(nw.Propeller(9.86, 1.78, 0.35, 0.2931, -0.2753, -0.1385)).astern_0
+    0.6115
+    """
+    fits = (np.interp(propeller.thrust_0, SERIES[0], column) for column in SERIES[1:])
+    found = (round(float(fit) - propeller.thrust_2 * part, 4) for fit, part in zip(fits, SQUARE, strict=True))
+    return replace(propeller, **dict(zip(("astern_0", "astern_1", "astern_2"), found, strict=True)))
 
 
 def balanced_revolutions(ship: Ship, hull: Hull, propeller: Propeller, speed: float) -> float:

@@ -11,7 +11,7 @@ from narrows.errors import InputError
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 from narrows.results import BaseResult
-from narrows.simulation.controllers import ConstantRudder, Zigzag
+from narrows.simulation.controllers import ConstantRudder, ControlLaw, Zigzag
 from narrows.simulation.initial_state import voyage_defaults
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.self_propulsion import steady_ahead
@@ -225,7 +225,7 @@ def turning_circle(model: Model, rudder: float = 35.0, speed: float | None = Non
     ----------
     IMO (2002), resolution MSC.137(76), Standards for ship manoeuvrability.
     """
-    return _TrialShip.of(model, speed).turn(rudder)
+    return TrialShip.of(model, speed).turn(rudder)
 
 
 @accept_aliases
@@ -252,7 +252,7 @@ def zigzag(model: Model, rudder: float = 10.0, heading: float = 10.0, speed: flo
     ----------
     IMO (2002), resolution MSC.137(76), Standards for ship manoeuvrability.
     """
-    return _TrialShip.of(model, speed).zigzag(rudder, heading)
+    return TrialShip.of(model, speed).zigzag(rudder, heading)
 
 
 @accept_aliases
@@ -284,7 +284,7 @@ def sail_trials(
         If the model has no rudder or the gear does not reach an angle, the speed or the step is not positive, or the
         ship does not turn far enough.
     """
-    ship = _TrialShip.of(model, speed, dt)
+    ship = TrialShip.of(model, speed, dt)
     ship.check(rudder=turn_deg)
     for rudder, heading in zigzags:
         ship.check(rudder=rudder, heading=heading)
@@ -298,7 +298,7 @@ def sail_trials(
 
 
 @dataclass(frozen=True)
-class _TrialShip:
+class TrialShip:
     """A ship in open water on its approach."""
 
     model: Model
@@ -307,7 +307,7 @@ class _TrialShip:
     notes: tuple[str, ...]
 
     @classmethod
-    def of(cls, model: Model, speed: float | None, dt: float | None = None) -> "_TrialShip":
+    def of(cls, model: Model, speed: float | None, dt: float | None = None) -> "TrialShip":
         u = voyage_defaults(model).speed if speed is None else finite_numbers(speed=speed)["speed"]
         if not u > 0:
             raise InputError(f"speed = {u} m/s of the approach must be over 0; give it in m/s")
@@ -336,15 +336,15 @@ class _TrialShip:
 
     def turn(self, rudder: float) -> Turning:
         self.check(rudder=rudder)
-        return Turning.of(self._sail(ConstantRudder(math.radians(rudder)), TURNING_LENGTHS), self.notes)
+        return Turning.of(self.sail(ConstantRudder(math.radians(rudder)), TURNING_LENGTHS), self.notes)
 
     def zigzag(self, rudder: float, heading: float) -> ZigzagTest:
         self.check(rudder=rudder, heading=heading)
         law = Zigzag(math.radians(rudder), math.radians(heading))
-        voyage = self._sail(law, ZIGZAG_LENGTHS)
+        voyage = self.sail(law, ZIGZAG_LENGTHS)
         return ZigzagTest(tuple(math.degrees(angle) for angle in overshoots(voyage, law)), voyage, self.notes)
 
-    def _sail(self, law: ConstantRudder | Zigzag, lengths: float) -> Voyage:
+    def sail(self, law: ControlLaw, lengths: float) -> Voyage:
         longest = lengths * self.model.configuration.ship.length / self.speed
         surge: Any = "free" if self.model.surge_inertia > 0 else "held"
         return simulate(

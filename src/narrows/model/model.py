@@ -275,7 +275,7 @@ class Model(Configured, Operations):
             named = {name: np.array(of) if isinstance(of, list | tuple) else of for name, of in given.items()}
             check_angles({**named, **({} if rudder is None else {"rudder": rudder})})
             motion = Motion.at(**named) if "psi" in named else Motion(**named)
-        check_ahead(revolutions)
+        check_ahead(revolutions, self.configuration.propeller)
         asked = {"rudder": rudder, "revolutions": revolutions, **others}
         values = self._values(motion, {name: position for name, position in asked.items() if position is not None})
         try:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from narrows.physics.hull import drift, speed
 from narrows.quantities.names import Number
 
+# Advance at which the thrust astern begins to rise, where the flow through the propeller turns round [1].
+TURNING_ADVANCE = 0.7
 # An angle [rad] that counts as zero, without a side.
 NOTHING = 1e-9
 
@@ -28,6 +30,9 @@ class PropellerQuantities:
     propeller_thrust_0: Number
     propeller_thrust_1: Number
     propeller_thrust_2: Number
+    propeller_astern_0: Number
+    propeller_astern_1: Number
+    propeller_astern_2: Number
     density: Number
 
 
@@ -55,13 +60,18 @@ def wake_share(at: PropellerQuantities) -> Number:
 
 
 def loading(at: PropellerQuantities) -> Number:
-    """Thrust over density and the square of the diameter [m2/s2], K_T n^2 D^2 with K_T = k_0 + k_1 J + k_2 J^2.
+    """Thrust over density and the square of the diameter [m2/s2], K_T n^2 D^2, with J = u_P / (n D).
 
-    The curve is from tests ahead: revolutions astern count as zero. Source: Yasukawa and Yoshimura (2015).
+    Ahead K_T = k_0 + k_1 J + k_2 J^2, Yasukawa and Yoshimura (2015). Astern K_T = a_0 + a_1 J + a_2 (J^2 + 0.49)^(1/2)
+    + k_2 J^2, a fit to the series of Roddy, Hess and Faller (2006); with all a = 0 the propeller counts as stopped.
     """
     # Written without J, which is infinite at a stopped propeller.
     tip, coming = (at.revolutions + abs(at.revolutions)) / 2 * at.propeller_diameter, inflow(at)
-    return at.propeller_thrust_0 * tip * tip + coming * (at.propeller_thrust_1 * tip + at.propeller_thrust_2 * coming)
+    back = tip - at.revolutions * at.propeller_diameter
+    turning = (coming * coming + TURNING_ADVANCE * TURNING_ADVANCE * back * back) ** 0.5
+    astern = at.propeller_astern_0 * back - at.propeller_astern_1 * coming + at.propeller_astern_2 * turning
+    ahead = at.propeller_thrust_0 * tip * tip + coming * (at.propeller_thrust_1 * tip + at.propeller_thrust_2 * coming)
+    return ahead + back * astern
 
 
 def thrust(at: PropellerQuantities) -> Number:

@@ -84,7 +84,8 @@ def along(at: RudderQuantities) -> Number:
     coming = inflow(at)
     # A propeller with negative thrust slows its slipstream down, to zero at most.
     pushed = coming * coming + 8 / math.pi * loading(at)
-    slipstream = ((pushed + abs(pushed)) / 2) ** 0.5
+    # Rounding may leave less than zero, which has no root.
+    slipstream = (abs(pushed + abs(pushed)) / 2) ** 0.5
     inside = coming + at.rudder_slipstream * (slipstream - coming)
     mixed = at.rudder_in_slipstream * inside * inside + (1 - at.rudder_in_slipstream) * coming * coming
     return at.rudder_wake_ratio * mixed**0.5

@@ -68,11 +68,15 @@ class Propeller(Part):
         Rate of the wake's decrease in a turn, C_1.
     wake_starboard, wake_port : float [1]
         Wake ratio of turning to straight running, C_2, in a turn to starboard (beta_P > 0, flow from port) and to port.
+    astern_0, astern_1, astern_2 : float [1]
+        K_T = a_0 + a_1 J + a_2 (J^2 + 0.49)^(1/2) + k_2 J^2 for revolutions astern; ``with_astern_thrust`` gives those
+        of a series. With zeros the thrust astern is unknown, and revolutions astern are refused.
 
     Raises
     ------
     InputError
-        If a number is not finite, a size is not positive, or the wake is not a fraction.
+        If a number is not finite, a size is not positive, the wake is not a fraction, or revolutions are astern and
+        the thrust is known ahead only.
 
     Examples
     --------
@@ -93,6 +97,9 @@ class Propeller(Part):
         "wake_rate": Quantity("1", "rate of the wake's decrease in a turn C_1"),
         "wake_starboard": Quantity("1", "inflow turning to starboard over inflow straight C_2"),
         "wake_port": Quantity("1", "inflow turning to port over inflow straight C_2"),
+        "astern_0": Quantity("1", "K_T astern a_0"),
+        "astern_1": Quantity("1", "slope of K_T astern by the advance a_1"),
+        "astern_2": Quantity("1", "rise of K_T astern beyond an advance of 0.7 a_2"),
     }
 
     diameter: float
@@ -105,6 +112,14 @@ class Propeller(Part):
     wake_rate: float = 0.0
     wake_starboard: float = 1.0
     wake_port: float = 1.0
+    astern_0: float = 0.0
+    astern_1: float = 0.0
+    astern_2: float = 0.0
+
+    @property
+    def turns_astern(self) -> bool:
+        """True if the thrust astern is known."""
+        return any((self.astern_0, self.astern_1, self.astern_2))
 
 
 @dataclass(frozen=True)

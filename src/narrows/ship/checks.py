@@ -23,8 +23,12 @@ POSITIVE = (
 )  # fmt: skip
 
 
-# K_T is a parabola from tests ahead: with the sign of the revolutions changed it would push the ship ahead.
-AHEAD_ONLY = "the thrust of this propeller is known ahead only, so that it cannot turn astern; give 0 (stopped) or more"
+# K_T ahead is a parabola: with the sign of the revolutions changed it would push the ship ahead.
+ASTERN = ("propeller_astern_0", "propeller_astern_1", "propeller_astern_2")
+AHEAD_ONLY = (
+    "the thrust of this propeller is known ahead only, so that it cannot turn astern; give [propeller] astern_0 to "
+    "astern_2, as nw.with_astern_thrust does, or revolutions from 0 (stopped)"
+)
 
 
 class Rule(NamedTuple):
@@ -46,8 +50,8 @@ def _positive(name: str) -> tuple[Rule, Rule]:
 RULES = (
     *(rule for name in POSITIVE for rule in _positive(name)),
     Rule(
-        ("revolutions",),
-        lambda value: value >= 0,
+        ("revolutions", *ASTERN),
+        lambda value, *astern: (value >= 0) | (sum(map(abs, astern)) > 0),
         f"{{revolutions}}: {AHEAD_ONLY}",
     ),
     Rule(("block_coefficient",), lambda value: value <= 1, "{block_coefficient} is over 1; it is a fraction"),
@@ -82,9 +86,10 @@ def check_particulars(values: Mapping[str, Number], places: Mapping[str, str] | 
             check_rule(rule, known, places)
 
 
-def check_ahead(revolutions: Number | None) -> None:
-    """Raise if a propeller turns astern, for which the method has no thrust."""
-    if revolutions is not None and np.any(np.asarray(revolutions) < 0):
+def check_ahead(revolutions: Number | None, propeller: Any) -> None:
+    """Raise if a propeller turns astern whose thrust is known ahead only."""
+    known = getattr(propeller, "turns_astern", False)
+    if revolutions is not None and not known and np.any(np.asarray(revolutions) < 0):
         raise InputError(f"revolutions = {float(np.min(revolutions)):g} 1/s: {AHEAD_ONLY}")
 
 

@@ -73,7 +73,7 @@ class SimulatedShip:
 
     def values(self, **positions: Number) -> dict[str, Number]:
         """Return every particular and coefficient by name, with the limits of the gear."""
-        check_ahead(positions.get("revolutions"))
+        check_ahead(positions.get("revolutions"), self.model.configuration.propeller)
         # The equations add this to the table's own mass in surge; the user gives the sum.
         added = 0.0 if self.surge_inertia is None else self.surge_inertia - self.model.surge_inertia
         rest = {name: at for actuator in self.model.terms.actuators for name, at in actuator.at_rest().items()}

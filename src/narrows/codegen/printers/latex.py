@@ -22,6 +22,7 @@ WRITTEN = {
     "depth": "h", "density": r"\rho", "flow_straightening": r"\gamma_R", "cos_rudder": r"(\cos\delta_R)",
     "sin_rudder": r"(\sin\delta_R)", "revolutions": "n_P", "propeller_diameter": "D_P", "propeller_wake": "w_{P0}",
     "propeller_thrust_0": "k_0", "propeller_thrust_1": "k_1", "propeller_thrust_2": "k_2",
+    "propeller_astern_0": "a_0", "propeller_astern_1": "a_1", "propeller_astern_2": "a_2",
     "propeller_position": "x_P'", "propeller_wake_rate": "C_1", "propeller_wake_starboard": "C_2^+",
     "propeller_wake_port": "C_2^-", "rudder_area": "A_R", "rudder_lift": r"f_\alpha",
     "rudder_wake_ratio": r"\varepsilon", "rudder_slipstream": r"\kappa", "rudder_in_slipstream": r"\eta",

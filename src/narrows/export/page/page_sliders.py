@@ -82,7 +82,9 @@ def _voyage(exported: ExportedShip, speed: float, steered: bool) -> Iterator[Sli
         yield Slider("rudder", "rudder, to starboard", "°", VOYAGE, -limit, limit, 0.5, 0)
     if "revolutions" in inputs:
         n = inputs["revolutions"]
-        yield Slider("revolutions", "revolutions", "1/s", VOYAGE, 0, _to(2 * n, _fine(n / 100)), _fine(n / 100), n)
+        fastest, fine = _to(2 * n, _fine(n / 100)), _fine(n / 100)
+        slowest = -fastest if getattr(model.configuration.propeller, "turns_astern", False) else 0
+        yield Slider("revolutions", "revolutions", "1/s", VOYAGE, slowest, fastest, fine, n)
     yield Slider("current", "current, from astern", "m/s", VOYAGE, _to(-0.25 * speed, _fine(speed / 50)),
                  _to(0.5 * speed, _fine(speed / 50)), _fine(speed / 50), 0)  # fmt: skip
 
