@@ -253,6 +253,11 @@ class Table:
                 {"model": steered(), "rudder": 10.0, "heading": 10.0, "speed": 1.0},
                 {"model": mmg(), "rudder": 15.0, "heading": 8.0, "speed": 1.1},
             ),
+            "crash_stop": Entry(
+                {"model": mmg(), "speed": 1.0, "revolutions": -8.0},
+                {"model": nw.published("yasukawa2015_kvlcc2_full"), "speed": 1.1, "revolutions": -9.0, "delay": 5.0,
+                 "reversal": 10.0},
+            ),
             "show_versions": Entry({}, {}),
             "overshoots": Entry(
                 {"voyage": zigzagging(), "zigzag": nw.Zigzag(0.17, 0.17)},
@@ -400,6 +405,10 @@ class Table:
             ),
             "published": Entry({"name": "mikkelsen2025_dtc"}, {"name": "yasukawa2015_kvlcc2"}),
             "ready_ships": Entry({}, {}),
+            "with_astern_thrust": Entry(
+                {"propeller": nw.Propeller(6.0, 1.5, 0.3, 0.4, -0.4, 0.0)},
+                {"propeller": mmg().configuration.propeller},
+            ),
             "estimate_model": Entry(
                 {"ship": nw.Ship(200.0, 30.0, 10.0, 0.65), "canal": nw.Canal(300.0, 15.0)},
                 {"ship": nw.Ship(210.0, 30.0, 10.0, 0.65), "canal": nw.Canal(300.0, 16.0), "water": nw.Water(1000.0),

@@ -63,9 +63,9 @@ def controlled(law: Any) -> Any:
 
 
 def of_mmg(**parts: Any) -> Any:
-    return sailed(with_parts(mmg(), **parts), rudder=0.2, v=0.05, r=0.02), sailed(
-        with_parts(mmg(), **parts), rudder=-0.2, v=-0.05, r=-0.02
-    )
+    model, astern = with_parts(mmg(), **parts), {"revolutions": -3.0, "surge": "free"}
+    motions = {"rudder": 0.2, "v": 0.05, "r": 0.02}, {"rudder": -0.2, "v": -0.05, "r": -0.02}, astern
+    return tuple(sailed(model, **motion) for motion in motions)
 
 
 def measured(run: Any) -> Any:

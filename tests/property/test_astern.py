@@ -88,7 +88,9 @@ def series_thrust(advance: np.ndarray, pitch: str) -> np.ndarray:
     table = pd.read_csv(SERIES, index_col="k")
     angle = np.arctan2(-advance, -0.7 * np.pi)
     waves = np.multiply.outer(table.index, angle)
-    cosines, sines = (table[f"{part}_{pitch}"].to_numpy() @ wave(waves) for part, wave in (("A", np.cos), ("B", np.sin)))
+    cosines, sines = (
+        table[f"{part}_{pitch}"].to_numpy() @ wave(waves) for part, wave in (("A", np.cos), ("B", np.sin))
+    )
     return np.pi / 8 * (advance**2 + (0.7 * np.pi) ** 2) * (cosines + sines) / 100
 
 

@@ -112,8 +112,8 @@ def estimated_propeller(ship: Ship, hull: Hull, kind: ShipType, water: Water, sp
     return with_astern_thrust(replace(shaped, revolutions=balanced_revolutions(ship, hull, shaped, speed)))
 
 
-# Thrust of the Wageningen B4-70 series at the pitch ratios 0.6, 0.8, 1 and 1.2: K_T ahead without advance, and a_0, a_1,
-# a_2 of K_T astern where k_2 is 0; less k_2 times what J^2 is in their functions (``decisions/propeller_series.py``).
+# Thrust of the Wageningen B4-70 series at the pitch ratios 0.6, 0.8, 1 and 1.2: K_T ahead without advance, and a_0, a_1
+# and a_2 of K_T astern for k_2 = 0. SQUARE fits J^2 by the same functions (``decisions/propeller_series.py``).
 SERIES = np.array([
     [0.2421, 0.3461, 0.4499, 0.5193], [0.959, 0.924, 0.962, 1.036], [-0.488, -0.504, -0.650, -0.772],
     [-1.633, -1.706, -1.906, -2.131],

@@ -133,7 +133,9 @@ def crash_stop(
     law = EngineReversal(ahead, numbers["revolutions"], numbers["delay"], numbers["reversal"])
     voyage = ship.sail(law, STOPPING_LENGTHS)
     if not voyage.u.min() < 0:
-        raise InputError(f"the ship still makes {voyage.u[-1]:.2g} m/s after {voyage.t[-1]:.0f} s; give more revolutions")
+        raise InputError(
+            f"the ship still makes {voyage.u[-1]:.2g} m/s after {voyage.t[-1]:.0f} s; give more revolutions"
+        )
     last = int(np.argmax(voyage.u < 0))
     share = voyage.u[last - 1] / (voyage.u[last - 1] - voyage.u[last])
 

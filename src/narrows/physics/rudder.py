@@ -85,7 +85,7 @@ def along(at: RudderQuantities) -> Number:
     # A propeller with negative thrust slows its slipstream down, to zero at most.
     pushed = coming * coming + 8 / math.pi * loading(at)
     # Rounding may leave less than zero, which has no root.
-    slipstream = (abs(pushed + abs(pushed)) / 2) ** 0.5
+    slipstream = math.sqrt(0.5) * abs(pushed + abs(pushed)) ** 0.5
     inside = coming + at.rudder_slipstream * (slipstream - coming)
     mixed = at.rudder_in_slipstream * inside * inside + (1 - at.rudder_in_slipstream) * coming * coming
     return at.rudder_wake_ratio * mixed**0.5
