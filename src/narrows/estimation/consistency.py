@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from scipy.special import chdtri
 
-from narrows.aliases import accept_aliases
 from narrows.control.closed_loop import LawOrders
 from narrows.errors import InputError, check_count
 from narrows.estimation.estimate import Estimate
@@ -186,7 +185,6 @@ class Twins(NamedTuple):
             yield t, {name: reading for name, reading in due.items() if np.isfinite(reading).all()} | positions
 
 
-@accept_aliases
 def consistency(
     model: Model, sensors: Sequence[Any], y: float = 0.0, u: float = 1.0, *, twins: int = 40, duration: float = 600.0,
     drawn: bool = False, seed: int = 0, x: float = 0.0, controller: ControlLaw | None = None,
