@@ -143,4 +143,5 @@ def crash_stop(
         return float(column[last - 1] + share * (column[last] - column[last - 1]) - column[0])
 
     track = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(voyage.x), np.diff(voyage.y)))])
-    return StoppingTest(*(stopped(column) for column in (track, voyage.x, voyage.y, voyage.t)), voyage, ship.notes)
+    reach, ahead_of, aside, time = (stopped(column) for column in (track, voyage.x, voyage.y, voyage.t))
+    return StoppingTest(reach, ahead_of, aside, time, voyage, ship.notes)
