@@ -350,8 +350,7 @@ class _Log:
         kept = self.integrator.choices.kept
         ordered = [one for one in self.ship.model.terms.actuators if one.name in kept and one.name != "rudder"]
         moved = {one: np.array([row.state[kept.index(one.name)] for row in rows]) for one in ordered}
-        turns = next((column for one, column in moved.items() if one is PROPELLER), None)
-        check_ahead(turns, self.ship.model.configuration.propeller)
+        check_ahead(moved.get(PROPELLER), self.ship.model.configuration.propeller)
         return moved
 
     def outcome(self, dt: float, waterway: "Waterway | None") -> Outcome:
