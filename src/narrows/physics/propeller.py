@@ -62,8 +62,8 @@ def wake_share(at: PropellerQuantities) -> Number:
 def loading(at: PropellerQuantities) -> Number:
     """Thrust over density and the square of the diameter [m2/s2], K_T n^2 D^2, with J = u_P / (n D).
 
-    Ahead K_T = k_0 + k_1 J + k_2 J^2, Yasukawa and Yoshimura (2015). Astern K_T = a_0 + a_1 J + a_2 (J^2 + 0.49)^(1/2)
-    + k_2 J^2, a fit to the series of Roddy, Hess and Faller (2006); with all a = 0 the propeller counts as stopped.
+    Ahead K_T = k_0 + k_1 J + k_2 J^2, astern K_T = a_0 + a_1 J + a_2 (J^2 + 0.49)^(1/2) + k_2 J^2; with all a = 0 the
+    propeller counts as stopped. Source: Yasukawa and Yoshimura (2015); astern a fit to Roddy, Hess and Faller (2006).
     """
     # Written without J, which is infinite at a stopped propeller.
     tip, coming = (at.revolutions + abs(at.revolutions)) / 2 * at.propeller_diameter, inflow(at)
