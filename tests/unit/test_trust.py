@@ -1,9 +1,10 @@
-"""What is said of coefficients, against refits: influence, coverage."""
+"""What is said of coefficients, against refits: bootstrap, influence, coverage."""
 
 import numpy as np
 import pytest
 
 import narrows as nw
+from narrows.captive.tests import CaptiveTests
 from tables import many_runs, short_twin
 
 NAMES = nw.PAPER.names
@@ -13,6 +14,47 @@ NOISE = nw.RunErrors(0, 0, 0)
 @pytest.fixture(scope="module")
 def fit() -> nw.Fit:
     return nw.identify(short_twin(5, many_runs(12)), errors=NOISE)
+
+
+def repeated(tests: CaptiveTests, times: np.ndarray) -> CaptiveTests:
+    """Return tests, each as often as it was drawn."""
+    rows = np.concatenate(
+        [np.tile(np.arange(tests.starts[i], tests.starts[i + 1]), n) for i, n in enumerate(times) if n]
+    )
+    names = tuple(f"{tests.names[i]}-{k}" for i, n in enumerate(times) for k in range(n))
+    starts = np.concatenate([[0], np.cumsum(np.repeat(np.diff(tests.starts), times))])
+    return CaptiveTests({n: c[rows] for n, c in tests.columns.items()}, names, starts, tests.configuration)
+
+
+def test_a_resample_is_the_fit_to_the_tests_that_were_drawn(fit: nw.Fit) -> None:
+    found = fit.bootstrap(20, seed=3)
+    times = np.random.default_rng(3).multinomial(12, np.full(12, 1 / 12), size=20)
+    for i in (0, 19):
+        refit = nw.identify(repeated(fit.tests, times[i]))
+        known = [n for n in NAMES if fit.verdicts[n].determined and refit.verdicts[n].determined]
+        for name in known:
+            own = found.samples[i, NAMES.index(name)]
+            assert own == pytest.approx(refit.least_squares[name], rel=1e-5, abs=1e-6 * abs(fit.std[name]))
+
+
+def test_draws_keep_the_bounds_and_the_tie(fit: nw.Fit) -> None:
+    draws = dict(zip(NAMES, fit.bootstrap(400).samples.T, strict=True))
+    np.testing.assert_array_equal(draws["b_rdot"], draws["c_vdot"])
+    for term in nw.PAPER.terms:
+        assert (draws[term.name] >= term.bound[0] - 1e-9).all()
+    with pytest.raises(nw.InputError, match="no spread"):
+        fit.bootstrap(1)
+
+
+def test_bootstrap_and_posterior_agree(fit: nw.Fit) -> None:
+    found = fit.bootstrap(4000)
+    known = [i for i, n in enumerate(NAMES) if fit.verdicts[n].determined]
+    assert np.median(found.std[known] / fit.estimates.free_std[known]) == pytest.approx(1.0, abs=0.3)
+    for name, (low, high) in found.intervals().items():
+        assert low <= high, name
+    one, two, other = (fit.bootstrap(50, seed).samples for seed in (1, 1, 2))
+    np.testing.assert_array_equal(one, two)
+    assert not np.array_equal(one, other)
 
 
 def test_influence_is_that_of_estimates_without_the_motion(fit: nw.Fit) -> None:

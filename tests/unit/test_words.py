@@ -52,7 +52,7 @@ def test_descriptions_have_a_subject(turn: str) -> None:
 
 # Words that a reader of the field searches for; each stands in the source and in the docs.
 TERMS = (
-    "added mass", "anti-windup", "automatic differentiation", "bank cushion", "bank suction", "blockage",
+    "added mass", "anti-windup", "automatic differentiation", "bank cushion", "bank suction", "blockage", "bootstrap",
     "bow-out", "captive test", "condition number", "covariance", "credible interval", "cross-validation",
     "crossflow drag", "delay margin", "drift angle", "Fisher scoring", "Froude", "Gauss-Markov",
     "generalised least squares", "hidden Markov", "hydrodynamic derivative", "importance sampling", "innovation",

@@ -17,11 +17,13 @@ from narrows.identification.normal_equations import ONE, DesignMatrix, NormalEqu
 from narrows.identification.plausibility import implausible, unmodelled_rudder
 from narrows.identification.prediction import Prediction
 from narrows.identification.resampling import (
+    Bootstrap,
     DepthTest,
     Predictiveness,
     depth_tests,
     influence,
     predictiveness,
+    resampled,
 )
 from narrows.identification.shapley import Kind as ShareKind
 from narrows.identification.systematic_effects import Effect, RunErrors
@@ -195,6 +197,23 @@ class Fit(Prediction):
     def influence(self) -> "pd.DataFrame":
         """Share of the information on each coefficient that is gone without a distinct motion: a row for each [1]."""
         return influence(self.motions, self.estimates)
+
+    def bootstrap(self, resamples: int = 10_000, seed: int = 0) -> Bootstrap:
+        """Draw distinct motions with replacement, each with all its repeats, and fit under the constraints.
+
+        Parameters
+        ----------
+        resamples : int
+            Number of resamples.
+        seed : int
+            Seed of the draws.
+
+        Raises
+        ------
+        InputError
+            Where there are fewer than 2 resamples.
+        """
+        return resampled(self.problem, self.motions, self.estimates, resamples, seed)
 
     def shapley(self, kind: ShareKind = "mse") -> dict[str, dict[str, float]]:
         """Shapley share of each term: force -> coefficient -> share, sizes adding up to 1.
