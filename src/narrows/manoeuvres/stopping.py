@@ -58,7 +58,7 @@ class StoppingTest(BaseResult):
     time : float [s]
         Time until the ship lies still.
     voyage : Voyage
-        The test itself, which goes on a little.
+        The test itself, until the first step astern.
     notes : tuple of str
         Assumptions.
     """
@@ -136,11 +136,13 @@ def crash_stop(
         raise InputError(
             f"the ship still makes {voyage.u[-1]:.2g} m/s after {voyage.t[-1]:.0f} s; give more revolutions"
         )
+    # The forces of the hull are those ahead, so that the test ends at the first step astern.
     last = int(np.argmax(voyage.u < 0))
-    share = voyage.u[last - 1] / (voyage.u[last - 1] - voyage.u[last])
+    voyage = ship.sail(law, voyage.t[last] * ship.speed / ship.model.configuration.ship.length)
+    share = voyage.u[-2] / (voyage.u[-2] - voyage.u[-1])
 
     def stopped(column: np.ndarray) -> float:
-        return float(column[last - 1] + share * (column[last] - column[last - 1]) - column[0])
+        return float(column[-2] + share * (column[-1] - column[-2]) - column[0])
 
     track = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(voyage.x), np.diff(voyage.y)))])
     reach, ahead_of, aside, time = (stopped(column) for column in (track, voyage.x, voyage.y, voyage.t))
