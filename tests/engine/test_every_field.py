@@ -15,8 +15,8 @@ MADE = {
     "BankForce", "CaptiveTests", "Comparison", "DepthCorrected",
     "EnvelopeChange", "Explanation", "Fit", "InformationForecast", "InputError",
     "Jacobian", "LogFit", "LogFindings", "Model", "Outcome", "OutsideRules", "Plan", "PlannedLeg", "SafeEnvelope",
-    "Scaled", "Sensitivities", "Squat", "SteadyFit", "SteadyPlan", "SteadyReadings", "Trials", "Turning", "Voyage",
-    "Fleet", "ZigzagTest",
+    "Scaled", "Sensitivities", "Squat", "SteadyFit", "SteadyPlan", "SteadyReadings", "StoppingTest", "Trials",
+    "Turning", "Voyage", "Fleet", "ZigzagTest",
 }  # fmt: skip
 """What functions return."""
 VOCABULARY = {

@@ -113,7 +113,7 @@ def test_scores_of_recordings_are_what_the_schema_says(cli, files: dict[str, Pat
     code, out, err = cli(*words.split())
     assert code == 0, err
     assert errors("monitor", json.loads(out)) == []
-    assert json.loads(out)["clear"] == 2
+    assert json.loads(out)["clear"] == 1
 
 
 def test_json_has_no_nan_and_no_infinity() -> None:

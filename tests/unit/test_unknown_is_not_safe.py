@@ -88,14 +88,6 @@ def test_what_was_not_computed_is_not_drawn_as_unsafe(found: nw.SafeEnvelope) ->
     assert OFFSETS[-1] in shaded
 
 
-def test_a_speed_that_changes_little_gives_a_curve() -> None:
-    """Distances of the DTC scale with its length: over the speed they are the same but for friction."""
-    voyages = nw.ensemble(nw.published("mikkelsen2025_dtc"), y=np.linspace(-2, 2, 9), u=[0.8, 1.0, 1.2])
-    axes = nw.report.map_figure(voyages, None).axes
-    assert axes[0].get_ylabel().startswith("distance to grounding")
-    assert len(axes[0].get_lines()) == 2
-
-
 @pytest.mark.parametrize("density", [1.0, 1.025, 1025e3])
 def test_a_density_in_another_unit_is_refused(density: float) -> None:
     with pytest.raises(nw.InputError, match="give kg/m3"):

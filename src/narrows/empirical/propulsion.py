@@ -146,7 +146,7 @@ def with_astern_thrust(propeller: Propeller) -> Propeller:
     Examples
     --------
     >>> nw.with_astern_thrust(nw.Propeller(9.86, 1.78, 0.35, 0.2931, -0.2753, -0.1385)).astern_0
-    0.6115
+    0.6114
     """
     fits = (np.interp(propeller.thrust_0, SERIES[0], column) for column in SERIES[1:])
     found = (round(float(fit) - propeller.thrust_2 * part, 4) for fit, part in zip(fits, SQUARE, strict=True))

@@ -61,6 +61,11 @@ class StoppingTest(BaseResult):
         The test itself, until the first step astern.
     notes : tuple of str
         Assumptions.
+
+    Examples
+    --------
+    >>> nw.crash_stop(nw.published("yasukawa2015_kvlcc2")).track_reach > 0
+    True
     """
 
     track_reach: float
@@ -120,7 +125,8 @@ def crash_stop(
     Examples
     --------
     >>> tanker = nw.published("yasukawa2015_kvlcc2_full")
-    >>> print(nw.crash_stop(tanker, revolutions=-1.0, delay=10.0, reversal=60.0))
+    >>> round(nw.crash_stop(tanker, revolutions=-1.0, delay=10.0, reversal=60.0).time)
+    1184
     """
     if not model.terms.propelled or not model.surge_inertia > 0:
         raise InputError("a stopping test needs terms of a propeller and an inertia in surge, as those of nw.MMG")
