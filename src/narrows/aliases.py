@@ -50,10 +50,6 @@ def public_name(name: str, known: Iterable[str]) -> str:
     return f"; write {meant}" if meant else near_miss(name, known, NAMES_ALIKE)
 
 
-# Arguments that are no quantity, so that no fleet varies them.
-OBJECTS = {"path", "table", "log", "tests", "waterway", "places", "by", "free", "ships", "linear", "truth"}
-
-
 def accept_aliases(function: Function) -> Function:
     """Accept the other names of a function's arguments, or of a class's fields; for a model, what has one."""
     if isinstance(function, type):
@@ -66,8 +62,7 @@ def accept_aliases(function: Function) -> Function:
 
     def takes(ours: str) -> bool:
         # A fleet varies any quantity; positions are those of actuators alone.
-        varied = bool(more) and ours not in OBJECTS and (more != "positions" or ours == "rudder")
-        return ours in parameters or varied
+        return ours in parameters or (bool(more) and (more != "positions" or ours == "rudder"))
 
     def names_own(row: str) -> bool:
         return set(NAMED.findall(row)) <= parameters.keys()
@@ -78,7 +73,7 @@ def accept_aliases(function: Function) -> Function:
             if more and name in aliases("arguments"):
                 continue
             # A name can be that of two arguments (h: a step or a depth): the function has one of them.
-            ours = name_here(name, "arguments", takes)
+            ours = name_here(name, "arguments", takes) or name_here(name, "objects", parameters.__contains__)
             if ours and ours not in given:
                 given[ours] = given.pop(name)
             elif ours:
