@@ -371,6 +371,9 @@ class Table:
                 {"model": paper(), "lender": steered()},
                 {"model": shallow(), "lender": steered().with_coefficients(c_helm=4.0)},
             ),
+            "with_transverse_thrust": Entry(
+                {"model": mmg(), "share": 1.0}, {"model": nw.published("yasukawa2015_kvlcc2"), "share": -1.0}
+            ),
             "nondimensional": Entry(
                 {"model": paper(), "system": "prime2", "speed": 1.0},
                 {"model": steered(), "system": "prime1", "speed": 2.0},

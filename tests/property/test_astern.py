@@ -151,6 +151,61 @@ def test_a_tanker_stops_as_tankers_do() -> None:
     assert found.track_reach < slower.track_reach
 
 
+def esso_osaka(advance: float, turns: float) -> tuple[float, float]:
+    """Y_P and N_P of the tanker of 320 m astern by A_1 to A_5 and B_1 to B_5, as two programs of Osaka University."""
+    length, draft, diameter = 320.0, 20.8, 9.86
+    if advance < -0.35:
+        sway, yaw = -4.93e-3 - 5.87e-3 * advance, 1.96e-3 + 2.33e-3 * advance
+    elif advance <= -0.06:
+        sway, yaw = -7.9e-5 + 7.99e-3 * advance, 3.5e-5 - 3.17e-3 * advance
+    else:
+        sway, yaw = -5.58e-4, 2.25e-4
+    scale = 0.5 * 1025.0 * length * draft * (turns * diameter) ** 2
+    return scale * sway, scale * length * yaw
+
+
+@pytest.mark.parametrize("advance", [-1.2, -0.36, -0.34, -0.1, -0.05, 0.0, 0.5])
+@pytest.mark.parametrize("share", [1.0, -0.5])
+def test_transverse_thrust_is_that_of_the_esso_osaka(advance: float, share: float) -> None:
+    turns = -1.25
+    motion = {"u": advance * turns * 9.86 or 1e-9, "revolutions": turns}
+    before, after = TANKER.forces(**motion), nw.with_transverse_thrust(TANKER, share).forces(**motion)
+    sway, yaw = (after[force] - before[force] for force in ("Y", "N"))
+    expected = esso_osaka(advance, turns)
+    assert sway == pytest.approx(share * expected[0], rel=2e-3)
+    assert yaw == pytest.approx(share * expected[1], rel=0.012)
+    ahead = {"u": 4.0, "revolutions": 1.0}
+    assert nw.with_transverse_thrust(TANKER).forces(**ahead) == TANKER.forces(**ahead)
+
+
+def test_a_right_handed_propeller_astern_turns_the_bow_to_starboard() -> None:
+    orders = {"revolutions": -1.0, "delay": 10.0, "reversal": 60.0}
+    right, left = (nw.crash_stop(nw.with_transverse_thrust(TANKER, share), **orders) for share in (1.0, -1.0))
+    assert right.voyage.psi[-1] > 0 > left.voyage.psi[-1]
+    assert right.side_reach > 0 > left.side_reach
+    assert "transverse thrust" not in " ".join(right.notes)
+    assert "nw.with_transverse_thrust" in " ".join(nw.crash_stop(TANKER, **orders).notes)
+
+
+def test_transverse_thrust_needs_a_propeller_and_counts_once() -> None:
+    with pytest.raises(nw.InputError, match="no propeller"):
+        nw.with_transverse_thrust(nw.published("mikkelsen2025_dtc"))
+    with pytest.raises(nw.InputError, match="leave \\+transverse_thrust out"):
+        nw.with_transverse_thrust(nw.with_transverse_thrust(TANKER))
+
+
+def test_resistance_brakes_a_ship_that_goes_astern() -> None:
+    """It balances the thrust in the end, and is that ahead reversed."""
+    backed = nw.simulate(TANKER, u=1.0, surge="free", contact="none", revolutions=-1.0, duration=6000.0, dt=2.0)
+    assert backed.u[-1] < -5.0
+    assert abs(backed.u[-1] - backed.u[-100]) < 0.01
+    resistance = TANKER.terms["R_0"]
+    values = {**TANKER.configuration.values(), "v": 0.3}
+    astern, ahead = (resistance.column({**values, "u": u}) for u in (-2.0, 2.0))
+    assert astern == pytest.approx(-ahead, rel=1e-12)
+    assert ahead == pytest.approx(-0.5 * 1025.0 * 320.0 * 20.8 * (2.0**2 + 0.3**2), rel=1e-8)
+
+
 @pytest.mark.parametrize(
     ("told", "words"),
     [

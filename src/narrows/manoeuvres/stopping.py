@@ -15,11 +15,17 @@ from narrows.results import BaseResult
 from narrows.simulation.controllers import Named
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.voyage import Voyage
+from narrows.terms.additions import transverse_names
 
 # Longest duration of a test, in ship lengths at the approach speed.
 STOPPING_LENGTHS = 80.0
 # Largest track reach of IMO resolution MSC.137(76) [ship lengths].
 LARGEST_TRACK_REACH = 15.0
+
+NO_TRANSVERSE_THRUST = (
+    "The model has no transverse thrust of its propeller, so the ship stops straight ahead; nw.with_transverse_thrust "
+    "adds that of a similar ship."
+)
 
 
 @dataclass(frozen=True)
@@ -97,7 +103,7 @@ def crash_stop(
 ) -> StoppingTest:  # fmt: skip
     """Simulate a stopping test in open water, rudder amidships.
 
-    Without the sideways push of a propeller that turns astern, for which no data are at hand.
+    Its side reach is that of the transverse thrust, which ``with_transverse_thrust`` adds to a model.
 
     Parameters
     ----------
@@ -152,4 +158,5 @@ def crash_stop(
 
     track = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(voyage.x), np.diff(voyage.y)))])
     reach, ahead_of, aside, time = (stopped(column) for column in (track, voyage.x, voyage.y, voyage.t))
-    return StoppingTest(reach, ahead_of, aside, time, voyage, ship.notes)
+    pushed = transverse_names(model.terms)[0] in model.terms.names
+    return StoppingTest(reach, ahead_of, aside, time, voyage, ship.notes + (() if pushed else (NO_TRANSVERSE_THRUST,)))

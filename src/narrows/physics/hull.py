@@ -6,6 +6,9 @@ from functools import cached_property
 
 from narrows.quantities.names import Number
 
+# A speed [m/s] that counts as zero, without a sense.
+STANDSTILL = 1e-9
+
 
 def speed(u: Number, v: Number) -> Number:
     """Total speed through the water [m/s], (u^2 + v^2)^(1/2). Source: definition."""
@@ -31,18 +34,23 @@ class HullPower:
     sway: int
     yaw: int
     lever: int = 0
-    sign: int = 1
 
     @property
     def name(self) -> str:
         return f"hull_v{self.sway}_r{self.yaw}"
 
     def __call__(self, u: Number, v: Number, r: Number, length: Number, draft: Number, density: Number) -> Number:
-        force = self.sign * scale_force(length, draft, density) * length ** (self.yaw + self.lever)
+        force = scale_force(length, draft, density) * length ** (self.yaw + self.lever)
         for factor, power in ((v, self.sway), (r, self.yaw)):
             force = force * factor**power if power else force
         left = 2 - self.sway - self.yaw
         return force * speed(u, v) ** left if left else force
+
+
+def resistance(u: Number, v: Number, length: Number, draft: Number, density: Number) -> Number:
+    """Resistance per unit of R_0' [N], -1/2 rho L d U^2. Source: Yasukawa and Yoshimura (2015), reversed astern."""
+    # Straight ahead no rounding differs from that of u^2.
+    return -scale_force(length, draft, density) * (abs(u) * u + v * v * u / (abs(u) + STANDSTILL))
 
 
 def rigid_surge(udot: Number, v: Number, r: Number, mass: Number, x_g: Number) -> Number:

@@ -1,10 +1,10 @@
-"""Tables derived from others: with a rudder, with asymmetry, with hull coefficients for each depth."""
+"""Tables derived from others: with a rudder, asymmetry, transverse thrust, with hull coefficients for each depth."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 from narrows.errors import InputError
-from narrows.physics import rudder
+from narrows.physics import propeller, rudder
 from narrows.physics.hull import HullPower
 from narrows.quantities import dimensions as dim
 from narrows.quantities.arithmetic import maximum, minimum
@@ -79,6 +79,39 @@ def with_asymmetry(table: TermTable) -> TermTable:
         yaw=[Term(yaw, f"{yaw}'", HullPower(0, 0, lever=1), NUMBER, kind=TermKind.HULL, source=ASYMMETRY_SOURCE)],
     )
 
+
+# Suffix of the name of a table with these terms.
+WITH_TRANSVERSE_THRUST = "transverse_thrust"
+TRANSVERSE_SOURCE = "MMG model of the Esso Osaka astern, Osaka University"
+
+
+def transverse_names(table: TermTable) -> tuple[str, str]:
+    """Return a table's names for the sway force and yaw moment of a propeller that turns astern."""
+    _, sway, yaw = table.letters
+    return f"{sway}_astern", f"{yaw}_astern"
+
+
+def with_transverse_thrust(table: TermTable) -> TermTable:
+    """Return a table with the transverse thrust of a propeller that turns astern, relative to the Esso Osaka's."""
+    sway, yaw = transverse_names(table)
+    if sway in table.names:
+        raise InputError(f"the terms {table.name!r} have a transverse thrust; leave +{WITH_TRANSVERSE_THRUST} out")
+
+    def part(name: str, force: Callable[..., Number]) -> list[Term]:
+        symbol = name.replace("astern", "{astern}")
+        return [Term(name, symbol, force, NUMBER, kind=TermKind.PROPELLER, source=TRANSVERSE_SOURCE)]
+
+    return table.with_terms(
+        f"{table.name}+{WITH_TRANSVERSE_THRUST}",
+        sway=part(sway, propeller.transverse_thrust),
+        yaw=part(yaw, propeller.transverse_thrust_yaw),
+    )
+
+
+# Additions to a table besides a form of the bank.
+ADDED: dict[str, Callable[[TermTable], TermTable]] = {
+    WITH_HELM: with_helm, WITH_ASYMMETRY: with_asymmetry, WITH_TRANSVERSE_THRUST: with_transverse_thrust,
+}  # fmt: skip
 
 # Separator between a name and a depth in metres: ``b_v@0.41``, ``paper@0.246,0.41``.
 AT = "@"

@@ -9,7 +9,7 @@ from narrows.physics.clearance import cushion, suction
 from narrows.quantities import dimensions as dim
 from narrows.quantities.names import Number
 from narrows.results import BaseSummary
-from narrows.terms.additions import WITH_ASYMMETRY, WITH_HELM
+from narrows.terms.additions import ADDED
 from narrows.terms.regressors import Composed
 from narrows.terms.term import LETTERS, ScaleEffect, Term, TermKind, TermTable
 
@@ -141,7 +141,7 @@ def without_bank(table: TermTable) -> TermTable:
 def _base(table: TermTable) -> str:
     """The name of a table without its form of the bank."""
     base, *additions = table.name.split("+")
-    return "+".join([base, *(word for word in additions if word in (WITH_HELM, WITH_ASYMMETRY))])
+    return "+".join([base, *(word for word in additions if word in ADDED)])
 
 
 def _form(form: str | BankForm) -> BankForm:

@@ -11,7 +11,7 @@ from narrows.physics.rudder import RudderQuantities
 from narrows.quantities import dimensions as dim
 from narrows.quantities.dimensions import NUMBER
 from narrows.quantities.names import Number
-from narrows.terms.additions import AT, WITH_ASYMMETRY, WITH_HELM, pooled, with_asymmetry, with_helm
+from narrows.terms.additions import ADDED, AT, pooled, with_helm
 from narrows.terms.bank_forms import FORMS, OPEN_WATER, PAPER_TEXT, with_bank, without_bank
 from narrows.terms.regressors import Grouped
 from narrows.terms.term import (
@@ -161,7 +161,7 @@ MMG = TermTable(
         _mass("X_mx", r"m_x'", hull.added_surge),
         _mass("X_my", r"m_y'", hull.added_sway_turning),
         Term(
-            "R_0", r"R_0'", HullPower(0, 0, sign=-1), NUMBER, NONNEGATIVE, TermKind.RESISTANCE, SOURCE,
+            "R_0", r"R_0'", hull.resistance, NUMBER, NONNEGATIVE, TermKind.RESISTANCE, SOURCE,
             scale_effect=ScaleEffect.FRICTION,
         ),
         *_polynomial("X", SURGE_POWERS),
@@ -187,9 +187,6 @@ MMG = TermTable(
 
 # The tables by name; ``speed+keel_gap`` is the table ``speed`` with another form of the bank term.
 BASES = {**BARE, "steered": STEERED, "mmg": MMG}
-
-# Additions to a table besides a form of the bank.
-ADDED: dict[str, Callable[[TermTable], TermTable]] = {WITH_HELM: with_helm, WITH_ASYMMETRY: with_asymmetry}
 
 # Other names for some of them.
 SHORT = {"tapered": "paper+tapered"}

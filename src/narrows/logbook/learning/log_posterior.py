@@ -8,6 +8,7 @@ import numpy as np
 from narrows.errors import InputError, did_you_mean
 from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem, Unknowns
 from narrows.logbook.filtering.search import SearchResult
+from narrows.model.added_terms import extend
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES
 from narrows.ship.motion import Motion
@@ -62,13 +63,10 @@ def with_spread(model: Model, spread: Spread | None) -> Model:
 def with_uncertain_asymmetry(model: Model, u: float) -> Model:
     """Return a model with an asymmetry, as uncertain as that of a turned rudder where its size is not known."""
     # u [m/s]
-    old, names = model.terms.names, asymmetry_names(model.terms)
-    if names[0] not in old:
-        table = with_asymmetry(model.terms)
-        zeros = {**model.coefficients, **dict.fromkeys(names, 0.0)}
-        model = replace(model, terms=table, coefficients={name: zeros[name] for name in table.names})
-    places, whole = [model.terms.names.index(name) for name in old], np.zeros((len(model.terms),) * 2)
-    whole[np.ix_(places, places)] = model.covariance
+    names = asymmetry_names(model.terms)
+    if names[0] not in model.terms.names:
+        model = extend(model, with_asymmetry(model.terms), dict.fromkeys(names, 0.0))
+    whole = np.array(model.covariance)
     still, turned = model.forces(u=u), model.forces(u=u, rudder=RUDDER_ZERO)
     more = model.with_coefficients(**{name: model[name] + 1.0 for name in names}).forces(u=u)
     for force, name in zip(("Y", "N"), names, strict=True):
