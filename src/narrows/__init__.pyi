@@ -31,7 +31,6 @@ from .identification import compare as compare
 from .identification import explain as explain
 from .identification import identify as identify
 from .identification import identify_conditions as identify_conditions
-from .logbook import EnvelopeChange as EnvelopeChange
 from .logbook import InformationForecast as InformationForecast
 from .logbook import LogFindings as LogFindings
 from .logbook import LogFit as LogFit
@@ -48,7 +47,6 @@ from .logbook import SteadyPlan as SteadyPlan
 from .logbook import SteadyReadings as SteadyReadings
 from .logbook import TransitConditions as TransitConditions
 from .logbook import check_log as check_log
-from .logbook import envelope_change as envelope_change
 from .logbook import learn as learn
 from .logbook import learn_steady as learn_steady
 from .logbook import plan_steady as plan_steady

@@ -321,16 +321,9 @@ class Table:
     @property
     def logbook(self) -> dict[str, Entry]:
         surer = replace(by_depth(), covariance=by_depth().covariance / 4)
-        places = {"y": [0.0, 0.6], "u": [0.4, 0.6], "samples": 4}
         breeze = nw.TransitConditions(wind=0.5, gust_time=2.0, wander=0.05, wander_time=9.0)
         plan = {"model": by_depth(), "offsets": [0.3, 0.5], "speeds": [0.4, 0.5], "legs": 2, "samples": 20}
         return {
-            "envelope_change": Entry(
-                {"before": by_depth(), "after": surer, **places},
-                {"before": surer, "after": by_depth(), "y": [0.0, 0.7], "u": [0.4, 0.7], "samples": 5, "seed": 1,
-                 "reserve": 0.9},
-                answer=lambda found: found.to_dict(),
-            ),
             "predict_information": Entry(
                 {"model": by_depth(), "sensors": sensed(0.01), "u": 0.5, "duration": 20.0, "within": 0.2,
                  "transits": (1,), "conditions": breeze},

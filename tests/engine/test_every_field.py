@@ -13,7 +13,7 @@ import narrows as nw
 
 MADE = {
     "BankForce", "CaptiveTests", "Comparison", "DepthCorrected",
-    "EnvelopeChange", "Explanation", "Fit", "InformationForecast", "InputError",
+    "Explanation", "Fit", "InformationForecast", "InputError",
     "Jacobian", "LogFit", "LogFindings", "Model", "Outcome", "OutsideRules", "Plan", "PlannedLeg", "SafeEnvelope",
     "Scaled", "Sensitivities", "Squat", "SteadyFit", "SteadyPlan", "SteadyReadings", "StoppingTest", "Trials",
     "Turning", "Voyage", "Fleet", "ZigzagTest",

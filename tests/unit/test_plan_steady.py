@@ -8,7 +8,6 @@ import pytest
 
 import narrows as nw
 from engine_models import steered
-from narrows.logbook.envelope_change import envelope_change, places_of
 from narrows.logbook.steady_legs.plan_steady import usual_offsets, usual_speeds
 
 CALM = nw.SteadyConditions(wind=0.5, y_zero=0.01, yaw_rate_deg=0.02, sway_change=0.001)
@@ -100,15 +99,3 @@ def test_offsets_and_speeds_are_round_and_within_the_canal() -> None:
 def test_a_plan_that_cannot_be_is_refused_in_a_sentence(told: dict, said: str) -> None:
     with pytest.raises(nw.InputError, match=said):
         nw.plan_steady(ship(), **told)
-
-
-def test_a_surer_model_changes_the_envelope() -> None:
-    surer = replace(ship(0.2), covariance=ship(0.2).covariance / 100)
-    offsets, speeds = places_of(np.array([0.5, -0.5]), np.array([0.5]), 3.0)
-    found = envelope_change(ship(0.2), surer, offsets[:3], speeds[1:], samples=40)
-    rows = found.rows()
-    wide, narrow = (rows[-1][f"rudder_high_{when}"] - rows[-1][f"rudder_low_{when}"] for when in ("before", "after"))
-    assert narrow < wide
-    assert rows[-1]["held_after"] >= rows[-1]["held_before"]
-    assert found.summary().startswith("Before: ")
-    assert "on simulated twins only" in found.notes[-1]

@@ -1,5 +1,6 @@
 """Steady legs on paper: a side that a pilot can follow, a page that says what was learned, and the verb."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -8,9 +9,8 @@ import pytest
 from test_plan_steady import CALM, ERRORS, ship
 
 import narrows as nw
-from narrows.logbook.envelope_change import envelope_change
 from narrows.report.pilot_page import write_pilot_page
-from narrows.report.steady_report import write_steady_report
+from narrows.report.steady_report import rudder_band, write_steady_report
 from pictures import assert_readable
 
 LEGS = {"y": [0.4, -0.4], "u": [0.7, 0.7], "rudder [deg]": [4.0, -3.5], "drift [deg]": [0.4, -0.5]}
@@ -22,9 +22,8 @@ def planned(legs: int) -> nw.SteadyPlan:
 
 
 @cache
-def learned() -> tuple[nw.SteadyFit, nw.EnvelopeChange]:
-    fit = nw.learn_steady(ship(), LEGS, errors=ERRORS, conditions=CALM)
-    return fit, envelope_change(ship(), fit.model, [0.0, 0.4], [0.4, 0.5], samples=20)
+def learned() -> nw.SteadyFit:
+    return nw.learn_steady(ship(), LEGS, errors=ERRORS, conditions=CALM)
 
 
 @pytest.mark.parametrize("legs", [2, 8])
@@ -42,15 +41,20 @@ def test_the_pilots_page_says_when_to_break_off_and_what_it_rests_on(tmp_path: P
         assert said in page
 
 
-def test_the_report_says_what_was_learned_what_it_changes_and_what_it_rests_on(tmp_path: Path) -> None:
-    fit, change = learned()
-    write_steady_report(fit, change, tmp_path / "learned.html")
+def test_the_report_says_what_was_learned_and_what_it_rests_on(tmp_path: Path) -> None:
+    fit = learned()
+    write_steady_report(fit, tmp_path / "learned.html")
     page = (tmp_path / "learned.html").read_text(encoding="utf-8")
-    for said in ("on simulated twins only", "c_bank", "Wind and zeros", "held before", "zero of the rudder", "<svg"):
+    for said in ("on simulated twins only", "c_bank", "Wind and zeros", "zero of the rudder", "<svg"):
         assert said in page
     assert len(fit.plot().axes) == 3
-    for result in (fit, change):
-        assert_readable(result.plot())
+    assert_readable(fit.plot())
+
+
+def test_surer_coefficients_narrow_the_rudder_that_holds_the_ship() -> None:
+    surer, y = replace(ship(0.2), covariance=ship(0.2).covariance / 100), np.array([-0.4, 0.4])
+    wide, narrow = (np.ptp(rudder_band(model, y, 0.5), axis=0) for model in (ship(0.2), surer))
+    assert (narrow < wide).all()
 
 
 def test_the_verb_plans_and_writes_the_page(cli, tmp_path: Path) -> None:

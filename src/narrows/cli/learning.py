@@ -21,13 +21,13 @@ from narrows.cli.options import (
 from narrows.cli.options import speed as read_speed
 from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
-from narrows.progress import LARGE_FILE, stage
+from narrows.progress import LARGE_FILE
 
 if TYPE_CHECKING:
     from narrows.logbook import StreamedLog
 
 # Parts of the JSON output; null if not requested.
-PARTS = ("log", "truth", "steady", "envelope", "plan", "information")
+PARTS = ("log", "truth", "steady", "plan", "information")
 
 
 Logs = Annotated[
@@ -180,20 +180,10 @@ def _learn_steady(model: "nw.Model", legs: LegOptions, table: Path, delivery: Mo
     from narrows.report.steady_report import print_steady_fit, write_steady_report
 
     fit = nw.learn_steady(model, table, conditions=legs.conditions())
-    change = _change(fit)
-    delivery.write(fit.model.save, report=lambda path: write_steady_report(fit, change, path))
-    result = _told(fit, steady=fit.to_dict(), envelope=change.to_dict())
-    delivery.show(lambda: result, lambda: print_steady_fit(fit, change))
+    delivery.write(fit.model.save, report=lambda path: write_steady_report(fit, path))
+    result = _told(fit, steady=fit.to_dict())
+    delivery.show(lambda: result, lambda: print_steady_fit(fit))
     return fit.informative
-
-
-def _change(fit: "nw.SteadyFit") -> "nw.EnvelopeChange":
-    from narrows.logbook.envelope_change import envelope_change, places_of
-
-    configuration, read = fit.prior.configuration, fit.readings.values
-    room = (configuration.canal.width - configuration.ship.beam) / 2
-    with stage("computing the safe envelopes of both models"):
-        return envelope_change(fit.prior, fit.model, *places_of(read["y"], read["u"], room))
 
 
 def _plan(model: "nw.Model", legs: LegOptions, page: Path, speed: str | None, json: bool) -> bool:

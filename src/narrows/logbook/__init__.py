@@ -3,8 +3,6 @@
 from narrows.logbook.checking.check_log import Finding as Finding
 from narrows.logbook.checking.check_log import LogFindings as LogFindings
 from narrows.logbook.checking.check_log import check_log as check_log
-from narrows.logbook.envelope_change import EnvelopeChange as EnvelopeChange
-from narrows.logbook.envelope_change import envelope_change as envelope_change
 from narrows.logbook.learned_coefficient import LearnedCoefficient as LearnedCoefficient
 from narrows.logbook.learning.learn_log import learn as learn
 from narrows.logbook.learning.log_fit import LogFit as LogFit

@@ -35,10 +35,6 @@ RUDDER_REST_BETWEEN_BANKS = 10.0  # The same between banks [ship lengths]
 # Information of a record
 LEARNED_TO = 0.5  # Largest remaining share of the standard error: the record has three quarters of the information [1]
 SHARPENED_TO = 0.9  # Largest remaining share of the standard error: the record has a fifth of the information [1]
-CHANGE_SAMPLES = 200  # Samples of coefficients and disturbances: enough for a preview, not for a chart
-CHANGE_OFFSETS = (0.0, 0.5, 1.0, 1.5)  # Offsets over the largest of a record [1]
-CHANGE_SPEEDS = (0.8, 1.0, 1.2)  # Speeds over the mean of a record [1]
-RUDDER_BAND = (0.05, 0.95)  # Quantiles of the rudder angle that are given [1]
 WINDAGE = 0.1  # Lateral area over length squared of a loaded container ship [1]
 WIND_LEVER = 0.1  # Lever of the wind's force over the length [1]
 # Steady legs

@@ -15,7 +15,7 @@ from narrows.estimation import Consistency, EstimatedTrack
 from narrows.estimation.states import described
 from narrows.experiment_design import Plan
 from narrows.identification import Comparison, Explanation, Fit
-from narrows.logbook import EnvelopeChange, InformationForecast, LogFindings, ShipLog, SteadyFit, SteadyPlan
+from narrows.logbook import InformationForecast, LogFindings, ShipLog, SteadyFit, SteadyPlan
 from narrows.manoeuvres import Trials, Turning, ZigzagTest
 from narrows.model.froude import Scaled
 from narrows.model.model import Model
@@ -28,7 +28,7 @@ from narrows.report.fit_figures import comparison_figure, force_residuals_figure
 from narrows.report.log_report import findings_figure, log_figure
 from narrows.report.manoeuvre_report import manoeuvres_figure, turning_figure, zigzag_figure
 from narrows.report.pilot_page import information_figure, legs_figure
-from narrows.report.steady_report import change_figure, steady_figure
+from narrows.report.steady_report import steady_figure
 from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREY, ORANGE, drawing_on, notes_below, panels
 from narrows.report.transit_report import transit_figure
 from narrows.report.voyage_figures import paths_figure, voyage_figure, waterway_figure
@@ -257,6 +257,5 @@ FIGURES: dict[type, Callable[[Any], Figure]] = {
     InformationForecast: information_figure,
     SteadyPlan: legs_figure,
     SteadyFit: steady_figure,
-    EnvelopeChange: change_figure,
     WatchedTransit: transit_figure,
 }

@@ -3,22 +3,23 @@
 from pathlib import Path
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from narrows.control import steady_course
 from narrows.files import write_whole
-from narrows.logbook import EnvelopeChange, SteadyFit, SteadyPlan
-from narrows.logbook.envelope_change import rudder_band
+from narrows.logbook import SteadyFit, SteadyPlan
 from narrows.logbook.learned_coefficient import ON_TWINS, QUANTILE_95
 from narrows.logbook.steady_legs.steady_readings import SHARED
+from narrows.model.model import Model
 from narrows.report.fit_page import figure, render
 from narrows.report.pilot_page import LEARNED, learned_rows
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, Margins, panels
-from narrows.report.terminal import WIDTH, cells_of, console_of, print_notes, print_result, table_of
-from narrows.safety import SURE_SHARE
+from narrows.report.terminal import print_result, table_of
 
 
-def write_steady_report(fit: SteadyFit, change: EnvelopeChange, path: str | Path) -> None:
+def write_steady_report(fit: SteadyFit, path: str | Path) -> None:
     caption = "Steady rudder by offset, before and after the legs; the bank's coefficients with 95 % intervals."
     found = fit.to_dict()
     page = render(
@@ -28,9 +29,6 @@ def write_steady_report(fit: SteadyFit, change: EnvelopeChange, path: str | Path
         said=[line for line in fit.summary().splitlines() if line != ON_TWINS],
         learned=learned_rows(fit.coefficients),
         figure=figure(steady_figure(fit), caption),
-        change_heads=[*CHANGE],
-        change=cells_of(CHANGE, change.rows()),
-        changed=[*change.summary().splitlines(), change.notes[0]],
         direction=fit.readings.directions[0],
         legs=found["legs"],
         shared=[row | {"words": SHARED[row["name"]][0]} for row in found["shared"]],
@@ -41,6 +39,8 @@ def write_steady_report(fit: SteadyFit, change: EnvelopeChange, path: str | Path
 
 # Number of offsets of the curves, and their extent relative to the farthest leg.
 OFFSETS, BESIDE = 21, 1.5
+# Samples of coefficients, and quantiles of the rudder angle that are drawn.
+SAMPLES, BAND = 200, (0.05, 0.5, 0.95)
 
 
 def steady_figure(fit: SteadyFit) -> Figure:
@@ -65,7 +65,7 @@ def _draw_rudder(axes: Axes, fit: SteadyFit) -> None:
     far = min(BESIDE * float(np.abs(read["y"]).max()), 0.98 * (canal.width - ship.beam) / 2)
     y, speed, limit = np.linspace(-far, far, OFFSETS), float(read["u"].mean()), fit.prior.configuration.gear.limit_deg
     for model, colour, words in ((fit.prior, ORANGE, "before"), (fit.model, BLUE, "after")):
-        low, middle, high = np.degrees(rudder_band(model, y, speed)).T.clip(-2 * limit, 2 * limit)
+        low, middle, high = np.degrees(rudder_band(model, y, speed)).clip(-2 * limit, 2 * limit)
         axes.fill_between(y, low, high, color=colour, alpha=0.25, lw=0, label=f"9 cases of 10, {words}")
         axes.plot(y, middle, color=colour, lw=1.2)
     zero = np.degrees(fit.shared["rudder_zero"][0])
@@ -81,43 +81,20 @@ def _draw_rudder(axes: Axes, fit: SteadyFit) -> None:
     axes.grid(alpha=0.3)
 
 
-def change_figure(change: EnvelopeChange) -> Figure:
-    frame, limit = change.to_dataframe(), np.degrees(change.before.data.attrs["rudder_limit"])
-    figure, axes = panels(1, 2, 3.2, Margins(bottom=0.75, top=0.3, across=0.75))
-    for when, colour in (("before", ORANGE), ("after", BLUE)):
-        low, high = (frame[f"rudder_{end}_{when}"].clip(-2 * limit, 2 * limit) for end in ("low", "high"))
-        axes[0, 0].fill_between(frame.index, low, high, color=colour, alpha=0.25, lw=0, label=f"9 cases of 10, {when}")
-        axes[0, 1].plot(frame.index, 100 * frame[f"held_{when}"], color=colour, marker="o", label=when)
-    axes[0, 0].set(ylabel="rudder that holds it [deg]", ylim=(-1.2 * limit, 1.2 * limit))
-    axes[0, 1].set(ylabel="cases held [%]", ylim=(0, 104))
-    axes[0, 1].axhline(100 * SURE_SHARE, color=GREY, lw=1, ls="--")
-    for panel in axes[0]:
-        panel.set(xlabel="offset from the middle [m]", title=f"at {frame['speed'].iloc[0]:.1f} knots")
-        panel.legend(frameon=False, fontsize=7)
-    return figure
+def rudder_band(model: Model, y: np.ndarray, u: float) -> np.ndarray:
+    """Return the rudder of steady courses that 5 %, half and 95 % of the samples stay below [rad], (3, offsets)."""
+    rudder = steady_course(model, y=xr.DataArray(y, dims="place"), u=u, samples=SAMPLES, seed=0)["rudder"]
+    angles = rudder.transpose("place", "sample").to_numpy()
+    # Where none holds it, it is the bow's turning away from the near bank that outgrew the rudder.
+    beyond = np.where(y < 0, -np.inf, np.inf)[:, None]
+    return np.asarray(np.quantile(np.where(np.isnan(angles), beyond, angles), BAND, axis=1, method="higher"))
 
 
-def print_steady_fit(fit: SteadyFit, change: EnvelopeChange) -> None:
-    console = console_of(WIDTH)
-    console.print(fit.summary())
+def print_steady_fit(fit: SteadyFit) -> None:
     columns = {**LEARNED, "information": "{verdict}"}
-    console.print(table_of(columns, learned_rows(fit.coefficients), left=("", "unit", "information")))
-    speed = change.rows()[0]["speed"]
-    title = (
-        f"The safe envelope: rudder that holds the ship (9 cases of 10 between) and cases held, at {speed:.1f} knots"
-    )
-    console.print(table_of(CHANGE, change.rows(), title=title))
-    console.print(change.summary())
-    print_notes(console, fit.notes)
+    print_result(fit, table_of(columns, learned_rows(fit.coefficients), left=("", "unit", "information")))
 
 
-# Rudder interval, share of cases held and highest safe speed at each offset, before and after.
-CHANGE = {
-    "offset [m]": "{offset:+.3g}", "rudder before [deg]": "{rudder_low_before:+.1f} to {rudder_high_before:+.1f}",
-    "after [deg]": "{rudder_low_after:+.1f} to {rudder_high_after:+.1f}", "held before": "{held_before:.0%}",
-    "held after": "{held_after:.0%}", "safe to, before [kn]": "{highest_speed_before:.1f}",
-    "after [kn]": "{highest_speed_after:.1f}",
-}  # fmt: skip
 LEGS = {
     "leg": "{leg}", "offset [m]": "{offset:+g}", "speed [kn]": "{speed:g}",
     "rudder to expect [deg]": "{rudder_low:+.0f} to {rudder_high:+.0f}",
