@@ -149,12 +149,6 @@ def test_late_readings_are_of_the_past() -> None:
     assert np.abs(loop(sensors=late).simulate(300.0, 1).y - HOLD).max() < 4.0
 
 
-def test_a_fleet_sails_it_too() -> None:
-    fleet = loop(gear=SLOW).ensemble(60.0, y=[HOLD, HOLD + 2.0])
-    voyage = loop(gear=SLOW).simulate(60.0, y=HOLD + 2.0)
-    assert voyage.y[-1] == pytest.approx(float(fleet["y_end"][1]), abs=1e-9)
-
-
 def test_a_ship_that_is_another_than_the_law_was_made_for_is_linearised_where_it_settles() -> None:
     other = full_size().with_coefficients(c_bank=1.1 * full_size().coefficients["c_bank"])
     assert closed_loop(other, law()).poles()[0].real < 0
@@ -167,7 +161,6 @@ def test_a_ship_that_is_another_than_the_law_was_made_for_is_linearised_where_it
         (lambda: closed_loop(full_size(), lambda t, state: 0.0), "does not say for which y"),
         (lambda: loop(dt=0.0), "no time between orders"),
         (lambda: loop(estimator=object()), "give sensors too"),
-        (lambda: loop(sensors=SENSORS).ensemble(), "sails single voyages"),
         (lambda: closed_loop(full_size(), lambda t, state: 0.0, y=0.0, u=SPEED).margins(), "no law in arithmetic"),
         (lambda: closed_loop(full_size(), nw.ConstantRudder(0.3), y=0.0, u=SPEED).poles(), "nothing to linearise"),
     ],

@@ -152,7 +152,6 @@ def test_results_speak_and_draw() -> None:
     assert isinstance(found, Result)
     assert json.loads(to_json(found.to_dict()))["twins"] == len(found.nees)
     assert found.plot().axes[0].has_data()
-    assert found.dataset()["y_error"].attrs["units"] == "m"
     assert list(found.to_dataframe().index) == list(found.states)
     assert found.summary().splitlines()[0].startswith("NEES of ")
 

@@ -8,7 +8,6 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 import narrows
 from narrows.aliases import accept_aliases
@@ -24,7 +23,6 @@ from narrows.model.model import Model
 from narrows.results import BaseSummary
 from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import ORDER_TOLERANCE, ControlLaw, Named, Order, VoyageState
-from narrows.simulation.ensemble import ensemble
 from narrows.simulation.initial_state import initial_state
 from narrows.simulation.inputs import check_waterway, finite_numbers
 from narrows.simulation.integrator import VoyageIntegrator
@@ -83,21 +81,8 @@ class ClosedLoop(BaseSummary):
 
         ``seed`` is that of the sensor noise.
         """
-        helm = self.controller
-        if self.sensors:
-            about = (self.dt, self.waterway, seed)
-            helm = SensedHelm(self.model, self.controller, tuple(self.sensors), self.estimator, *about)
+        helm = SensedHelm(self, seed) if self.sensors else self.controller
         return simulate(self.model, **{**self._begun(duration), "controller": helm, **voyage})
-
-    def ensemble(self, duration: float | None = None, **vary: Any) -> xr.Dataset:
-        """Simulate many voyages as ``ensemble`` does, by default for 40 ship lengths from the steady course.
-
-        A loop with sensors, or with a controller that is an object of Python, allows single voyages only.
-        """
-        if self.sensors:
-            raise InputError("a loop with sensors sails single voyages; call simulate with several seeds instead")
-        start = {name: value for name, value in self._begun(duration).items() if name != "r"}
-        return ensemble(self.model, **{**start, "controller": self.controller, **vary})
 
     @property
     def _passing(self) -> float:
@@ -326,38 +311,32 @@ class LawOrders:
 class SensedHelm:
     """A controller of single voyages: readings of the true state, an estimate from them, an order from that."""
 
-    model: Model
-    controller: Any
-    sensors: Sequence[Any]
-    estimator: Any
-    dt: float
-    waterway: "Waterway | None" = None
-    seed: int = 0
+    loop: ClosedLoop
+    seed: int
 
     def begin(self) -> Order:
         """Return the function of orders for one voyage; it replaces that of the previous voyage."""
-        estimation, random, helm = narrows.estimation, np.random.default_rng(self.seed), self.controller
-        self.estimator = self.estimator or estimation.Estimator(self.model, self.sensors, waterway=self.waterway)
-        self.estimator.forget()
-        if isinstance(helm, ControlLaw):
-            self._inner: Any = LawOrders(self.model, helm, self.dt, self.waterway)
+        estimation, random, loop = narrows.estimation, np.random.default_rng(self.seed), self.loop
+        self._estimator = loop.estimator or estimation.Estimator(loop.model, loop.sensors, waterway=loop.waterway)
+        self._estimator.forget()
+        if isinstance(loop.controller, ControlLaw):
+            self._inner: Any = LawOrders(loop.model, loop.controller, loop.dt, loop.waterway)
         else:
-            self._inner = helm.begin() if hasattr(helm, "begin") else helm
+            self._inner = loop.controller.begin() if hasattr(loop.controller, "begin") else loop.controller
         self._past: list[tuple[float, VoyageState]] = []
-        self._due: dict[str, float] = {}
-        self._ahead = water_ahead(self.model, self.waterway)
-        self._measuring, self._indicator = estimation.sensors.split_sensors(self.sensors)
-        self._longest = max(sensor.late for sensor in self._measuring.values())
-        self._errors = {n: estimation.sensors.ErrorProcess(one, random) for n, one in self._measuring.items()}
-        self._bias = self._indicator.bias * random.standard_normal()
-        self._random = random
+        self._ahead = water_ahead(loop.model, loop.waterway)
+        measuring, self._indicator = estimation.sensors.split_sensors(loop.sensors)
+        self._longest = max(sensor.late for sensor in measuring.values())
+        self._errors = {n: estimation.sensors.ErrorProcess(one, random) for n, one in measuring.items()}
+        self._due = dict.fromkeys(measuring, -math.inf)
+        self._bias, self._random = self._indicator.bias * random.standard_normal(), random
         return self._order
 
     def _order(self, t: float, state: VoyageState) -> float:
-        self._past = [(then, seen) for then, seen in self._past if then > t - self._longest - 2 * self.dt]
+        self._past = [(then, seen) for then, seen in self._past if then > t - self._longest - 2 * self.loop.dt]
         self._past.append((t, state))
         rudder = state.rudder + float(self._indicator.noise * self._random.standard_normal() - self._bias)
-        estimate = self.estimator.update(t, {**dict(self._readings(t)), "rudder": rudder})
+        estimate = self._estimator.update(t, {**dict(self._readings(t)), "rudder": rudder})
         if not estimate.ready:
             # No estimate yet: the rudder stays.
             return state.rudder
@@ -365,18 +344,13 @@ class SensedHelm:
         return float(self._inner(t, VoyageState(**seen, rudder=rudder)))
 
     def _readings(self, t: float) -> Iterator[tuple[str, Any]]:
-        for name, sensor in self._measuring.items():
-            if t < self._due.get(name, -math.inf) - ORDER_TOLERANCE * self.dt or t < sensor.late:
+        times, states = zip(*self._past, strict=True)
+        for name, errors in self._errors.items():
+            if t < max(self._due[name] - ORDER_TOLERANCE * self.loop.dt, errors.sensor.late):
                 continue
-            self._due[name] = t + sensor.period
-            yield name, self._errors[name].reading(self._at(t - sensor.late))
-
-    def _at(self, time: float) -> SimpleNamespace:
-        """Return the state at a time, linear between stored ones, with further quantities for sensors."""
-        times = [then for then, _ in self._past]
-        columns = np.array([seen for _, seen in self._past]).T
-        then = VoyageState(*(float(np.interp(time, times, column)) for column in columns))
-        water = self._ahead.at(np.array([then.x]))
-        calm = {"current_across": 0.0, "rudder_bias": 0.0, "bank": 1.0}
-        along = {name: float(water[name][0]) for name in ("current", "curvature")}
-        return SimpleNamespace(**then._asdict(), **calm, **along)
+            self._due[name] = t + errors.sensor.period
+            # The state when measured, linear between stored ones, with further quantities for sensors.
+            then = VoyageState(*(np.interp(t - errors.sensor.late, times, one) for one in zip(*states, strict=True)))
+            water = {name: float(one[0]) for name, one in self._ahead.at(np.array([then.x])).items()}
+            calm = {"current_across": 0.0, "rudder_bias": 0.0, "bank": 1.0}
+            yield name, errors.reading(SimpleNamespace(**then._asdict(), **calm, **water))

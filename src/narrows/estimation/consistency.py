@@ -32,7 +32,6 @@ from narrows.simulation.ship_lanes import RUDDER, ShipLanes
 
 if TYPE_CHECKING:
     import pandas as pd
-    import xarray
 
     from narrows.waterway.waterway import Waterway
 
@@ -43,40 +42,20 @@ Fault = Callable[[float, Readings], Readings]
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Consistency(BaseResult):
-    """Errors of an estimate on twins, compared with its own covariance.
+    """Errors of an estimate on twins, compared with its own covariance; NaN where there was no estimate."""
 
-    Parameters
-    ----------
-    t : array (times,) [s]
-        Time.
-    error, std : array (twins, times, states)
-        Estimate less truth, and standard deviations of the estimate; NaN where there was none.
-    nees : array (twins, times) [1]
-        Squared error over its covariance, for all states together.
-    nis : dict of str to array (twins, times) [1]
-        Normalised innovation squared of each sensor; NaN without a reading.
-    refused, suspected : dict of str to array (twins, times) of bool
-        True if a gate refused a reading, and if a sensor's innovations are biased.
-    numbers : dict of str to int
-        Number of components of each sensor.
-    states, notes : tuple of str
-        Names of the states, and notes on validity.
-    settled, aground : float [s], int
-        Start of the statistics, and number of twins that met a bank; they are left out.
-    """
-
-    t: np.ndarray
-    error: np.ndarray
-    std: np.ndarray
-    nees: np.ndarray
-    nis: dict[str, np.ndarray]
-    refused: dict[str, np.ndarray]
-    suspected: dict[str, np.ndarray]
-    numbers: dict[str, int]
+    t: np.ndarray  # (times,) Time [s]
+    error: np.ndarray  # (twins, times, states) Estimate less truth
+    std: np.ndarray  # (twins, times, states) Standard deviations of the estimate
+    nees: np.ndarray  # (twins, times) Squared error over its covariance, for all states together [1]
+    nis: dict[str, np.ndarray]  # (twins, times) Normalised innovation squared of each sensor; NaN without a reading
+    refused: dict[str, np.ndarray]  # (twins, times) True if a gate refused a reading of the sensor
+    suspected: dict[str, np.ndarray]  # (twins, times) True if the innovations of the sensor are biased
+    numbers: dict[str, int]  # Number of components of each sensor
     states: tuple[str, ...]
-    settled: float
-    aground: int
-    notes: tuple[str, ...]
+    settled: float  # Start of the statistics [s]
+    aground: int  # Number of twins that met a bank; they are left out
+    notes: tuple[str, ...]  # Notes on validity
 
     @property
     def counted(self) -> np.ndarray:
@@ -153,19 +132,6 @@ class Consistency(BaseResult):
         units = {name: described(name)[0] for name in self.states}
         columns = {"unit": units, "rmse": self.rmse, "covered": self.covered}
         return pd.DataFrame(columns, index=pd.Index(self.states, name="state"))
-
-    def dataset(self) -> "xarray.Dataset":
-        """Return errors, standard deviations, NEES and NIS of every twin at every time."""
-        import xarray
-
-        over = ("twin", "t")
-        data: dict[str, Any] = {"nees": (over, self.nees, {"units": "1"})}
-        for place, name in enumerate(self.states):
-            units = dict(zip(("units", "long_name"), described(name), strict=True))
-            data[f"{name}_error"] = over, self.error[..., place], units
-            data[f"{name}_std"] = over, self.std[..., place], units
-        data |= {f"{name}_nis": (over, nis, {"units": "1"}) for name, nis in self.nis.items()}
-        return xarray.Dataset(data, coords={"t": ("t", self.t, {"units": "s"})}, attrs={"summary": self.summary()})
 
 
 class Twins(NamedTuple):
@@ -270,16 +236,23 @@ def sail_twins(
     drawn: bool, excitation: float, seed: int,
 ) -> Twins:  # fmt: skip
     """Simulate ships from x, y, u, psi by the model, with the process noise of the estimator."""
-    random, lanes = np.random.default_rng(seed), _lanes(filter, max(count, 2), drawn, seed)
+    random, coefficients = np.random.default_rng(seed), np.tile(filter.middle, (max(count, 2), 1))
+    if drawn:
+        columns = sampled(filter.model, len(coefficients), seed)
+        coefficients = np.stack([columns[name].to_numpy() for name in filter.model.terms.names], axis=1)
+    lanes = ShipLanes(filter.ship, filter.states.names, len(coefficients), filter.waterway, coefficients)
     dt = min(sensor.period for sensor in filter.sensors.values())
     times = dt * np.arange(math.floor(duration / dt + 1e-9) + 1)
-    helm, process = _Helm(filter, law, dt, excitation), replace(filter, coefficients="certain").disturbances
+    helm, process = (
+        LawOrders(filter.model, law, dt, filter.waterway),
+        replace(filter, coefficients="certain").disturbances,
+    )
     parts = max(1, math.ceil(dt / filter.step - 1e-9))
     states, indicated = [_started(filter, start, lanes.lanes, random)], [np.tile(filter.at_rest, (lanes.lanes, 1))]
     aground = np.zeros(lanes.lanes, bool)
     for t in times[:-1].tolist():
         now, before = states[-1], indicated[-1]
-        after = helm.positions(t, now, before)
+        after = _positions(filter, helm, excitation, t, now, before)
         for part in range(parts):
             here, there = (before + share * (after - before) for share in (part / parts, (part + 1) / parts))
             now = lanes.advance(now, dt / parts, here, there)
@@ -295,14 +268,6 @@ def sail_twins(
     return Twins(times, truth[:, :count], noisy[:, :count], readings, aground[:count])
 
 
-def _lanes(filter: ShipFilter, count: int, drawn: bool, seed: int) -> ShipLanes:
-    coefficients = np.tile(filter.middle, (count, 1))
-    if drawn:
-        columns = sampled(filter.model, count, seed)
-        coefficients = np.stack([columns[name].to_numpy() for name in filter.model.terms.names], axis=1)
-    return ShipLanes(filter.ship, filter.states.names, count, filter.waterway, coefficients)
-
-
 def _started(filter: ShipFilter, start: Sequence[float], count: int, random: np.random.Generator) -> np.ndarray:
     """Draw the initial states of the twins."""
     current = float(filter.waterway.current_at(start[0])) if filter.waterway else 0.0
@@ -312,25 +277,20 @@ def _started(filter: ShipFilter, start: Sequence[float], count: int, random: np.
     return np.asarray(means + size * random.standard_normal((count, len(size))))
 
 
-class _Helm:
-    """Rudders of twins: orders of a law, with a swing to either side, at the rate of the steering gear."""
-
-    def __init__(self, filter: ShipFilter, law: ControlLaw, dt: float, excitation: float) -> None:
-        self.filter, self.excitation, self.gear = filter, excitation, filter.model.configuration.gear
-        self.law, self.reach = LawOrders(filter.model, law, dt, filter.waterway), self.gear.rate * dt
-        self.side = TWIN_SIDE_TIME * math.sqrt(filter.model.configuration.ship.length / GRAVITY)
-
-    def positions(self, t: float, states: np.ndarray, before: np.ndarray) -> np.ndarray:
-        """Return the positions of the actuators a step later."""
-        after, names = before.copy(), self.filter.actuators
-        if RUDDER not in names:
-            return after
-        place, turn = names.index(RUDDER), int(t / self.side)
-        known = dict(zip((*self.filter.states.names, *names), (*states.T, *before.T), strict=True))
-        swing = self.excitation * (turn % 2 * 2 - 1) * (turn % 3 == 0)
-        order = np.clip(self.law.orders(t, known)[RUDDER] + swing, -self.gear.limit, self.gear.limit)
-        after[:, place] += np.clip(order - before[:, place], -self.reach, self.reach)
+def _positions(
+    filter: ShipFilter, law: LawOrders, excitation: float, t: float, states: np.ndarray, before: np.ndarray
+) -> np.ndarray:
+    """Return the positions of the actuators a step later: orders of a law, with a swing to either side."""
+    after, names, gear = before.copy(), filter.actuators, filter.model.configuration.gear
+    if RUDDER not in names:
         return after
+    side = TWIN_SIDE_TIME * math.sqrt(filter.model.configuration.ship.length / GRAVITY)
+    place, turn, reach = names.index(RUDDER), int(t / side), gear.rate * law.dt
+    known = dict(zip((*filter.states.names, *names), (*states.T, *before.T), strict=True))
+    swing = excitation * (turn % 2 * 2 - 1) * (turn % 3 == 0)
+    order = np.clip(law.orders(t, known)[RUDDER] + swing, -gear.limit, gear.limit)
+    after[:, place] += np.clip(order - before[:, place], -reach, reach)
+    return after
 
 
 def _readings(

@@ -18,37 +18,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Estimate(BaseSummary):
-    """The state of a ship at a moment.
+    """The state of a ship at a moment."""
 
-    Parameters
-    ----------
-    t : float [s]
-        Time.
-    states : StateNames
-        Names of the states.
-    joint : Gaussian, optional
-        Mean and root of the covariance, with corrections of the coefficients after the states; none before the start.
-    ready : bool
-        True while it follows the readings: false before the start, and from a reset to the next start.
-    nis : dict of str to float
-        Normalised innovation squared of each reading [1].
-    refused, suspects : tuple of str
-        Sensors with a reading too far from the prediction; those whose innovations are biased, or that are left out.
-    notes : tuple of str
-        Notes, one sentence each.
-    faults : tuple of str
-        Sensors, ``rudder`` or ``model`` that contradict the others and are left out.
-    """
-
-    t: float
+    t: float  # Time [s]
     states: StateNames
+    # Mean and root of the covariance, with corrections of the coefficients after the states; none before the start
     joint: Gaussian | None
-    ready: bool
-    nis: dict[str, float]
-    refused: tuple[str, ...] = ()
-    suspects: tuple[str, ...] = ()
-    notes: tuple[str, ...] = ()
-    faults: tuple[str, ...] = ()
+    ready: bool  # True while it follows the readings: false before the start, and from a reset to the next start
+    nis: dict[str, float]  # Normalised innovation squared of each reading [1]
+    refused: tuple[str, ...] = ()  # Sensors with a reading too far from the prediction
+    suspects: tuple[str, ...] = ()  # Sensors whose innovations are biased, or that are left out
+    notes: tuple[str, ...] = ()  # Notes, one sentence each
+    faults: tuple[str, ...] = ()  # Sensors, ``rudder`` or ``model`` that contradict the others and are left out
 
     @property
     def normal(self) -> Gaussian | None:
@@ -93,33 +74,17 @@ class Estimate(BaseSummary):
 
 @dataclass(frozen=True, repr=False, eq=False)
 class EstimatedTrack(Tabulated):
-    """States of a ship over time.
+    """States of a ship over time."""
 
-    Parameters
-    ----------
-    t : array (times,) [s]
-        Time.
-    mean, covariance : array (times, states), (times, states, states)
-        Estimates, and covariances of their errors.
-    states, notes : tuple of str
-        Names of the states, and notes on validity.
-    ready : array (times,) of bool
-        True if the estimate followed the readings.
-    refused, suspected : dict of str to array (times,) of bool
-        True if a sensor's reading was refused, and if its innovations were biased.
-    smoothed : bool
-        True if later readings are used too.
-    """
-
-    t: np.ndarray
-    mean: np.ndarray
-    covariance: np.ndarray
+    t: np.ndarray  # (times,) Time [s]
+    mean: np.ndarray  # (times, states) Estimates
+    covariance: np.ndarray  # (times, states, states) Covariances of their errors
     states: tuple[str, ...]
-    ready: np.ndarray
-    refused: dict[str, np.ndarray]
-    suspected: dict[str, np.ndarray]
-    smoothed: bool
-    notes: tuple[str, ...]
+    ready: np.ndarray  # (times,) True if the estimate followed the readings
+    refused: dict[str, np.ndarray]  # (times,) True if a reading of the sensor was refused
+    suspected: dict[str, np.ndarray]  # (times,) True if the innovations of the sensor were biased
+    smoothed: bool  # True if later readings are used too
+    notes: tuple[str, ...]  # Notes on validity
 
     @property
     def std(self) -> np.ndarray:
