@@ -72,7 +72,7 @@ def compiled(
 ) -> Callable[[], int]:
     """A loop of steps in C."""
     folder = Path(tempfile.mkdtemp())
-    nw.export.write_c(model, folder / "ship.h", surge=surge)
+    nw.export.write(model, folder / "ship.h", surge=surge)
     (folder / "run.c").write_text(PROGRAM, encoding="utf-8")
     flags = ["-std=c99", "-O3", "-march=native", f"-ffp-contract={contract}", "-fno-math-errno", "-shared", "-fPIC"]
     subprocess.run([compiler, *flags, folder / "run.c", "-o", folder / "run.so", "-lm"], check=True)

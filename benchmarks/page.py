@@ -132,7 +132,7 @@ def in_browser(model: nw.Model) -> dict[str, float]:
         return {}
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as driver:
         path = Path(folder, "ship.html")
-        nw.export.write_page(model, path)
+        nw.export.write(model, path)
         browser = driver.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
         told = {f"a map of {ACROSS} x {ACROSS} voyages, by one worker": best_map(browser, path, 1)}
         told[f"the same, by {os.cpu_count()}"] = best_map(browser, path, os.cpu_count() or 1)

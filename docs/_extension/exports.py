@@ -31,14 +31,14 @@ def banked() -> nw.Model:
 
 
 FILES: dict[str, Callable[[Path], object]] = {
-    "dtc.html": lambda path: nw.export.write_page(paper(), path, title="DTC, a model of a container ship, in a canal"),
-    "dtc.fmu": lambda path: nw.export.write_fmu(paper(), path),
-    "dtc.h": lambda path: nw.export.write_c(paper(), path),
-    "kvlcc2.html": lambda path: nw.export.write_page(
+    "dtc.html": lambda path: nw.export.write(paper(), path, title="DTC, a model of a container ship, in a canal"),
+    "dtc.fmu": lambda path: nw.export.write(paper(), path),
+    "dtc.h": lambda path: nw.export.write(paper(), path),
+    "kvlcc2.html": lambda path: nw.export.write(
         banked(), path, title="KVLCC2, a model of a tanker, in a canal; switch the helm on", u=SPEED
     ),
-    "kvlcc2.fmu": lambda path: nw.export.write_fmu(banked(), path, u=SPEED),
-    "kvlcc2.h": lambda path: nw.export.write_c(banked(), path),
+    "kvlcc2.fmu": lambda path: nw.export.write(banked(), path, u=SPEED),
+    "kvlcc2.h": lambda path: nw.export.write(banked(), path),
 }
 
 

@@ -162,7 +162,7 @@ def test_no_ship_is_clear_of_the_bottom_at_a_speed_that_touches_it_in_a_voyage(b
 @pytest.mark.parametrize("waterway", [None, way(depths=SHALLOWS)])
 def test_an_exported_file_says_that_it_knows_no_bottom(waterway: Any, tmp_path: Path) -> None:
     """From the speed that ends voyages; along a waterway from that of its shallowest place."""
-    nw.export.write_python(kcs(), tmp_path / "ship.py", waterway=waterway)
+    nw.export.write(kcs(), tmp_path / "ship.py", waterway=waterway)
     canal = kcs().configuration.canal
     least = least_speed(canal.width, canal.depth) if waterway is None else least_speed(120.0, 11.0)
     ship, told = runpy.run_path(str(tmp_path / "ship.py")), (tmp_path / "ship.py").read_text()
@@ -172,7 +172,7 @@ def test_an_exported_file_says_that_it_knows_no_bottom(waterway: Any, tmp_path: 
     for share, bit in ((0.999, 0), (1.001, 128), (-1.001, 128)):
         state[ship["U"]] = share * least
         assert int(ship["beyond"](state, constants, ship.get("CANAL"))) & 128 == bit
-    nw.export.write_python(kcs(width=300.0), tmp_path / "deep.py")
+    nw.export.write(kcs(width=300.0), tmp_path / "deep.py")
     assert "This file does not model the bottom." in (tmp_path / "deep.py").read_text()
 
 

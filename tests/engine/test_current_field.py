@@ -176,7 +176,7 @@ def test_who_takes_no_field_says_so(water: dict[str, Any], tmp_path: Path) -> No
         lambda: nw.control.PredictiveHelm(model, 0.0, 4.0, waterway=way).begin(),
         lambda: nw.estimation.Estimator(model, sensors, waterway=way).filter.lanes,
         lambda: nw.envelope_along(model, way, [500.0, 900.0]),
-        lambda: nw.export.write_c(model, tmp_path / "ship.h", waterway=way),
+        lambda: nw.export.write(model, tmp_path / "ship.h", waterway=way),
     ):
         with pytest.raises(nw.InputError, match=r"across or a shear, which .* does not take; give one along the line"):
             refused()

@@ -93,7 +93,7 @@ def test_a_fleet_takes_the_steps_of_a_voyage() -> None:
 
 def test_an_export_takes_the_steps_of_a_voyage(tmp_path: Path) -> None:
     model = geared(steered(), **LATE)
-    nw.export.write_python(model, tmp_path / "ship.py")
+    nw.export.write(model, tmp_path / "ship.py")
     spec = importlib.util.spec_from_file_location("geared_ship", tmp_path / "ship.py")
     ship = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(ship)

@@ -69,7 +69,7 @@ class CompiledShip:
     """A header as a library of this process."""
 
     def __init__(self, model: nw.Model, folder: Path, **choices: Any) -> None:
-        nw.export.write_c(model, folder / "ship.h", **choices)
+        nw.export.write(model, folder / "ship.h", **choices)
         (folder / "calls.c").write_text(CALLS, encoding="utf-8")
         water = ["-DWATER"] if choices.get("waterway") else []
         subprocess.run(

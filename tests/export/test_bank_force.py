@@ -122,7 +122,7 @@ def test_the_force_is_that_of_the_model(language: str, name: str, tmp_path: Path
     if any(shutil.which(command[0]) is None for command in commands if not command[0].startswith(".")):
         pytest.skip(f"no {commands[0][0]} is here")
     model = settled(name)
-    nw.export.write_bank_force(model, tmp_path / file)
+    nw.export.write(model, tmp_path / file, kind="bank-force")
     rows = json.dumps([*ROWS.tolist(), *AGROUND]).replace("NaN", "0.0 / 0.0")
     if language == "octave":
         rows = rows.replace("], [", "; ").replace("[[", "[").replace("]]", "]")
@@ -192,7 +192,7 @@ def test_the_fmu_without_states(fmi: int, exchange: bool, tmp_path: Path) -> Non
     from fmus import Imported
 
     model = settled("paper+keel_gap")
-    nw.export.write_bank_force(model, tmp_path / "bank.fmu", fmi=fmi)
+    nw.export.write(model, tmp_path / "bank.fmu", fmi=fmi, kind="bank-force")
     assert validate_fmu(str(tmp_path / "bank.fmu")) == []
     assert fmpy.read_model_description(str(tmp_path / "bank.fmu")).numberOfContinuousStates in (0, None)
     fmu, names = Imported(tmp_path / "bank.fmu", exchange).start(), ("y", "psi", "u", *FIELDS)
@@ -211,7 +211,7 @@ def test_the_fmu_without_states(fmi: int, exchange: bool, tmp_path: Path) -> Non
 
 def test_an_fmu_without_deviations_has_no_variables_of_them(tmp_path: Path) -> None:
     fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
-    nw.export.write_bank_force(replace(settled("paper"), covariance=None), tmp_path / "bank.fmu")
+    nw.export.write(replace(settled("paper"), covariance=None), tmp_path / "bank.fmu", kind="bank-force")
     names = {one.name for one in fmpy.read_model_description(str(tmp_path / "bank.fmu")).modelVariables}
     assert {"Y", "N", "beyond", "depth"} <= names
     assert not any("deviation" in name for name in names)
@@ -219,7 +219,7 @@ def test_an_fmu_without_deviations_has_no_variables_of_them(tmp_path: Path) -> N
 
 def test_a_model_without_a_bank_is_refused_with_a_table_that_has_one(tmp_path: Path) -> None:
     with pytest.raises(nw.InputError, match="mmg\\+delta"):
-        nw.export.write_bank_force(nw.published("yasukawa2015_kvlcc2"), tmp_path / "bank.h")
+        nw.export.write(nw.published("yasukawa2015_kvlcc2"), tmp_path / "bank.h", kind="bank-force")
     assert list(tmp_path.iterdir()) == []
 
 
@@ -248,7 +248,7 @@ int main() {{
 """
     (tmp_path / "main.cpp").write_text(text, encoding="utf-8")
     model = nw.published("mikkelsen2025_dtc")
-    nw.export.write_bank_force(model, tmp_path / "canal.h")
+    nw.export.write(model, tmp_path / "canal.h", kind="bank-force")
     subprocess.run(["g++", "-std=c++11", *WARNINGS, "main.cpp", "-o", "main"], cwd=tmp_path, check=True)
     done = subprocess.run(["./main"], cwd=tmp_path, capture_output=True, text=True, check=True)
     force = nw.bank_force(model, 0.8, 1.0, 0.1, starboard=3.5, port=3.2, depth=0.3)
@@ -274,7 +274,7 @@ def test_the_hosts_of_the_docs_run_and_agree(host: str, tmp_path: Path) -> None:
     assert len(text.splitlines()) < 66
     (tmp_path / host).write_text(text, encoding="utf-8")
     model = nw.published("mikkelsen2025_dtc")
-    nw.export.write_bank_force(model, tmp_path / file)
+    nw.export.write(model, tmp_path / file, kind="bank-force")
     for command in commands:
         done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
         assert done.returncode == 0, done.stderr

@@ -210,9 +210,9 @@ def voyages_agree(ship: CompiledShip, name: str, waterway: Any, contact: Any, he
 
 def test_written_again_it_is_the_same_to_the_byte(tmp_path: Path) -> None:
     """Also by another process, that orders sets otherwise."""
-    nw.export.write_c(model_of("steered"), tmp_path / "ship.h")
+    nw.export.write(model_of("steered"), tmp_path / "ship.h")
     nw.save_model(model_of("steered"), tmp_path / "model.toml")
-    order = "import narrows as nw; nw.export.write_c(nw.load_model('model.toml'), 'again/ship.h')"
+    order = "import narrows as nw; nw.export.write(nw.load_model('model.toml'), 'again/ship.h')"
     (tmp_path / "again").mkdir()
     subprocess.run([sys.executable, "-c", order], cwd=tmp_path, check=True, env=other_seed())
     assert (tmp_path / "ship.h").read_bytes() == (tmp_path / "again" / "ship.h").read_bytes()
@@ -225,7 +225,7 @@ def other_seed() -> dict[str, str]:
 def test_the_program_of_the_docs_says_what_python_says(tmp_path: Path) -> None:
     page = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
     model = nw.published("mikkelsen2025_dtc")
-    nw.export.write_c(model, tmp_path / "dtc.h")
+    nw.export.write(model, tmp_path / "dtc.h")
     said = printed(page.split("```c\n")[1].split("```")[0], tmp_path)
     outcome = nw.simulate(model, y=0.5, u=1.0).outcome
     assert said == f"aground to {outcome.side} after {outcome.time:.2f} s and {outcome.state['x']:.2f} m\n"
@@ -242,7 +242,7 @@ def printed(program: str, folder: Path) -> str:
 
 def test_the_sections_of_the_docs_are_c(tmp_path: Path) -> None:
     page = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
-    nw.export.write_c(model_of("paper"), tmp_path / "dtc.h", waterway=bent("paper"))
+    nw.export.write(model_of("paper"), tmp_path / "dtc.h", waterway=bent("paper"))
     lines = page.split("```c\n")[2].split("```")[0].replace("\n", "\n    ")
     text = f'#include "dtc.h"\nint main(void) {{\n    {lines}return waterway.table_length == 0;\n}}\n'
     (tmp_path / "main.c").write_text(text, encoding="utf-8")
@@ -252,7 +252,7 @@ def test_the_sections_of_the_docs_are_c(tmp_path: Path) -> None:
 @pytest.mark.skipif(shutil.which("g++") is None, reason="no C++ compiler is here")
 @pytest.mark.parametrize("curved", [False, True])
 def test_the_header_is_cpp_too(tmp_path: Path, curved: bool) -> None:
-    nw.export.write_c(model_of("steered"), tmp_path / "ship.h", waterway=bent("steered") if curved else None)
+    nw.export.write(model_of("steered"), tmp_path / "ship.h", waterway=bent("steered") if curved else None)
     flags = ["-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-fsyntax-only", "-x", "c++"]
     (tmp_path / "main.cpp").write_text('#include "ship.h"\nint main() { return 0; }\n', encoding="utf-8")
     subprocess.run(["g++", *flags, "main.cpp"], cwd=tmp_path, check=True)
@@ -280,8 +280,8 @@ int main() {
 def test_the_class_of_cpp_sails_the_voyage(tmp_path: Path, curved: bool) -> None:
     """Two ships in one program, without a warning."""
     model, way = model_of("steered"), bent("steered") if curved else None
-    nw.export.write_c(model, tmp_path / "tanker.hpp", waterway=way)
-    nw.export.write_c(nw.published("mikkelsen2025_dtc"), tmp_path / "dtc.hpp")
+    nw.export.write(model, tmp_path / "tanker.hpp", waterway=way)
+    nw.export.write(nw.published("mikkelsen2025_dtc"), tmp_path / "dtc.hpp")
     u = speed_of("steered")
     (tmp_path / "main.cpp").write_text(CLASS % {"u": u}, encoding="utf-8")
     strict = ["-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off"]
@@ -327,7 +327,7 @@ int main() {
 def test_the_vessel_of_the_ros_example_has_the_axes_of_ros(tmp_path: Path) -> None:
     """REP 103: y to port and angles counter-clockwise, so that a voyage of Python is its mirror image."""
     folder = Path(__file__).parents[2] / "examples" / "ros2"
-    nw.export.write_c(model_of("steered"), tmp_path / "ship.hpp")
+    nw.export.write(model_of("steered"), tmp_path / "ship.hpp")
     (tmp_path / "main.cpp").write_text(VESSEL, encoding="utf-8")
     shutil.copy(folder / "src" / "vessel.hpp", tmp_path)
     strict = ["-std=c++17", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-ffp-contract=off"]
@@ -350,7 +350,7 @@ def test_the_vessel_of_the_ros_example_has_the_axes_of_ros(tmp_path: Path) -> No
 
 
 def test_the_file_names_what_is_in_it(tmp_path: Path) -> None:
-    nw.export.write_c(model_of("paper"), tmp_path / "4 dtc-model.h")
+    nw.export.write(model_of("paper"), tmp_path / "4 dtc-model.h")
     text = (tmp_path / "4 dtc-model.h").read_text(encoding="utf-8")
     assert "static inline void ship_4_dtc_model_step(" in text
     assert subprocess.run([COMPILER, *FLAGS, "-x", "c", "-fsyntax-only", tmp_path / "4 dtc-model.h"]).returncode == 0
@@ -359,14 +359,14 @@ def test_the_file_names_what_is_in_it(tmp_path: Path) -> None:
 def test_a_name_cannot_end_its_comment(tmp_path: Path) -> None:
     model = model_of("paper")
     ship = replace(model.configuration.ship, name="*/ int main(void) { return 1; } /*\\")
-    nw.export.write_c(replace(model, configuration=replace(model.configuration, ship=ship)), tmp_path / "ship.h")
+    nw.export.write(replace(model, configuration=replace(model.configuration, ship=ship)), tmp_path / "ship.h")
     assert "*/ int" not in (tmp_path / "ship.h").read_text(encoding="utf-8")
     subprocess.run([COMPILER, *FLAGS, "-x", "c", "-fsyntax-only", tmp_path / "ship.h"], check=True)
 
 
 def test_refusals_write_nothing(tmp_path: Path) -> None:
     with pytest.raises(nw.InputError, match=r"\.h"):
-        nw.export.write_c(model_of("paper"), tmp_path / "ship.txt")
+        nw.export.write(model_of("paper"), tmp_path / "ship.txt")
     with pytest.raises(nw.InputError, match="inertia"):
-        nw.export.write_c(nw.published("mikkelsen2025_dtc"), tmp_path / "ship.h", surge="free")
+        nw.export.write(nw.published("mikkelsen2025_dtc"), tmp_path / "ship.h", surge="free")
     assert list(tmp_path.iterdir()) == []

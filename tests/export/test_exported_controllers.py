@@ -67,7 +67,7 @@ def test_an_fmu_steers_as_the_voyage_does(tmp_path: Path) -> None:
     from fmpy.validation import validate_fmu
 
     controller = law("regulator", False)
-    nw.export.write_fmu(model_of(STEERED), tmp_path / "ship.fmu", controller=controller, u=1.0, dt=DT)
+    nw.export.write(model_of(STEERED), tmp_path / "ship.fmu", controller=controller, u=1.0, dt=DT)
     start = {**START, "memory_last_order": 0.0}
     rows = fmpy.simulate_fmu(
         str(tmp_path / "ship.fmu"), start_values=start, stop_time=DURATION, output_interval=DT, output=["y", "rudder"]
@@ -80,4 +80,4 @@ def test_an_fmu_steers_as_the_voyage_does(tmp_path: Path) -> None:
 
 def test_what_is_no_law_is_refused(tmp_path: Path) -> None:
     with pytest.raises(nw.InputError, match="runs in Python alone"):
-        nw.export.write_c(model_of(STEERED), tmp_path / "ship.h", controller=lambda time, state: 0.1)
+        nw.export.write(model_of(STEERED), tmp_path / "ship.h", controller=lambda time, state: 0.1)

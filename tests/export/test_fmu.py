@@ -29,14 +29,14 @@ DT = 0.05
 @pytest.fixture(scope="module")
 def paper(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("fmu") / "paper.fmu"
-    nw.export.write_fmu(model_of("paper"), path, dt=DT)
+    nw.export.write(model_of("paper"), path, dt=DT)
     return path
 
 
 @pytest.fixture(scope="module")
 def steered(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("fmu") / "steered.fmu"
-    nw.export.write_fmu(model_of("steered"), path, dt=DT, waterway=bent("steered"))
+    nw.export.write(model_of("steered"), path, dt=DT, waterway=bent("steered"))
     return path
 
 
@@ -54,7 +54,7 @@ def sailed(path: Path, kind: str, **more: Any) -> np.ndarray:
 @pytest.fixture(scope="module")
 def third(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("fmu") / "third.fmu"
-    nw.export.write_fmu(model_of("paper"), path, dt=DT, fmi=3)
+    nw.export.write(model_of("paper"), path, dt=DT, fmi=3)
     return path
 
 
@@ -207,7 +207,7 @@ def test_a_start_in_the_bank_is_refused(paper: Path) -> None:
 
 
 def test_written_again_its_sources_are_the_same(paper: Path, tmp_path: Path) -> None:
-    nw.export.write_fmu(model_of("paper"), tmp_path / "paper.fmu", dt=DT)
+    nw.export.write(model_of("paper"), tmp_path / "paper.fmu", dt=DT)
     with zipfile.ZipFile(paper) as one, zipfile.ZipFile(tmp_path / "paper.fmu") as other:
         names = [name for name in one.namelist() if not name.startswith("binaries")]
         assert {name: one.read(name) for name in names} == {name: other.read(name) for name in names}
@@ -227,9 +227,9 @@ def test_a_compiler_that_fails_is_a_sentence_and_no_file(tmp_path: Path, monkeyp
     broken = NativeBuild("linux64", ("false",), ".so")
     monkeypatch.setattr("narrows.export.native_build.builds_here", lambda fmi: (broken,))
     with pytest.raises(nw.InputError, match="compiler for linux64 fails"):
-        nw.export.write_fmu(model_of("paper"), tmp_path / "ship.fmu")
+        nw.export.write(model_of("paper"), tmp_path / "ship.fmu")
     with pytest.raises(nw.InputError, match="no step"):
-        nw.export.write_fmu(model_of("paper"), tmp_path / "ship.fmu", dt=0.0)
+        nw.export.write(model_of("paper"), tmp_path / "ship.fmu", dt=0.0)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -41,7 +41,7 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> Fmus:
             model = model_of(name).in_open_water() if choices.get("contact") == "none" else model_of(name)
             surge = "free" if name == "mmg+delta" else "held"
             told = {"dt": DT, "waterway": bent(name) if curved else None, "surge": surge} | choices
-            nw.export.write_fmu(model, path, fmi=fmi, **told)
+            nw.export.write(model, path, fmi=fmi, **told)
             made[key] = path
         return made[key]
 
@@ -247,7 +247,7 @@ def test_beyond_the_tests_is_told_while_it_is_so(tmp_path: Path) -> None:
     covered = model.data_range
     assert covered.abs_y is not None
     for fmi in (2, 3):
-        nw.export.write_fmu(model, tmp_path / "dtc.fmu", fmi=fmi)
+        nw.export.write(model, tmp_path / "dtc.fmu", fmi=fmi)
         with imported(tmp_path / "dtc.fmu") as fmu:
             fmu.start({"y": 0.5 * covered.abs_y[1], "u": 1.0})
             assert fmu.whole("beyond") & 2 == 0
@@ -265,7 +265,7 @@ def test_both_kinds_turn_the_rudder_as_a_voyage_does(tmp_path: Path, gear: nw.St
     import fmpy
 
     model = replace(model_of("steered"), configuration=replace(model_of("steered").configuration, steering=gear))
-    nw.export.write_fmu(model, tmp_path / "ship.fmu", dt=DT)
+    nw.export.write(model, tmp_path / "ship.fmu", dt=DT)
     voyage = nw.simulate(model, y=0.1, u=1.0, dt=DT, duration=6.0, controller=nw.ConstantRudder(0.3))
     for kind, most in (("CoSimulation", 1e-10), ("ModelExchange", gear.rate * DT)):
         rows = fmpy.simulate_fmu(
@@ -292,7 +292,7 @@ def test_open_water(fmus: Fmus) -> None:
 
 def test_a_full_size_ship_has_an_experiment_of_its_size(fmus: Fmus, tmp_path: Path) -> None:
     full = nw.published("mikkelsen2025_dtc").scale(355.0).model
-    nw.export.write_fmu(full, tmp_path / "full.fmu")
+    nw.export.write(full, tmp_path / "full.fmu")
     sizes = [Imported(path).description.defaultExperiment for path in (fmus("paper"), tmp_path / "full.fmu")]
     stops = [float(one.stopTime) for one in sizes]
     assert stops[1] / stops[0] == pytest.approx((355.0 / 3.984) ** 0.5, rel=0.1)
@@ -364,7 +364,7 @@ def test_an_importer_builds_the_sources(fmus: Fmus, tmp_path: Path, monkeypatch:
     monkeypatch.setattr("narrows.export.native_build.builds_here", lambda fmi: ())
     for fmi in (2, 3):
         path = tmp_path / f"bare{fmi}.fmu"
-        nw.export.write_fmu(model_of("paper"), path, fmi=fmi)
+        nw.export.write(model_of("paper"), path, fmi=fmi)
         folder = tmp_path / f"bare{fmi}"
         (tmp_path / f"build{fmi}").mkdir()
         with zipfile.ZipFile(path) as packed:

@@ -12,7 +12,6 @@ from exported import bent, model_of, speed_of, states
 from test_scripts import python_of
 
 import narrows as nw
-from narrows.export.exporters import EXPORTERS
 
 REFUSED = 6
 # A step of 1000 s would take this ship of 4 m through the canal many times over.
@@ -74,7 +73,7 @@ def test_the_python_file_refuses_in_words(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="no node is here to run the exported module")
 def test_the_module_refuses_in_words(tmp_path: Path) -> None:
-    nw.export.write_javascript(model_of("paper"), tmp_path / "ship.mjs")
+    nw.export.write(model_of("paper"), tmp_path / "ship.mjs")
     steps = json.dumps(STEPS).replace("NaN", '"NaN"').replace("Infinity", '"Infinity"')
     script = f"""import * as ship from "./ship.mjs";
 let refused = 0;
@@ -90,21 +89,3 @@ console.log(refused);
     (tmp_path / "run.mjs").write_text(script, encoding="utf-8")
     done = subprocess.run(["node", "run.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True, timeout=20)
     assert int(done.stdout) == len(STEPS)
-
-
-@pytest.mark.parametrize(
-    ("kind", "name"),
-    [("bank-force", "full.m"), ("matlab", "abs.m"), ("matlab", "sin.c"), ("bank-force", "class.cs"), ("c", "class.hpp"),
-     ("c", "math.h"), ("python", "class.py"), ("python", "numpy.py")],
-)  # fmt: skip
-def test_a_file_that_hides_a_name_of_its_language_is_refused(kind: str, name: str, tmp_path: Path) -> None:
-    """With a name that does: Octave took ``full.m`` for its own ``full``, and C# cannot have a ``class class``."""
-    with pytest.raises(nw.InputError, match=f"name the file ship_{name}"):
-        EXPORTERS[kind].write(nw.published("mikkelsen2025_dtc"), tmp_path / name)
-    assert list(tmp_path.iterdir()) == []
-    EXPORTERS[kind].write(nw.published("mikkelsen2025_dtc"), tmp_path / f"ship_{name}")
-
-
-def test_a_name_of_a_module_that_no_program_imports_is_free(tmp_path: Path) -> None:
-    EXPORTERS["python"].write(nw.published("mikkelsen2025_dtc"), tmp_path / "test.py")
-    assert "def rates(" in (tmp_path / "test.py").read_text()

@@ -25,7 +25,7 @@ end
 
 def said(model: nw.Model, at: np.ndarray, order: str, folder: Path) -> np.ndarray:
     """Rates, speed and beyond of states [u v r x y psi ...] by Octave."""
-    nw.export.write_matlab(model, folder / "ship.m")
+    nw.export.write(model, folder / "ship.m")
     rows = json.dumps(at.tolist()).replace("], [", "; ").replace("[[", "[").replace("]]", "]")
     (folder / "run.m").write_text(SCRIPT.format(rows=rows, order=order), encoding="utf-8")
     done = subprocess.run(
@@ -68,7 +68,7 @@ def test_forces_from_outside_come_after_the_orders(tmp_path: Path) -> None:
 
 def simulink(model: nw.Model, folder: Path) -> ctypes.CDLL:
     """The S-function of a model behind a stand-in for Simulink's own interface."""
-    nw.export.write_matlab(model, folder / "ship.c")
+    nw.export.write(model, folder / "ship.c")
     stub = ["-DMATLAB_MEX_FILE", f"-I{Path(__file__).with_name('simulink')}"]
     made = ["-shared", "-fPIC", "ship.c", "-o", "ship.so", "-lm"]
     subprocess.run([COMPILER, *FLAGS, *stub, *made], cwd=folder, check=True)

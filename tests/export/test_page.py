@@ -37,7 +37,7 @@ DASHED = """(() => {
 @pytest.fixture(scope="module")
 def paper(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("page") / "dtc.html"
-    nw.export.write_page(nw.published("mikkelsen2025_dtc"), path)
+    nw.export.write(nw.published("mikkelsen2025_dtc"), path)
     return path
 
 
@@ -207,7 +207,7 @@ def test_a_headline_doubts_what_the_tests_do_not_settle(tmp_path: Path, browser:
     model = nw.published("mikkelsen2025_dtc")
     size = [0.02 * abs(value) + 1e-9 if name != "c_bank" else 2.4 * value for name, value in model.coefficients.items()]
     doubted = replace(model, covariance=np.diag(np.square(size)), verdicts={"c_bank": "weakly identified"})
-    nw.export.write_page(doubted, tmp_path / "ship.html")
+    nw.export.write(doubted, tmp_path / "ship.html")
     page, wrong = opened(browser, tmp_path / "ship.html", 1280, 800)
     said = page.inner_text("#turning")
     expected = 100 * float(norm.cdf(-1 / 2.4))
@@ -217,14 +217,14 @@ def test_a_headline_doubts_what_the_tests_do_not_settle(tmp_path: Path, browser:
     assert abs(shares[0] - expected) < 8
     assert "c_bank" not in page.evaluate(BESIDE)
     sure = replace(doubted, covariance=np.diag(np.square(size)) / 400, verdicts={})
-    nw.export.write_page(sure, tmp_path / "sure.html")
+    nw.export.write(sure, tmp_path / "sure.html")
     assert "and turns the bow" in opened(browser, tmp_path / "sure.html", 1280, 800)[0].inner_text("#turning")
     assert wrong == []
 
 
 def test_a_model_without_a_bank_says_so(tmp_path: Path, browser: Any) -> None:
     """In a canal a hundred ship lengths wide: the picture shows the ship, not the banks."""
-    notes = nw.export.write_page(nw.published("yasukawa2015_kvlcc2"), tmp_path / "ship.html")
+    notes = nw.export.write(nw.published("yasukawa2015_kvlcc2"), tmp_path / "ship.html")
     assert any("mmg+delta" in note for note in notes)
     page, wrong = opened(browser, tmp_path / "ship.html", 1280, 800)
     assert page.inner_text("#turning") == "This model has no bank force: the ship sails in open water."
@@ -247,7 +247,7 @@ def test_a_model_without_a_bank_says_so(tmp_path: Path, browser: Any) -> None:
 def test_a_canal_without_a_bank_force_still_has_banks(tmp_path: Path, browser: Any) -> None:
     model = nw.published("yasukawa2015_kvlcc2")
     narrow = replace(model, configuration=replace(model.configuration, canal=nw.Canal(20.0)))
-    nw.export.write_page(narrow, tmp_path / "ship.html")
+    nw.export.write(narrow, tmp_path / "ship.html")
     page, wrong = opened(browser, tmp_path / "ship.html", 1280, 800)
     assert "until it touches a bank" in page.inner_text("#turning")
     settled(page)
@@ -276,7 +276,7 @@ def test_lengths_of_a_full_size_ship_are_written_out(tmp_path: Path, browser: An
     full = replace(
         full, source=replace(full.source, estimate="of a test"), verdicts={"c_bank": "estimated from other ships"}
     )
-    nw.export.write_page(full, tmp_path / "ship.html")
+    nw.export.write(full, tmp_path / "ship.html")
     page, _ = opened(browser, tmp_path / "ship.html", 1280, 800)
     said = page.evaluate("document.body.innerText")
     assert "e+" not in said
@@ -294,7 +294,7 @@ def test_lengths_of_a_full_size_ship_are_written_out(tmp_path: Path, browser: An
 def test_first_turn_and_end_of_an_estimated_ship_are_one_story(tmp_path: Path, browser: Any) -> None:
     """Many ships turn away from one bank and ground on it later: the words say so, and that the maps show one ship."""
     model = nw.published("estimated_inland")
-    nw.export.write_page(model, tmp_path / "ship.html")
+    nw.export.write(model, tmp_path / "ship.html")
     page, wrong = opened(browser, tmp_path / "ship.html", 1280, 800)
     settled(page)
     ended, first = page.evaluate(
@@ -345,7 +345,7 @@ def contrast(one: str, other: str) -> float:
 @pytest.mark.slow
 def test_the_helm_of_a_page_steers_as_the_regulator_does(tmp_path: Path, browser: Any) -> None:
     model = model_of("steered")
-    assert nw.export.write_page(model, tmp_path / "ship.html", u=1.0)[-1:] in (
+    assert nw.export.write(model, tmp_path / "ship.html", u=1.0)[-1:] in (
         (),
         (f"{assembly.SLOWER}: {assembly.lacks_zig('WebAssembly')}",),
     )
@@ -372,14 +372,14 @@ def test_refusals_write_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         ("a.html", {"u": np.nan}),
     ):
         with pytest.raises(nw.InputError):
-            nw.export.write_page(model, tmp_path / path, **told)
+            nw.export.write(model, tmp_path / path, **told)
     deep = model_of("paper+keel_gap")
     shallow = replace(deep, configuration=replace(deep.configuration, canal=nw.Canal(7.0)))
     with pytest.raises(nw.InputError, match="depth"):
-        nw.export.write_page(shallow, tmp_path / "a.html")
+        nw.export.write(shallow, tmp_path / "a.html")
     failed = subprocess.CompletedProcess([], 1, "", "fleet.c:3: error: no room left on device")
     monkeypatch.setattr(assembly, "lacks_zig", lambda what: "")
     monkeypatch.setattr(subprocess, "run", lambda *_, **__: failed)
     with pytest.raises(nw.InputError, match="no room left on device"):
-        nw.export.write_page(model, tmp_path / "a.html")
+        nw.export.write(model, tmp_path / "a.html")
     assert list(tmp_path.iterdir()) == []

@@ -43,7 +43,7 @@ console.log(JSON.stringify({ rates, slopes, outcome, end, state: plain(state) })
 
 
 def python_of(name: str, folder: Path, **choices: Any) -> Any:
-    nw.export.write_python(model_of(name), folder / "ship.py", **choices)
+    nw.export.write(model_of(name), folder / "ship.py", **choices)
     spec = importlib.util.spec_from_file_location(f"ship_{name.replace('+', '_')}", folder / "ship.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
@@ -127,7 +127,7 @@ def bits(state: np.ndarray) -> int:
 
 def test_beyond_the_tests_in_python_and_javascript(tmp_path: Path) -> None:
     model, at = replace(model_of("paper"), data_range=BOUNDED), 1.6 * states("paper", 40)
-    nw.export.write_python(model, tmp_path / "ship.py")
+    nw.export.write(model, tmp_path / "ship.py")
     ship = runpy.run_path(str(tmp_path / "ship.py"))
     right, constants = [bits(state) for state in at], ship["prepare"](ship["MODEL"])
     assert set(right) > {0, 1, 2, 8}
@@ -135,7 +135,7 @@ def test_beyond_the_tests_in_python_and_javascript(tmp_path: Path) -> None:
     assert ship["beyond"](at.T, constants).tolist() == right
     if NODE is None:
         pytest.skip("no node is here to run the exported module")
-    nw.export.write_javascript(model, tmp_path / "ship.mjs")
+    nw.export.write(model, tmp_path / "ship.mjs")
     (tmp_path / "given.json").write_text(json.dumps(at.tolist()), encoding="utf-8")
     (tmp_path / "run.mjs").write_text(BEYOND_SCRIPT, encoding="utf-8")
     done = subprocess.run([NODE, "run.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
@@ -143,7 +143,7 @@ def test_beyond_the_tests_in_python_and_javascript(tmp_path: Path) -> None:
 
 
 def test_the_python_file_needs_numpy_alone(tmp_path: Path) -> None:
-    nw.export.write_python(model_of("paper"), tmp_path / "ship.py")
+    nw.export.write(model_of("paper"), tmp_path / "ship.py")
     check = "import sys, ship; print([name for name in ('narrows', 'sympy', 'numba', 'scipy') if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", check], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
@@ -154,7 +154,7 @@ def test_the_python_file_needs_numpy_alone(tmp_path: Path) -> None:
 def test_the_module(tmp_path: Path, name: str, curved: bool) -> None:
     """Node's sine and powers are its own: a last place off here and there."""
     way = bent(name) if curved else None
-    nw.export.write_javascript(model_of(name), tmp_path / "ship.mjs", waterway=way)
+    nw.export.write(model_of(name), tmp_path / "ship.mjs", waterway=way)
     at, push = states(name, 6), {"Y_in": 0.7, "N_in": -0.4}
     told = {"states": at.tolist(), "inputs": push, "u": speed_of(name), "order": 0.1 if name in STEERED else None}
     (tmp_path / "given.json").write_text(json.dumps(told), encoding="utf-8")
@@ -178,8 +178,8 @@ def test_the_module(tmp_path: Path, name: str, curved: bool) -> None:
 def test_the_package_of_npm(tmp_path: Path, curved: bool) -> None:
     """As npm unpacks it: every export of the module has a type, and no other name has one."""
     way = bent("steered") if curved else None
-    nw.export.write_javascript(model_of("steered"), tmp_path / "tanker.tgz", waterway=way)
-    nw.export.write_javascript(model_of("steered"), tmp_path / "tanker.mjs", waterway=way)
+    nw.export.write(model_of("steered"), tmp_path / "tanker.tgz", waterway=way)
+    nw.export.write(model_of("steered"), tmp_path / "tanker.mjs", waterway=way)
     with tarfile.open(tmp_path / "tanker.tgz") as packed:
         packed.extractall(tmp_path / "node_modules", **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
     folder = (tmp_path / "node_modules" / "package").rename(tmp_path / "node_modules" / "tanker")
@@ -196,7 +196,7 @@ PRINTED = {"mikkelsen2025_dtc": 1, "yasukawa2015_kvlcc2": 2, "son1982_s175": 2, 
 
 
 def test_the_equations_have_their_numbers(tmp_path: Path) -> None:
-    nw.export.write_latex(nw.published("mikkelsen2025_dtc"), tmp_path / "ship.tex")
+    nw.export.write(nw.published("mikkelsen2025_dtc"), tmp_path / "ship.tex")
     symbols, numbers = (tmp_path / "ship.tex").read_text(encoding="utf-8").split(r"\end{align*}")[:2]
     assert symbols.endswith(nw.latex(nw.PAPER).removeprefix(r"\begin{aligned}").removesuffix(r"\end{aligned}"))
     assert "1.07" in numbers
@@ -206,7 +206,7 @@ def test_the_equations_have_their_numbers(tmp_path: Path) -> None:
 def test_every_symbol_of_the_equations_has_a_value(name: str, tmp_path: Path) -> None:
     """A quantity that is neither motion nor defined below the forces."""
     model = nw.published(name)
-    nw.export.write_latex(model, tmp_path / "ship.tex")
+    nw.export.write(model, tmp_path / "ship.tex")
     symbols, _, values = (tmp_path / "ship.tex").read_text(encoding="utf-8").split(r"\begin{align*}")[1:]
     given = dict(re.findall(r"([^\s&]+) = (-?[\d.]+(?: \\cdot 10\^{-?\d+})?)", values))
     given = {one: float(re.sub(r" \\cdot 10\^{(.*)}", r"e\1", text)) for one, text in given.items()}
@@ -221,7 +221,7 @@ def test_the_equations_fit_their_page(name: str, pages: int, tmp_path: Path) -> 
     """Typeset: the MMG model has 27 coefficients, propeller and rudder."""
     if shutil.which("pdflatex") is None:
         pytest.skip("no pdflatex is here to typeset the equations with")
-    nw.export.write_latex(nw.published(name), tmp_path / "ship.tex")
+    nw.export.write(nw.published(name), tmp_path / "ship.tex")
     page = r"\documentclass{article}\usepackage{amsmath}\begin{document}\input{ship.tex}\end{document}"
     (tmp_path / "page.tex").write_text(page, encoding="utf-8")
     done = subprocess.run(

@@ -39,14 +39,14 @@ def narrow(width: float) -> nw.Model:
 
 @pytest.mark.parametrize(("width", "bit"), [(300.0, 16), (600.0, 0)])
 def test_a_canal_of_an_untested_width(width: float, bit: int, tmp_path: Path) -> None:
-    nw.export.write_python(narrow(width), tmp_path / "ship.py")
+    nw.export.write(narrow(width), tmp_path / "ship.py")
     ship = runpy.run_path(str(tmp_path / "ship.py"))
     at = ship["rest"]()
     at[ship["U"]] = 4.0
     assert ship["beyond"](at, ship["prepare"](ship["MODEL"])) == bit
     assert any("W/B of 5.1 is outside" in note for note in nw.simulate(narrow(300.0), u=4.0, duration=5.0).notes)
     if OCTAVE is not None:
-        nw.export.write_matlab(narrow(width), tmp_path / "vessel.m")
+        nw.export.write(narrow(width), tmp_path / "vessel.m")
         call = "[~, ~, b] = vessel([4 0 0 0 0 0 0]', []); printf('%d', b)"
         done = subprocess.run(
             [OCTAVE, "--norc", "--no-gui", "--eval", call], cwd=tmp_path, capture_output=True, text=True
@@ -85,14 +85,14 @@ def test_the_section_at_the_place_of_the_ship(curved: bool, changed: dict[str, f
         compiled.parameters[known.index(name)] = value
     compiled.set()
     assert [compiled.library.beyond(pointer(state)) & BITS for state in at.copy()] == right.tolist()
-    nw.export.write_python(model, tmp_path / "ship.py", **water)
+    nw.export.write(model, tmp_path / "ship.py", **water)
     module = runpy.run_path(str(tmp_path / "ship.py"))
     vars(module["MODEL"]).update(changed)
     constants = module["prepare"](module["MODEL"])
     assert (module["beyond"](at.T, constants, module.get("CANAL")) & BITS).tolist() == right.tolist()
     if NODE is None:
         pytest.skip("no node is here to run the exported module")
-    nw.export.write_javascript(model, tmp_path / "ship.mjs", **water)
+    nw.export.write(model, tmp_path / "ship.mjs", **water)
     (tmp_path / "run.mjs").write_text(IN_NODE % (json.dumps(changed), json.dumps(at.tolist())), encoding="utf-8")
     done = subprocess.run([NODE, "run.mjs"], cwd=tmp_path, capture_output=True, text=True, check=True)
     assert [bits & BITS for bits in json.loads(done.stdout)] == right.tolist()
@@ -108,7 +108,7 @@ def test_every_bit_of_the_section_is_seen_by_these_tests() -> None:
 @pytest.mark.parametrize("fmi", [2, 3])
 def test_an_fmu_follows_its_parameters(fmi: int, tmp_path: Path) -> None:
     model = replace(model_of("paper"), data_range=SECTION)
-    nw.export.write_fmu(model, tmp_path / "ship.fmu", fmi=fmi)
+    nw.export.write(model, tmp_path / "ship.fmu", fmi=fmi)
     with imported(tmp_path / "ship.fmu") as fmu:
         fmu.start({"y": 0.0, "u": 0.8, "parameters.width": 7.0})
         assert fmu.whole("beyond") & BITS == bits_of(model, {"width": 7.0}, np.array(0.8))
@@ -119,8 +119,8 @@ def test_an_fmu_follows_its_parameters(fmi: int, tmp_path: Path) -> None:
 
 
 def test_the_file_names_the_ranges_that_it_does_not_know(tmp_path: Path) -> None:
-    nw.export.write_bank_force(nw.published("mikkelsen2025_dtc"), tmp_path / "bank.h")
-    nw.export.write_c(narrow(300.0), tmp_path / "ship.h")
+    nw.export.write(nw.published("mikkelsen2025_dtc"), tmp_path / "bank.h", kind="bank-force")
+    nw.export.write(narrow(300.0), tmp_path / "ship.h")
     bank, ship = ((tmp_path / name).read_text(encoding="utf-8") for name in ("bank.h", "ship.h"))
     assert "32 depth (not known, sets no bit: speed ahead, heading up to 45 deg, depth)" in bank
     assert "32 depth (not known, sets no bit: heading, yaw rate), 128 bottom" in ship

@@ -25,7 +25,7 @@ STEPS, DT = 200, 0.05
 def test_windows_sails_the_voyage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     builds = [build for build in native_build.builds_here() if build.folder == "win64"]
     monkeypatch.setattr(native_build, "builds_here", lambda fmi: tuple(builds))
-    nw.export.write_fmu(model_of("paper"), tmp_path / "ship.fmu", dt=DT)
+    nw.export.write(model_of("paper"), tmp_path / "ship.fmu", dt=DT)
     with zipfile.ZipFile(tmp_path / "ship.fmu") as packed:
         packed.extract("binaries/win64/ship.dll", tmp_path)
     description = fmpy.read_model_description(str(tmp_path / "ship.fmu"))

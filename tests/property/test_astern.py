@@ -70,7 +70,7 @@ def test_a_fleet_under_a_law_takes_them_for_a_stopped_propeller() -> None:
 
 
 def test_an_exported_file_takes_them_for_a_stopped_propeller(tmp_path: Path) -> None:
-    nw.export.write_python(KVLCC2, tmp_path / "ship.py", surge="free", contact="none")
+    nw.export.write(KVLCC2, tmp_path / "ship.py", surge="free", contact="none")
     spec = importlib.util.spec_from_file_location("astern_ship", tmp_path / "ship.py")
     ship = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(ship)
@@ -249,7 +249,7 @@ def test_way_astern_is_noted_at_the_other_doors(tmp_path: Path) -> None:
     assert (words in force.notes, int(force.beyond) & 1) == (True, 1)
     assert words in nw.stability(model, u=-1.0).notes
     assert "astern" not in nw.stability(model, u=1.0).notes
-    nw.export.write_python(model, tmp_path / "ship.py")
+    nw.export.write(model, tmp_path / "ship.py")
     ship = runpy.run_path(str(tmp_path / "ship.py"))
     state, constants = ship["rest"](), ship["prepare"](ship["MODEL"])
     for speed, bit in ((-1.0, 1), (1.0, 0)):

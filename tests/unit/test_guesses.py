@@ -246,7 +246,7 @@ assert nw.simulate(fit, y=0.1).t[-1] == fit.simulate(y=0.1).t[-1]
 assert nw.simulate("mikkelsen2025_dtc", y=0.5).grounded
 assert fit.linearize(u=1.0).A.shape == fit.model.linearize(u=1.0).A.shape; fit.export("fit.h")
 assert nw.Model.load("mikkelsen2025_dtc") == pub and nw.load_tests is nw.read_captive
-assert nw.export.c is nw.export.write_c
+assert nw.export.c is nw.export.write
 assert nw.regulator is nw.control.regulator and nw.closed_loop is nw.control.closed_loop
 assert nw.simulate(nw.scale_model(pub, 355.0), y=5.0).final["u"] > 1
 assert fit.ship.length == fit.model.configuration.ship.length
@@ -335,7 +335,7 @@ assert len(model.linearize(u=1.0).damp()) == 4
 assert pub.forces(u=1.0, y=[0.1, 0.2])["N"].shape == (2,)
 assert kcs.rudder.area == kcs.configuration.rudder.area and kcs.ship.LBP == kcs.ship.Lpp == 230
 assert nw.turning_circle(kcs, 35, speed=6.0).tactical_diameter > 0 and nw.zigzag_test is nw.zigzag
-assert nw.get_model("mikkelsen2025_dtc") == pub and nw.export_c is nw.export.write_c
+assert nw.get_model("mikkelsen2025_dtc") == pub and nw.export_c is nw.export.write
 assert nw.safe_envelope(kcs, speeds=[4.0], offsets=[0.0], n_samples=10).grid["held"].size == 1
 assert round(nw.straight_canal(nw.Canal(W=300.0, h=16.0), 5000.0).centerline.length, 6) == 5000
 assert len(nw.grounding_map(pub, y=[0.5, 1.0]).to_dataframe()) == 2 and nw.ols(tests).terms.names == fit.terms.names

@@ -131,7 +131,7 @@ def test_lqr_solves_the_riccati_equation() -> None:
 
 def test_a_model_goes_out_by_suffix(tmp_path) -> None:
     DTC.export(tmp_path / "dtc.h")
-    nw.export.write_c(DTC, tmp_path / "other.h")
+    nw.export.write(DTC, tmp_path / "other.h")
     assert DTC.to_c().count("double") > 3
     assert (tmp_path / "dtc.h").read_text().replace("dtc", "other").count("other") > 3
     DTC.to_c(tmp_path / "c.h")

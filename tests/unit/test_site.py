@@ -76,7 +76,7 @@ def test_a_build_replaces_older_files_to_take_along(monkeypatch: pytest.MonkeyPa
     ready.parent.mkdir(parents=True)
     ready.write_text("of another day")
     exports.write_all(tmp_path)
-    nw.export.write_c(nw.published("mikkelsen2025_dtc"), tmp_path / "dtc.h")
+    nw.export.write(nw.published("mikkelsen2025_dtc"), tmp_path / "dtc.h")
     assert ready.read_bytes() == (tmp_path / "dtc.h").read_bytes()
 
 

@@ -1,7 +1,6 @@
 """``scale``, ``export``, ``ships`` and ``estimate``: scale, export, list and estimate models."""
 
 from dataclasses import dataclass
-from inspect import signature
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -93,7 +92,7 @@ def export(
     for name, why in exporter.refused.items():
         if options[name] is not None:
             raise InputError(why)
-    known = signature(exporter.write).parameters
+    known = exporter.options
     if hold is not None and "controller" not in known:
         raise InputError(f"a file of kind {kind} has no helm of its own to set; leave --hold out")
     written = exporter.write(ship, output, **{name: value for name, value in options.items() if name in known})

@@ -1,11 +1,9 @@
 """A ship prepared for export: its programs, and their constants with unit and meaning."""
 
 import re
-import sys
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from keyword import kwlist
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -50,34 +48,6 @@ GEAR = {
     "lag": ("s", "time constant"), "dead_band": ("{}", "dead band"),
 }  # fmt: skip
 DELAYED = "order on its way to the {}: begin where the actuator is"
-# Names that a file of each suffix would hide or cannot declare: keywords; functions, headers and modules in common use.
-OF_MATLAB = frozenset({
-    "abs", "acos", "all", "angle", "any", "asin", "atan", "atan2", "axis", "break", "case", "catch", "ceil",
-    "cell", "class", "clear", "close", "cos", "cross", "det", "diag", "diff", "disp", "double", "else",
-    "elseif", "end", "eps", "error", "exp", "eye", "false", "fft", "figure", "find", "fix", "floor", "for",
-    "fprintf", "full", "function", "global", "hypot", "i", "if", "inf", "inv", "isempty", "j", "length", "line",
-    "linspace", "load", "log", "logical", "max", "mean", "mex", "min", "mod", "nan", "norm", "num2str", "numel",
-    "ode45", "ones", "otherwise", "parfor", "persistent", "pi", "plot", "power", "printf", "rand", "rem",
-    "repmat", "return", "round", "save", "sign", "sim", "sin", "size", "sort", "sparse", "sprintf", "sqrt",
-    "step", "strcmp", "struct", "sum", "switch", "tan", "text", "title", "trapz", "true", "try", "while",
-    "zeros",
-})  # fmt: skip
-OF_C_SHARP_OR_CPP = frozenset({
-    "abstract", "auto", "base", "bool", "break", "byte", "case", "catch", "char", "class", "const", "continue",
-    "decimal", "default", "delegate", "delete", "do", "double", "else", "enum", "event", "explicit", "export",
-    "extern", "false", "finally", "fixed", "float", "for", "foreach", "friend", "goto", "if", "implicit", "in",
-    "inline", "int", "interface", "internal", "is", "lock", "long", "mutable", "namespace", "new", "null",
-    "object", "operator", "out", "override", "params", "private", "protected", "public", "readonly", "ref",
-    "register", "return", "sealed", "short", "signed", "sizeof", "static", "std", "string", "struct", "switch",
-    "System", "template", "this", "throw", "true", "try", "typedef", "typename", "typeof", "union", "unsigned",
-    "using", "virtual", "void", "volatile", "while",
-})  # fmt: skip
-# Modules of the standard library that no program imports: tests, examples and jokes.
-UNIMPORTED = frozenset({"antigravity", "idlelib", "test", "this", "turtledemo"})
-RESERVED = {
-    ".m": OF_MATLAB, ".c": OF_MATLAB | OF_C_SHARP_OR_CPP, ".cs": OF_C_SHARP_OR_CPP, ".hpp": OF_C_SHARP_OR_CPP,
-    ".h": frozenset({"math", "stdbool"}), ".py": frozenset({*kwlist, *sys.stdlib_module_names, "numpy"}) - UNIMPORTED,
-}  # fmt: skip
 # Particulars that relate a section to the ship.
 PARTICULARS = ("length", "beam", "draft", "block_coefficient")
 # Constants that the rule of a voyage needs, whatever the hull.
@@ -284,9 +254,6 @@ def _over_ship(width: Expr, depth: Expr) -> dict[str, Expr]:
 
 
 def prefix_of(path: str | Path) -> str:
-    """Return the prefix of names in a file, from the file's name; refuse one that the language has itself."""
+    """Return the prefix of names in a file, from the file's name."""
     stem = re.sub(r"\W+", "_", Path(path).stem, flags=re.ASCII).strip("_")
-    if stem in RESERVED.get(suffix := Path(path).suffix, ()):
-        other = f"{USUAL_PREFIX}_{stem}{suffix}"
-        raise InputError(f"{path}: the language or its library has a {stem!r} already; name the file {other}")
     return USUAL_PREFIX if is_stream(path) or not stem else stem if stem[0].isalpha() else f"{USUAL_PREFIX}_{stem}"

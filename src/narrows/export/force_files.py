@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from pathlib import Path
 
 import sympy
 
@@ -64,9 +63,8 @@ LANGUAGES: dict[str, tuple[type[Language], str]] = {
 }  # fmt: skip
 
 
-def force_text(model: Model, path: str | Path, prefix: str) -> str:
+def force_text(model: Model, suffix: str, prefix: str) -> str:
     """Return the file of a model, in the language of its suffix."""
-    suffix = Path(path).suffix
     language, declared = LANGUAGES[suffix]
     written, hull = language(prefix), model.configuration.ship
     lines = written.body(force_program(model), [*map(declared.format, RESULTS)], {name: name for name in ASKED})
@@ -84,7 +82,7 @@ def force_text(model: Model, path: str | Path, prefix: str) -> str:
 
 def force_fmu(model: Model, identifier: str, fmi: int) -> bytes:
     """Return an FMU without states, whose outputs are the force at its inputs."""
-    header = force_text(model, "bank.h", "bank")
+    header = force_text(model, ".h", "bank")
     token = token_of(header, identifier, fmi)
     variables = tuple(replace(one, reference=place) for place, one in enumerate(_variables(model)))
     description = description_text(

@@ -4,6 +4,7 @@ import ast
 import gzip
 import json
 import tarfile
+from collections.abc import Callable
 from functools import partial
 from importlib.metadata import version
 from io import BytesIO
@@ -172,3 +173,10 @@ def rates_of(exported: ExportedShip, language: C) -> dict[str, str]:
         bodies[name] = "\n    ".join(language.body(program, targets, places))
         start += len(targets)
     return bodies
+
+
+# The text of a whole ship, by the suffix of its file.
+TEXTS: dict[str, Callable[[ExportedShip], str | bytes]] = {
+    ".h": c_text, ".hpp": cpp_text, ".mjs": javascript_text, ".js": javascript_text, ".tgz": npm_bytes,
+    ".py": python_text, ".m": matlab_text, ".c": simulink_text,
+}  # fmt: skip
