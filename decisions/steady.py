@@ -284,7 +284,7 @@ def score(read: dict[str, Any], truth: nw.Model, kind: Kind) -> Score:
     c_bank = fit.coefficients["c_bank"]
     return Score(
         inside, tuple(((low <= true) & (true <= high)).tolist()), c_bank.std, c_bank.word == "learned",
-        fit.checks.contradicted, not c_bank.unresolved,
+        fit.contradicted, not c_bank.unresolved,
     )  # fmt: skip
 
 

@@ -6,15 +6,15 @@ the best l so far, and its error is that of the readings through its slopes (Gau
 has a score and an information matrix, as a record of a log has, and the search and the posterior are those of logs.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.special import chdtrc
 
 from narrows.aliases import accept_aliases
-from narrows.codegen.linearisation import LINEARISED
 from narrows.control.steady_course import check_inside, check_rudder
 from narrows.errors import InputError
 from narrows.logbook.filtering.log_problem import CoefficientPrior, Unknowns
@@ -40,19 +40,6 @@ from narrows.simulation.self_propulsion import self_propulsion
 from narrows.simulation.ship import SimulatedShip
 
 
-@dataclass(frozen=True)
-class SteadyChecks:
-    chi_square: float  # Sum of squares of what was read over what was to be expected of it [1]
-    freedom: int  # Degrees of freedom
-    probability: float  # Probability of one as large, were model, prior and errors right [1]
-    leg_probabilities: dict[str, float]  # The same of each leg, beside all others [1]
-    findings: tuple[str, ...]  # Faults and undetermined quantities, a sentence each
-
-    @property
-    def contradicted(self) -> bool:
-        return self.probability < CONTRADICTION
-
-
 @dataclass(frozen=True, repr=False)
 class SteadyFit(LearnedAnswer):
     """Result of learning from steady legs.
@@ -70,8 +57,13 @@ class SteadyFit(LearnedAnswer):
         ``heading_zero``, ``y_zero``; most likely value and standard error.
     latent : array (legs, 4)
         Most likely state of the ship: y [m], u [m/s], rudder, psi [rad].
-    checks : SteadyChecks
-        Agreement of legs and model.
+    chi_square, freedom, probability : float [1], int, float [1]
+        Sum of squares of the readings over their expected errors, its degrees of freedom, and the probability of at
+        least this sum if model, prior and errors are right.
+    leg_probabilities : mapping of str to float
+        The same probability of each leg, given all others.
+    findings : tuple of str
+        Faults and undetermined quantities.
     """
 
     model: Model
@@ -81,20 +73,29 @@ class SteadyFit(LearnedAnswer):
     coefficients: Mapping[str, LearnedCoefficient]
     shared: Mapping[str, tuple[float, float]]
     latent: np.ndarray
-    checks: SteadyChecks
+    chi_square: float
+    freedom: int
+    probability: float
+    leg_probabilities: Mapping[str, float]
+    findings: tuple[str, ...]
+
+    @property
+    def contradicted(self) -> bool:
+        """True where the legs contradict the model, each other or their errors."""
+        return self.probability < CONTRADICTION
 
     @property
     def informative(self) -> bool:
         """True where a coefficient of the bank was learned, and nothing contradicts it."""
         learned = any(c.word == LEARNED for c in self.coefficients.values() if c.from_bank)
-        return learned and not self.checks.contradicted
+        return learned and not self.contradicted
 
     @property
     def notes(self) -> tuple[str, ...]:
         """Contradictions, undetermined quantities, assumptions."""
         taken = f"Assumed: {self.conditions.summary()}."
-        notes = [*self.checks.findings, taken, *self.prior.configuration.notes]
-        if not self.checks.contradicted:
+        notes = [*self.findings, taken, *self.prior.configuration.notes]
+        if not self.contradicted:
             notes.append(
                 "Legs that agree do not show that they are of this ship: on twins those of one a quarter shorter or "
                 "longer agree, and a rudder of the wrong sign may; see to ship, draft and signs."
@@ -104,8 +105,8 @@ class SteadyFit(LearnedAnswer):
     def summary(self) -> str:
         """What was learned, what still comes from the tests, and whether the legs agree."""
         agree = (
-            f"The legs {'contradict' if self.checks.contradicted else 'agree with'} the model: a sum of squares of "
-            f"{self.checks.chi_square:.1f}, {self.checks.freedom} expected."
+            f"The legs {'contradict' if self.contradicted else 'agree with'} the model: a sum of squares of "
+            f"{self.chi_square:.1f}, {self.freedom} expected."
         )
         return "\n".join((self._taught(self.readings.summary()), agree, ON_TWINS))
 
@@ -121,7 +122,7 @@ class SteadyFit(LearnedAnswer):
                  "std": factor * self.shared[name][1], "prior_std": factor * before}
                 for (name, (_, unit, factor)), before in zip(SHARED.items(), prior.tolist(), strict=True)
             ],
-            **{name: getattr(self.checks, name) for name in ("chi_square", "freedom", "probability", "contradicted")},
+            **{name: getattr(self, name) for name in ("chi_square", "freedom", "probability", "contradicted")},
             "legs": self.leg_rows(),
             "source": {"table": self.readings.source, "sha256": self.readings.sha256},
             "notes": list(self.notes),
@@ -134,7 +135,7 @@ class SteadyFit(LearnedAnswer):
             "leg": self.readings.legs, "y": read["y"], "u": read["u"], "rudder_deg": np.degrees(read["rudder"]),
             "direction_deg": np.degrees(read[self.readings.directions[0]]), "likely_y": y,
             "likely_rudder_deg": np.degrees(rudder), "likely_heading_deg": np.degrees(heading),
-            "probability": list(self.checks.leg_probabilities.values()),
+            "probability": list(self.leg_probabilities.values()),
         }  # fmt: skip
         rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
         return [dict(zip(columns, row, strict=True)) for row in rows]
@@ -172,67 +173,62 @@ def learn_steady(
     canal, ship = model.configuration.canal, model.configuration.ship
     read = readings.values
     check_inside(read["y"], canal.width, ship.beam)
-    problem = LegProblem.of(model, conditions)
-    found = problem.fit(readings)
-    checks = steady_checks(readings, found, problem)
+    problem = LegProblem(coefficient_prior(model, "held"), conditions, readings)
+    found = problem.fit()
+    probability = float(chdtrc(found.counted, max(found.chi_square, 0.0)))
+    each = chdtrc(found.counted // len(readings), np.maximum(found.left_out, 0.0))
+    by_leg = dict(zip(readings.legs, each.tolist(), strict=True))
     posterior = log_posterior(problem, found.unknowns, found.information)
     after, learned = learned_model(
         model, posterior.values, posterior.covariance, f"learned from {readings.summary()} ({readings.source})",
-        abs(read["y"]), read["u"], checks.contradicted,
+        abs(read["y"]), read["u"], probability < CONTRADICTION,
     )  # fmt: skip
     std = np.sqrt(np.diag(problem.covariance(found.information)))
     common = problem.common[:, None] * np.stack([found.unknowns, std], axis=1)[problem.count :]
     shared = dict(zip(UNKNOWN, map(tuple, common.tolist()), strict=True))
-    return SteadyFit(after, model, readings, conditions, learned, shared, found.latent, checks)
+    findings = tuple(_findings(problem, found, min(by_leg, key=by_leg.__getitem__), probability))
+    checks = found.chi_square, found.counted, probability, by_leg, findings
+    return SteadyFit(after, model, readings, conditions, learned, shared, found.latent, *checks)
 
 
 TURNED = ("rudder", "drift", "heading")  # Readings that are often written with the other sign
 
 
-def steady_checks(readings: SteadyReadings, found: "LegFit", problem: "LegProblem") -> SteadyChecks:
-    from scipy.special import chdtrc
-
-    each = chdtrc(found.counted // len(readings), np.maximum(found.left_out, 0.0))
-    legs = dict(zip(readings.legs, each.tolist(), strict=True))
-    chance = float(chdtrc(found.counted, max(found.chi_square, 0.0)))
-    y = readings.values["y"]
-    findings = []
-    if not y.min() < 0 < y.max():
-        findings.append(
+def _findings(problem: "LegProblem", found: "LegFit", worst: str, probability: float) -> Iterator[str]:
+    read, squares = problem.readings.values, found.chi_square
+    if not read["y"].min() < 0 < read["y"].max():
+        yield (
             "All legs are on one side of the middle: wind and the zeros of rudder and drift do not cancel, and what "
             "was learned rests on how large they were taken to be; hold the other side too."
         )
-    if chance < CONTRADICTION:
-        findings.append(
-            "The legs contradict the model, each other or their errors: a sum of squares of "
-            f"{found.chi_square:.1f} where {found.counted} was to be expected; leg {min(legs, key=legs.__getitem__)} "
-            "fits worst. Hold it again, or look for a fault of an instrument."
+    if probability < CONTRADICTION:
+        yield (
+            f"The legs contradict the model, each other or their errors: a sum of squares of {squares:.1f} where "
+            f"{found.counted} was to be expected; leg {worst} fits worst. Hold it again, or look for a fault of an "
+            "instrument."
         )
-    findings += _other_sign(readings, found.chi_square, problem)
+    for name in TURNED if squares > WRONG_SIGN_GAIN else ():  # Else there is nothing to be won.
+        if name in read:
+            turned = replace(problem.readings, values={**read, name: -read[name]})
+            other = replace(problem, readings=turned).fit().chi_square
+            if squares - other > WRONG_SIGN_GAIN:
+                yield (
+                    f"With the other sign of {name} the legs fit far better, {other:.1f} instead of {squares:.1f}: is "
+                    "it positive where it turns the bow to starboard, or where the bow is to starboard?"
+                )
     if not found.converged:
-        findings.append("The search for the true states of the legs did not converge; give smaller errors of y and u.")
-    asked, covered = {"speed": readings.values["u"], "abs_y": np.abs(y)}, problem.prior.model.data_range
-    findings += extrapolation(covered, {name: column for name, column in asked.items() if getattr(covered, name)})
-    findings.append("A steady balance determines ratios of forces: their scale is that of the tests.")
-    return SteadyChecks(found.chi_square, found.counted, chance, legs, tuple(findings))
+        yield "The search for the true states of the legs did not converge; give smaller errors of y and u."
+    asked, covered = {"speed": read["u"], "abs_y": np.abs(read["y"])}, problem.model.data_range
+    yield from extrapolation(covered, {name: column for name, column in asked.items() if getattr(covered, name)})
+    yield "A steady balance determines ratios of forces: their scale is that of the tests."
 
 
-def _other_sign(readings: SteadyReadings, squares: float, problem: "LegProblem") -> list[str]:
-    read = readings.values
-    return [
-        f"With the other sign of {name} the legs fit far better, {other:.1f} instead of {squares:.1f}: is it positive "
-        "where it turns the bow to starboard, or where the bow is to starboard?"
-        for name in TURNED
-        if name in read
-        and squares > WRONG_SIGN_GAIN  # Else there is nothing to be won.
-        and squares - (other := problem.fit(replace(readings, values={**read, name: -read[name]})).chi_square)
-        > WRONG_SIGN_GAIN
-    ]
-
-
+LEFT = ("r", "vdot", "rdot")  # Motion that is left on a leg, as if each were read as 0
 LATENT = ("y", "u", "rudder", "psi")  # True state of a leg, of which its readings are readings
-# Forces in balance on a steady leg, and the velocity whose rate each makes.
-BALANCED = {"Y": "v", "N": "r"}
+READ = slice(len(LEFT), len(LEFT) + len(LATENT))
+# Steps of the central differences [rad/s, m/s2, rad/s2, m, m/s, rad, rad]: regressors are smooth over them.
+STEP = 1e-6
+BALANCED = ("Y", "N")  # Forces in balance on a steady leg
 FORCES = slice(len(BALANCED))
 
 
@@ -246,43 +242,52 @@ class LegFit(NamedTuple):
     converged: bool
 
 
-class LegReadings(NamedTuple):
-    value: np.ndarray  # (legs, 4 or 5) ``LATENT`` as read, the direction as often as it is read
-    size: np.ndarray  # (legs, 4 or 5) Standard deviations
-    zeros: np.ndarray  # (4 or 5, 6) 1 where one of ``UNKNOWN`` adds to a reading
-    balance: "SteadyBalance"
-
-
 @dataclass(frozen=True)
 class LegProblem(Unknowns):
     """Unknowns of steady legs: coefficients, then common errors over their standard deviations."""
 
     prior: CoefficientPrior  # Prior of a model with terms of a rudder
-    common: np.ndarray  # (6,) Standard deviations of ``UNKNOWN``
-    left_over: np.ndarray  # (5,) ``SteadyConditions.left_over``
+    conditions: SteadyConditions
+    readings: SteadyReadings
 
-    @classmethod
-    def of(cls, model: Model, conditions: SteadyConditions) -> "LegProblem":
-        return cls(coefficient_prior(model, "held"), shared_errors(conditions, model), left_over(conditions, model))
+    @property
+    def model(self) -> Model:
+        return self.prior.model
+
+    @cached_property
+    def common(self) -> np.ndarray:
+        """Standard deviations of ``UNKNOWN``, (6,)."""
+        return shared_errors(self.conditions, self.model)
 
     @property
     def spreads(self) -> np.ndarray:
         return np.ones(len(UNKNOWN))
 
-    def fit(self, readings: SteadyReadings) -> LegFit:
-        legs, unknowns, converged = self._read(readings), np.zeros(len(self.precision)), False
-        latent = legs.value[:, : len(LATENT)]
+    @cached_property
+    def _read(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """``LEFT``, and ``LATENT`` as read, the direction as often as it is read; their standard deviations, both
+        (legs, 7 or 8); 1 where one of ``UNKNOWN`` adds to a reading, (7 or 8, 6).
+        """
+        names, legs = (*LEFT, "y", "u", "rudder", *self.readings.directions), len(self.readings)
+        left = dict(zip(LEFT, left_over(self.conditions, self.model)[2:], strict=True))
+        value = [self.readings.values.get(name, np.zeros(legs)) for name in names]
+        size = [self.readings.errors[name] if name not in left else np.full(legs, left[name]) for name in names]
+        zeros = np.array([[f"{name}_zero" == unknown for unknown in UNKNOWN] for name in names], float)
+        return np.stack(value, axis=1), np.stack(size, axis=1), zeros
+
+    def fit(self) -> LegFit:
+        (read, size, zeros), unknowns, converged = self._read, np.zeros(len(self.precision)), False
+        latent = read[:, READ]
         for _ in range(UPDATE_ROUNDS):
-            value, design, through = self._linear(legs, latent, unknowns)
+            value, design, through = self._linear(latent, unknowns)
             score = np.einsum("lqi,lq->i", design, value - design @ unknowns)
             information = np.einsum("lqi,lqj->ij", design, design)
             step, _ = bounded_step(self, unknowns, score, information)
             unknowns = unknowns + step
             rest = value - design @ unknowns
             # The readings less zeros and their share of the rest of the balance
-            errors = legs.zeros @ (self.common * unknowns[self.count :])
-            errors = errors - legs.size**2 * np.einsum("lqi,lq->li", through, rest)
-            nearer = (legs.value - errors)[:, : len(LATENT)]
+            errors = zeros @ (self.common * unknowns[self.count :]) - size**2 * np.einsum("lqi,lq->li", through, rest)
+            nearer = (read - errors)[:, READ]
             near = np.allclose(nearer, latent, rtol=UPDATE_SETTLED, atol=UPDATE_SETTLED)
             latent, converged = nearer, bool(near and (np.abs(step) <= UPDATE_SETTLED).all())
             if converged:
@@ -293,45 +298,32 @@ class LegProblem(Unknowns):
         left_out = np.einsum("lq,lq->l", rest, np.linalg.solve(share, rest[..., None])[..., 0])
         return LegFit(unknowns, information, latent, chi_square, left_out, rest.size, converged)
 
-    def informations(self, readings: SteadyReadings) -> np.ndarray:
+    def informations(self) -> np.ndarray:
         """Return the information of each leg that is read exactly as here, (legs, P, P)."""
-        legs = self._read(readings)
-        design = self._linear(legs, legs.value[:, : len(LATENT)], np.zeros(len(self.precision)))[1]
+        design = self._linear(self._read[0][:, READ], np.zeros(len(self.precision)))[1]
         return np.asarray(design.swapaxes(1, 2) @ design)
 
-    def _read(self, readings: SteadyReadings) -> LegReadings:
-        names = ("y", "u", "rudder", *readings.directions)
-        value, size = (np.stack([part[name] for name in names], axis=1) for part in (readings.values, readings.errors))
-        zeros = np.array([[f"{name}_zero" == unknown for unknown in UNKNOWN] for name in names], float)
-        model = self.prior.model
-        given = sinkage_and_revolutions(model, readings.values["u"], readings.values)
-        return LegReadings(value, size, zeros, SteadyBalance(model, given))
-
-    def _linear(
-        self, legs: LegReadings, latent: np.ndarray, unknowns: np.ndarray
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _linear(self, latent: np.ndarray, unknowns: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return balances (legs, q) about states with independent errors of size one, and their slopes by unknowns
         (legs, q, P) and readings: value = design @ unknowns + error.
         """
-        model = self.prior.model
-        mean = np.array([model.coefficients[name] for name in model.terms.names])
+        (read, size, zeros), legs = self._read, len(latent)
+        mean = np.array([self.model.coefficients[name] for name in self.model.terms.names])
         by_scaled = self.prior.members * self.prior.scale
-        slopes, by_turning, mass = legs.balance.slopes(latent, mean + by_scaled @ unknowns[: self.count])
-        columns, again = legs.balance.columns(latent), legs.value.shape[1] - len(LATENT)
-        through = np.zeros((len(latent), len(BALANCED) + again, legs.value.shape[1]))
-        through[:, FORCES, : len(LATENT)] = slopes
+        state = np.append(np.zeros((legs, len(LEFT))), latent, axis=1)
+        slopes = self._slopes(state, mean + by_scaled @ unknowns[: self.count])
+        columns, again = self._columns(state), read.shape[1] - state.shape[1]
+        through = np.zeros((legs, len(BALANCED) + again, read.shape[1]))
+        through[:, FORCES, : state.shape[1]] = slopes
         through[:, len(BALANCED) :, -2:] = -1.0, 1.0  # Two readings of the direction are equal.
-        common = -through @ legs.zeros
+        common = -through @ zeros
         common[:, FORCES, FORCES] += np.eye(len(BALANCED))  # Slopes by the wind
         design = np.zeros((*through.shape[:2], len(unknowns)))
         design[:, FORCES, : self.count] = columns @ by_scaled
         design[:, :, self.count :] = common * self.common
-        covariance = np.einsum("lqi,li,lri->lqr", through, legs.size**2, through)
-        # What wind and a rest of motion leave out of balance
-        moved, turned = mass * self.left_over[3:], self.left_over[2] * by_turning
-        covariance[:, FORCES, FORCES] += np.diag(self.left_over[:2] ** 2) + moved @ np.swapaxes(moved, 1, 2)
-        covariance[:, FORCES, FORCES] += turned[:, :, None] * turned[:, None]
-        off = legs.value - np.concatenate([latent, latent[:, -1:].repeat(again, axis=1)], axis=1)
+        covariance = np.einsum("lqi,li,lri->lqr", through, size**2, through)
+        covariance[:, FORCES, FORCES] += np.diag(left_over(self.conditions, self.model)[:2] ** 2)
+        off = read - np.append(state, latent[:, -1:].repeat(again, axis=1), axis=1)
         value = -np.einsum("lqi,li->lq", through, off)
         value[:, FORCES] -= columns @ mean
         try:
@@ -344,52 +336,34 @@ class LegProblem(Unknowns):
         white = [np.linalg.solve(root, own) for own in (value[..., None], design, through)]
         return white[0][..., 0], white[1], white[2]
 
-
-@dataclass(frozen=True)
-class SteadyBalance:
-    """Sway force and yaw moment along a straight course: the sway velocity goes with heading and speed."""
-
-    model: Model  # With terms of a rudder
-    given: Mapping[str, np.ndarray]  # (legs,) Heave [m], and revolutions [1/s] if the terms need them
-
     @cached_property
-    def _ship(self) -> SimulatedShip:
-        return SimulatedShip(self.model)
+    def _given(self) -> dict[str, Any]:
+        """Quantities that no leg changes; heave [m], and revolutions [1/s] if the terms need them, by the speed."""
+        read = self.readings.values
+        each, place = np.unique(read["u"], return_inverse=True)
+        given = {"heave": read["heave"] if "heave" in read else keel_at(self.model, each).midship[place]}
+        if self.model.terms.propelled:
+            given["revolutions"] = (
+                read["revolutions"] if "revolutions" in read
+                else np.array([self_propulsion(self.model, speed) for speed in each.tolist()])[place]
+            )  # fmt: skip
+        return {**SimulatedShip(self.model).values(), **given}
 
-    def columns(self, latent: np.ndarray) -> np.ndarray:
+    def _columns(self, state: np.ndarray) -> np.ndarray:
         """Return what multiplies each coefficient in sway force and yaw moment, (legs, 2, coefficients)."""
-        (y, u, rudder, psi), terms = latent.T, self.model.terms
-        values = {**self._ship.values(), **Motion.at(psi, y=y, u=u, v=-u * np.tan(psi)).values(), **self.given}
+        # state (legs, 7): ``LEFT`` and ``LATENT``. Along a straight course the sway velocity goes with the heading.
+        (*left, y, u, rudder, psi), terms = state.T, self.model.terms
+        motion = Motion.at(psi, y=y, u=u, v=-u * np.tan(psi), **dict(zip(LEFT, left, strict=True)))
+        values = {**motion.values(), **self._given}
         values |= next(actuator for actuator in terms.actuators if actuator.name == "rudder").placed(rudder)
-        columns = np.zeros((len(latent), len(BALANCED), len(terms.names)))
+        columns = np.zeros((len(state), len(BALANCED), len(terms.names)))
         for row, force in enumerate(BALANCED):
             for term in terms.forces[force]:
                 columns[:, row, terms.names.index(term.name)] = term.column(values)
         return columns
 
-    def slopes(self, latent: np.ndarray, coefficients: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return slopes by ``LATENT`` (legs, 2, 4) and by the yaw rate (legs, 2), and the mass (legs, 2, 2)."""
-        named = dict(zip(self.model.terms.names, coefficients.tolist(), strict=True))
-        linear = self._ship.linearisation({**self._ship.values(), **self.given, **named})
-        y, u, rudder, psi = latent.T
-        at = {"y": y, "u": u, "v": -u * np.tan(psi), "psi": psi, "rudder": rudder, **self.given}
-        # The rates are the forces over the mass, which no place changes.
-        rates = linear.linear(at)[:, [LINEARISED.index(velocity) for velocity in BALANCED.values()]]
-        names = (*LINEARISED, *linear.controlled)
-        mass = np.linalg.inv(rates[:, :, [names.index("Y_in"), names.index("N_in")]])
-        by = dict(zip(names, np.moveaxis(mass @ rates, 2, 0), strict=True))
-        by_u = by["u"] - by["v"] * np.tan(psi)[:, None]
-        by_psi = by["psi"] - by["v"] * (u / np.cos(psi) ** 2)[:, None]
-        return np.stack([by["y"], by_u, by["rudder"], by_psi], axis=-1), by["r"], mass
-
-
-def sinkage_and_revolutions(model: Model, speeds: np.ndarray, read: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Return heave [m], and revolutions [1/s] if the terms need them, by the speed of legs (legs,) [m/s]."""
-    each, place = np.unique(speeds, return_inverse=True)
-    given = {"heave": read["heave"] if "heave" in read else keel_at(model, each).midship[place]}
-    if model.terms.propelled:
-        given["revolutions"] = (
-            read["revolutions"] if "revolutions" in read
-            else np.array([self_propulsion(model, speed) for speed in each.tolist()])[place]
-        )  # fmt: skip
-    return given
+    def _slopes(self, state: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
+        """Return the slopes of both forces by ``LEFT`` and ``LATENT``, (legs, 2, 7)."""
+        aside = STEP * np.eye(state.shape[1])
+        ahead, behind = ([self._columns(state + sign * one) @ coefficients for one in aside] for sign in (1, -1))
+        return np.asarray(np.moveaxis(np.array(ahead) - np.array(behind), 0, -1) / (2 * STEP))

@@ -15,6 +15,7 @@ from narrows.logbook import settings
 from narrows.logbook.learned_coefficient import ON_TWINS, learnable
 from narrows.logbook.learning.log_posterior import (
     check_covariance,
+    coefficient_prior,
     expected_std,
     log_posterior,
     regression_on_estimated,
@@ -188,8 +189,9 @@ def plan_steady(
     check_inside(beside, model.configuration.canal.width, model.configuration.ship.beam)
     found = candidates(model, beside, ahead, reserve, side, samples, seed)
     allowed = np.flatnonzero(found.allowed)
-    problem = LegProblem.of(model, conditions)
-    pairs = pair_informations(problem, found, allowed, errors)
+    problem = LegProblem(coefficient_prior(model, "held"), conditions, held_exactly(found, allowed, errors))
+    size = len(problem.precision)
+    pairs = problem.informations().reshape(2, len(allowed), size, size).swapaxes(0, 1)
     best = best_pairs(problem, pairs.sum(axis=1), names, legs // 2)
     order = sorted(best, key=lambda i: (found.offsets[allowed[i]], found.speeds[allowed[i]]))
     # The sides come first in turn, so that what grows with time cancels too.
@@ -260,17 +262,13 @@ def _refused(found: Candidates, reserve: float, clearance: float) -> list[str]:
     return notes
 
 
-def pair_informations(problem: LegProblem, found: Candidates, allowed: np.ndarray, errors: ReadingErrors) -> np.ndarray:
-    """Return the information of the legs to starboard and to port at each allowed place, (places, 2, P, P)."""
-    size, sides = len(problem.precision), np.array([[1.0], [-1.0]])
-    if not allowed.size:
-        return np.zeros((0, 2, size, size))
-    columns = {"y": sides * found.offsets, "u": abs(sides) * found.speeds, "rudder": sides * found.rudder}
-    columns["drift"] = sides * found.psi
-    values = {name: column[:, allowed].ravel() for name, column in columns.items()}
+def held_exactly(found: Candidates, allowed: np.ndarray, errors: ReadingErrors) -> SteadyReadings:
+    """Return the readings of legs held as planned at each allowed place, to starboard and then to port."""
+    starboard = {"y": found.offsets, "u": found.speeds, "rudder": found.rudder, "drift": found.psi}
+    signs = {name: 1.0 if name == "u" else -1.0 for name in starboard}
+    values = {name: np.append(own[allowed], signs[name] * own[allowed]) for name, own in starboard.items()}
     stated = {name: np.full(2 * len(allowed), reading_error(errors, name)) for name in values}
-    legs = SteadyReadings(tuple(map(str, range(2 * len(allowed)))), values, stated)
-    return problem.informations(legs).reshape(2, len(allowed), size, size).swapaxes(0, 1)
+    return SteadyReadings(tuple(map(str, range(2 * len(allowed)))), values, stated)
 
 
 def best_pairs(problem: LegProblem, pairs: np.ndarray, names: Sequence[str], count: int) -> list[int]:
