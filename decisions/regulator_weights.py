@@ -40,7 +40,7 @@ def main(ships: int = 250, rounds: int = 30) -> None:
         results = [(share, trial.run(weights)) for share, trial in tuning] if weights else [(1.0, None)]
         return sum(math.inf if one is None else share * cost_of(one) for share, one in results)
 
-    found = weights_at(searched(cost, np.append(np.zeros(len(TUNED)), DEFAULT_WEIGHTS.bank), rounds, lambda done: None))
+    found = weights_at(searched(cost, np.append(np.zeros(len(TUNED)), DEFAULT_WEIGHTS.bank), rounds))
     print(found)
     for _, trial in trials(10 * ships, 99):
         for weights in (found, DEFAULT_WEIGHTS):

@@ -59,7 +59,7 @@ def test_the_search_finds_the_minimum_of_a_valley() -> None:
     """Of a quadratic whose axes differ by a factor of a thousand, turned."""
     turned = np.linalg.qr(np.random.default_rng(2).standard_normal((4, 4)))[0]
     matrix, least = turned @ np.diag([1.0, 10.0, 100.0, 1000.0]) @ turned.T, np.array([0.3, -0.2, 0.5, 0.1])
-    found = searched(lambda x: float((x - least) @ matrix @ (x - least)), np.zeros(4), 150, lambda done: None)
+    found = searched(lambda x: float((x - least) @ matrix @ (x - least)), np.zeros(4), 150)
     np.testing.assert_allclose(found, least, atol=1e-3)
 
 

@@ -204,10 +204,10 @@ def cost_of(program: QuadraticProgram, z: np.ndarray) -> float:
 def test_a_program_without_numbers_or_without_an_answer_has_none() -> None:
     pytest.importorskip("daqp")
     program = next(programs())
-    assert solve_program(replace(program, f=np.full_like(program.f, np.nan))) is None
+    assert solve_program(program._replace(f=np.full_like(program.f, np.nan))) is None
     beyond = program.upper.copy()
     beyond[len(program.f)] = -50.0  # a rudder that no rate brings within its limit
-    assert solve_program(replace(program, upper=beyond, lower=np.minimum(program.lower, beyond))) is None
+    assert solve_program(program._replace(upper=beyond, lower=np.minimum(program.lower, beyond))) is None
 
 
 def test_weights_are_those_of_brysons_rule() -> None:

@@ -99,7 +99,7 @@ def test_what_is_no_plan_is_refused(governor: SpeedGovernor, limits, more, word:
 
 def test_a_helm_of_python_is_refused() -> None:
     with pytest.raises(nw.InputError, match="law in arithmetic"):
-        SpeedGovernor(lambda t, state: 0.0, (0.0, 1.0), (1.0, 1.0), (9.0, 9.0), 1.0, 1.0, 1.0)
+        SpeedGovernor(lambda t, state: 0.0, (0.0, 1.0), (1.0, 1.0), (9.0, 9.0), 1.0, 1.0, 1.0, 9.0)
 
 
 def test_gains_along_the_way_are_those_of_each_place() -> None:

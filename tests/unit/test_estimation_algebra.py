@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 
 from narrows.codegen.cache import compiled_loops
 from narrows.estimation import square_roots
+from narrows.estimation.estimator import smoothed
 from narrows.estimation.ship_filter import MotionStep, gate
-from narrows.estimation.smoothing import smoothed
 from narrows.estimation.unscented import (
     Gaussian,
     predict,

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import count, pairwise
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -248,12 +248,13 @@ def design(
     trials = DesignTrials(geared, y, u, scenes, ships, seed, noise)
 
     def cost(point: np.ndarray) -> float:
+        advance(1)
         weights = weights_at(point)
         result = trials.run(weights) if weights else None
         return math.inf if result is None else cost_of(result)
 
-    with bar(rounds, progress) as advance:
-        best = searched(cost, np.append(np.zeros(len(TUNED)), DEFAULT_WEIGHTS.bank), rounds, advance)
+    with bar(settings.DESIGNS_A_ROUND * rounds, progress, "designs") as advance:
+        best = searched(cost, np.append(np.zeros(len(TUNED)), DEFAULT_WEIGHTS.bank), rounds)
     weights = weights_at(best) or DEFAULT_WEIGHTS
     judge = DesignTrials(geared, y, u, scenes, settings.DESIGN_JUDGES * ships, seed + 1, noise)
     return RegulatorDesign(geared, float(y), float(u), weights, _judged(judge, weights))
@@ -290,21 +291,13 @@ def _judged(trials: DesignTrials, weights: RegulatorWeights) -> dict[str, dict[s
     }  # fmt: skip
 
 
-def searched(
-    cost: Callable[[np.ndarray], float], start: np.ndarray, rounds: int, advance: Callable[[int], Any]
-) -> np.ndarray:
+def searched(cost: Callable[[np.ndarray], float], start: np.ndarray, rounds: int) -> np.ndarray:
     """Return the best point of a simplex search that stays away from infinite costs."""
     from scipy.optimize import minimize
-
-    evaluations = count(1)
-
-    def counted(point: np.ndarray) -> float:
-        advance(int(next(evaluations) % settings.DESIGNS_A_ROUND == 0))
-        return cost(point)
 
     # The last number, the bank's share, moves down: it may be 1 already.
     steps = settings.DESIGN_STEP * np.append(np.ones(len(start) - 1), -1.0)
     corners = start + np.vstack([np.zeros(len(start)), np.diag(steps)])
     most = settings.DESIGNS_A_ROUND * rounds
     options: Any = {"maxfev": most, "initial_simplex": corners, "xatol": 1e-4, "fatol": 0.0}
-    return np.asarray(minimize(counted, start, method="Nelder-Mead", options=options).x)
+    return np.asarray(minimize(cost, start, method="Nelder-Mead", options=options).x)

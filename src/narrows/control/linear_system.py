@@ -30,7 +30,6 @@ class LinearSystem(BaseResult):
 
     x, u and d are deviations of state, controls and disturbances from the course. With several courses, the dimensions
     of ``course`` come first in the matrices; methods about one course then raise ``InputError``: take it by ``one``.
-
     """
 
     A: np.ndarray  # (..., states, states) Rates by states
@@ -60,7 +59,10 @@ class LinearSystem(BaseResult):
 
     def matrices(self, *controls: str) -> tuple[np.ndarray, np.ndarray]:
         """Return A and B of one course, with B for some controls; for all unless given."""
-        return self._of_one(self.A), self._of_one(self.B)[:, self._columns(controls)]
+        for name in controls:
+            check_choice("control", name, self.controls)
+        columns = [self.controls.index(name) for name in controls or self.controls]
+        return self._of_one(self.A), self._of_one(self.B)[:, columns]
 
     def rates(self, x: np.ndarray, u: np.ndarray, d: np.ndarray) -> np.ndarray:
         """Return the rates of the states of one course, by absolute states, positions of actuators and disturbances."""
@@ -102,9 +104,9 @@ class LinearSystem(BaseResult):
 
         States are scaled to ship lengths. Give ``controls`` to use some alone.
         """
-        matrix, scales, time = self._of_one(self.A), self._scales(), self._time()
-        A = time * matrix * scales / scales[:, None]
-        B = self._of_one(self.B)[:, self._columns(controls)] / scales[:, None]
+        A, B = self.matrices(*controls)
+        scales = self._scales()
+        A, B = self._time() * A * scales / scales[:, None], B / scales[:, None]
         sizes = np.linalg.norm(B, axis=0)
         step = B / np.where(sizes > 0, sizes, 1.0)
         reached = np.hstack([np.linalg.matrix_power(A, power) @ step for power in range(len(A))])
@@ -122,7 +124,7 @@ class LinearSystem(BaseResult):
                 f"there are {count} states, {', '.join(self.states)}; give a gain for each, and where a rate is "
                 "ordered two more, for the control and the integral of the offset"
             )
-        A, B, C = self._of_one(self.A), self._of_one(self.B)[:, self._columns((control,))], gains[None, :]
+        (A, B), C = self.matrices(control), gains[None, :]
         if len(gains) > count:
             # States, then the ordered control and the integral of the offset.
             whole = np.zeros((count + 2, count + 2))
@@ -218,11 +220,6 @@ class LinearSystem(BaseResult):
         if matrix.ndim > 2:
             raise InputError("these are several courses at once; linearise about one y and one u")
         return matrix
-
-    def _columns(self, controls: tuple[str, ...]) -> list[int]:
-        for name in controls:
-            check_choice("control", name, self.controls)
-        return [self.controls.index(name) for name in controls or self.controls]
 
     def _time(self) -> float:
         return self.length / float(self.course["u"])

@@ -38,7 +38,7 @@ class SpeedGovernor(BaseSummary):
     gain: float  # Revolutions per speed error [1/m]
     integral_gain: float  # Revolutions per integral of the speed error [1/(m s)]
     inertia: float  # Revolutions per acceleration [s/m]
-    most_revolutions: float = math.inf  # Limit of the engine [1/s]
+    most_revolutions: float  # Limit of the engine [1/s]
 
     def __post_init__(self) -> None:
         if not isinstance(self.helm, ControlLaw):
@@ -55,8 +55,7 @@ class SpeedGovernor(BaseSummary):
         for name, values in (("u", self.u), ("revolutions", self.revolutions)):
             plan |= {f"plan_slope_{name}_{i}": slope for i, slope in enumerate(np.diff(values) / np.diff(self.x))}
         gains = {"surge_gain": self.gain, "surge_integral_gain": self.integral_gain, "surge_inertia_gain": self.inertia}
-        most = {"most_revolutions": self.most_revolutions} if math.isfinite(self.most_revolutions) else {}
-        return {**self.helm.parameters(), **plan, **gains, **most}
+        return {**self.helm.parameters(), **plan, **gains, "most_revolutions": self.most_revolutions}
 
     def memory(self, start: Named) -> Named:
         """Return the helm's memory, and a zero integral."""
@@ -68,7 +67,7 @@ class SpeedGovernor(BaseSummary):
         speed, rate, revolutions = at.plan_u, 0.0, at.plan_revolutions
         for i in range(len(self.x) - 1):
             first, last = getattr(at, f"plan_x_{i}"), getattr(at, f"plan_x_{i + 1}")
-            covered = _within(at.x - first, last - first)
+            covered = minimum(maximum(at.x - first, 0.0), last - first)
             slope = getattr(at, f"plan_slope_u_{i}")
             speed = speed + slope * covered
             revolutions = revolutions + getattr(at, f"plan_slope_revolutions_{i}") * covered
@@ -76,9 +75,7 @@ class SpeedGovernor(BaseSummary):
         speed_error, shortfall = speed - at.u, getattr(at, SHORTFALL)
         wanted = revolutions + at.surge_inertia_gain * rate + at.surge_gain * speed_error
         unlimited = wanted + at.surge_integral_gain * (shortfall + at.dt * speed_error)
-        limited = math.isfinite(self.most_revolutions)
-        most = minimum(at.revolutions_limit, at.most_revolutions) if limited else at.revolutions_limit
-        order = _within(unlimited, most)
+        order = minimum(maximum(unlimited, 0.0), minimum(at.revolutions_limit, at.most_revolutions))
         # At a limit the integral must not grow further.
         shortfall = shortfall + choice(abs(unlimited - order), 0.0, at.dt * speed_error)
         return {**orders, "revolutions": order}, {**kept, SHORTFALL: shortfall}
@@ -169,7 +166,3 @@ def _gains(model: Model, u: float) -> tuple[float, float, float]:
     slope, push = linear.A[row, row], linear.B[row, linear.controls.index("revolutions")]
     pole = u / (settings.GOVERNOR_TIME * model.configuration.ship.length)
     return float((2 * pole + slope) / push), float(pole**2 / push), float(1 / push)
-
-
-def _within(value: Any, most: Any) -> Any:
-    return minimum(maximum(value, 0.0), most)

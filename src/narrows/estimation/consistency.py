@@ -181,11 +181,6 @@ def consistency(
         Takes time and readings and returns faulty readings: a jump, an outage, a spoof.
     waterway, **filtering : optional
         Waterway instead of the model's own canal, and other options of ``Estimator``.
-
-    Raises
-    ------
-    InputError
-        If a value does not fit, no pilot holds the ship there, or all twins run aground.
     """
     check_count("twins", twins, 1)
     check_count("seed", seed)

@@ -63,18 +63,11 @@ class Sensor(Protocol):
 
 @dataclass(frozen=True)
 class GaussMarkov:
-    """An error of a sensor correlated in time: a first-order Gauss-Markov process, or a constant bias.
+    """An error of a sensor correlated in time: a first-order Gauss-Markov process, or a constant bias."""
 
-    Parameters
-    ----------
-    std : float or tuple of float [unit of the sensor's numbers]
-        Standard deviation, of all components of the sensor or of each of them; 0 for none.
-    time : float [s]
-        Correlation time; ``math.inf`` for a constant bias.
-    """
-
+    # Standard deviation, of all components of the sensor or of each of them; 0 for none [unit of its numbers]
     std: float | tuple[float, ...]
-    time: float = math.inf
+    time: float = math.inf  # Correlation time; ``math.inf`` for a constant bias [s]
 
     def __post_init__(self) -> None:
         if not (self.time > 0.0 and np.isfinite(self.std).all() and np.greater_equal(self.std, 0.0).all()):
@@ -130,19 +123,10 @@ class Measuring:
 class Gyro(Measuring):
     """A gyrocompass: the heading to the canal's direction.
 
-    Parameters
-    ----------
-    noise : float [rad]
-        Standard deviation of the white error; by default that of a gyrocompass within IMO A.424(XI), as in the
-        ``"vdr"`` grade of a log's sensors. Its slow error, of 0.2 degrees, is ``coloured`` or ``bias``.
-    period, late : float [s]
-        Time between readings, and delay of a reading.
-    name : str
-        Name of its readings.
-    bias : float [rad]
-        Standard deviation of a constant error, which becomes a state of the estimate; 0 for none.
-    coloured : GaussMarkov, optional
-        Error correlated in time, which becomes a state too.
+    ``noise`` [rad], the standard deviation of the white error, is by default that of a gyrocompass within IMO
+    A.424(XI). Its slow error, of 0.2 degrees, is ``coloured`` (a ``GaussMarkov``) or ``bias`` [rad], the standard
+    deviation of a constant error; each becomes a state of the estimate. ``period`` and ``late`` [s] are the time
+    between readings and the delay of a reading, ``name`` is the name of its readings.
     """
 
     noise: float = math.radians(0.15)
@@ -155,13 +139,10 @@ class Gyro(Measuring):
 @accept_aliases
 @dataclass(frozen=True)
 class RateOfTurn(Measuring):
-    """A rate gyro: the yaw rate. Parameters other than ``noise`` are those of ``Gyro``.
+    """A rate gyro: the yaw rate, with white ``noise`` [rad/s]; others are those of ``Gyro``.
 
-    Parameters
-    ----------
-    noise : float [rad/s]
-        Standard deviation of the white error; by default of an indicator within IMO A.526(13), 0.5 degrees a minute
-        and 5 % of the rate. A rate by differences of headings has several times as much.
+    The default is that of an indicator within IMO A.526(13), 0.5 degrees a minute and 5 % of the rate. A rate by
+    differences of headings has several times as much.
     """
 
     noise: float = math.radians(0.01)
@@ -183,16 +164,10 @@ class Log(Measuring):
 
 @dataclass(frozen=True)
 class RudderIndicator:
-    """The indicated rudder angle, an input of the model.
+    """The indicated rudder angle, an input of the model."""
 
-    Parameters
-    ----------
-    noise, bias : float [rad]
-        Standard deviations of a reading, and of a constant error, which becomes a state of the estimate; 0 for none.
-    """
-
-    noise: float = 0.0
-    bias: float = math.radians(1.0)
+    noise: float = 0.0  # Standard deviation of a reading [rad]
+    bias: float = math.radians(1.0)  # That of a constant error, which becomes a state of the estimate; 0 for none [rad]
     name: ClassVar[str] = "rudder"
 
     def __post_init__(self) -> None:
@@ -217,17 +192,10 @@ class Antenna(Measuring):
 @accept_aliases
 @dataclass(frozen=True)
 class Gnss(Antenna):
-    """A satellite receiver: the position of its antenna in the canal. Others are those of ``Gyro``.
+    """A satellite receiver: the position of its antenna, ``forward`` and ``starboard`` of midship [m], in the canal.
 
-    Parameters
-    ----------
-    noise : float [m]
-        Standard deviation of the white error along and across.
-    coloured : GaussMarkov, optional
-        Error correlated in time, which becomes a state too; by default as large as the noise, over a minute, as is
-        usual for receivers. ``None``: white errors alone.
-    forward, starboard : float [m]
-        Position of the antenna relative to midship.
+    ``noise`` [m] is the standard deviation of the white error along and across. The slow error, ``coloured``, is by
+    default as large, over a minute, as is usual for receivers; ``None``: white errors alone. Others: see ``Gyro``.
     """
 
     noise: float = 1.5
@@ -267,13 +235,8 @@ class Gnss(Antenna):
 class CourseOverGround(Antenna):
     """Course and speed over ground, of a satellite receiver from Doppler shifts. Others are those of ``Gnss``.
 
-    Readings are course and speed; the estimate uses velocities along and across, whose noise does not depend on the
-    speed. Together with the model's drift they determine a gyro's bias.
-
-    Parameters
-    ----------
-    noise : float [m/s]
-        Standard deviation of the white error of the velocity along and across.
+    Readings are course and speed; the estimate uses velocities along and across, whose white ``noise`` [m/s] does not
+    depend on the speed. Together with the model's drift they determine a gyro's bias.
     """
 
     noise: float = 0.05

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -31,10 +31,6 @@ from narrows.simulation.ship_lanes import ShipLanes
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
-
-
-def prediction_lanes(ship: SimulatedShip, waterway: "Waterway | None", lanes: int) -> ShipLanes:
-    return ShipLanes(ship, MOTION, lanes, waterway, pushed=True, endless=True)
 
 
 def predict(
@@ -84,8 +80,7 @@ class RudderPlan:
         return RudderPlan(places, states, rates)
 
 
-@dataclass(frozen=True)
-class QuadraticProgram:
+class QuadraticProgram(NamedTuple):
     """Minimise z' H z / 2 + f' z within bounds; z holds the changes of the rates and the lack of clearance."""
 
     H: np.ndarray  # (n, n) Positive definite
@@ -120,7 +115,8 @@ class Planner:
         # margins (intervals,): distance between hull and bank after each interval [m]; positions of other actuators
         self.water, self.horizon, self.margins = water, horizon, margins
         self.weights, self.positions = weights, positions
-        self.lanes = prediction_lanes(ship, waterway, horizon.intervals)  # One lane per interval
+        # One lane per interval
+        self.lanes = ShipLanes(ship, MOTION, horizon.intervals, waterway, pushed=True, endless=True)
         section = () if water.straight else SECTION
         linear = ship.system().linearisation(ship.values(**positions), ship.actuators, section)
         self.jacobians = linear.batch(horizon.intervals)  # One point per interval
@@ -214,9 +210,8 @@ def program_of(
 ) -> QuadraticProgram:  # fmt: skip
     """Combine cost and constraints; clearance may fall short at a cost."""
     n = len(rates)
-    H, f = np.zeros((n + 1, n + 1)), np.full(n + 1, settings.SHORT)
+    H, f = np.diag(np.full(n + 1, settings.SHORT_SQUARED)), np.full(n + 1, settings.SHORT)
     H[:n, :n], f[:n] = cost
-    H[n, n] = settings.SHORT_SQUARED
     (angle, by_rate), (rows, bounds), (most, fastest) = rudders, clearance, limits
     A = np.zeros((n + len(rows), n + 1))
     A[:n, :n], A[n:, :n], A[n:, n] = by_rate, rows, -half_beam

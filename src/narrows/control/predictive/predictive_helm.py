@@ -11,14 +11,22 @@ import numpy as np
 
 from narrows.codegen.choices import STAGES
 from narrows.control.predictive.course_ahead import CourseAhead, weights_of
-from narrows.control.predictive.line_frame import FORCED, RUDDER, Push, no_push, share_of, update_push, water_ahead
+from narrows.control.predictive.line_frame import (
+    FORCED,
+    MOTION,
+    RUDDER,
+    Push,
+    no_push,
+    share_of,
+    update_push,
+    water_ahead,
+)
 from narrows.control.predictive.planner import (
     Horizon,
     Planner,
     RudderPlan,
     horizon_of,
     predict,
-    prediction_lanes,
 )
 from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.control.settings import FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING, TIME_TOLERANCE
@@ -239,7 +247,7 @@ class PredictiveHelm(BaseSummary):
             check_holds(self.model, held, self.y, self.u)
         margins = course.margins(horizon.intervals, self.confidence)
         planner = Planner(ship, self.waterway, water, horizon, margins, weights, positions)
-        observer = prediction_lanes(ship, self.waterway, 2)
+        observer = ShipLanes(ship, MOTION, 2, self.waterway, pushed=True, endless=True)
         gear = self.model.configuration.gear
         return VoyageOrders(planner, course, observer, PUSH_LENGTHS * passing, self.seconds, gear)
 
