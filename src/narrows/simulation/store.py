@@ -4,9 +4,7 @@ import hashlib
 import math
 import os
 import shutil
-import time
-import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -30,18 +28,18 @@ def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bo
     blocks = list(grid.blocks(TASK_VESSELS))
     with storing(path), bar(grid.vessels, progress) as advance:
         group = opened(path, _identity(fleet, grid), grid, blocks)
-        left = {number for number, block in enumerate(blocks) if not is_done(group, grid.region(block), number)}
-        for number in left:
-            discard(path, group, grid, number)
-        advance(sum(_vessels(grid, block) for number, block in enumerate(blocks) if number not in left))
+        left = [number for number, done in enumerate(group[DONE][:]) if not done]
+        advance(grid.vessels - sum(_vessels(grid, blocks[number]) for number in left))
         tasks = (
             (str(path.resolve()), fleet, grid.part(blocks[number]), grid.region(blocks[number]), number)
-            for number in sorted(left)
+            for number in tuple(left)
         )
         for number in _here(tasks) if client is None else _there(client, tasks):
-            left.discard(number)
+            left.remove(number)
             advance(_vessels(grid, blocks[number]))
-        return xr.open_zarr(path, consolidated=False).drop_vars(DONE).assign_attrs(complete=int(not left))
+        held = xr.open_zarr(path, consolidated=False).drop_vars(DONE)
+        # The voyages are the same under any labels: those of this call stand in the result.
+        return held.drop_vars(held.coords).assign_coords(grid.coordinates()).assign_attrs(complete=int(not left))
 
 
 def run_block(path: str, fleet: KernelRun, part: Grid, region: tuple[slice, ...], number: int) -> int:
@@ -50,10 +48,9 @@ def run_block(path: str, fleet: KernelRun, part: Grid, region: tuple[slice, ...]
 
     group = zarr.open_group(path, mode="r+")
     values, shape = part.flat(slice(0, part.sizes[part.axis]))
-    columns = fleet.run(values, math.prod(shape))
-    for name, column in columns.items():
+    for name, column in fleet.run(values, math.prod(shape)).items():
         group[name][region] = column.reshape(shape)
-    group[DONE][number] = checksum(columns)
+    group[DONE][number] = True
     return number
 
 
@@ -82,17 +79,15 @@ def _vessels(grid: Grid, block: slice) -> int:
 
 
 def _identity(fleet: KernelRun, grid: Grid) -> str:
-    digest = hashlib.sha256(fleet.text.encode())
+    digest = hashlib.sha256(f"{fleet.text} {TASK_VESSELS}".encode())
     for name, value in sorted(grid.values.items()):
         digest.update(f"{name} {value.dims}".encode())
         digest.update(np.ascontiguousarray(value.to_numpy()).tobytes())
     return digest.hexdigest()
 
 
-# Array with a checksum for each block of the folder; 0 if it has not run.
-DONE = "block_checksum"
-# Name of unfinished folders, and the age [s] after which one counts as abandoned.
-MAKING, LEFTOVER = ".narrows-store-", 3600.0
+# Array of the folder: whether each block has run.
+DONE = "block_done"
 
 
 @contextmanager
@@ -106,8 +101,7 @@ def storing(path: Path) -> Iterator[None]:
 
 
 def opened(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> Any:
-    """Open the folder of an ensemble, made if absent, with the current labels."""
-    # Labels do not identify an ensemble: the voyages are the same under any.
+    """Open the folder of an ensemble, made if absent."""
     with needs("cluster", "a store"):
         import zarr
     if not path.exists() or (path.is_dir() and not any(path.iterdir())):
@@ -119,114 +113,37 @@ def opened(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> Any:
         raise InputError(f"{path}: holds no ensemble that can be read; choose another folder or remove it") from None
     if held != identity:
         raise InputError(f"{path}: holds another ensemble; choose another folder or remove it")
-    if not _columns_are_sound(group, grid, blocks):
-        _make_columns(group, grid, blocks)
-    if not _labels_are_sound(path, grid):
-        _write_labels(path, group, grid)
     return group
-
-
-def checksum(columns: Mapping[str, np.ndarray]) -> int:
-    """Return a number that depends on all columns of a block, never 0."""
-    number = 0
-    for name, kind in OUTPUTS.items():
-        number = zlib.crc32(np.ascontiguousarray(columns[name], dtype=kind).tobytes(), number)
-    return number or 1
-
-
-def is_done(group: Any, region: tuple[slice, ...], number: int) -> bool:
-    try:
-        marked = int(group[DONE][number])
-        return marked != 0 and marked == checksum({name: group[name][region] for name in OUTPUTS})
-    except Exception:  # Decoders raise various errors on damaged data: the block runs again
-        return False
-
-
-def discard(path: Path, group: Any, grid: Grid, number: int) -> None:
-    """Remove the stored data of a block, so that nothing damaged is read when it is written again."""
-    chunk = tuple(number if name == grid.axis else 0 for name in grid.sizes)
-    for name, chunk_index in {**dict.fromkeys(OUTPUTS, chunk), DONE: (number,)}.items():
-        file = path / name / group[name].metadata.encode_chunk_key(chunk_index)
-        shutil.rmtree(file) if file.is_dir() else file.unlink(missing_ok=True)
 
 
 def _make(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> None:
     """Make a temporary folder and rename it: if the process is killed, it is whole or absent."""
-    import zarr
-
-    path.parent.mkdir(parents=True, exist_ok=True)
-    _sweep(path.parent)
-    making = path.parent / f"{MAKING}{uuid4().hex}"
+    making = path.parent / f".{path.name}-{uuid4().hex}"
+    making.mkdir(parents=True)
     try:
-        group = zarr.open_group(str(making), mode="w")
-        _make_columns(group, grid, blocks)
-        group.attrs["identity"] = identity
-        _write_labels(making, group, grid)
-        _move(making, path)
-    finally:
-        shutil.rmtree(making, ignore_errors=True)
-
-
-def _move(making: Path, path: Path) -> None:
-    try:
+        _write_empty(making, identity, grid, blocks)
         os.replace(making, path)
     except OSError:
         if not (path.is_dir() and any(path.iterdir())):  # Otherwise another process has just made it
             raise
+    finally:
+        shutil.rmtree(making, ignore_errors=True)
 
 
-def _sweep(folder: Path) -> None:
-    """Remove leftovers of killed processes."""
-    for left in folder.glob(f"{MAKING}*"):
-        if time.time() - left.stat().st_mtime > LEFTOVER:
-            shutil.rmtree(left, ignore_errors=True)
+def _write_empty(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> None:
+    """Write arrays of voyages that have not run, with the labels of the dimensions."""
+    import zarr
 
-
-def _shapes(grid: Grid, blocks: list[slice]) -> dict[str, tuple[tuple[int, ...], tuple[int, ...], np.dtype]]:
-    """Shape, chunks and kind of every array."""
-    shape = tuple(grid.sizes.values())
+    group = zarr.open_group(str(path), mode="w", attributes={"identity": identity})
     chunks = tuple(blocks[0].stop if name == grid.axis else n for name, n in grid.sizes.items())
-    columns = {name: (shape, chunks, np.dtype(kind)) for name, kind in OUTPUTS.items()}
-    return {**columns, DONE: ((len(blocks),), (1,), np.dtype(np.uint32))}
-
-
-def _columns_are_sound(group: Any, grid: Grid, blocks: list[slice]) -> bool:
-    try:
-        return all(
-            (group[name].shape, group[name].chunks, group[name].dtype) == known
-            for name, known in _shapes(grid, blocks).items()
-        )
-    except Exception:  # Truncated metadata count as none
-        return False
-
-
-def _make_columns(group: Any, grid: Grid, blocks: list[slice]) -> None:
-    for name, (shape, chunks, kind) in _shapes(grid, blocks).items():
-        mark = name == DONE
+    for name, kind in OUTPUTS.items():
         group.create_array(
-            name, shape=shape, chunks=chunks, dtype=kind, overwrite=True,
-            fill_value=0 if mark else empty_of(kind.type), attributes={} if mark else attributes_of(name),
-            dimension_names=["block"] if mark else list(grid.sizes),
+            name, shape=tuple(grid.sizes.values()), chunks=chunks, dtype=kind, fill_value=empty_of(kind),
+            attributes=attributes_of(name), dimension_names=list(grid.sizes),
         )  # fmt: skip
-
-
-def _labels_are_sound(path: Path, grid: Grid) -> bool:
+    group.create_array(DONE, shape=len(blocks), chunks=1, dtype=bool, dimension_names=["block"])
     try:
-        with xr.open_zarr(path, consolidated=False) as held:
-            return bool(xr.Dataset(coords=held.coords).load().identical(xr.Dataset(coords=grid.coordinates())))
-    except Exception:  # Damaged labels are written again
-        return False
-
-
-def _write_labels(path: Path, group: Any, grid: Grid) -> None:
-    for entry in path.iterdir():
-        if entry.is_dir() and entry.name not in (*OUTPUTS, DONE):
-            shutil.rmtree(entry)
-    coordinates = grid.coordinates()
-    if not coordinates:
-        return
-    try:
-        xr.Dataset(coords=coordinates, attrs=dict(group.attrs)).to_zarr(path, mode="a", consolidated=False)
+        xr.Dataset(coords=grid.coordinates(), attrs=dict(group.attrs)).to_zarr(path, mode="a", consolidated=False)
     except (TypeError, ValueError, NotImplementedError) as error:
         raise InputError(f"{path}: cannot hold these labels ({reason(error)}); give numbers or words") from None
 
