@@ -72,17 +72,6 @@ def test_a_page_is_small_and_asks_for_nothing(paper: Path, shown: tuple[Any, lis
     assert "may be used" in page.inner_html("footer details")
 
 
-def test_no_script_has_a_blank_beside_a_sign(paper: Path) -> None:
-    """Outside quotation marks; two signs, as of ``a - -b``, keep theirs."""
-    scripts = re.findall(r"<script[^>]*>(.*?)</script>", paper.read_text(encoding="utf-8"), re.DOTALL)
-    bare = re.sub(r'"[^"\n]*"|`[^`]*`', "word", "".join(scripts))
-    assert re.findall(r"[^\n]*(?: [^\w\s]|[^\w\s] )[^\n]*", bare) == []
-    assert (
-        assembly.smaller("a = b - -c + ++d - [e] !== (f + 1);", assembly.SPACED_IN_SCRIPT)
-        == "a=b - -c + ++d-[e]!==(f+1);"
-    )
-
-
 def test_a_page_says_that_it_computes(paper: Path, browser: Any) -> None:
     """Its workers never answer."""
     page = browser.new_page()

@@ -64,8 +64,6 @@ SLOWER = "the page sails by plain JavaScript, a few times slower"
 BARE_DEFLATE = -15
 # Scripts of both the page and its workers.
 FIRST = ("fleet_shape.js", "model.js", "plain_fleet.js")
-# Comment after a number of the model's text.
-MEANING = re.compile(r"(?<=;)//.*$", re.MULTILINE)
 MODEL = "export const model = (() => {{\n{}\nreturn {{ prepare, rates, least_clearance, integrate }};\n}})();\n"
 
 
@@ -81,15 +79,14 @@ def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm:
         foot=_foot(exported), helm=helm,
         ship=exported.ship.model.configuration.ship.in_words, dotted=_dotted(exported.ship.model),
         passport=list(passport(exported.ship.model)), data=data.replace("<", "\\u003c"),
-        style=smaller(asset("palette.css") + files("narrows.export.page").joinpath("page.css").read_text("utf-8")),
+        style=asset("palette.css") + files("narrows.export.page").joinpath("page.css").read_text("utf-8"),
         shared="".join(bundled(name, given, known) for name in FIRST),
         worker=bundled("worker.js", given, set(known)), script=bundled("page.js", given, known),
     )  # fmt: skip
 
 
 def model_script(exported: ExportedShip) -> str:
-    text = smaller(javascript_text(exported, derivatives=False), SPACED_IN_SCRIPT).replace("export ", "")
-    return MODEL.format(MEANING.sub("", text))
+    return MODEL.format(without_exports(javascript_text(exported, derivatives=False)))
 
 
 def packed(wasm: bytes) -> str:
@@ -117,21 +114,13 @@ def _dotted(model: Model) -> str:
 IMPORT = re.compile(r'^import \{ ([^}]*) \} from "\./([\w/.]+)";\n', re.MULTILINE)
 SHARED = re.compile(r'^import \{ ([^}]*) \} from "\.\./\.\./\.\./web/([\w.]+)";\n', re.MULTILINE)
 EXPORT = re.compile(r"^export (?:(?:async )?function|const|let) (?:(\w+)|\[([^\]]*)\])", re.MULTILINE)
-COMMENTS = re.compile(r"^[ \t]*(?://.*|/\*\*.*?\*/)[ \t]*\n", re.MULTILINE)
-BLOCK = re.compile(r"/\*\*.*?\*/\n", re.DOTALL)
-# Words between quotes, which stay unchanged, and signs that need no blank around them. In a script these include
-# brackets and a single + or -, not two (``a - -b``); in a style ``calc(a + b)`` and ``a [b]`` need their blanks.
-QUOTED = r"""("[^"\n]*"|`[^`]*`)"""
-SPACED = re.compile(rf"{QUOTED}|[ ]*([=*/<>?:,{{}}();&|]+)[ ]*")
-SPACED_IN_SCRIPT = re.compile(
-    rf"{QUOTED}|[ ]*([=*/<>?:,{{}}();&|!%^\[\]]+)[ ]*|(?<![-+])(?<![-+] )[ ]*([-+]=?)[ ]+(?![-+ ])"
-)
-INDENT = re.compile(r"^[ \t]+", re.MULTILINE)
+# Lines that are comments, and what indents the others: a third of a script.
+DISPENSABLE = re.compile(r"^[ \t]*(?:(?://.*|/\*\*.*?\*/)[ \t]*\n)?", re.MULTILINE)
 
 
 def bundled(entry: str, given: Mapping[str, str], known: set[str]) -> str:
     """Return a script with all that it imports, in order."""
-    return smaller("".join(_modules(entry, given, known)), SPACED_IN_SCRIPT)
+    return DISPENSABLE.sub("", "".join(_modules(entry, given, known)))
 
 
 def _modules(name: str, given: Mapping[str, str], known: set[str]) -> Iterator[str]:
@@ -161,12 +150,6 @@ def _taken(match: re.Match[str]) -> str:
 
 def _variable(name: str) -> str:
     return f"module_{name.removesuffix('.js')}"
-
-
-def smaller(text: str, spaced: re.Pattern[str] = SPACED) -> str:
-    """Return a script or a style without comments, indentation and blanks around signs."""
-    bare = INDENT.sub("", COMMENTS.sub("", BLOCK.sub("", text)))
-    return re.sub(r"\n+", "\n", spaced.sub(lambda match: match[match.lastindex or 0], bare))
 
 
 # Distance shown [ship lengths].
