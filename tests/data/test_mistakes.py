@@ -58,6 +58,7 @@ NAMED: dict[str, tuple[Spoil, str]] = {
     "forces in kgf": (scaled(1 / 9.80665, "X", "Y", "N"), "is Y in kgf or kgf m"),
     "moment in kgf m": (scaled(1 / 9.80665, "N"), "is N in kgf or kgf m"),
     "forces in kN": (scaled(1e-3, "X", "Y", "N"), "is Y in kN or kN m"),
+    "Y and N exchanged": (lambda f: f.assign(Y=f.N, N=f.Y), "are the columns Y and N exchanged"),
     "inertia taken off": (without_inertia, "has the ship's own inertia been taken off N already"),
     "X flipped": (scaled(-1, "X"), "is X counted astern"),
     "Y flipped": (scaled(-1, "Y"), "is Y counted to port"),

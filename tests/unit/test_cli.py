@@ -141,6 +141,8 @@ def test_help(words: list[str], cli) -> None:
     [
         (["identify"], "see narrows identify --help. Example: narrows identify"),
         (["identify", "t.csv", "--ship", "s.toml", "--bogus"], "No such option '--bogus'"),
+        (["identify", "t.xlsx", "--ship", "s.toml", "--sheet", "A"], "first with many numbers is read: put it first"),
+        (["simulate", "mikkelsen2025_dtc", "--knots"], "write the unit behind the number, as --speed 8kn"),
         (["identfy"], "did you mean 'identify'"),
         (["fit"], "Missing argument"),
         (["plot"], "write narrows simulate --plot"),

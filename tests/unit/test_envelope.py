@@ -273,7 +273,9 @@ class TestEnvelope:
         assert nw.choke_speed(doubtful.configuration) < 12.0
         assert not found.safe()[:, -1].any()
         assert found.limited_by()[7] == "the canal chokes"
-        assert float(found.highest_speed()[7]) == 7.0
+        highest = found.highest_speed()
+        assert float(highest[7]) == 7.0
+        assert float(found.highest_speed(float(highest.y[7]))) == 7.0
 
     def test_the_middle_is_safest(self, found: nw.SafeEnvelope) -> None:
         np.testing.assert_array_equal(found.safest_offset()[:3], 0.0)

@@ -24,11 +24,16 @@ from tables import DTC_SHIP, frame_of, short_twin
 
 DTC = nw.published("mikkelsen2025_dtc")
 STEERED = nw.published("yasukawa2015_kvlcc2")
+KCS = nw.published("estimated_kcs")
 
 
 @cache
 def fit() -> nw.Fit:
     return nw.identify(short_twin())
+
+
+def estimator() -> nw.estimation.Estimator:
+    return nw.estimation.Estimator(DTC, [nw.estimation.Gnss(), nw.estimation.Gyro()])
 
 
 @cache
@@ -231,6 +236,22 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
         r"write model.with_canal\(",
     ),
     "Gnss(std=)": (lambda: nw.estimation.Gnss(std=0.5), "Gnss has no argument 'std'; write noise="),  # type: ignore[call-arg]
+    "loop.step()": (
+        lambda: nw.control.closed_loop(KCS, nw.control.regulator(KCS, 0.0, 4.0)).step(),  # type: ignore[attr-defined]
+        r"write state_space\(\) for python-control",
+    ),
+    "fit.posterior": (lambda: fit().posterior, "write coefficients, std and intervals"),  # type: ignore[attr-defined]
+    "fit.P": (lambda: fit().P, "write covariance"),  # type: ignore[attr-defined]
+    "estimator.P": (lambda: estimator().P, r"write update\(t, ...\): the estimate"),  # type: ignore[attr-defined]
+    "estimator.smooth()": (lambda: estimator().smooth(), "'records'; its arguments: records"),  # type: ignore[call-arg]
+    'nw.identify(errors="ridge")': (
+        lambda: nw.identify(short_twin(), errors="ridge"),  # type: ignore[arg-type]
+        r"give nw.RunErrors\(",
+    ),
+    "nw.identify(alpha=)": (lambda: nw.identify(short_twin(), alpha=0.1), r"write fit.conf_int\(\): .* 95 %"),  # type: ignore[call-arg]
+    "model.nondimensional()": (lambda: DTC.nondimensional(), r"give speed=... in m/s"),  # type: ignore[attr-defined]
+    "nw.crash_stop(model)": (lambda: nw.crash_stop(DTC), r"nw.published\('estimated_kcs'\)"),
+    'nw.squat(formula="barrass")': (lambda: nw.squat(KCS, 4.0, formula="barrass"), "give gives='largest'"),
     "nw.ExtendedKalmanFilter": (lambda: nw.ExtendedKalmanFilter, "write estimation.Estimator"),  # type: ignore[attr-defined]
 }
 """Those that do not, and what they are told."""
@@ -340,6 +361,8 @@ assert nw.safe_envelope(kcs, speeds=[4.0], offsets=[0.0], n_samples=10).grid["he
 assert round(nw.straight_canal(nw.Canal(W=300.0, h=16.0), 5000.0).centerline.length, 6) == 5000
 assert len(nw.grounding_map(pub, y=[0.5, 1.0]).to_dataframe()) == 2 and nw.ols(tests).terms.names == fit.terms.names
 assert fit.confidence().equals(fit.conf_int())
+assert all(pickle.loads(pickle.dumps(one)) == one for one in (fit, voyage, tests)) and nw.simulate(pub, y=0.4) != voyage
+assert len(voyage[0:10]) == 10
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""
 LATER_MISSED = {
@@ -394,7 +417,8 @@ def test_later_guesses_hold(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.chdir(tmp_path)
     names = {"np": np, "pd": pd, "plt": plt, "nw": nw, "tests": TESTS(), "fit": fit(), "model": fit().model, "pub": DTC}
     names |= {
-        "kcs": nw.published("estimated_kcs"),
+        "pickle": pickle,
+        "kcs": KCS,
         "voyage": voyage(),
         "fleet": nw.ensemble(DTC, y=[0.5, 1.0, 2.4], u=[0.8, 1.0]),
     }

@@ -44,6 +44,15 @@ def test_tables_of_programs_and_files_say_the_same(tmp_path: Path) -> None:
     assert nw.read_log(tmp_path / "commas.csv").names == ("commas",)
 
 
+@pytest.mark.parametrize("form", ["%H:%M:%S", "%Y-%m-%d %H:%M:%S"])
+def test_times_of_day_and_dates_in_the_column_t_are_read(form: str, tmp_path: Path) -> None:
+    stamps = pd.to_datetime(T, unit="s", origin="2026-05-01 10:00").strftime(form)
+    table().assign(t=stamps).to_csv(tmp_path / "log.csv", index=False)
+    record = nw.read_log(tmp_path / "log.csv")[0]
+    np.testing.assert_allclose(np.diff(record["x"].t), 2.0)
+    check_same(nw.read_log(tmp_path / "log.csv"))
+
+
 def test_a_log_reads_what_it_wrote(tmp_path: Path) -> None:
     first = nw.ShipRecord("A", {"x": nw.Signal(T, 4 * T), "rudder": nw.Signal(T[::3] + 0.5, np.sin(T[::3]))})
     log = nw.ShipLog((first, nw.ShipRecord("B", {"r": nw.Signal(T, np.cos(T))})))

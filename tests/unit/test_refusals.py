@@ -133,6 +133,10 @@ SHIPS = {
     "list for a section": (DTC_SHIP.replace("[canal]\nwidth = 7.0", "[[canal]]\nwidth = 7.0"), "must be a section"),
     "text for a depth": (DTC_SHIP + '[depths]\nA = "deep"\n', r"\[depths\] A = 'deep' is not a finite number"),
     "no water under the keel": (DTC_SHIP + "[depths]\nA = 0.1\n", r"\[depths\] A = 0.1 m leaves no water"),
+    "draft in centimetres": (
+        DTC_SHIP.replace("draft = 0.163", "draft = 16.3"),
+        r"draft = 16.3 m is more than \[ship\] beam",
+    ),
     "depth of nan": (DTC_SHIP + "[depths]\nA = nan\n", "A = nan is not a finite number"),
     "canal too shallow": (DTC_SHIP + "depth = 0.163\n", r"\[canal\] depth = 0.163 m leaves no water"),
     "true for a width": (DTC_SHIP.replace("7.0", "true"), "width = True is not a finite number"),

@@ -258,6 +258,12 @@ def test_a_step_that_is_short_enough_is_silent(dtc: nw.Model) -> None:
     assert "too long" in nw.simulate(dtc, y=0.2, duration=15.0, dt=5.0).outcome.sentence
 
 
+def test_a_speed_that_no_displacement_ship_reaches_has_a_note(dtc: nw.Model) -> None:
+    doubt = "8 m/s is a Froude number of 1.3, and displacement ships do not reach 0.6"
+    assert any(note.startswith(doubt) for note in nw.simulate(dtc, y=0.5, u=8.0).notes)
+    assert not any("Froude" in note for note in nw.simulate(dtc, y=0.5, u=1.0).notes)
+
+
 def test_output_times_do_not_change_a_voyage(dtc: nw.Model) -> None:
     """They lie on the track of fine steps, and do not bound the duration where one is given."""
     plain = nw.simulate(dtc, y=0.3, duration=20.0, dt=0.05)

@@ -51,7 +51,7 @@ def clean(
         frame = frame[chosen_late(raw, frame, where, table, known)]
     if not len(frame):
         return frame, (*notes, *of_layout)
-    frame, of_totals = without_totals(with_seconds(frame))
+    frame, of_totals = without_totals(cells.with_seconds(frame))
     frame, left_out = screened(frame, recognised_in(frame, known, table), tests_of(frame, table), table)
     return frame, (*notes, *of_rows, *of_layout, *of_totals, *left_out)
 
@@ -67,20 +67,6 @@ def without_words(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
     kept = frame[~bare]
     numbers = {header: values for header in words if np.isfinite(values := floats(kept[header])).all()}
     return kept.assign(**numbers), (f"row {row_number(frame, bare)} holds no number{_more(bare)}: left out",)
-
-
-def with_seconds(frame: pd.DataFrame) -> pd.DataFrame:
-    """Return a table whose times of day, or dates with times, are in seconds."""
-    if "t" not in frame or frame["t"].dtype.kind in "fiub":
-        return frame
-    words = frame["t"].astype(str).str.strip()
-    times = pd.to_timedelta(words.where(words.str.match(r"\d+:\d+:\d")), errors="coerce")
-    if times.isna().any():
-        dotted = r"^(\d\d)\.(\d\d)\.(\d{4})[ T]"  # With dots the day comes first
-        words = words.str.replace(dotted, r"\3-\2-\1T", regex=True)
-        dates = words.where(words.str.match(r"\d{4}-\d\d-\d\d"))
-        times = pd.to_datetime(dates, errors="coerce", format="ISO8601", utc=True) - pd.Timestamp(0, tz="UTC")
-    return frame if times.isna().any() else frame.assign(t=times.dt.total_seconds())
 
 
 def without_totals(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:

@@ -11,7 +11,7 @@ from narrows.aliases import accept_aliases
 from narrows.errors import InputError, check_choice, did_you_mean, reason, shown
 from narrows.model.sections import Source
 from narrows.quantities.names import FORCES, MOTION, PARTICULARS, Number
-from narrows.results import Tabulated
+from narrows.results import Tabulated, same_content
 from narrows.ship.actuators import STANDARD
 from narrows.ship.particulars import Configuration, Configured
 
@@ -118,6 +118,7 @@ class CaptiveTests(Configured, Tabulated):
     source: Source = field(default_factory=Source)
     notes: tuple[str, ...] = ()
     headers: Headers = NO_TABLE
+    __eq__ = same_content
 
     @property
     def rows(self) -> int:

@@ -58,6 +58,8 @@ def _option_here(word: str, command: click.Command) -> str:
     known = {option for parameter in command.params for option in parameter.opts}
     plain = name.removeprefix("--").replace("-", "_")
     groups = [{ours, *theirs} for ours, theirs in aliases("arguments").items() if plain in (ours, *theirs)]
+    if name[:2] == "--" and name not in known and (meant := name_here(plain, "other_options")):
+        raise InputError(f"there is no option {name} of narrows {command.name}; {meant}")
     same = {f"--{one}" for group in groups for one in group} & known
     return f"{same.pop()}{equals}{value}" if name not in known and name[:2] == "--" and len(same) == 1 else word
 

@@ -155,6 +155,7 @@ class Estimator(BaseSummary):
         process = self._collect_start if self._run is None else self._advance
         return process(float(t), measured, positions, notes)
 
+    @accept_aliases
     def run(self, records: Any) -> EstimatedTrack:
         """Estimate a whole record as in real time, after a restart, from the first time with enough readings to start.
 
@@ -188,6 +189,7 @@ class Estimator(BaseSummary):
             np.array([one.ready for one in known]), refused, suspected, False, (*self.notes, *begun),
         )  # fmt: skip
 
+    @accept_aliases
     def smooth(self, records: Any) -> EstimatedTrack:
         """Estimate a whole record afterwards: each state from all readings, before and after it.
 

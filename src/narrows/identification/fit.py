@@ -30,6 +30,7 @@ from narrows.identification.systematic_effects import Effect, RunErrors
 from narrows.identification.verdict import IDENTIFIED, Diagnostics, Verdict, verdicts
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
+from narrows.results import same_content
 from narrows.ship.particulars import Configuration
 from narrows.terms.additions import AT
 from narrows.terms.term import TermTable
@@ -71,6 +72,7 @@ class Fit(Prediction):
     left_out: Mapping[str, Score]
     data_range: DataRange
     errors: RunErrors
+    __eq__ = same_content
 
     def __repr__(self) -> str:
         return f"<Fit of {self.terms.name}: {len(self.terms.names)} coefficients, {self._size}>"

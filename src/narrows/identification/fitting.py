@@ -96,6 +96,8 @@ def identify(
     check_one_condition(tests, terms)
     for name in (pass_over,) if isinstance(pass_over, str) else pass_over:
         check_choice("pass_over", name, ("rudder",))
+    if not isinstance(errors, RunErrors):
+        raise InputError(f"errors = {shown(errors)} are no errors of runs; give nw.RunErrors(gain=..., zero=...)")
     if isinstance(tests, CaptiveTests):
         tests = with_accelerations(tests, accelerations)
     equations, data_range = accumulate(tests, terms, PIECES, balance)

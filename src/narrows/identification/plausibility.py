@@ -28,6 +28,10 @@ UNITS = {"kgf or kgf m": 9.80665, "kN or kN m": 1e3}
 # Resistance over the friction of the ITTC's line: every hull has more than 1, and knots read as m/s divide it by 3.8;
 # viscosity of fresh water at 20 degrees [m2/s]; least Reynolds number of the line.
 LEAST_DRAG, VISCOSITY, LEAST_REYNOLDS = 0.9, 1.0e-6, 1e5
+EXCHANGED = (
+    "Neither the mass in sway nor the inertia in yaw is this ship's, and Y grows with the yaw acceleration as a moment "
+    "does: are the columns Y and N exchanged?"
+)
 RUDDER_MOVES = math.radians(1.0)
 Known = dict[str, tuple[float, float]]  # Estimate without bounds and standard error, where the tests determine it
 # Force, acceleration and name of a mass or inertia; its unit, its bare value and its added value in deep water.
@@ -44,14 +48,21 @@ def implausible(fit: Any) -> tuple[str, ...]:
     columns = zip(names, fit.estimates.free_values.tolist(), fit.estimates.free_std.tolist(), strict=True)
     known = {name: (value, std) for name, value, std in columns if determined(name)}
     rejected = [name for name, held in zip(names, fit.estimates.held, strict=True) if held]
+    masses = [mass_sentence(fit, known, *mass) for mass in MASSES if mass[0] not in turned]
     sentences = (
         *(f"{force} of the other sign fits far better: is {AXES[force]}?" for force in turned),
         "" if "X" in turned else surge_sentence(fit),
         "" if turned else bank_sentence(fit.terms, known),
-        *(mass_sentence(fit, known, *mass) for mass in MASSES if mass[0] not in turned),
+        *((EXCHANGED,) if masses and all(masses) and are_exchanged(fit, known) else masses),
         rudder_sentence(fit.terms, rejected),
     )
     return tuple(filter(None, sentences))
+
+
+def are_exchanged(fit: Any, known: Known) -> bool:
+    """Return whether Y answers a yaw acceleration by at least half of the ship's inertia in yaw."""
+    answers = [known.get(term.name, (0.0, 0.0))[0] for term in fit.terms.forces["Y"] if term.inputs == ("rdot",)]
+    return any(answer > ship_inertia(fit.tests.configuration) / 2 for answer in answers)
 
 
 def fits_reversed(fit: Any, force: str) -> bool:

@@ -135,7 +135,10 @@ def crash_stop(
     1184
     """
     if not model.terms.propelled or not model.surge_inertia > 0:
-        raise InputError("a stopping test needs terms of a propeller and an inertia in surge, as those of nw.MMG")
+        raise InputError(
+            "a stopping test needs terms of a propeller and an inertia in surge, as those of nw.MMG; take a ship that "
+            "has them, such as nw.published('estimated_kcs')"
+        )
     ship = TrialShip.of(model, speed)
     ahead = ship.model.configuration.values()["revolutions"]
     given = {"revolutions": -ahead if revolutions is None else revolutions, "delay": delay, "reversal": reversal}

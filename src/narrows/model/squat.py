@@ -228,7 +228,8 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
     if formula is not None and formula not in SQUAT:
         raise InputError(f"unknown squat formula {formula!r}{did_you_mean(formula, SQUAT)}")
     if formula is not None and SQUAT[formula].gives != gives:
-        raise InputError(f"{formula} gives the {SQUAT[formula].gives} sinkage; ask for that, or for another formula")
+        remedy = f"give gives={SQUAT[formula].gives!r}, or another formula"
+        raise InputError(f"{formula} gives the {SQUAT[formula].gives} sinkage, not the {gives} one; {remedy}")
     configuration, critical = configuration_of(ship), choke_speed(ship)
     if not is_finite(u):
         remedy = speed_hint(u) or "; call squat for each of several"

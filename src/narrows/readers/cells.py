@@ -96,6 +96,20 @@ def labels(frame: pd.DataFrame, header: str, table: str) -> np.ndarray:
     return frame[header].astype(str).str.strip().to_numpy(dtype=object)
 
 
+def with_seconds(frame: pd.DataFrame) -> pd.DataFrame:
+    """Return a table whose times of day, or dates with times, are in seconds."""
+    if "t" not in frame or frame["t"].dtype.kind in "fiub":
+        return frame
+    words = frame["t"].astype(str).str.strip()
+    times = pd.to_timedelta(words.where(words.str.match(r"\d+:\d+:\d")), errors="coerce")
+    if times.isna().any():
+        dotted = r"^(\d\d)\.(\d\d)\.(\d{4})[ T]"  # With dots the day comes first
+        words = words.str.replace(dotted, r"\3-\2-\1T", regex=True)
+        dates = words.where(words.str.match(r"\d{4}-\d\d-\d\d"))
+        times = pd.to_datetime(dates, errors="coerce", format="ISO8601", utc=True) - pd.Timestamp(0, tz="UTC")
+    return frame if times.isna().any() else frame.assign(t=times.dt.total_seconds())
+
+
 def as_sheet(table: object) -> Sheet:
     try:
         frame = _as_frame(table)

@@ -117,9 +117,10 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
         type(thing).__name__, ()
     ):
         return partial(function, thing)
-    remedy = name_here(name, "instead", lambda row: re.split(r"[ (.,]", row)[0] in {*known, "nw"})
-    if name.startswith("_"):
+    # A property that raised: its own error, not one of a missing name.
+    if name.startswith("_") or name in _known(thing):
         return object.__getattribute__(thing, name)
+    remedy = name_here(name, "instead", lambda row: re.split(r"[ (.,]", row)[0] in {*known, "nw"})
     if "coefficients" in known and name in thing.coefficients:
         remedy = f"{type(thing).__name__.lower()}[{name!r}]"
     why = f": {reason}" if (reason := name_here(name, "why")) else ""
@@ -256,6 +257,15 @@ class BaseResult(BaseSummary):
             if name.startswith("to_") and hasattr(type(self), "to_dataframe") and table_has(name):
                 return getattr(self.to_dataframe(), name)
             return super().__getattr__(name)
+
+
+def same_content(result: Any, other: Any) -> bool:
+    """Return whether two results of one class have the same rows and the same content by name."""
+
+    def content(one: Any) -> tuple[Any, Any]:
+        return to_json(one.to_dict()), csv_of(one.to_dataframe())
+
+    return result is other or (type(result) is type(other) and content(result) == content(other))
 
 
 def shortened(text: str, most: int = 120) -> str:

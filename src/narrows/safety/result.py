@@ -132,12 +132,18 @@ class SafeEnvelope(BaseResult):
     def _covered(self) -> xr.DataArray:
         return self.data["tested"] & (not self.untested)
 
-    def highest_speed(self) -> xr.DataArray:
+    def highest_speed(self, y: float | None = None) -> xr.DataArray:
         """Return the highest safe speed at each offset [m/s], NaN if there is none.
 
         It is the top of the lowest range of safe speeds, without a gap.
+
+        Parameters
+        ----------
+        y : float [m], optional
+            Only this offset, linearly between its neighbours; NaN if one of them has no safe speed.
         """
-        return self._speeds(self.safe(), 1)
+        speeds = self._speeds(self.safe(), 1)
+        return speeds if y is None else speeds.interp(y=y)
 
     def lowest_speed(self) -> xr.DataArray:
         """Return the lowest safe speed at each offset [m/s], NaN if there is none: below it gusts may win."""

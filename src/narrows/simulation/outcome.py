@@ -13,7 +13,8 @@ import numpy as np
 
 from narrows.model.data_range import ASTERN, MEASURES, DataRange, Measure, extrapolation
 from narrows.model.model import Model
-from narrows.quantities.names import Number
+from narrows.quantities.names import GRAVITY, Number
+from narrows.simulation.settings import MOST_FROUDE
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -215,6 +216,14 @@ def outside_notes(known: DataRange, moments: Sequence[Mapping[str, Any]], senten
         for measure, where in ((MEASURES[name], outside & np.logical_not(backwards)), (ASTERN, outside & backwards)):
             if np.any(where):
                 yield sentence(measure, known.shown(name), where, values)
+
+
+def froude_notes(u: np.ndarray, length: float) -> tuple[str, ...]:
+    """Return a note if a displacement ship does not reach a speed: one of another scale, or in knots."""
+    fastest = float(np.abs(u).max())
+    froude = fastest / math.sqrt(GRAVITY * length)
+    doubt = f"{fastest:.3g} m/s is a Froude number of {froude:.2g}, and displacement ships do not reach {MOST_FROUDE:g}"
+    return (f"{doubt}: is it the speed of the ship at full scale, or in knots?",) if froude > MOST_FROUDE else ()
 
 
 def water_notes(waterway: "Waterway | None", depth: float | None) -> tuple[str, ...]:

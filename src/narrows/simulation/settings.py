@@ -30,6 +30,9 @@ DEFAULT_OFFSET = 0.78
 # model's self-propulsion point run at fewer than balance its resistance (KVLCC2: 13 %).
 OWN_REVOLUTIONS = 0.2
 
+# Froude number by the length above which a note doubts the speed [1]: displacement hulls do not reach it.
+MOST_FROUDE = 0.6
+
 # Voyages per block: a fraction of a second's work, so that bars move and Ctrl-C takes effect.
 BLOCK_VESSELS = 65_536
 # Least number of voyages of a stored task: makes the cost of writing and scheduling small.

@@ -1,6 +1,6 @@
 """One voyage: its track, and where, when and on which side the ship grounds."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,7 @@ from narrows.model.data_range import Measure
 from narrows.model.model import Model
 from narrows.model.water import is_full
 from narrows.quantities.names import MOTION
-from narrows.results import Tabulated
+from narrows.results import Tabulated, same_content
 from narrows.ship.actuators import PROPELLER, Actuator
 from narrows.ship.checks import check_ahead, check_angles
 from narrows.ship.particulars import Configuration
@@ -35,7 +35,7 @@ from narrows.simulation.inputs import (
     segments_of,
 )
 from narrows.simulation.integrator import Row, VoyageIntegrator, track_error
-from narrows.simulation.outcome import Code, Outcome, Track, measured, outside_notes, water_notes
+from narrows.simulation.outcome import Code, Outcome, Track, froude_notes, measured, outside_notes, water_notes
 from narrows.simulation.self_propulsion import propeller_notes
 from narrows.simulation.settings import MOST_ROWS, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip
@@ -100,6 +100,7 @@ class Voyage(Tabulated):
     waterway: "Waterway | None" = None
     outline: tuple[tuple[float, float], ...] = ()
     moved: Mapping[Actuator, np.ndarray] = field(default_factory=dict)
+    __eq__ = same_content
 
     def __repr__(self) -> str:
         return f"<Voyage of {self.configuration.ship.name}: {self.outcome.kind} after {self.outcome.time:.2f} s>"
@@ -107,12 +108,13 @@ class Voyage(Tabulated):
     def __len__(self) -> int:
         return len(self.t)
 
-    def __getitem__(self, name: str) -> np.ndarray:
-        """Return a column: t, x, y, psi, u, v, r, rudder, or another actuator with orders."""
+    def __getitem__(self, name: str | slice) -> Any:
+        """Return a column: t, x, y, psi, u, v, r, rudder, or another actuator with orders; or rows, as a table."""
+        if isinstance(name, slice):
+            return self.to_dataframe()[name]
         moved = {actuator.name: column for actuator, column in self.moved.items()}
         check_choice("column", name, (*COLUMNS, *moved))
-        column: np.ndarray = moved[name] if name in moved else getattr(self, name)
-        return column
+        return moved[name] if name in moved else getattr(self, name)
 
     @property
     def grounded(self) -> bool:
@@ -182,9 +184,8 @@ class Voyage(Tabulated):
         data |= {
             actuator.name: ("t", column, {"units": actuator.unit, "long_name": actuator.meaning})
             for actuator, column in self.moved.items()
-        }
+        } | self._positions()
         attributes = {"outcome": self.outcome.kind, "side": self.outcome.side or "", "summary": self.outcome.sentence}
-        data |= self._positions()
         return xarray.Dataset(data, coords={"t": ("t", self.t, {"units": "s", "long_name": "time"})}, attrs=attributes)
 
     def _positions(self) -> dict[str, tuple[str, np.ndarray, dict[str, str]]]:
@@ -376,8 +377,8 @@ class _Log:
         starboard = is_full(ship.block_coefficient) if code == Code.TOUCHED else self.integrator.clearance(state)[1] > 0
         return code, end.WAYS.get(code) or end.SIDES.get(code, {}).get(1 if starboard else -1)
 
-    def _beyond(self, columns: dict[str, np.ndarray]) -> Iterator[str]:
-        """Return when the voyage left the tested range of its model."""
+    def _beyond(self, columns: dict[str, np.ndarray]) -> tuple[str, ...]:
+        """Return whether a ship can be as fast, and when it left the tested range of its model."""
         model = self.ship.model
         section = self.integrator.channel.section(columns["x"])
 
@@ -388,13 +389,11 @@ class _Log:
             return f"{start} is outside the data ({covered})."
 
         seen = measured(columns, {**model.configuration.values(), **section}, self.ship.shape != OPEN)
-        return outside_notes(model.data_range, [seen], beyond)
+        return (*froude_notes(columns["u"], model.ship.length), *outside_notes(model.data_range, [seen], beyond))
 
     def _coarse(self, dt: float) -> tuple[str, ...]:
         """Return a note if the time step was too long, estimated from the steps themselves."""
-        if self.ending == event.LOST:
-            return ()
-        error = track_error(self.integrator, self.rows, dt)
+        error = 0.0 if self.ending == event.LOST else track_error(self.integrator, self.rows, dt)
         if not error > STEP_ERROR_LIMIT * self.ship.model.configuration.ship.beam:
             return ()
         return (f"A time step of {dt:g} s is too long: the track is off by some {error:.2g} m; shorten it.",)

@@ -27,7 +27,7 @@ from narrows.logbook.reading.log_rows import (
 )
 from narrows.logbook.settings import MOST_ROWS, PIECE_ROWS, RECORD_GAP
 from narrows.logbook.ship_log import ShipLog, ShipRecord
-from narrows.readers.cells import as_sheet, check_once, labels, name_of, numbers, row_number
+from narrows.readers.cells import as_sheet, check_once, labels, name_of, numbers, row_number, with_seconds
 from narrows.readers.frames import STREAMED, notes_of, read_chunks, read_frame
 from narrows.readers.headers import recognised_in
 from narrows.readers.nmea.nmea_recording import NmeaTable, is_nmea
@@ -203,6 +203,7 @@ class LogReading:
                 f"{self.table}: mmsi = {self.mmsi} needs AIS reports, and this table has none; leave it out"
             )
         frame, self.mapped = mapped.applied(renamed(raw, mapped.columns.values()), self.table, VOCABULARY)
+        frame = with_seconds(frame)
         recognised = recognised_in(frame, QUANTITIES, self.table)
         check_once(recognised, [str(header) for header in frame.columns], QUANTITIES, self.table)
         columns = {
