@@ -71,11 +71,7 @@ RULES = (
         operator.lt,
         "{beam} m does not fit in {width} m; check both, in metres and at one scale",
     ),
-    Rule(
-        ("draft", "beam"),
-        operator.lt,
-        "{draft} m is more than {beam} m; check both, in metres and at one scale",
-    ),
+    Rule(("draft", "beam"), operator.le, "{draft} m is more than {beam} m; check both, in metres and at one scale"),
     Rule(("draft", "depth"), operator.lt, "{depth} m leaves no water under {draft} m; check both"),
 )
 
