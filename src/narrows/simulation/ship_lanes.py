@@ -1,17 +1,20 @@
 """Many states of one ship, advanced at once by the compiled kernel: arrays are allocated once."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from narrows.codegen.cache import compiled_loops
 from narrows.codegen.choices import COLUMNS, ROW, SHARED
 from narrows.codegen.free_motion import INPUTS as FORCES
 from narrows.codegen.run import PreparedRun
 from narrows.codegen.system import DEFAULTS
 from narrows.errors import InputError
 from narrows.quantities.names import Number
+from narrows.simulation import lane_loops
 from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.kernel_run import PUSH_END, KernelRun
 from narrows.simulation.ship import SimulatedShip
@@ -65,23 +68,23 @@ class ShipLanes:
         self._forces = {**dict.fromkeys(INPUTS, np.zeros(lanes)), PUSH_END: np.inf} if pushed else dict(INPUTS)
         self.prepared = self._laid_out(1.0)
         kernel = self.prepared.kernel
-        self._kept = [kernel.KEPT_NAMES.index(name) for name in self.actuators]
+        kept = [kernel.KEPT_NAMES.index(name) for name in self.actuators]
         self._inputs = {name: place for place, name in enumerate(kernel.VESSEL_INPUTS)}
-        self._rates = [self._inputs[PARAMETER(f"turning_{name}")] for name in self.actuators]
+        rates = [self._inputs[PARAMETER(f"turning_{name}")] for name in self.actuators]
+        rudder = self.actuators.index(RUDDER) if RUDDER in self.actuators else -1
+        self._movers = np.array(kept, int), np.array(rates, int), rudder
+        own = "bank", "current", "current_across", "rudder_bias"
+        self._columns_of_states = np.array([self.places.get(name, -1) for name in own])
         self._pushes = [self._inputs[name] for name in (FORCES["Y"], FORCES["N"])] if pushed else []
         self._system = self._run._system(self._values(1.0))
         self._ship_values: dict[str, Any] = {**DEFAULTS, **ship.values()}
         self._constants = [self._inputs.get(name) for name in self._system.scalar.CONSTANTS]
         self._base, self._slope = self._by_bank()
+        self._none = np.zeros_like(self._base)
         self._water = self.prepared.water.table.reshape(-1, ROW) if waterway else None
-        # Cosine and sine of the headings before and after a step, as complex numbers.
-        self._headings = [rows[:, 2:4].view(complex)[:, 0] for rows in (self.prepared.start, self.prepared.end)]
         self._endless, self._lasting = endless, (0.0, 0)
         if endless:
             self.prepared.shared[SHARED.index("x_last")] = ENDLESS
-        # Both parts of the current in a straight canal, if they are states: they stand side by side.
-        along, across = (self.places.get(name, -1) for name in ("current", "current_across"))
-        self._flow = slice(along, across + 1) if 0 < along == across - 1 and waterway is None else None
 
     def _values(self, bank: float) -> dict[str, Any]:
         model = self.ship.model
@@ -131,56 +134,23 @@ class ShipLanes:
         """Advance states (lanes, states), with actuators from start to end (actuators,) or (lanes, actuators)."""
         # columns: inputs of the lanes, (lanes, inputs); pushes: sway force and yaw moment, (lanes, 2) [N, N m].
         # The current's difference from the waterway's moves the ship half before and half after the step.
-        run, places, inputs = self.prepared, self.places, self.prepared.vessel_inputs
-        after = points.copy()
-        self._drift(after, duration / 2)
-        rows, ended = run.start, run.end
-        rows[:, :2] = after[:, :2]
-        if self._endless:  # A lane at the very start of a waterway would be at its end
-            rows[:, 0] = np.maximum(rows[:, 0], 1e-3)
-        np.cos(after[:, 2], out=rows[:, 2])
-        np.sin(after[:, 2], out=rows[:, 3])
-        rows[:, 4:7] = after[:, 3:6]
+        run, loops, places = self.prepared, compiled_loops(lane_loops), self._columns_of_states
+        x, (base, slope) = float(points[0, 0]), (self._base, self._slope) if columns is None else (columns, self._none)
+        known = self._known_current(x)
+        least = 1e-3 if self._endless else -math.inf  # A lane at the very start of a waterway would be at its end
+        after = loops.depart(
+            points, places, run.start, run.vessel_inputs, base, slope, *self._movers, np.atleast_2d(start),
+            np.atleast_2d(end), duration, self.bend(x), known, least,
+        )  # fmt: skip
         if self._lasting != (duration, steps):
             run.times[:], self._lasting = (duration / steps, steps, 0.0), (duration, steps)
-        if columns is not None:
-            inputs[:] = columns
-        elif "bank" in places:
-            np.multiply(points[:, places["bank"], None], self._slope, out=inputs)
-            inputs += self._base
         if pushes is not None:
-            inputs[:, self._pushes] = pushes
-        for number, name in enumerate(self.actuators):
-            bias = points[:, places["rudder_bias"]] if name == RUDDER and "rudder_bias" in places else 0.0
-            rows[:, self._kept[number]] = start[..., number] + bias
-            inputs[:, self._rates[number]] = (end[..., number] - start[..., number]) / duration
+            run.vessel_inputs[:, self._pushes] = pushes
         run()
-        # The heading by its change, so that whole turns are kept.
-        after[:, :2] += ended[:, :2] - rows[:, :2]
-        turned = self._headings[1] * self._headings[0].conj()
-        after[:, 2] += np.arctan2(turned.imag, turned.real)
-        after[:, 3:6] = ended[:, 4:7]
-        if "current" in places and self._water is not None:
-            known, before = (self._known_current(float(rows[0, 0])) for rows in (after, points))
-            after[:, places["current"]] += known - before
-        self._drift(after, duration / 2)
-        return after
-
-    def _drift(self, points: np.ndarray, duration: float) -> None:
-        places = self.places
-        if self._flow is not None:
-            points[:, :2] += duration * points[:, self._flow]
-            return
-        if "current" in places and self._water is None:
-            points[:, 0] += duration * points[:, places["current"]]
-        elif "current" in places:
-            x = float(points[0, 0])
-            bend = self.bend(x)
-            gone = duration * (points[:, places["current"]] - self._known_current(x)) / (1.0 - bend * points[:, 1])
-            points[:, 2] -= bend * gone
-            points[:, 0] += gone
-        if "current_across" in places:
-            points[:, 1] += duration * points[:, places["current_across"]]
+        x, before = float(after[0, 0] + run.end[0, 0] - run.start[0, 0]), known
+        known = self._known_current(x)
+        loops.arrive(after, places, run.start, run.end, 0.5 * duration, self.bend(x), known, known - before)
+        return np.asarray(after)
 
     @property
     def aground(self) -> np.ndarray:
