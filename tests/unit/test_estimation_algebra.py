@@ -41,10 +41,9 @@ def moved(points: np.ndarray) -> np.ndarray:
 def measured_by(now: Gaussian, told: np.ndarray, seen: Any = lambda points: points @ SEEN.T, spread=None) -> Gaussian:
     """The unscented step, for a measurement by one sensor without a gate."""
     spread = spread or sigma_point_weights(SIZE)
-    expected, rows = spread.transform(now, seen)
+    expected, rows = spread.transform(now, seen, np.diag(SIGMA))
     sums = np.zeros((2, 1, MEASURED))
     tests = np.array([MEASURED]), np.array([np.inf]), np.array([0]), np.arange(MEASURED)
-    rows = np.concatenate([rows, np.diag(SIGMA)])
     return update(now, rows, told - expected, *tests, sums, np.array([6.0]), 5.0, 1e4)[0]
 
 
@@ -125,7 +124,8 @@ def test_the_weight_of_the_central_point_is_a_part_of_the_squares(
 ) -> None:
     """Covariances by van der Merwe's weights of every point, which may be negative for the central one."""
     values = np.random.default_rng(seed).standard_normal((1 + 2 * SIZE, MEASURED))
-    mean, rows = LOOPS.transform(values, *sigma_point_weights(SIZE, alpha, beta, kappa))
+    noise, weights = np.zeros((0, MEASURED)), sigma_point_weights(SIZE, alpha, beta, kappa)
+    mean, rows = LOOPS.transform(values, noise, weights.distance, weights.mean, weights.bend)
     pair = 0.5 / (alpha**2 * (SIZE + kappa))
     off, centre = values - mean, 1 - 2 * SIZE * pair + 1 - alpha**2 + beta
     covariance = centre * np.outer(off[0], off[0]) + pair * off[1:].T @ off[1:]

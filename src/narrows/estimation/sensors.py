@@ -7,6 +7,7 @@ direction.
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, replace
+from functools import cached_property
 from typing import Any, ClassVar, Literal, Protocol, runtime_checkable
 
 import numpy as np
@@ -93,7 +94,7 @@ class Measuring:
     def __post_init__(self) -> None:
         check_sizes(self, ("noise", "period"), ("noise", "period", "late", "bias"))
 
-    @property
+    @cached_property
     def fields(self) -> tuple[str, ...]:
         return tuple(self.name + suffix for suffix in self.suffixes)
 

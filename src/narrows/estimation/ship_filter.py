@@ -189,6 +189,17 @@ class ShipFilter:
     def lanes(self) -> ShipLanes:
         return ShipLanes(self.ship, self.states.names, 1 + 2 * self.pairs, self.waterway)
 
+    @cached_property
+    def rudder_noise(self) -> np.ndarray:
+        """Additions to the positions of the actuators at the sigma points, (1 or points, actuators)."""
+        # The last pair has the noise of the rudder's indication.
+        added = np.zeros((self.lanes.lanes, len(self.actuators)))
+        if self.pairs == len(self.disturbances.walks):
+            return added[:1]
+        size = self.indicator.noise * sigma_point_weights(self.pairs).distance
+        added[[self.pairs, 2 * self.pairs], self.actuators.index(RUDDER)] = size, -size
+        return added
+
     def with_errors(self, faults: frozenset[str], slow: frozenset[str]) -> "ShipFilter":
         """Return the filter with faults, and with slow errors of some sensors; each is made once."""
         if (faults, slow) not in self._others:
@@ -235,43 +246,36 @@ class ShipFilter:
 
     def predict(self, now: Gaussian, duration: float, start: np.ndarray, end: np.ndarray) -> MotionStep:
         """Return one step of the motion; actuators move from start to end (actuators,)."""
-        lanes, size, process, before, pairs = self.lanes, len(self.states), self.disturbances, now, self.pairs
-        weights = sigma_point_weights(pairs)
-        if pairs > now.root.shape[1]:  # The last pair has the noise of the rudder's indication
-            now = Gaussian(now.mean, np.concatenate([now.root, np.zeros((len(now.mean), 1))], axis=1))
-            end, rudder = np.repeat(end[None], lanes.lanes, axis=0), lanes.actuators.index(RUDDER)
-            end[[pairs, 2 * pairs], rudder] += self.indicator.noise * weights.distance * np.array([1.0, -1.0])
-        left, noise = process.over(duration)
+        lanes, size, weights = self.lanes, len(self.states), sigma_point_weights(self.pairs)
+        left, noise = self.disturbances.over(duration)
 
         def move(points: np.ndarray) -> np.ndarray:
             columns = None
             if self.estimated:
                 bank = points[:, self.states.places["bank"]] if "bank" in self.states.places else np.ones(len(points))
                 columns = lanes.columns_of(self.middle + points[:, size:] @ self.root.T, bank)
-            after = lanes.advance(points, duration, start, end, columns)
-            if len(left):
-                after[:, process.places] *= left
+            after: np.ndarray = left * lanes.advance(points, duration, start, end + self.rudder_noise, columns)
             return after
 
         after, slopes = predict(now, move, noise, weights)
-        aground = bool(lanes.prepared.codes[0, 0]) or not math.isfinite(after.mean.sum())
-        return MotionStep(before, after, slopes, aground)
+        aground = bool(lanes.prepared.codes[0, 0]) or not math.isfinite(sum(after.mean.tolist()))
+        return MotionStep(now, after, slopes, aground)
 
     def update(self, t: float, now: Gaussian, readings: Readings, monitor: np.ndarray) -> tuple[Gaussian, UpdateResult]:
         """Return the state after the readings of one time that pass the gates; the monitor's sums change."""
         layout = self.layout(tuple(readings))
         if layout.seen is not None:
-            expected, rows = layout.seen @ now.mean, now.root.T @ layout.seen.T
+            expected, rows = layout.seen @ now.mean, np.concatenate((now.root.T @ layout.seen.T, layout.noise))
         else:
             expected, rows = sigma_point_weights(len(now.mean)).transform(
-                now, lambda points: self.measured(points, layout)
+                now, lambda points: self.measured(points, layout), layout.noise
             )
-        numbers = (number for name in readings for number in self.sensors[name].numbers(readings[name]))
-        innovation = np.fromiter(numbers, float, len(expected)) - expected
+        numbers = [number for name in readings for number in self.sensors[name].numbers(readings[name])]
+        innovation = np.array(numbers) - expected
         for angle in layout.angles:
             innovation[angle] = math.remainder(innovation[angle], 2.0 * math.pi)
         now, whitened, tests, agree, likelihood = update(
-            now, np.concatenate((rows, layout.noise)), innovation, *layout.tests, monitor, MEMORIES,
+            now, rows, innovation, *layout.tests, monitor, MEMORIES,
             settings.DRIFT_MOST_INNOVATION, settings.GROSS_ERROR_NIS,
         )  # fmt: skip
         nis, odd, drift = tests.tolist()

@@ -8,21 +8,48 @@ import math
 import numpy as np
 
 
-def sigma_points(mean: np.ndarray, root: np.ndarray, distance: float) -> np.ndarray:
-    """Return the points, (1 + 2 k, n): the mean, then one point on either side of it along each column."""
-    # mean (n,); root (n, k)
-    step = (root * distance).T
-    return np.concatenate((mean.reshape(1, -1), mean + step, mean - step))
+def sigma_points(mean: np.ndarray, root: np.ndarray, distance: float, pairs: int) -> np.ndarray:
+    """Return the points, (1 + 2 pairs, n): the mean, then one point on either side of it along each column."""
+    # mean (n,); root (n, k), further pairs are at the mean
+    points = np.empty((1 + 2 * pairs, len(mean)))
+    points[:] = mean
+    step = distance * root.T
+    points[1 : 1 + len(step)] += step
+    points[1 + pairs : 1 + pairs + len(step)] -= step
+    return points
 
 
-def transform(values: np.ndarray, distance: float, weight: float, bend: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return mean (m,) and rows (2 k, m) of values (1 + 2 k, m) at sigma points: slopes, then nonlinear parts."""
+def transform(
+    values: np.ndarray, noise: np.ndarray, distance: float, weight: float, bend: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return mean (m,) and rows (2 k + j, m) of values (1 + 2 k, m) at sigma points with added noise (j, m).
+
+    The rows are the slopes, the nonlinear parts and the noise.
+    """
     pairs, half = len(values) // 2, 0.5 / distance
     ahead, back = values[1 : 1 + pairs], values[1 + pairs :]
     bends = ahead + back - 2.0 * values[0]
     total = bends.sum(axis=0)
-    rows = np.concatenate(((ahead - back) * half, (bends + bend * total) * half))
+    rows = np.concatenate(((ahead - back) * half, (bends + bend * total) * half, noise))
     return values[0] + weight * total, rows
+
+
+def triangular_root(rows: np.ndarray) -> np.ndarray:
+    """Return the lower triangular root of the sum of outer products of rows (j, n), by Householder's reflections."""
+    columns, (count, size) = rows.T.copy(), rows.shape
+    root = np.zeros((size, size))
+    for k in range(min(count, size)):
+        normal = columns[k, k:]
+        length = math.sqrt(normal @ normal)
+        root[k, k] = -length if normal[0] > 0.0 else length
+        normal[0] -= root[k, k]
+        square = normal @ normal
+        for j in range(k + 1, size):
+            column = columns[j, k:]
+            if square > 0.0:
+                column -= 2.0 * (normal @ column) / square * normal
+            root[j, k] = column[0]
+    return root
 
 
 def cholesky(covariance: np.ndarray) -> np.ndarray:
@@ -47,7 +74,7 @@ def update(
     mean: np.ndarray, root: np.ndarray, rows: np.ndarray, innovation: np.ndarray, ends: np.ndarray, gates: np.ndarray,
     sources: np.ndarray, places: np.ndarray, sums: np.ndarray, memories: np.ndarray, most: float, gross: float,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, bool, float]:  # fmt: skip
-    """Return mean and rows after the readings that pass their gates, with tests of all readings.
+    """Return mean and root after the readings that pass their gates, with tests of all readings.
 
     These are the innovations over their standard deviations (m,); of each sensor the normalised innovation squared,
     whether it exceeds the gate, and the drift statistic, (3, sensors); whether readings over their gates are used; and
@@ -80,7 +107,8 @@ def update(
     gain = white[:size].T @ root.T
     after = -(white[:-1] @ gain)
     after[:size] += root.T
-    return mean + white[-1] @ gain, after, whitened, tests, agree, likelihood - 0.5 * (white[-1] ** 2).sum()
+    likelihood -= 0.5 * (white[-1] ** 2).sum()
+    return mean + white[-1] @ gain, triangular_root(after), whitened, tests, agree, likelihood
 
 
 def drift_statistics(

@@ -82,30 +82,28 @@ class MarkovProcess:
     def __init__(self, walks: np.ndarray, times: np.ndarray, opposed: Sequence[tuple[int, int]] = ()) -> None:
         self.walks, self.times = walks, times  # (n,) Random walks per root second; correlation times [s]
         self.opposed = opposed  # Pairs of places: the walk of the first enters the second with the other sign
-        self.places = np.flatnonzero(np.isfinite(times))
         self._rows = np.flatnonzero(walks > 0.0)
         self._over: dict[float, tuple[np.ndarray, np.ndarray]] = {}
 
     def over(self, duration: float) -> tuple[np.ndarray, np.ndarray]:
-        """Return the remaining share of the states at ``places`` after a time, and a root of the noise, (j, n)."""
+        """Return the remaining share of the states after a time (n,), and a root of the noise, (j, n)."""
         if duration not in self._over:
             if len(self._over) > 64:
                 self._over.clear()
-            share = duration / self.times
+            share, slow = duration / self.times, np.isfinite(self.times)
             grown = np.full(len(share), duration)
-            grown[self.places] = -np.expm1(-2.0 * share[self.places]) * self.times[self.places] / 2.0
+            grown[slow] = -np.expm1(-2.0 * share[slow]) * self.times[slow] / 2.0
             noise = np.zeros((len(self._rows), len(self.walks)))
             noise[np.arange(len(self._rows)), self._rows] = (self.walks * np.sqrt(grown))[self._rows]
             for one, other in self.opposed:
                 noise[self._rows == one, other] = -noise[self._rows == one, one]
-            self._over[duration] = np.exp(-share[self.places]), noise
+            self._over[duration] = np.exp(-share), noise
         return self._over[duration]
 
     def after(self, values: np.ndarray, duration: float, random: np.random.Generator) -> np.ndarray:
         """Draw the values after a time, (..., n)."""
         left, noise = self.over(duration)
-        values[..., self.places] *= left
-        return np.asarray(values + random.standard_normal((*values.shape[:-1], len(noise))) @ noise)
+        return np.asarray(values * left + random.standard_normal((*values.shape[:-1], len(noise))) @ noise)
 
 
 class ScaledNoise:

@@ -13,7 +13,6 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy.linalg import lapack
 
 from narrows.codegen.cache import compiled_loops
 from narrows.estimation import square_roots
@@ -33,11 +32,15 @@ class SigmaPointWeights(NamedTuple):
     distance: float  # Distance of each pair, in standard deviations
     mean: float  # Weight of each pair in the mean
     bend: float  # Share of the sum of all second differences in the nonlinear part of each pair
+    pairs: int
 
-    def transform(self, now: Gaussian, function: Callable[[np.ndarray], np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-        """Return mean and rows of the values of a function: changes along the root's columns, nonlinear parts."""
+    def transform(
+        self, now: Gaussian, function: Callable[[np.ndarray], np.ndarray], noise: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Return mean and rows of a function's values: changes along the root's columns, nonlinear parts, noise."""
         loops = compiled_loops(square_roots)
-        mean, rows = loops.transform(function(loops.sigma_points(*now, self.distance)), *self)
+        points = loops.sigma_points(*now, self.distance, self.pairs)
+        mean, rows = loops.transform(function(points), noise, self.distance, self.mean, self.bend)
         return mean, rows
 
 
@@ -52,31 +55,23 @@ def sigma_point_weights(
     # The covariance has the pairs' second differences d about the mean, and the central point by the weight 1 - n/h^2 +
     # 1 - alpha^2 + beta, which may be negative. Both together are sums of squares of (d_i + bend sum d) / 2 h.
     bend = (math.sqrt(max(1.0 + (beta - alpha * alpha) * size / squared, 0.0)) - 1.0) / size
-    return SigmaPointWeights(math.sqrt(squared), 0.5 / squared, bend)
+    return SigmaPointWeights(math.sqrt(squared), 0.5 / squared, bend, size)
 
 
 def predict(
     now: Gaussian, move: Callable[[np.ndarray], np.ndarray], noise: np.ndarray, weights: SigmaPointWeights
 ) -> tuple[Gaussian, np.ndarray]:
     """Return the distribution after a motion with noise (j, n), and its slopes along the root's columns, (k, n)."""
-    mean, rows = weights.transform(now, move)
-    return Gaussian(mean, triangular_root(np.concatenate([rows, noise]))), rows[: len(rows) // 2]
+    mean, rows = weights.transform(now, move, noise)
+    return Gaussian(mean, triangular_root(rows)), rows[: weights.pairs]
 
 
 def update(now: Gaussian, *measurement: Any) -> tuple[Any, ...]:
     """Return the distribution after a measurement, and the tests of its readings, see ``square_roots.update``."""
-    mean, rows, *tests = compiled_loops(square_roots).update(*now, *measurement)
-    return Gaussian(mean, triangular_root(rows)), *tests
-
-
-@lru_cache(maxsize=64)
-def _lower(size: int) -> np.ndarray:
-    return np.tri(size)
+    mean, root, *tests = compiled_loops(square_roots).update(*now, *measurement)
+    return Gaussian(mean, root), *tests
 
 
 def triangular_root(rows: np.ndarray) -> np.ndarray:
-    """Return the lower triangular root of the sum of outer products of rows, (n, n), by QR."""
-    count, size = rows.shape
-    if count < size:
-        rows = np.vstack([rows, np.zeros((size - count, size))])
-    return np.asarray(lapack.dgeqrf(rows)[0].T[:, :size] * _lower(size))
+    """Return the lower triangular root of the sum of outer products of rows, (n, n)."""
+    return np.asarray(compiled_loops(square_roots).triangular_root(rows))
