@@ -48,7 +48,7 @@ TESTS = {
     "warning/inputs": ["warning/test_nmea_decoder.py"],
     "warning/monitoring": ["warning/test_monitor_sensors.py", "warning/test_monitor.py", "warning/test_bridge_page.py"],
     "warning/page": ["warning/test_page_requests.py", "warning/test_bridge_page.py", "warning/test_clients.py"],
-    "warning/transit_scores.py": ["warning/test_scores.py", "warning/test_watched_transits.py"],
+    "warning/monitoring/watched_transit.py": ["warning/test_scores.py", "warning/test_watched_transits.py"],
     "safety": ["unit/test_envelope_parts.py", "unit/test_envelope.py", "unit/test_pilots.py"],
     "safety/channel_rules.py": ["unit/test_channel_rules.py"],
     "logbook": ["unit/test_learned_coefficient.py", "unit/test_ship_log.py", "unit/test_sensor_grades.py"],

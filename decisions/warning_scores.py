@@ -29,8 +29,8 @@ from watched.truths import DEPTH, LAPSES, LENGTH, Physics, modelled
 from narrows.warning.alerts.alert import Thresholds
 from narrows.warning.forecasting.forecast import level_time
 from narrows.warning.forecasting.helmsman import escape_numbers
+from narrows.warning.monitoring.watched_transit import alert_spells
 from narrows.warning.settings import CLEAR_SHARE, NEAR_MISS
-from narrows.warning.transit_scores import alert_spells
 
 RATES, DRAWS, WITHIN = (10.0, 2.0), 1000, (0.05, 0.95)
 """False alerts in 100 hours; draws of an interval."""

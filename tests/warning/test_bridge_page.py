@@ -32,7 +32,7 @@ from narrows.warning.page.bridge_page import (
     PageAccess,
     address_of,
 )
-from narrows.warning.page.page_updates import ending, packed, refusal, update_of
+from narrows.warning.page.page_updates import packed, update_of
 
 FAN_MEMBERS = 32  # ships of the fan
 
@@ -48,7 +48,8 @@ def test_messages_are_what_their_schema_says() -> None:
         monitored.status(conditions={SENSORS["heading"]: Condition(Priority.WARNING, "no heading for 11 s")}),
     ]  # fmt: skip
     told = [update_of(monitored, status, 1.7e9) for status in statuses]
-    for message in [*told, refusal("That alert is over."), ending("It is over.")]:
+    said = [{"kind": kind, "sentence": "It is over."} for kind in ("refused", "ended")]
+    for message in [*told, *said]:
         assert list(validator(schema).iter_errors(json.loads(packed(message)))) == []
     assert [message["status"] for message in told] == ["clear", "alarm", NOT_AVAILABLE, NOT_AVAILABLE]
     assert told[1]["alerts"][0]["may"] == ["acknowledge", "silence"]

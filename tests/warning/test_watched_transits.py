@@ -17,8 +17,7 @@ from narrows.warning.alerts.alert_log import logged
 from narrows.warning.monitoring import watched_transit
 from narrows.warning.monitoring.bridge_status import BridgeStatus
 from narrows.warning.monitoring.demonstration import demonstration
-from narrows.warning.monitoring.watched_transit import TransitLog, WatchedTransit
-from narrows.warning.transit_scores import PREDICTORS, score_transits
+from narrows.warning.monitoring.watched_transit import PREDICTORS, TransitLog, WatchedTransit, score_transits
 
 MISTAKE = (40.0, 120.0)  # [s] in which the demonstration's rudder is wrong
 NEEDED_TIME = 10.0  # [s] to act
@@ -57,7 +56,7 @@ def test_a_transit_is_told_drawn_and_tabled(tmp_path: Path, monkeypatch: pytest.
     assert "decision support" in transit.notes[0]
     transit.save(tmp_path / "a.png")
     transit.save(tmp_path / "a.csv")
-    monkeypatch.setattr(watched_transit, "MOST_SECONDS", 4)
+    monkeypatch.setattr(watched_transit.settings, "MOST_SECONDS", 4)
     kept = TransitLog(ship().configuration, canal())
     for status in monitored(ticks(7)):
         kept.add(status)

@@ -155,8 +155,7 @@ def _ticks_of(inputs: InputOptions, pace: float, stack: ExitStack) -> Iterator["
 
 def _score(inputs: InputOptions, model: str, waterway: Path | None, y: float, delivery: ReportDelivery) -> None:
     from narrows.warning.monitoring.alert_publisher import AlertPublisher
-    from narrows.warning.monitoring.watched_transit import TransitLog
-    from narrows.warning.transit_scores import score_transits
+    from narrows.warning.monitoring.watched_transit import TransitLog, score_transits
 
     transits = {}
     for number, path in enumerate(inputs.score or (), 1):

@@ -13,19 +13,12 @@ import numpy as np
 from narrows.aliases import accept_aliases
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice
+from narrows.estimation import settings
 from narrows.estimation.estimate import Estimate, EstimatedTrack
 from narrows.estimation.fault_bank import FaultBank
 from narrows.estimation.filter_run import AGROUND, FilterRun, Moment, Readings
 from narrows.estimation.records import Reading, checked_readings, records_of, rows_of
 from narrows.estimation.sensors import split_sensors
-from narrows.estimation.settings import (
-    COEFFICIENT_MEMORY,
-    LONGEST_GAP,
-    SAME_TIME,
-    SILENT_PERIODS,
-    START_READINGS,
-    STEPS_A_PERIOD,
-)
 from narrows.estimation.ship_filter import MODEL, Coefficients, MotionStep, ShipFilter, UpdateResult
 from narrows.estimation.start import Start
 from narrows.estimation.states import Prior, ProcessNoise
@@ -86,13 +79,13 @@ class Estimator(BaseSummary):
     def __init__(
         self, model: Model, sensors: Sequence[Any], *, waterway: "Waterway | None" = None,
         noise: ProcessNoise | None = None, prior: Prior | None = None, coefficients: Coefficients = "estimated",
-        memory: float = COEFFICIENT_MEMORY, refusing: float = 1e-5, step: float | None = None,
+        memory: float = settings.COEFFICIENT_MEMORY, refusing: float = 1e-5, step: float | None = None,
         surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
     ) -> None:  # fmt: skip
         check_choice("coefficients", coefficients, get_args(Coefficients))
         length = model.configuration.ship.length
         by_name, indicator = split_sensors(sensors)
-        longest = math.sqrt(length / GRAVITY) / STEPS_A_PERIOD if step is None else float(step)
+        longest = math.sqrt(length / GRAVITY) / settings.STEPS_A_PERIOD if step is None else float(step)
         self.filter = ShipFilter(
             model, by_name, indicator, waterway, noise or ProcessNoise.of_length(length),
             prior or Prior.of_length(length), coefficients, refusing, longest, float(memory), surge, surge_inertia,
@@ -148,7 +141,7 @@ class Estimator(BaseSummary):
         given = {**(readings or {}), **named}
         measured, positions, notes = checked_readings(given, self.filter.sensors, self.filter.actuators)
         gap = t - self._run.last.t if self._run else 0.0
-        if abs(gap) > LONGEST_GAP:
+        if abs(gap) > settings.LONGEST_GAP:
             what = f"No reading for {gap:.0f} s" if gap > 0.0 else f"The time went back by {-gap:.0f} s"
             notes.append(f"{what}: the estimate begins anew.")
             self._begin_anew(t)
@@ -175,9 +168,7 @@ class Estimator(BaseSummary):
         found = [self.update(t, now) for t, now in rows_of(recorded, self.filter.sensors, self.filter.actuators)]
         known = [estimate for estimate in found if estimate.normal]
         if not known:
-            raise InputError(
-                f"these records lack {self._start.missing}; an estimate starts from {START_READINGS} readings of each"
-            )
+            raise self._start.refusal()
         refused, suspected = (
             {name: np.array([name in getattr(one, kind) for one in known]) for name in self.filter.sensors}
             for kind in ("refused", "suspects")
@@ -208,7 +199,9 @@ class Estimator(BaseSummary):
         start.add(t - late, measured)
         self._last_reading.update(dict.fromkeys(measured, t))
         if start.missing:
-            notes.append(f"An estimate starts from {START_READINGS} readings each; it still lacks {start.missing}.")
+            notes.append(
+                f"An estimate starts from {settings.START_READINGS} readings each; it still lacks {start.missing}."
+            )
             return self._estimate(t, self._last, False, notes)
         first = Moment(
             t - late, start.state(t - late), self._indicated(positions, self.filter.at_rest), {}, self.filter.monitor()
@@ -222,10 +215,10 @@ class Estimator(BaseSummary):
     ) -> Estimate:
         assert self._run is not None
         last = self._run.last
-        if t < last.t - SAME_TIME:
+        if t < last.t - settings.SAME_TIME:
             notes.append(f"The time went back from {last.t:g} to {t:g} s: the readings count as late.")
         now = max(t, last.t)
-        at = self._indicated(positions, last.positions) if t >= last.t - SAME_TIME else last.positions
+        at = self._indicated(positions, last.positions) if t >= last.t - settings.SAME_TIME else last.positions
         self._last_reading.update(dict.fromkeys(measured, now))
         if not self._run.update(t, measured, at, notes):
             notes.append(AGROUND.format(t))
@@ -247,7 +240,7 @@ class Estimator(BaseSummary):
     def _silences(self, now: float) -> dict[str, float]:
         """Return for how long each silent sensor has been so [s]."""
         quiet = {name: now - self._last_reading.setdefault(name, now) for name in self.filter.sensors}
-        longest = {name: SILENT_PERIODS * sensor.period for name, sensor in self.filter.sensors.items()}
+        longest = {name: settings.SILENT_PERIODS * sensor.period for name, sensor in self.filter.sensors.items()}
         return {name: time for name, time in quiet.items() if not 0.0 <= time <= longest[name]}
 
     def _estimate(
@@ -305,9 +298,7 @@ def smoothed_track(filter: ShipFilter, records: "pd.DataFrame", notes: tuple[str
         if row >= 0:
             runs[-1][1].append((row, len(run.history) - 1))
     if not runs:
-        raise InputError(
-            f"these records lack {start.missing}; an estimate starts from {START_READINGS} readings of each"
-        )
+        raise start.refusal()
     mean, covariance = np.full((count, size), np.nan), np.full((count, size, size), np.nan)
     for run, places in runs:
         back = smoothed([step for moment in run.history for step in moment.steps], run.last.state)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from narrows.errors import InputError
 from narrows.estimation.sensors import error_states
 from narrows.estimation.settings import START_READINGS
 from narrows.estimation.ship_filter import ShipFilter
@@ -51,6 +52,10 @@ class Start:
         """Return what is missing, in words; empty if there are enough readings."""
         known = self.values()
         return " and ".join(dict.fromkeys(what for state, what in NEEDED.items() if state not in known))
+
+    def refusal(self) -> InputError:
+        what = f"an estimate starts from {START_READINGS} readings of each"
+        return InputError(f"these records lack {self.missing}; {what}")
 
     def state(self, t: float) -> Gaussian:
         """Return the state at a time from the readings and the priors."""

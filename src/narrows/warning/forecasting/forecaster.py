@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from narrows.codegen.choices import CURRENT_ACROSS
-from narrows.control.linearization import local_water
-from narrows.control.steady_course import RUDDER, solved, with_propulsion
+from narrows.control.linearization import local_water, steady_courses
+from narrows.control.steady_course import RUDDER
 from narrows.errors import InputError, check_count
 from narrows.estimation.estimate import Estimate
 from narrows.estimation.estimator import Estimator
@@ -274,14 +274,10 @@ def rudder_needed(
     """Return the rudder of the steady course here, the bank as strong as estimated [rad]; infinite without one."""
     model = ship.model
     water = local_water(model, waterway, at["x"] if waterway is not None else 0.0)
-    offset = at["y"] - water.middle
-    if abs(offset) >= (water.width - model.configuration.ship.beam) / 2 or not at["u"] > 0.0:
+    if abs(at["y"] - water.middle) >= (water.width - model.configuration.ship.beam) / 2 or not at["u"] > 0.0:
         return math.inf
     bank = at.get("bank", 1.0)
     banks = {term.name: bank * model.coefficients[term.name] for term in model.terms.terms if term.from_bank}
-    place = {"path_curvature": water.curvature / (1.0 - water.curvature * at["y"]), "current": water.current}
     turns = {name: value for name, value in positions.items() if name != RUDDER}
-    turning = with_propulsion(model, {**turns, "u": at["u"]})
-    values = {**ship.values(), **banks, **water.sections, **place, **turning, "y": offset}
-    _, rudder = solved(ship, values, 1, 1)
-    return float(rudder[0]) if math.isfinite(rudder[0]) else math.inf
+    _, course = steady_courses(ship, water, np.array([at["y"]]), np.array([at["u"]]), {**banks, **turns})
+    return float(course["rudder"][0]) if math.isfinite(course["rudder"][0]) else math.inf

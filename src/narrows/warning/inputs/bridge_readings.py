@@ -15,13 +15,16 @@ from narrows.waterway.waterway import Waterway
 
 NOT_HERE = "that give a place off the waterway"
 WATER_LOG, GROUND_LOG = "log", "ground_log"
+# Groups that a forecast needs.
+NEEDED = ("position", "heading", "rudder")
 Reading = float | tuple[float, float]
 
 
 class Messages(NamedTuple):
     t: float  # Until when [s]
     readings: dict[str, Reading]  # Readings of the last second, by the names of sensors and actuators
-    ages: dict[str, float]  # Age of the last message of each group [s]
+    # Age of the last message of each group [s]; of a needed one since the first tick, where there was none
+    ages: dict[str, float]
     faults: dict[str, int]  # Messages that were left out so far
     draft: float | None  # As the ship reports it [m]
     depth: float | None = None  # [m] of the water by the echo sounder: clearance under the keel plus draft
@@ -55,6 +58,8 @@ class BridgeReadings:
 
     def convert(self, tick: Tick) -> Messages:
         values = self._latest(tick.entries)
+        for what in NEEDED:
+            self._last.setdefault(what, tick.t)
         depth = self._depth(values.pop(WATER_DEPTH, {}))
         readings = self._place(values.pop("position", {}))
         readings |= self._directions(values) | self._others(values)

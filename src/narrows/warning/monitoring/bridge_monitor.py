@@ -40,7 +40,7 @@ from narrows.warning.alerts.alert_sentences import command_of
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
 from narrows.warning.forecasting.helmsman import Helmsmen
-from narrows.warning.inputs.bridge_readings import GROUND_LOG, BridgeReadings, Messages, Tick
+from narrows.warning.inputs.bridge_readings import GROUND_LOG, NEEDED, BridgeReadings, Messages, Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher
 from narrows.warning.monitoring.bridge_status import BridgeStatus, clearances
 from narrows.waterway.waterway import Waterway
@@ -138,7 +138,7 @@ class BridgeMonitor:
         """Return the forecast, or the reason why there is none."""
         if not estimate.ready:
             return None, estimate.notes[-1] if estimate.notes else "No estimate of the ship yet."
-        if self._health.blind(messages):
+        if blind(messages):
             return None, "Sensors have been silent for too long."
         if not 0.0 <= estimate["x"] <= self.waterway.line.length:
             return None, f"The ship is not on {self.waterway.name}."
@@ -202,11 +202,6 @@ def other_draft_or_depth(model: Model, waterway: Waterway, estimate: Estimate, m
     return Condition(Priority.CAUTION, " ".join(said)) if said else CALM
 
 
-# Health of the sensors: silences, rejected jumps, drifts.
-# Readings that a forecast needs.
-NEEDED = ("position", "heading", "rudder")
-
-
 # Quantity that each sensor of the estimator measures.
 MEASURES = {
     "gnss": "position", "course": "speed over ground", "gyro": "heading", "rate_of_turn": "yaw rate",
@@ -215,8 +210,9 @@ MEASURES = {
 
 
 class SensorHealth:
+    """Silences, rejected jumps and drifts of the sensors."""
+
     def __init__(self) -> None:
-        self._began: float | None = None
         self._doubted: dict[tuple[str, str], float] = {}
 
     def conditions(self, messages: Messages, estimate: Estimate) -> dict[Situation, Condition]:
@@ -224,31 +220,22 @@ class SensorHealth:
         for names, words in ((estimate.refused, "jumps"), (estimate.suspects, "drifts, or is led astray")):
             self._doubted |= {(name, words): messages.t for name in names}
         self._doubted = {what: t for what, t in self._doubted.items() if messages.t - t < settings.DOUBT_HOLD_TIME}
-        silent = self._silences(messages)
         said: dict[Situation, list[str]] = {one: [] for one in ANY_SENSOR}
-        for what, age in silent.items():
-            said[SENSORS.get(what, OTHER_SENSORS)].append(f"no {what} for {age:.0f} s")
+        for what, age in messages.ages.items():
+            if age > (settings.SENSOR_SILENCE if what in NEEDED else settings.OTHER_SENSOR_SILENCE):
+                said[SENSORS.get(what, OTHER_SENSORS)].append(f"no {what} for {age:.0f} s")
         for name, words in self._doubted:
             said[SENSORS.get(MEASURES.get(name, name), OTHER_SENSORS)].append(f"{name} {words}")
-        blind = {SENSORS[what] for what in NEEDED if silent.get(what, 0.0) > settings.BLIND_AFTER}
-        return {one: _of_sensor(one in blind, words) for one, words in said.items()}
-
-    def blind(self, messages: Messages) -> bool:
-        """Return whether too much is unknown for too long to forecast anything."""
-        return max(self._needed(messages).values()) > settings.BLIND_AFTER
-
-    def _needed(self, messages: Messages) -> dict[str, float]:
-        """Return the age of each necessary reading [s]; since the watch began, where there was none."""
-        self._began = messages.t if self._began is None else self._began
-        return {what: messages.ages.get(what, messages.t - self._began) for what in NEEDED}
-
-    def _silences(self, messages: Messages) -> dict[str, float]:
-        longest = settings.OTHER_SENSOR_SILENCE
-        others = {what: age for what, age in messages.ages.items() if what not in NEEDED and age > longest}
-        return {what: age for what, age in self._needed(messages).items() if age > settings.SENSOR_SILENCE} | others
+        silent = {SENSORS[what] for what in blind(messages)}
+        return {one: _of_sensor(one in silent, words) for one, words in said.items()}
 
 
-def _of_sensor(blind: bool, words: list[str]) -> Condition:
+def blind(messages: Messages) -> list[str]:
+    """Return what has been unknown for too long to forecast anything."""
+    return [what for what in NEEDED if messages.ages[what] > settings.BLIND_AFTER]
+
+
+def _of_sensor(silent: bool, words: list[str]) -> Condition:
     if not words:
         return CALM
-    return Condition(Priority.WARNING if blind else Priority.CAUTION, "; ".join(words))
+    return Condition(Priority.WARNING if silent else Priority.CAUTION, "; ".join(words))

@@ -14,7 +14,7 @@ from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.readers.nmea.nmea_decoder import Entry, NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import checksum, sentences, with_checksum
-from narrows.simulation.controllers import Autopilot, Order, VoyageState
+from narrows.simulation.controllers import VoyageState
 from narrows.simulation.voyage import Voyage, simulate
 from narrows.terms.tables import table_named
 from narrows.warning.inputs.bridge_readings import Tick
@@ -32,24 +32,6 @@ DURATION, MISTAKE, UPSET = 330.0, (40.0, 120.0), (40.0, 120.0)
 WRONG_RUDDER, MOMENT = 27.0, 3.0
 TERMS, ORIGIN = "speed+helm", (9.5, 54.2)
 BEGAN = datetime(2026, 5, 2, 8, tzinfo=UTC).timestamp()
-
-
-@dataclass(frozen=True)
-class MistakenHelm:
-    """A pilot, but for a while in which the rudder is put over to the wrong side and forgotten."""
-
-    pilot: Autopilot  # Who steers
-    away: tuple[float, float]  # Start and end of his absence [s]
-    angle: float  # Angle of the rudder then [rad]
-
-    def begin(self) -> Order:
-        def order(t: float, state: VoyageState) -> float:
-            if self.away[0] <= t < self.away[1]:
-                return self.angle
-            off = [getattr(state, name) - getattr(self.pilot, name, 0.0) for name in ("y", "psi", "v", "r")]
-            return float(self.pilot.rudder - np.dot(self.pilot.gains, off))
-
-        return order
 
 
 @dataclass(frozen=True)
@@ -88,16 +70,22 @@ def demonstration(seed: int = 0) -> Demonstration:
     """Return the demonstration: a 230 m container ship in a canal 300 m wide."""
     model, way = bundled_ship(LENGTH, WIDTH, DEPTH, table_named(TERMS)), demonstrated_canal()
     middle, course = linearize(model, u=SPEED), linearize(model, LINE, SPEED).course
+    held = {name: float(course[name]) for name in ("y", "psi", "v", "r", "rudder")}
     # Half a beam off the line costs as much as 5 degrees off the course and 10 degrees of rudder.
     weights = [(model.configuration.ship.beam / 2) ** -2, math.radians(5.0) ** -2, 0.0, 0.0]
     (gains,), *_ = lqr(middle, weights, math.radians(10.0) ** -2, "rudder")
-    autopilot = Autopilot(LINE, tuple(gains), *(float(course[name]) for name in ("rudder", "psi", "v")))
-    pilot = MistakenHelm(autopilot, MISTAKE, math.radians(WRONG_RUDDER))
+
+    def order(t: float, state: VoyageState) -> float:
+        """A pilot, but for a while in which the rudder is put over to the wrong side and forgotten."""
+        if MISTAKE[0] <= t < MISTAKE[1]:
+            return math.radians(WRONG_RUDDER)
+        return float(held["rudder"] - np.dot(gains, [getattr(state, name) - held[name] for name in middle.states]))
+
     turn, rudder = middle.states.index("r"), middle.controls.index("rudder")
     by_rudder = float(middle.B[turn, rudder] / middle.G[turn, middle.disturbances.index("N")])
     moment = by_rudder * math.radians(MOMENT)
     voyage = simulate(
-        model, x=300.0, y=LINE, u=SPEED, controller=pilot, waterway=way, duration=DURATION, dt=1.0,
+        model, x=300.0, y=LINE, u=SPEED, controller=order, waterway=way, duration=DURATION, dt=1.0,
         N=[(0.0, 0.0), (UPSET[0], moment), (UPSET[1], 0.0)],
     )  # fmt: skip
     return Demonstration(model, way, voyage, seed)

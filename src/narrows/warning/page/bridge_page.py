@@ -25,7 +25,7 @@ from narrows.warning.alerts.alert_sentences import acn, notifications
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.bridge_status import BridgeStatus
-from narrows.warning.page.page_updates import COMMANDS, Clients, ending, packed, refusal, update_of
+from narrows.warning.page.page_updates import COMMANDS, Clients, packed, update_of
 from narrows.web import asset
 
 UPDATES, SIGNAL_K = "/updates", "/signalk/v1/stream"
@@ -113,7 +113,7 @@ class BridgePage:
             server = run(begin())
             try:
                 yield f"http://{address_of(host)}:{listening.getsockname()[1]}/?token={self.access.token}"
-                self.updates.publish(packed(ending(ENDED)))
+                self.updates.publish(packed({"kind": "ended", "sentence": ENDED}))
                 time.sleep(settings.FAREWELL * bool(self.updates))
             finally:
                 with suppress(TimeoutError):
@@ -132,7 +132,7 @@ class BridgePage:
             self.notices.publish(packed(notice))
 
     def _take(self, text: str, answer: "Answer") -> None:
-        self.requests.take(text, lambda why: answer(packed(refusal(why))))
+        self.requests.take(text, lambda why: answer(packed({"kind": "refused", "sentence": why})))
 
     def _respond(self, connection: Any, request: Any) -> Any:
         """Answer what asks for no updates, or for none that it may have."""

@@ -34,14 +34,6 @@ def update_of(monitored: BridgeMonitor, status: BridgeStatus, since_1970: float)
     return {"kind": "update", "at": since_1970, **names, **status.to_dict(), **parts}
 
 
-def refusal(sentence: str) -> dict[str, Any]:
-    return {"kind": "refused", "sentence": sentence}
-
-
-def ending(sentence: str) -> dict[str, Any]:
-    return {"kind": "ended", "sentence": sentence}
-
-
 def packed(message: Mapping[str, Any]) -> str:
     return json.dumps(plain(message), separators=(",", ":"), allow_nan=False)
 
