@@ -21,7 +21,7 @@ from narrows.empirical.bank_evidence import BANK_EVIDENCE, bank_effects
 from narrows.empirical.formulas import FORMULAS, depth_factor
 from narrows.empirical.main_dimensions import hull_of
 from narrows.logbook.sensor_grades import VDR
-from narrows.logbook.transits.predict_information import safe_offset
+from narrows.logbook.steady_legs.plan_steady import usual_offsets
 from narrows.logbook.transits.transit_twins import TransitTwin, drawn_truth, transits_of
 from narrows.quantities.names import KNOT
 
@@ -30,6 +30,13 @@ BANKS, HULL = ("Y_bank", "N_bank"), ("X_my", "N_jz", "Y_v", "N_v", "Y_r", "N_r")
 NAMES = (*BANKS, *HULL)
 CONDITIONS = nw.TransitConditions(wander=10.0)
 """A canal 300 m wide with meetings: the aim wanders by 10 m, not by 3."""
+
+
+def safe_offset(model: nw.Model, u: float) -> float:
+    """How far off the middle a quick safe envelope lets a ship go [m]."""
+    offsets = np.append(0.0, usual_offsets(model, model.configuration.ship.beam / 2))
+    safe = nw.safe_envelope(model, offsets, np.array([u]), samples=200).by_model().to_numpy()[:, 0]
+    return float(offsets[int(np.argmin(safe)) - 1]) if safe[0] and not safe.all() else float(offsets[-1] * safe[0])
 
 
 def estimated() -> nw.Model:

@@ -15,7 +15,7 @@ import numpy as np
 
 import narrows as nw
 from narrows.logbook.steady_legs.steady_readings import steady_push
-from narrows.logbook.transits.transit_twins import ROUTINE, Excursion, TransitPilot, TransitTwin, gust_push, wandering
+from narrows.logbook.transits.transit_twins import TransitPilot, TransitTwin, gust_push, wandering
 from narrows.simulation.self_propulsion import self_propulsion
 
 DEGREE = math.pi / 180
@@ -58,7 +58,7 @@ class LatePilot:
 class OtherTransit(TransitTwin):
     """A transit by the late pilot, in gusts that swing."""
 
-    def sailed(self, seed: int, excursion: Excursion = ROUTINE) -> nw.Voyage:
+    def sailed(self, seed: int) -> nw.Voyage:
         """Simulate the transit."""
         draw, told = np.random.default_rng((seed, 23)), self.conditions
         times = np.arange(0.0, self.duration + 10.0, 10.0)

@@ -259,8 +259,8 @@ def predicted(kind: Kind) -> dict[str, str]:
     """Standard errors by ``predict_information`` of transits like these, where all is as it is taken."""
     if kind != Kind(kind.words, kind.transits, kind.sensors, twins=kind.twins):
         return dict.fromkeys(BANKS, "-")
-    told = {"u": SPEED, "duration": 60 * MINUTES, "within": 0.0}
-    routine = nw.predict_information(ship(), None, GRADES[kind.sensors], (kind.transits,), **told).kinds[0]
+    told = {"u": SPEED, "duration": 60 * MINUTES}
+    routine = nw.predict_information(ship(), None, GRADES[kind.sensors], (kind.transits,), **told)
     return {name: f"{routine.std[name][0]:.4f}" for name in BANKS}
 
 

@@ -325,11 +325,11 @@ class Table:
         plan = {"model": by_depth(), "offsets": [0.3, 0.5], "speeds": [0.4, 0.5], "legs": 2, "samples": 20}
         return {
             "predict_information": Entry(
-                {"model": by_depth(), "sensors": sensed(0.01), "u": 0.5, "duration": 20.0, "within": 0.2,
+                {"model": by_depth(), "sensors": sensed(0.01), "u": 0.5, "duration": 20.0,
                  "transits": (1,), "conditions": breeze},
                 {"model": surer, "waterway": nw.straight_waterway(nw.Canal(6.0, 0.3), 60.0),
                  "sensors": sensed(0.02), "transits": (2,), "u": 0.45, "duration": 15.0, "targets": ("c_helm",),
-                 "within": 0.1, "conditions": replace(breeze, wind=0.4), "seed": 1},
+                 "conditions": replace(breeze, wind=0.4), "seed": 1},
                 answer=lambda found: found.to_dict(),
             ),
             "learn": Entry(

@@ -89,7 +89,7 @@ def held(legs: dict[str, list[float]], **told: Any) -> Any:
 
 def predicted(sensors: nw.SensorGrade, **told: Any) -> Any:
     told = {"conditions": nw.TransitConditions(wind=0.5, gust_time=2.0, wander=0.05, wander_time=9.0), **told}
-    return nw.predict_information(by_depth(), None, sensors, (1,), u=0.5, duration=10.0, within=0.0, **told).to_dict()
+    return nw.predict_information(by_depth(), None, sensors, (1,), u=0.5, duration=10.0, **told).to_dict()
 
 
 def hull(ship: nw.Ship) -> Any:

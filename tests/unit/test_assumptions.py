@@ -106,7 +106,7 @@ def test_every_language_of_the_bank_force_tells_it_too(suffix: str, tmp_path: Pa
 
 DOORS_OF_LOGS = {
     "plan of steady legs": lambda model: nw.plan_steady(model, [10.0], [4.0], legs=2, samples=20).notes,
-    "forecast of information": lambda model: nw.predict_information(model, within=0.0, transits=1, u=4.0).notes,
+    "forecast of information": lambda model: nw.predict_information(model, transits=1, u=4.0).notes,
 }
 
 

@@ -12,7 +12,7 @@ from narrows.logbook import GRADES
 from narrows.logbook.learning.log_posterior import expected_std
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
 from narrows.logbook.transits.predict_information import expected_information
-from narrows.logbook.transits.transit_twins import Excursion, TransitTwin, gust_push, recorded
+from narrows.logbook.transits.transit_twins import TransitTwin, gust_push, recorded
 from pictures import assert_readable
 
 BREEZE = nw.TransitConditions(wind=0.5, gust=0.2, gust_time=2.0, wander=0.05, wander_time=15.0, gust_correlation=0.4)
@@ -43,7 +43,7 @@ def ship() -> nw.Model:
 
 @cache
 def predicted(**told) -> nw.InformationForecast:
-    told = {"u": SPEED, "duration": 60.0, "within": 0.3, "conditions": BREEZE, **told}
+    told = {"u": SPEED, "duration": 60.0, "conditions": BREEZE, **told}
     return nw.predict_information(ship(), None, OWN, **told)
 
 
@@ -84,78 +84,56 @@ def test_one_transit_many_times_over_tells_as_much_as_so_many() -> None:
     assert one == pytest.approx(three, rel=1e-6)
 
 
-def test_more_transits_tell_more_and_excursions_more_than_routine() -> None:
+def test_more_transits_tell_more() -> None:
     found = predicted()
-    for kind in found.kinds:
-        for name in found.targets:
-            first, later, last = kind.std[name]
-            assert found.prior_std[name] > first > later
-            assert later > last
-    assert found.best.excursion.offset == pytest.approx(0.3)
-    assert "The best excursion is 0.3 m aside" in found.summary()
+    for name in found.targets:
+        first, later, last = found.std[name]
+        assert found.prior_std[name] > first > later > last
     assert "on simulated twins only" in found.summary()
     assert_readable(found.plot())
 
 
 def test_better_sensors_tell_more() -> None:
     worse = {name: replace(grade, noise=3 * grade.noise, zero=3 * grade.zero) for name, grade in OWN.signals.items()}
-    told = {"u": SPEED, "duration": 60.0, "within": 0.0, "conditions": BREEZE}
+    told = {"u": SPEED, "duration": 60.0, "conditions": BREEZE}
     blunt = nw.predict_information(ship(), None, nw.SensorGrade("blunt", "worse", worse), **told)
     for name in blunt.targets:
-        assert blunt.kinds[0].std[name][0] > predicted().kinds[0].std[name][0]
+        assert blunt.std[name][0] > predicted().std[name][0]
 
 
 def test_gusts_that_come_and_go_hide_the_bank() -> None:
-    calm = predicted(conditions=replace(BREEZE, gust=0.01), within=0.0)
+    calm = predicted(conditions=replace(BREEZE, gust=0.01))
     # The voyage itself is stirred by gusts; what they hide is more than what they stir.
-    assert calm.kinds[0].std["b_bank"][0] < predicted(within=0.0).kinds[0].std["b_bank"][0]
+    assert calm.std["b_bank"][0] < predicted().std["b_bank"][0]
 
 
 def test_a_straight_waterway_is_its_canal() -> None:
     way = nw.straight_waterway(ship().configuration.canal, 60.0)
-    told = {"duration": 40.0, "within": 0.0}
+    told = {"duration": 40.0}
     along = nw.predict_information(ship(), way, OWN, u=SPEED, conditions=BREEZE, **told)
-    assert along.kinds[0].std["c_bank"] == pytest.approx(predicted(**told).kinds[0].std["c_bank"], rel=1e-3)
+    assert along.std["c_bank"] == pytest.approx(predicted(**told).std["c_bank"], rel=1e-3)
 
 
 def test_without_the_rudder_nothing_is_predicted() -> None:
     found = nw.predict_information(ship(), sensors="ais", u=SPEED)
-    assert found.kinds == ()
+    assert found.std == {}
     assert "record the rudder" in found.summary()
-    assert found.best is None
+    assert found.rows() == []
 
 
 def test_sensors_of_a_ship_are_too_coarse_for_a_model() -> None:
     """Places to a metre in a canal of seven, in a sentence."""
     with pytest.raises(nw.InputError, match="too coarse to locate a ship of this size"):
-        nw.predict_information(ship(), None, AT_SEA, (1,), u=SPEED, duration=20.0, within=0.0, conditions=BREEZE)
+        nw.predict_information(ship(), None, AT_SEA, (1,), u=SPEED, duration=20.0, conditions=BREEZE)
 
 
-def test_where_the_envelope_is_safe_nowhere_no_excursion_is_looked_at() -> None:
-    unknown = replace(ship(), covariance=10000 * ship().covariance)
-    found = nw.predict_information(unknown, None, OWN, (1,), u=SPEED, duration=20.0, conditions=BREEZE)
-    assert len(found.kinds) == 1
-    assert found.safe_offset == 0
-    assert "hold steady legs first" in found.summary()
-
-
-def test_an_excursion_goes_no_farther_than_it_may_and_comes_back() -> None:
-    times, wander = np.arange(0.0, 2400.0, 20.0), 30.0 * np.sin(np.arange(120))
-    aims = Excursion("aside", 12.0, (1, -1), 480.0, 60.0).aims(times, np.zeros(120))
-    assert (aims.max(), aims.min()) == (12.0, -12.0)
-    assert aims[0] == aims[-1] == 0.0
-    assert np.sum(aims == 12.0) * 20.0 == pytest.approx(480.0, abs=40.0)
-    assert np.abs(Excursion("aside", 12.0, (1, -1), 480.0, 60.0).aims(times, wander)).max() <= 12.0
-
-
-def test_one_number_of_transits_and_no_excursions_may_be_asked() -> None:
-    told: dict = {"u": SPEED, "duration": 20.0, "within": 0.0, "conditions": BREEZE}
+def test_one_number_of_transits_may_be_asked() -> None:
+    told: dict = {"u": SPEED, "duration": 20.0, "conditions": BREEZE}
     one, many = (
         nw.predict_information(ship(), None, OWN, 5, **told),
         nw.predict_information(ship(), None, OWN, (20, 5), **told),
     )
-    assert one.kinds[0].std["c_bank"] == many.kinds[0].std["c_bank"][1:]
-    assert not any("excursion" in reason for reason in one.reasons)
+    assert one.std["c_bank"] == many.std["c_bank"][1:]
 
 
 @pytest.mark.parametrize(
@@ -165,7 +143,6 @@ def test_one_number_of_transits_and_no_excursions_may_be_asked() -> None:
         ({"transits": (0,)}, "whole number from 1"),
         ({"transits": ()}, "transits is empty"),
         ({"transits": "1, 5"}, "whole number from 1"),
-        ({"u": 0.7, "within": -3.0}, "within = -3 m"),
         ({"u": -1.0}, "no speed ahead"),
         ({"u": 0.7, "duration": 0.0}, "a transit of 0 s"),
         ({"targets": ("d_bank",)}, "no coefficient 'd_bank'"),

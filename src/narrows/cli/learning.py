@@ -207,7 +207,7 @@ def _predict_information(model: "nw.Model", ahead: InformationOptions, speed: st
     u = None if speed is None else read_speed("--speed", speed)
     found = nw.predict_information(model, way, ahead.predict_information or "", u=u)
     print_json(_told(found, information=found.to_dict())) if json else print_information(found)
-    return bool(found.kinds)
+    return bool(found.std)
 
 
 def _told(result: "nw.LogFit | nw.SteadyFit | nw.SteadyPlan | nw.InformationForecast", **parts: Any) -> dict[str, Any]:

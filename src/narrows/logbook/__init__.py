@@ -27,7 +27,5 @@ from narrows.logbook.steady_legs.steady_readings import SteadyConditions as Stea
 from narrows.logbook.steady_legs.steady_readings import SteadyReadings as SteadyReadings
 from narrows.logbook.steady_legs.steady_readings import steady_readings as steady_readings
 from narrows.logbook.transits.predict_information import InformationForecast as InformationForecast
-from narrows.logbook.transits.predict_information import TransitInformation as TransitInformation
 from narrows.logbook.transits.predict_information import predict_information as predict_information
-from narrows.logbook.transits.transit_twins import Excursion as Excursion
 from narrows.logbook.transits.transit_twins import TransitConditions as TransitConditions

@@ -16,7 +16,7 @@ from narrows.logbook.learned_coefficient import ON_TWINS, PRIOR, LearnedCoeffici
 from narrows.quantities.names import KNOT
 from narrows.report.fit_page import figure as captioned
 from narrows.report.fit_page import render
-from narrows.report.style import BLACK, BLUE, DASHES, GREEN, GREY, ORANGE, PURPLE, Margins, panels
+from narrows.report.style import BLACK, BLUE, GREY, ORANGE, Margins, panels
 from narrows.report.terminal import print_result, table_of
 from narrows.results.base_results import interval, with_error
 
@@ -87,30 +87,23 @@ def _rows(places: list[float], beam: float) -> list[float]:
     return rows
 
 
-COLOURS = (BLACK, BLUE, ORANGE, GREEN, PURPLE)
-
-
 def print_information(information: InformationForecast) -> None:
-    columns = {"transits": "{transits}", "": "{excursion}"}
-    columns |= {f"std {name}": f"{{std {name}:.2g}}" for name in information.targets}
-    print_result(information, table_of(columns, information.rows()) if information.kinds else None)
+    columns = {"transits": "{transits}"} | {f"std {name}": f"{{std {name}:.2g}}" for name in information.std}
+    print_result(information, table_of(columns, information.rows()) if information.std else None)
 
 
 def information_figure(information: InformationForecast) -> Figure:
     targets = information.targets
-    figure, axes = panels(1, len(targets), 3.6, Margins(bottom=1.35, top=0.25, across=0.75))
+    figure, axes = panels(1, len(targets), 3.6, Margins(bottom=1.0, top=0.25, across=0.75))
     for panel, name in zip(axes[0], targets, strict=True):
         panel.axhline(information.prior_std[name], color=GREY, ls="--", label="now")
-        for number, kind in enumerate(information.kinds):
-            style = DASHES[number % len(DASHES)]
-            panel.plot(information.transits, kind.std[name], color=COLOURS[number % len(COLOURS)], ls=style, marker="o",
-                       ms=3, label=kind.excursion.words)  # fmt: skip
+        if name in information.std:
+            panel.plot(information.transits, information.std[name], color=BLUE, marker="o", ms=3, label="after them")
         panel.set(xscale="log", xlabel="transits", ylabel=f"standard error of {name}")
         panel.set_xticks(information.transits, [str(count) for count in information.transits])
         panel.minorticks_off()
         panel.set_ylim(bottom=0)
-    handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncols=1 + (len(labels) > 3), frameon=False, fontsize=7)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="lower center", ncols=2, frameon=False, fontsize=7)
     return figure
 
 

@@ -153,27 +153,6 @@ class TransitPilot:
 
 
 @dataclass(frozen=True)
-class Excursion:
-    words: str
-    offset: float = 0.0  # How far; 0 for none [m]
-    sides: tuple[int, ...] = ()  # 1 to starboard, -1 to port, one after the other, spread over the transit
-    stay: float = 0.0  # How long on each [s]
-    turn: float = 0.0  # How long an aim takes to get there [s]
-
-    def aims(self, times: np.ndarray, wander: np.ndarray) -> np.ndarray:
-        """Return the offsets at which a pilot aims [m]; excursions are not exceeded."""
-        aim = wander.copy()
-        for number, side in enumerate(self.sides):
-            middle = times[-1] * (number + 0.5) / len(self.sides)
-            edge = (self.stay / 2 + self.turn - np.abs(times - middle)) / self.turn
-            aim += side * self.offset * np.clip(edge, 0.0, 1.0)
-        return np.clip(aim, -self.offset, self.offset) if self.sides else aim
-
-
-ROUTINE = Excursion("routine")
-
-
-@dataclass(frozen=True)
 class TransitTwin:
     """A transit by a pilot whose aim wanders, in wind and gusts."""
 
@@ -183,11 +162,11 @@ class TransitTwin:
     conditions: TransitConditions = field(default_factory=TransitConditions)  # Wind, gusts, and wander of the aim
     waterway: "Waterway | None" = None  # Instead of the model's own canal
 
-    def sailed(self, seed: int, excursion: Excursion = ROUTINE) -> Voyage:
+    def sailed(self, seed: int) -> Voyage:
         draw, conditions = np.random.default_rng((seed, 11)), self.conditions
         step = min(settings.AIM_STEP, settings.AIM_LENGTHS * self._length_time)
         times = step * np.arange(math.ceil(self.duration / step) + 1)
-        aims = excursion.aims(times, wandering(conditions.wander, conditions.wander_time, step, len(times), draw)[:, 0])
+        aims = wandering(conditions.wander, conditions.wander_time, step, len(times), draw)[:, 0]
         helm = TransitPilot.of(self.truth, self.u, times, aims, self.waterway)
         started: dict[str, Any] = {"y": float(aims[0]), "u": self.u, **self._pushes(draw)}
         if self.truth.terms.propelled:
@@ -195,7 +174,7 @@ class TransitTwin:
         dt = min(settings.PUSH_STEP, self._length_time / settings.TRANSIT_STEPS)
         voyage = simulate(self.truth, duration=self.duration, dt=dt, controller=helm, waterway=self.waterway, **started)
         if voyage.t[-1] < self.duration - settings.PUSH_STEP:
-            raise InputError(f"{excursion.words}: in these gusts the ship does not come through")
+            raise InputError("in these gusts the ship does not come through")
         return voyage
 
     @property
