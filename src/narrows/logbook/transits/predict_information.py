@@ -64,7 +64,7 @@ class InformationForecast(Tabulated):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Why there is no forecast, and assumptions."""
+        """Reason for a missing forecast, and assumptions."""
         taken = (
             f"Assumptions: {self.conditions.summary()}; sensors {self.grade.summary()}; the terms of the model; "
             "the banks of the chart, with an unknown zero; each transit has its own wind and zeros; no other ship."
