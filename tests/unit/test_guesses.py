@@ -249,7 +249,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
         r"give nw.RunErrors\(",
     ),
     "nw.identify(alpha=)": (lambda: nw.identify(short_twin(), alpha=0.1), r"write fit.conf_int\(\): .* 95 %"),  # type: ignore[call-arg]
-    "model.nondimensional()": (lambda: DTC.nondimensional(), r"give speed=... in m/s"),  # type: ignore[attr-defined]
+    "model.nondimensional()": (lambda: DTC.nondimensional(), "give a positive one, speed="),  # type: ignore[attr-defined]
     "nw.crash_stop(model)": (lambda: nw.crash_stop(DTC), r"nw.published\('estimated_kcs'\)"),
     'nw.squat(formula="barrass")': (lambda: nw.squat(KCS, 4.0, formula="barrass"), "give gives='largest'"),
     "nw.ExtendedKalmanFilter": (lambda: nw.ExtendedKalmanFilter, "write estimation.Estimator"),  # type: ignore[attr-defined]

@@ -317,7 +317,7 @@ def units_of(configuration: Configuration, system: System, speed: float | None =
         displaced = density * ship.block_coefficient * ship.length * ship.beam * ship.draft
         return Units(ship.mass or displaced, ship.length, float((ship.length / GRAVITY) ** 0.5))
     if not (speed and 0 < speed < float("inf")):
-        raise InputError(f"system {system} measures time by the speed; give speed=... in m/s, over 0, or system='bis'")
+        raise InputError(f"system {system} needs a speed; give a positive one, speed=... in m/s, or system='bis'")
     depth = ship.length if system == "prime1" else ship.draft
     return Units(density / 2 * ship.length**2 * depth, ship.length, ship.length / speed)
 
