@@ -34,7 +34,6 @@ class BankSummary:
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        """Verdict on the hull, verdict on the bank, and the tests to run next."""
         return self._hull(), self._bank(), self._next_runs()
 
     @property
@@ -74,7 +73,6 @@ class BankSummary:
         return f"The tests determine the bank with the terms {self.fit.terms.name} alone, not with {other}: {values}."
 
     def _other_terms(self) -> str:
-        """The bank with the terms that predict left-out motions best."""
         if self.preferred is None:
             return ""
         pairs = [(f, self.preferred.left_out[f].rmse, self.fit.left_out[f].rmse) for f in _forces(self.fit)]
@@ -107,7 +105,6 @@ class BankSummary:
 
 
 def summarise_bank(fit: Fit) -> BankSummary:
-    """Summarise the bank coefficients of a fit, with its terms and with those that predict left-out tests best."""
     comparable = isinstance(fit.tests, CaptiveTests) and bank_names(fit)
     return BankSummary(fit, preferred_fit(fit) if comparable else None)
 
@@ -156,7 +153,6 @@ def _forces(fit: Fit) -> list[str]:
 
 
 def listed(parts: Sequence[str]) -> str:
-    """Join words as a sentence lists them."""
     return " and ".join(filter(None, (", ".join(parts[:-1]), *parts[-1:])))
 
 

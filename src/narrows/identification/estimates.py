@@ -28,8 +28,6 @@ GRID, HALVINGS = 201, 30
 
 @dataclass(frozen=True)
 class ForcePosterior:
-    """The posterior of the coefficients of one force, or of several that share coefficients or errors."""
-
     rows: ForceRows
     effects: list[Effect]
     unit: np.ndarray  # (p,) unit of each scaled coefficient
@@ -90,7 +88,6 @@ def estimates(
     equations: NormalEquations, motions: DistinctMotions, problem: Problem, errors: RunErrors,
     configuration: Configuration,
 ) -> CoefficientEstimates:  # fmt: skip
-    """Fit the mixed model of every force and combine the posteriors."""
     parts, size = [], len(problem.scale)
     table, covariance = np.zeros((size, 7)), np.zeros((size, size))
     for forces in joint_forces(problem):
@@ -181,7 +178,6 @@ def _nearest(mean: np.ndarray, covariance: np.ndarray, bounds: np.ndarray) -> np
 
 
 def _conditioned(means: np.ndarray, spreads: np.ndarray, i: int, value: float) -> tuple[np.ndarray, np.ndarray]:
-    """Gaussians given the value of one coefficient."""
     slope = spreads[:, :, i] / spreads[:, i, i][:, None]
     moved = means + slope * (value - means[:, [i]])
     moved[:, i] = value

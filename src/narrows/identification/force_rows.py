@@ -79,7 +79,6 @@ class ForceRows:
         return self.free_parameters.index(self.problem.slot[term.name])
 
     def of(self, force: int, column: np.ndarray) -> np.ndarray:
-        """A column in the rows of one force, zero elsewhere."""
         return np.outer(np.arange(self.count) == force, column).ravel()
 
     def all(self, column: np.ndarray) -> np.ndarray:
@@ -91,7 +90,6 @@ class ForceRows:
         return [f for f, force in enumerate(self.forces) if force != "X"]
 
     def side_force(self, force: np.ndarray, lever: float) -> np.ndarray:
-        """A side force and its yaw moment, in the rows of every force."""
         levers = {"Y": 1.0, "N": lever}
         return np.outer([levers.get(name, 0.0) for name in self.forces], force).ravel()
 
@@ -99,7 +97,6 @@ class ForceRows:
         return np.asarray(self.columns[:, self.names[name]])
 
     def rms(self, column: np.ndarray) -> float:
-        """Root mean square over the motions, each alike."""
         mean = np.add.reduceat(column**2, self.starts) / self.length[self.starts] ** 2
         return float(np.sqrt(mean[self.is_mean].mean()))
 
@@ -188,7 +185,6 @@ def _blocks(
 
 
 def _is_measured(name: str) -> bool:
-    """Whether a column is made of measured forces, which carry noise."""
     return name in "XYN" or name.startswith(("column |X|", "column |Y|", "column |N|", "mount of"))
 
 

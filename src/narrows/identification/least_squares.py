@@ -62,12 +62,10 @@ class Problem:
         return np.asarray((z / self.scale)[..., [self.slot[name] for name in self.terms.names]])
 
     def named(self, z: np.ndarray) -> dict[str, float]:
-        """Return the coefficients of scaled parameters z (p,) by name."""
         return dict(zip(self.terms.names, self.coefficients(z).tolist(), strict=True))
 
 
 def reduced(equations: NormalEquations, terms: TermTable) -> Problem:
-    """Set up the joint problem of the paper, columns scaled to one and ties substituted."""
     slot = free_parameters(terms)
     size = max(slot.values()) + 1
     square, bounds = np.zeros(size), np.tile([-np.inf, np.inf], (size, 1))
@@ -102,13 +100,10 @@ class Kkt(NamedTuple):
 
     @property
     def satisfied(self) -> bool:
-        """Whether each is within tolerance."""
         return max(self) <= KKT_TOLERANCE
 
 
 class Solution(NamedTuple):
-    """Solution of the bounded least-squares problem."""
-
     z: np.ndarray  # (p,) Scaled parameters
     at_bound: np.ndarray  # (p,) True at a bound
     kkt: Kkt  # Check of optimality
@@ -165,7 +160,6 @@ def solve_many(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarra
 
 
 def _with_held(h: np.ndarray, g: np.ndarray, held: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    """Solve with some parameters held at their bounds."""
     free = held == 0
     fixed = np.where(held < 0, lower, np.where(held > 0, upper, 0.0))
     right = np.where(free, g - np.einsum("nij,nj->ni", h, fixed), 0.0)

@@ -58,8 +58,6 @@ def one_thread(function: Callable[P, R]) -> Callable[P, R]:
 
 
 class Conditional(NamedTuple):
-    """Coefficients and effects at given scales."""
-
     log_density: float  # of the scales' posterior, up to a constant
     mean: np.ndarray  # (p + q,)
     covariance: np.ndarray  # (p + q, p + q)
@@ -140,7 +138,6 @@ class MixedModel:
         return np.asarray(slope * self._log_rate(z) - z)
 
     def covariance_of(self, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
-        """Covariance of the errors of some rows, without effects."""
         own = self.scales(z)[: self.shared.shape[1]] ** 2
         block, shared = np.searchsorted(self.starts, rows, side="right"), self.shared[rows]
         same = block[:, None] == block
@@ -179,8 +176,6 @@ def _inverse(m: np.ndarray) -> tuple[np.ndarray, float]:
 
 @dataclass(frozen=True)
 class SplitNormal:
-    """A density about a mode."""
-
     mode: np.ndarray  # (scales,)
     root: np.ndarray  # (scales, scales) symmetric, of the inverse curvature
     widths: np.ndarray  # (2, scales) below and above the mode

@@ -25,8 +25,6 @@ Moments = defaultdict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class DistinctMotions:
-    """The distinct motions of a table, and what was done in them."""
-
     sums: np.ndarray  # (motions, m, m) Sums of products over all tests of a motion
     members: tuple[tuple[str, ...], ...]  # The tests of each motion: the first one and its repeats
     # (motions,) Mean ``speed`` [m/s], ``period`` [s], 0 of steady motions, ``depth`` [m], ``side`` (-1, 0 or 1) and
@@ -57,7 +55,6 @@ class DistinctMotions:
 
     @property
     def by_speed(self) -> list[np.ndarray]:
-        """The motions of each speed, slowest first."""
         group = self.level("speed")
         groups = [np.flatnonzero(group == number) for number in range(group.max() + 1)]
         return sorted(groups, key=lambda members: float(self.features["speed"][members[0]]))

@@ -134,7 +134,6 @@ def _evaluated(term: Term, q: Values) -> Number:
 
 
 def _derivative(term: Term, change: Callable[[Values], dict[str, Number]], q: Values) -> Number:
-    """Central difference of a regressor along a change of its inputs."""
     rate = {name: value for name, value in change(q).items() if name in term.inputs}
     if not rate:
         return 0.0
@@ -181,12 +180,10 @@ class NormalEquations:
 
     @cached_property
     def total(self) -> np.ndarray:
-        """The sums over all rows, (m, m)."""
         return np.asarray(self.sums.sum(axis=0))
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The tests, once each."""
         return tuple(dict.fromkeys(self.tests))
 
     @cached_property
@@ -208,7 +205,6 @@ class NormalEquations:
         return replace(self, unweighted=self.unweighted[keep], tests=tests, moved=moved)
 
     def pick(self, sums: np.ndarray, rows: list[str], columns: list[str] | None = None) -> np.ndarray:
-        """Return the sums (..., m, m) of some columns."""
         i = [self.columns[name] for name in rows]
         j = [self.columns[name] for name in columns] if columns else i
         return sums[..., np.array(i)[:, None], np.array(j)[None, :]]
@@ -283,8 +279,6 @@ def _shared_out(work: partial[Any], blocks: Iterator[Block]) -> Iterator[Any]:
 
 
 class Score(NamedTuple):
-    """Errors of one reproduced force."""
-
     r2: float  # Share of the variance explained [1]
     rmse: float  # Root mean squared error [N]
 

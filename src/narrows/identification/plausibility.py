@@ -42,7 +42,6 @@ MASSES = (
 
 
 def implausible(fit: Any) -> tuple[str, ...]:
-    """Return the implausible results of a fit, each a sentence with its likely cause."""
     turned = [force for force in AXES if fits_reversed(fit, force)]
     names, determined = fit.terms.names, fit.diagnostics.determined
     columns = zip(names, fit.estimates.free_values.tolist(), fit.estimates.free_std.tolist(), strict=True)
@@ -66,7 +65,6 @@ def are_exchanged(fit: Any, known: Known) -> bool:
 
 
 def fits_reversed(fit: Any, force: str) -> bool:
-    """Return whether a force of the other sign would be fitted far better."""
     if not fit.terms.forces[force]:
         return False
     equations, sign = fit.normal_equations, np.ones(len(fit.normal_equations.total))

@@ -100,7 +100,6 @@ class Prediction(BaseResult):
 
 
 def _or_own(fit: Any, tests: Any, ship: Any) -> Any:
-    """Tests of the fit, tests that were read, or a table of the same ship."""
     return fit.tests if tests is None else as_tests(tests, ship, fit.tests.configuration)
 
 

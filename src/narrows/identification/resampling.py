@@ -68,8 +68,6 @@ def resampled(
 
 @dataclass(frozen=True)
 class Predictiveness:
-    """Prediction error of a model on left-out motions, for one force."""
-
     force: str
     held: float  # share of directions inside their 95 % predictive interval
     half: float  # median half width [N, N m]
@@ -158,8 +156,6 @@ def without_rows(part: ForcePosterior, draw: int, own: np.ndarray) -> tuple[np.n
 
 @dataclass(frozen=True)
 class DepthTest:
-    """A coefficient at each depth by itself, and the test of whether it is one."""
-
     values: Mapping[float, float]  # Depth [m]: estimate from the tests at that depth alone, in the coefficient's unit
     std: Mapping[float, float]  # Depth [m]: its standard error, in the coefficient's unit
     p: float  # Probability of as large differences, were it one coefficient: chi-square test [1]

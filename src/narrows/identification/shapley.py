@@ -71,7 +71,6 @@ def shares(
     kind: str, equations: NormalEquations, terms: TermTable, coefficients: Mapping[str, float],
     deviations: Callable[[], Mapping[str, float]],
 ) -> dict[str, dict[str, float]]:  # fmt: skip
-    """Share out each force among its terms: force -> coefficient -> share."""
     if kind not in KINDS:
         raise InputError(f"Shapley kind {kind!r} is unknown; choose {', '.join(KINDS)}")
     shared = {}

@@ -56,8 +56,6 @@ BENT = (CLOCKS, MOUNT)
 
 @dataclass(frozen=True)
 class Effect:
-    """An error that several runs share."""
-
     name: str
     unit: str  # empty where no laboratory knows its usual size
     usual: float  # size in that unit
@@ -225,7 +223,6 @@ def _unexcited_sway(rows: ForceRows, configuration: Configuration, column: np.nd
 
 
 def _motion(rows: ForceRows, configuration: Configuration) -> Iterator[EffectRow]:
-    """Errors of the motion: heading, rail, clock, mount."""
     turned = (rows.shift("heading") + _unexcited_sway(rows, configuration, rows.raw("column u2"))) * DEGREE
     moved, usual = rows.shift("rail"), SIZES["heading"]
     still, side = rows.all(rows.steady) * rows.mixed, rows.all(rows.steady * rows.side)

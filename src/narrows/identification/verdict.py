@@ -31,8 +31,6 @@ INVOLVED = 1e-3
 
 @dataclass(frozen=True)
 class Diagnosis:
-    """The columns of one force over some rows."""
-
     names: tuple[str, ...]  # The coefficients
     rank: int  # Number of directions with data
     condition: float  # Condition number of the matrix with columns scaled to one; infinite where the rank is short [1]
@@ -45,12 +43,10 @@ class Diagnosis:
     missing: np.ndarray
 
     def to_dict(self) -> dict[str, Any]:
-        """Give rank, number of columns, condition and variance inflations."""
         return {"rank": self.rank, "columns": len(self.names), "condition": self.condition, "vif": dict(self.vif)}
 
 
 def diagnose(equations: NormalEquations, sums: np.ndarray, terms: tuple[Term, ...]) -> Diagnosis:
-    """Diagnose the columns of one force over the rows behind some sums (m, m)."""
     names = [term.name for term in terms]
     gram, mean = equations.pick(sums, names), equations.pick(sums, names, [ONE])[:, 0]
     norm = np.sqrt(np.diag(gram))
@@ -103,7 +99,6 @@ class Diagnostics:
         }
 
     def over(self, sums: np.ndarray) -> dict[str, Diagnosis]:
-        """Diagnose each force that has terms over the rows behind some sums (m, m)."""
         return {force: diagnose(self.equations, sums, part) for force, part in self.terms.forces.items() if part}
 
     def determined(self, name: str) -> bool:
@@ -149,7 +144,6 @@ class Verdict:
         return f"{word} from {' and '.join(self.partners)}" if self.partners else word
 
     def sentence(self, name: str) -> str:
-        """One sentence of a coefficient."""
         limited = (f"off by a standard error with {' or '.join(self.limits)}",) * bool(self.limits)
         tipped = (f"overturned by {' or '.join(self.tipping)}",) * bool(self.tipping)
         clauses = "; ".join((*self.reasons, *limited, *tipped))
@@ -159,7 +153,6 @@ class Verdict:
 def verdicts(
     diagnostics: Diagnostics, found: CoefficientEstimates, left_out: Mapping[str, Score]
 ) -> dict[str, Verdict]:
-    """Judge every coefficient of a fit."""
     judged = {}
     for force, part in diagnostics.terms.forces.items():
         for term in part:

@@ -143,7 +143,6 @@ def learned_model(
     prior: Model, values: np.ndarray, covariance: np.ndarray, source: str, offsets: np.ndarray, speeds: np.ndarray,
     contradicted: bool = False,
 ) -> tuple[Model, dict[str, LearnedCoefficient]]:  # fmt: skip
-    """Return the model after a record, and its coefficients."""
     # values (n,); covariance (n, n); offsets [m] and speeds [m/s] that were met
     before, after = (np.sqrt(np.maximum(np.diag(part), 0.0)) for part in (np.asarray(prior.covariance), covariance))
     columns = zip(prior.terms.terms, *(part.tolist() for part in (before, values, after)), strict=True)

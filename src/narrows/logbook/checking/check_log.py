@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Finding:
-    """Something that is wrong, or doubtful, with a record."""
-
     check: str  # What was looked at, as in ``rudder's sign``
     record: str
     sentence: str  # What was seen, with its numbers

@@ -300,7 +300,6 @@ def _fitted(problem: LogProblem, grid: RecordGrid, recorded: RecordGrid) -> tupl
 
 
 def _scatter(values: np.ndarray) -> float:
-    """Return the noise of a signal by its second differences."""
     return float(1.4826 * np.median(np.abs(np.diff(values, 2))) / np.sqrt(6.0)) if len(values) > 2 else 0.0
 
 
@@ -327,7 +326,6 @@ def stuck(problem: LogProblem, grid: RecordGrid) -> Iterator[tuple[str, float, f
 
 
 def longest_run(values: np.ndarray) -> list[int]:
-    """Return first and last place of the longest stretch of one value."""
     edges = np.flatnonzero(np.diff(values, prepend=np.nan, append=np.nan) != 0)
     longest = int(np.argmax(np.diff(edges)))
     return [int(edges[longest]), int(edges[longest + 1]) - 1]

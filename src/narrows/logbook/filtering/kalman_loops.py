@@ -34,7 +34,6 @@ def update(
     z: np.ndarray, cov: np.ndarray, row: np.ndarray, residual: float, variance: float, innovation: np.ndarray,
     spread: np.ndarray, gains: np.ndarray, i: int,
 ) -> None:  # fmt: skip
-    """Take a reading into mean and covariance."""
     size = len(z)
     e, s = residual, variance
     gain = gains[i]
@@ -59,7 +58,6 @@ def predict(
     z: np.ndarray, cov: np.ndarray, moved: np.ndarray, here: np.ndarray, miss: np.ndarray, kept: np.ndarray,
     fresh: np.ndarray, walk: np.ndarray,
 ) -> None:  # fmt: skip
-    """Take mean and covariance to the end of a step."""
     size, after = len(z), miss.copy()
     moved[:] = 0.0
     for i in range(6):

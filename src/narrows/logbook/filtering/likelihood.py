@@ -51,8 +51,6 @@ class RecordPath(NamedTuple):
 
 
 class Innovations(NamedTuple):
-    """Readings less their predictions from earlier readings."""
-
     values: np.ndarray  # (N,)
     variances: np.ndarray  # (N,)
 
@@ -76,7 +74,6 @@ class LinearRecord:
 
     @cached_property
     def kind(self) -> np.ndarray:
-        """Kind of each step, (n,)."""
         met = self.grid.meetings | np.append(self.grid.meetings[1:], False)
         return np.where(self.grid.whole, np.where(met, MET, USUAL), LOOSE)
 
@@ -224,7 +221,6 @@ class RecordLikelihood:
 
     @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
     def cost(self, unknowns: np.ndarray, path: RecordPath) -> float:
-        """Return minus twice the log-likelihood about a path."""
         model = self.problem.model_at(unknowns)
         return self.linear(unknowns, path).innovations(model, path.weights).cost / self.problem.correlated
 

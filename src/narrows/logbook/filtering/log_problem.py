@@ -52,7 +52,6 @@ class RecordedMotion:
 
     @cached_property
     def directions(self) -> tuple[str, ...]:
-        """Variables of the slopes, in order."""
         offsets = map(OFFSET, self.positions)
         current = (CURRENT,) if self.choices.get("waterway") is not None else ()
         return (*STATES, *PUSHES, *offsets, *current, *self.coefficients)
@@ -122,8 +121,6 @@ MOST_CORRELATION = 0.995
 
 
 class Process(NamedTuple):
-    """A disturbance or a sensor's error as a first-order Gauss-Markov process."""
-
     name: str
     adds_to: str  # X, Y, N as accelerations, ``rudder_offset``, ``current_x``, ``psi_error``...
     std: float  # In the unit of what it adds to
@@ -189,7 +186,6 @@ class CoefficientPrior:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The first of each group."""
         return tuple(group[0] for group in self.groups)
 
     @cached_property
@@ -198,7 +194,6 @@ class CoefficientPrior:
         return np.array([[float(name in group) for group in self.groups] for name in self.model.terms.names])
 
     def values(self, scaled: np.ndarray) -> dict[str, float]:
-        """Return every coefficient by name, from scaled (p,)."""
         numbers = (self.mean + self.scale * scaled).tolist()
         return {name: value for group, value in zip(self.groups, numbers, strict=True) for name in group}
 
@@ -215,7 +210,6 @@ class Unknowns:
 
     @property
     def spreads(self) -> np.ndarray:
-        """Prior standard deviations of these numbers."""
         raise NotImplementedError
 
     @property

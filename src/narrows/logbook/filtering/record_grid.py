@@ -122,12 +122,10 @@ class RecordGrid:
         return float(self.times[1] - self.times[0])
 
     def times_of(self, read: Readings) -> np.ndarray:
-        """Return the times of readings, (n,) [s]."""
         return np.asarray(self.times[read.step] + read.share * self.step)
 
     @cached_property
     def order(self) -> np.ndarray:
-        """Readings of all signals by the step that they lie in, (N,)."""
         return np.argsort(self._steps, kind="stable")
 
     @cached_property

@@ -230,8 +230,6 @@ RECORD_FIELDS = ("name", "duration", "steps", "met", "zeros", "information", "mo
 
 
 class Gusts(NamedTuple):
-    """Most likely Gauss-Markov disturbance of the records."""
-
     sway: float  # Standard deviation of the acceleration [m/s2]
     yaw: float  # Likewise [rad/s2]
     memory: float  # Correlation time [s]

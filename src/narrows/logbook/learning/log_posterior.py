@@ -41,7 +41,6 @@ def check_covariance(model: Model) -> None:
 
 
 def with_spread(model: Model, spread: Spread | None) -> Model:
-    """Return a model with the covariance of a stated spread, or its own."""
     # Inertia is held where a spread is stated: motion determines only forces over inertia.
     if spread is None:
         check_covariance(model)
@@ -95,7 +94,6 @@ def coefficient_prior(model: Model, surge: str, free: Collection[str] = ()) -> C
 
 
 def _groups(model: Model, names: Sequence[str]) -> tuple[tuple[str, ...], ...]:
-    """Coefficients that are one, together."""
     leader = {name: name for name in names}
     for first, second in model.terms.ties:
         if first in leader and second in leader:

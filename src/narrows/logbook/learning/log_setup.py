@@ -197,8 +197,6 @@ class LogAssumptions:
 
 @dataclass(frozen=True)
 class LogSetup:
-    """Unknowns, and the records of the problem, laid out on even times."""
-
     problem: LogProblem  # With the prior
     log: Iterable[ShipRecord]  # That can be gone through again and again
     assumptions: LogAssumptions
@@ -317,7 +315,6 @@ def _positions(model: Model, assumed: LogAssumptions) -> dict[str, float]:
 
 
 def parts(record: ShipRecord) -> Iterator[ShipRecord]:
-    """Yield a record, a long one in equal parts."""
     if not record.duration > LONGEST:
         yield record
         return
@@ -327,7 +324,6 @@ def parts(record: ShipRecord) -> Iterator[ShipRecord]:
 
 
 def speed_of(record: ShipRecord) -> float:
-    """Return the usual speed of a record [m/s]."""
     for name in ("u", "u_ground", "speed_over_ground"):
         if name in record and len(record[name]):
             return max(float(np.median(np.abs(record[name].values))), 1e-3)

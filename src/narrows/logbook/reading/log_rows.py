@@ -156,8 +156,6 @@ Fixes = tuple[np.ndarray, np.ndarray]
 
 @dataclass(frozen=True, eq=False)
 class Placing:
-    """The signals of a raw record in the package's axes."""
-
     raw: RawRecord
     mapping: LogMapping  # Lateness, antenna, loading
     waterway: Waterway | None  # Line of the positions; a plane where there is none
@@ -230,7 +228,6 @@ class Placing:
         return self.waterway.line.heading(np.interp(t, self.signals["x"].t, self.signals["x"].values))
 
     def _turn(self) -> None:
-        """Directions from the axis, of those from north."""
         for name, by_map in BY_MAP.items():
             if name not in self.raw.columns and (signal := self._signal(by_map)):
                 self.signals[name] = _smoothly(name, Signal(signal.t, signal.values - self._axis(signal.t)))

@@ -256,7 +256,6 @@ class LegProblem(Unknowns):
 
     @cached_property
     def common(self) -> np.ndarray:
-        """Standard deviations of ``UNKNOWN``, (6,)."""
         return shared_errors(self.conditions, self.model)
 
     @property

@@ -235,7 +235,6 @@ class Candidates(NamedTuple):
 
     @property
     def allowed(self) -> np.ndarray:
-        """Where a ship may be held, (places,) of bool."""
         return np.asarray(self.clear & (self.within >= SURE_SHARE) & np.isfinite(self.rudder))
 
     @property
@@ -243,7 +242,6 @@ class Candidates(NamedTuple):
         return float(self.offsets[self.allowed].max(initial=0.0))
 
     def leg(self, place: int, sign: int) -> PlannedLeg:
-        """Return a leg to starboard (1) or to port (-1)."""
         rudder, drift = (tuple(np.sort(sign * own[place]).tolist()) for own in (self.rudder_range, self.psi_range))
         return PlannedLeg(float(sign * self.offsets[place]), float(self.speeds[place]), rudder, drift)
 

@@ -77,7 +77,6 @@ class ReadingErrors(BaseSummary):
 
 
 def reading_error(errors: ReadingErrors, name: str) -> float:
-    """Return the error of a reading, in SI."""
     return math.radians(getattr(errors, f"{name}_deg")) if READ[name].unit == "rad" else float(getattr(errors, name))
 
 
@@ -128,7 +127,6 @@ class SteadyReadings(BaseSummary):
 
 
 def steady_readings(table: Any, errors: ReadingErrors | None = None) -> SteadyReadings:
-    """Read the legs of a ship that was held."""
     from narrows.readers.cells import as_sheet, check_once, labels, name_of, numbers, sha256_of_frame
     from narrows.readers.frames import read_frame
     from narrows.readers.headers import recognised_in

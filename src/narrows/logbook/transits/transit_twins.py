@@ -154,8 +154,6 @@ class TransitPilot:
 
 @dataclass(frozen=True)
 class TransitTwin:
-    """A transit by a pilot whose aim wanders, in wind and gusts."""
-
     truth: Model
     u: float  # Through the water [m/s]
     duration: float = 2400.0  # [s]
@@ -179,7 +177,6 @@ class TransitTwin:
 
     @property
     def _length_time(self) -> float:
-        """Time of a ship length [s]."""
         return self.truth.configuration.ship.length / self.u
 
     def _pushes(self, draw: np.random.Generator) -> dict[str, list[tuple[float, float]]]:
