@@ -14,12 +14,11 @@ import narrows as nw
 from dop853 import integrated
 from engine_models import ACTUATED, TABLES, bent, model_of
 from narrows.codegen.native import optimised
-from narrows.codegen.run import PreparedRun
 from narrows.simulation import outcome as end
 from narrows.simulation.channel import along_waterway, straight_channel
 from narrows.simulation.controllers import Autopilot, Zigzag
 from narrows.simulation.inputs import INPUTS, START
-from narrows.simulation.kernel_run import KernelRun
+from narrows.simulation.kernel_run import KernelRun, PreparedRun
 from narrows.simulation.outcome import Code
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of

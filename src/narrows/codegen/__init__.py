@@ -3,6 +3,5 @@
 ``trace`` records the operations of regressors and control laws; ``free_motion`` solves for the accelerations
 symbolically; ``step`` writes rates, contact and a whole step as straight ``lines``; ``derivatives`` differentiates them
 line by line; ``printers`` print them in a language, ``kernel`` as loops over lanes beside the bookkeeping of
-``kernels``; ``cache`` stores all of it on disk; ``run`` arranges the vessels in arrays;
-``system`` is the public entry.
+``kernels``; ``cache`` stores all of it on disk; ``system`` is the public entry.
 """

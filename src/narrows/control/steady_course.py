@@ -11,12 +11,12 @@ from narrows.aliases import accept_aliases
 from narrows.codegen.cache import compiled_loops, generated
 from narrows.codegen.choices import Actuated, Law
 from narrows.codegen.free_motion import INPUTS as FORCES
-from narrows.codegen.run import cores, in_threads
 from narrows.codegen.trace import trace_of
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.grid import grid_of
 from narrows.simulation.inputs import INPUTS, check_workers
+from narrows.simulation.kernel_run import cores, in_threads
 from narrows.simulation.outcome import section_notes
 from narrows.simulation.self_propulsion import self_propulsion
 from narrows.simulation.ship import SimulatedShip

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 USUAL_PREFIX = "ship"
+HEADING = "heading, positive clockwise seen from above"
 # Longest formula that is printed as a constant's meaning [letters]; beyond it, the names of the terms.
 LONGEST_FORMULA = 72
 WALLS = ("wall_starboard", "wall_port")

@@ -164,7 +164,7 @@ def _latex(model: "Model", path: str | Path, suffix: str) -> tuple[str, None]:
     from narrows.codegen.printers.latex import Equations, environment
     from narrows.export.exported_ship import ExportedShip
     from narrows.export.passport import passport
-    from narrows.export.rendering import commented
+    from narrows.export.ship_files import commented
     from narrows.quantities.names import FORCES
     from narrows.simulation.ship import SimulatedShip
 

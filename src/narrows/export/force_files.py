@@ -13,10 +13,10 @@ from narrows.codegen.printers.language import CSharp, JavaScript, Language, Matl
 from narrows.codegen.trace import trace_of_terms
 from narrows.errors import InputError
 from narrows.export import native_build
-from narrows.export.fmu import description_text, fmu_of, source_of, token_of
-from narrows.export.fmu_variables import HEADING, INTEGERS, REALS, SIDES, FmuVariable, Kind
+from narrows.export.exported_ship import HEADING
+from narrows.export.fmu import INTEGERS, REALS, SIDES, FmuVariable, Kind, description_text, fmu_of, source_of, token_of
 from narrows.export.passport import ASKED_OF_BANK, bits_in_words, ends_of_data, passport
-from narrows.export.rendering import commented, filled
+from narrows.export.ship_files import commented, filled
 from narrows.model.bank_force import CONTACT, beside_banks
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, MOTION

@@ -11,7 +11,6 @@ import numpy as np
 from narrows.codegen.choices import AFLOAT_SPEED, COLUMNS, FIELD, Across
 from narrows.codegen.free_motion import OPEN, Outline
 from narrows.codegen.kernels import event
-from narrows.codegen.run import NOWHERE, WaterTable
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.model.water import speeds_afloat
@@ -25,6 +24,17 @@ if TYPE_CHECKING:
     from narrows.waterway.centreline import Centreline
     from narrows.waterway.table import LeastWalls, WaterwayTable
     from narrows.waterway.waterway import Waterway
+
+
+@dataclass(frozen=True)
+class WaterTable:
+    table: np.ndarray  # Table of a waterway, one row per cell; empty in a straight canal
+    track: np.ndarray  # Nodes of line and banks, for the exact clearance
+    outline: np.ndarray  # Points of the hull, forward and starboard alternating [m]
+
+
+# A straight canal: no table.
+NOWHERE = WaterTable(np.zeros(16), np.zeros(27), np.zeros(6))
 
 
 @dataclass(frozen=True)

@@ -10,13 +10,12 @@ import numpy as np
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.choices import COLUMNS, ROW, SHARED
 from narrows.codegen.free_motion import INPUTS as FORCES
-from narrows.codegen.run import PreparedRun
 from narrows.codegen.system import DEFAULTS
 from narrows.errors import InputError
 from narrows.quantities.names import Number
 from narrows.simulation import lane_loops
 from narrows.simulation.inputs import INPUTS, START
-from narrows.simulation.kernel_run import PUSH_END, KernelRun
+from narrows.simulation.kernel_run import PUSH_END, KernelRun, PreparedRun
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import PARAMETER, steering_of
 from narrows.waterway.current_profile import check_along_only
