@@ -12,10 +12,8 @@ import numpy as np
 from narrows.aliases import accept_aliases
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.choices import COUNTED, LENGTH, stages_at
-from narrows.codegen.free_motion import INPUTS, STATE
-from narrows.codegen.lines import FUNCTIONS
+from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.system import System
-from narrows.codegen.trace import trace_of
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.results import BaseResult
@@ -25,12 +23,13 @@ from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, finite_numbers, segments_of
 from narrows.simulation.integrator import VoyageIntegrator
 from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import MEMORY, PARAMETER, Steering, steering_of
+from narrows.simulation.steering import PARAMETER, Steering, steering_of
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:
     import xarray
 
+COMPLEX_STEP = 1e-30  # Far below the rounding of any state, so that a derivative by it has no error of its own
 STATES = {"x": "m", "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s"}
 
 
@@ -282,29 +281,14 @@ class TangentIntegrator:
         return np.array([slopes[name] for name in self.integrator.choices.kept])
 
     def _memory_slopes(self, slopes: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Return the derivatives of a law's initial memory, which may depend on the state."""
-        law = self.integrator.choices.law
-        if self.steering is None or law is None or not law.memory:
+        """Return the derivatives of a law's initial memory by a complex step, which is exact for sums and products."""
+        if self.steering is None:
             return {}
-        import sympy
-
-        controller, names = self.steering.controller, (*STATE, *(actuator.name for actuator in self.ship.actuators))
-        trace = trace_of(
-            lambda at: controller.memory({name: getattr(at, name) for name in names}),
-            dict(zip(names, names, strict=True)),
-            "what a control law keeps",
-        )
-        begun = dict(zip(self.integrator.choices.kept, self.start, strict=True))
-        symbols = {name: sympy.Symbol(name, real=True) for name in trace.inputs}
-        here = {symbol: begun.get(name, 0.0) for name, symbol in symbols.items()}
-        none = np.zeros(len(self.by))
-
-        def moved(value: Any) -> np.ndarray:
-            along = (float(value.diff(symbol).subs(here)) * slopes.get(name, none) for name, symbol in symbols.items())
-            return sum(along, none)
-
-        kept = trace.replay(symbols, sympy.Float, FUNCTIONS)
-        return {MEMORY(name): moved(sympy.sympify(value)) for name, value in kept.items()}
+        start: dict[str, Any] = dict.fromkeys((actuator.name for actuator in self.ship.actuators), 0.0)
+        for name, value in zip(self.integrator.choices.kept, self.start, strict=True):
+            start[name] = value + 1j * COMPLEX_STEP * slopes[name]
+        kept = self.steering.memory(start)
+        return {name: np.broadcast_to(np.imag(value) / COMPLEX_STEP, len(self.by)) for name, value in kept.items()}
 
     @cached_property
     def input_slopes(self) -> dict[str, np.ndarray]:
@@ -349,7 +333,7 @@ class TangentIntegrator:
         states, slopes = np.empty((count, module.KEPT)), np.empty((count, module.KEPT, by))
         self._integrate(
             np.ascontiguousarray(starts, float), np.ascontiguousarray(start_slopes), np.asarray(first, np.int64),
-            values, np.reshape(along, (module.MOVING, by)), places, np.ascontiguousarray(changing.T), lengths, 1,
+            values, np.reshape(along, (module.MOVING, by)), places, np.ascontiguousarray(changing.T), lengths,
             self.integrator.channel.water.table, states, slopes,
         )  # fmt: skip
         return states, slopes
@@ -365,11 +349,11 @@ class TangentIntegrator:
     def _integrate(self) -> Callable[..., None]:
         """The loop over segments with this voyage's step."""
         from narrows.codegen.addresses import entry
-        from narrows.codegen.kernels import sensitivity
+        from narrows.codegen.kernels import loops
 
         module = self._module
         sizes = entry(module, "step"), module.KEPT, module.MOVING, module.INPUTS.index(LENGTH)
-        return partial(compiled_loops(sensitivity).integrate, np.array(sizes))
+        return partial(compiled_loops(loops).integrate, np.array(sizes))
 
     def _pushes(self, times: np.ndarray) -> np.ndarray:
         """External X, Y and N in each step, (steps, 3)."""
