@@ -79,7 +79,7 @@ def test_a_spoilt_file_is_made_again(folder: Path, monkeypatch: pytest.MonkeyPat
     before = system().constants(VALUES)
     (path,) = folder.glob("*.py")
     path.write_text(spoilt)
-    monkeypatch.setattr(cache, "_TEXTS", {})
+    monkeypatch.setattr(cache, "_MODULES", {})
     assert system().constants(VALUES) == before
     assert path.read_text().endswith(cache.LAST_LINE)
 

@@ -28,7 +28,6 @@ LAST_LINE = "# end of a module made by narrows\n"
 SAME_TIME = 946_684_800
 
 _LOCK = RLock()  # Reentrant: a kernel imports the shared functions
-_TEXTS: dict[Path, str] = {}
 _MODULES: dict[Path, ModuleType] = {}
 
 
@@ -86,20 +85,6 @@ def _temporary_folder() -> tempfile.TemporaryDirectory[str]:
     return tempfile.TemporaryDirectory(prefix="narrows-")
 
 
-def source(name: str, parts: Iterable[object], make: Callable[[], str]) -> str:
-    """Return a generated text; make it if no process has made it before."""
-    path = cache_folder() / f"{name}_{key_of(parts)}.py"
-    with _LOCK:
-        if path not in _TEXTS:
-            text = _read(path)
-            if text is None:
-                text = _sealed(make())
-                with suppress(OSError):
-                    _written(path, text)
-            _TEXTS[path] = text
-        return _TEXTS[path]
-
-
 def generated(name: str, parts: Iterable[object], make: Callable[[], str]) -> ModuleType:
     """Import a generated module; make it if no process has made it before."""
     # A damaged file is made again. If the folder is read-only, a temporary one serves; without one the module stays in
@@ -147,10 +132,12 @@ def _made(path: Path, text: str) -> ModuleType:
 def _imported(path: Path, text: str) -> ModuleType:
     """Execute a module's text without Python's own bytecode cache, which nobody checks."""
     module = ModuleType(f"narrows_{path.stem}")
-    module.__file__, vars(module)["TEXT"] = str(path), text
+    code = compile(text, path, "exec")
+    module.__file__ = str(path)
+    vars(module).update(TEXT=text, CODE=code)
     sys.modules[module.__name__] = module
     try:
-        exec(compile(text, path, "exec"), vars(module))
+        exec(code, vars(module))
     except BaseException:
         del sys.modules[module.__name__]
         raise

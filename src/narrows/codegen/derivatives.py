@@ -195,15 +195,3 @@ def tangent_text(step: Step, choices: Choices, moving: Sequence[str]) -> str:
     ]
     text = "\n    ".join(["@quiet\ndef step(z, block, inputs, table):", *body])
     return module_text("float64", choices.row, names, f"{text}\n")
-
-
-def constants_slopes_text(rates: Rates) -> str:
-    assignments, results = straight_lines(list(rates.constants.table))
-    asked, lines = rates.parameters, Lines()
-    values = lines.inline("", assignments, results, {})
-    seeds = {symbol: [real(SLOPE(symbol))] for symbol in asked.values()}
-    more, slopes_of = with_tangents(lines, seeds, 1)
-    slopes = [slopes_of(value)[0] for value in values]
-    arguments = [*map(str, asked.values()), *(SLOPE(symbol) for symbol in asked.values())]
-    text = function_text("constants_slopes", arguments, more.needed_for(slopes).assignments, slopes)
-    return f"PARAMETERS = {tuple(asked)!r}\n\n\n{text}"

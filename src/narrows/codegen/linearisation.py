@@ -54,10 +54,6 @@ class Linearisation:
         """Differentiate the rates of x, y, psi, u, v, r by x, y, psi, u, v, r: (..., 6, 6)."""
         return self.linear(at)[..., : len(LINEARISED)]
 
-    def controls(self, at: Mapping[str, Number]) -> np.ndarray:
-        """Differentiate the same rates by ``controlled``: (..., 6, n)."""
-        return self.linear(at)[..., len(LINEARISED) :]
-
     def coefficients(self, at: Mapping[str, Number]) -> np.ndarray:
         """Differentiate the same rates by every coefficient of the table: (..., 6, n)."""
         slopes = self._matrix("coefficients", at, len(FORCES))

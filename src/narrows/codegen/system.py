@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.codegen.cache import generated, source
+from narrows.codegen.cache import generated
 from narrows.codegen.trace import Trace, trace_of_terms
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import COLUMNS
@@ -25,6 +25,13 @@ if TYPE_CHECKING:
 
 # Values of the numbers that a caller may omit.
 DEFAULTS = dict.fromkeys(("X_in", "Y_in", "N_in", "heave", "surge_inertia"), 0.0)
+# Far below the rounding of any number, so that a derivative by it has no error of its own.
+COMPLEX_STEP = 1e-30
+# Functions whose complex value is not the one that a complex step needs.
+OF_COMPLEX: dict[str, Callable[..., Any]] = {
+    "abs": lambda value: value * np.sign(np.real(value)),
+    "angle": lambda c, s: np.arctan2(np.real(s), np.real(c)) + 1j * np.imag(s / c) / (1 + np.real(s / c) ** 2),
+}
 
 
 @dataclass(frozen=True)
@@ -113,8 +120,7 @@ class System:
     def _executed(self, name: str, functions: Mapping[str, Callable[..., Any]], *parts: Any) -> dict[str, Any]:
         """Execute a generated text with the elementary functions that it calls; return its definitions."""
         scope: dict[str, Any] = dict(functions)
-        text = source(name, (*self.key, *parts), lambda: self._written(name, *parts))
-        exec(compile(text, f"<{name}>", "exec"), scope)
+        exec(self._module(name, *parts).CODE, scope)
         return scope
 
     def _written(self, name: str, *parts: Any) -> str:
@@ -129,23 +135,22 @@ class System:
                 return derivatives.tangent_text(self.step, self.choices, *parts)
             case "jacobian":
                 return derivatives.jacobian_text(self.rates.motion, self.table.names, *parts)
-            case "jacobian_batch":
-                return derivatives.batch_text(self.rates.motion, *parts)
-        return derivatives.constants_slopes_text(self.rates)
+        return derivatives.batch_text(self.rates.motion, *parts)
 
     def constants_slopes(
         self, values: Mapping[str, Number], slopes: Mapping[str, np.ndarray]
     ) -> dict[str, np.ndarray | float]:
-        """Differentiate the constants of a voyage along some directions, by the names of the lines."""
-        functions = self._constants_slopes
+        """Differentiate the constants of a voyage along some directions, by a complex step."""
         known = DEFAULTS | dict(values)
-        numbers = [float(np.ravel(known[name])[0]) for name in functions.PARAMETERS]
-        along = [slopes.get(name, 0.0) for name in functions.PARAMETERS]
-        return dict(zip(self.scalar.CONSTANTS, functions.constants_slopes(*numbers, *along), strict=True))
+        moved = {name: 1j * COMPLEX_STEP * slope for name, slope in slopes.items()}
+        numbers = (float(np.ravel(known[name])[0]) + moved.get(name, 0.0) for name in self.parameters)
+        results = self._complex.constants(*numbers)
+        slopes_of = (np.imag(result) / COMPLEX_STEP for result in results)
+        return dict(zip(self.scalar.CONSTANTS, slopes_of, strict=True))
 
     @cached_property
-    def _constants_slopes(self) -> SimpleNamespace:
-        return SimpleNamespace(**self._executed("constants", column_functions()))
+    def _complex(self) -> SimpleNamespace:
+        return SimpleNamespace(**self._executed("plain", column_functions() | OF_COMPLEX))
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Another process finds the generated modules, or makes its own.

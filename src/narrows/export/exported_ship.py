@@ -28,7 +28,6 @@ from narrows.simulation.channel import Channel, along_waterway, limits_of, strai
 from narrows.simulation.settings import NEAR_THE_BANK
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import MEMORY, PARAMETER, Steering
-from narrows.terms.term import TermKind
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -107,18 +106,14 @@ class ExportedShip:
 
     @cached_property
     def meanings(self) -> dict[str, str]:
-        """Return for each constant of the equations its formula if that is short, else where it acts."""
-        rates, table = dict(self.portable.programs["rates"].assignments), self.portable.rates.constants.table
-        return {str(constant): self._meaning(formula, constant, rates) for formula, constant in table.items()}
-
-    def _meaning(self, formula: Expr, constant: Expr, rates: Mapping[Expr, Expr]) -> str:
-        terms, asked = self.ship.model.terms, set(map(str, formula.free_symbols))
-        acting = [name for name in terms.names if name in asked and terms[name].kind is not TermKind.INERTIA]
-        for rate in ("u", "v", "r") if len(str(formula)) > LONGEST_FORMULA else ():
-            value = rates.get(real(f"d_{rate}"), sympy.Integer(0))
-            if constant in value.free_symbols:
-                return f"in the rate of {rate}: {', '.join(acting) or sympy.diff(value, constant)}"
-        return str(formula)
+        """Return the formula of each constant of the equations, or its terms where the formula is long."""
+        table, terms = self.portable.rates.constants.table, self.ship.model.terms.names
+        asked = {formula: set(map(str, formula.free_symbols)) for formula in table}
+        return {
+            str(constant): text if len(text := str(formula)) <= LONGEST_FORMULA else
+            ", ".join(name for name in terms if name in asked[formula])
+            for formula, constant in table.items()
+        }  # fmt: skip
 
     @cached_property
     def _derived(self) -> dict[str, Expr]:

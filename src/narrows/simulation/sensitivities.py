@@ -13,7 +13,7 @@ from narrows.aliases import accept_aliases
 from narrows.codegen.cache import compiled_loops
 from narrows.codegen.choices import COUNTED, LENGTH, stages_at
 from narrows.codegen.free_motion import INPUTS
-from narrows.codegen.system import System
+from narrows.codegen.system import COMPLEX_STEP, System
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.results import BaseResult
@@ -29,7 +29,6 @@ from narrows.simulation.voyage import Voyage, simulate
 if TYPE_CHECKING:
     import xarray
 
-COMPLEX_STEP = 1e-30  # Far below the rounding of any state, so that a derivative by it has no error of its own
 STATES = {"x": "m", "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s"}
 
 
