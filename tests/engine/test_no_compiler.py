@@ -1,4 +1,4 @@
-"""Without Numba and without threads, as in a browser: imports, fits, voyages, and fleets voyage by voyage."""
+"""Without Numba and without threads, as in a browser: imports, fits, voyages, and fleets by columns of NumPy."""
 
 import json
 import re
@@ -51,15 +51,15 @@ def test_what_works_where_numba_and_threads_do_not() -> None:
 
 
 @pytest.mark.parametrize("contact", ["corners", "midship"])
-def test_fleets_end_as_single_voyages_do(contact: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_columns_end_as_single_voyages_do(contact: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     model = nw.published("mikkelsen2025_dtc")
     monkeypatch.setattr(kernel_run, "lacks_compiler", lambda: True)
     offsets, options = [-2.3, -0.2, 0.0, 0.6, 2.4], {"contact": contact, "duration": 20.01, "dt": 0.05}
     held(nw.ensemble(model, y=offsets, u=[0.5, 1.0], **options), model, options)
 
 
-def test_fleets_feel_gear_law_and_waterway(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A pilot with a gear, in bends."""
+def test_columns_feel_gear_law_and_waterway(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A pilot with a gear, in bends: the table is read in columns, the banks themselves by whoever is near."""
     model = nw.published("yasukawa2015_kvlcc2")
     monkeypatch.setattr(kernel_run, "lacks_compiler", lambda: True)
     north = np.linspace(0.0, 200.0, 101)

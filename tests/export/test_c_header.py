@@ -82,7 +82,7 @@ def test_rates_and_derivatives_are_those_of_python(ships: Any, name: str) -> Non
         reach = hull.length / 2 * abs(sine) + hull.beam / 2 * cosine
         half = model.configuration.canal.width / 2
         close(ship.called("clearance", state, 2), [half - y - reach, half + y - reach], 1e-12)
-        by_state, by_input = linear.state(at), linear.controls(at)
+        by_state, by_input = np.hsplit(linear.linear(at), [6])
         close(ship.called("by_state", state, 36), by_state.ravel(), 1e-12)
         close(ship.called("by_input", state, by_input.size), by_input.ravel(), 1e-12)
         by_coefficient = linear.coefficients(at)[3:]

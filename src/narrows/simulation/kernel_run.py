@@ -3,7 +3,7 @@
 import hashlib
 import logging
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.codegen.cache import compiled_loops, lacks_compiler
-from narrows.codegen.choices import AFTER, COUNTED, CURRENT_ACROSS, SHARED, Across, Pushed
+from narrows.codegen.choices import AFTER, COUNTED, CURRENT_ACROSS, LENGTH, SHARE, SHARED, Across, Pushed
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.kernels import event
 from narrows.codegen.system import System
@@ -23,7 +23,7 @@ from narrows.simulation.channel import Channel, WaterTable, across_of, along_wat
 from narrows.simulation.initial_state import complete_state
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, counted_heading
-from narrows.simulation.integrator import End, Row, VoyageIntegrator, near_the_bank
+from narrows.simulation.integrator import Row, VoyageIntegrator, near_the_bank
 from narrows.simulation.outcome import Code
 from narrows.simulation.settings import CONTACT_TOLERANCE, NEAR_THE_BANK
 from narrows.simulation.ship import SimulatedShip
@@ -137,6 +137,93 @@ def slices(vessels: int, workers: int) -> list[slice]:
     return [slice(first, min(first + size, vessels)) for first in range(0, vessels, size)]
 
 
+@dataclass
+class ColumnRun:
+    """Vessels in columns; a call integrates them all from the current ``start``."""
+
+    # Without a compiler, as in a browser, all vessels take a step at once. A vessel that met an end or has unphysical
+    # numbers repeats that step alone, as in a single voyage.
+
+    system: System  # The traced system
+    inputs: Mapping[str, Any]  # (n,) Inputs of its step, by name
+    start: np.ndarray  # (n, kept) State at the start
+    times: np.ndarray  # (n, 3) Length of a step, whole steps, length of the last and shorter one [s]
+    channel: Channel  # The water
+    end: np.ndarray = field(init=False)
+    time: np.ndarray = field(init=False)
+    codes: np.ndarray = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.end, self.time = self.start.copy(), np.zeros(len(self.start))
+        self.codes = np.zeros((len(self.start), 2), np.int64)
+
+    @property
+    def kernel(self) -> SimpleNamespace:
+        """Names of the kernel's interface: what is kept."""
+        return SimpleNamespace(KEPT_NAMES=self.system.choices.kept)
+
+    def __call__(self) -> int:
+        """Integrate every vessel, and return the number of steps."""
+        self.end, self.time, taken = self.start.copy(), np.zeros(len(self.start)), 0
+        under_way = np.arange(len(self.start))
+        step, count, rest = self.times.T
+        left, length = count + (rest > 0), step.copy()
+        while len(under_way := under_way[left[under_way] > 0]):
+            last = (left[under_way] == 1) & (rest[under_way] > 0)
+            length[under_way[last]] = rest[under_way[last]]
+            under_way = self._stepped(under_way, length[under_way])
+            left[under_way] -= 1
+            taken += len(under_way)
+        return taken
+
+    def _stepped(self, vessels: np.ndarray, length: np.ndarray) -> np.ndarray:
+        functions, before = self.system.columns, self.end[vessels].T
+        asked = {**self.inputs, LENGTH: length, SHARE: 1.0}
+        table, leaves = self.channel.water.table, self.system.choices.leaves
+        with np.errstate(all="ignore"):
+            inputs = [self._own(name, asked[name], vessels) for name in functions.STEP_INPUTS]
+            *state, left, _ = functions.step(table, *before, *inputs)
+            after = np.array([np.broadcast_to(one, len(vessels)) for one in state])
+            if leaves:
+                inputs = [self._own(name, self.inputs[name], vessels) for name in functions.LEAST_CLEARANCE_INPUTS]
+                left = left - leaves * functions.least_clearance(table, *before[:5], *inputs)[0]
+            # Far from every contact, the end of a step needs no check.
+            most = np.array([self.inputs[name] for name in ("most_speed", "most_speed", "most_rate")])
+            clear = (np.abs(after[4:7]) < most[:, None]).all(axis=0) & (np.asarray(left) > 0)
+        went = vessels[clear]
+        self.end[went] = after[:, clear].T
+        self.time[went] += length[clear]
+        near = zip(vessels[~clear], length[~clear], strict=True)
+        judged = [vessel for vessel, duration in near if self._judged(vessel, duration)]
+        return np.sort(np.concatenate([went, np.array(judged, int)]))
+
+    @staticmethod
+    def _own(name: str, value: Any, vessels: np.ndarray) -> Any:
+        whole = np.asarray(value, float)
+        if name == LENGTH or whole.size == 1:
+            return whole if whole.ndim else float(whole)
+        return whole[vessels]
+
+    def _judged(self, vessel: int, length: float) -> bool:
+        """Take one step of one vessel as in a single voyage, and return whether it continues."""
+        one, begun = np.array([vessel]), tuple(self.end[vessel].tolist())
+        inputs = {name: float(np.ravel(self._own(name, value, one))[0]) for name, value in self.inputs.items()
+                  if isinstance(value, int | float | np.ndarray | np.number)}  # fmt: skip
+        near = near_the_bank({"width": inputs.get("width", 1.0)})
+        integrator = VoyageIntegrator(self.system.scalar, self.system.choices, inputs, self.channel, near)
+        (clearance, side), outcome, rows = integrator.clearance(begun), event.CLOSED, [Row(0.0, begun)]
+        if clearance > 0 or begun[0] == self.channel.start:
+            ended = integrator.integrate(rows, length, length)
+            self.end[vessel] = rows[-1].state
+            self.time[vessel] += rows[-1].t
+            if ended is None:
+                return True
+            outcome, side = ended
+        code = integrator.cause(outcome, rows[-1].state)
+        self.codes[vessel] = code, np.sign(side) if code == Code.GROUNDED else 0
+        return False
+
+
 @dataclass(frozen=True)
 class KernelRun:
     ship: SimulatedShip  # The model and the choices of simulation
@@ -157,48 +244,24 @@ class KernelRun:
             )
 
     def run(self, values: Mapping[str, Any], vessels: int, workers: int | None = None) -> Result:
-        """Run voyages; without Numba, as in a browser, one after the other in double precision."""
-        if lacks_compiler():
-            if vessels > 1:
-                install = installing(libraries_of("compiled") or ["numba"])
-                logging.getLogger("narrows").info("without Numba many voyages take longer; to add it: %s", install)
-            ended = self._one_by_one(values, vessels)
+        """Run voyages; without Numba in columns of NumPy, in double precision."""
+        columns = lacks_compiler()
+        if columns and vessels > 1:
+            install = installing(libraries_of("compiled") or ["numba"])
+            logging.getLogger("narrows").info("without Numba many voyages take longer; to add it: %s", install)
+        prepared: PreparedRun | ColumnRun
+        if columns:
+            system, start = self._system(values), self._start(values)
+            kept = [np.broadcast_to(np.asarray(start[name], float), vessels) for name in system.choices.kept]
+            inputs, channel = self._inputs(system, values)
+            prepared = ColumnRun(system, inputs, np.stack(kept, axis=1), self._times(vessels), channel)
         else:
             prepared = self.prepared(values, vessels, workers)
-            prepared()
-            ended = self.ended(prepared, values)
+        prepared()
+        ended = self.ended(prepared, values)
         return {name: ended[name] for name in OUTPUTS}
 
-    def _one_by_one(self, values: Mapping[str, Any], vessels: int) -> Result:
-        system, start = self._system(values), self._start(values)
-        inputs, channel = self._inputs(system, values)
-
-        def rows_of(numbers: Mapping[str, Any], names: Iterable[str]) -> list[tuple[float, ...]]:
-            columns = (np.broadcast_to(np.asarray(numbers[name], float).ravel(), vessels).tolist() for name in names)
-            return list(zip(*columns, strict=True))
-
-        names = [name for name, value in inputs.items() if isinstance(value, int | float | np.ndarray | np.number)]
-        times, end = np.zeros(vessels), np.zeros((vessels, len(system.choices.kept)))
-        codes = np.zeros((vessels, 2), np.int64)
-        each = zip(
-            rows_of(start, system.choices.kept), rows_of(inputs, names),
-            rows_of({"stop": self.duration, "dt": self.dt}, ("stop", "dt")), strict=True,
-        )  # fmt: skip
-        for vessel, (begun, numbers, (stop, dt)) in enumerate(each):
-            own = dict(zip(names, numbers, strict=True))
-            integrator = VoyageIntegrator(
-                system.scalar, system.choices, own, channel, near_the_bank({"width": 1.0} | own)
-            )
-            rows, ending = [Row(0.0, begun)], End(event.CLOSED, integrator.clearance(begun)[1])
-            if integrator.clearance(begun)[0] > 0 or begun[0] == channel.start:
-                ending = integrator.integrate(rows, stop, dt) or End(event.FINISHED, 0.0)
-            code = integrator.cause(ending.outcome, rows[-1].state)
-            codes[vessel] = code, np.sign(ending.side) if code == Code.GROUNDED else 0
-            times[vessel], end[vessel] = rows[-1].t, rows[-1].state
-        kernel = SimpleNamespace(KEPT_NAMES=system.choices.kept)
-        return self.ended(SimpleNamespace(kernel=kernel, end=end, time=times, codes=codes), values)
-
-    def ended(self, prepared: PreparedRun | SimpleNamespace, values: Mapping[str, Any]) -> Result:
+    def ended(self, prepared: PreparedRun | ColumnRun, values: Mapping[str, Any]) -> Result:
         """Return the ends of voyages: ``OUTPUTS``, positions of actuators and the controller's memory."""
         names = prepared.kernel.KEPT_NAMES
         ends = dict(zip(names, np.asarray(prepared.end, float).T, strict=True))
