@@ -16,7 +16,7 @@ import numpy as np
 
 import narrows as nw
 from narrows.control.design import SCENES, TUNED, DesignTrials, cost_of, searched, weights_at, with_gear
-from narrows.control.regulator_gains import DEFAULT_WEIGHTS
+from narrows.control.regulator import DEFAULT_WEIGHTS
 
 sys.path.append(str(Path(__file__).parent.parent / "benchmarks"))
 from envelope import full_scale

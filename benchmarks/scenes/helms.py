@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 import narrows as nw
-from narrows.control.regulator import HeldLine, Regulator
-from narrows.control.regulator_gains import RegulatorWeights, stacked_gains
+from narrows.control.regulator import HeldLine, Regulator, RegulatorWeights, stacked_gains
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.controllers import VoyageState
 from narrows.simulation.ship import SimulatedShip

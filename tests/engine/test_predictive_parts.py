@@ -33,11 +33,10 @@ from narrows.control.predictive.line_frame import (
 from narrows.control.predictive.planner import (
     QuadraticProgram,
     horizon_of,
-    later,
     program_of,
     solve_program,
 )
-from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights
+from narrows.control.regulator import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.simulation.ship import SimulatedShip
 from narrows.waterway import Bank, Centreline, Waterway
 
@@ -283,6 +282,10 @@ def test_the_spread_of_the_banks_is_straight_between_its_places_and_stays_beyond
 
 def test_nodes_later_are_nodes_between() -> None:
     nodes = np.arange(5.0)[:, None] * [1.0, -2.0]
+
+    def later(nodes: np.ndarray, share: float) -> np.ndarray:
+        return np.asarray(LOOPS.interpolate(nodes, 0.0, 1.0, np.arange(len(nodes)) + share)[0])
+
     np.testing.assert_allclose(later(nodes, 0.0), nodes)
     np.testing.assert_allclose(later(nodes, 1.25)[:, 0], [1.25, 2.25, 3.25, 4.0, 4.0])
     np.testing.assert_allclose(later(nodes, 77.0)[:, 1], -8.0)

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 import narrows as nw
 from narrows.control import HeldLine, LinearSystem, Regulator, linearize, regulator
-from narrows.control.regulator_gains import RegulatorWeights, rate_driven
+from narrows.control.regulator import RegulatorWeights, rate_driven
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.ship import SimulatedShip

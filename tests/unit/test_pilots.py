@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.control.linearization import linearize
-from narrows.control.regulator_gains import (
+from narrows.control.regulator import (
     DEFAULT_WEIGHTS,
     RegulatorWeights,
     best_gains,

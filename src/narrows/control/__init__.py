@@ -12,9 +12,9 @@ from narrows.control.linearization import linearize as linearize
 from narrows.control.predictive import PredictiveHelm as PredictiveHelm
 from narrows.control.regulator import HeldLine as HeldLine
 from narrows.control.regulator import Regulator as Regulator
+from narrows.control.regulator import RegulatorWeights as RegulatorWeights
+from narrows.control.regulator import lqr as lqr
 from narrows.control.regulator import regulator as regulator
-from narrows.control.regulator_gains import RegulatorWeights as RegulatorWeights
-from narrows.control.regulator_gains import lqr as lqr
 from narrows.control.speed_governor import SpeedGovernor as SpeedGovernor
 from narrows.control.speed_governor import speed_governor as speed_governor
 from narrows.control.steady_course import steady_course as steady_course

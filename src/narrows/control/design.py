@@ -13,8 +13,16 @@ from narrows.aliases import accept_aliases
 from narrows.codegen.free_motion import INPUTS
 from narrows.control import settings
 from narrows.control.linearization import linearize
-from narrows.control.regulator import HeldLine, Regulator, held_line, regulator
-from narrows.control.regulator_gains import DEFAULT_WEIGHTS, FEEDBACK, RegulatorWeights, regulator_gains
+from narrows.control.regulator import (
+    DEFAULT_WEIGHTS,
+    FEEDBACK,
+    HeldLine,
+    Regulator,
+    RegulatorWeights,
+    held_line,
+    regulator,
+    regulator_gains,
+)
 from narrows.control.settings import TRIAL_LENGTHS, TRIAL_STEPS
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, check_count

@@ -130,11 +130,6 @@ class Estimator(BaseSummary):
             By the names of sensors and actuators: ``{"gnss": (x, y), "gyro": psi, "rudder": angle}``, SI and rad.
         **named : float or sequence of float
             The same by keyword.
-
-        Raises
-        ------
-        InputError
-            If the time is invalid, or a reading has no sensor or the wrong number of components.
         """
         if not is_finite(t):
             raise InputError(f"t = {t} is no time; give seconds, then the readings")
@@ -157,11 +152,6 @@ class Estimator(BaseSummary):
         records : DataFrame, Dataset or mapping of str to array
             One row per time: ``t`` [s], the fields of the sensors (``gnss_x``, ``gnss_y``, ``gyro`` ...) and positions
             of actuators (``rudder`` [rad], ``revolutions`` [1/s]); NaN for no reading.
-
-        Raises
-        ------
-        InputError
-            If a column is unknown, times do not rise, or there are never enough readings to start.
         """
         recorded = records_of(records, self.filter.sensors, self.filter.actuators)
         self.forget()

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from narrows.codegen.choices import AFTER
-from narrows.control.regulator_gains import FEEDBACK, RegulatorWeights, stacked_gains
+from narrows.control.regulator import FEEDBACK, RegulatorWeights, stacked_gains
 from narrows.control.steady_course import solved, with_propulsion
 from narrows.errors import InputError
 from narrows.model.model import Model

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from narrows.control.regulator import HeldLine, Regulator
-from narrows.control.regulator_gains import DEFAULT_WEIGHTS, FEEDBACK, RegulatorWeights, stacked_gains
+from narrows.control.regulator import DEFAULT_WEIGHTS, FEEDBACK, HeldLine, Regulator, RegulatorWeights, stacked_gains
 from narrows.control.settings import LEAD_TIME
 from narrows.control.steady_course import solved, with_propulsion
 from narrows.errors import InputError

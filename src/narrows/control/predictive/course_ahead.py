@@ -22,7 +22,7 @@ from narrows.control.predictive.line_frame import (
     over_interval,
     share_of,
 )
-from narrows.control.regulator_gains import RegulatorWeights
+from narrows.control.regulator import RegulatorWeights
 from narrows.control.settings import FURTHEST, MOST_PLACES, OTHER_SPEED, PLACES_A_LENGTH, SHARES, WAYS
 from narrows.errors import InputError
 from narrows.model.model import Model

@@ -69,7 +69,8 @@ class RudderPlan:
 
     def from_here(self, x: float, state: np.ndarray, share: float = 0.0) -> "RudderPlan":
         """Return the plan a share of an interval later, with places along the line relative to the ship."""
-        table = later(np.column_stack([self.x, self.states, np.append(self.rates, 0.0)]), share)
+        nodes = np.column_stack([self.x, self.states, np.append(self.rates, 0.0)])
+        table, _ = compiled_loops(plan_loops).interpolate(nodes, 0.0, 1.0, np.arange(len(nodes)) + share)
         places, states, rates = table[:, 0].copy(), table[:, 1:-1].copy(), table[:-1, -1].copy()
         pace = self.x[-1] - self.x[-2]
         places[1:] = x + np.maximum(places[1:] - places[0], 0.0)
@@ -240,9 +241,3 @@ def horizon_of(passing: float, horizon: float | None, intervals: int) -> Horizon
     if horizon is not None and not 0 < horizon < np.inf:
         raise InputError(f"horizon = {horizon} must be a positive time in seconds")
     return Horizon(intervals, (settings.HORIZON_LENGTHS * passing if horizon is None else horizon) / intervals)
-
-
-def later(nodes: np.ndarray, share: float) -> np.ndarray:
-    """Return a plan's nodes a share of an interval later; the last one stays."""
-    shifted: np.ndarray = compiled_loops(plan_loops).interpolate(nodes, 0.0, 1.0, np.arange(len(nodes)) + share)[0]
-    return shifted

@@ -28,7 +28,7 @@ from narrows.control.predictive.planner import (
     horizon_of,
     predict,
 )
-from narrows.control.regulator_gains import DEFAULT_WEIGHTS, RegulatorWeights
+from narrows.control.regulator import DEFAULT_WEIGHTS, RegulatorWeights
 from narrows.control.settings import FIRST_ROUNDS, INTERVALS, MARGIN, PUSH_LENGTHS, RESERVE, RETURNING, TIME_TOLERANCE
 from narrows.control.steady_course import check_holds, check_inside, check_rudder
 from narrows.errors import InputError, needs

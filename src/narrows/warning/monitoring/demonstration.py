@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from narrows.control.linearization import linearize
-from narrows.control.regulator_gains import lqr
+from narrows.control.regulator import lqr
 from narrows.identification.fitting import bundled_ship
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
