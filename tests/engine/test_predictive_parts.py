@@ -74,7 +74,7 @@ def test_slopes_beside_a_bending_line_are_those_of_differences() -> None:
     linear = ship.system().linearisation(ship.values(), ship.actuators, ("width", "depth"))
     batch = linear.batch(1)
     columns = {name: np.array([value]) for name, value in {**at, "curvature": curvature, "current": current}.items()}
-    matrix = batch(batch.points({**at, **section}))
+    matrix = batch({**at, **section})
     np.testing.assert_allclose(matrix[0], linear.linear({**at, **section}), rtol=1e-12, atol=1e-12)
     of = [LINEARISED.index(name) for name in HELD[:4]]
     by = [*of, len(LINEARISED) + linear.controlled.index("rudder")]

@@ -72,7 +72,7 @@ def test_jacobians_are_differences(name: str, surge: str) -> None:
 
     expected = {
         "state": slopes(lambda own: at_state(**own), {n: at[n] for n in LINEARISED}),
-        "controls": slopes(lambda own: at_state(**own), {n: at[n] for n in driven}),
+        "linear": slopes(lambda own: at_state(**own), {n: at[n] for n in (*LINEARISED, *driven)}),
         "coefficients": slopes(with_coefficients, {n: model.coefficients[n] for n in model.terms.names}),
     }
     for kind, matrix in expected.items():
@@ -85,7 +85,7 @@ def test_columns_go_through(name: str) -> None:
     ship = SimulatedShip(MODELS[name]())
     exact = ship.system().linearisation(ship.values(), ship.actuators)
     columns = {**states(6), "rudder": np.linspace(-0.3, 0.3, 6), "revolutions": np.linspace(6.0, 12.0, 6)}
-    for kind in ("state", "controls", "coefficients"):
+    for kind in ("state", "linear", "coefficients"):
         many = getattr(exact, kind)(columns)
         assert many.shape[:2] == (6, 6)
         for row in range(6):

@@ -47,7 +47,6 @@ def versions() -> str:
 
 
 def key_of(parts: Iterable[object]) -> str:
-    """Return a hash of these parts and of all versions."""
     text = "\n".join([versions(), *map(str, parts)])
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
@@ -60,7 +59,6 @@ def cache_folder() -> Path:
 
 
 def user_cache_folder() -> Path:
-    """Return this system's folder for user caches."""
     home = Path("~").expanduser()
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA") or home / "AppData" / "Local") / "narrows" / "narrows" / "Cache"

@@ -79,8 +79,6 @@ class Law:
 
 @dataclass(frozen=True)
 class Choices:
-    """Choices of a step."""
-
     contact: str | int = "corners"  # ``corners``, ``midship``, ``none``, or the number of points of an outline
     waterway: bool = False  # True if the section of the water changes
     law: Law | None = None  # Control law; without one the actuators stay where they are
@@ -91,7 +89,6 @@ class Choices:
 
     @property
     def columns(self) -> tuple[str, ...]:
-        """Columns of a waterway's table."""
         return (*COLUMNS, *FIELD * (self.across == "field"), *(AFLOAT_SPEED,) * self.bottom)
 
     @property

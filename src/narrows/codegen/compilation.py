@@ -22,7 +22,6 @@ class CheckedFile(IndexDataCacheFile):  # type: ignore[misc]
     """
 
     def save(self, key: Any, data: Any) -> None:
-        """Write the code of a signature."""
         kept = self._dump((self._version, self._source_stamp, key, data))
         with self._open_for_write(self._place(key)) as file:
             file.write(hashlib.sha256(kept).digest() + kept)
@@ -53,13 +52,11 @@ class CheckedCache:
         return getattr(self._cache, name)
 
     def save_overload(self, signature: Any, data: Any) -> None:
-        """Store a compiled overload if the disk allows it."""
         with suppress(OSError):
             self._cache.save_overload(signature, data)
 
 
 def checked(module: ModuleType) -> None:
-    """Check the compiled files of every cached function of a module."""
     for value in vars(module).values():
         cache = getattr(value, "_cache", None)
         if hasattr(cache, "_cache_file"):

@@ -37,7 +37,6 @@ SLOPES: dict[str, Callable[..., tuple[Expr, ...]]] = {
 def with_tangents(
     lines: Lines, inputs: Mapping[Expr, Sequence[Expr]], directions: int
 ) -> tuple[Lines, Callable[[Expr], list[Expr]]]:
-    """Return a program with the derivatives of its lines along some directions."""
     out = Lines(_taken={str(name) for name, _ in lines.assignments})
     slopes = {name: [sympify(slope) for slope in along] for name, along in inputs.items()}
 
@@ -107,7 +106,6 @@ def jacobian_text(
 
 
 def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], section: Sequence[str]) -> str:
-    """Write the module of derivatives by state and control, for compilation."""
     rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
     linear = _linear(rates, actuators)
     return module_text("float64", 0, f"@quiet\n{_jacobian('linear', rates, *linear)}")

@@ -54,7 +54,6 @@ def ends_of(lines: Lines, choices: Choices, state: Mapping[str, Expr]) -> tuple[
 
 
 def kernel_text(choices: Choices, rates: Rates, precision: str) -> str:
-    """Write the functions of a model that the queue of vessels calls."""
     called = CalledRates(rates.motion, rates.moving, rates.pushed)
     step, (lines, derivatives) = step_of(called, choices).with_whole_steps(), called.program()
     results = [derivatives[name] for name in STATE]

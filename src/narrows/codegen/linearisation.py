@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
 from types import ModuleType
 from typing import Any
 
@@ -46,9 +45,23 @@ class Linearisation:
         """Differentiate the rates of x, y, psi, u, v, r by the same six and by ``controlled``: (..., 6, 6 + n)."""
         return self._matrix("linear", at, len(LINEARISED))
 
-    def batch(self, points: int) -> "JacobianBatch":
-        """Return the same, compiled, for many points of one ship; its arrays are allocated once."""
-        return JacobianBatch(self, points)
+    def batch(self, points: int) -> Callable[[Mapping[str, Number]], np.ndarray]:
+        """Return ``linear`` compiled for many points of one ship; each call overwrites its result."""
+        from narrows.codegen.addresses import entry
+        from narrows.codegen.kernels import loops
+
+        linear, fill = entry(self.compiled(), "linear"), compiled_loops(loops).at_points
+        constants = np.array([float(np.ravel(value)[0]) for value in self.constants])
+        values = np.zeros((points, len(arguments(self.actuators, self.section))))
+        out = np.zeros((points, len(LINEARISED), len(LINEARISED) + len(self.controlled)))
+
+        def derivatives(at: Mapping[str, Number]) -> np.ndarray:
+            for column, value in enumerate(argument_values(at, self.actuators, self.section)):
+                values[:, column] = value
+            fill(linear, values, constants, out.reshape(points, -1))
+            return out
+
+        return derivatives
 
     def state(self, at: Mapping[str, Number]) -> np.ndarray:
         """Differentiate the rates of x, y, psi, u, v, r by x, y, psi, u, v, r: (..., 6, 6)."""
@@ -78,36 +91,3 @@ def argument_values(
             position = values.get(name, 0.0)
             values |= {f"cos_{name}": np.cos(position), f"sin_{name}": np.sin(position)}
     return [values[name] if name in section else values.get(name, 0.0) for name in arguments(actuators, section)]
-
-
-class JacobianBatch:
-    """Derivatives by state and control at many points of one ship, compiled."""
-
-    def __init__(self, linear: Linearisation, points: int) -> None:
-        self.linear = linear
-        directions = len(LINEARISED) + len(linear.controlled)
-        self.values = np.zeros((points, len(arguments(linear.actuators, linear.section))))
-        self.out = np.zeros((points, len(LINEARISED), directions))
-
-    def points(self, at: Mapping[str, Number]) -> np.ndarray:
-        """Return the arguments of the functions at points, (points, arguments)."""
-        for column, value in enumerate(argument_values(at, self.linear.actuators, self.linear.section)):
-            self.values[:, column] = value
-        return self.values
-
-    @cached_property
-    def _fill(self) -> Callable[..., None]:
-        """The loop over points with the derivatives of the model."""
-        from narrows.codegen.addresses import entry
-        from narrows.codegen.kernels import loops
-
-        return partial(compiled_loops(loops).at_points, entry(self.linear.compiled(), "linear"))
-
-    @cached_property
-    def _constants(self) -> np.ndarray:
-        return np.array([float(np.ravel(value)[0]) for value in self.linear.constants])
-
-    def __call__(self, values: np.ndarray) -> np.ndarray:
-        """Return the derivatives at points, (points, 6, 6 + n), in an array that the next call overwrites."""
-        self._fill(values, self._constants, self.out.reshape(len(self.out), -1))
-        return self.out

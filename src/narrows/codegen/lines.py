@@ -30,7 +30,6 @@ def real(name: str) -> Expr:
 
 
 def clipped(value: Expr, most: Expr) -> Expr:
-    """Clip an expression to between ``-most`` and ``most``."""
     return FUNCTIONS["minimum"](FUNCTIONS["maximum"](value, -most), most)
 
 
@@ -70,7 +69,6 @@ class Lines:
         return [sympy.sympify(result).xreplace(where) for result in results]
 
     def cut(self) -> None:
-        """Mark a place where a loop may be split."""
         self.program.append(CUT)
 
     @property
@@ -222,7 +220,6 @@ class LaneFields:
         return max(self.fields.values(), default=-1) + 1
 
     def read(self, number: int) -> set[str]:
-        """Return the inputs of a round; the last one also needs the results."""
         return set(asked_by(self.parts[number], self.results if number == len(self.parts) - 1 else ()))
 
     def stored(self, number: int) -> list[str]:

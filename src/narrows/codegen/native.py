@@ -139,7 +139,6 @@ class Body:
         self.scope.update({name: inside.scope[name] for name in phis})
 
     def value(self, node: ast.expr) -> Value:
-        """Write an expression."""
         builder = self.builder
         match node:
             case ast.Constant():
@@ -235,7 +234,6 @@ class Body:
         return value if self.compiler.number == DOUBLE else builder.fptrunc(value, self.compiler.number)
 
     def store(self, array: Value, place: Value, value: Value) -> None:
-        """Write a number into an array, or into each lane."""
         kind = self.lanes if self.lane else self.compiler.number
         self.builder.store(self._as(value, kind), self._place(array, place), align=self.compiler.size)
 

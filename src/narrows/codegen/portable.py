@@ -65,7 +65,6 @@ class Portable:
 
     @cached_property
     def programs(self) -> Mapping[str, Program]:
-        """Programs to print, by name."""
         (lines, rates), by, values = self._rates_here, Lines(), self._values
         if self.waterway:
             values, _ = section_here(by, self.rates, self.choices, values, "")
@@ -105,7 +104,6 @@ class Portable:
 
     @property
     def gear(self) -> tuple[str, ...]:
-        """State besides the motion: actuators, orders on their way to them, memory of the law."""
         return tuple(name for name in self.kept if name not in (*STATE, COUNTED))
 
     @cached_property

@@ -43,7 +43,6 @@ class Rates:
 
     @property
     def lines(self) -> tuple[list[Assignment], list[Expr]]:
-        """The rates as straight lines with their results."""
         return self._parts[2]
 
     def depend_on(self, name: str) -> bool:

@@ -140,7 +140,6 @@ def _followed(lines: Lines, actuator: Actuated, z: Mapping[str, Expr], wanted: E
 def _controls(
     lines: Lines, choices: Choices, z: Mapping[str, Expr], moves: Mapping[str, Expr]
 ) -> Callable[[Expr], dict[str, Expr]]:
-    """Return the positions of the moving actuators at a place within the step."""
     known: dict[Expr, dict[str, Expr]] = {}
 
     def at(node: Expr) -> dict[str, Expr]:
@@ -222,7 +221,6 @@ def rate_here(lines: Lines, rates: Rates, choices: Choices, values: dict[str, Ex
 def _set_across(
     lines: Lines, choices: Choices, rates: Mapping[str, Expr], now: Mapping[str, Expr], tag: str
 ) -> dict[str, Expr]:
-    """Write the rate of y over the ground in a current across."""
     if choices.across == "none":
         return {}
     across = now["across"] if choices.across == "field" else real(CURRENT_ACROSS)

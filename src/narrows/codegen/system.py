@@ -70,17 +70,14 @@ class System:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the arguments of ``constants``."""
         return tuple(self.scalar.PARAMETERS)
 
     @cached_property
     def scalar(self) -> SimpleNamespace:
-        """Functions of floats with the names of their arguments."""
         return SimpleNamespace(**self._executed("plain", scalar_functions(self.choices.row)))
 
     @cached_property
     def columns(self) -> SimpleNamespace:
-        """The same functions for both floats and columns."""
         return SimpleNamespace(**self._executed("plain", column_functions(self.choices.row)))
 
     @cached_property
@@ -107,11 +104,9 @@ class System:
         return Linearisation(scope, constants, self.table.names, parts[0], batch, section)
 
     def kernel(self, precision: str) -> ModuleType:
-        """Return the functions that integrate a fleet; they compile at their first use."""
         return self._module("kernel", precision)
 
     def tangent(self, moving: tuple[str, ...]) -> ModuleType:
-        """Return the step of a voyage with derivatives; it compiles at its first use."""
         return self._module("tangent", moving)
 
     def _module(self, name: str, *parts: Any) -> ModuleType:

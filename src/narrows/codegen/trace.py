@@ -44,8 +44,6 @@ class NotArithmeticError(Exception):
 
 
 class Recorded:
-    """A placeholder that records operations on it."""
-
     __array_ufunc__ = None  # NumPy scalars then defer to this class; NumPy functions fail
     __hash__ = object.__hash__
 
@@ -131,7 +129,6 @@ class Trace:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """Input quantities that the lines use."""
         used = {int(n) for sign, *operands in self.lines if sign not in ("input", "number") for n in operands}
         used |= set(self.results.values())
         return tuple(line[1] for number, line in enumerate(self.lines) if line[0] == "input" and number in used)
@@ -173,7 +170,6 @@ def notes_of_terms(table: TermTable) -> tuple[Notes, dict[str, Recorded], dict[s
 
 
 def trace_of(function: Callable[[Any], Mapping[str, Number]], names: Mapping[str, str], what: str) -> Trace:
-    """Record a function of named quantities."""
     notes = Notes()
     quantities = SimpleNamespace(**{name: notes.note(("input", input_name)) for name, input_name in names.items()})
     try:

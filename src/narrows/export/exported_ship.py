@@ -191,7 +191,6 @@ class ExportedShip:
 
     @cached_property
     def state(self) -> tuple[ExportedNumber, ...]:
-        """State, at rest on the line."""
         known = {one.name: Quantity(one.unit, one.meaning) for one in self.ship.model.terms.actuators}
         known |= {**REGRESSOR_INPUTS, "counted_psi": Quantity("rad", "heading that counts whole turns")}
         for actuator in self.ship.actuators:
@@ -250,6 +249,5 @@ def _over_ship(width: Expr, depth: Expr) -> dict[str, Expr]:
 
 
 def prefix_of(path: str | Path) -> str:
-    """Return the prefix of names in a file, from the file's name."""
     stem = re.sub(r"\W+", "_", Path(path).stem, flags=re.ASCII).strip("_")
     return USUAL_PREFIX if is_stream(path) or not stem else stem if stem[0].isalpha() else f"{USUAL_PREFIX}_{stem}"

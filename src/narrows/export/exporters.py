@@ -22,8 +22,6 @@ SHIP = (*PHYSICS, "contact", "waterway", "controller")
 
 @dataclass(frozen=True)
 class Exporter:
-    """One export format; one row of ``EXPORTERS``."""
-
     kind: str  # Name in ``narrows export``
     words: str  # Description
     suffixes: tuple[str, ...]  # Suffixes of its files
@@ -211,7 +209,6 @@ def ship_to_export(
 
 
 def check_standard(fmi: int) -> None:
-    """Refuse an unknown version of FMI."""
     if fmi not in (2, 3):
         raise InputError(f"fmi = {fmi!r} is no version of the standard; give 2 or 3")
 

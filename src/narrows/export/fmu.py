@@ -189,7 +189,6 @@ def fmu_bytes(
 
 
 def token_of(*parts: object) -> str:
-    """Return the identifier that distinguishes an FMU from every other."""
     return hashlib.sha256(" ".join(map(str, parts)).encode()).hexdigest()[:32]
 
 
@@ -205,7 +204,6 @@ def fmu_of(
     builds: tuple[NativeBuild, ...],
     fmi: int,
 ) -> bytes:
-    """Return the archive: the description, the sources, the libraries, the passport."""
     sources = {**own, **{name: source_of(name) for name in SOURCES[fmi]}}
     parts = {"modelDescription.xml": description.encode()}
     parts |= {f"sources/{name}": text.encode() for name, text in sources.items()}

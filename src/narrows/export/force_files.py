@@ -64,7 +64,6 @@ LANGUAGES: dict[str, tuple[type[Language], str]] = {
 
 
 def force_text(model: Model, suffix: str, prefix: str) -> str:
-    """Return the file of a model, in the language of its suffix."""
     language, declared = LANGUAGES[suffix]
     written, hull = language(prefix), model.configuration.ship
     lines = written.body(force_program(model), [*map(declared.format, RESULTS)], {name: name for name in ASKED})

@@ -75,7 +75,6 @@ def builds_here(fmi: int = 2) -> tuple[NativeBuild, ...]:
 
 
 def libraries_of_source(source: Path, name: str, builds: tuple[NativeBuild, ...]) -> Mapping[str, bytes]:
-    """Return the library of a source for each platform, by its place in an FMU."""
     made: dict[str, list[bytes]] = {}
     for build in builds:
         made.setdefault(f"binaries/{build.folder}/{name}{build.suffix}", []).append(build.compiled(source))

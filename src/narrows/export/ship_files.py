@@ -73,7 +73,6 @@ def bodies_of(exported: ExportedShip, language: Language) -> dict[str, str]:
 
 
 def explained(exported: ExportedShip, language: Language, lines: list[str], names: Sequence[str] = ()) -> list[str]:
-    """Return the lines that assign the constants, each with its meaning."""
     names = names or exported.constants
     meanings = [exported.meanings.get(name, "") for name in names]
     return [*lines[: -len(names)], *map(language.commented, lines[-len(names) :], meanings)]
@@ -168,7 +167,6 @@ def c_text(exported: ExportedShip) -> str:
 
 
 def cpp_text(exported: ExportedShip) -> str:
-    """Return the C of a ship with a class around it."""
     return rendered(
         "model.hpp.j2", exported, C(exported.prefix), c=c_text(exported), outcomes=OUTCOME_CODES,
         counted=COUNTED in exported.portable.kept, between_banks=exported.ship.shape != OPEN,
@@ -196,7 +194,6 @@ def javascript_text(exported: ExportedShip, derivatives: bool = True) -> str:
 
 
 def npm_bytes(exported: ExportedShip) -> bytes:
-    """Return an npm package of the module, for ``npm install``."""
     language = JavaScript()
     types = rendered(
         "package.d.ts.j2",
@@ -280,7 +277,6 @@ def _states_of_mss(exported: ExportedShip) -> list[ExportedNumber]:
 
 
 def simulink_text(exported: ExportedShip) -> str:
-    """Return the C of a ship with an S-function of Simulink around it."""
     language = C(exported.prefix)
     return rendered(
         "simulink.c.j2", exported, language, c=c_text(exported), states=_states_of_mss(exported),

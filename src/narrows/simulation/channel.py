@@ -139,7 +139,6 @@ _TABLES: "WeakKeyDictionary[Centreline, dict[Any, tuple[WaterwayTable, np.ndarra
 def _tabulated(
     waterway: "Waterway", draft: float, step: float, outline: tuple[tuple[float, float], ...]
 ) -> "tuple[WaterwayTable, np.ndarray]":
-    """Return the table of a waterway, and its cells for the engine."""
     from narrows.waterway.table import least_walls, tabulate
 
     known = _TABLES.setdefault(waterway.line, {})
@@ -192,7 +191,6 @@ def hull_inputs(values: Mapping[str, Number], contact: str | Outline) -> dict[st
 
 
 def points_of(ship: Ship, contact: str | Outline) -> list[tuple[float, float]]:
-    """Return the hull's outline, convex and in order [m]."""
     a, b = ship.length / 2, ship.beam / 2
     if isinstance(contact, str):
         return [(a, b), (-a, b), (-a, -b), (a, -b)]

@@ -283,8 +283,6 @@ class Ordering:
 
 
 class ExternalOrder(_WithoutMemory):
-    """The law of a controller of Python: its order is a number, set before each step."""
-
     def parameters(self) -> Mapping[str, Any]:
         return {"order": 0.0}
 

@@ -41,7 +41,6 @@ class Grid:
             yield slice(start, min(start + rows, self.sizes[self.axis]))
 
     def region(self, block: slice) -> tuple[slice, ...]:
-        """Return where a block lies among all vessels."""
         return tuple(block if name == self.axis else slice(None) for name in self.sizes)
 
     def part(self, block: slice) -> "Grid":
@@ -95,7 +94,6 @@ def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> G
 
 
 def with_values(grid: Grid, more: Mapping[str, Any]) -> Grid:
-    """Return a grid with further values, whose dimensions are the grid's or new ones."""
     values = {**grid.values, **{name: labelled(name, value) for name, value in more.items()}}
     return Grid(values, sizes_of(values) or grid.sizes)
 

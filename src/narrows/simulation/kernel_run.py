@@ -97,7 +97,6 @@ class PreparedRun:
         return partial(compiled_loops(queue).integrate_fleet, sizes, kernel.LEAVES, *arrays)
 
     def __call__(self) -> int:
-        """Integrate every vessel and return the number of lane-steps."""
         if not len(self.start):
             return 0
         free = list(self._memories)
@@ -163,7 +162,6 @@ class ColumnRun:
         return SimpleNamespace(KEPT_NAMES=self.system.choices.kept)
 
     def __call__(self) -> int:
-        """Integrate every vessel, and return the number of steps."""
         self.end, self.time, taken = self.start.copy(), np.zeros(len(self.start)), 0
         under_way = np.arange(len(self.start))
         step, count, rest = self.times.T
@@ -330,7 +328,6 @@ class KernelRun:
         return {**ship, **system.constants(ship), **channel.inputs, **law}, channel
 
     def channel(self, values: Mapping[str, Any]) -> Channel:
-        """Return the water; the values are those of ships in a straight canal."""
         if self.bend is not None:
             return self.bend
         if self.waterway is None:

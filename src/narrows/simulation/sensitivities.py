@@ -270,7 +270,6 @@ class TangentIntegrator:
         return np.array([float(name == other) for other in self.by])
 
     def start_slopes(self) -> np.ndarray:
-        """Return the derivatives of the initial state, (kept, by)."""
         cosine, sine = math.cos(self.numbers["psi"]), math.sin(self.numbers["psi"])
         turned = {"cos_psi": -sine, "sin_psi": cosine, COUNTED: 1.0}
         slopes = {name: self._unit(name) for name in self.integrator.choices.kept}
@@ -355,7 +354,6 @@ class TangentIntegrator:
         return partial(compiled_loops(loops).integrate, np.array(sizes))
 
     def _pushes(self, times: np.ndarray) -> np.ndarray:
-        """External X, Y and N in each step, (steps, 3)."""
         surge, sway, yaw = (self.schedules[name] for name in PUSHED)
         pieces = segments_of(surge, sway, yaw, float(times[-1]) or 1.0)
         begun = np.searchsorted([piece.start for piece in pieces], times[:-1] + 1e-9, side="right") - 1

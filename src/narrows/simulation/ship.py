@@ -23,8 +23,6 @@ Points = Sequence[Sequence[float]]
 
 @dataclass(frozen=True)
 class SimulatedShip:
-    """A model with the choices of a simulation."""
-
     model: Model  # The ship in its canal
     surge: Surge = "held"  # ``held``: constant speed; ``free``: it is integrated
     surge_inertia: float | None = None  # Mass in surge with its added mass, for ``free`` [kg]
@@ -49,7 +47,6 @@ class SimulatedShip:
 
     @cached_property
     def shape(self) -> str | Outline:
-        """Hull points that meet a bank."""
         if isinstance(self.contact, str):
             return self.contact
         outline = tuple((float(forward), float(starboard)) for forward, starboard in self.contact)

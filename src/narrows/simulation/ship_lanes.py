@@ -111,11 +111,9 @@ class ShipLanes:
         return none, full - none
 
     def bend(self, x: float) -> float:
-        """Return the curvature of the line at a place [1/m]."""
         return self._column("curvature", x)
 
     def _known_current(self, x: float) -> float:
-        """Return the waterway's own current at a place [m/s]."""
         return self._column("flow", x) * (self.waterway.reference_current if self.waterway else 0.0)
 
     def _column(self, name: str, x: float) -> float:
@@ -157,7 +155,6 @@ class ShipLanes:
         return np.asarray(self.prepared.codes[:, 0] != 0)
 
     def columns_of(self, coefficients: np.ndarray, bank: np.ndarray) -> np.ndarray:
-        """Return the inputs of lanes of other coefficients, (lanes, inputs)."""
         numbers = dict(zip(self.ship.model.terms.names, coefficients.T, strict=True))
         numbers |= {name: bank * numbers[name] for name in self.silent}
         known = self._ship_values | numbers

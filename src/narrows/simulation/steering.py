@@ -70,7 +70,6 @@ def _law(
 
 
 def water(name: str, x: Any) -> Any:
-    """Return the water quantities of a control law at a place along the line."""
     # name [1/m]; x [m]
     check_choice("the observed section", name, [known.removeprefix(WATER_PREFIX) for known in WATER])
     return x.apply_function(f"{WATER_PREFIX}{name}", (x,))

@@ -101,7 +101,6 @@ def storing(path: Path) -> Iterator[None]:
 
 
 def opened(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> Any:
-    """Open the folder of an ensemble, made if absent."""
     with needs("cluster", "a store"):
         import zarr
     if not path.exists() or (path.is_dir() and not any(path.iterdir())):
@@ -131,7 +130,6 @@ def _make(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> None:
 
 
 def _write_empty(path: Path, identity: str, grid: Grid, blocks: list[slice]) -> None:
-    """Write arrays of voyages that have not run, with the labels of the dimensions."""
     import zarr
 
     group = zarr.open_group(str(path), mode="w", attributes={"identity": identity})

@@ -347,7 +347,6 @@ class _Log:
         return {"t": np.array([row.t for row in rows]), **track, "psi": psi, "rudder": rudder}
 
     def moved(self, rows: list[Row]) -> dict[Actuator, np.ndarray]:
-        """Positions of ordered actuators other than the rudder."""
         kept = self.integrator.choices.kept
         ordered = [one for one in self.ship.model.terms.actuators if one.name in kept and one.name != "rudder"]
         moved = {one: np.array([row.state[kept.index(one.name)] for row in rows]) for one in ordered}
@@ -378,7 +377,6 @@ class _Log:
         return code, end.WAYS.get(code) or end.SIDES.get(code, {}).get(1 if starboard else -1)
 
     def _beyond(self, columns: dict[str, np.ndarray]) -> tuple[str, ...]:
-        """Return whether a ship can be as fast, and when it left the tested range of its model."""
         model = self.ship.model
         section = self.integrator.channel.section(columns["x"])
 
@@ -392,7 +390,6 @@ class _Log:
         return (*froude_notes(columns["u"], model.ship.length), *outside_notes(model.data_range, [seen], beyond))
 
     def _coarse(self, dt: float) -> tuple[str, ...]:
-        """Return a note if the time step was too long, estimated from the steps themselves."""
         error = 0.0 if self.ending == event.LOST else track_error(self.integrator, self.rows, dt)
         if not error > STEP_ERROR_LIMIT * self.ship.model.configuration.ship.beam:
             return ()

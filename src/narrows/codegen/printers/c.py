@@ -106,7 +106,6 @@ class CTranslation(Translation):
         ]
 
     def _whole(self, variables: Mapping[str, Sequence[ast.expr | None]]) -> set[str]:
-        """Variables that only ever hold whole numbers."""
         parameters = {one.arg for one in self.parameters() if one.annotation and ast.unparse(one.annotation) == "int"}
         kept, whole = set(variables), set[str]()
         while kept != whole:

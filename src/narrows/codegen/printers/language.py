@@ -11,8 +11,6 @@ from narrows.codegen.printers.python import Arithmetic, statements
 
 
 class Language(Arithmetic):
-    """A printer of expressions and statements."""
-
     TABLE = "waterway"
     TAKEN: frozenset[str] = frozenset()  # Reserved words
     LIBRARY: ClassVar[Mapping[str, str]] = {}  # Elementary functions by their names in lines and plain functions
@@ -28,7 +26,6 @@ class Language(Arithmetic):
         return f"{name}_" if name in self.TAKEN else name
 
     def literal(self, value: float) -> str:
-        """Return a number with all its digits."""
         text = repr(float(value))
         return {"inf": self.INFINITE, "-inf": f"-{self.INFINITE}", "nan": self.NO_NUMBER}.get(text, text)
 

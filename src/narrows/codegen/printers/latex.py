@@ -233,7 +233,6 @@ def _named(inputs: Mapping[str, Recorded], known: int) -> dict[int, str]:
 
 
 def _packed(parts: Sequence[tuple[str, float]], between: str = " ") -> list[str]:
-    """Put as many parts on a line as fit by their widths."""
     lines: list[str] = []
     room = 0.0
     for text, width in parts:

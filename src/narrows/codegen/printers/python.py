@@ -74,7 +74,6 @@ plain = Arithmetic()
 def statements(
     program: Program, targets: Sequence[str], printer: Arithmetic, declared: str = "{} = {}", assigned: str = "{} = {}"
 ) -> list[str]:
-    """Print the lines of a program and the assignments of its results."""
     lines = [declared.format(*map(printer.doprint, line)) for line in program.assignments]
     results = zip(targets, program.results, strict=True)
     return lines + [assigned.format(target, printer.doprint(value)) for target, value in results]

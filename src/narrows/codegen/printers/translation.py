@@ -108,7 +108,6 @@ class Translation:
         return name
 
     def arguments(self, call: ast.Call) -> list[ast.expr]:
-        """Arguments of a call that exist in the translation."""
         return [one for one in call.args if not (isinstance(one, ast.Name) and one.id in self.source.absent)]
 
     def called(self, name: str, arguments: Sequence[ast.expr]) -> str:
@@ -150,7 +149,6 @@ class Translation:
                 raise TypeError(f"cannot be translated: {ast.unparse(node)}")
 
     def block(self, nodes: Sequence[ast.stmt]) -> list[str]:
-        """Return the lines of statements, indented."""
         return [f"    {line}" for node in nodes for line in self.statement(node)]
 
     def _at_once(self, targets: Sequence[ast.expr], values: Sequence[ast.expr]) -> Iterator[str]:
@@ -180,11 +178,9 @@ class Translation:
         return f"[{', '.join(map(self._listed, node.elts))}]" if isinstance(node, ast.Tuple) else self.expression(node)
 
     def from_call(self, targets: Sequence[ast.expr], call: ast.Call) -> Iterator[str]:
-        """Lines that unpack the tuple of a call."""
         yield f"[{', '.join(map(self.expression, targets))}] = {self.expression(call)};"
 
     def returned(self, values: Sequence[ast.expr]) -> Iterator[str]:
-        """Lines that return a tuple."""
         yield f"return [{', '.join(map(self.expression, values))}];"
 
 

@@ -184,9 +184,9 @@ class Planner:
         y, psi, v, r, rudder = middle.T
         at = {"psi": psi, "u": speed, "v": v, "r": r, "rudder": rudder, **self.positions}
         section = {} if self.water.straight else {name: there[name] for name in SECTION}
-        points = self.jacobians.points({**at, **section, "y": y - there["middle"]})
+        jacobians = self.jacobians({**at, **section, "y": y - there["middle"]})
         line = {name: there[name] for name in ("curvature", "current")}
-        linear = along_line(self.jacobians(points), {**at, **line, "y": y})
+        linear = along_line(jacobians, {**at, **line, "y": y})
         slopes = np.zeros((len(x), len(HELD), len(HELD)))
         slopes[:, : len(MOVED)] = linear[:, MOVED][:, :, [*MOVED, len(LINEARISED) + 3]]
         return slopes, linear[:, MOVED[2:], len(LINEARISED) + 1 : len(LINEARISED) + 3]

@@ -90,7 +90,6 @@ def model_script(exported: ExportedShip) -> str:
 
 
 def packed(wasm: bytes) -> str:
-    """Return bytes as text: deflated, base 64."""
     press = zlib.compressobj(9, zlib.DEFLATED, BARE_DEFLATE)
     return base64.b64encode(press.compress(wasm) + press.flush()).decode()
 
@@ -274,7 +273,6 @@ def wasm_of(exported: ExportedShip, single: bool = True) -> bytes:
 
 
 def in_single_precision(text: str) -> str:
-    """Return C with every ``double``, number and function of <math.h> in single precision."""
     text = FUNCTION.sub(r"\1f(", NUMBER.sub(r"\1f", text))
     return re.sub(r"\bdouble\b", "float", text)
 

@@ -140,7 +140,6 @@ def _coefficient(model: Model, name: str) -> Slider:
 
 
 def covered(known: Range | None, scale: float = 1.0) -> Range | None:
-    """Return the range covered by the data, by the rule of ``DataRange.outside``."""
     if known is None:
         return None
     low, high = tolerated(known)
