@@ -227,7 +227,7 @@ LEFT = ("r", "vdot", "rdot")  # Motion that is left on a leg, as if each were re
 LATENT = ("y", "u", "rudder", "psi")  # True state of a leg, of which its readings are readings
 READ = slice(len(LEFT), len(LEFT) + len(LATENT))
 # Steps of the central differences [rad/s, m/s2, rad/s2, m, m/s, rad, rad]: regressors are smooth over them.
-STEP = 1e-6
+STEP = 1e-7
 BALANCED = ("Y", "N")  # Forces in balance on a steady leg
 FORCES = slice(len(BALANCED))
 
