@@ -7,7 +7,7 @@ from functools import cached_property
 from narrows.quantities.names import Number
 
 # A speed [m/s] that counts as zero, without a sense.
-STANDSTILL = 1e-9
+STANDSTILL = 1e-12
 
 
 def speed(u: Number, v: Number) -> Number:
