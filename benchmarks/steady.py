@@ -15,6 +15,7 @@ from scipy.optimize import least_squares
 
 import narrows as nw
 from narrows.identification.fitting import bundled_ship
+from narrows.logbook.steady_legs.steady_readings import reading_error, shared_errors
 
 LENGTH, WIDTH, SPEED, OFFSET = 399.94, 205.0, 4.1, 5.0
 CONDITIONS = nw.SteadyConditions(
@@ -39,7 +40,7 @@ def read(model: nw.Model, legs: int) -> dict[str, np.ndarray]:
     held = courses(model, y, u)
     errors = nw.ReadingErrors()
     true = {"y": y, "u": u, "rudder": held[:, 0], "drift": held[:, 1]}
-    noisy = {name: column + errors.of(name) * draw.standard_normal(legs) for name, column in true.items()}
+    noisy = {name: column + reading_error(errors, name) * draw.standard_normal(legs) for name, column in true.items()}
     return {**noisy, "heave": np.zeros(legs)}
 
 
@@ -54,8 +55,8 @@ def searched(model: nw.Model, legs: dict[str, np.ndarray]) -> np.ndarray:
     """The most likely coefficients, all unknowns free."""
     index = [model.terms.names.index(name) for name in FREE]
     root = np.linalg.cholesky(model.covariance[np.ix_(index, index)])
-    mean, shared = np.array([model[name] for name in FREE]), CONDITIONS.shared(model)[list(SHARED)]
-    error = {name: nw.ReadingErrors().of(name) for name in ("y", "u", "rudder", "drift")}
+    mean, shared = np.array([model[name] for name in FREE]), shared_errors(CONDITIONS, model)[list(SHARED)]
+    error = {name: reading_error(nw.ReadingErrors(), name) for name in ("y", "u", "rudder", "drift")}
 
     def misfit(x: np.ndarray) -> np.ndarray:
         theta, common, place = np.split(x, [len(FREE), len(FREE) + len(SHARED)])

@@ -93,8 +93,7 @@ class FiltersAbreast:
         states = self.lanes.advance(points[:, :size], 1.0, start, end, columns)
         lost = self.lanes.aground.reshape(self.count, each)[:, 0]
         moved = np.concatenate([states, points[:, size:]], axis=1)
-        moved[:, self.filter.disturbances.places] *= self.left
-        return moved, lost.copy()
+        return moved * self.left, lost.copy()
 
     def _corrected(self, readings: np.ndarray) -> None:
         innovation = readings - self.mean @ self.seen.T
