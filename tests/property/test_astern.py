@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 
 import narrows as nw
 from narrows.model.data_range import DataRange
+from narrows.physics.hull import drift
 
 TANKER = nw.published("yasukawa2015_kvlcc2_full")
 SERIES = Path(__file__).parents[2] / "decisions/propeller_series.csv"
@@ -183,8 +184,17 @@ def test_a_right_handed_propeller_astern_turns_the_bow_to_starboard() -> None:
     right, left = (nw.crash_stop(nw.with_transverse_thrust(TANKER, share), **orders) for share in (1.0, -1.0))
     assert right.voyage.psi[-1] > 0 > left.voyage.psi[-1]
     assert right.side_reach > 0 > left.side_reach
+    assert np.abs(right.voyage.v).max() < 1.0  # Also where the ship lies still while it drifts
     assert "transverse thrust" not in " ".join(right.notes)
     assert "nw.with_transverse_thrust" in " ".join(nw.crash_stop(TANKER, **orders).notes)
+
+
+@pytest.mark.parametrize(("degrees", "error"), [(20.0, 1e-10), (45.0, 2e-7), (80.0, 1e-4), (89.999, 4e-4)])
+def test_the_drift_angle_is_the_arctangent(degrees: float, error: float) -> None:
+    angle = np.radians(degrees)
+    for side in (1.0, -1.0):
+        assert drift(np.cos(angle), -side * np.sin(angle)) == pytest.approx(side * angle, abs=error)
+        assert drift(-np.cos(angle), -side * np.sin(angle)) == pytest.approx(-side * angle, abs=error)
 
 
 def test_transverse_thrust_needs_a_propeller_and_counts_once() -> None:

@@ -16,10 +16,12 @@ def speed(u: Number, v: Number) -> Number:
 
 
 def drift(u: Number, v: Number) -> Number:
-    """Drift angle [rad], arctan(-v/u) to 4e-6 at 30 degrees and 2e-4 at 45. Source: Pade approximant."""
-    slope = -v / u
+    """Drift angle [rad], arctan(-v/u) to 1e-7 at 45 degrees and 4e-4 at 90. Source: Pade approximant of half of it."""
+    # By tan(a/2) = sin a/(1 + cos a), which is 1 at most: the angle stays finite where u passes through zero.
+    slope = -v / (speed(u, v) + abs(u))
     square = slope * slope
-    return slope * (945 + square * (735 + 64 * square)) / (945 + square * (1050 + 225 * square))
+    half = slope * (945 + square * (735 + 64 * square)) / (945 + square * (1050 + 225 * square))
+    return 2 * half * u / (abs(u) + STANDSTILL)
 
 
 def scale_force(length: Number, draft: Number, density: Number) -> Number:
