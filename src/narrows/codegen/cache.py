@@ -2,7 +2,6 @@
 
 import hashlib
 import inspect
-import logging
 import os
 import platform
 import re
@@ -109,15 +108,7 @@ def _sealed(text: str) -> str:
     return f"{text}{SEAL}{hashlib.sha256(text.encode()).hexdigest()}\n{LAST_LINE}"
 
 
-@lru_cache(maxsize=1)
-def _announce() -> None:
-    text = "compiling loops over vessels, which takes some seconds and is kept for the next time ..."
-    logging.getLogger("narrows").info(text)
-
-
 def _made(path: Path, text: str) -> ModuleType:
-    if "numba.njit" in text:
-        _announce()
     text = _sealed(text)
     # Numba raises RuntimeError if it cannot store compiled code next to a file.
     with suppress(OSError, RuntimeError):
@@ -140,9 +131,10 @@ def _imported(path: Path, text: str) -> ModuleType:
         del sys.modules[module.__name__]
         raise
     if sys.modules.get("numba"):  # None marks a blocked import
-        from narrows.codegen.compilation import checked
+        from narrows.codegen.compilation import checked, watch
 
         checked(module)
+        watch(module, text)
     return module
 
 
