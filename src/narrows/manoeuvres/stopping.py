@@ -15,7 +15,7 @@ from narrows.results import BaseResult
 from narrows.simulation.controllers import Named
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.voyage import Voyage
-from narrows.terms.additions import transverse_names
+from narrows.terms.additions import TRANSVERSE_THRUST
 
 # Longest duration of a test, in ship lengths at the approach speed.
 STOPPING_LENGTHS = 80.0
@@ -161,5 +161,5 @@ def crash_stop(
 
     track = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(voyage.x), np.diff(voyage.y)))])
     reach, ahead_of, aside, time = (stopped(column) for column in (track, voyage.x, voyage.y, voyage.t))
-    pushed = transverse_names(model.terms)[0] in model.terms.names
+    pushed = TRANSVERSE_THRUST.names(model.terms)[0] in model.terms.names
     return StoppingTest(reach, ahead_of, aside, time, voyage, ship.notes + (() if pushed else (NO_TRANSVERSE_THRUST,)))

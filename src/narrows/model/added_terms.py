@@ -104,5 +104,5 @@ def with_transverse_thrust(model: Model, share: float = 1.0) -> Model:
     """
     if not model.terms.propelled:
         raise InputError("the model has no propeller, which could push sideways")
-    shares = dict.fromkeys(additions.transverse_names(model.terms), float(share))
-    return extend(model, additions.with_transverse_thrust(model.terms), shares)
+    added = additions.TRANSVERSE_THRUST
+    return extend(model, added(model.terms), dict.fromkeys(added.names(model.terms), float(share)))

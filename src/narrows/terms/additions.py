@@ -1,7 +1,7 @@
 """Tables derived from others: with a rudder, asymmetry, transverse thrust, with hull coefficients for each depth."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from narrows.errors import InputError
 from narrows.physics import propeller, rudder
@@ -57,60 +57,50 @@ def with_helm(table: TermTable, name: str = "") -> TermTable:
     return table.with_terms(name or f"{table.name}+{WITH_HELM}", **helm_terms(table))
 
 
-# Suffix of the name of a table with these terms.
-WITH_ASYMMETRY = "asymmetry"
-ASYMMETRY_SOURCE = "Y_0' and N_0' of polynomial manoeuvring models, as in Abkowitz (1964)"
+@dataclass(frozen=True)
+class SideTerms:
+    """A sway force and a yaw moment more, for any table."""
+
+    word: str  # Suffix of the name of a table with them
+    what: str  # What they are, in a sentence
+    ending: str  # Ending of the names of the coefficients
+    subscript: str  # The same in the symbols
+    sway: Callable[..., Number]
+    yaw: Callable[..., Number]
+    kind: TermKind
+    source: str
+
+    def names(self, table: TermTable) -> tuple[str, str]:
+        """Return a table's names for both coefficients."""
+        _, sway, yaw = table.letters
+        return f"{sway}_{self.ending}", f"{yaw}_{self.ending}"
+
+    def __call__(self, table: TermTable) -> TermTable:
+        names = self.names(table)
+        if names[0] in table.names:
+            raise InputError(f"the terms {table.name!r} have {self.what}; leave +{self.word} out")
+        sway, yaw = (
+            [Term(name, f"{letter}_{self.subscript}", regressor, NUMBER, kind=self.kind, source=self.source)]
+            for name, letter, regressor in zip(names, table.letters[1:], (self.sway, self.yaw), strict=True)
+        )
+        return table.with_terms(f"{table.name}+{self.word}", sway=sway, yaw=yaw)
 
 
-def asymmetry_names(table: TermTable) -> tuple[str, str]:
-    """Return a table's names for the constant sway force and yaw moment."""
-    _, sway, yaw = table.letters
-    return f"{sway}_0", f"{yaw}_0"
+# A constant force and moment, proportional to the speed squared.
+ASYMMETRY = SideTerms(
+    "asymmetry", "an asymmetry", "0", "0'", HullPower(0, 0), HullPower(0, 0, lever=1), TermKind.HULL,
+    "Y_0' and N_0' of polynomial manoeuvring models, as in Abkowitz (1964)",
+)  # fmt: skip
 
-
-def with_asymmetry(table: TermTable) -> TermTable:
-    """Return a table with a constant sway force and yaw moment, proportional to the speed squared."""
-    sway, yaw = asymmetry_names(table)
-    if sway in table.names:
-        raise InputError(f"the terms {table.name!r} have an asymmetry; leave +{WITH_ASYMMETRY} out")
-    return table.with_terms(
-        f"{table.name}+{WITH_ASYMMETRY}",
-        sway=[Term(sway, f"{sway}'", HullPower(0, 0), NUMBER, kind=TermKind.HULL, source=ASYMMETRY_SOURCE)],
-        yaw=[Term(yaw, f"{yaw}'", HullPower(0, 0, lever=1), NUMBER, kind=TermKind.HULL, source=ASYMMETRY_SOURCE)],
-    )
-
-
-# Suffix of the name of a table with these terms.
-WITH_TRANSVERSE_THRUST = "transverse_thrust"
-TRANSVERSE_SOURCE = "MMG model of the Esso Osaka astern, Osaka University"
-
-
-def transverse_names(table: TermTable) -> tuple[str, str]:
-    """Return a table's names for the sway force and yaw moment of a propeller that turns astern."""
-    _, sway, yaw = table.letters
-    return f"{sway}_astern", f"{yaw}_astern"
-
-
-def with_transverse_thrust(table: TermTable) -> TermTable:
-    """Return a table with the transverse thrust of a propeller that turns astern, relative to the Esso Osaka's."""
-    sway, yaw = transverse_names(table)
-    if sway in table.names:
-        raise InputError(f"the terms {table.name!r} have a transverse thrust; leave +{WITH_TRANSVERSE_THRUST} out")
-
-    def part(name: str, force: Callable[..., Number]) -> list[Term]:
-        symbol = name.replace("astern", "{astern}")
-        return [Term(name, symbol, force, NUMBER, kind=TermKind.PROPELLER, source=TRANSVERSE_SOURCE)]
-
-    return table.with_terms(
-        f"{table.name}+{WITH_TRANSVERSE_THRUST}",
-        sway=part(sway, propeller.transverse_thrust),
-        yaw=part(yaw, propeller.transverse_thrust_yaw),
-    )
-
+# The push of a propeller that turns astern, relative to the Esso Osaka's.
+TRANSVERSE_THRUST = SideTerms(
+    "transverse_thrust", "a transverse thrust", "astern", "{astern}", propeller.transverse_thrust,
+    propeller.transverse_thrust_yaw, TermKind.PROPELLER, "MMG model of the Esso Osaka astern, Osaka University",
+)  # fmt: skip
 
 # Additions to a table besides a form of the bank.
 ADDED: dict[str, Callable[[TermTable], TermTable]] = {
-    WITH_HELM: with_helm, WITH_ASYMMETRY: with_asymmetry, WITH_TRANSVERSE_THRUST: with_transverse_thrust,
+    WITH_HELM: with_helm, ASYMMETRY.word: ASYMMETRY, TRANSVERSE_THRUST.word: TRANSVERSE_THRUST,
 }  # fmt: skip
 
 # Separator between a name and a depth in metres: ``b_v@0.41``, ``paper@0.246,0.41``.

@@ -13,7 +13,7 @@ from narrows.model.model import Model
 from narrows.quantities.names import FORCES
 from narrows.ship.motion import Motion
 from narrows.simulation.ship import SimulatedShip
-from narrows.terms.additions import asymmetry_names, with_asymmetry
+from narrows.terms.additions import ASYMMETRY
 from narrows.terms.term import TermKind
 
 LEAST_REDUCTION = 1e-3  # [1] of the prior variance: below it a log does not count as informative on a combination
@@ -62,9 +62,9 @@ def with_spread(model: Model, spread: Spread | None) -> Model:
 def with_uncertain_asymmetry(model: Model, u: float) -> Model:
     """Return a model with an asymmetry, as uncertain as that of a turned rudder where its size is not known."""
     # u [m/s]
-    names = asymmetry_names(model.terms)
+    names = ASYMMETRY.names(model.terms)
     if names[0] not in model.terms.names:
-        model = extend(model, with_asymmetry(model.terms), dict.fromkeys(names, 0.0))
+        model = extend(model, ASYMMETRY(model.terms), dict.fromkeys(names, 0.0))
     whole = np.array(model.covariance)
     still, turned = model.forces(u=u), model.forces(u=u, rudder=RUDDER_ZERO)
     more = model.with_coefficients(**{name: model[name] + 1.0 for name in names}).forces(u=u)
