@@ -71,6 +71,11 @@ class Estimator(BaseSummary):
     coriolis : bool
         Add the rigid body's Coriolis force.
 
+    Raises
+    ------
+    InputError
+        If a sensor is invalid, two share a name, or a number is invalid.
+
     References
     ----------
     van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter estimation.
@@ -130,6 +135,11 @@ class Estimator(BaseSummary):
             By the names of sensors and actuators: ``{"gnss": (x, y), "gyro": psi, "rudder": angle}``, SI and rad.
         **named : float or sequence of float
             The same by keyword.
+
+        Raises
+        ------
+        InputError
+            If the time is invalid, or a reading has no sensor or the wrong number of components.
         """
         if not is_finite(t):
             raise InputError(f"t = {t} is no time; give seconds, then the readings")

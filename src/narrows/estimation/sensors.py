@@ -64,11 +64,18 @@ class Sensor(Protocol):
 
 @dataclass(frozen=True)
 class GaussMarkov:
-    """An error of a sensor correlated in time: a first-order Gauss-Markov process, or a constant bias."""
+    """An error of a sensor correlated in time: a first-order Gauss-Markov process, or a constant bias.
 
-    # Standard deviation, of all components of the sensor or of each of them; 0 for none [unit of its numbers]
+    Parameters
+    ----------
+    std : float or tuple of float [unit of the sensor's numbers]
+        Standard deviation, of all components of the sensor or of each of them; 0 for none.
+    time : float [s]
+        Correlation time; ``math.inf`` for a constant bias.
+    """
+
     std: float | tuple[float, ...]
-    time: float = math.inf  # Correlation time; ``math.inf`` for a constant bias [s]
+    time: float = math.inf
 
     def __post_init__(self) -> None:
         if not (self.time > 0.0 and np.isfinite(self.std).all() and np.greater_equal(self.std, 0.0).all()):
@@ -165,10 +172,16 @@ class Log(Measuring):
 
 @dataclass(frozen=True)
 class RudderIndicator:
-    """The indicated rudder angle, an input of the model."""
+    """The indicated rudder angle, an input of the model.
 
-    noise: float = 0.0  # Standard deviation of a reading [rad]
-    bias: float = math.radians(1.0)  # That of a constant error, which becomes a state of the estimate; 0 for none [rad]
+    Parameters
+    ----------
+    noise, bias : float [rad]
+        Standard deviations of a reading, and of a constant error, which becomes a state of the estimate; 0 for none.
+    """
+
+    noise: float = 0.0
+    bias: float = math.radians(1.0)
     name: ClassVar[str] = "rudder"
 
     def __post_init__(self) -> None:
