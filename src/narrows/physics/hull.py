@@ -15,10 +15,15 @@ def speed(u: Number, v: Number) -> Number:
     return (u * u + v * v) ** 0.5
 
 
+def half_drift(u: Number, v: Number) -> Number:
+    """Tangent of half the drift angle from the nearer end of the ship, 1 at most. Source: sin a/(1 + cos a)."""
+    return -v / (speed(u, v) + abs(u))
+
+
 def drift(u: Number, v: Number) -> Number:
     """Drift angle [rad], arctan(-v/u) to 1e-7 at 45 degrees and 4e-4 at 90. Source: Pade approximant of half of it."""
-    # By tan(a/2) = sin a/(1 + cos a), which is 1 at most: the angle stays finite where u passes through zero.
-    slope = -v / (speed(u, v) + abs(u))
+    # By the half the angle stays finite where u passes through zero.
+    slope = half_drift(u, v)
     square = slope * slope
     half = slope * (945 + square * (735 + 64 * square)) / (945 + square * (1050 + 225 * square))
     return 2 * half * u / (abs(u) + STANDSTILL)

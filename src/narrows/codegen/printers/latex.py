@@ -32,6 +32,7 @@ WRITTEN = {
 # Quantities with a symbol of their own in the literature, defined where the terms use them.
 NAMED: dict[str, Callable[..., Any]] = {
     "U": hull.speed,  # Total speed through the water
+    r"\tau_\beta": hull.half_drift,  # Tangent of half the drift angle
     r"\beta": hull.drift,  # Drift angle
     r"\beta_P": propeller.angle_to_propeller,  # Angle of the inflow to the propeller
     "C_2": propeller.wake_share,  # Wake ratio of a hard turn to straight running
