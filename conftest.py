@@ -27,7 +27,8 @@ def pytest_configure(config: pytest.Config) -> None:
 
     One worker a core is enough: threads of a linear algebra library wait for each other, which takes time of the rest.
     """
-    os.environ.setdefault("NARROWS_CACHE_DIR", str(config.cache.mkdir("narrows")))
+    if "NARROWS_CACHE_DIR" not in os.environ:  # A run without pytest's own cache names the folder
+        os.environ["NARROWS_CACHE_DIR"] = str(config.cache.mkdir("narrows"))
     os.environ.setdefault("OMP_NUM_THREADS", "1")
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
