@@ -68,7 +68,7 @@ def prepared(model: nw.Model, speed: float, dt: float, vessels: int, steps: int 
     ship = SimulatedShip(model, **options)
     draw, length = np.random.default_rng(5), model.configuration.ship.length
     steering = steering_of(choices.pop("controller", None), ship.actuators)
-    run = KernelRun(ship, steps * dt, dt, choices.pop("precision", "float64"), steering, choices.pop("waterway", None))
+    run = KernelRun(ship, steps * dt, dt, steering, choices.pop("waterway", None))
     values = {
         **START, "X": 0.0, "Y": 0.0, "N": 0.0, "rudder": 0.0, "heave": 0.0, "u": speed,
         "x": draw.uniform(2, 8, vessels) * length, "y": draw.uniform(-0.05, 0.05, vessels) * length,
@@ -109,7 +109,6 @@ def vessel_steps(vessels: int, kcs: nw.Model, small: bool) -> None:
     full, bends = (kcs, 4.5, 2.0), bent(kcs)
     runs = {
         "straight canal, no rudder": prepared(*dtc, vessels),
-        "the same, single precision": prepared(*dtc, vessels, precision="float32"),
         "rudder, gear and pilot, straight": prepared(*full, vessels, controller=pilot(kcs, 4.5)),
         "rudder, gear and pilot, in a waterway": prepared(*full, vessels, controller=pilot(kcs, 4.5), waterway=bends),
     }

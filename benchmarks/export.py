@@ -88,7 +88,7 @@ def compiled(
 
 def kernel(model: nw.Model, u: float, dt: float, surge: str, vessels: int) -> Callable[[], int]:
     """The package's own lanes."""
-    run = KernelRun(SimulatedShip(model, surge), 64 * dt, dt, "float64", None, None)
+    run = KernelRun(SimulatedShip(model, surge), 64 * dt, dt)
     values = {
         **START, "X": 0.0, "Y": 0.0, "N": 0.0, "rudder": 0.0, "heave": 0.0, "u": u, "y": 0.01,
         **model.configuration.values(), **model.coefficients,

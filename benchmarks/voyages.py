@@ -116,12 +116,11 @@ def main(many: int, small: bool) -> None:
     few, alone = (20, 2) if small else (2000, 20)
     works: dict[str, Callable[[], object]] = {
         "narrows": lambda: fleet(many, workers=1),
-        "narrows, float32": lambda: fleet(many, workers=1, precision="float32"),
     }
     peers = (("heyoka", with_heyoka), ("diffrax", with_diffrax))
     works |= {name: make(few) for name, make in peers if installed(name)}
     works["SciPy DOP853"] = lambda: with_scipy(alone)
-    counts = {"narrows": many, "narrows, float32": many, "SciPy DOP853": alone}
+    counts = {"narrows": many, "SciPy DOP853": alone}
     rows = [(name, taken / counts.get(name, few), "") for name, taken in interleaved(works, 2 if small else 7).items()]
     show("one vessel to a located grounding, process time", rows, "us", 1e6)
     if installed("shipmmg"):

@@ -246,13 +246,10 @@ def test_a_fleet_counts_whole_turns_as_voyages_do() -> None:
 # 11. Where a voyage starts along a canal changes nothing but where it ends.
 
 
-@pytest.mark.parametrize(("precision", "near"), [("float32", 1e-2), ("float64", 1e-8)])
-def test_a_canal_is_the_same_a_thousand_kilometres_on(precision: Any, near: float) -> None:
-    here, there = (nw.ensemble(paper(), y=[0.5, -1.0], x=x, precision=precision) for x in (0.0, 1e6))
-    exact = nw.ensemble(paper(), y=[0.5, -1.0])
-    for ended in (here, there):
-        np.testing.assert_allclose(ended["distance"].squeeze(), exact["distance"], atol=near)
-        np.testing.assert_allclose(ended["time"].squeeze(), exact["time"], atol=near)
+def test_a_canal_is_the_same_a_thousand_kilometres_on() -> None:
+    here, there = (nw.ensemble(paper(), y=[0.5, -1.0], x=x) for x in (0.0, 1e6))
+    np.testing.assert_allclose(there["distance"].squeeze(), here["distance"].squeeze(), atol=1e-8)
+    np.testing.assert_allclose(there["time"].squeeze(), here["time"].squeeze(), atol=1e-8)
 
 
 # 16. Steps that nobody can count to are refused, not tried.

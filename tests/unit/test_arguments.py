@@ -87,11 +87,6 @@ def test_workers(workers: object) -> None:
     assert "give a whole number from 1" in sentence(lambda: nw.ensemble(DTC, workers=workers, duration=1.0))
 
 
-@pytest.mark.parametrize("precision", ["float16", "double", None, 64, np.float32])
-def test_precision(precision: object) -> None:
-    assert "float64" in sentence(lambda: nw.ensemble(DTC, precision=precision, duration=1.0))
-
-
 def test_more_voyages_than_memory() -> None:
     many = np.linspace(-1.0, 1.0, 100_000)
     assert "store=" in sentence(lambda: nw.ensemble(DTC, y=many, u=many + 2.0))

@@ -197,7 +197,7 @@ def test_signatures_are_short(name: str) -> None:
 @pytest.mark.parametrize(
     ("function", "name"),
     [(nw.identify, "balance"), (nw.identify, "accelerations"), (nw.simulate, "surge"),
-     (nw.simulate, "contact"), (nw.ensemble, "precision"), (nw.squat, "gives"), (nw.nondimensional, "system"),
+     (nw.simulate, "contact"), (nw.squat, "gives"), (nw.nondimensional, "system"),
      (nw.Fit.shapley, "kind")],
     ids=lambda value: value if isinstance(value, str) else value.__name__,
 )  # fmt: skip

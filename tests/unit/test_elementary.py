@@ -27,12 +27,12 @@ def over_lanes(name: str, call: str) -> str:
     )
 
 
-def compiled(precision: str) -> SimpleNamespace:
-    """All of them, for numbers of a precision, on whole columns."""
+def compiled() -> SimpleNamespace:
+    """All of them, on whole columns."""
     columns = [f"block[{LANES * k} + lane]" for k in range(3)]
     calls = {name: f"{name}({', '.join(columns[:count])})" for name, count in ARGUMENTS.items()}
     calls |= {f"entry_{column}": f"entry(table, {column}, {columns[0]})" for column in READ_COLUMNS}
-    text = module_text(precision, ROW, *(over_lanes(name, call) for name, call in calls.items()))
+    text = module_text(ROW, *(over_lanes(name, call) for name, call in calls.items()))
     module = ModuleType("elementary_of_test")
     exec(text, vars(module))
     vars(module)["TEXT"] = text
@@ -46,7 +46,7 @@ def lanes(module: ModuleType, name: str) -> Callable[..., np.ndarray]:
     def of(*columns: np.ndarray, table: np.ndarray = np.zeros(1)) -> np.ndarray:
         found = []
         for first in range(0, len(columns[0]), LANES):
-            block = np.zeros((4, LANES), module.PRECISION)
+            block = np.zeros((4, LANES))
             for row, column in zip(block, columns, strict=False):
                 row[: len(column[first : first + LANES])] = column[first : first + LANES]
             function(block.ctypes.data, table.ctypes.data)
@@ -58,42 +58,34 @@ def lanes(module: ModuleType, name: str) -> Callable[..., np.ndarray]:
 
 @pytest.fixture(scope="module")
 def double() -> SimpleNamespace:
-    return compiled("float64")
+    return compiled()
 
 
-@pytest.fixture(scope="module")
-def single() -> SimpleNamespace:
-    return compiled("float32")
-
-
-def test_the_exponential_is_good_to_the_last_place(double: SimpleNamespace, single: SimpleNamespace) -> None:
-    for functions, kind, top, accuracy in ((double, float, 700.0, 3e-16), (single, np.float32, 80.0, 2e-7)):
-        x = np.random.default_rng(0).uniform(-top, top, 2000).astype(kind)
-        np.testing.assert_allclose(functions.exp(x), [math.exp(own) for own in x], rtol=accuracy)
+def test_the_exponential_is_good_to_the_last_place(double: SimpleNamespace) -> None:
+    x = np.random.default_rng(0).uniform(-700.0, 700.0, 2000)
+    np.testing.assert_allclose(double.exp(x), [math.exp(own) for own in x], rtol=3e-16)
 
 
 @pytest.mark.parametrize(("name", "exact"), [("sine", np.sin), ("cosine", np.cos)])
-def test_sine_and_cosine_up_to_a_quarter_turn(double, single, name: str, exact) -> None:
-    for functions, kind, accuracy in ((double, float, 3e-16), (single, np.float32, 2e-7)):
-        x = np.linspace(-np.pi / 2, np.pi / 2, 4001).astype(kind)
-        found = getattr(functions, name)(x)
-        assert np.abs(found - exact(x.astype(float))).max() < accuracy
-        np.testing.assert_array_equal(getattr(functions, name)(-x), found if name == "cosine" else -found)
+def test_sine_and_cosine_up_to_a_quarter_turn(double, name: str, exact) -> None:
+    x = np.linspace(-np.pi / 2, np.pi / 2, 4001)
+    found = getattr(double, name)(x)
+    assert np.abs(found - exact(x)).max() < 3e-16
+    np.testing.assert_array_equal(getattr(double, name)(-x), found if name == "cosine" else -found)
 
 
-def test_the_angle_over_the_whole_circle(double: SimpleNamespace, single: SimpleNamespace) -> None:
+def test_the_angle_over_the_whole_circle(double: SimpleNamespace) -> None:
     """Of vectors of any length; odd to the bit, the eighths of the circle and their neighbours too."""
     eighths = np.arange(-8, 9) * np.pi / 8
     turns = np.sort(np.concatenate([np.linspace(-np.pi, np.pi, 4001), eighths, eighths + 1e-9, eighths - 1e-9]))
-    for functions, kind, accuracy in ((double, float, 4e-16), (single, np.float32, 3e-7)):
-        for length in (1.0, 3.7e-3, 1e4):
-            c, s = (length * np.cos(turns)).astype(kind), (length * np.sin(turns)).astype(kind)
-            found, expected = functions.angle(c, s), np.arctan2(s.astype(float), c.astype(float))
-            # Relative: half a turn is known to no more than the last place of half a turn.
-            error = np.abs(found - expected) / np.maximum(1.0, np.abs(expected))
-            assert error.max() < accuracy
-            seen = s != 0
-            np.testing.assert_array_equal(functions.angle(c, -s)[seen], -found[seen])
+    for length in (1.0, 3.7e-3, 1e4):
+        c, s = length * np.cos(turns), length * np.sin(turns)
+        found, expected = double.angle(c, s), np.arctan2(s, c)
+        # Relative: half a turn is known to no more than the last place of half a turn.
+        error = np.abs(found - expected) / np.maximum(1.0, np.abs(expected))
+        assert error.max() < 4e-16
+        seen = s != 0
+        np.testing.assert_array_equal(double.angle(c, -s)[seen], -found[seen])
 
 
 def test_the_angle_on_the_axes(double: SimpleNamespace) -> None:
@@ -149,12 +141,11 @@ def test_a_root_of_a_negative_number_is_none() -> None:
     assert scalar_functions(ROW)["sqrt"](2.25) == 1.5
 
 
-def test_entries_are_read_cell_by_cell(double: SimpleNamespace, single: SimpleNamespace) -> None:
+def test_entries_are_read_cell_by_cell(double: SimpleNamespace) -> None:
     table, cells = np.arange(3.0 * ROW), np.array([2.0, 0.0, 1.0])
     for column in READ_COLUMNS:
         expected = table.reshape(3, ROW)[cells.astype(int), column]
-        for functions in (double, single):
-            np.testing.assert_array_equal(getattr(functions, f"entry_{column}")(cells, table=table), expected)
+        np.testing.assert_array_equal(getattr(double, f"entry_{column}")(cells, table=table), expected)
         assert double.written.entry(table, column, 1.0) == expected[2]
         assert scalar_functions(ROW)["entry"](table.tolist(), column, 1.0) == expected[2]
 

@@ -43,12 +43,12 @@ class Fleet:
 
 def fleet(
     ship: SimulatedShip, *, dt: Any = 0.02, duration: Any = 40.0, workers: int | None = None,
-    precision: str = "float64", controller: Any = None, waterway: Waterway | None = None, **values: Any,
+    controller: Any = None, waterway: Waterway | None = None, **values: Any,
 ) -> Fleet:  # fmt: skip
     """Vessels laid out as ``ensemble`` does it, without its labels and checks."""
     given = {**dict.fromkeys((*START, *INPUTS), 0.0), "u": 1.0, "rudder": 0.0, **values}
     vessels = math.prod(np.broadcast_shapes(*(np.shape(value) for value in (*given.values(), dt, duration))))
-    run = KernelRun(ship, duration, dt, precision, steering_of(controller, ship.actuators), waterway)
+    run = KernelRun(ship, duration, dt, steering_of(controller, ship.actuators), waterway)
     return Fleet(run, given, run.prepared(given, vessels, workers))
 
 
@@ -251,14 +251,6 @@ def test_a_prepared_run_called_again_gives_the_same() -> None:
     np.testing.assert_array_equal(prepared.end, anew.end)
 
 
-def test_single_precision_is_near() -> None:
-    y = np.linspace(0.3, 2.2, 100)
-    double, single = (sailed(y=y, precision=precision) for precision in ("float64", "float32"))
-    np.testing.assert_array_equal(single["outcome"], double["outcome"])
-    np.testing.assert_array_equal(single["side"], double["side"])
-    np.testing.assert_allclose(single["time"], double["time"], atol=1e-3)
-
-
 @pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="reads x86 assembly")
 @pytest.mark.parametrize("name", [*TABLES, "pilot in a waterway"])
 @pytest.mark.slow
@@ -322,16 +314,6 @@ class TestOutcomes:
 
     def test_each_has_its_kind(self) -> None:
         assert set(end.KINDS) == set(Code)
-
-
-def test_what_single_precision_cannot_count_is_refused() -> None:
-    with pytest.raises(nw.InputError, match="single precision counts fewer"):
-        fleet(SimulatedShip(DTC), y=0.5, dt=1e-8, duration=10.0, precision="float32")
-    with pytest.raises(nw.InputError, match="precision = 'float16' is unknown"):
-        nw.ensemble(DTC, y=0.5, precision="float16")
-    way = nw.straight_waterway(nw.Canal(7.0), 100.0)
-    with pytest.raises(nw.InputError, match="leave precision at float64"):
-        fleet(SimulatedShip(DTC), y=0.5, precision="float32", waterway=way)
 
 
 def test_a_value_that_is_missing_is_named() -> None:

@@ -165,12 +165,6 @@ def test_coefficients_are_drawn_from_the_fit(twin_fit: nw.Fit) -> None:
     assert float(nw.grounding_probability(one, 0.1)) == 0.0
 
 
-def test_single_precision_is_near(dtc: nw.Model) -> None:
-    y = np.linspace(0.5, 2.0, 50)
-    double, single = (nw.ensemble(dtc, y=y, precision=p)["time"] for p in ("float64", "float32"))
-    np.testing.assert_allclose(single, double, rtol=1e-3)
-
-
 def test_starts_on_the_bank_end_there_and_others_go_on(dtc: nw.Model) -> None:
     ends = nw.ensemble(dtc, y=[1.0, 3.4])
     assert ends["time"].to_numpy()[1] == 0.0

@@ -108,7 +108,7 @@ def jacobian_text(
 def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], section: Sequence[str]) -> str:
     rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
     linear = _linear(rates, actuators)
-    return module_text("float64", 0, f"@quiet\n{_jacobian('linear', rates, *linear)}")
+    return module_text(0, f"@quiet\n{_jacobian('linear', rates, *linear)}")
 
 
 def _jacobian(name: str, rates: Rates, lines: Lines, results: Sequence[Expr]) -> str:
@@ -192,4 +192,4 @@ def tangent_text(step: Step, choices: Choices, moving: Sequence[str]) -> str:
         *(f"    block[{i * DIRECTIONS} + lane] = {plain.doprint(value)}" for i, value in enumerate(slopes)),
     ]
     text = "\n    ".join(["@quiet\ndef step(z, block, inputs, table):", *body])
-    return module_text("float64", choices.row, names, f"{text}\n")
+    return module_text(choices.row, names, f"{text}\n")

@@ -53,7 +53,7 @@ def ends_of(lines: Lines, choices: Choices, state: Mapping[str, Expr]) -> tuple[
     return tuple(left.get(name, UNREACHED) for name in ENDS)
 
 
-def kernel_text(choices: Choices, rates: Rates, precision: str) -> str:
+def kernel_text(choices: Choices, rates: Rates) -> str:
     called = CalledRates(rates.motion, rates.moving, rates.pushed)
     step, (lines, derivatives) = step_of(called, choices).with_whole_steps(), called.program()
     results = [derivatives[name] for name in STATE]
@@ -71,7 +71,7 @@ def kernel_text(choices: Choices, rates: Rates, precision: str) -> str:
     arguments = ("block", "lane", *called.arguments)
     of_rates = function_text("rates", arguments, program, results, [f"{name} = {lanes.place(name)}" for name in own])
     names = "\n".join(f"{name} = {value!r}" for name, value in numbers.items())
-    return module_text(precision, choices.row, names, *lanes.end_texts(), of_rates, lanes.text())
+    return module_text(choices.row, names, *lanes.end_texts(), of_rates, lanes.text())
 
 
 class LaneArithmetic(Arithmetic):

@@ -14,11 +14,12 @@ import llvmlite.binding as llvm
 from llvmlite import ir
 
 INTEGER, BOOLEAN, DOUBLE = ir.IntType(64), ir.IntType(1), ir.DoubleType()
-NUMBERS: dict[str, ir.Type] = {"float64": DOUBLE, "float32": ir.FloatType()}
 # Arguments that are arrays, and whole numbers; all others are numbers.
 ARRAYS = ("block", "table", "shared", "z", "inputs", "values", "constants")
 INTEGERS = ("lane", "first")
-VECTOR_BYTES = 64
+# Bytes of a number, and numbers of a vector.
+SIZE, WIDTH = 8, 8
+VECTOR = ir.VectorType(DOUBLE, WIDTH)
 # Fused multiply-add, nothing reordered: the mirrored voyage is the mirror to the bit.
 FAST = ("nsz", "contract")
 ARITHMETIC = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.Div: "div", ast.LShift: "shl"}
@@ -32,7 +33,7 @@ _ENGINES: list[Any] = []  # An engine owns the code that it made
 
 @cache
 def address(module: ModuleType, name: str) -> int:
-    """Compile a function of a generated module, which names its ``PRECISION``; return its address."""
+    """Compile a function of a generated module; return its address."""
     engine = llvm.create_mcjit_compiler(*optimised(module, name))
     engine.finalize_object()
     _ENGINES.append(engine)
@@ -41,7 +42,7 @@ def address(module: ModuleType, name: str) -> int:
 
 def optimised(module: ModuleType, name: str) -> tuple[Any, Any]:
     """Return a function as optimised code of LLVM, and this machine."""
-    function = Compiler(vars(module)["TEXT"], module.PRECISION).function(name)
+    function = Compiler(vars(module)["TEXT"]).function(name)
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     machine = llvm.Target.from_default_triple().create_target_machine(
@@ -55,15 +56,13 @@ def optimised(module: ModuleType, name: str) -> tuple[Any, Any]:
 
 
 class Compiler:
-    """Writes functions of a module's text as LLVM code in one precision; the functions that they call are inlined."""
+    """Writes functions of a module's text as LLVM code; the functions that they call are inlined."""
 
-    def __init__(self, text: str, precision: str) -> None:
+    def __init__(self, text: str) -> None:
         body = ast.parse(text).body
         self.functions = {node.name: node for node in body if isinstance(node, ast.FunctionDef)}
         assigned = [node for node in body if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant)]
         self.constants: dict[str, Any] = {node.targets[0].id: node.value.value for node in assigned}  # type: ignore[attr-defined]
-        self.number, self.size = NUMBERS[precision], 4 if precision == "float32" else 8
-        self.width = VECTOR_BYTES // self.size
         self.module = ir.Module()
 
     def function(self, name: str) -> ir.Function:
@@ -74,7 +73,7 @@ class Compiler:
         if isinstance(last, ast.Return) and isinstance(last.value, ast.Tuple):
             names.append("results")
         arrays = (*ARRAYS, "results")
-        kinds = [ir.PointerType() if n in arrays else INTEGER if n in INTEGERS else self.number for n in names]
+        kinds = [ir.PointerType() if n in arrays else INTEGER if n in INTEGERS else DOUBLE for n in names]
         function = ir.Function(self.module, ir.FunctionType(INTEGER, kinds), name)
         for one in function.args:
             if isinstance(one.type, ir.PointerType):
@@ -94,7 +93,6 @@ class Body:
 
     def __init__(self, compiler: Compiler, builder: ir.IRBuilder, scope: dict[str, Value], lane: str = "") -> None:
         self.compiler, self.builder, self.scope, self.lane = compiler, builder, scope, lane
-        self.lanes = ir.VectorType(compiler.number, compiler.width)
 
     def run(self, statements: Sequence[ast.stmt]) -> Value:
         """Write statements, and return what they return."""
@@ -120,14 +118,14 @@ class Body:
         builder.branch(begun)
         builder.position_at_end(begun)
         inside = Body(self.compiler, builder, dict(self.scope), lane)
-        flags = ir.VectorType(BOOLEAN, self.compiler.width)
+        flags = ir.VectorType(BOOLEAN, WIDTH)
         targets = [node.targets[0] for node in body if isinstance(node, ast.Assign)]
         assigned = {target.id for target in targets if isinstance(target, ast.Name)}
         phis = {name: builder.phi(flags) for name in sorted(self.scope.keys() & assigned)}
         first = builder.phi(INTEGER)
         inside.scope |= {**phis, lane: first}
         inside.run(body)
-        ahead, end = builder.add(first, INTEGER(self.compiler.width)), builder.block
+        ahead, end = builder.add(first, INTEGER(WIDTH)), builder.block
         after = builder.append_basic_block()
         for name, phi in phis.items():
             phi.add_incoming(self._as(self.scope[name], flags), before)
@@ -148,7 +146,7 @@ class Body:
             case ast.Tuple(elts=parts):
                 return tuple(map(self.value, parts))
             case ast.UnaryOp(op=ast.Not(), operand=operand):  # True if the flag of any lane is not set
-                flags = builder.bitcast(builder.not_(self.value(operand)), ir.IntType(self.compiler.width))
+                flags = builder.bitcast(builder.not_(self.value(operand)), ir.IntType(WIDTH))
                 return builder.zext(builder.icmp_unsigned("!=", flags, ir.Constant(flags.type, 0)), INTEGER)
             case ast.UnaryOp(operand=operand):
                 value = self.value(operand)
@@ -159,21 +157,21 @@ class Body:
                 return builder.fcmp_ordered(COMPARED[type(sign)], *self._alike(self.value(left), self.value(right)))
             case ast.IfExp(test=test, body=over, orelse=under):
                 chosen = self.value(test)
-                kind = self.lanes if _is_vector(chosen) else self.compiler.number
+                kind = VECTOR if _is_vector(chosen) else DOUBLE
                 return builder.select(chosen, self._as(self.value(over), kind), self._as(self.value(under), kind))
             case ast.Subscript(value=array, slice=place):
                 own, at = self.value(array), self.value(place)
                 if isinstance(own, tuple):
                     return own[at]
                 of_lanes = any(isinstance(one, ast.Name) and one.id == self.lane for one in ast.walk(place))
-                kind = self.lanes if of_lanes else self.compiler.number
-                return builder.load(self._place(own, at), align=self.compiler.size, typ=kind)
+                kind = VECTOR if of_lanes else DOUBLE
+                return builder.load(self._place(own, at), align=SIZE, typ=kind)
             case ast.Call(func=ast.Name(id=name), args=given):
                 return self._called(name, [self.value(one) for one in given])
             case ast.Call(func=ast.Attribute(value=value, attr="view"), args=[ast.Name()]):
-                return self._cast(self.value(value), self.compiler.number, "bitcast")
+                return self._cast(self.value(value), DOUBLE, "bitcast")
             case ast.Call(func=ast.Attribute(value=value, attr="view")):
-                return self._cast(self.value(value), ir.IntType(8 * self.compiler.size), "bitcast")
+                return self._cast(self.value(value), INTEGER, "bitcast")
             case ast.Call(func=ast.Attribute(value=ast.Name(id="np")), args=[number]):
                 value = self.value(number)
                 return value if isinstance(_element(value), ir.IntType) else self._cast(value, INTEGER, "fptosi")
@@ -201,7 +199,7 @@ class Body:
             return self.builder.select(is_second, second, first)
         if name == "real":
             whole = isinstance(given[0], ir.Value) and isinstance(_element(given[0]), ir.IntType)
-            return self._cast(given[0], self.compiler.number, "sitofp") if whole else given[0]
+            return self._cast(given[0], DOUBLE, "sitofp") if whole else given[0]
         if name == "entry":
             return self._entry(given[0], int(given[1]), self._cast(given[2], INTEGER, "fptosi"))
         function = self.compiler.functions[name]
@@ -211,7 +209,7 @@ class Body:
     def _intrinsic(self, name: str, *given: Value) -> Value:
         given = self._alike(*given)
         kind = given[0].type
-        kinds = f"{f'v{kind.count}' if _is_vector(given[0]) else ''}f{8 * self.compiler.size}"
+        kinds = f"v{kind.count}f64" if _is_vector(given[0]) else "f64"
         signature = ir.FunctionType(kind, [kind] * len(given))
         function = self.compiler.module.declare_intrinsic(f"llvm.{name}.{kinds}", (), signature)
         return self.builder.call(function, given, fastmath=FAST)
@@ -220,7 +218,7 @@ class Body:
         """Read a column of the table of a waterway, lane by lane."""
         if not _is_vector(cell):
             return self._read(table, cell, column)
-        out = ir.Constant(self.lanes, ir.Undefined)
+        out = ir.Constant(VECTOR, ir.Undefined)
         for lane in range(cell.type.count):
             one = self._read(table, self.builder.extract_element(cell, INTEGER(lane)), column)
             out = self.builder.insert_element(out, one, INTEGER(lane))
@@ -230,16 +228,15 @@ class Body:
         builder = self.builder
         row = builder.mul(cell, INTEGER(self.compiler.constants["CELL_ENTRIES"]))
         place = builder.gep(table, [builder.add(row, INTEGER(column))], source_etype=DOUBLE)
-        value = builder.load(place, align=8, typ=DOUBLE)  # The table is in double precision in every kernel
-        return value if self.compiler.number == DOUBLE else builder.fptrunc(value, self.compiler.number)
+        return builder.load(place, align=SIZE, typ=DOUBLE)
 
     def store(self, array: Value, place: Value, value: Value) -> None:
-        kind = self.lanes if self.lane else self.compiler.number
-        self.builder.store(self._as(value, kind), self._place(array, place), align=self.compiler.size)
+        kind = VECTOR if self.lane else DOUBLE
+        self.builder.store(self._as(value, kind), self._place(array, place), align=SIZE)
 
     def _place(self, array: Value, place: Value) -> Value:
         at = place if isinstance(place, ir.Value) else INTEGER(place)
-        return self.builder.gep(array, [at], source_etype=self.compiler.number)
+        return self.builder.gep(array, [at], source_etype=DOUBLE)
 
     def _cast(self, value: Value, element: ir.Type, how: str) -> Value:
         kind = ir.VectorType(element, value.type.count) if _is_vector(value) else element

@@ -103,8 +103,8 @@ class System:
         batch = partial(self._module, "jacobian_batch", *parts)
         return Linearisation(scope, constants, self.table.names, parts[0], batch, section)
 
-    def kernel(self, precision: str) -> ModuleType:
-        return self._module("kernel", precision)
+    def kernel(self) -> ModuleType:
+        return self._module("kernel")
 
     def tangent(self, moving: tuple[str, ...]) -> ModuleType:
         return self._module("tangent", moving)
@@ -125,7 +125,7 @@ class System:
             case "plain":
                 return kernel.plain_text(self.choices, self.rates, self.step)
             case "kernel":
-                return kernel.kernel_text(self.choices, self.rates, *parts)
+                return kernel.kernel_text(self.choices, self.rates)
             case "tangent":
                 return derivatives.tangent_text(self.step, self.choices, *parts)
             case "jacobian":

@@ -176,7 +176,7 @@ def _balance_text(system: "System") -> str:
     body += [f"{name} = {printer.doprint(value)}" for name, value in program.assignments]
     body.append(f"return {', '.join(printer.doprint(value) for value in out)}")
     text = "\n    ".join(["@quiet\ndef balance(drift, angle, inputs):", *body]) + "\n"
-    return module_text("float64", 16, f"COLUMNS = {inputs!r}", text)
+    return module_text(16, f"COLUMNS = {inputs!r}", text)
 
 
 def with_propulsion(model: Model, vary: dict[str, object]) -> dict[str, object]:

@@ -4,21 +4,21 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, get_args
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
 from narrows.aliases import accept_aliases
 from narrows.codegen.free_motion import OPEN, Surge
-from narrows.errors import InputError, check_choice, path_of
+from narrows.errors import InputError, path_of
 from narrows.model.data_range import Measure
 from narrows.model.model import Model
 from narrows.progress import bar
 from narrows.ship.actuators import PROPELLER
 from narrows.simulation.grid import Grid, grid_of, with_values
 from narrows.simulation.initial_state import check_irrelevant, voyage_defaults
-from narrows.simulation.inputs import Contact, Precision, check_steps, check_vessels, check_waterway, check_workers
+from narrows.simulation.inputs import Contact, check_steps, check_vessels, check_waterway, check_workers
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
 from narrows.simulation.maps import Fleet
 from narrows.simulation.outcome import Code, measured, outside_notes, water_notes
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 def ensemble(
     model: Model, *, duration: float | None = None, dt: float | None = None, samples: int = 0, seed: int = 0,
     surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
-    contact: Contact | Points = "corners", precision: Precision = "float64", waterway: "Waterway | None" = None,
+    contact: Contact | Points = "corners", waterway: "Waterway | None" = None,
     controller: Any = None, workers: int | None = None, progress: bool = False, store: str | Path | None = None,
     client: Any = None, bottom: bool = True, **vary: Any,
 ) -> Fleet:  # fmt: skip
@@ -57,8 +57,6 @@ def ensemble(
         Seed of the samples.
     surge, surge_inertia, coriolis, contact
         As for ``simulate`` [kg, m].
-    precision : str
-        ``float64`` or ``float32``; single precision is for maps, not for numbers.
     waterway
         As for ``simulate``.
     controller : ControlLaw, optional
@@ -99,7 +97,6 @@ def ensemble(
     """
     check_workers(workers)
     check_waterway(waterway)
-    check_choice("precision", precision, get_args(Precision))
     ship = SimulatedShip(model, surge, surge_inertia, coriolis, contact, bottom)
     steering = steering_of(controller, ship.actuators)
     defaults = voyage_defaults(model)
@@ -111,7 +108,7 @@ def ensemble(
     check_irrelevant(ship, vary)
     grid = with_values(plain, steering.parameters if steering else {})
     check_vessels(grid.vessels, stored=store is not None)
-    run = KernelRun(ship, duration, dt, precision, steering, waterway)
+    run = KernelRun(ship, duration, dt, steering, waterway)
     _check_waterway(run, grid, vary)
     if store is not None:
         from narrows.simulation.store import run_into

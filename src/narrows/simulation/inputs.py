@@ -24,9 +24,6 @@ STEADY = {"heave": 0.0, "rudder": 0.0}
 # Hull points that meet a bank, unless an outline is given.
 Contact = Literal["corners", "midship", "none"]
 
-# Floating-point format of a lane.
-Precision = Literal["float64", "float32"]
-
 # A constant, or pairs of (time [s], value): each value holds from its time until the next, and 0 before the first.
 Schedule = float | Sequence[Sequence[float]]
 

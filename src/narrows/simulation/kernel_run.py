@@ -42,8 +42,6 @@ OUTPUTS: dict[str, type] = {
 
 Result = dict[str, np.ndarray]
 
-# Largest number of steps that single precision can count.
-MOST_STEPS_SINGLE = 2**24
 # Vessels per slice of a thread: few enough to share the work evenly, enough to make call overhead small.
 LARGEST_SLICE, SMALLEST_SLICE, SLICES_PER_WORKER = 16_384, 1024, 4
 
@@ -227,14 +225,11 @@ class KernelRun:
     ship: SimulatedShip  # The model and the choices of simulation
     duration: Any  # Longest duration [s]
     dt: Any  # Step [s]
-    precision: str = "float64"  # ``float64`` or ``float32``
     steering: Steering | None = None  # Control law; its numbers that vary are among the values of a run
     waterway: "Waterway | None" = None  # Waterway instead of the model's own canal
     bend: Channel | None = None  # Bend of constant curvature instead of either
 
     def __post_init__(self) -> None:
-        if self.precision == "float32" and self.waterway is not None:
-            raise InputError("single precision does not resolve places along a waterway; leave precision at float64")
         if self.steering and self.steering.asked:
             raise InputError(
                 f"a {type(self.steering.asked).__name__} steers single voyages; write it as a law in arithmetic (with "
@@ -242,7 +237,7 @@ class KernelRun:
             )
 
     def run(self, values: Mapping[str, Any], vessels: int, workers: int | None = None) -> Result:
-        """Run voyages; without Numba in columns of NumPy, in double precision."""
+        """Run voyages; without Numba in columns of NumPy."""
         columns = lacks_compiler()
         if columns and vessels > 1:
             install = installing(libraries_of("compiled") or ["numba"])
@@ -264,7 +259,7 @@ class KernelRun:
         names = prepared.kernel.KEPT_NAMES
         ends = dict(zip(names, np.asarray(prepared.end, float).T, strict=True))
         ends["psi"] = counted_heading(ends["cos_psi"], ends["sin_psi"], ends.pop(COUNTED, values["psi"]))
-        distance = ends["x"] - (0.0 if self.precision == "float32" else np.asarray(values["x"], float))
+        distance = ends["x"] - np.asarray(values["x"], float)
         outcome, side = prepared.codes.astype(np.int8).T
         if (outcome == event.SHALLOW).any():
             outcome = self._inputs(self._system(values), values)[1].codes(outcome, ends["x"]).astype(np.int8)
@@ -279,20 +274,15 @@ class KernelRun:
         start, times = self._start(values), self._times(vessels)
         with needs("compiled", "compiled simulation (safe envelopes, estimation, predictive helms, the monitor)"):
             import numba  # noqa: F401  # Its kernels would take minutes to run as plain Python.
-        kernel = system.kernel(self.precision)
-        width = np.asarray(inputs.get("width", 1.0))
-        tolerance = max(CONTACT_TOLERANCE, 4 * float(np.finfo(self.precision).eps) * float(width.max()))
-        limits = np.array([tolerance, NEAR_THE_BANK * float(width.min())], self.precision)
-        if self.precision == "float32" and times[:, 1].max(initial=0) >= MOST_STEPS_SINGLE:
-            least = f"single precision counts fewer than {MOST_STEPS_SINGLE} steps"
-            raise InputError(f"{least}; lengthen dt or use float64")
+        kernel = system.kernel()
+        limits = np.array([CONTACT_TOLERANCE, NEAR_THE_BANK * float(np.min(inputs.get("width", 1.0)))])
 
         def table(names: tuple[str, ...], numbers: Mapping[str, Any], rows: int) -> np.ndarray:
             columns = [np.broadcast_to(np.asarray(numbers[name], float), rows) for name in names]
             stacked = np.stack(columns, axis=1) if columns else np.zeros((rows, 0))
-            return np.ascontiguousarray(stacked.astype(self.precision))
+            return np.ascontiguousarray(stacked)
 
-        shared = np.array([np.ravel(inputs.get(name, 0.0))[0] for name in SHARED], self.precision)
+        shared = np.array([np.ravel(inputs.get(name, 0.0))[0] for name in SHARED], float)
         rows = vessels if any(np.ndim(inputs[name]) for name in kernel.VESSEL_INPUTS) else 1
         kept, own = table(kernel.KEPT_NAMES, start, vessels), table(kernel.VESSEL_INPUTS, inputs, rows)
         return PreparedRun(kernel, kept, times, own, shared, channel.water, limits, workers or cores())
@@ -338,15 +328,13 @@ class KernelRun:
         psi = np.asarray(values["psi"], float)
         state = {name: values[name] for name in START if name != "psi"}
         state |= {"cos_psi": np.cos(psi), "sin_psi": np.sin(psi), COUNTED: psi}
-        if self.precision == "float32":
-            state["x"] = 0.0  # single precision cannot add small distances to a large x
         return complete_state(self.ship, self.steering, state, values)
 
     @property
     def text(self) -> str:
         """Identifier of this run, apart from the values that vary."""
         law = self.steering.law.trace.text if self.steering else ""
-        options = (self.duration, self.dt, self.precision, self.ship.surge, self.ship.coriolis, self.ship.contact,
+        options = (self.duration, self.dt, self.ship.surge, self.ship.coriolis, self.ship.contact,
             self.ship.bottom)  # fmt: skip
         where = ""
         if self.waterway is not None:

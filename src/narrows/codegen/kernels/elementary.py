@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from importlib.metadata import version
 from math import factorial
-from typing import Any
 
 # Terms of the series of sine and cosine: exact to the last place up to a quarter turn, enough for any rudder.
 SINE_TERMS = 11
@@ -13,18 +12,7 @@ ARCTANGENT = (
     0.07692043981943032, -0.06662936310726283, 0.05846764171822936, -0.05034582119172788, 0.03795188185921145,
     -0.017790581120278405,
 )  # fmt: skip
-# Constants of a floating-point format for the exponential.
-WIDTHS: dict[str, dict[str, Any]] = {
-    "float64": {
-        "integer": "int64", "low": -708.0, "high": 709.0, "magic": 1.5 * 2.0**52,
-        "ln2_high": 6.93147180369123816490e-01, "ln2_low": 1.90821492927058770002e-10, "bias": 1023,
-        "mantissa": 52, "degree": 13,
-    },
-    "float32": {
-        "integer": "int32", "low": -87.0, "high": 88.0, "magic": 1.5 * 2.0**23, "ln2_high": 0.693359375,
-        "ln2_low": -2.12194440054690583e-4, "bias": 127, "mantissa": 23, "degree": 8,
-    },
-}  # fmt: skip
+EXPONENTIAL_DEGREE = 13
 
 # The exponential, to one unit in the last place, is e^x = 2^k e^r with k the nearest integer to x / ln 2, itself in two
 # parts: Cody and Waite (1980), Software Manual for the Elementary Functions. Adding 1.5 2^52 rounds to that integer and
@@ -32,10 +20,9 @@ WIDTHS: dict[str, dict[str, Any]] = {
 # An angle is a rotation by multiples of 45 degrees, one division and a short polynomial.
 HEADER = '''"""Made by narrows {version} from a table of terms: made again where it is missing, so do not edit."""
 import numpy as np
-from numpy import {precision} as real
+from numpy import float64 as real
 from numpy import cos, log, sin, sqrt
 
-PRECISION = "{precision}"
 CELL_ENTRIES = {cells}
 
 # Without a compiler the functions run as written. NumPy's roots and quotients raise no errors, like compiled ones.
@@ -71,11 +58,11 @@ def power(base, exponent):
 
 
 def exp(x):
-    x = min(max(x, {low}), {high})
-    shifted = x * 1.4426950408889634 + {magic}
-    whole = shifted - {magic}
-    rest = x - whole * {ln2_high} - whole * {ln2_low}
-    power = np.{integer}((real(shifted).view(np.{integer}) + {bias}) << {mantissa})
+    x = min(max(x, -708.0), 709.0)
+    shifted = x * 1.4426950408889634 + 6755399441055744.0
+    whole = shifted - 6755399441055744.0
+    rest = x - whole * 0.6931471803691238 - whole * 1.9082149292705877e-10
+    power = np.int64((real(shifted).view(np.int64) + 1023) << 52)
     return ({exponential}) * power.view(real)
 
 
@@ -103,14 +90,13 @@ def angle(cosine, sine):
 '''
 
 
-def module_text(precision: str, cells: int, *parts: str) -> str:
+def module_text(cells: int, *parts: str) -> str:
     """Write a module that may call the elementary functions; ``cells`` is the width of a waterway's table."""
-    width = WIDTHS[precision]
     sine, cosine = (horner("q", [(-1) ** k / factorial(2 * k + first) for k in range(SINE_TERMS)]) for first in (1, 0))
-    exponential = horner("rest", [1 / factorial(power) for power in range(width["degree"] + 1)])
+    exponential = horner("rest", [1 / factorial(power) for power in range(EXPONENTIAL_DEGREE + 1)])
     head = HEADER.format(
-        version=version("narrows"), precision=precision, cells=cells, exponential=exponential, sine=sine, cosine=cosine,
-        arctangent=horner("q", ARCTANGENT), **width,
+        version=version("narrows"), cells=cells, exponential=exponential, sine=sine, cosine=cosine,
+        arctangent=horner("q", ARCTANGENT),
     )  # fmt: skip
     return "\n\n\n".join(part.strip() for part in (head, *parts)) + "\n"
 

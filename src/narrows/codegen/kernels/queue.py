@@ -44,7 +44,7 @@ TOLERANCE, NEAR = 0, 1
 # Numba compiles a function once more for an argument that is a Python integer in the source.
 NOW: Any = np.int64(0)
 FIRST_LANE: Any = np.int64(0)
-CACHE_LINE = 16  # numbers: 64 bytes in single precision, two lines in double
+CACHE_LINE = 8  # numbers: 64 bytes
 
 
 class LaneProgram(NamedTuple):

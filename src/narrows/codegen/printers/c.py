@@ -9,7 +9,7 @@ from typing import ClassVar
 import sympy
 
 from narrows.codegen.free_motion import Expr
-from narrows.codegen.kernels.elementary import SINE_TERMS, WIDTHS
+from narrows.codegen.kernels.elementary import EXPONENTIAL_DEGREE, SINE_TERMS
 from narrows.codegen.lines import LaneFields, Lines, asked_by, rounds
 from narrows.codegen.printers.language import Language
 from narrows.codegen.printers.translation import Translation, parts_of
@@ -213,7 +213,7 @@ def lane_functions() -> dict[str, tuple[str, str]]:
     return {
         "sine": _estrin("q", [sign / factorial(2 * k + 1) for k, sign in enumerate(signs)]),
         "cosine": _estrin("q", [sign / factorial(2 * k) for k, sign in enumerate(signs)]),
-        "exp": _estrin("r", [1 / factorial(k) for k in range(WIDTHS["float64"]["degree"] + 1)]),
+        "exp": _estrin("r", [1 / factorial(k) for k in range(EXPONENTIAL_DEGREE + 1)]),
     }
 
 
