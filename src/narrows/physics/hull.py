@@ -16,7 +16,7 @@ def speed(u: Number, v: Number) -> Number:
 
 
 def half_drift(u: Number, v: Number) -> Number:
-    """Tangent of half the drift angle from the nearer end of the ship, 1 at most. Source: sin a/(1 + cos a)."""
+    """Tangent of half the drift angle from the nearer end of the ship [1], at most 1. Source: sin a/(1 + cos a)."""
     return -v / (speed(u, v) + abs(u))
 
 
