@@ -5,13 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-import numpy as np
-
 import narrows as nw
 from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import DatasetDelivery, numbers, speeds, verb
-from narrows.cli.options import speed as read_speed
-from narrows.cli.voyage_options import CurrentText, read_current
+from narrows.cli.options import DatasetDelivery, Numbers, Speed, Speeds, numbers, verb
+from narrows.cli.voyage_options import CurrentText
 from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
 
@@ -24,22 +21,12 @@ GUST_FACTOR = 1.24
 @dataclass(frozen=True)
 class GridOptions:
     y: Annotated[
-        str | None,
+        Numbers | None,
         Option(help="Offsets from the middle [m]: a number, a,b,c or from:to:count; default: bank to bank."),
     ] = None
     speed: Annotated[
-        str | None, Option(help="Speeds through the water: 8kn, 4kn:12kn:17, 4.1m/s; default: to choking.")
+        Speeds | None, Option(help="Speeds through the water: 8kn, 4kn:12kn:17, 4.1m/s; default: to choking.")
     ] = None
-
-    @property
-    def offsets(self) -> np.ndarray | None:
-        """Offsets from the centreline [m], if given."""
-        return None if self.y is None else numbers("--y", self.y)
-
-    @property
-    def speeds(self) -> np.ndarray | None:
-        """Speeds through the water [m/s], if given."""
-        return None if self.speed is None else speeds("--speed", self.speed)
 
 
 @dataclass(frozen=True)
@@ -67,7 +54,7 @@ class SectionOptions:
 
     def read(self) -> "nw.Waterway":
         assert self.waterway is not None
-        return nw.read_waterway(self.waterway).with_water(read_current(self.current), self.level)
+        return nw.read_waterway(self.waterway).with_water(self.current, self.level)
 
     def places(self, waterway: "nw.Waterway") -> list[float]:
         """Return the places of ``--along`` [m]: ``all`` are evenly spaced from end to end."""
@@ -96,22 +83,21 @@ class SectionOptions:
 @dataclass(frozen=True)
 class WeatherOptions:
     heading_deg: Annotated[float, Option(help="Heading error at the start, standard deviation [deg].")] = 2.0
-    wind: Annotated[str, Option(help="Speed of a steady beam wind, from either side: 10m/s, 20kn.")] = "0m/s"
+    wind: Annotated[Speed, Option(help="Speed of a steady beam wind, from either side: 10m/s, 20kn.")] = "0m/s"
     gusts: Annotated[float, Option(help="Ratio of gust to wind speed [1]; 1 for none.")] = GUST_FACTOR
     windage: Annotated[float, Option(help="Lateral area above the water [m2], with --wind.")] = 0.0
     gust_lever: Annotated[float, Option(help="Lever of wind and gust, forward of midship [m].")] = 0.0
     gust_time: Annotated[float, Option(help="Duration of the gust [s].")] = 60.0
 
     def disturbance(self) -> "nw.Disturbance":
-        wind = read_speed("--wind", self.wind)
-        if bool(wind) != bool(self.windage):
+        if bool(self.wind) != bool(self.windage):
             raise InputError("wind needs both --wind and --windage; give both, or neither")
         if not 1 <= self.gusts < 10:
             raise InputError(f"--gusts {self.gusts:g}: a gust is as fast as the wind or faster; give 1 to 10")
-        steady = nw.wind_force(wind, self.windage)
+        steady = nw.wind_force(self.wind, self.windage)
         return nw.Disturbance(
             self.heading_deg, gust=(self.gusts**2 - 1) * steady, gust_lever=self.gust_lever, gust_time=self.gust_time,
-            wind=wind or None, steady=steady,
+            wind=self.wind or None, steady=steady,
         )  # fmt: skip
 
 
@@ -163,7 +149,7 @@ def envelope(
     disturbance, ship = weather.disturbance(), model_named(model or DEMO_SHIP, section.width, section.depth)
     ship = nw.borrow_rudder(ship, model_named(rudder_of)) if rudder_of else ship
     asked: dict[str, Any] = {
-        "y": grid.offsets, "u": grid.speeds, "disturbance": disturbance, **vars(cases), "bank": bank,
+        "y": grid.y, "u": grid.speed, "disturbance": disturbance, **vars(cases), "bank": bank,
         "controller": controller, "progress": sys.stderr.isatty() and not delivery.json,
     }  # fmt: skip
     if section.along is not None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import click
 
@@ -15,19 +15,20 @@ from narrows.cli.options import (
     AsJson,
     ModelDelivery,
     ModelFile,
+    Numbers,
     ReportDelivery,
     RunErrors,
     SelectionOptions,
     ShipFile,
+    Speeds,
     Table,
     TableDelivery,
-    TermsName,
+    Terms,
+    Words,
     folder,
-    numbers,
     output_of,
     print_json,
     print_written,
-    speeds,
     verb,
 )
 from narrows.empirical.fleet import model_named
@@ -46,23 +47,15 @@ SIMULATED_SPEEDS = (0.7, 1.0)  # [m/s]
 @dataclass(frozen=True)
 class FittingOptions:
     balance: Annotated[str, Option(help="Units of equal weight: 'tests' of any length, or 'rows'.")] = "tests"
-    terms: TermsName = "paper"
+    terms: Terms = "paper"
     accelerations: Annotated[
         str, Option(help="'checked': from the motion if the measured ones contradict it; 'motion'; 'measured'.")
     ] = "checked"
-    run_errors: RunErrors = "0.02,0.02,0.02"
+    errors: RunErrors = "0.02,0.02,0.02"
     pass_over: Annotated[
-        str, Option(help="'rudder': fit although it moves without a rudder term; other terms absorb its force.")
+        Words, Option(help="'rudder': fit although it moves without a rudder term; other terms absorb its force.")
     ] = ""
     pool: Annotated[str | None, Option(help="'depth': separate hull coefficients at each depth, one bank.")] = None
-
-    def options(self) -> dict[str, Any]:
-        from narrows.identification.systematic_effects import run_errors_of
-        from narrows.terms.tables import table_named
-
-        read = {"terms": table_named(self.terms), "pass_over": tuple(filter(None, self.pass_over.split(",")))}
-        plain = {name: getattr(self, name) for name in ("balance", "accelerations", "pool")}
-        return {**plain, **read, "errors": run_errors_of(self.run_errors)}
 
 
 @verb("narrows identify kcs.csv --ship kcs.toml -o kcs.model.toml --report report.html")
@@ -80,12 +73,11 @@ def identify(
     """
     if stream and delivery.report:
         raise InputError("--report draws the rows, which --stream does not keep; leave one of them out")
-    options, read = fitting.options(), nw.stream_captive if stream else nw.read_captive
-    mapping = selection.mapping_of(table)
+    read, mapping = nw.stream_captive if stream else nw.read_captive, selection.mapping_of(table)
     try:
         tests = read(table, ship, selection.where, mapping=mapping)
         with stage("fitting"):
-            fits = nw.identify_conditions(tests, selection.condition, **options)
+            fits = nw.identify_conditions(tests, selection.condition, **vars(fitting))
     except InputError as error:
         raise InputError(f"{error}{'' if mapping else _drafted(table, ship)}") from None
     publish(fits, table.stem, delivery)
@@ -152,7 +144,7 @@ def explain(
     ship: Annotated[
         Path | None, Option("--ship", help="Ship file of the tests; the model's own ship unless given.")
     ] = None,
-    compare: Annotated[str, Option(help="Tables of terms to compare, a,b,c; all unless given.")] = "",
+    compare: Annotated[Words, Option(help="Tables of terms to compare, a,b,c; all unless given.")] = "",
 ) -> None:
     """Evaluate a model on any table of tests.
 
@@ -166,7 +158,7 @@ def explain(
     chosen = model_named(model)
     mapping = selection.mapping_of(table)
     read = nw.read_captive(table, ship or chosen.configuration, selection.where, chosen.terms.actuators, mapping)
-    result = nw.explain(chosen, the_condition(read, selection.condition), tuple(filter(None, compare.split(","))))
+    result = nw.explain(chosen, the_condition(read, selection.condition), compare)
     title = f"{model} on {table.name}"
     delivery.write(result.save, report=lambda path: write_explanation(result, path, title))
     delivery.show(result.to_dict, lambda: print_explanation(result, selection.condition or ""))
@@ -180,7 +172,11 @@ def publish(
 
     every = {**first, **fits}
     answers = {label: summarise_bank(fit) for label, fit in every.items()}
-    written = [_save(fit, delivery.output, label if len(fits) > 1 else "") for label, fit in fits.items()]
+    written = []
+    for label, fit in fits.items() if delivery.output else ():
+        assert delivery.output
+        written.append(output_of(delivery.output, label) if len(fits) > 1 else delivery.output)
+        fit.model.save(written[-1])
     if delivery.report:
         with stage("drawing the report"):
             nw.report.write_report(every, delivery.report, title, answers)
@@ -188,15 +184,6 @@ def publish(
     print_written([*written, delivery.report], delivery.json)
     if any(fit.implausible or not fit.solution.kkt.satisfied for fit in fits.values()):
         raise SystemExit(1)
-
-
-def _save(fit: "nw.Fit", output: Path | None, label: str) -> Path | None:
-    """Write a model if requested, with the label of its condition in its name; return its path."""
-    if output is None:
-        return None
-    path = output_of(output, label) if label else output
-    fit.model.save(path)
-    return path
 
 
 def _show(fits: dict[str, "nw.Fit"], answers: dict[str, "BankSummary"], json: bool) -> None:
@@ -239,34 +226,25 @@ class RunOptions:
     run_length: Annotated[float | None, Option(help="Steady motion in one run [m]; 10 ship lengths.")] = None
     clearance: Annotated[float, Option(help="Least distance from the hull's side to a wall, in beams.")] = 1.5
     speed: Annotated[
-        str | None,
+        Speeds | None,
         Option(help="Speeds: 0.6m/s,0.9m/s or from:to:count; default: those tested before, or three slow ones."),
     ] = None
-    depths: Annotated[str | None, Option(help="Depths [m]: a,b,c or from:to:count; for terms with depth.")] = None
+    depths: Annotated[Numbers | None, Option(help="Depths [m]: a,b,c or from:to:count; for terms with depth.")] = None
     reach: Annotated[
         float | None, Option(help="Largest offset from the centreline [m]; default: the tested range.")
     ] = None
 
     def tank(self) -> "nw.Tank":
-        at_speeds = () if self.speed is None else tuple(speeds("--speed", self.speed).tolist())
-        at_depths = () if self.depths is None else tuple(numbers("--depths", self.depths).tolist())
+        at_speeds, at_depths = (() if own is None else tuple(own.tolist()) for own in (self.speed, self.depths))
         return nw.Tank(self.run_length, self.clearance, speeds=at_speeds, depths=at_depths, reach=self.reach)
 
 
 @dataclass(frozen=True)
 class AimOptions:
-    run_errors: RunErrors = "0.02,0.02,0.02"
-    terms: TermsName = "paper"
-    targets: Annotated[str, Option(help="Target coefficients, a,b,c; default: the bank's.")] = ""
+    errors: RunErrors = "0.02,0.02,0.02"
+    terms: Terms = "paper"
+    targets: Annotated[Words, Option(help="Target coefficients, a,b,c; default: the bank's.")] = ""
     criterion: Annotated[str, Option(help="'c': sum of the variances; 'd': determinant.")] = "c"
-
-    def options(self, terms: "TermTable") -> dict[str, Any]:
-        """Options of ``plan_tests``."""
-        from narrows.identification.systematic_effects import run_errors_of
-
-        targets = tuple(filter(None, self.targets.split(",")))
-        errors = run_errors_of(self.run_errors)
-        return {"terms": terms, "targets": targets, "criterion": self.criterion, "errors": errors}
 
 
 @verb("narrows plan ship.toml --runs 12 --speed 0.6m/s,0.9m/s -o runs.csv")
@@ -282,12 +260,10 @@ def plan(
 ) -> None:
     """Choose captive tests that identify the bank."""
     from narrows.report.printed_tables import print_plan
-    from narrows.terms.tables import table_named
 
-    terms = table_named(aim.terms)
-    made = _made(after, ship, selection, terms)
+    made = _made(after, ship, selection, aim.terms)
     tested = made.configuration if made else ship
-    result = nw.plan_tests(tested, runs.runs, tank=runs.tank(), after=made, **aim.options(terms))
+    result = nw.plan_tests(tested, runs.runs, tank=runs.tank(), after=made, **vars(aim))
     delivery.write(result.save)
     delivery.show(result.to_dict, lambda: print_plan(result))
     raise SystemExit(int(not result.determined))

@@ -10,9 +10,11 @@ from narrows.cli.declarations import Argument, Option
 from narrows.cli.options import (
     PAGES,
     ModelDelivery,
+    Numbers,
+    Speed,
     WaterwayFile,
+    Words,
     named,
-    numbers,
     print_json,
     print_written,
     speeds,
@@ -39,7 +41,7 @@ OptionalModel = Annotated[str | None, Argument(help="Model file; none for --demo
 
 @dataclass(frozen=True)
 class LogOptions:
-    free: Annotated[str, Option(help="Free coefficients: b_bank,c_bank; default: all.")] = ""
+    free: Annotated[Words, Option(help="Free coefficients: b_bank,c_bank; default: all.")] = ""
     sensors: Annotated[str, Option(help="Measurement quality of a log: rtk, vdr, ais, or basin.")] = "vdr"
     spread: Annotated[float | None, Option(help="Relative standard deviation of coefficients without a fit.")] = None
     mapping: Annotated[
@@ -64,11 +66,8 @@ class LegOptions:
         Option(help="Plan steady legs and write the pilot's page: .html.", callback=named(PAGES)),
     ] = None
     legs: Annotated[int, Option(help="Number of legs to plan, even.")] = 4
-    y: Annotated[str | None, Option(help="Allowed offsets [m] to either side: a,b,c or from:to:count.")] = None
-    wind: Annotated[str, Option(help="Standard deviation of beam wind: 8m/s, 16kn.")] = "8m/s"
-
-    def conditions(self) -> "nw.SteadyConditions":
-        return nw.SteadyConditions(wind=read_speed("--wind", self.wind))
+    y: Annotated[Numbers | None, Option(help="Allowed offsets [m] to either side: a,b,c or from:to:count.")] = None
+    wind: Annotated[Speed, Option(help="Standard deviation of beam wind: 8m/s, 16kn.")] = "8m/s"
 
 
 @dataclass(frozen=True)
@@ -135,8 +134,7 @@ def _learn(
     """Learn from logs; return whether they carry information."""
     log = _read(logs, logged, ahead)
     doubts = () if logged.unchecked else _doubts(model, log, logged)
-    free = tuple(filter(None, map(str.strip, logged.free.split(","))))
-    fit = nw.learn(model, log, free=free, sensors=logged.sensors, spread=logged.spread)
+    fit = nw.learn(model, log, free=logged.free, sensors=logged.sensors, spread=logged.spread)
     return _deliver(replace(fit, about=(*doubts, *fit.about)), delivery)
 
 
@@ -179,7 +177,7 @@ def _deliver(fit: "nw.LogFit", delivery: ModelDelivery, truth: Mapping[str, floa
 def _learn_steady(model: "nw.Model", legs: LegOptions, table: Path, delivery: ModelDelivery) -> bool:
     from narrows.report.steady_report import print_steady_fit, write_steady_report
 
-    fit = nw.learn_steady(model, table, conditions=legs.conditions())
+    fit = nw.learn_steady(model, table, conditions=nw.SteadyConditions(wind=legs.wind))
     delivery.write(fit.model.save, report=lambda path: write_steady_report(fit, path))
     result = _told(fit, steady=fit.to_dict())
     delivery.show(lambda: result, lambda: print_steady_fit(fit))
@@ -190,9 +188,8 @@ def _plan(model: "nw.Model", legs: LegOptions, page: Path, speed: str | None, js
     from narrows.report.pilot_page import write_pilot_page
     from narrows.report.steady_report import print_steady_plan
 
-    offsets = None if legs.y is None else numbers("--y", legs.y)
     ahead = None if speed is None else speeds("--speed", speed)
-    plan = nw.plan_steady(model, offsets, ahead, legs=legs.legs, conditions=legs.conditions())
+    plan = nw.plan_steady(model, legs.y, ahead, legs=legs.legs, conditions=nw.SteadyConditions(wind=legs.wind))
     if plan.legs:
         write_pilot_page(plan, page)
     print_json(_told(plan, plan=plan.to_dict())) if json else print_steady_plan(plan)

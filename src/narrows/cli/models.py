@@ -8,8 +8,7 @@ import click
 
 import narrows as nw
 from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import AsJson, ModelFile, PlainModelDelivery, print_json, print_written, verb
-from narrows.cli.options import speed as read_speed
+from narrows.cli.options import AsJson, ModelFile, PlainModelDelivery, Speed, print_json, print_written, verb
 from narrows.cli.voyage_options import HelmOptions, PhysicsOptions, WaterOptions
 from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
@@ -39,7 +38,7 @@ def scale(
     wetted_surface: Annotated[
         float | None, Option(help="Wetted surface of the old hull [m2], with --form-factor.")
     ] = None,
-    at_speed: Annotated[str | None, Option(help="Speed of the old hull: 1.2m/s, 2kn; with --form-factor.")] = None,
+    at_speed: Annotated[Speed | None, Option(help="Speed of the old hull: 1.2m/s, 2kn; with --form-factor.")] = None,
 ) -> None:
     """Scale a model to another length by Froude's law.
 
@@ -55,7 +54,7 @@ def scale(
     if form_factor is not None:
         if wetted_surface is None or at_speed is None:
             raise InputError("--form-factor needs --wetted-surface and --at-speed of the old hull; add them")
-        friction = nw.Friction(wetted_surface, form_factor, read_speed("--at-speed", at_speed))
+        friction = nw.Friction(wetted_surface, form_factor, at_speed)
     old = model_named(model)
     scaled = nw.scale_model(old, length, density, width, depth, friction)
     delivery.write(scaled.model.save)
@@ -72,7 +71,7 @@ def export(
     fmi: Annotated[int, Option(help="FMI version of an FMU: 2 or 3.")] = 2,
     hold: Annotated[float | None, Option(help="Offset [m] held by a helm in the file.")] = None,
     helm_speed: Annotated[
-        str | None, Option(help="Design speed of the helm: 4m/s, 8kn; default: one that suits the ship.")
+        Speed | None, Option(help="Design speed of the helm: 4m/s, 8kn; default: one that suits the ship.")
     ] = None,
     json: AsJson = False,
 ) -> None:
@@ -106,7 +105,7 @@ def export(
     print_written([output])
 
 
-def _helm(model: "nw.Model", hold: float | None, speed: str | None, way: "nw.Waterway | None") -> Any:
+def _helm(model: "nw.Model", hold: float | None, speed: float | None, way: "nw.Waterway | None") -> Any:
     """Regulator for the exported file."""
     if hold is None:
         if speed is not None:
@@ -114,8 +113,7 @@ def _helm(model: "nw.Model", hold: float | None, speed: str | None, way: "nw.Wat
         return None
     from narrows.simulation.initial_state import voyage_defaults
 
-    u = voyage_defaults(model).speed if speed is None else read_speed("--helm-speed", speed)
-    return HelmOptions(hold=hold).of(model, float(u), 0.0, way)
+    return HelmOptions(hold=hold).of(model, float(voyage_defaults(model).speed) if speed is None else speed, 0.0, way)
 
 
 @dataclass(frozen=True)
@@ -135,7 +133,7 @@ def estimate(
     dimensions: DimensionOptions,
     delivery: PlainModelDelivery,
     kind: Annotated[str | None, Option("--type", help="container, tanker, bulk, general, inland or convoy.")] = None,
-    speed: Annotated[str | None, Option(help="Service speed: 12m/s, 16kn; default: usual for the type.")] = None,
+    speed: Annotated[Speed | None, Option(help="Service speed: 12m/s, 16kn; default: usual for the type.")] = None,
 ) -> None:
     """Estimate a model from the main dimensions of a ship.
 
@@ -147,8 +145,7 @@ def estimate(
     ship = {
         "length": own.length, "beam": own.beam, "draft": own.draft, "block_coefficient": own.block, "name": own.name,
     }  # fmt: skip
-    service = None if speed is None else read_speed("--speed", speed)
-    model = nw.estimate_model(ship, nw.Canal(own.width, own.depth), nw.Water(own.density), kind=kind, speed=service)
+    model = nw.estimate_model(ship, nw.Canal(own.width, own.depth), nw.Water(own.density), kind=kind, speed=speed)
     delivery.write(model.save)
     delivery.show(lambda: estimate_summary(model), lambda: print_estimate(model))
 

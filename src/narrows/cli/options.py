@@ -19,6 +19,8 @@ from narrows.results import to_json
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from narrows.terms.term import TermTable
+
 
 # Characters that a file name cannot hold, percent-encoded as in addresses.
 NOT_IN_NAMES = str.maketrans({character: f"%{ord(character):02X}" for character in "/\\\0%"})
@@ -80,8 +82,6 @@ WaterwayFile = Annotated[
     Path | None, Option(help="GeoJSON of a waterway instead of the model's canal; x, y, psi are relative to its line.")
 ]
 
-TermsName = Annotated[str, Option(help="Table of terms: 'paper', 'crossflow', 'mmg', 'paper+keel_gap+helm', ...")]
-RunErrors = Annotated[str, Option(help="Differences between runs: gain, zero and form, as shares of the force.")]
 Plot = Annotated[Path | None, Option(help="Picture to write: PNG, SVG or PDF.", callback=named(PICTURES))]
 Report = Annotated[Path | None, Option(help="Self-contained HTML report to write.", callback=named(PAGES))]
 AsJson = Annotated[bool, Option("--json", help="Print JSON instead of tables.")]
@@ -191,6 +191,38 @@ def speed(option: str, text: str) -> float:
     if values.size != 1:
         raise InputError(f"{option} {shown(text)} is more than one speed; give one, as 4.1m/s or 8kn")
     return float(values[0])
+
+
+def words(_: str, text: str) -> tuple[str, ...]:
+    """Read ``a,b,c``; nothing of an empty text."""
+    return tuple(filter(None, map(str.strip, text.split(","))))
+
+
+def _read_terms(_: str, text: str) -> "TermTable":
+    from narrows.terms.tables import table_named
+
+    return table_named(text)
+
+
+def _read_run_errors(_: str, text: str) -> Any:
+    from narrows.identification.systematic_effects import run_errors_of
+
+    return run_errors_of(text)
+
+
+# Types of options that are read from text.
+Numbers = Annotated[Any, numbers]
+Speed = Annotated[Any, speed]
+Speeds = Annotated[Any, speeds]
+Words = Annotated[Any, words]
+Terms = Annotated[
+    Any, _read_terms, Option(help="Table of terms: 'paper', 'crossflow', 'mmg', 'paper+keel_gap+helm', ...")
+]
+RunErrors = Annotated[
+    Any,
+    _read_run_errors,
+    Option("--run-errors", help="Differences between runs: gain, zero and form, as shares of the force."),
+]
 
 
 class Delivery:

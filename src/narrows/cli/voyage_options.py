@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from math import radians
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -9,7 +10,7 @@ import numpy as np
 
 import narrows as nw
 from narrows.cli.declarations import Option
-from narrows.cli.options import WaterwayFile, numbers, speeds
+from narrows.cli.options import Numbers, Speed, Speeds, WaterwayFile, numbers
 from narrows.cli.options import speed as read_speed
 from narrows.errors import InputError, check_choice
 
@@ -26,26 +27,20 @@ ContactKind = Annotated[
 class StartOptions:
     y: Annotated[float, Option(help="Start to starboard of the centreline [m].")] = 0.0
     speed: Annotated[
-        str | None,
-        Option(help="Surge velocity: 1.2m/s, 8kn; m/s without a unit; default: one that suits the ship."),
+        Speed | None, Option(help="Surge velocity: 1.2m/s, 8kn; m/s without a unit; default: one that suits the ship.")
     ] = None
     psi_deg: Annotated[float, Option(help="Heading at the start [deg].")] = 0.0
-    v: Annotated[str, Option(help="Sway velocity at the start, likewise.")] = "0m/s"
+    v: Annotated[Speed, Option(help="Sway velocity at the start, likewise.")] = "0m/s"
     r_deg: Annotated[float, Option(help="Yaw rate at the start [deg/s].")] = 0.0
     x: Annotated[float, Option(help="Start along the canal [m].")] = 0.0
     revolutions: Annotated[float | None, Option(help="Propeller revolutions [1/s]; default: those of the model.")] = (
         None
     )
 
-    @property
-    def u(self) -> float | None:
-        """Surge velocity [m/s], if given."""
-        return None if self.speed is None else read_speed("--speed", self.speed)
-
     def values(self) -> dict[str, float]:
         turning = {"psi": radians(self.psi_deg), "r": radians(self.r_deg)}
         turns = {} if self.revolutions is None else {"revolutions": self.revolutions}
-        return {"x": self.x, "y": self.y, "v": read_speed("--v", self.v), **turning, **turns}
+        return {"x": self.x, "y": self.y, "v": self.v, **turning, **turns}
 
 
 @dataclass(frozen=True)
@@ -99,8 +94,24 @@ class PhysicsOptions:
     contact: ContactKind = "corners"
 
 
+def read_current(
+    option: str, text: str, read: Callable[[str, str], float] = read_speed
+) -> "float | list[tuple[float, float]]":
+    """Read the speed of a current [m/s], or pairs of a place [m] and the speed there: ``0:0.4m/s,2000:1m/s``."""
+    if ":" not in text:
+        return read(option, text)
+    pairs = [pair.partition(":") for pair in text.split(",")]
+    return [(_number(option, place), read(option, number)) for place, _, number in pairs]
+
+
+def _number(option: str, text: str) -> float:
+    return float(numbers(option, text)[0])
+
+
+Current = Annotated[Any, read_current]
+Shear = Annotated[Any, partial(read_current, read=_number)]
 CurrentText = Annotated[
-    str | None, Option(help="Current along the waterway at its beginning: 0.5m/s, 1kn; or 0:0.5m/s,900:1m/s.")
+    Current, Option(help="Current along the waterway at its beginning: 0.5m/s, 1kn; or 0:0.5m/s,900:1m/s.")
 ]
 
 
@@ -109,9 +120,9 @@ class WaterOptions:
     waterway: WaterwayFile = None
     current: CurrentText = None
     level: Annotated[float | None, Option(help="Water level above that of the waterway's depths [m].")] = None
-    current_across: Annotated[str | None, Option(help="Current to starboard of the line, likewise.")] = None
+    current_across: Annotated[Current, Option(help="Current to starboard of the line, likewise.")] = None
     current_shear: Annotated[
-        str | None, Option(help="Rise of the current along for each metre to starboard [1/s]: 0.002; or 0:0.001,900:0.")
+        Shear, Option(help="Rise of the current along for each metre to starboard [1/s]: 0.002; or 0:0.001,900:0.")
     ] = None
 
     def read(self) -> "nw.Waterway | None":
@@ -123,54 +134,30 @@ class WaterOptions:
                     "leave them out"
                 )
             return None
-
-        across = read_current(self.current_across, "--current-across")
-        shear = read_current(self.current_shear, "--current-shear", _number)
-        return nw.read_waterway(self.waterway).with_water(read_current(self.current), self.level, across, shear)
-
-
-def read_current(
-    text: str | None, option: str = "--current", read: Callable[[str, str], float] = read_speed
-) -> "float | list[tuple[float, float]] | None":
-    """Read the speed of a current [m/s], or pairs of a place [m] and the speed there: ``0:0.4m/s,2000:1m/s``."""
-    if text is None or ":" not in text:
-        return None if text is None else read(option, text)
-    pairs = [pair.partition(":") for pair in text.split(",")]
-    return [(_number(option, place), read(option, number)) for place, _, number in pairs]
-
-
-def _number(option: str, text: str) -> float:
-    return float(numbers(option, text)[0])
+        return nw.read_waterway(self.waterway).with_water(*water)
 
 
 @dataclass(frozen=True)
 class VariedOptions:
     y: Annotated[
-        str | None,
+        Numbers | None,
         Option(help="Start to starboard [m]: a number, a,b,c or from:to:count; bank to bank unless given."),
     ] = None
     speed: Annotated[
-        str | None,
+        Speeds | None,
         Option(help="Surge velocity: 8kn, 4kn:8kn:5, 1.2m/s; m/s without a unit; default: one that suits the ship."),
     ] = None
-    psi_deg: Annotated[str, Option(help="Heading at the start [deg], likewise.")] = "0"
-    width: Annotated[str | None, Option(help="Canal width [m], likewise; default: the model's own.")] = None
-    x: Annotated[str, Option(help="Start along the waterway [m], likewise.")] = "0"
-
-    @property
-    def u(self) -> np.ndarray | None:
-        """Surge velocities [m/s], if given."""
-        return None if self.speed is None else speeds("--speed", self.speed)
+    psi_deg: Annotated[Numbers, Option(help="Heading at the start [deg], likewise.")] = "0"
+    width: Annotated[Numbers | None, Option(help="Canal width [m], likewise; default: the model's own.")] = None
+    x: Annotated[Numbers, Option(help="Start along the waterway [m], likewise.")] = "0"
 
     def values(self, defaults: "VoyageDefaults", offsets: int) -> dict[str, Any]:
         aside = np.linspace(-defaults.offset, defaults.offset, offsets)
         vary = {
-            "y": aside if self.y is None else numbers("--y", self.y),
-            "u": np.array([defaults.speed]) if self.u is None else self.u,
-            "psi": radians(1) * numbers("--psi-deg", self.psi_deg), "x": numbers("--x", self.x),
+            "y": aside if self.y is None else self.y,
+            "u": np.array([defaults.speed]) if self.speed is None else self.speed,
+            "psi": radians(1) * self.psi_deg, "x": self.x, **({} if self.width is None else {"width": self.width}),
         }  # fmt: skip
-        if self.width is not None:
-            vary["width"] = numbers("--width", self.width)
         return {name: values if values.size > 1 else float(values[0]) for name, values in vary.items()}
 
 

@@ -9,8 +9,7 @@ import click
 
 import narrows as nw
 from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import ChartDelivery, DatasetDelivery, ModelFile, TrackDelivery, WaterwayDelivery, verb
-from narrows.cli.options import speed as read_speed
+from narrows.cli.options import ChartDelivery, DatasetDelivery, ModelFile, Speed, TrackDelivery, WaterwayDelivery, verb
 from narrows.cli.voyage_options import (
     ContactKind,
     HelmOptions,
@@ -53,7 +52,7 @@ def simulate(
     from narrows.simulation.initial_state import voyage_defaults
 
     chosen, waterway = model_named(model), water.read()
-    u = voyage_defaults(chosen).speed if start.u is None else start.u
+    u = voyage_defaults(chosen).speed if start.speed is None else start.speed
     options: dict[str, Any] = start.values() | push.values() | vars(time) | vars(physics) | {"bottom": bottom}
     controller = helm.of(chosen, u, start.x, waterway)
     voyage = nw.simulate(
@@ -86,7 +85,7 @@ def map_(
     from narrows.simulation.maps import map_summary
 
     chosen, waterway = model_named(model), water.read()
-    defaults = voyage_defaults(chosen, varied.u)
+    defaults = voyage_defaults(chosen, varied.speed)
     vary, choices = varied.values(defaults, OFFSETS), dict[str, Any](contact=contact)
     voyages = nw.ensemble(
         chosen, samples=samples.samples, seed=samples.seed, waterway=waterway,
@@ -101,13 +100,24 @@ def map_(
     raise SystemExit(int(summary["outcomes"]["diverged"] == summary["voyages"]))
 
 
+def _zigzags(option: str, text: str) -> tuple[tuple[float, float], ...]:
+    try:
+        pairs = [word.split("/") for word in text.split(",") if word]
+        return tuple((float(rudder), float(heading)) for rudder, heading in pairs)
+    except ValueError:
+        raise InputError(f"{option} {text!r} is not understood; write 10/10,20/20, in degrees") from None
+
+
+Zigzags = Annotated[Any, _zigzags]
+
+
 @verb("narrows trials yasukawa2015_kvlcc2 --speed 1.179m/s --plot tracks.png")
 def trials(
     model: ModelFile,
-    speed: Annotated[str, Option(help="Approach speed: 1.2m/s, 8kn; m/s without a unit.")],
+    speed: Annotated[Speed, Option(help="Approach speed: 1.2m/s, 8kn; m/s without a unit.")],
     delivery: ChartDelivery,
     turn_deg: Annotated[float, Option(help="Rudder angle of the turning circles, to either side [deg].")] = 35.0,
-    zigzags: Annotated[str, Option(help="Rudder/heading of the zigzags [deg], a/b,c/d.")] = "10/10,20/20",
+    zigzags: Annotated[Zigzags, Option(help="Rudder/heading of the zigzags [deg], a/b,c/d.")] = "10/10,20/20",
     dt: Annotated[float | None, Option(help="Time step [s]; default: a 120th of the time of a ship length.")] = None,
 ) -> None:
     """Simulate turning circles and zigzags in open water.
@@ -118,7 +128,7 @@ def trials(
     """
     from narrows.report.manoeuvre_report import manoeuvres_figure, print_manoeuvres
 
-    result = nw.sail_trials(model_named(model), read_speed("--speed", speed), turn_deg, _zigzags(zigzags), dt)
+    result = nw.sail_trials(model_named(model), speed, turn_deg, zigzags, dt)
     delivery.write(result.save, lambda: manoeuvres_figure(result))
     delivery.show(result.to_dict, lambda: print_manoeuvres(result))
 
@@ -190,13 +200,3 @@ def _check_together(file: Path | None, line: Path | None, width: float | None, r
         raise InputError("a chart (.000) goes with --line, its centreline on a map with one line")
     if (line is None or file is None) and reach != REACH:
         raise InputError("--reach measures a chart or an area; leave it out for banks that are drawn")
-
-
-def _zigzags(text: str) -> tuple[tuple[float, float], ...]:
-    """Read ``10/10,20/20``."""
-    # text [deg]
-    try:
-        pairs = [word.split("/") for word in text.split(",") if word]
-        return tuple((float(rudder), float(heading)) for rudder, heading in pairs)
-    except ValueError:
-        raise InputError(f"--zigzags {text!r} is not understood; write 10/10,20/20, in degrees") from None

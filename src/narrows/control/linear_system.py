@@ -19,7 +19,6 @@ UNITS = {
     "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s", "rudder": "rad", "revolutions": "1/s", "X": "N",
     "Y": "N", "N": "N m", "current": "m/s", "curvature": "1/m",
 }  # fmt: skip
-
 RANK_TOLERANCE = 1e-9  # Smallest singular value relative to the largest [1]
 LOWEST, HIGHEST = 1e-5, 1e5  # Frequency range of margins, relative to speed over length [rad]
 

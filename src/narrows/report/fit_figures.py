@@ -166,7 +166,6 @@ def delta_surface_figure(configuration: Configuration) -> Figure:
 
 
 MARKERS = ("o", "^", "s", "D", "v", "P")
-
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY, BLACK)
 
 

@@ -22,7 +22,6 @@ TRACK = (
     "Plan view along the unrolled centreline, starboard down: banks at keel depth, the track of midship, and the area "
     "that the hull swept, coloured by alert level."
 )
-
 HISTORY = (
     "Clearance of the hull, probabilities of contact, times to contact and to the last chance to act, "
     "and the rudder with the angle that keeps the ship on its offset; shading shows alerts."
@@ -48,7 +47,6 @@ def write_transit_report(transit: WatchedTransit, path: str | Path) -> None:
 SHADES = {
     Priority.CAUTION: "#F0E442", Priority.WARNING: "#E69F00", Priority.ALARM: ORANGE, Priority.EMERGENCY_ALARM: PURPLE,
 }  # fmt: skip
-
 BANK_POINTS = 400
 
 

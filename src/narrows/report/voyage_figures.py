@@ -39,13 +39,11 @@ PANEL_GREY = "#5A5A5A"
 # Width of a track, height of a panel below it [in].
 TRACK, HISTORY = 5.6, 0.9
 DEGREES = 180 / math.pi
-
 # Time histories of a voyage: unit, factor, and words by name.
 HISTORIES = (
     ("deg", DEGREES, {"psi": "heading", "rudder": "rudder"}), ("deg/s", DEGREES, {"r": "yaw rate"}),
     ("m/s", 1.0, {"u": "surge", "v": "sway"}),
 )  # fmt: skip
-
 BANK_POINTS = 400
 SIDES = {-1: ("port", BLUE, "o", "Blues_r"), 1: ("starboard", ORANGE, "^", "Oranges_r")}
 # Drawn shape of a hull with contact at midship alone: over length and beam.

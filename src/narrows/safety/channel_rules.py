@@ -62,7 +62,6 @@ def panama(ship: "OutsideRules") -> float:
 
 UFC_SOURCE = "UFC 4-150-06 (2001), Military harbors and coastal facilities, 5-6.2.2.1, ufgscriteria.tpub.com/4_150_06"
 SUEZ_SOURCE = "Suez Canal Authority, Rules of navigation (2020), article 54, suezcanal.gov.eg"
-
 # The rules, those of widths first.
 CHANNEL_RULES = (
     ChannelRule(

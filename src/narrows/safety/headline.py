@@ -167,7 +167,6 @@ def sure_blocks(data: xr.Dataset, share: float) -> list[Block | None]:
 CHOKED, AGROUND, ENGINE = "the canal chokes", "the keel", "the engine"
 NONE, RUDDER, UPSET = "no rudder holds it", "the rudder", "the disturbance"
 KNOWLEDGE, PILOT, TESTS, RANGE = "uncertain coefficients", "the pilot", "the tests end", "no faster speed tried"
-
 AT_LENGTH = {
     CHOKED: "the choking of the canal",
     AGROUND: "the water under the keel",

@@ -25,7 +25,6 @@ Numbers = dict[str, np.ndarray]
 
 # Gains of manual steering: rudder [rad] for half a beam off, a heading deviation [rad] and a yaw rate in ship lengths.
 SENSIBLE = (0.56, 8.0, 7.7)
-
 # Times of a ship length in which manual trim reaches the size of the immediate order.
 TRIMMED = 10.0
 
@@ -137,14 +136,11 @@ def _hand(ship: SimulatedShip, numbers: Numbers, course: Course) -> ControlLaw:
 
 # Regulators that rely on the best-estimate bank force, besides the default one.
 TIGHTER = tuple(RegulatorWeights(offset, bank=1.0) for offset in (1 / 4, 1 / 8, 1 / 16))
-
 # A helmsman as a control law: observations become delayed orders, in whole degrees, up to a limit. Time between
 # observations, and from an order to its execution [s].
 DELAY = 3.0
-
 # Largest ordered rudder [deg].
 CAP_DEG = 20.0
-
 # Pilots by name, the default first.
 PILOTS = {
     "regulator": Pilot(
@@ -170,7 +166,6 @@ def regulator_of(ship: SimulatedShip, gains: list[Any], held: Mapping[str, Any],
 
 # Powers of two that make up whole degrees.
 BITS = (32, 16, 8, 4, 2, 1)
-
 DEGREE = math.pi / 180
 
 

@@ -13,10 +13,8 @@ from narrows.waterway.centreline import FARTHEST, Centreline, chords
 # Share of the centreline at either end where a bank may be missing: its distance is assumed constant, with a
 # note.
 SLACK = 0.06
-
 # Places between two corners at which distances are checked.
 BETWEEN = 8
-
 # Places along a bank at which its side of the line is checked.
 ALONG = 4000
 

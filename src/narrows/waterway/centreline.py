@@ -17,22 +17,16 @@ if TYPE_CHECKING:  # SciPy's splines are slow to load: they do where a line is u
 
 # Samples between two points of the line, as starting values of the search for the nearest place.
 SAMPLES_A_PIECE = 32
-
 ROUNDS = 12
-
 # Positions per block, which fit in the cache.
 BLOCK = 8192
-
 # Tolerance of the search, relative to the length of the line.
 STEP = 1e-10
-
 # Samples of the heading over the length of a bend.
 BEND_SAMPLES = 32
-
 # Root mean squares by which a track is smoothed, in shares of half the width of its waterway, as positions of a ship
 # scatter by metres; that half over the radius of a smoothed bend, at most.
 SMOOTHING, MOST_BENT = (0.01, 0.02, 0.05, 0.1, 0.2), 0.5
-
 # Distance greater than any on earth [m].
 FARTHEST = 1e8
 

@@ -18,10 +18,8 @@ from narrows.waterway.waterway import Waterway
 
 # Distance greater than any waterway's width [m].
 MOST = 1e5
-
 # Search distance for a bank [m].
 REACH = 1000.0
-
 # Width of the transition from one area's depth to the next, on the deeper side [m].
 SHELF = 0.01
 
@@ -150,15 +148,11 @@ def _moved(area: Any, origin: np.ndarray) -> Any:
 # Electronic charts, S-57 and inland: the lines of banks and the areas of depth in a cell. Object classes that bound the
 # water: coastline, shoreline construction, banks of canals and rivers.
 BANKS = ("COALNE", "SLCONS", "canbnk", "rivbnk", "CANBNK", "RIVBNK")
-
 # Object classes of a range of depths: depth areas, at sea and inland, and dredged areas.
 DEPTH_AREAS = ("DEPARE", "depare", "DRGARE")
-
 OPTIONS = {"SPLIT_MULTIPOINT": "ON", "ADD_SOUNDG_DEPTH": "ON", "UPDATES": "APPLY"}
-
 # Code for depths in metres.
 METRES = 1
-
 # Layers of a cell that was read without the catalogue of object classes.
 BARE = {"Point", "Line", "Area"}
 

@@ -128,7 +128,6 @@ def _lowest(ahead: np.ndarray, out: np.ndarray, to: np.ndarray, out_to: np.ndarr
 
 # Largest number of cells in a table.
 MOST_CELLS = 1_000_000
-
 # Cells per beam of the ship that keep contact within 0.01 of the beam. A kink of a bank by a slope m between nodes errs
 # by m step / 4 (1:10: 0.006 of the beam), a sudden start of a bend by 0.005 of it, the chord of a bank in a bend by
 # curvature step^2 / 8 (radius of 30 beams: 0.0003).

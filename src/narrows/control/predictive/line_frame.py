@@ -21,7 +21,6 @@ HELD = ("y", "psi", "v", "r", "rudder")
 MOVED = [LINEARISED.index(name) for name in HELD[:4]]
 RUDDER = HELD.index("rudder")
 FORCED = slice(HELD.index("v"), HELD.index("r") + 1)  # States that forces accelerate
-
 # Section of the water in plans, and the corresponding inputs of the terms.
 COLUMNS = ("width", "middle", "depth", "curvature", "keel_starboard", "keel_port", "current")
 SECTION = ("width", "depth")

@@ -32,13 +32,11 @@ LONGEST_TEXT = 40
 # Entries of a list in one sentence.
 ENTRIES = 3
 RESERVED = re.compile(r"[\r\n$*,!\\^~]|[^\x20-\x7d]")
-
 # Letters of states. Makers' manuals contradict each other, so they can be changed.
 LETTERS: Mapping[AlertState, str] = {
     AlertState.NORMAL: "N", AlertState.UNACKNOWLEDGED: "V", AlertState.SILENCED: "S", AlertState.ACKNOWLEDGED: "A",
     AlertState.RECTIFIED: "U", AlertState.TRANSFERRED: "O",
 }  # fmt: skip
-
 ACN = re.compile(rb"^\$[A-Z]{2}ACN,[^,]*,([A-Z]{0,3}),(\d{1,7}),(\d{1,6}),([AQOS]),C\*[0-9A-F]{2}$")
 
 
@@ -108,7 +106,6 @@ STATES = {
     Priority.NONE: "normal", Priority.CAUTION: "alert", Priority.WARNING: "warn", Priority.ALARM: "alarm",
     Priority.EMERGENCY_ALARM: "emergency",
 }  # fmt: skip
-
 SOURCE = "narrows"
 
 

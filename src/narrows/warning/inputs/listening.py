@@ -183,7 +183,6 @@ class LineSplitter:
 TURN = 2 * math.pi
 # More than any ship's speed [m/s].
 FASTEST = 60.0
-
 # By path: what it is about, the column, and the largest number that it can be.
 PATHS = {
     "navigation.headingTrue": ("heading", "heading", TURN),
@@ -195,7 +194,6 @@ PATHS = {
     "propulsion.revolutions": ("revolutions", "revolutions", 100.0),
     "design.draft.current": (PARTICULARS, "draft", 50.0),
 }
-
 POSITION = "navigation.position"
 PLACES = {"longitude": 180.0, "latitude": 90.0}
 ENGINE = re.compile(r"^propulsion\.[^.]+\.")

@@ -209,12 +209,10 @@ def _listening(host: str, port: int) -> socket.socket:
 
 
 NUMBERS = ("identifier", "instance", "revision")
-
 MALFORMED = (
     'That is no request; write {"command": "acknowledge" or "silence", "identifier": ..., "instance": ..., '
     '"revision": ...}, the numbers as the alert has them.'
 )
-
 BUSY = "Too much is asked for at once; ask again."
 # Told why, where a request is refused.
 Answer = Callable[[str], None]
