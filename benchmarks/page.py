@@ -60,7 +60,7 @@ def in_node(
     given = {"model.js": model_script(exported)}
     modules = "".join(bundled(name, given, known) for name in ("plain_fleet.js", "wasm_fleet.js", "model.js"))
     names = {"parameters": [one.name for one in exported.parameters], "inputs": [one.name for one in exported.inputs]}
-    shape = {"states": len(exported.portable.kept), "parameters": len(names["parameters"]), "rudder": -1,
+    shape = {"states": len(exported.kept), "parameters": len(names["parameters"]), "rudder": -1,
              "paths": 0, "samples": 0}  # fmt: skip
     with tempfile.TemporaryDirectory() as folder:
         wasm = Path(folder, "fleet.wasm")
@@ -78,7 +78,7 @@ def single_precision(model: nw.Model, low: float, high: float, ships: int) -> st
     """How far ends in single precision are from those in double, of ships all over a canal at speeds [m/s] between."""
     exported, length = ExportedShip(SimulatedShip(model), None, SHIP), model.configuration.ship.length
     clear = 0.8 * (model.configuration.canal.width / 2 - model.configuration.ship.beam / 2)
-    states, number = len(exported.portable.kept), np.arange(ships)
+    states, number = len(exported.kept), np.arange(ships)
     starts = np.zeros((ships, states + 1))
     starts[:, 1], starts[:, 2] = -clear + 2 * clear * (number + 0.5) / ships, 1.0
     starts[:, 4] = low + (high - low) * (number * 7 % 100) / 100

@@ -62,7 +62,7 @@ def fleet_ends(exported: ExportedShip, starts: np.ndarray, steps: int, wasm: Pat
         "parameters": [one.name for one in exported.parameters],
         "inputs": [one.name for one in exported.inputs],
     }
-    kept = exported.portable.kept
+    kept = exported.kept
     shape = {**SHAPE, "states": len(kept), "parameters": len(names["parameters"]),
              "rudder": kept.index("rudder") if "rudder" in kept else -1}  # fmt: skip
     parameters = [one.value for one in exported.parameters]

@@ -59,7 +59,7 @@ def test_a_helm_steers_as_it_does_in_a_voyage(kind: str, tmp_path: Path) -> None
     helm = helm_of(model, 1.0)[0]
     assert helm is not None
     for steers in (True, False):
-        starts = np.zeros((2, len(exported.portable.kept) + 1))
+        starts = np.zeros((2, len(exported.kept) + 1))
         starts[:, 1], starts[:, 2], starts[:, 4], starts[:, -1] = [0.5, -1.1], 1.0, 0.9, 0.02
         starts[:, [7, -2]] = 0.0 if steers else 0.05  # The rudder, and what the helm ordered last.
         told = {"law_steers": 1.0 if steers else -1.0, "law_ordered": 0.05}

@@ -1,4 +1,4 @@
-"""A ship prepared for export: its programs, and their constants with unit and meaning."""
+"""A ship prepared for export: the lines of the engine by purpose, and their numbers with unit and meaning."""
 
 import re
 from collections.abc import Iterator, Mapping
@@ -11,10 +11,13 @@ import numpy as np
 import sympy
 from sympy import Float
 
-from narrows.codegen.choices import AFLOAT_SPEED, TIME
-from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, SURGE_INERTIA, Expr, exact_number
-from narrows.codegen.lines import FUNCTIONS, Program, real, straight_lines
-from narrows.codegen.portable import ORDERED, Portable
+from narrows.codegen.choices import AFLOAT_SPEED, COUNTED, LENGTH, TIME, Actuated, Choices, Law, control_names
+from narrows.codegen.derivatives import coefficient_slopes, linear_slopes
+from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, STATE, SURGE_INERTIA, Expr, exact_number
+from narrows.codegen.linearisation import LINEARISED
+from narrows.codegen.lines import FUNCTIONS, Lines, Program, real, straight_lines
+from narrows.codegen.rates import Rates
+from narrows.codegen.step import Step, least_clearance, rate_here, section_at, section_here, step_of
 from narrows.codegen.system import DEFAULTS
 from narrows.codegen.trace import trace_of
 from narrows.errors import InputError
@@ -33,6 +36,10 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 USUAL_PREFIX = "ship"
+# Name in the lines of a caller's order to an actuator with a gear.
+ORDERED = "ordered_{}".format
+# Inputs of the lines from the table of a waterway.
+PLACES = ("x_first", "x_last", "cells_a_metre", "last_cell")
 HEADING = "heading, positive clockwise seen from above"
 # Longest formula that is printed as a constant's meaning [letters]; beyond it, the names of the terms.
 LONGEST_FORMULA = 72
@@ -69,19 +76,86 @@ class ExportedShip:
     prefix: str = USUAL_PREFIX  # Prefix of the names in the file
     steering: Steering | None = None  # Control law that gives the orders instead of a caller
 
+    # Actuators that are angles have a gear, which follows an order of the caller or of the law; the caller sets the
+    # others.
+
     @cached_property
-    def portable(self) -> Portable:
-        shape = self.ship.shape if isinstance(self.ship.shape, str) else len(self.ship.shape)
-        motion = self.ship.system().rates.motion
-        law, parameters = (self.steering.law, tuple(self.steering.parameters)) if self.steering else (None, ())
+    def geared(self) -> tuple[Actuated, ...]:
+        return tuple(actuator for actuator in self.ship.actuators if actuator.angle)
+
+    @cached_property
+    def choices(self) -> Choices:
+        shape, law = self.ship.shape, self.steering.law if self.steering else None
+        if self.geared and not law:
+            names = {actuator.name: ORDERED(actuator.name) for actuator in self.geared}
+            trace = trace_of(
+                lambda at: {name: getattr(at, order) for name, order in names.items()},
+                {**{order: order for order in names.values()}, "dt": LENGTH},
+                "the gear",
+            )
+            law = Law(trace, (), self.geared)
+        return Choices(shape if isinstance(shape, str) else len(shape), self.waterway is not None, law, "always")
+
+    @property
+    def kept(self) -> tuple[str, ...]:
+        return self.choices.kept
+
+    @property
+    def gear(self) -> tuple[str, ...]:
+        return tuple(name for name in self.kept if name not in (*STATE, COUNTED))
+
+    @cached_property
+    def rates(self) -> Rates:
+        """The rates of the state; everything that a caller may change counts as moving."""
+        controls = [name for actuator in self.ship.actuators for name in control_names(actuator)]
+        section = ("width", "depth") if self.waterway else ()
+        return Rates(self.ship.system().rates.motion, (*INPUTS.values(), *controls, *section), pushed=True)
+
+    @cached_property
+    def step(self) -> Step:
+        """A whole step, with the places where a loop over vessels may be split."""
+        return step_of(self.rates, self.choices).with_whole_steps()
+
+    @property
+    def _symbols(self) -> dict[str, Expr]:
+        return {name: real(name) for name in (*STATE, *self.rates.moving)}
+
+    @cached_property
+    def _rates_here(self) -> tuple[Lines, dict[str, Expr]]:
+        lines = Lines()
+        rates = rate_here(lines, self.rates, self.choices, self._symbols, "")
+        return lines, {**rates, "psi": rates[COUNTED]}
+
+    @cached_property
+    def _equations(self) -> dict[str, Program]:
+        (lines, rates), by, near, symbols = self._rates_here, Lines(), Lines(), self._symbols
+        if self.waterway:
+            symbols, _ = section_here(by, self.rates, self.choices, symbols, "")
+        more, entries = linear_slopes(lines, rates, self.ship.actuators)
+        rows = [entries[first : first + len(entries) // 6] for first in range(0, len(entries), len(entries) // 6)]
         names = self.ship.model.terms.names
-        return Portable(motion, names, self.ship.actuators, shape, self.waterway is not None, law, parameters)
+        programs = {
+            "rates": Program.of(lines, [rates[name] for name in self.kept if name in rates]),
+            "step": Program.of(self.step.lines, [self.step.out[name] for name in (*self.kept, "clearance", "side")]),
+            "least_clearance": Program.of(near, least_clearance(near, self.choices, self._symbols)),
+            "by_state": Program.of(more, [entry for row in rows for entry in row[:6]]),
+            "by_input": Program.of(more, [entry for row in rows for entry in row[6:]]),
+            "by_coefficient": Program.of(by, coefficient_slopes(by, self.rates, names, symbols)),
+        }
+        if self.ship.shape != OPEN:
+            # To starboard and to port; in a waterway from the least distance at which its banks can be met.
+            programs["clearance"] = Program.of(near, [real("clearance_starboard"), real("clearance_port")])
+        if self.waterway:  # Width and depth of the water at the ship's place
+            here = Lines()
+            at = section_at(here, self.choices, real("x"), ("starboard", "port", "depth"), "here")
+            programs["section"] = Program.of(here, [at["starboard"] + at["port"], at["depth"]])
+        return programs
 
     @cached_property
     def programs(self) -> Mapping[str, Program]:
         """Programs of the equations, and of their constants; ``section`` gives ``_over_ship`` at a place."""
-        programs = dict(self.portable.programs)  # The derivatives need more constants than the rates: those come last
-        parts = [straight_lines([*self.portable.rates.constants.table]), straight_lines([*self._derived.values()], "s")]
+        programs = dict(self._equations)  # The derivatives need more constants than the rates: those come last
+        parts = [straight_lines([*self.rates.constants.table]), straight_lines([*self._derived.values()], "s")]
         constants, results = ([one for part in parts for one in part[kind]] for kind in (0, 1))
         programs["constants"] = Program(tuple(constants), tuple(results))
         if self.waterway:
@@ -89,6 +163,16 @@ class ExportedShip:
             lines, results = straight_lines([*_over_ship(*place.results).values()])
             programs["section"] = Program((*place.assignments, *lines), tuple(results))
         return programs
+
+    @cached_property
+    def continuous(self) -> tuple[Program, ...]:
+        """Rates of x, y, psi, u, v, r; those of the gear; and, between banks, the clearance to either side."""
+        lines, rates = self._rates_here
+        motion = Program.of(lines, [rates[name] for name in LINEARISED])
+        # The rate equals that of a whole step.
+        moved = [(self.step.out[name] - real(name)) / real(LENGTH) for name in self.gear]
+        between_banks = [self._equations["clearance"]] if self.ship.shape != OPEN else []
+        return motion, Program.of(self.step.lines, moved), *between_banks
 
     @cached_property
     def water(self) -> dict[str, Expr]:
@@ -102,12 +186,13 @@ class ExportedShip:
 
     @property
     def constants(self) -> tuple[str, ...]:
-        return (*self.portable.constants, *self._derived)
+        derived = self._derived  # The derivatives need more constants than the rates
+        return (*self.rates.constants.names, *derived)
 
     @cached_property
     def meanings(self) -> dict[str, str]:
         """Return the formula of each constant of the equations, or its terms where the formula is long."""
-        table, terms = self.portable.rates.constants.table, self.ship.model.terms.names
+        table, terms = self.rates.constants.table, self.ship.model.terms.names
         asked = {formula: set(map(str, formula.free_symbols)) for formula in table}
         return {
             str(constant): text if len(text := str(formula)) <= LONGEST_FORMULA else
@@ -123,7 +208,9 @@ class ExportedShip:
             "near_bank": Float(NEAR_THE_BANK, 17) * real("width"), "hull_length": real("length"),
             **{name: real("width") / 2 for name in WALLS if name not in self._values}, **self.water,
         }  # fmt: skip
-        asked = {*self.portable.hull, *ALWAYS, *(PARTICULARS if self.waterway else self.water)}
+        asked = {name for own in ("step", "least_clearance") for name in self._equations[own].asked}
+        asked -= {*self.rates.constants.names, *self.kept, *self.input_names, *PLACES, LENGTH}
+        asked |= {*ALWAYS, *(PARTICULARS if self.waterway else self.water)}
         return {name: known.get(name, real(name)) for name in sorted(asked)}
 
     @cached_property
@@ -139,7 +226,7 @@ class ExportedShip:
 
     @cached_property
     def parameters(self) -> tuple[ExportedNumber, ...]:
-        symbols = {str(symbol): name for name, symbol in self.portable.parameters.items()}
+        symbols = {str(symbol): name for name, symbol in self.rates.parameters.items()}
         known = {name: symbols.get(name, name) for name in self.programs["constants"].asked}
         for name in known.values():
             if self._values.get(name) is None:
@@ -170,9 +257,17 @@ class ExportedShip:
         return known.get(name, Quantity("m", "of the hull that meets a bank"))
 
     @cached_property
+    def input_names(self) -> tuple[str, ...]:
+        """Names in the lines of the ``inputs``."""
+        orders = [ORDERED(one.name) if one.angle else one.name for one in self.ship.actuators]
+        of_law = self.steering.parameters if self.steering else ()
+        known = (*INPUTS.values(), *orders, *of_law, *(("current",) if self.waterway else ()))
+        return tuple(name for name in known if name in self._equations["step"].asked)
+
+    @cached_property
     def inputs(self) -> tuple[ExportedNumber, ...]:
-        """Inputs that a caller may change from step to step; the lines index them as ``portable.inputs``."""
-        return tuple(self._input(name) for name in self.portable.inputs)
+        """Inputs that a caller may change from step to step."""
+        return tuple(self._input(name) for name in self.input_names)
 
     def _input(self, name: str) -> ExportedNumber:
         if name in FORCES_FROM_OUTSIDE:
@@ -195,12 +290,12 @@ class ExportedShip:
         known |= {**REGRESSOR_INPUTS, "counted_psi": Quantity("rad", "heading that counts whole turns")}
         for actuator in self.ship.actuators:
             known |= dict.fromkeys(actuator.stages, Quantity(known[actuator.name].unit, DELAYED.format(actuator.name)))
-        start = {**dict.fromkeys(self.portable.kept, 0.0), "cos_psi": 1.0}
+        start = {**dict.fromkeys(self.kept, 0.0), "cos_psi": 1.0}
         if self.steering:
             start |= {name: float(value) for name, value in self.steering.memory(start).items()}
             known |= {name: Quantity("1", OF_LAW(name.removeprefix(MEMORY("")))) for name in self.steering.law.memory}
         known |= {TIME: Quantity("s", "time")}
-        return tuple(ExportedNumber(name, start[name], *known[name]) for name in self.portable.kept)
+        return tuple(ExportedNumber(name, start[name], *known[name]) for name in self.kept)
 
     @property
     def controls(self) -> tuple[str, ...]:
@@ -214,8 +309,8 @@ class ExportedShip:
     @property
     def rule(self) -> dict[str, Any]:
         return {
-            "EXACT": self.exact, "WATERWAY": self.waterway is not None, "LEAVES": self.portable.choices.leaves,
-            "KEPT": len(self.portable.kept),
+            "EXACT": self.exact, "WATERWAY": self.waterway is not None, "LEAVES": self.choices.leaves,
+            "KEPT": len(self.kept),
         }  # fmt: skip
 
     @cached_property

@@ -18,12 +18,15 @@ from textwrap import wrap
 from types import MappingProxyType
 from typing import Any
 
-from narrows.codegen.choices import COUNTED
+import sympy
+
+from narrows.codegen.choices import COUNTED, LENGTH
+from narrows.codegen.derivatives import with_tangents
 from narrows.codegen.free_motion import OPEN
 from narrows.codegen.linearisation import LINEARISED
-from narrows.codegen.portable import ALONG
+from narrows.codegen.lines import Lines, Program, real
 from narrows.codegen.printers.c import C
-from narrows.export.exported_ship import HEADING, ExportedNumber, ExportedShip
+from narrows.export.exported_ship import HEADING, PLACES, ExportedNumber, ExportedShip
 from narrows.export.native_build import NativeBuild, libraries_of_source
 from narrows.export.passport import RANGE_BITS, bits_in_words, passport
 from narrows.export.ship_files import c_text, commented, filled, places_in, rates_of, rendered
@@ -60,6 +63,8 @@ class Kind(StrEnum):
     INDICATOR = "n", "local", "continuous", "calculated"
 
 
+# Derivative of a number along the direction that a caller gives.
+ALONG = "along_{}".format
 REALS, INTEGERS = "tsdcofupn", "i"
 UNKNOWNS, KNOWNS = "sdcn", "sup"
 SIDES = ("starboard", "port")
@@ -141,7 +146,7 @@ def _states(exported: ExportedShip) -> Iterator[tuple[str, str, str]]:
     for name in LINEARISED:
         yield name, *((MOTION[name].unit, MOTION[name].meaning) if name in MOTION else ("rad", HEADING))
     known = {one.name: one for one in exported.state}
-    yield from ((name, known[name].unit, known[name].meaning) for name in exported.portable.gear)
+    yield from ((name, known[name].unit, known[name].meaning) for name in exported.gear)
 
 
 def _bounds(exported: ExportedShip, one: ExportedNumber) -> tuple[float, float]:
@@ -231,7 +236,7 @@ def _choices(exported: ExportedShip, variables: tuple[FmuVariable, ...], token: 
     outcomes = [f"SHIP_{outcome.upper()}" for _, outcome, _ in indicators(exported)]
     return rendered(
         "choices.h.j2", exported, C(), token=token, speed=speed, dt=dt, events=outcomes,
-        banks=exported.ship.shape != OPEN, counted=COUNTED in exported.portable.kept, kinds={k.name: k for k in Kind},
+        banks=exported.ship.shape != OPEN, counted=COUNTED in exported.kept, kinds={k.name: k for k in Kind},
         reals=REALS, integers=INTEGERS, unknowns=UNKNOWNS, knowns=KNOWNS,
         letters=[f'"{line}"' for line in wrap(letters, LETTERS_A_LINE)],
         low=[C().literal(low) for low, _ in bounded], high=[C().literal(high) for _, high in bounded],
@@ -241,24 +246,36 @@ def _choices(exported: ExportedShip, variables: tuple[FmuVariable, ...], token: 
 
 def _programs(exported: ExportedShip) -> dict[str, str]:
     """Programs of ``evaluate`` and the like, with the derivatives along a direction."""
-    portable, language = exported.portable, C(exported.prefix)
+    language = C(exported.prefix)
     places = places_in(exported, language)
     # Places of each number's derivative along the direction.
     ways = {ALONG(name): f"along_{where}" for name, where in places.items() if "->" in where}
     ways |= {ALONG(name): "0.0" for name, where in places.items() if where == "0.0"}
-    ways |= {ALONG(name): f"along_state[{number}]" for number, name in enumerate((*LINEARISED, *portable.gear))}
+    ways |= {ALONG(name): f"along_state[{number}]" for number, name in enumerate((*LINEARISED, *exported.gear))}
     known = rates_of(exported, language)
     # In open water there is no clearance.
     starts = {"motion": 0, "gear": len(LINEARISED), "clearance": 0}
-    for (name, start), program in zip(starts.items(), portable.continuous, strict=False):
+    for (name, start), program in zip(starts.items(), exported.continuous, strict=False):
         targets = [f"result[{start + number}]" for number in range(len(program.results))]
-        known[f"{name}_along"] = "\n    ".join(language.body(portable.along(program), targets, places | ways))
+        known[f"{name}_along"] = "\n    ".join(language.body(_along(exported, program), targets, places | ways))
     names = [one.name for one in exported.parameters]
     where = {name: language.field("parameters", name) for name in names}
     where |= {ALONG(name): language.field("along_parameters", name) for name in names}
     targets = [language.field("along_constants", name) for name in exported.constants]
-    along = language.body(portable.along(exported.programs["constants"]), targets, where)
+    along = language.body(_along(exported, exported.programs["constants"]), targets, where)
     return known | {"constants_along": "\n    ".join(along)}
+
+
+def _along(exported: ExportedShip, program: Program) -> Program:
+    """Return the derivatives of a program's results along a direction in state, inputs and constants, ``ALONG``."""
+    values = (*(value for _, value in program.assignments), *program.results)
+    used, moving = set().union(*(sympy.sympify(value).free_symbols for value in values)), {*program.asked}
+    seeds = {one: [real(ALONG(str(one)))] for one in used if str(one) in moving - {*PLACES, LENGTH}}
+    for angle in ("psi", *(actuator.name for actuator in exported.geared)):
+        cosine, sine, along = real(f"cos_{angle}"), real(f"sin_{angle}"), real(ALONG(angle))
+        seeds |= {name: [way] for name, way in ((cosine, -sine * along), (sine, cosine * along)) if name in seeds}
+    lines, slopes_of = with_tangents(Lines(list(program.assignments)), seeds, 1)
+    return Program.of(lines, [slopes_of(result)[0] for result in program.results])
 
 
 def description_text(model: Model, variables: tuple[FmuVariable, ...], fmi: int, **context: Any) -> str:

@@ -17,12 +17,11 @@ from narrows.codegen.free_motion import INPUTS, OPEN, STATE
 from narrows.codegen.kernels import event, filling, single
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program
-from narrows.codegen.portable import PLACES
 from narrows.codegen.printers.c import BlockC, C, CTranslation, c_block, lane_functions
 from narrows.codegen.printers.language import JavaScript, Language, Matlab, PythonFile
 from narrows.codegen.printers.python import PlainSource
 from narrows.codegen.printers.translation import Translation
-from narrows.export.exported_ship import HEADING, ExportedNumber, ExportedShip
+from narrows.export.exported_ship import HEADING, PLACES, ExportedNumber, ExportedShip
 from narrows.export.passport import RANGE_BITS, bits_in_words, ends_of_data
 from narrows.simulation.initial_state import voyage_defaults
 from narrows.waterway import bank_clearance
@@ -46,13 +45,12 @@ def plain_functions(exported: ExportedShip) -> PlainSource:
 
 def places_in(exported: ExportedShip, language: Language) -> dict[str, str]:
     """Return the place of each number in the lines: state, inputs, constants, waterway."""
-    portable = exported.portable
     places = {name: language.field("constants", name) for name in exported.constants}
-    places |= {name: f"state[{number}]" for number, name in enumerate(portable.kept)}
-    for actuator in portable.geared:
-        position = f"state[{portable.kept.index(actuator.name)}]"
+    places |= {name: f"state[{number}]" for number, name in enumerate(exported.kept)}
+    for actuator in exported.geared:
+        position = f"state[{exported.kept.index(actuator.name)}]"
         places |= {f"{function}_{actuator.name}": language.called(function, position) for function in ("cos", "sin")}
-    names = zip(portable.inputs, exported.inputs, strict=True)
+    names = zip(exported.input_names, exported.inputs, strict=True)
     places |= {name: language.field("inputs", one.name) for name, one in names}
     places |= {name: language.field("waterway", name) for name in PLACES}
     # Derivatives by inputs may need more than the step.
@@ -82,7 +80,7 @@ def translated(exported: ExportedShip, language: Callable[[PlainSource], Transla
     source = plain_functions(exported)
     translation = language(source)
     plain = [translation.text(one) for one in last_functions(exported, source, *more)]
-    stated = {*OUTCOME_CODES, *(name.upper() for name in exported.portable.kept)}
+    stated = {*OUTCOME_CODES, *(name.upper() for name in exported.kept)}
     columns = [" ".join(name.split("_")) for name in COLUMNS]
     numbers = numbers_of(source, translation.used - stated)
     return {"plain": plain, "numbers": numbers, "columns": columns, "outcomes": OUTCOME_CODES}
@@ -147,8 +145,8 @@ def rendered(template: str, exported: ExportedShip, language: Language, **contex
     if exported.waterway:
         water = {name: f"result[{number}]" for number, name in enumerate(exported.water)}
     measured = {**sizes, **water, **context.get("sizes", {})}
-    rates = tuple(name for name in exported.portable.kept if name in (*STATE, COUNTED))  # Results of ``rates``
-    alike = {"ship": exported, "prefix": exported.prefix, "row": exported.portable.choices.row, "rates": rates,
+    rates = tuple(name for name in exported.kept if name in (*STATE, COUNTED))  # Results of ``rates``
+    alike = {"ship": exported, "prefix": exported.prefix, "row": exported.choices.row, "rates": rates,
              "number": language.literal,
              "cannot_integrate": CANNOT_INTEGRATE, "name": language.named, "beyond_bits": tuple(RANGE_BITS.values()),
              "bits": f"{bits_in_words(exported.ship.model)}, {RANGE_BITS['bottom'][0]} bottom",
@@ -169,20 +167,20 @@ def c_text(exported: ExportedShip) -> str:
 def cpp_text(exported: ExportedShip) -> str:
     return rendered(
         "model.hpp.j2", exported, C(exported.prefix), c=c_text(exported), outcomes=OUTCOME_CODES,
-        counted=COUNTED in exported.portable.kept, between_banks=exported.ship.shape != OPEN,
+        counted=COUNTED in exported.kept, between_banks=exported.ship.shape != OPEN,
     )  # fmt: skip
 
 
 def _block(exported: ExportedShip) -> list[str]:
     language = BlockC(exported.prefix)
-    portable, places = exported.portable, places_in(exported, language)
-    for column, rows in (("state", portable.kept), ("inputs", portable.inputs)):
+    places = places_in(exported, language)
+    for column, rows in (("state", exported.kept), ("inputs", exported.input_names)):
         places |= {name: f"{column}[{number}][lane]" for number, name in enumerate(rows)}
     results = {
-        f"state[{number}][lane]": portable.step.out[name]
-        for number, name in enumerate((*portable.kept, "clearance", "side"))
+        f"state[{number}][lane]": exported.step.out[name]
+        for number, name in enumerate((*exported.kept, "clearance", "side"))
     }
-    return c_block(portable.step.lines, results, places, language, f"{exported.prefix.upper()}_LANES")
+    return c_block(exported.step.lines, results, places, language, f"{exported.prefix.upper()}_LANES")
 
 
 def javascript_text(exported: ExportedShip, derivatives: bool = True) -> str:
@@ -234,18 +232,18 @@ def python_text(exported: ExportedShip) -> str:
 
 def matlab_text(exported: ExportedShip) -> str:
     """Return the rates of a ship as a function of MATLAB, with the states in the order of MSS."""
-    language, portable = Matlab(), exported.portable
+    language = Matlab()
     order = [one.name for one in _states_of_mss(exported)]
     where = {name: f"x({number})" for number, name in enumerate(order, 1)}
-    for angle in ("psi", *(actuator.name for actuator in portable.geared)):
+    for angle in ("psi", *(actuator.name for actuator in exported.geared)):
         where |= {f"{function}_{angle}": language.called(function, where[angle]) for function in ("cos", "sin")}
     inputs = _orders_first(exported)
     where |= {name: f"ui({number})" for number, (name, _) in enumerate(inputs, 1)}
     where |= {LENGTH: language.literal(voyage_defaults(exported.ship.model).dt)}
-    motion, gear = portable.continuous[:2]
+    motion, gear = exported.continuous[:2]
     asked = [name for name in exported.constants if name in {*motion.asked, *gear.asked, *exported.water}]
     where |= {name: name for name in asked}
-    rates = {f"d_{name}": f"xdot({order.index(name) + 1})" for name in (*LINEARISED, *portable.gear)}
+    rates = {f"d_{name}": f"xdot({order.index(name) + 1})" for name in (*LINEARISED, *exported.gear)}
     targets = list(rates.values())
     lines = [
         *language.body(motion, targets[: len(LINEARISED)], where),
@@ -267,13 +265,13 @@ def matlab_text(exported: ExportedShip) -> str:
 
 def _orders_first(exported: ExportedShip) -> list[tuple[str, ExportedNumber]]:
     """Return the inputs in the order of MSS, each with its name in the lines."""
-    pairs = zip(exported.portable.inputs, exported.inputs, strict=True)
+    pairs = zip(exported.input_names, exported.inputs, strict=True)
     return sorted(pairs, key=lambda pair: pair[0] in INPUTS.values())
 
 
 def _states_of_mss(exported: ExportedShip) -> list[ExportedNumber]:
     states = {one.name: one for one in exported.state} | {"psi": ExportedNumber("psi", 0.0, "rad", HEADING)}
-    return [states[name] for name in ("u", "v", "r", "x", "y", "psi", *exported.portable.gear)]
+    return [states[name] for name in ("u", "v", "r", "x", "y", "psi", *exported.gear)]
 
 
 def simulink_text(exported: ExportedShip) -> str:
@@ -288,7 +286,7 @@ def simulink_text(exported: ExportedShip) -> str:
 def rates_of(exported: ExportedShip, language: C) -> dict[str, str]:
     """Return the bodies of the template ``evaluate.h.j2``: rates of the motion, then of the gear."""
     places, start, bodies = places_in(exported, language), 0, {}
-    for name, program in zip(("motion", "gear"), exported.portable.continuous, strict=False):
+    for name, program in zip(("motion", "gear"), exported.continuous, strict=False):
         targets = [f"result[{start + number}]" for number in range(len(program.results))]
         bodies[name] = "\n    ".join(language.body(program, targets, places))
         start += len(targets)

@@ -160,7 +160,7 @@ UNTESTED = "How strongly the banks pull and turn this ship is estimated from oth
 
 
 def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any]:
-    model, kept = exported.ship.model, exported.portable.kept
+    model, kept = exported.ship.model, exported.kept
     ship, sliders = model.configuration.ship, sliders_of(exported, speed, exported.steering is not None)
     names = [slider.name for slider in sliders if slider.group == COEFFICIENTS]
     speeds = next(slider for slider in sliders if slider.name == "u")
@@ -195,11 +195,11 @@ def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any
 
 def _turned(exported: ExportedShip) -> list[int]:
     """Indices of the state from the rudder on: itself, orders on their way, the last one."""
-    kept, steering = exported.portable.kept, exported.steering
+    kept, steering = exported.kept, exported.steering
     start = {**dict.fromkeys((*STATE, "rudder"), 0.0), "cos_psi": 1.0}
     at = [steering.memory({**start, "rudder": angle}) if steering else {} for angle in (0.0, 1.0)]
     turned = {"rudder", *(name for name, value in at[1].items() if value != at[0][name])}
-    turned |= {stage for one in exported.portable.geared for stage in one.stages}
+    turned |= {stage for one in exported.geared for stage in one.stages}
     return [place for place, name in enumerate(kept) if name in turned]
 
 
@@ -269,7 +269,7 @@ def wasm_of(exported: ExportedShip, single: bool = True) -> bytes:
     with TemporaryDirectory(prefix="narrows-page-") as folder:
         for name, text in texts.items():
             Path(folder, name).write_text(text, encoding="utf-8")
-        return _compiled(Path(folder), ("-DSTEERED",) * ("rudder" in exported.portable.kept), single)
+        return _compiled(Path(folder), ("-DSTEERED",) * ("rudder" in exported.kept), single)
 
 
 def in_single_precision(text: str) -> str:

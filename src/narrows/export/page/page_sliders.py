@@ -77,7 +77,7 @@ def _voyage(exported: ExportedShip, speed: float, steered: bool) -> Iterator[Sli
     degree = math.degrees(1.0)
     yield Slider("psi", "heading, to starboard", "°", VOYAGE, -12, 12, 0.1, 0, both_ways(known.abs_psi, degree),
                  _in_words(model, known.abs_psi, 0.1, "°", degree))  # fmt: skip
-    if "rudder" in exported.portable.kept:
+    if "rudder" in exported.kept:
         limit = math.floor(math.degrees(model.configuration.gear.limit))
         yield Slider("rudder", "rudder, to starboard", "°", VOYAGE, -limit, limit, 0.5, 0)
     if "revolutions" in inputs:
