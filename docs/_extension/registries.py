@@ -40,7 +40,7 @@ def _parts() -> Iterator[tuple[str, tuple[str, ...], Iterable[tuple[str, ...]]]]
     yield "Exporters", ("`narrows export`", "file", "what it is"), exporters
     checks = [(f"`{own.__name__}`", _said(own)) for own in RECORD_CHECKS]
     yield "Checks of single records", ("check", "what it finds"), checks
-    faults = [(f"`{name}`", _with_places(own.sentence), _with_places(own.remedy)) for name, own in FAULTS.items()]
+    faults = [(f"`{name}`", *map(_with_places, sentence_and_remedy)) for name, sentence_and_remedy in FAULTS.items()]
     yield "Faults with a score test", ("fault", "what is found", "remedy"), faults
 
 

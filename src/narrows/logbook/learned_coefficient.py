@@ -83,8 +83,10 @@ class LearnedCoefficient:
         return f"{words}: unresolved, for {among}"
 
 
+@dataclass(frozen=True, repr=False)
 class LearnedAnswer(BaseResult):
     model: Model
+    prior: Model
     coefficients: Mapping[str, LearnedCoefficient]
 
     @property
@@ -172,17 +174,15 @@ def covered_range(prior: Model, offsets: Range, speeds: Range) -> DataRange:
     # offsets [m]; speeds [m/s]
     # In a section without tests only the record gives the covered offsets and speeds; at lower speeds the bank's force
     # is smaller. Without a bank only speeds count.
-    known, configuration = prior.data_range, prior.configuration
+    known, configuration, (low, high) = prior.data_range, prior.configuration, prior.data_range.speed or speeds
     section = {"width_to_beam": configuration.canal.width / configuration.ship.beam}
     if configuration.canal.depth is not None:
         section["depth_to_draft"] = configuration.canal.depth / configuration.ship.draft
+    speed = min(speeds[0], low), max(speeds[1], high)
     if not prior.has_bank:
-        low, high = known.speed or speeds
-        return replace(known, speed=(min(speeds[0], low), max(speeds[1], high)))
-    new = any(getattr(known, name) is None or known.outside(name, ratio) for name, ratio in section.items())
-    slowest = min(speeds[0], (known.speed or speeds)[0])
-    fastest = speeds[1] if new else max(speeds[1], (known.speed or speeds)[1])
-    farthest = offsets[1] if new else max(offsets[1], (known.abs_y or offsets)[1])
-    nearest = 0.0 if new else min(offsets[0], (known.abs_y or offsets)[0])
-    here = {name: (ratio, ratio) for name, ratio in section.items()} if new else {}
-    return replace(known, speed=(slowest, fastest), abs_y=(nearest, farthest), **here)
+        return replace(known, speed=speed)
+    if any(getattr(known, name) is None or known.outside(name, ratio) for name, ratio in section.items()):
+        here = {name: (ratio, ratio) for name, ratio in section.items()}
+        return replace(known, speed=(speed[0], speeds[1]), abs_y=(0.0, offsets[1]), **here)
+    nearest, farthest = known.abs_y or offsets
+    return replace(known, speed=speed, abs_y=(min(offsets[0], nearest), max(offsets[1], farthest)))

@@ -353,7 +353,7 @@ def _scores(setup: LogSetup, grids: list[RecordGrid]) -> FaultTests | None:
 
 
 def _finding(test: FaultTest, learned: FaultTests) -> Finding:
-    fault, kind = test.fault, FAULTS[test.fault.kind]
+    fault, (sentence, cure) = test.fault, FAULTS[test.fault.kind]
     unit, factor = SIGNALS[fault.signal].unit, 1.0
     if unit.startswith("rad") and fault.kind in ("zero", "step"):
         unit, factor = unit.replace("rad", "deg"), 180 / np.pi
@@ -367,7 +367,7 @@ def _finding(test: FaultTest, learned: FaultTests) -> Finding:
     most = max(bank or range(len(names)), key=lambda place: abs(effect[place]))
     harm = float(effect[most])
     said = (
-        f"{kind.sentence.format(**words)} (at {abs(test.significance):.1f} standard errors); mended, {names[most]} "
+        f"{sentence.format(**words)} (at {abs(test.significance):.1f} standard errors); mended, {names[most]} "
         f"moves by {harm:+.1f} of its standard errors"
     )
     # The prior alone separates a rudder's fault from another force of the rudder, and here it is contradicted.
@@ -377,5 +377,5 @@ def _finding(test: FaultTest, learned: FaultTests) -> Finding:
         said += f", {more} (p < {settings.CONTRADICTION}): it may be the model"
     evidence = {"size": test.size, "error": test.error, "significance": test.significance, "effect": harm}
     check = fault.kind if fault.kind == "antenna" else f"{name} {fault.kind}"
-    remedy = f"{kind.remedy.format(**words)}; then check again"
+    remedy = f"{cure.format(**words)}; then check again"
     return Finding(check, test.record, said, remedy, evidence, abs(harm) > settings.HARMFUL_SHIFT and not of_model)

@@ -25,20 +25,16 @@ JUMPING = ("x", "y", "psi")  # signals that a reset moves
 DEGREES = np.pi / 180
 
 
-class FaultKind(NamedTuple):
-    sentence: str  # With the signal, the size with its error, and the time
-    remedy: str
-
-
+# Sentence, with the signal, the size with its error, and the time; remedy
 FAULTS = {
-    "zero": FaultKind("{name} reads {size} {unit} too much", "correct its zero"),
-    "gain": FaultKind("{name} truly is {size} times what is recorded", "check its unit, its sign and its calibration"),
-    "delay": FaultKind("{name} is recorded {size} s late", "take the delay out: [late] {column} = {value:.2g}"),
-    "antenna": FaultKind(
+    "zero": ("{name} reads {size} {unit} too much", "correct its zero"),
+    "gain": ("{name} truly is {size} times what is recorded", "check its unit, its sign and its calibration"),
+    "delay": ("{name} is recorded {size} s late", "take the delay out: [late] {column} = {value:.2g}"),
+    "antenna": (
         "the position is that of a point {size} m forward of where the antenna is said to be",
         "give the antenna's place, forward and to starboard of midship",
     ),
-    "step": FaultKind(
+    "step": (
         "{name} jumps by {size} {unit} at t = {at:.6g} s",
         "a receiver, a compass or the clock was reset: begin another record there",
     ),
@@ -260,7 +256,7 @@ def _of_record(
     for fault in faults:
         size = DIFFERENCE * fault.scale
         about = RecordLikelihood(problem, fault.mended(size)).linear(found.unknowns, path)
-        there = about.innovations(model, path.weights)
+        there, _ = about.filtered(model, path.weights)
         values.append((there.values - e) / size)
         variances.append((there.variances - s) / size)
     score, information = score_and_information(e, s, np.array(values), np.array(variances))
@@ -290,17 +286,14 @@ def _fitted(problem: LogProblem, grid: RecordGrid, recorded: RecordGrid) -> tupl
     likelihood, unknowns = RecordLikelihood(problem, grid), np.zeros(len(problem.precision))
     for place, one in enumerate(problem.model.estimated, start=problem.count):
         if one.of == "noise" and (name := one.names[0]) in recorded.record:
-            scatter = _scatter(recorded.record[name].values) / problem.model.noise[name]
-            unknowns[place] = np.log(max(scatter, 1.0))
+            values = recorded.record[name].values
+            scatter = 1.4826 * np.median(np.abs(np.diff(values, 2))) / np.sqrt(6.0) if len(values) > 2 else 0.0
+            unknowns[place] = np.log(max(scatter / problem.model.noise[name], 1.0))
     path = likelihood.smoothed(unknowns, None, FIRST_PASSES)
     if path is None:
         return np.inf, 1.0
     far = max(float(np.mean(own < 1.0)) for own in grid.by_signal(path.weights).values() if len(own))
     return likelihood.cost(unknowns, path), far
-
-
-def _scatter(values: np.ndarray) -> float:
-    return float(1.4826 * np.median(np.abs(np.diff(values, 2))) / np.sqrt(6.0)) if len(values) > 2 else 0.0
 
 
 def stuck(problem: LogProblem, grid: RecordGrid) -> Iterator[tuple[str, float, float]]:

@@ -14,28 +14,14 @@ import numpy as np
 
 from narrows.codegen.cache import compiled_loops
 from narrows.logbook.filtering import kalman_loops
-from narrows.logbook.filtering.log_problem import CURRENT, PUSHES, LogProblem, RecordedMotion, StochasticModel
-from narrows.logbook.filtering.record_grid import (
-    CURRENT_X,
-    CURRENT_Y,
-    OFFSET,
-    REVOLUTIONS_OFFSET,
-    RUDDER,
-    RUDDER_OFFSET,
-    PredictedSignal,
-    Readings,
-    RecordGrid,
-    first_guess,
-    predicted_signal,
-)
+from narrows.logbook.filtering.log_problem import CURRENT, INPUTS, PUSHES, LogProblem, RecordedMotion, StochasticModel
+from narrows.logbook.filtering.record_grid import CURRENTS, OFFSET, RUDDER, RecordGrid, first_guess, predicted_signal
 
-INPUTS = (*PUSHES, RUDDER_OFFSET, REVOLUTIONS_OFFSET, CURRENT_X, CURRENT_Y)
 WALKS = np.array([1.0, 1.0, 0.3, 1.0, 1.0, 0.3])  # Standard deviation of a step of each state, relative to the others
 SPEED_WALK = 2e-3  # Random walk of a held speed in a second, over itself
 # Standard deviation of a start about the first guess, over lengths, radians and speeds of the ship.
 START = np.array([0.1, 0.1, 0.2, 0.2, 0.2, 0.3])
-# Factor of gusts while another ship passes.
-IN_MEETINGS = 30.0
+IN_MEETINGS = 30.0  # Factor of gusts while another ship passes
 USUAL, MET, LOOSE = 0, 1, 2
 # A residual over its noise beyond which a reading counts less.
 OUTLIER = 4.0
@@ -87,38 +73,29 @@ class LinearRecord:
         # A reading beyond the limit counts as one at the limit, so that no spike sets the noise that is estimated.
         return np.asarray((OUTLIER / np.maximum(np.abs(self.left) / np.sqrt(self.variances(model)), OUTLIER)) ** 2)
 
-    def innovations(self, model: StochasticModel, weights: np.ndarray) -> Innovations:
-        return self.filtered(model, weights)[0]
-
     def filtered(
         self, model: StochasticModel, weights: np.ndarray, smooth: bool = False
     ) -> tuple[Innovations, np.ndarray]:
         """Filter the readings; smooth the states off the reference and the processes too, (n, 6 + m), if asked."""
-        (count, size), kind, loops = self.rows.shape, self.kind, compiled_loops(kalman_loops)
-        room, kinds, first = len(self.slopes) * smooth, self._kinds(model), self.grid.first_readings
-        found, gains = Innovations(np.empty(count), np.empty(count)), np.empty((count, size))
-        means, covariances = np.empty((room, size)), np.empty((room, size, size))
-        start = np.diag(np.append((START * self.problem.scales) ** 2, np.zeros(size - 6)))
-        start[6:, 6:] = model.covariance(IN_MEETINGS if kind[0] == MET else 1.0)
-        loops.filter_readings(
-            start, self.slopes, self.misses, kind, *kinds, first, self.rows, self.residual,
-            self.variances(model) / weights, *found, gains, means, covariances,
-        )  # fmt: skip
-        if smooth:
-            loops.smooth(self.slopes, kind, kinds[0], first, self.rows, *found, gains, means, covariances)
-        return found, means
-
-    def _kinds(self, model: StochasticModel) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        step, scale = self.grid.step, self.problem.scales
+        (count, size), kind, step, scale = self.rows.shape, self.kind, self.grid.step, self.problem.scales
+        room, first, loops = len(self.slopes) * smooth, self.grid.first_readings, compiled_loops(kalman_loops)
         kept = np.tile(model.kept(step), (3, 1))
         kept[MET, [one.name in model.gusts for one in model.processes]] = 0.0
-        fresh = [
-            model.covariance(IN_MEETINGS if kind == MET else 1.0) * (1 - np.outer(own, own))
-            for kind, own in enumerate(kept)
-        ]
-        regular = (self.problem.walk * WALKS * scale) ** 2
+        stationary = np.stack([model.covariance(IN_MEETINGS if place == MET else 1.0) for place in range(3)])
+        regular, started = (self.problem.walk * WALKS * scale) ** 2, (START * scale) ** 2
         regular[3] += (SPEED_WALK * scale[3]) ** 2 * step * (self.problem.motion.integrator.ship.surge == "held")
-        return kept, np.stack(fresh), np.stack([regular, regular, (START * scale) ** 2])
+        found, gains = Innovations(np.empty(count), np.empty(count)), np.empty((count, size))
+        means, covariances = np.empty((room, size)), np.empty((room, size, size))
+        start = np.diag(np.append(started, np.zeros(size - 6)))
+        start[6:, 6:] = stationary[kind[0]]
+        fresh = stationary * (1 - kept[:, :, None] * kept[:, None])
+        loops.filter_readings(
+            start, self.slopes, self.misses, kind, kept, fresh, np.stack([regular, regular, started]), first, self.rows,
+            self.residual, self.variances(model) / weights, *found, gains, means, covariances,
+        )  # fmt: skip
+        if smooth:
+            loops.smooth(self.slopes, kind, kept, first, self.rows, *found, gains, means, covariances)
+        return found, means
 
 
 def _slopes(
@@ -129,25 +106,12 @@ def _slopes(
     found[:, :, :6] = along[:, :, :6]
     places, known = {name: place for place, name in enumerate(motion.directions)}, CURRENT in motion.directions
     for place, name in enumerate(names, start=6):
-        source = CURRENT if known and name == CURRENT_X else name
+        source = CURRENT if known and name == CURRENTS[0] else name
         if source in places:
             found[:, :, place] = along[:, :, places[source]] * (inertia[PUSHES.index(name)] if name in PUSHES else 1.0)
-        elif name in (CURRENT_X, CURRENT_Y) and not known:
-            found[:, (CURRENT_X, CURRENT_Y).index(name), place] = lasting
+        elif name in CURRENTS and not known:
+            found[:, CURRENTS.index(name), place] = lasting
     return found
-
-
-def _rows(seen: PredictedSignal, slopes: np.ndarray, read: Readings, names: list[str]) -> np.ndarray:
-    """Slopes of readings by states and processes at the start of their step."""
-    row, share = np.zeros((len(read.step), 6 + len(names))), read.share[:, None]
-    for state, slope in seen.by_state.items():
-        by = np.broadcast_to(slope, len(share))[:, None]
-        row[:, [state]] += by * (1 - share)
-        row += by * share * slopes[read.step, state]
-    for place, name in enumerate(names):
-        if name in seen.by_error:
-            row[:, 6 + place] += seen.by_error[name]
-    return row
 
 
 @dataclass(frozen=True)
@@ -179,15 +143,14 @@ class RecordLikelihood:
             sums[name] = sums[name] + path.processes[:, place]
         pushes = np.stack([sums[name] for name in PUSHES], axis=1) * inertia
         known = CURRENT in motion.directions
-        current = float(sums[CURRENT_X][0]) if known else 0.0
+        current = float(sums[CURRENTS[0]][0]) if known else 0.0
         offsets = {name: sums[OFFSET(name)] for name in motion.positions if OFFSET(name) in sums}
         states, along = motion.sailed(
             path.states, pushes, np.arange(len(grid) + 1), grid.times, grid.positions, offsets, current
         )
         ends, slopes = states[1::2], _slopes(grid, motion, inertia, along[1::2], names)
         if not known:
-            for place, name in enumerate((CURRENT_X, CURRENT_Y)):
-                ends[:, place] += sums[name] * np.diff(grid.times)
+            ends[:, :2] += np.stack([sums[name] for name in CURRENTS], axis=1) * np.diff(grid.times)[:, None]
         driven = np.einsum("nij,nj->ni", slopes[:, :, 6:], path.processes)
         misses = ends - np.append(path.states[1:], ends[-1:], axis=0) - driven
         rows, residual, left, rudder = [], [], [], grid.positions.get(RUDDER, np.zeros(len(grid)))
@@ -196,10 +159,9 @@ class RecordLikelihood:
             there = (1 - share) * path.states[at] + share * ends[at]
             errors = {key: value[at] for key, value in sums.items()}
             seen = predicted_signal(name, there, errors, grid.record.antenna, rudder[at])
-            row = read.gain * _rows(seen, slopes, read, names)
-            rows.append(row)
+            rows.append(read.gain * seen.rows(read, slopes, names))
             left.append(read.values - read.gain * seen.value)
-            residual.append(left[-1] + np.einsum("ni,ni->n", row[:, 6:], path.processes[at]))
+            residual.append(left[-1] + np.einsum("ni,ni->n", rows[-1][:, 6:], path.processes[at]))
         ordered = (np.concatenate(parts)[grid.order] for parts in (rows, residual, left))
         return LinearRecord(grid, problem, slopes, misses, *ordered)
 
@@ -222,19 +184,19 @@ class RecordLikelihood:
     @np.errstate(all="ignore")  # A model that cannot follow the record may run away.
     def cost(self, unknowns: np.ndarray, path: RecordPath) -> float:
         model = self.problem.model_at(unknowns)
-        return self.linear(unknowns, path).innovations(model, path.weights).cost / self.problem.correlated
+        return self.linear(unknowns, path).filtered(model, path.weights)[0].cost / self.problem.correlated
 
     @np.errstate(all="ignore")
     def slopes(self, unknowns: np.ndarray, path: RecordPath) -> tuple[Innovations, np.ndarray, np.ndarray]:
         """Return innovations, and the slopes (P, N) of them and of their variances by differences, about a path."""
         problem = self.problem
         about = self.linear(unknowns, path)
-        at = about.innovations(problem.model_at(unknowns), path.weights)
+        at = about.filtered(problem.model_at(unknowns), path.weights)[0]
         by_value, by_variance = np.zeros((2, len(unknowns), len(at.values)))
         for place in range(len(unknowns)):
             moved = unknowns + DIFFERENCE * (np.arange(len(unknowns)) == place)
             there = self.linear(moved, path) if place < problem.count else about
-            found = there.innovations(problem.model_at(moved), path.weights)
+            found = there.filtered(problem.model_at(moved), path.weights)[0]
             by_value[place] = (found.values - at.values) / DIFFERENCE
             by_variance[place] = (found.variances - at.variances) / DIFFERENCE
         return at, by_value, by_variance
@@ -245,22 +207,15 @@ class RecordLikelihood:
         at, by_value, by_variance = self.slopes(unknowns, path)
         e, s = at.values, np.abs(at.variances)  # The cost is infinite where the filter diverges.
         score, information = score_and_information(e, s, by_value, by_variance)
-        share = 1 / problem.correlated
-        met = np.abs(path.states[:, [1, 3]])
-        weights = self.grid.by_signal(path.weights)
-        return RecordScore(
-            share * score, share * information, share * at.cost, self._autocovariance(e / np.sqrt(s)),
-            np.stack([met.min(axis=0), met.max(axis=0)]),
-            {name: (int((own < 1.0).sum()), len(own)) for name, own in weights.items()}, path,
-        )  # fmt: skip
-
-    def _autocovariance(self, normalised: np.ndarray) -> np.ndarray:
-        """Products of normalised innovations so many readings apart, over the signals."""
-        found = np.zeros(LAGS)
-        for part in self.grid.by_signal(np.clip(normalised, -4.0, 4.0)).values():
+        share, met, autocovariance = 1 / problem.correlated, np.abs(path.states[:, [1, 3]]), np.zeros(LAGS)
+        for part in self.grid.by_signal(np.clip(e / np.sqrt(s), -4.0, 4.0)).values():
             for lag in range(min(LAGS, len(part))):
-                found[lag] += part[lag:] @ part[: len(part) - lag]
-        return found
+                autocovariance[lag] += part[lag:] @ part[: len(part) - lag]
+        return RecordScore(
+            share * score, share * information, share * at.cost, autocovariance,
+            np.stack([met.min(axis=0), met.max(axis=0)]),
+            {name: (int((own < 1.0).sum()), len(own)) for name, own in self.grid.by_signal(path.weights).items()}, path,
+        )  # fmt: skip
 
 
 def readings_for_one(autocovariance: np.ndarray) -> float:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -10,13 +10,14 @@ import numpy as np
 
 from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import INPUTS as PUSHED
-from narrows.logbook.filtering.record_grid import OFFSET, STATES
+from narrows.logbook.filtering.record_grid import CURRENTS, ERROR, HELM, HELM_GAIN, OFFSET, REVOLUTIONS, RUDDER, STATES
 from narrows.model.model import Model
 from narrows.simulation.controllers import Named
 from narrows.simulation.sensitivities import TangentIntegrator
 from narrows.simulation.steering import PARAMETER
 
 PUSHES = ("X", "Y", "N")
+INPUTS = (*PUSHES, OFFSET(RUDDER), OFFSET(REVOLUTIONS), *CURRENTS)  # What processes may add to, but for sensors
 CURRENT = "current"  # Quantities of a waterway, along its line
 # Name, in the law, of an actuator's position at the end of the step; actuators go there straight within the step.
 RECORDED = "recorded_{}".format
@@ -88,7 +89,14 @@ class RecordedMotion:
             others[CURRENT] = integrator.integrator.inputs[CURRENT] + current
         columns = integrator.segments(begin, slopes, first - first[0], inputs, lengths, **others)
         found = {name: tuple(part[:, i] for part in columns) for i, name in enumerate(kept)}
-        found["psi"] = found[COUNTED] if COUNTED in found else _heading(found, np.repeat(starts[:, 2], count + 1))
+        if COUNTED in found:
+            found["psi"] = found[COUNTED]
+        else:  # From cosine and sine; it does not jump by 2 pi within a piece.
+            (cosine, by_cosine), (sine, by_sine) = found["cos_psi"], found["sin_psi"]
+            begun = np.repeat(starts[:, 2], count + 1)
+            turned = np.arctan2(sine, cosine) - begun
+            slope = cosine[:, None] * by_sine - sine[:, None] * by_cosine
+            found["psi"] = begun + turned - 2 * np.pi * np.round(turned / (2 * np.pi)), slope
         states, moved = (np.stack(part, axis=1) for part in zip(*(found[name] for name in STATES), strict=True))
         return states, moved
 
@@ -108,14 +116,6 @@ class RecordedMotion:
         return begin, slopes
 
 
-def _heading(found: Mapping[str, tuple[np.ndarray, ...]], begun: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Heading and its derivatives from cosine and sine; it does not jump by 2 pi within a piece."""
-    (cosine, by_cosine), (sine, by_sine) = found["cos_psi"], found["sin_psi"]
-    turned = np.arctan2(sine, cosine) - begun
-    moved = cosine[:, None] * by_sine - sine[:, None] * by_cosine
-    return begun + turned - 2 * np.pi * np.round(turned / (2 * np.pi)), moved
-
-
 SWAY, YAW = "Y", "N"
 MOST_CORRELATION = 0.995
 
@@ -125,6 +125,19 @@ class Process(NamedTuple):
     adds_to: str  # X, Y, N as accelerations, ``rudder_offset``, ``current_x``, ``psi_error``...
     std: float  # In the unit of what it adds to
     memory: float  # [s]; 0 for white from step to step, infinite for a constant of the record
+
+
+# A pilot: noise of the rudder from step to step [rad], its trim [rad], and what an aim that wanders adds [rad]; the aim
+# stays for so many times of a ship length. All but the trim are estimated, from these.
+HELM_NOISE, TRIM, AIMED, AIM_STAYS, AIM = math.radians(1.0), math.radians(5.0), math.radians(2.0), 4.0, "helm_aim"
+
+
+def pilot(length: float, u: float) -> list[Process]:
+    """Return gains of a record's pilot, as large as those of a regulator, and the aim."""
+    sizes = {"y": 2.0 / length, "psi": 5.0, "v": 5.0 / u, "r": 2.0 * length / u, RUDDER: 0.5}
+    gains = [Process(HELM_GAIN(name), HELM_GAIN(name), size, np.inf) for name, size in sizes.items()]
+    trim = Process(f"{HELM}_trim", ERROR(HELM), TRIM, np.inf)
+    return [*gains, trim, Process(AIM, ERROR(HELM), AIMED, AIM_STAYS * length / u)]
 
 
 class Estimated(NamedTuple):
@@ -193,6 +206,13 @@ class CoefficientPrior:
         """1 where a coefficient belongs to a group, else 0, (n, p)."""
         return np.array([[float(name in group) for group in self.groups] for name in self.model.terms.names])
 
+    @cached_property
+    def regression(self) -> np.ndarray:
+        """Regression of every coefficient on the estimated ones: ties, and correlations of the prior, (n, p)."""
+        places = [self.model.terms.names.index(name) for name in self.names]
+        across = np.asarray(self.model.covariance)[:, places] / self.scale @ self.precision / self.scale
+        return np.where(self.members.any(axis=1, keepdims=True), self.members, across)
+
     def values(self, scaled: np.ndarray) -> dict[str, float]:
         numbers = (self.mean + self.scale * scaled).tolist()
         return {name: value for group, value in zip(self.groups, numbers, strict=True) for name in group}
@@ -241,6 +261,7 @@ class LogProblem(Unknowns):
     # Standard deviation of a step over ship lengths and speeds, for rounding alone. At 1e-5 the filter follows a
     # position that is measured to millimetres instead of the model, and the estimated noise vanishes.
     walk: float = 1e-7
+    _last: dict[bytes, tuple[RecordedMotion, np.ndarray]] = field(default_factory=dict, init=False)
 
     @property
     def spreads(self) -> np.ndarray:
@@ -263,7 +284,3 @@ class LogProblem(Unknowns):
             motion = self.motion.with_coefficients(self.prior.values(scaled))
             self._last[key] = motion, self.inertia @ [1.0, *(self.prior.mean + self.prior.scale * scaled)]
         return self._last[key]
-
-    @cached_property
-    def _last(self) -> dict[bytes, tuple[RecordedMotion, np.ndarray]]:
-        return {}

@@ -1,6 +1,6 @@
 """A record on even times: positions of actuators, readings between, and each signal as the ship's state predicts it."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -13,15 +13,11 @@ from narrows.logbook.ship_log import MEETING, TURNING, ShipRecord, Signal
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
-# The current along the axes [m/s], which enters signals over ground.
-CURRENT_X, CURRENT_Y = "current_x", "current_y"
+CURRENTS = ("current_x", "current_y")  # The current along the axes [m/s], which enters signals over ground
 # How much an actuator's position is truly above what is recorded or usual: [rad] to starboard, [1/s].
 OFFSET = "{}_offset".format
 RUDDER, REVOLUTIONS = "rudder", "revolutions"
-RUDDER_OFFSET, REVOLUTIONS_OFFSET = OFFSET(RUDDER), OFFSET(REVOLUTIONS)
 ERROR = "{}_error".format  # Name of the constant error of a signal
-
-
 STATES = ("x", "y", "psi", "u", "v", "r")
 # A pilot looks out of the window, so that the rudder holds information on the motion that no sensor has: it is one more
 # signal. Ljung (1999), System Identification, chapter 13: joint input-output identification of a closed loop.
@@ -35,6 +31,19 @@ class PredictedSignal(NamedTuple):
     value: np.ndarray  # (n,) In the unit of the signal
     by_state: Mapping[int, np.ndarray]  # (n,) Slopes by those of ``STATES`` that it depends on
     by_error: Mapping[str, np.ndarray]  # (n,) Slopes by errors of the sensors and by the current
+
+    def rows(self, read: "Readings", slopes: np.ndarray, names: Sequence[str]) -> np.ndarray:
+        """Return slopes of readings by states and processes at the start of their step, (n, 6 + m)."""
+        # slopes (steps, 6, 6 + m) of the ends of steps
+        row, share = np.zeros((len(read.step), 6 + len(names))), read.share[:, None]
+        for state, slope in self.by_state.items():
+            by = np.broadcast_to(slope, len(share))[:, None]
+            row[:, [state]] += by * (1 - share)
+            row += by * share * slopes[read.step, state]
+        for place, name in enumerate(names):
+            if name in self.by_error:
+                row[:, 6 + place] += self.by_error[name]
+        return row
 
 
 def predicted_signal(
@@ -54,11 +63,11 @@ def predicted_signal(
             value = value + forward * ahead + starboard * aside
             by_state[2] = forward * aside - starboard * ahead
     else:
-        x, y = errors.get(CURRENT_X, 0.0), errors.get(CURRENT_Y, 0.0)
+        x, y = (errors.get(axis, 0.0) for axis in CURRENTS)
         along, across = cosine * x + sine * y, cosine * y - sine * x
         value, by_u, by_v = _over_ground(name, u + along, v + across)
         by_state = {2: by_u * across - by_v * along, 3: by_u * ONE, 4: by_v * ONE}
-        by_error |= {CURRENT_X: by_u * cosine - by_v * sine, CURRENT_Y: by_u * sine + by_v * cosine}
+        by_error |= zip(CURRENTS, (by_u * cosine - by_v * sine, by_u * sine + by_v * cosine), strict=True)
         if name == "course":
             value, by_state[2] = value + psi, by_state[2] + 1.0
     return PredictedSignal(value + errors.get(ERROR(name), 0.0), by_state, by_error)
@@ -90,8 +99,7 @@ def _predicted_helm(states: np.ndarray, errors: Mapping[str, Any], rudder: np.nd
 READ = ("x", "y", "psi", "r", "u", "v", "u_ground", "v_ground", "speed_over_ground", "course")
 GAP = 3.0  # Usual times between two values; longer gaps are not interpolated
 FEWEST_STEPS = 8  # Steps of a record that a fit needs at least
-# Nodes in the mean, and readings in the median, of a first guess.
-NODES, SPIKES = 9, 5
+NODES, SPIKES = 9, 5  # Nodes in the mean, and readings in the median, of a first guess
 
 
 class Readings(NamedTuple):
@@ -217,7 +225,14 @@ def _readings(name: str, signal: Signal, times: np.ndarray, whole: np.ndarray) -
 
 def first_guess(grid: RecordGrid, waterway: "Waterway | None") -> np.ndarray:
     """Return the states at the start of each step, smoothed from the readings alone, (n, 6)."""
-    seen = {name: _smoothed(grid, read) for name, read in grid.readings.items() if len(read.values)}
+    from scipy.ndimage import median_filter
+    from scipy.signal import savgol_filter
+
+    seen, wide = dict[str, np.ndarray](), min(NODES, len(grid.times) // 2 * 2 - 1)
+    for name, read in grid.readings.items():
+        if len(read.values):  # Means of a few nodes, spikes cut off
+            column = np.interp(grid.times, grid.times_of(read), median_filter(read.values, SPIKES, mode="nearest"))
+            seen[name] = savgol_filter(column, wide, 1)
     x, y = (seen.get(name, np.zeros(len(grid.times))) for name in ("x", "y"))
     along, across = np.gradient(x, grid.times), np.gradient(y, grid.times)
     # Curvature of the waterway's line, to which the heading is relative
@@ -232,12 +247,3 @@ def first_guess(grid: RecordGrid, waterway: "Waterway | None") -> np.ndarray:
     for name, others in (("u", ("u", "u_ground", "speed_over_ground")), ("v", ("v", "v_ground")), ("r", ("r",))):
         guessed[name] = next((seen[other] for other in others if other in seen), guessed[name])
     return np.stack([x, y, psi, *guessed.values()], axis=1)[:-1]
-
-
-def _smoothed(grid: RecordGrid, read: Readings) -> np.ndarray:
-    """Means of a few nodes of the readings, spikes cut off."""
-    from scipy.ndimage import median_filter
-    from scipy.signal import savgol_filter
-
-    column = np.interp(grid.times, grid.times_of(read), median_filter(read.values, SPIKES, mode="nearest"))
-    return np.asarray(savgol_filter(column, min(NODES, len(column) // 2 * 2 - 1), 1))

@@ -14,7 +14,7 @@ import numpy as np
 from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.logbook.filtering.log_problem import SWAY, YAW, LogProblem
-from narrows.logbook.filtering.record_grid import HELM, REVOLUTIONS_OFFSET, RUDDER
+from narrows.logbook.filtering.record_grid import HELM, OFFSET, REVOLUTIONS, RUDDER
 from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult, search
 from narrows.logbook.learned_coefficient import learned_model
 from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise, record_answers
@@ -209,7 +209,7 @@ def _assumptions(problem: LogProblem, free: Sequence[str], met: int) -> Iterator
             "intervals are then too narrow."
         )
     yield from model.configuration.notes
-    if any(one.adds_to == REVOLUTIONS_OFFSET for one in problem.model.processes):
+    if any(one.adds_to == OFFSET(REVOLUTIONS) for one in problem.model.processes):
         yield (
             "The log has no propeller revolutions: each record has an unknown number of them about those that keep the "
             "usual speed. The rudder's force depends on them; record them."

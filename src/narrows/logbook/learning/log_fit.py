@@ -7,22 +7,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.logbook.filtering.likelihood import INPUTS, RecordLikelihood, RecordPath, RecordScore
-from narrows.logbook.filtering.log_problem import CURRENT, PUSHES, LogProblem, StochasticModel
-from narrows.logbook.filtering.record_grid import (
-    CURRENT_X,
-    CURRENT_Y,
-    HELM,
-    OFFSET,
-    RUDDER,
-    RUDDER_OFFSET,
-    STATES,
-    RecordGrid,
-)
+from narrows.logbook.filtering.likelihood import RecordLikelihood, RecordPath, RecordScore
+from narrows.logbook.filtering.log_problem import CURRENT, INPUTS, PUSHES, LogProblem, StochasticModel
+from narrows.logbook.filtering.record_grid import CURRENTS, HELM, OFFSET, RUDDER, STATES, RecordGrid
 from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
-from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer, LearnedCoefficient
+from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer
 from narrows.logbook.ship_log import size_of
-from narrows.model.model import Model
 
 MOST_DRAWN = 4  # records whose forecasts are kept to be drawn
 AHEAD = 3.5  # times of a ship length that a forecast reaches
@@ -129,13 +119,13 @@ def forecast(
     offsets = {name: np.full(len(begun) - 1, known.get(OFFSET(name), 0.0)) for name in motion.positions}
     with np.errstate(all="ignore"):  # A model before the log may run away.
         states, _ = motion.sailed(
-            path.states[begun[:-1]], pushes, begun, grid.times, grid.positions, offsets, known[CURRENT_X]
+            path.states[begun[:-1]], pushes, begun, grid.times, grid.positions, offsets, known[CURRENTS[0]]
         )
     nodes = np.concatenate([np.arange(low, high + 1) for low, high in pairwise(begun)])
     pieces = np.repeat(grid.times[begun[:-1]], every + 1)
     if CURRENT not in problem.motion.directions:
-        states[:, :2] += np.outer(grid.times[nodes] - pieces, [known[CURRENT_X], known[CURRENT_Y]])
-    rudder = grid.positions.get(RUDDER, np.zeros(len(grid.times)))[nodes] + known[RUDDER_OFFSET]
+        states[:, :2] += np.outer(grid.times[nodes] - pieces, [known[name] for name in CURRENTS])
+    rudder = grid.positions.get(RUDDER, np.zeros(len(grid.times)))[nodes] + known[OFFSET(RUDDER)]
     ends = begun[1:] + np.arange(len(begun) - 1)
     return Forecast(grid.times[nodes], states, ends, path.states[begun[1:]], rudder)
 
@@ -265,9 +255,6 @@ class LogFit(LearnedAnswer):
         Whether the search converged.
     """
 
-    model: Model
-    prior: Model
-    coefficients: Mapping[str, LearnedCoefficient]
     records: tuple[RecordAnswer, ...]
     gusts: Gusts | None
     noise: Mapping[str, SignalNoise]

@@ -1,6 +1,6 @@
 """Coefficients before a log, and after it: prior, posterior mean, and standard errors by the scatter of records."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -59,7 +59,7 @@ def with_spread(model: Model, spread: Spread | None) -> Model:
     return replace(model, covariance=np.diag(sizes**2))
 
 
-def with_uncertain_asymmetry(model: Model, u: float) -> Model:
+def with_asymmetry(model: Model, u: float) -> Model:
     """Return a model with an asymmetry, as uncertain as that of a turned rudder where its size is not known."""
     # u [m/s]
     names = ASYMMETRY.names(model.terms)
@@ -80,7 +80,12 @@ def coefficient_prior(model: Model, surge: str, free: Collection[str] = ()) -> C
     acting = [force for force in FORCES if force != "X" or surge == "free"]
     names = [term.name for force in acting for term in model.terms.forces[force]]
     known = {name: covariance[i, i] > 0 for i, name in enumerate(model.terms.names)}
-    groups = _groups(model, [name for name in names if known[name]])
+    leader = {name: name for name in names if known[name]}
+    for first, second in model.terms.ties:
+        if first in leader and second in leader:
+            leader = {name: leader[first] if head == leader[second] else head for name, head in leader.items()}
+    heads = dict.fromkeys(leader.values())
+    groups = tuple(tuple(name for name, own in leader.items() if own == head) for head in heads)
     places = [model.terms.names.index(group[0]) for group in groups]
     part = covariance[np.ix_(places, places)]
     scale = np.sqrt(np.diag(part))
@@ -91,14 +96,6 @@ def coefficient_prior(model: Model, surge: str, free: Collection[str] = ()) -> C
     sizes, axes = np.linalg.eigh(part / np.outer(scale, scale))  # Coefficients that are known as one stay so nearly.
     precision = (axes / np.maximum(sizes, RANK * max(sizes[-1], 1.0))) @ axes.T
     return CoefficientPrior(model, groups, mean, scale, precision, bounds, changes)
-
-
-def _groups(model: Model, names: Sequence[str]) -> tuple[tuple[str, ...], ...]:
-    leader = {name: name for name in names}
-    for first, second in model.terms.ties:
-        if first in leader and second in leader:
-            leader = {name: leader[first] if head == leader[second] else head for name, head in leader.items()}
-    return tuple(tuple(name for name in names if leader[name] == head) for head in dict.fromkeys(leader.values()))
 
 
 def push_inertia(prior: CoefficientPrior, u: float, surge_inertia: float | None = None) -> np.ndarray:
@@ -144,7 +141,7 @@ def log_posterior(
     if scores is not None and len(scores) > 1:
         covariance = sandwich(covariance, information, scores)
     before = np.asarray(model.covariance)
-    weights = regression_on_estimated(prior)
+    weights = prior.regression
     places = [model.terms.names.index(name) for name in prior.names]
     known = covariance[:count, :count] * np.outer(prior.scale, prior.scale)
     after = before + weights @ (known - before[np.ix_(places, places)]) @ weights.T
@@ -191,14 +188,6 @@ def sandwich(covariance: np.ndarray, information: np.ndarray, scores: np.ndarray
     return np.asarray(covariance + root @ wider @ root.T)
 
 
-def regression_on_estimated(prior: CoefficientPrior) -> np.ndarray:
-    """Return the regression of every coefficient on the estimated ones: ties, and correlations of the prior."""
-    names = prior.model.terms.names
-    places = [names.index(name) for name in prior.names]
-    across = np.asarray(prior.model.covariance)[:, places] / prior.scale @ prior.precision / prior.scale
-    return np.where(prior.members.any(axis=1, keepdims=True), prior.members, across)
-
-
 def _disagreement(problem: Unknowns, whole: np.ndarray, moved: np.ndarray) -> tuple[float, int]:
     """Squares of how far the log moved combinations, over how far it was to move them."""
     count = problem.count
@@ -243,7 +232,16 @@ def posterior_mean(found: SearchResult) -> tuple[np.ndarray, np.ndarray]:
 def _over_inertia(problem: LogProblem, unknowns: np.ndarray, mode: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     # Unknowns (..., P) with forces over inertia and one over inertia in place of both, which agree with them at the
     # mode and in which accelerations are linear; and the inertia there over theirs, (..., 3).
-    prior, (places, axes) = problem.prior, _axes(problem)
+    prior = problem.prior
+    axes_of = {
+        term.name: axis
+        for axis, terms in enumerate(prior.model.terms.forces.values())
+        for term in terms
+        if term.kind != TermKind.INERTIA
+    }
+    # Coefficients of forces that one axis of motion alone takes, and these axes
+    alone = [k for k, name in enumerate(prior.names) if name in axes_of and not problem.inertia[:, 1 + k].any()]
+    places, axes = np.array(alone, int), np.array([axes_of[prior.names[k]] for k in alone], int)
     at_mode, inertia = (
         problem.inertia[:, 0] + (prior.mean + prior.scale * own[..., : problem.count]) @ problem.inertia[:, 1:].T
         for own in (mode, unknowns)
@@ -253,16 +251,3 @@ def _over_inertia(problem: LogProblem, unknowns: np.ndarray, mode: np.ndarray) -
     axes, places = np.nonzero(problem.inertia[:, 1:])
     found[..., places] = mode[places] + (unknowns - mode)[..., places] * lighter[..., axes]
     return found, lighter
-
-
-def _axes(problem: LogProblem) -> tuple[np.ndarray, np.ndarray]:
-    """Places of the coefficients of forces that one axis of motion alone takes, and these axes."""
-    axes = {
-        term.name: axis
-        for axis, terms in enumerate(problem.prior.model.terms.forces.values())
-        for term in terms
-        if term.kind != TermKind.INERTIA
-    }
-    names = problem.prior.names
-    places = [k for k, name in enumerate(names) if name in axes and not problem.inertia[:, 1 + k].any()]
-    return np.array(places, int), np.array([axes[names[k]] for k in places], int)

@@ -11,6 +11,8 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.logbook.filtering.log_problem import (
+    AIM,
+    HELM_NOISE,
     SWAY,
     YAW,
     CoefficientPrior,
@@ -19,29 +21,21 @@ from narrows.logbook.filtering.log_problem import (
     Process,
     RecordedMotion,
     StochasticModel,
+    pilot,
 )
 from narrows.logbook.filtering.record_grid import (
-    CURRENT_X,
-    CURRENT_Y,
+    CURRENTS,
     ERROR,
     HELM,
-    HELM_GAIN,
+    OFFSET,
     READ,
     REVOLUTIONS,
-    REVOLUTIONS_OFFSET,
     RUDDER,
-    RUDDER_OFFSET,
     RecordGrid,
     grid_of,
 )
 from narrows.logbook.learned_coefficient import learnable
-from narrows.logbook.learning.log_posterior import (
-    Spread,
-    coefficient_prior,
-    push_inertia,
-    with_spread,
-    with_uncertain_asymmetry,
-)
+from narrows.logbook.learning.log_posterior import Spread, coefficient_prior, push_inertia, with_asymmetry, with_spread
 from narrows.logbook.reading.read_log import StreamedLog, read_log, stream_log
 from narrows.logbook.sensor_grades import GRADES, SensorGrade, SignalGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
@@ -90,20 +84,6 @@ OTHER_DRAFT = 0.02  # Share of a draft, by which a record may differ
 # Values of a log that are kept laid out; of a longer one each record is laid out when its turn comes.
 HELD_VALUES = 20_000_000
 
-
-# A pilot: noise of the rudder from step to step [rad], its trim [rad], and what an aim that wanders adds [rad]; the aim
-# stays for so many times of a ship length. All but the trim are estimated, from these.
-HELM_NOISE, TRIM, AIMED, AIM_STAYS, AIM = 1.0 * DEGREE, 5.0 * DEGREE, 2.0 * DEGREE, 4.0, "helm_aim"
-
-
-def _pilot(length: float, u: float) -> list[Process]:
-    """Gains of a record's pilot, as large as those of a regulator, and the aim."""
-    sizes = {"y": 2.0 / length, "psi": 5.0, "v": 5.0 / u, "r": 2.0 * length / u, RUDDER: 0.5}
-    gains = [Process(HELM_GAIN(name), HELM_GAIN(name), size, np.inf) for name, size in sizes.items()]
-    trim = Process(f"{HELM}_trim", ERROR(HELM), TRIM, np.inf)
-    return [*gains, trim, Process(AIM, ERROR(HELM), AIMED, AIM_STAYS * length / u)]
-
-
 # Errors of signals outside a grade.
 UNGRADED = {
     "x": SignalGrade(1.0), "y": SignalGrade(1.0), "psi": SignalGrade(0.3 * DEGREE), "r": SignalGrade(0.02 * DEGREE),
@@ -149,7 +129,7 @@ class LogAssumptions:
             estimated.append(Estimated("correlation", (SWAY, YAW), SPREAD_OF_CORRELATION))
         if self.pilot and RUDDER in self.signals:
             noise[HELM] = HELM_NOISE
-            processes += _pilot(self.length, self.u)
+            processes += pilot(self.length, self.u)
             estimated += [Estimated(of, (AIM,), SPREAD_OF_STRENGTH) for of in ("std", "memory")]
         wide = {HELM: SPREAD_OF_STRENGTH, **dict.fromkeys(noise if basin else (), BASIN_SPREAD)}
         estimated += [Estimated("noise", (name,), wide.get(name, SPREAD_OF_NOISE)) for name in noise]
@@ -176,11 +156,11 @@ class LogAssumptions:
         if RUDDER in self.signals:
             rudder = self._grade(RUDDER)
             white = rudder.noise * np.sqrt(rudder.period / self.step(self.u))
-            found += [Process("rudder_noise", RUDDER_OFFSET, white, 0.0)]
-            found += [Process(RUDDER_OFFSET, RUDDER_OFFSET, rudder.zero, np.inf)]
+            found += [Process("rudder_noise", OFFSET(RUDDER), white, 0.0)]
+            found += [Process(OFFSET(RUDDER), OFFSET(RUDDER), rudder.zero, np.inf)]
         if REVOLUTIONS in motion.positions and self.lacks_revolutions:
             usual = SPREAD_OF_REVOLUTIONS * motion.positions[REVOLUTIONS]
-            found.append(Process(REVOLUTIONS_OFFSET, REVOLUTIONS_OFFSET, usual, np.inf))
+            found.append(Process(OFFSET(REVOLUTIONS), OFFSET(REVOLUTIONS), usual, np.inf))
         for name in noise:
             grade = self._grade(name)
             found.append(Process(f"{name}_wander", ERROR(name), grade.wander, grade.memory))
@@ -189,9 +169,8 @@ class LogAssumptions:
             if name != "x":
                 found.append(Process(ERROR(name), ERROR(name), grade.zero, np.inf))
         if self.signals & {"u_ground", "v_ground", "speed_over_ground", "course", "x"} and not self.in_basin:
-            found.append(Process(CURRENT_X, CURRENT_X, SPREAD_OF_CURRENT, np.inf))
-            if not motion.model.has_bank:
-                found.append(Process(CURRENT_Y, CURRENT_Y, SPREAD_OF_CURRENT, np.inf))
+            axes = CURRENTS[:1] if motion.model.has_bank else CURRENTS
+            found += [Process(name, name, SPREAD_OF_CURRENT, np.inf) for name in axes]
         return [one for one in found if one.std > 0]
 
 
@@ -241,13 +220,20 @@ def log_problem(
     grade = sensor_grade(sensors, {**GRADES, BASIN.name: BASIN})
     gusty = grade.name != BASIN.name if gusts is None else gusts
     surge = choices.setdefault("surge", "free" if model.terms.propelled else "held")
-    signals, rounding, u = _looked_at(records)
-    length = model.configuration.ship.length
+    signals, rounding, speeds = set[str](), dict[str, tuple[float, float]](), list[float]()
+    for record in islice(records, LOOKED_AT):
+        signals |= {name for name in record if len(record[name])}
+        for name in record:
+            rounding[name] = max(rounding.get(name, (0.0, 1.0)), _rounding(record[name]))
+        speeds.append(speed_of(record))
+    if not speeds:
+        raise InputError("this log holds neither a speed nor a way of the ship; give x and y, or u")
+    length, u = model.configuration.ship.length, float(np.median(speeds))
     assumptions = LogAssumptions(grade, gusty, surge, pilot and gusty, signals, rounding, length, u)
     model = with_spread(model, spread)
     steered = RUDDER in {own.name for own in model.terms.actuators}
     if steered and (not gusty and not free if asymmetry is None else asymmetry):
-        model = with_uncertain_asymmetry(model, u)
+        model = with_asymmetry(model, u)
     if free:
         learnable(model, tuple(free))
     prior = coefficient_prior(model, surge, free)
@@ -275,20 +261,6 @@ def log_records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:
     if isinstance(log, Iterable) and not hasattr(log, "__next__"):
         return log
     raise InputError(f"a {type(log).__name__} is no log: give one that `read_log` made, records, a table, or a path")
-
-
-def _looked_at(records: Iterable[ShipRecord]) -> tuple[set[str], dict[str, tuple[float, float]], float]:
-    """Signals of the first records, the errors of those that are rounded coarsely, and the usual speed."""
-    signals, rounding, speeds = set[str](), dict[str, tuple[float, float]](), list[float]()
-    for record in islice(records, LOOKED_AT):
-        signals |= {name for name in record if len(record[name])}
-        for name in record:
-            rounding[name] = max(rounding.get(name, (0.0, 1.0)), _rounding(record[name]))
-        speeds.append(speed_of(record))
-    speeds = [speed for speed in speeds if speed > 0]
-    if not speeds:
-        raise InputError("this log holds neither a speed nor a way of the ship; give x and y, or u")
-    return signals, rounding, float(np.median(speeds))
 
 
 def _rounding(signal: Signal) -> tuple[float, float]:

@@ -28,12 +28,6 @@ class LogMapping(NamedTuple):
     condition: Mapping[str, float] = {}  # Loading, as in ``{"draft": 10.2}``
 
 
-class RawRecord(NamedTuple):
-    name: str  # Name of the record
-    t: np.ndarray  # (rows,) Time, as it came [s]
-    columns: dict[str, np.ndarray]  # (rows,) In SI; NaN where nothing was measured
-
-
 # Signals on the map, converted to the axes of the waterway or of the record.
 ON_EARTH = {
     "longitude": Quantity("deg", "longitude of the antenna, WGS84"),
@@ -155,8 +149,10 @@ Fixes = tuple[np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
-class Placing:
-    raw: RawRecord
+class RawRecord:
+    name: str
+    t: np.ndarray  # (rows,) Time, as it came [s]
+    columns: Mapping[str, np.ndarray]  # (rows,) In SI; NaN where nothing was measured
     mapping: LogMapping  # Lateness, antenna, loading
     waterway: Waterway | None  # Line of the positions; a plane where there is none
     table: str  # The file, for sentences
@@ -175,20 +171,23 @@ class Placing:
             self._turn()
         self._add_velocities()
         ordered = {name: signals[name] for name in SIGNALS if name in signals}
-        return ShipRecord(self.raw.name, ordered, (0.0, 0.0) if moved else antenna, self.mapping.condition)
+        return ShipRecord(self.name, ordered, (0.0, 0.0) if moved else antenna, self.mapping.condition)
 
     def _together(self, *names: str) -> tuple[np.ndarray, ...] | None:
         """Return times and columns where all of some were measured at once; None where one never was."""
         # Directions are without jumps; values of one time, which is rounded then, are one by their mean.
-        if not set(names) <= self.raw.columns.keys():
+        if not set(names) <= self.columns.keys():
             return None
-        columns = [self.raw.columns[name] for name in names]
+        columns = [self.columns[name] for name in names]
         known = np.isfinite(columns).all(axis=0)
         if not known.any():
             return None
-        t = self.raw.t[known] - self.mapping.late.get(names[0], 0.0)
+        t = self.t[known] - self.mapping.late.get(names[0], 0.0)
         columns = [column[known] for column in columns]
-        return _once(t, [np.unwrap(own) if name in JUMPING else own for name, own in zip(names, columns, strict=True)])
+        columns = [np.unwrap(own) if name in JUMPING else own for name, own in zip(names, columns, strict=True)]
+        first = np.flatnonzero(np.diff(t, prepend=np.nan) != 0)
+        counts = np.diff(first, append=len(t))
+        return (t[first], *(np.add.reduceat(column, first) / counts for column in columns))
 
     def _signal(self, name: str) -> Signal | None:
         return _smoothly(name, Signal(*measured)) if (measured := self._together(name)) else None
@@ -229,7 +228,7 @@ class Placing:
 
     def _turn(self) -> None:
         for name, by_map in BY_MAP.items():
-            if name not in self.raw.columns and (signal := self._signal(by_map)):
+            if name not in self.columns and (signal := self._signal(by_map)):
                 self.signals[name] = _smoothly(name, Signal(signal.t, signal.values - self._axis(signal.t)))
 
     def _at_midship(self, fixes: Fixes) -> Fixes:
@@ -265,11 +264,3 @@ def _smoothly(name: str, signal: Signal) -> Signal:
         return signal
     values = np.unwrap(signal.values)
     return Signal(signal.t, values - 2 * np.pi * np.round(values[0] / (2 * np.pi)))
-
-
-def _once(t: np.ndarray, columns: list[np.ndarray]) -> tuple[np.ndarray, ...]:
-    first = np.flatnonzero(np.diff(t, prepend=np.nan) != 0)
-    if len(first) == len(t):
-        return (t, *columns)
-    counts = np.diff(first, append=len(t))
-    return (t[first], *(np.add.reduceat(column, first) / counts for column in columns))

@@ -19,7 +19,7 @@ from narrows.control.steady_course import check_inside, check_rudder
 from narrows.errors import InputError
 from narrows.logbook.filtering.log_problem import CoefficientPrior, Unknowns
 from narrows.logbook.filtering.search import bounded_step
-from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer, LearnedCoefficient, learned_model
+from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer, learned_model
 from narrows.logbook.learning.log_posterior import check_covariance, coefficient_prior, log_posterior
 from narrows.logbook.settings import CONTRADICTION, UPDATE_ROUNDS, UPDATE_SETTLED, WRONG_SIGN_GAIN
 from narrows.logbook.steady_legs.steady_readings import (
@@ -48,10 +48,10 @@ class SteadyFit(LearnedAnswer):
     ----------
     model, prior : Model
         The model after the legs, and before.
-    readings, conditions : SteadyReadings, SteadyConditions
-        The legs, and assumptions on wind, zeros and remaining motion.
     coefficients : mapping of str to LearnedCoefficient
         Each before and after.
+    readings, conditions : SteadyReadings, SteadyConditions
+        The legs, and assumptions on wind, zeros and remaining motion.
     shared : mapping of str to (float, float)
         Common errors of all legs, in SI: ``wind_Y``, ``wind_N``, and the zeros ``rudder_zero``, ``drift_zero``,
         ``heading_zero``, ``y_zero``; most likely value and standard error.
@@ -66,11 +66,8 @@ class SteadyFit(LearnedAnswer):
         Faults and undetermined quantities.
     """
 
-    model: Model
-    prior: Model
     readings: SteadyReadings
     conditions: SteadyConditions
-    coefficients: Mapping[str, LearnedCoefficient]
     shared: Mapping[str, tuple[float, float]]
     latent: np.ndarray
     chi_square: float
@@ -112,7 +109,15 @@ class SteadyFit(LearnedAnswer):
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name: part of what ``learn --steady --json`` prints."""
-        prior = shared_errors(self.conditions, self.prior)
+        prior, read = shared_errors(self.conditions, self.prior), self.readings.values
+        y, _, rudder, heading = self.latent.T
+        columns = {
+            "leg": self.readings.legs, "y": read["y"], "u": read["u"], "rudder_deg": np.degrees(read["rudder"]),
+            "direction_deg": np.degrees(read[self.readings.directions[0]]), "likely_y": y,
+            "likely_rudder_deg": np.degrees(rudder), "likely_heading_deg": np.degrees(heading),
+            "probability": list(self.leg_probabilities.values()),
+        }  # fmt: skip
+        rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
         return {
             "summary": self.summary(),
             "informative": self.informative,
@@ -123,22 +128,10 @@ class SteadyFit(LearnedAnswer):
                 for (name, (_, unit, factor)), before in zip(SHARED.items(), prior.tolist(), strict=True)
             ],
             **{name: getattr(self, name) for name in ("chi_square", "freedom", "probability", "contradicted")},
-            "legs": self.leg_rows(),
+            "legs": [dict(zip(columns, row, strict=True)) for row in rows],
             "source": {"table": self.readings.source, "sha256": self.readings.sha256},
             "notes": list(self.notes),
         }  # fmt: skip
-
-    def leg_rows(self) -> list[dict[str, Any]]:
-        """Give a row a leg: what was read, where the ship most likely was, and how well the leg fits the others."""
-        read, (y, _, rudder, heading) = self.readings.values, self.latent.T
-        columns = {
-            "leg": self.readings.legs, "y": read["y"], "u": read["u"], "rudder_deg": np.degrees(read["rudder"]),
-            "direction_deg": np.degrees(read[self.readings.directions[0]]), "likely_y": y,
-            "likely_rudder_deg": np.degrees(rudder), "likely_heading_deg": np.degrees(heading),
-            "probability": list(self.leg_probabilities.values()),
-        }  # fmt: skip
-        rows = zip(*(np.asarray(column).tolist() for column in columns.values()), strict=True)
-        return [dict(zip(columns, row, strict=True)) for row in rows]
 
 
 @accept_aliases
@@ -188,7 +181,7 @@ def learn_steady(
     shared = dict(zip(UNKNOWN, map(tuple, common.tolist()), strict=True))
     findings = tuple(_findings(problem, found, min(by_leg, key=by_leg.__getitem__), probability))
     checks = found.chi_square, found.counted, probability, by_leg, findings
-    return SteadyFit(after, model, readings, conditions, learned, shared, found.latent, *checks)
+    return SteadyFit(after, model, learned, readings, conditions, shared, found.latent, *checks)
 
 
 TURNED = ("rudder", "drift", "heading")  # Readings that are often written with the other sign

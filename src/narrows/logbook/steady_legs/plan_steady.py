@@ -13,13 +13,7 @@ from narrows.control.steady_course import check_inside, check_rudder, steady_cou
 from narrows.errors import InputError, check_count, shown
 from narrows.logbook import settings
 from narrows.logbook.learned_coefficient import ON_TWINS, learnable
-from narrows.logbook.learning.log_posterior import (
-    check_covariance,
-    coefficient_prior,
-    expected_std,
-    log_posterior,
-    regression_on_estimated,
-)
+from narrows.logbook.learning.log_posterior import check_covariance, coefficient_prior, log_posterior
 from narrows.logbook.steady_legs.learn_steady import LegProblem
 from narrows.logbook.steady_legs.steady_readings import ReadingErrors, SteadyConditions, SteadyReadings, reading_error
 from narrows.model.model import Model
@@ -197,9 +191,13 @@ def plan_steady(
     # The sides come first in turn, so that what grows with time cancels too.
     held = [(i, sign) for turn, i in enumerate(order) for sign in ((-1, 1) if turn % 2 else (1, -1))]
     information = np.cumsum([np.zeros(problem.precision.shape), *(pairs[i, int(sign < 0)] for i, sign in held)], axis=0)
-    known = [expected_std(problem, one) for one in information]
-    after = log_posterior(problem, np.zeros(len(information[-1])), information[-1]).covariance
-    then = candidates(replace(model, covariance=after), beside, ahead, reserve, side, samples, seed) if order else found
+    known = [log_posterior(problem, np.zeros(size), one).covariance for one in information]
+    std = dict(zip(model.terms.names, np.sqrt(np.diagonal(known, axis1=1, axis2=2)).T, strict=True))
+    then = (
+        candidates(replace(model, covariance=known[-1]), beside, ahead, reserve, side, samples, seed)
+        if order
+        else found
+    )
     notes = (
         *model.notes, *water_notes(None, model.configuration.canal.depth), *_refused(found, reserve, side),
         f"Assumed: {errors.summary()}; {conditions.summary()}.",
@@ -208,7 +206,7 @@ def plan_steady(
     )  # fmt: skip
     return SteadyPlan(
         tuple(found.leg(allowed[i], sign) for i, sign in held), names,
-        {name: np.array([one[name] for one in known]) for name in names}, model, errors, conditions, reserve, side,
+        {name: std[name] for name in names}, model, errors, conditions, reserve, side,
         len(allowed), (found.farthest, max(found.farthest, then.farthest)), notes,
     )  # fmt: skip
 
@@ -275,7 +273,7 @@ def best_pairs(problem: LegProblem, pairs: np.ndarray, names: Sequence[str], cou
     model, inside = problem.prior.model, slice(problem.count)
     before = np.asarray(model.covariance)
     places = [place for place in map(model.terms.names.index, names) if before[place].any()]
-    rows = regression_on_estimated(problem.prior)[places] * problem.prior.scale / np.sqrt(np.diag(before))[places, None]
+    rows = problem.prior.regression[places] * problem.prior.scale / np.sqrt(np.diag(before))[places, None]
 
     def next_pair(held: list[int]) -> int:
         after = np.linalg.inv(problem.precision + pairs[held].sum(axis=0) + pairs)[:, inside, inside]

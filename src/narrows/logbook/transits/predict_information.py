@@ -143,10 +143,19 @@ def predict_information(
         check_count("transits", count, 1)
     names, grade, conditions = learnable(model, targets), sensor_grade(sensors), conditions or TransitConditions()
     plan = _plan(model, waterway, u, duration, conditions)
-    sizes = model.to_dataframe()["std"]
+    sizes, push = model.to_dataframe()["std"], gust_push(conditions, model)
     now = {name: float(sizes[name]) for name in names}
-    std = _information(plan, grade, names, counts, seed) if "rudder" in grade.signals else {}
-    return InformationForecast(counts, names, std, now, model, grade, conditions, plan.u, plan.duration)
+    std, seeds = list[list[list[float]]](), range(seed, seed + settings.SIMULATED_TRANSITS)
+    with bar(len(seeds), is_shown(), "transits") as done:
+        for number in seeds if "rudder" in grade.signals else ():
+            record = recorded(f"transit {number}", plan.sailed(number), grade, number, current=0.0)
+            setup = log_problem(model, ShipLog((record,), waterway), grade, gusts=True)
+            one = expected_information(setup, push @ push.T, conditions.gust_time)
+            after = [expected_std(setup.problem, count * one) for count in counts]
+            std.append([[each[name] for each in after] for name in names])
+            done(1)
+    found = dict(zip(names, np.median(std, axis=0), strict=True)) if std else {}
+    return InformationForecast(counts, names, found, now, model, grade, conditions, plan.u, plan.duration)
 
 
 def _plan(
@@ -165,21 +174,6 @@ def _plan(
     if not 0 < lasting <= settings.MOST_TIME:
         raise InputError(f"a transit of {lasting:g} s is none; give a duration over 0, to {settings.MOST_TIME:g}")
     return TransitTwin(model, speed, lasting, conditions, waterway)
-
-
-def _information(
-    plan: TransitTwin, grade: SensorGrade, names: Sequence[str], counts: Sequence[int], seed: int
-) -> dict[str, np.ndarray]:
-    push, std = gust_push(plan.conditions, plan.truth), []
-    with bar(settings.SIMULATED_TRANSITS, is_shown(), "transits") as done:
-        for number in range(seed, seed + settings.SIMULATED_TRANSITS):
-            record = recorded(f"transit {number}", plan.sailed(number), grade, number, current=0.0)
-            setup = log_problem(plan.truth, ShipLog((record,), plan.waterway), grade, gusts=True)
-            one = expected_information(setup, push @ push.T, plan.conditions.gust_time)
-            after = [expected_std(setup.problem, count * one) for count in counts]
-            std.append([[each[name] for name in names] for each in after])
-            done(1)
-    return dict(zip(names, np.median(std, axis=0).T, strict=True))
 
 
 def expected_information(setup: LogSetup, gusts: np.ndarray, memory: float) -> np.ndarray:

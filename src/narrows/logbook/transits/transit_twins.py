@@ -215,8 +215,7 @@ def drawn_truth(model: Model, seed: int, **held: float) -> Model:
     raise InputError("no draw of these coefficients is within the bounds of their terms; identify the model again")
 
 
-# Dimensions of the ship and the canal [m], as in the case of the Suez section.
-LENGTH, WIDTH = 399.94, 205.0
+LENGTH, WIDTH = 399.94, 205.0  # Dimensions of the ship and the canal [m], as in the case of the Suez section
 # Speed and duration of a transit, and number and duration of those of a demonstration.
 SPEED, MINUTES, DEMONSTRATED, SHORT_MINUTES = 8 * KNOT, 40.0, 10, 20.0
 
