@@ -198,12 +198,8 @@ def consistency(
     if not len(afloat):
         raise InputError("every twin ran aground; choose an offset and a speed at which the controller holds the ship")
     settled = min(SETTLING_TIME * first.filter.time_scale, duration / 2)
-    return _evaluated(first, truth, afloat, fault, settled)
-
-
-def _evaluated(first: Estimator, truth: Twins, afloat: np.ndarray, fault: Fault | None, settled: float) -> Consistency:
     names, found = first.filter.states.names, list[list[Estimate]]()
-    for twin in afloat:
+    for twin in afloat.tolist():
         first.forget()
         rows = truth.rows(twin, first.filter.actuators)
         found.append([first.update(t, fault(t, readings) if fault else readings) for t, readings in rows])
@@ -213,15 +209,15 @@ def _evaluated(first: Estimator, truth: Twins, afloat: np.ndarray, fault: Fault 
     error[..., 2] -= 2 * np.pi * np.round(error[..., 2] / (2 * np.pi))
     covariance = np.array([[one.covariance for one in own] for own in normals])
     nees = (error * np.linalg.solve(covariance, error[..., None])[..., 0]).sum(axis=-1)
-    sensors = first.filter.sensors
-    nis = {name: np.array([[one.nis.get(name, np.nan) for one in own] for own in found]) for name in sensors}
+    known = first.filter.sensors
+    nis = {name: np.array([[one.nis.get(name, np.nan) for one in own] for own in found]) for name in known}
     refused, suspected = (
-        {name: np.array([[name in getattr(one, kind) for one in own] for own in found]) for name in sensors}
+        {name: np.array([[name in getattr(one, kind) for one in own] for own in found]) for name in known}
         for kind in ("refused", "suspects")
     )
     return Consistency(
         truth.t, error, np.sqrt(np.diagonal(covariance, axis1=2, axis2=3)), nees, nis, refused, suspected,
-        {name: len(sensor.fields) for name, sensor in sensors.items()}, names, settled,
+        {name: len(sensor.fields) for name, sensor in known.items()}, names, settled,
         int(truth.aground.sum()), first.notes,
     )  # fmt: skip
 
@@ -243,7 +239,12 @@ def sail_twins(
         replace(filter, coefficients="certain").disturbances,
     )
     parts = max(1, math.ceil(dt / filter.step - 1e-9))
-    states, indicated = [_started(filter, start, lanes.lanes, random)], [np.tile(filter.at_rest, (lanes.lanes, 1))]
+    current = float(filter.waterway.current_at(start[0])) if filter.waterway else 0.0
+    means = filter.states.vector({**dict(zip(("x", "y", "u", "psi"), start, strict=True)), "current": current})
+    spreads = {**filter.spreads, "y": TWIN_START_STD[0] * filter.time_scale**2, "psi": TWIN_START_STD[1]}
+    size = np.array([spreads.get(name, 0.0) for name in filter.states.names])
+    states = [means + size * random.standard_normal((lanes.lanes, len(size)))]
+    indicated = [np.tile(filter.at_rest, (lanes.lanes, 1))]
     aground = np.zeros(lanes.lanes, bool)
     for t in times[:-1].tolist():
         now, before = states[-1], indicated[-1]
@@ -261,15 +262,6 @@ def sail_twins(
     sailed = lanes, filter, times, truth, random
     readings = {name: _readings(sensor, *sailed)[:, :count] for name, sensor in filter.sensors.items()}
     return Twins(times, truth[:, :count], noisy[:, :count], readings, aground[:count])
-
-
-def _started(filter: ShipFilter, start: Sequence[float], count: int, random: np.random.Generator) -> np.ndarray:
-    """Draw the initial states of the twins."""
-    current = float(filter.waterway.current_at(start[0])) if filter.waterway else 0.0
-    means = filter.states.vector({**dict(zip(("x", "y", "u", "psi"), start, strict=True)), "current": current})
-    spreads = {**filter.spreads, "y": TWIN_START_STD[0] * filter.time_scale**2, "psi": TWIN_START_STD[1]}
-    size = np.array([spreads.get(name, 0.0) for name in filter.states.names])
-    return np.asarray(means + size * random.standard_normal((count, len(size))))
 
 
 def _positions(

@@ -173,7 +173,10 @@ class FaultBank:
         tried = [base]
         for one in self.faults - stuck:
             lasting = base and t - self._since[one] < settings.LONGEST_FAULT * self.scale
-            cost = self._occam_factor(one) if lasting and base and not self._small(base.run, one) else 0.0
+            cost = 0.0
+            if lasting and base and not self._small(base.run, one):  # Without the wide error, right or wrong, it gains
+                numbers = len(self.filter.sensors[one].fields) if one in self.filter.sensors else 1
+                cost = settings.FAULT_PRIOR + numbers * math.log(settings.FAULT_STD)
             tried.append(self._scored(self.faults - {one}, self.slow, run.filter, moments, known, cost))
         for one in self._white - self.faults:
             slow = self.slow | {one}
@@ -199,11 +202,6 @@ class FaultBank:
         run = replay(own, first._replace(state=state, monitor=own.monitor()), later, self.horizon, self.kept)
         score = _likelihood(run) - _penalty_of_faults(faults, known) - cost if run else 0.0
         return Hypothesis(faults, run, score, slow) if run else None
-
-    def _occam_factor(self, name: str) -> float:
-        """Log-likelihood [1] that a filter gains by having no wide error of a sensor, whether right or wrong."""
-        numbers = len(self.filter.sensors[name].fields) if name in self.filter.sensors else 1
-        return settings.FAULT_PRIOR + numbers * math.log(settings.FAULT_STD)
 
     def _small(self, run: FilterRun, name: str) -> bool:
         """Return whether the error of a sensor is as small as its noise again."""

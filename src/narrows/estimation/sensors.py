@@ -23,8 +23,7 @@ from narrows.simulation.inputs import finite_numbers
 __all__ = ["CourseOverGround", "GaussMarkov", "Gnss", "Gyro", "Log", "RateOfTurn", "RudderIndicator", "Sensor"]
 
 Values = tuple[Any, ...]
-# Curvature [1/m] below which a line counts as straight.
-STRAIGHT = 1e-9
+STRAIGHT = 1e-9  # Curvature [1/m] below which a line counts as straight
 # Correlation time [s] of the slow error of fixes of a receiver without corrections: the autocorrelation of recorded
 # errors falls within about a minute. Wilson, GPS horizontal position accuracy; that the error is not white: Sensors 20
 # (2020) 6050.

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
@@ -80,6 +80,8 @@ class ShipFilter:
     surge_inertia: float | None = None  # Mass in surge with its added mass [kg]
     coriolis: bool = False  # Add the rigid body's Coriolis force
     faults: frozenset[str] = frozenset()  # Sensors, "rudder" or "model" that count as faulty
+    _others: dict[tuple[frozenset[str], frozenset[str]], "ShipFilter"] = field(default_factory=dict, init=False)
+    _layouts: dict[tuple[str, ...], NumberLayout] = field(default_factory=dict, init=False)
 
     def __post_init__(self) -> None:
         check_sizes(self, ("step",), ("step",))
@@ -202,14 +204,12 @@ class ShipFilter:
 
     def with_errors(self, faults: frozenset[str], slow: frozenset[str]) -> "ShipFilter":
         """Return the filter with faults, and with slow errors of some sensors; each is made once."""
+        if not faults | slow:
+            return self
         if (faults, slow) not in self._others:
             sensors = {name: slowed(one) if name in slow else one for name, one in self.sensors.items()}
             self._others[faults, slow] = replace(self, sensors=sensors, faults=faults)
         return self._others[faults, slow]
-
-    @cached_property
-    def _others(self) -> dict[tuple[frozenset[str], frozenset[str]], "ShipFilter"]:
-        return {(frozenset(), frozenset()): self}
 
     def monitor(self) -> np.ndarray:
         """Return empty sums of innovations: they grow for a drifting sensor, although each one passes its gate."""
@@ -309,10 +309,6 @@ class ShipFilter:
                 layout = layout._replace(seen=self.measured(np.eye(len(self.disturbances.walks)), layout).T.copy())
             self._layouts[names] = layout
         return self._layouts[names]
-
-    @cached_property
-    def _layouts(self) -> dict[tuple[str, ...], NumberLayout]:
-        return {}
 
     def measured(self, points: np.ndarray, layout: NumberLayout) -> np.ndarray:
         """Components of sensors with their errors, (points, numbers)."""

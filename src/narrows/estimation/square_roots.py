@@ -35,20 +35,12 @@ def transform(
 
 
 def triangular_root(rows: np.ndarray) -> np.ndarray:
-    """Return the lower triangular root of the sum of outer products of rows (j, n), by Householder's reflections."""
-    columns, (count, size) = rows.T.copy(), rows.shape
-    root = np.zeros((size, size))
-    for k in range(min(count, size)):
-        normal = columns[k, k:]
-        length = math.sqrt(normal @ normal)
-        root[k, k] = -length if normal[0] > 0.0 else length
-        normal[0] -= root[k, k]
-        square = normal @ normal
-        for j in range(k + 1, size):
-            column = columns[j, k:]
-            if square > 0.0:
-                column -= 2.0 * (normal @ column) / square * normal
-            root[j, k] = column[0]
+    """Return the lower triangular root of the sum of outer products of rows (j, n); NaN if there is none."""
+    root = np.full((rows.shape[1], rows.shape[1]), np.nan)
+    if np.isfinite(rows).all():
+        factor = np.linalg.qr(rows)[1]
+        root[:] = 0.0
+        root[:, : len(factor)] = factor.T
     return root
 
 

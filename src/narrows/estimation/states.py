@@ -33,10 +33,8 @@ def described(name: str) -> tuple[str, str]:
     return STATES.get(name, ("SI", f"error of a sensor, {name.replace('_', ' ')}"))
 
 
-# States of the motions whose walks are given.
-MOTIONS = {"surge": "u", "sway": "v", "yaw": "r"}
-# Default values of states that are omitted or unknown; the others are 0.
-RESTING = {"bank": 1.0}
+MOTIONS = {"surge": "u", "sway": "v", "yaw": "r"}  # States of the motions whose walks are given
+RESTING = {"bank": 1.0}  # Default values of states that are omitted or unknown; the others are 0
 
 
 @dataclass(frozen=True)
