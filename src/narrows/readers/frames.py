@@ -165,10 +165,8 @@ def _read_mat(path: Path) -> Sheet:
 # Checks of a .mat file before SciPy reads it: SciPy's reader ends the whole process on unknown types.
 HEADER = 128
 MATRIX, COMPRESSED = 14, 15
-# Type codes of numbers and of characters.
-NUMBERS = (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 16, 17, 18)
-# Type codes of the first three elements of a matrix.
-FLAGS, SHAPE, NAME = 6, (5, 6), (1, 16)
+NUMBERS = (1, 2, 3, 4, 5, 6, 7, 9, 12, 13, 16, 17, 18)  # Type codes of numbers and of characters
+FLAGS, SHAPE, NAME = 6, (5, 6), (1, 16)  # Type codes of the first three elements of a matrix
 CHARACTERS, SPARSE, OPAQUE = 4, 5, 17
 # Number of elements of a matrix by its class, if all are numbers; an imaginary part is one more.
 PARTS = {CHARACTERS: 4, SPARSE: 6, **dict.fromkeys(range(6, 16), 4)}
@@ -208,17 +206,12 @@ def _check_matrix(body: memoryview, order: str) -> None:
 
 def _elements(data: memoryview, order: str) -> Iterator[tuple[int, memoryview]]:
     while data:
-        kind, start, size = _tag(data, order)
+        if len(data) < 8:
+            raise ValueError("an element is cut short")
+        first, second = struct.unpack(f"{order}II", data[:8])
+        kind, start, size = (first & 0xFFFF, 4, first >> 16) if first >> 16 else (first, 8, second)
         body = data[start : start + size]
         if len(body) < size or kind not in (*NUMBERS, MATRIX, COMPRESSED):
             raise ValueError("an element is cut short or of no known type")
         yield kind, body
         data = data[start + size if kind == COMPRESSED else -(-(start + size) // 8) * 8 :]
-
-
-def _tag(data: memoryview, order: str) -> tuple[int, int, int]:
-    """Return type, start of the data, and their length."""
-    if len(data) < 8:
-        raise ValueError("an element is cut short")
-    first, second = struct.unpack(f"{order}II", data[:8])
-    return (first & 0xFFFF, 4, first >> 16) if first >> 16 else (first, 8, second)

@@ -84,8 +84,7 @@ def is_unit(word: str) -> bool:
     return named and (word in TEMPERATURES or unit_named(word) is not None)
 
 
-# Units in tables without a factor to SI.
-TEMPERATURES = ("°C", "degC", "°F", "degF")
+TEMPERATURES = ("°C", "degC", "°F", "degF")  # Units in tables without a factor to SI
 
 
 class Unit(NamedTuple):

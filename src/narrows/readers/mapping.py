@@ -31,8 +31,7 @@ COUNTED = {
     "heave": ("down",),
 }
 
-# Key of a drafted file, true once its lines are checked.
-CONFIRMED = "confirmed"
+CONFIRMED = "confirmed"  # Key of a drafted file, true once its lines are checked
 
 
 @dataclass(frozen=True)

@@ -19,8 +19,7 @@ from narrows.progress import opened
 from narrows.readers.headers import is_unit
 from narrows.readers.settings import BLOCK, DIALECT_BYTES, DIALECT_ROWS, FULL_SHARE, HEADER_LINES, UNIT_SHARE
 
-# Row number below a header in an editor: the index of a frame counts from there.
-FIRST_ROW = 2
+FIRST_ROW = 2  # Row number below a header in an editor: the index of a frame counts from there
 # Start of a comment line or an empty line.
 BROKEN = re.compile(rb"\n[ \t]*[#%\r\n]")
 

@@ -19,7 +19,6 @@ from narrows.logbook.reading.log_rows import (
     QUANTITIES,
     VOCABULARY,
     LogMapping,
-    Placing,
     RawRecord,
     log_mapping,
     one_ship,
@@ -30,7 +29,7 @@ from narrows.logbook.ship_log import ShipLog, ShipRecord
 from narrows.readers.cells import as_sheet, check_once, labels, name_of, numbers, row_number, with_seconds
 from narrows.readers.frames import STREAMED, notes_of, read_chunks, read_frame
 from narrows.readers.headers import recognised_in
-from narrows.readers.nmea.nmea_recording import NmeaTable, is_nmea
+from narrows.readers.nmea.nmea_decoder import Recording, is_nmea
 from narrows.waterway import Waterway, read_waterway
 
 
@@ -156,7 +155,7 @@ class LogReading:
         for raw in self._split(map(self._rows, self._frames())):
             again = [np.isfinite(column[1:]) & np.isfinite(column[:-1]) for column in raw.columns.values()]
             self.rounded += int(((np.diff(raw.t) == 0) & np.any(again, axis=0)).sum())
-            record = Placing(raw, self.log.mapping, self.log.waterway, self.table).record()
+            record = raw.record()
             self.given += bool(record.signals)
             if record.signals:
                 yield record
@@ -180,7 +179,7 @@ class LogReading:
         if not isinstance(table, Path):
             yield as_sheet(table).frame
         elif is_nmea(table):
-            recording = NmeaTable(table, self.log.mmsi)
+            recording = Recording(table, self.log.mmsi)
             yield from recording.frames(PIECE_ROWS)
             self.about = recording.notes()
         elif table.suffix.lower() in STREAMED:
@@ -273,6 +272,5 @@ class LogReading:
         stem = stem or (self.log.table.stem if isinstance(self.log.table, Path) else "record")
         self.names.append(f"{stem} {len(self.names) + 1}" if stem in self.names else stem)
         rows = pd.concat(held).drop(columns="record", errors="ignore")
-        return RawRecord(
-            self.names[-1], rows.pop("t").to_numpy(), {str(name): column.to_numpy() for name, column in rows.items()}
-        )
+        t, columns = rows.pop("t").to_numpy(), {str(name): column.to_numpy() for name, column in rows.items()}
+        return RawRecord(self.names[-1], t, columns, self.log.mapping, self.log.waterway, self.table)

@@ -1,13 +1,22 @@
-"""Decoding of sentences one after the other; invalid ones and other ships are counted."""
+"""Sentences of NMEA 0183 decoded one after the other, with their times, and the choice among sources of one quantity.
+
+Invalid sentences and other ships are counted.
+"""
 
 from collections import Counter, OrderedDict
 from collections.abc import Iterable, Iterator
 from datetime import UTC, date, datetime
+from itertools import islice
+from pathlib import Path
 from typing import NamedTuple
 
-from narrows.errors import needs
-from narrows.readers.nmea.nmea_sentences import DecodedMessage, Sentence, decode_parts
-from narrows.readers.settings import MOST_OPEN, MOST_SHIPS, PART_WAIT
+import numpy as np
+import pandas as pd
+
+from narrows.errors import InputError, needs
+from narrows.progress import opened
+from narrows.readers import settings
+from narrows.readers.nmea.nmea_sentences import SENTENCE, SOURCES, DecodedMessage, Sentence, decode_parts, sentences
 
 
 class NmeaDecoder:
@@ -40,8 +49,8 @@ class NmeaDecoder:
 
     def _count(self, ship: str) -> None:
         self.ships[ship] += 1
-        if len(self.ships) > MOST_SHIPS:
-            self.ships = Counter(dict(self.ships.most_common(MOST_SHIPS // 2)))
+        if len(self.ships) > settings.MOST_SHIPS:
+            self.ships = Counter(dict(self.ships.most_common(settings.MOST_SHIPS // 2)))
 
 
 GIVEN_UP = "of AIS messages whose parts did not come together"
@@ -73,23 +82,20 @@ class AisFragments:
         if total == b"1":
             return (text,)
         self._forget(t)
-        return self._joined((kind, total, sequence, channel), number, text, t)
-
-    def __len__(self) -> int:
-        return len(self._open)
-
-    def _joined(self, key: Key, number: bytes, text: bytes, t: float) -> tuple[bytes, ...] | None:
+        key, first = (kind, total, sequence, channel), number == b"1"
         waiting = self._open.pop(key, None)
-        first = number == b"1"
         if waiting is None and first:
             self._open[key] = Waiting(t, (text,))
         elif waiting is None or not waiting.parts or first or number != b"%d" % (len(waiting.parts) + 1):
             self._give_up(key, waiting, t)
-        elif key[1] == number:
+        elif total == number:
             return (*waiting.parts, text)
         else:
             self._open[key] = Waiting(t, (*waiting.parts, text))
         return None
+
+    def __len__(self) -> int:
+        return len(self._open)
 
     def _give_up(self, key: Key, waiting: Waiting | None, t: float) -> None:
         """Count these parts as lost; the number is not used until it has been silent."""
@@ -101,7 +107,7 @@ class AisFragments:
         """Discard parts that wait too long; if time goes back, all of them."""
         while self._open:
             key, oldest = next(iter(self._open.items()))
-            if 0.0 <= t - oldest.t <= PART_WAIT and len(self._open) <= MOST_OPEN:
+            if 0.0 <= t - oldest.t <= settings.PART_WAIT and len(self._open) <= settings.MOST_OPEN:
                 return
             del self._open[key]
             self.faults[GIVEN_UP] += len(oldest.parts)
@@ -128,14 +134,17 @@ class Clock:
         waiting: list[DecodedMessage] = []
         before: float | None = None
         for sentence, one in messages:
-            now = self._since_begin(sentence, one)
-            if now is None:
+            clock = sentence.logged if self.logged else self._by_clock(one)
+            if clock is None:
                 waiting.append(one)
                 continue
+            self.begin = clock if self.begin is None else self.begin
+            now = clock - self.begin
             if before is None:
                 self.lost += len(waiting)
-            else:
-                yield from _between(before, now, waiting)
+            else:  # Those without a clock, evenly between those with one
+                step = max(now - before, 0.0) / (len(waiting) + 1)
+                yield from (Entry(before + step * place, other) for place, other in enumerate(waiting, 1))
             waiting, before = [], now
             yield Entry(now, one)
         if before is not None:
@@ -146,13 +155,6 @@ class Clock:
         """Date and time at which t is 0; None if only the time of day is known."""
         dated = self.begin is not None and (self.logged or self.day is not None)
         return datetime.fromtimestamp(self.begin or 0.0, UTC) if dated else None
-
-    def _since_begin(self, sentence: Sentence, message: DecodedMessage) -> float | None:
-        now = sentence.logged if self.logged else self._by_clock(message)
-        if now is None:
-            return None
-        self.begin = now if self.begin is None else self.begin
-        return now - self.begin
 
     def _by_clock(self, message: DecodedMessage) -> float | None:
         """Seconds since 1970, or since midnight of an unknown day, from the clock inside a sentence."""
@@ -168,7 +170,104 @@ class Clock:
         return self._midnight + seconds
 
 
-def _between(before: float, now: float, waiting: list[DecodedMessage]) -> Iterator[Entry]:
-    """Times of sentences without a clock, evenly between those with one."""
-    step = max(now - before, 0.0) / (len(waiting) + 1)
-    yield from (Entry(before + step * place, one) for place, one in enumerate(waiting, 1))
+def is_nmea(path: Path) -> bool:
+    with path.open("rb") as file:
+        lines = [line for line in file.read(settings.SNIFFED).splitlines() if line.strip()]
+    found = sum(bool((match := SENTENCE.search(line)) and match[3]) for line in lines)
+    return bool(lines) and found > settings.NMEA_SHARE * len(lines)
+
+
+class Recording:
+    def __init__(self, path: Path, mmsi: int | None = None) -> None:
+        self.path, self.decoder = path, NmeaDecoder(mmsi)
+        self.sources, self.clock = Sources(), Clock(logged=False)
+
+    @property
+    def faults(self) -> Counter[str]:
+        return self.decoder.faults
+
+    def entries(self) -> Iterator[Entry]:
+        with self.path.open("rb") as file:
+            sample = list(islice(self._decoded(file), settings.SOURCE_SENTENCES))
+        self.decoder.forget()
+        logged = sum(sentence.logged is not None for sentence, _ in sample)
+        day = next((message.day for _, message in sample if message.day), None)
+        self.sources, self.clock = (
+            Sources(one for _, one in sample),
+            Clock(logged > settings.NMEA_SHARE * len(sample), day),
+        )
+        with opened(self.path) as file:
+            yield from self.clock.entries(self._decoded(file))
+
+    def _decoded(self, lines: Iterable[bytes]) -> Iterator[tuple[Sentence, DecodedMessage]]:
+        for sentence in sentences(lines, self.decoder.faults):
+            message = self.decoder.decode(sentence, sentence.logged or 0.0)
+            if message is not None:
+                yield sentence, message
+
+    def frames(self, rows: int) -> Iterator[pd.DataFrame]:
+        entries, first = self.entries(), 0
+        while piece := list(islice(entries, rows)):
+            frame = _frame(piece, self.sources, first)
+            first += len(piece)
+            if len(frame.columns) > 1:
+                yield frame
+        if not self.sources.chosen:
+            ships = ", ".join(name for name, _ in self.decoder.ships.most_common(3))
+            others = f"; AIS reports are of the ships {ships}: choose one by mmsi=" if ships else ""
+            raise InputError(f"{self.path}: no sentence gives the position or motion of this ship{others}")
+
+    def notes(self) -> tuple[str, ...]:
+        clock = self.clock
+        by = "the logger's times" if clock.logged else "the clocks in the sentences, evenly between them"
+        start = f", from {clock.started.isoformat()}" if clock.started else ""
+        left = [f"{count} sentences {what} were left out" for what, count in self.faults.items()]
+        lost = [f"{clock.lost} sentences before the first time were left out"] if clock.lost else []
+        return (f"{self.sources.words()}; timed by {by}{start}", *left, *lost)
+
+
+class Sources:
+    def __init__(self, sample: Iterable[DecodedMessage] = ()) -> None:
+        counts: dict[str, Counter[str]] = {about: Counter() for about in SOURCES}
+        for message in sample:
+            for about, values in message.values.items():
+                if values and about in counts:
+                    counts[about][message.source] += 1
+        self.chosen = {  # The best type, and of these the most frequent
+            about: min(found, key=lambda source: (SOURCES[about].index(source.split()[0][-3:]), -found[source]))
+            for about, found in counts.items() if found
+        }  # fmt: skip
+        self.used = {about: [source] for about, source in self.chosen.items()}
+        self._last: dict[str, float] = {}
+
+    def accepts(self, about: str, source: str, t: float) -> bool:
+        chosen = self.chosen.setdefault(about, source)
+        if source != chosen:
+            # The talker stands first: a source of the same type and detail may replace it.
+            if source[2:] != chosen[2:] or t - self._last.get(about, 0.0) < settings.TALKER_SILENCE:
+                return False
+            self.chosen[about] = source
+        used = self.used.setdefault(about, [])
+        if source not in used:
+            used.append(source)
+        self._last[about] = t
+        return True
+
+    def words(self) -> str:
+        return ", ".join(f"{about} by {' and '.join(used)}" for about, used in self.used.items())
+
+
+def _frame(entries: list[Entry], sources: Sources, first: int) -> pd.DataFrame:
+    """One row per sentence; values of sources that were not chosen are skipped."""
+    cells: dict[str, list[tuple[int, float]]] = {}
+    for row, (t, message) in enumerate(entries):
+        for about, values in message.values.items():
+            if values and about in SOURCES and sources.accepts(about, message.source, t):
+                for name, value in values.items():
+                    cells.setdefault(name, []).append((row, value))
+    columns = {"t": np.array([entry.t for entry in entries])}
+    for name, pairs in cells.items():
+        rows, values_of = zip(*pairs, strict=True)
+        columns[name] = np.full(len(entries), np.nan)
+        columns[name][list(rows)] = values_of
+    return pd.DataFrame(columns, index=pd.RangeIndex(first, first + len(entries)))

@@ -15,8 +15,7 @@ from narrows.readers.headers import DEGREE
 
 # AIS message types with position and motion, and with the ship's loading (ITU-R M.1371).
 AIS_POSITIONS, AIS_VOYAGE = (1, 2, 3, 18), 5
-# AIS values for "not available"; other such values lie beyond ``LARGEST``.
-NO_SPEED, NO_COURSE = 102.3, 360.0
+NO_SPEED, NO_COURSE = 102.3, 360.0  # AIS values for "not available"; other such values lie beyond ``LARGEST``
 # Largest valid numbers in sentences: larger ones are ignored.
 LARGEST = {
     "longitude": 180.0, "latitude": 90.0, "heading": 360.0, "course_over_ground": 360.0, "speed_over_ground": 102.3,
@@ -73,8 +72,7 @@ def _day(message: Any, kind: str) -> date | None:
     return day if isinstance(day, date) else None
 
 
-# Valid fix qualities of GGA: not 6 (dead reckoning), 7 (manual), 8 (simulator).
-FIXES = (1, 2, 3, 4, 5, 9)
+FIXES = (1, 2, 3, 4, 5, 9)  # Valid fix qualities of GGA: not 6 (dead reckoning), 7 (manual), 8 (simulator)
 # Invalid mode letters of RMC, GLL, VTG and GNS: dead reckoning, manual, simulator, none.
 NO_FIXES = "EMSN"
 MOST_HDOP = 5.0  # [1] largest HDOP of a fix that is usable near a bank
@@ -177,14 +175,12 @@ def _ais(parts: Sequence[bytes], kind: str, mmsi: int | None) -> DecodedMessage 
 
     message = pyais.decode(*parts)
     wanted = kind.endswith("VDO") if mmsi is None else message.mmsi == mmsi
-    values = _of_ais(message.msg_type, message.asdict()) if wanted else {}
+    values: GroupedValues = {}
+    if wanted and message.msg_type == AIS_VOYAGE:
+        values = {PARTICULARS: _only(draft=message.draught or None)}  # 0 means not available
+    elif wanted and message.msg_type in AIS_POSITIONS:
+        values = _position_report(message.asdict())
     return DecodedMessage(values, f"{kind} {message.mmsi}")
-
-
-def _of_ais(kind: int, report: Mapping[str, Any]) -> GroupedValues:
-    if kind == AIS_VOYAGE:
-        return {PARTICULARS: _only(draft=report["draught"] or None)}  # 0 means not available
-    return _position_report(report) if kind in AIS_POSITIONS else {}
 
 
 def _position_report(report: Mapping[str, Any]) -> GroupedValues:
@@ -206,8 +202,7 @@ TAG = re.compile(rb"\\(?:[^\\]*,)?c:(\d{10,13})(?:[,*][^\\]*)?\\")
 ISO = re.compile(rb"(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:[.,]\d+)?)(Z|[+-]\d\d:?\d\d)?")
 EPOCH = re.compile(rb"(?<![\d.])(1\d{9}(?:\.\d+)?)(?![\d.])")
 REMARK = b"#"
-# Larger times since 1970 are in milliseconds.
-MILLISECONDS = 1e11
+MILLISECONDS = 1e11  # Larger times since 1970 are in milliseconds
 
 
 class Sentence(NamedTuple):

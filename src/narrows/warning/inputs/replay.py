@@ -7,8 +7,7 @@ from collections.abc import Iterable, Iterator
 from itertools import count
 from pathlib import Path
 
-from narrows.readers.nmea.nmea_decoder import Entry
-from narrows.readers.nmea.nmea_recording import Recording
+from narrows.readers.nmea.nmea_decoder import Entry, Recording
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.settings import LATE, LONGEST_SILENCE, PERIOD
 
