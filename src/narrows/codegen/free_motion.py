@@ -115,7 +115,9 @@ def symbolic_functions() -> dict[str, Expr]:
     """Return the functions of ``quantities.arithmetic`` as symbols that printers know."""
     import sympy
 
-    return {name: sympy.Function(name, real=True) for name in COLUMNS}
+    from narrows.codegen.expressions import Abs
+
+    return {name: sympy.Function(name, real=True) for name in COLUMNS} | {"abs": Abs}
 
 
 def exact_number(value: int | float) -> Expr:
@@ -134,11 +136,14 @@ def exact_number(value: int | float) -> Expr:
 def _mass(regressors: Mapping[str, tuple[str, Expr]], names: Mapping[str, Expr], components: Sequence[str]) -> Expr:
     import sympy
 
+    from narrows.codegen.expressions import symbols_of
+
     accelerations = [symbol(ACCELERATIONS[force]) for force in components]
     mass = sympy.zeros(len(components))
     for name, (force, regressor) in regressors.items():
+        present = symbols_of(sympy.sympify(regressor))
         for column, acceleration in enumerate(accelerations):
-            slope = sympy.sympify(regressor).diff(acceleration)
+            slope = regressor.diff(acceleration) if acceleration in present else sympy.Integer(0)
             if slope.free_symbols & set(accelerations):
                 raise InputError(f"term {name}: an acceleration must enter linearly; {acceleration} does not")
             mass[components.index(force), column] -= names[name] * slope

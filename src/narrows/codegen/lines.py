@@ -10,6 +10,7 @@ from functools import cached_property, lru_cache, reduce
 
 import sympy
 
+from narrows.codegen.expressions import symbols_of
 from narrows.codegen.free_motion import Expr, symbol
 
 Assignment = tuple[Expr, Expr]
@@ -131,14 +132,14 @@ class Constants:
 
     def lift(self, expression: Expr) -> Expr:
         """Replace every part of an expression that depends on parameters alone by a constant."""
-        symbols = expression.free_symbols
+        symbols = symbols_of(expression)
         if not symbols & self.parameters:
             return expression
         if symbols <= self.parameters:
             return self.table.setdefault(expression, symbol(f"k{len(self.table)}"))
         if not (expression.is_Add or expression.is_Mul):
             return expression.func(*map(self.lift, expression.args))
-        fixed = [a for a in expression.args if a.free_symbols <= self.parameters]
+        fixed = [a for a in expression.args if symbols_of(a) <= self.parameters]
         moving = [self.lift(a) for a in expression.args if a not in fixed]
         return expression.func(self.lift(expression.func(*fixed)), *moving)
 

@@ -6,6 +6,7 @@ from functools import cached_property, lru_cache
 
 import sympy
 
+from narrows.codegen.expressions import symbols_of
 from narrows.codegen.free_motion import ACCELERATIONS, INPUTS, STATE, Expr, FreeMotion, symbol
 from narrows.codegen.lines import Assignment, Constants, Lines, real, straight_lines
 
@@ -46,7 +47,7 @@ class Rates:
         return self._parts[2]
 
     def depend_on(self, name: str) -> bool:
-        return any(symbol(name) in rate.free_symbols for rate in self.derivatives)
+        return any(symbol(name) in symbols_of(rate) for rate in self.derivatives)
 
     def inlined(self, lines: Lines, tag: str, values: Mapping[str, Expr]) -> dict[str, Expr]:
         where = {symbol(name): value for name, value in values.items()}

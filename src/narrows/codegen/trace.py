@@ -146,7 +146,7 @@ class Trace:
             elif sign == "number":
                 values.append(number(int(operands[0]) if operands[0].lstrip("-").isdigit() else float(operands[0])))
             else:
-                operation = OPERATORS.get(sign) or functions[sign]
+                operation = functions.get(sign) or OPERATORS[sign]
                 values.append(operation(*(values[int(operand)] for operand in operands)))
         return {name: values[line] for name, line in self.results.items()}
 
