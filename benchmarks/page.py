@@ -24,7 +24,7 @@ from rich.table import Table
 
 import narrows as nw
 from narrows.export.exported_ship import ExportedShip
-from narrows.export.native_build import lacks_zig
+from narrows.export.fmu import lacks_zig
 from narrows.export.page.assembly import SHIP, bundled, model_script, wasm_of
 from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import KernelRun

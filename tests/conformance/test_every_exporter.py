@@ -12,9 +12,10 @@ import pytest
 from click.testing import CliRunner
 
 import narrows as nw
+import narrows.export.fmu
 from export.exported import bent, model_of
 from narrows.cli import app
-from narrows.export import native_build, passport
+from narrows.export import passport
 from narrows.export.exporters import EXPORTERS
 from narrows.export.page import assembly
 
@@ -74,7 +75,7 @@ def contents(kind: str, folder: Path, model: nw.Model, suffix: str = "", **optio
 
 @pytest.fixture
 def uncompiled(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(native_build, "builds_here", lambda fmi: ())
+    monkeypatch.setattr(narrows.export.fmu, "builds_here", lambda fmi: ())
     monkeypatch.setattr(assembly, "lacks_zig", lambda what: "left out")
 
 

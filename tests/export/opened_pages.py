@@ -13,7 +13,7 @@ import pytest
 
 import narrows as nw
 from narrows.export.exported_ship import ExportedShip
-from narrows.export.native_build import lacks_zig
+from narrows.export.fmu import lacks_zig
 from narrows.export.page.assembly import SHIP, bundled, helm_of, model_script, wasm_of
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import steering_of

@@ -17,7 +17,7 @@ from scipy.integrate import solve_ivp
 
 import narrows as nw
 from narrows.cli import app
-from narrows.export.native_build import NativeBuild, universal
+from narrows.export.fmu import NativeBuild, universal
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
 pytestmark = needs_compiler
@@ -215,7 +215,7 @@ def test_written_again_its_sources_are_the_same(paper: Path, tmp_path: Path) -> 
 
 
 def test_without_a_compiler_its_sources_are_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("narrows.export.native_build.builds_here", lambda fmi: ())
+    monkeypatch.setattr("narrows.export.fmu.builds_here", lambda fmi: ())
     done = CliRunner().invoke(app, ["export", "fmu", "mikkelsen2025_dtc", "-o", str(tmp_path / "ship.fmu")])
     assert done.exit_code == 0
     assert "sources alone" in done.stdout
@@ -225,7 +225,7 @@ def test_without_a_compiler_its_sources_are_there(tmp_path: Path, monkeypatch: p
 
 def test_a_compiler_that_fails_is_a_sentence_and_no_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     broken = NativeBuild("linux64", ("false",), ".so")
-    monkeypatch.setattr("narrows.export.native_build.builds_here", lambda fmi: (broken,))
+    monkeypatch.setattr("narrows.export.fmu.builds_here", lambda fmi: (broken,))
     with pytest.raises(nw.InputError, match="compiler for linux64 fails"):
         nw.export.write(model_of("paper"), tmp_path / "ship.fmu")
     with pytest.raises(nw.InputError, match="no step"):

@@ -361,7 +361,7 @@ def test_two_source_fmus_in_one_program(fmus: Fmus, fmi: int, tmp_path: Path) ->
 def test_an_importer_builds_the_sources(fmus: Fmus, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     from fmpy.build import build_platform_binary
 
-    monkeypatch.setattr("narrows.export.native_build.builds_here", lambda fmi: ())
+    monkeypatch.setattr("narrows.export.fmu.builds_here", lambda fmi: ())
     for fmi in (2, 3):
         path = tmp_path / f"bare{fmi}.fmu"
         nw.export.write(model_of("paper"), path, fmi=fmi)

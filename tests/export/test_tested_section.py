@@ -16,7 +16,7 @@ from exported import bent, model_of, states
 from fmus import imported
 
 import narrows as nw
-from narrows.export import native_build
+import narrows.export.fmu
 from narrows.export.exporters import EXPORTERS
 from narrows.export.passport import passport
 from narrows.model.data_range import DataRange
@@ -144,7 +144,7 @@ def test_a_ship_without_a_bank_force_and_without_verdicts_says_so() -> None:
 def test_every_file_names_the_speed_at_which_the_ship_touches_the_bottom(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(native_build, "builds_here", lambda fmi: ())
+    monkeypatch.setattr(narrows.export.fmu, "builds_here", lambda fmi: ())
     model = narrow(300.0)
     EXPORTERS[{"ship.h": "c", "ship.fmu": "fmu", "ship.tex": "latex"}[name]].write(model, tmp_path / name)
     packed = zipfile.is_zipfile(tmp_path / name)

@@ -12,7 +12,7 @@ import pytest
 from exported import model_of
 
 import narrows as nw
-from narrows.export import native_build
+import narrows.export.fmu
 
 pytest.importorskip("ziglang", reason="ziglang is not installed: nothing here builds for Windows")
 fmpy = pytest.importorskip("fmpy", reason="FMPy is not installed")
@@ -23,14 +23,14 @@ STEPS, DT = 200, 0.05
 
 @pytest.mark.skipif(WINE is None, reason="wine is not here to run the library for Windows with")
 def test_windows_sails_the_voyage(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    builds = [build for build in native_build.builds_here() if build.folder == "win64"]
-    monkeypatch.setattr(native_build, "builds_here", lambda fmi: tuple(builds))
+    builds = [build for build in narrows.export.fmu.builds_here() if build.folder == "win64"]
+    monkeypatch.setattr(narrows.export.fmu, "builds_here", lambda fmi: tuple(builds))
     nw.export.write(model_of("paper"), tmp_path / "ship.fmu", dt=DT)
     with zipfile.ZipFile(tmp_path / "ship.fmu") as packed:
         packed.extract("binaries/win64/ship.dll", tmp_path)
     description = fmpy.read_model_description(str(tmp_path / "ship.fmu"))
     places = {one.name: one.valueReference for one in description.modelVariables}
-    headers = Path(native_build.__file__).with_name("fmi")
+    headers = Path(narrows.export.fmu.__file__).with_name("fmi")
     source, program = Path(__file__).with_name("windows_co_simulation.c"), tmp_path / "sail.exe"
     zig = [sys.executable, "-m", "ziglang", "cc", "-target", "x86_64-windows-gnu", "-std=c99", f"-I{headers}"]
     subprocess.run([*zig, source, "-o", program], check=True)

@@ -11,8 +11,9 @@ import pytest
 import narrows as nw
 from narrows.cli.app import main
 from narrows.empirical.bank_evidence import BANK_EVIDENCE, bank_prior, left_out_banks, random_effects
-from narrows.empirical.calibration import KCS, KNOWN_SHIPS, KVLCC2, Calibration, left_out
+from narrows.empirical.calibration import Calibration, left_out
 from narrows.empirical.formulas import FORMULAS, Hull, depth_factor
+from narrows.empirical.known_ships import KCS, KNOWN_SHIPS, KVLCC2
 from narrows.empirical.propulsion import balanced_revolutions, resistance_prime
 from narrows.physics.clearance import bank_distance, suction
 

@@ -81,8 +81,8 @@ def map_(
 
     MODEL is a model file, or the name of a published model.
     """
+    from narrows.simulation.ensemble import map_summary
     from narrows.simulation.initial_state import voyage_defaults
-    from narrows.simulation.maps import map_summary
 
     chosen, waterway = model_named(model), water.read()
     defaults = voyage_defaults(chosen, varied.speed)

@@ -18,7 +18,7 @@ from narrows.control.regulator import regulator as regulator
 from narrows.control.speed_governor import SpeedGovernor as SpeedGovernor
 from narrows.control.speed_governor import speed_governor as speed_governor
 from narrows.control.steady_course import steady_course as steady_course
-from narrows.simulation.self_propulsion import self_propulsion as self_propulsion
+from narrows.simulation.initial_state import self_propulsion as self_propulsion
 
 
 def __getattr__(name: str) -> Any:

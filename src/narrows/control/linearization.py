@@ -16,8 +16,8 @@ from narrows.control.steady_course import check_inside, moving, solved
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, Number
+from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.inputs import check_waterway, finite_numbers
-from narrows.simulation.self_propulsion import self_propulsion
 from narrows.simulation.ship import SimulatedShip
 from narrows.waterway.current_profile import check_along_only
 

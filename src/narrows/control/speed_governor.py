@@ -17,7 +17,7 @@ from narrows.quantities.arithmetic import choice, maximum, minimum
 from narrows.results import BaseSummary
 from narrows.simulation.controllers import ControlLaw, Named
 from narrows.simulation.derivative import derivative
-from narrows.simulation.self_propulsion import self_propulsion
+from narrows.simulation.initial_state import self_propulsion
 
 # Memory of the law: the integral of the missing speed [m].
 SHORTFALL = "surge_shortfall"

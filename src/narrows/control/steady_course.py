@@ -15,10 +15,10 @@ from narrows.codegen.trace import trace_of
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.simulation.grid import grid_of
+from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.inputs import INPUTS, check_workers
 from narrows.simulation.kernel_run import cores, in_threads
 from narrows.simulation.outcome import section_notes
-from narrows.simulation.self_propulsion import self_propulsion
 from narrows.simulation.ship import SimulatedShip
 
 if TYPE_CHECKING:

@@ -119,11 +119,14 @@ def _ship_file(model: "Model", path: str | Path, suffix: str, **choices: Any) ->
 
 def _bank_force(model: "Model", path: str | Path, suffix: str, fmi: int = 2) -> tuple[str | bytes, None]:
     from narrows.export.exported_ship import prefix_of
+    from narrows.export.fmu import builds_here
     from narrows.export.force_files import force_fmu, force_text
 
     check_standard(fmi)
     prefix = prefix_of(path)
-    return force_fmu(model, prefix, fmi) if suffix == ".fmu" else force_text(model, suffix, prefix), None
+    if suffix == ".fmu":
+        return force_fmu(model, prefix, builds_here(fmi), fmi), None
+    return force_text(model, suffix, prefix), None
 
 
 def _fmu(
@@ -132,8 +135,7 @@ def _fmu(
 ) -> tuple[bytes, tuple[str, ...]]:  # fmt: skip
     """Compile the C of a ship for every platform that there is a compiler for."""
     from narrows.export.exported_ship import USUAL_PREFIX
-    from narrows.export.fmu import fmu_bytes
-    from narrows.export.native_build import builds_here
+    from narrows.export.fmu import builds_here, fmu_bytes
     from narrows.simulation.initial_state import voyage_defaults
     from narrows.simulation.inputs import finite_numbers
 
@@ -151,7 +153,7 @@ def _fmu(
 
 def about_libraries(platforms: tuple[str, ...]) -> Iterable[str]:
     """Return the platforms of an FMU's libraries, and how to add more."""
-    from narrows.export.native_build import lacks_zig
+    from narrows.export.fmu import lacks_zig
 
     alone = "no compiler is here: the FMU has its sources alone, which importers may compile"
     lacking = lacks_zig("an FMU for Linux, Windows and macOS at once")

@@ -9,12 +9,22 @@ import sympy
 from narrows.codegen.free_motion import Expr, exact_number, symbolic_functions
 from narrows.codegen.lines import Program, real, straight_lines
 from narrows.codegen.printers.c import C
-from narrows.codegen.printers.language import CSharp, JavaScript, Language, Matlab
+from narrows.codegen.printers.translation import CSharp, JavaScript, Language, Matlab
 from narrows.codegen.trace import trace_of_terms
 from narrows.errors import InputError
-from narrows.export import native_build
 from narrows.export.exported_ship import HEADING
-from narrows.export.fmu import INTEGERS, REALS, SIDES, FmuVariable, Kind, description_text, fmu_of, source_of, token_of
+from narrows.export.fmu import (
+    INTEGERS,
+    REALS,
+    SIDES,
+    FmuVariable,
+    Kind,
+    NativeBuild,
+    description_text,
+    fmu_of,
+    source_of,
+    token_of,
+)
 from narrows.export.passport import ASKED_OF_BANK, bits_in_words, ends_of_data, passport
 from narrows.export.ship_files import commented, filled
 from narrows.model.bank_force import CONTACT, beside_banks
@@ -79,7 +89,7 @@ def force_text(model: Model, suffix: str, prefix: str) -> str:
     )  # fmt: skip
 
 
-def force_fmu(model: Model, identifier: str, fmi: int) -> bytes:
+def force_fmu(model: Model, identifier: str, builds: tuple[NativeBuild, ...], fmi: int) -> bytes:
     """Return an FMU without states, whose outputs are the force at its inputs."""
     header = force_text(model, ".h", "bank")
     token = token_of(header, identifier, fmi)
@@ -96,7 +106,7 @@ def force_fmu(model: Model, identifier: str, fmi: int) -> bytes:
         low=[C().literal(one.bounds[0]) for one in inputs], high=[C().literal(one.bounds[1]) for one in inputs],
     )  # fmt: skip
     sources = {"bank.h": header, "choices.h": choices, "instance.h": source_of("bank_instance.h")}
-    return fmu_of(sources, description, passport(model), identifier, native_build.builds_here(fmi), fmi)
+    return fmu_of(sources, description, passport(model), identifier, builds, fmi)
 
 
 def _variables(model: Model) -> Iterator[FmuVariable]:

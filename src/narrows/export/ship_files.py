@@ -18,9 +18,8 @@ from narrows.codegen.kernels import event, filling, single
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.lines import Lines, Program
 from narrows.codegen.printers.c import BlockC, C, CTranslation, c_block, lane_functions
-from narrows.codegen.printers.language import JavaScript, Language, Matlab, PythonFile
 from narrows.codegen.printers.python import PlainSource
-from narrows.codegen.printers.translation import Translation
+from narrows.codegen.printers.translation import JavaScript, Language, Matlab, PythonFile, Translation
 from narrows.export.exported_ship import HEADING, PLACES, ExportedNumber, ExportedShip
 from narrows.export.passport import RANGE_BITS, bits_in_words, ends_of_data
 from narrows.simulation.initial_state import voyage_defaults

@@ -12,9 +12,8 @@ from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 from narrows.results import BaseResult
 from narrows.simulation.controllers import ConstantRudder, ControlLaw, Zigzag
-from narrows.simulation.initial_state import voyage_defaults
+from narrows.simulation.initial_state import steady_ahead, voyage_defaults
 from narrows.simulation.inputs import finite_numbers
-from narrows.simulation.self_propulsion import steady_ahead
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from narrows.report import fit_figures as draw
 from narrows.report.fit_page import figure, render
 from narrows.report.fit_table import coefficient_row
 from narrows.report.voyage_figures import distances_figure, paths_figure
-from narrows.simulation.maps import grounding_distance
+from narrows.simulation.ensemble import grounding_distance
 from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reproduction
 
 

@@ -31,7 +31,7 @@ from narrows.report.style import (
     titled,
 )
 from narrows.ship.particulars import Configuration
-from narrows.simulation.maps import grounding_distance, grounding_probability, map_summary
+from narrows.simulation.ensemble import grounding_distance, grounding_probability, map_summary
 from narrows.simulation.voyage import Voyage
 from narrows.waterway.waterway import Section, Waterway
 

@@ -271,17 +271,6 @@ class Autopilot(_WithoutMemory):
         return {"rudder": at.held_rudder - (off + at.by_v * (at.v - at.held_v) + at.by_r * at.r)}, {}
 
 
-@dataclass(frozen=True)
-class Ordering:
-    """A controller that is a function of time [s] and ``VoyageState``, without a memory."""
-
-    order: Order  # Returns the rudder angle [rad]
-
-    def begin(self) -> Order:
-        """Return the function."""
-        return self.order
-
-
 class ExternalOrder(_WithoutMemory):
     def parameters(self) -> Mapping[str, Any]:
         return {"order": 0.0}

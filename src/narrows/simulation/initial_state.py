@@ -1,11 +1,13 @@
-"""Initial conditions of a voyage: the inputs of its integrator, and errors of an impossible start."""
+"""Initial conditions of a voyage: inputs of its integrator, defaults, revolutions; errors of an impossible start."""
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.codegen.choices import AFTER, COUNTED, stages_at
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.kernels import event
@@ -13,8 +15,10 @@ from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.model.squat import choke_speed
 from narrows.quantities.names import GRAVITY
-from narrows.ship.actuators import places_of
-from narrows.simulation.channel import Channel, across_of, along_waterway, straight_channel
+from narrows.ship.actuators import PROPELLER, places_of
+from narrows.ship.motion import Motion
+from narrows.simulation.channel import across_of, along_waterway, straight_channel
+from narrows.simulation.controllers import Controller
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START
 from narrows.simulation.integrator import VoyageIntegrator, near_the_bank
@@ -24,12 +28,14 @@ from narrows.simulation.settings import (
     DEFAULT_OFFSET,
     DEFAULT_SHARE_OF_CHOKING,
     DEFAULT_STEPS_A_LENGTH,
+    OWN_REVOLUTIONS,
 )
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import Steering
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
+
 
 POSE = ("x", "y", "psi", "u", "v", "r")
 
@@ -51,12 +57,18 @@ def initial_state(
 ) -> tuple[VoyageIntegrator, tuple[float, ...]]:
     """Return the integrator with every input of its lines, and its initial state."""
     values = ship.values(**{name: number for name, number in numbers.items() if name not in POSE})
-    channel = _channel(ship, values, waterway, numbers["x"])
+    if waterway is None:
+        channel = straight_channel(values, ship.shape, ship.bottom)
+    elif not 0 <= (x := numbers["x"]) < waterway.line.length:
+        raise InputError(f"x = {x:g} m is not on {waterway.name}, 0 to {waterway.line.length:.0f} m; start on it")
+    else:
+        channel = along_waterway(waterway, ship.model, ship.shape, ship.bottom)
     law = steering.law if steering else None
     system = ship.system(waterway is not None, law, "until" if pushed else "never", across_of(waterway))
     inputs = {**values, **system.constants(values), **channel.inputs, **(steering.parameters if steering else {})}
     inputs |= {**dict.fromkeys((*INPUTS.values(), *map(AFTER, INPUTS.values())), 0.0), "push_end": math.inf}
-    order = steering.asked.begin() if steering and steering.asked else None
+    asked = steering.asked if steering else None
+    order = asked.begin() if isinstance(asked, Controller) else asked
     integrator = VoyageIntegrator(system.scalar, system.choices, inputs, channel, near_the_bank(values), order)
     psi = numbers["psi"]
     pose = {**numbers, "cos_psi": math.cos(psi), "sin_psi": math.sin(psi), COUNTED: psi}
@@ -64,14 +76,6 @@ def initial_state(
     start = tuple(float(state[name]) for name in system.choices.kept)
     _check_afloat(integrator, start)
     return integrator, start
-
-
-def _channel(ship: SimulatedShip, values: dict[str, Any], waterway: "Waterway | None", x: float) -> Channel:
-    if waterway is None:
-        return straight_channel(values, ship.shape, ship.bottom)
-    if not 0 <= x < waterway.line.length:
-        raise InputError(f"x = {x:g} m is not on {waterway.name}, 0 to {waterway.line.length:.0f} m; start on it")
-    return along_waterway(waterway, ship.model, ship.shape, ship.bottom)
 
 
 def complete_state(
@@ -130,13 +134,81 @@ def voyage_defaults(model: Model, speeds: Any = None) -> VoyageDefaults:
     ship, canal = model.configuration.ship, model.configuration.canal
     given = np.abs(np.asarray([] if speeds is None else speeds, float))
     given = given[(given > 0) & (given < math.inf)]
-    u = given if given.size else np.array([_default_speed(model)])
-    longest, step = DEFAULT_LENGTHS * ship.length / u.min(), ship.length / u.max() / DEFAULT_STEPS_A_LENGTH
+    if not given.size:
+        low, high = model.data_range.speed or (0.0, math.inf)
+        most = DEFAULT_SHARE_OF_CHOKING * choke_speed(model.configuration) if canal.depth else math.inf
+        given = np.array([min(max(DEFAULT_FROUDE * math.sqrt(GRAVITY * ship.length), low), high, most)])
+    longest, step = DEFAULT_LENGTHS * ship.length / given.min(), ship.length / given.max() / DEFAULT_STEPS_A_LENGTH
     offset = max(canal.width - ship.beam, 0.0) / 2 * DEFAULT_OFFSET
-    return VoyageDefaults(*(float(f"{value:.2g}") for value in (u.max(), longest, step, offset)))
+    return VoyageDefaults(*(float(f"{value:.2g}") for value in (given.max(), longest, step, offset)))
 
 
-def _default_speed(model: Model) -> float:
-    low, high = model.data_range.speed or (0.0, math.inf)
-    most = DEFAULT_SHARE_OF_CHOKING * choke_speed(model.configuration) if model.configuration.canal.depth else math.inf
-    return min(max(DEFAULT_FROUDE * math.sqrt(GRAVITY * model.configuration.ship.length), low), high, most)
+@accept_aliases
+def self_propulsion(model: Model, u: float) -> float:
+    """Return the revolutions at which thrust balances resistance straight ahead, rudder amidships [1/s].
+
+    Parameters
+    ----------
+    model : Model
+        A model with terms of a propeller.
+    u : float [m/s]
+        Surge velocity.
+
+    Raises
+    ------
+    InputError
+        If the model has no propeller, or no revolutions reach the speed.
+
+    Examples
+    --------
+    >>> kvlcc2 = nw.published("yasukawa2015_kvlcc2")
+    >>> round(float(nw.self_propulsion(kvlcc2, u=1.0)), 1)
+    10.1
+    """
+    from scipy.optimize import brentq
+
+    if not model.terms.propelled:
+        raise InputError("this model has no terms of a propeller; there are no revolutions to look for")
+
+    def surplus(revolutions: float) -> float:
+        return -model.resistance(u, revolutions=revolutions)
+
+    turns = 2.0 ** np.arange(-10, 20)
+    fast = turns[np.asarray(model.forces(Motion.at(u=u), revolutions=turns)["X"]) > 0]
+    if not len(fast):
+        raise InputError(f"no revolutions drive this ship at {u:g} m/s; check the propeller and the resistance")
+    return float(brentq(surplus, 0.0, float(fast[0]))) if surplus(0.0) < 0 else 0.0
+
+
+def steady_ahead(model: Model, u: float) -> tuple[Model, str]:
+    """The model with revolutions that keep the approach speed, and a note; itself if its own do, or nearly."""
+    propeller, steady = model.configuration.propeller, steady_revolutions(model, u)
+    if steady is None or propeller is None or not model.surge_inertia > 0:
+        return model, ""
+    configuration = replace(model.configuration, propeller=replace(propeller, revolutions=steady))
+    own = f"the model's own, {propeller.revolutions:.3g}, are for another"
+    note = f"{steady:.3g} revolutions a second keep the approach speed; {own}"
+    return replace(model, configuration=configuration), note
+
+
+def steady_revolutions(model: Model, u: float) -> float | None:
+    """Return the revolutions that keep a speed straight ahead, if the model's own are for another speed [1/s]."""
+    own = model.configuration.propeller.revolutions if model.configuration.propeller else 0.0
+    if not (model.terms.propelled and own > 0 and u > 0):
+        return None
+    least, most = (model.resistance(u, revolutions=own / (1 + side * OWN_REVOLUTIONS)) for side in (1, -1))
+    return None if least >= 0 >= most else self_propulsion(model, u)
+
+
+def propeller_notes(model: Model, speeds: Any, turns: Any, steering: Steering | None) -> tuple[str, ...]:
+    """Note that the model's own revolutions are for another speed [m/s]; none where others are given or ordered."""
+    own = model.configuration.propeller
+    ordered = steering is not None and any(one.name == PROPELLER.name for one in steering.law.ordered)
+    if own is None or ordered or (turns is not None and np.any(np.asarray(turns) != own.revolutions)):
+        return ()
+    pairs = [(u, steady_revolutions(model, u)) for u in dict.fromkeys((float(np.min(speeds)), float(np.max(speeds))))]
+    said = [f"{steady:.3g} keep {u:.3g} m/s straight ahead" for u, steady in pairs if steady is not None]
+    if not said:
+        return ()
+    first = f"The propeller's {own.revolutions:.3g} revolutions a second are for another speed"
+    return (f"{first}: {', '.join(said)} (--revolutions, in Python revolutions=).",)

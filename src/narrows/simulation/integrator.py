@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from narrows.codegen.choices import LENGTH, SHARE, Choices
 from narrows.codegen.free_motion import MIDSHIP, OPEN
-from narrows.codegen.kernels import event
+from narrows.codegen.kernels import event, single
 from narrows.simulation.channel import Channel
 from narrows.simulation.controllers import Order, VoyageState
 from narrows.simulation.outcome import Code
@@ -128,9 +128,7 @@ class VoyageIntegrator:
         """Integrate to a time, or to an earlier end of the voyage; return None if the time was reached."""
         begun, state, *_ = rows.pop()
         book, within, leaves = [0.0] * event.PLACES, False, self.choices.leaves
-        count = math.floor((stop - begun) / dt + 1e-9)
-        rest = stop - begun - count * dt
-        event.begin(book, dt, float(count), rest if rest > 1e-9 * dt else 0.0)
+        single.schedule(book, dt, stop - begun)
         left, done, before = book[event.COUNT], 0, self.clearance(state, exact=False)[0]
         while book[event.COUNT] > 0:
             # Equal steps while they are clear; the first that is not needs a decision.

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -154,11 +154,6 @@ class ColumnRun:
         self.end, self.time = self.start.copy(), np.zeros(len(self.start))
         self.codes = np.zeros((len(self.start), 2), np.int64)
 
-    @property
-    def kernel(self) -> SimpleNamespace:
-        """Names of the kernel's interface: what is kept."""
-        return SimpleNamespace(KEPT_NAMES=self.system.choices.kept)
-
     def __call__(self) -> int:
         self.end, self.time, taken = self.start.copy(), np.zeros(len(self.start)), 0
         under_way = np.arange(len(self.start))
@@ -256,13 +251,13 @@ class KernelRun:
 
     def ended(self, prepared: PreparedRun | ColumnRun, values: Mapping[str, Any]) -> Result:
         """Return the ends of voyages: ``OUTPUTS``, positions of actuators and the controller's memory."""
-        names = prepared.kernel.KEPT_NAMES
-        ends = dict(zip(names, np.asarray(prepared.end, float).T, strict=True))
+        system = self._system(values)
+        ends = dict(zip(system.choices.kept, np.asarray(prepared.end, float).T, strict=True))
         ends["psi"] = counted_heading(ends["cos_psi"], ends["sin_psi"], ends.pop(COUNTED, values["psi"]))
         distance = ends["x"] - np.asarray(values["x"], float)
         outcome, side = prepared.codes.astype(np.int8).T
         if (outcome == event.SHALLOW).any():
-            outcome = self._inputs(self._system(values), values)[1].codes(outcome, ends["x"]).astype(np.int8)
+            outcome = self._inputs(system, values)[1].codes(outcome, ends["x"]).astype(np.int8)
             block = values.get("block_coefficient", self.ship.model.configuration.ship.block_coefficient)
             side = np.where(outcome == Code.TOUCHED, np.where(is_full(block), 1, -1), side).astype(np.int8)
         kept = {"outcome": outcome, "side": side, "time": prepared.time.copy(), "distance": distance}

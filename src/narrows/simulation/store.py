@@ -5,7 +5,8 @@ import math
 import os
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from itertools import starmap
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -34,7 +35,7 @@ def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bo
             (str(path.resolve()), fleet, grid.part(blocks[number]), grid.region(blocks[number]), number)
             for number in tuple(left)
         )
-        for number in _here(tasks) if client is None else _there(client, tasks):
+        for number in _done(client, tasks):
             left.remove(number)
             advance(_vessels(grid, blocks[number]))
         held = xr.open_zarr(path, consolidated=False).drop_vars(DONE)
@@ -54,21 +55,15 @@ def run_block(path: str, fleet: KernelRun, part: Grid, region: tuple[slice, ...]
     return number
 
 
-Tasks = Iterator[tuple[str, KernelRun, Grid, tuple[slice, ...], int]]
-
-
-def _here(tasks: Tasks) -> Iterator[int]:
-    try:
-        for task in tasks:
-            yield run_block(*task)
-    except KeyboardInterrupt:
+def _done(client: Any, tasks: Iterator[tuple[str, KernelRun, Grid, tuple[slice, ...], int]]) -> Iterator[int]:
+    """Run tasks here, or on a cluster, and yield the number of each that is done."""
+    if client is None:
+        with suppress(KeyboardInterrupt):
+            yield from starmap(run_block, tasks)
         return
-
-
-def _there(client: Any, tasks: Tasks) -> Iterator[int]:
-    """Each task carries all its inputs, so that a worker's death costs only that task."""
     from dask.distributed import as_completed
 
+    # Each task carries all its inputs, so that a worker's death costs only that task.
     futures = [client.submit(run_block, *task, pure=False, retries=3) for task in tasks]
     for future in as_completed(futures):
         yield int(future.result())

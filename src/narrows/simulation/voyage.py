@@ -23,7 +23,13 @@ from narrows.ship.checks import check_ahead, check_angles
 from narrows.ship.particulars import Configuration
 from narrows.simulation import outcome as end
 from narrows.simulation.channel import points_of
-from narrows.simulation.initial_state import check_irrelevant, check_positions, initial_state, voyage_defaults
+from narrows.simulation.initial_state import (
+    check_irrelevant,
+    check_positions,
+    initial_state,
+    propeller_notes,
+    voyage_defaults,
+)
 from narrows.simulation.inputs import (
     Contact,
     Schedule,
@@ -36,7 +42,6 @@ from narrows.simulation.inputs import (
 )
 from narrows.simulation.integrator import Row, VoyageIntegrator, track_error
 from narrows.simulation.outcome import Code, Outcome, Track, froude_notes, measured, outside_notes, water_notes
-from narrows.simulation.self_propulsion import propeller_notes
 from narrows.simulation.settings import MOST_ROWS, STEP_ERROR_LIMIT
 from narrows.simulation.ship import Points, SimulatedShip
 from narrows.simulation.steering import steering_of
@@ -184,20 +189,16 @@ class Voyage(Tabulated):
         data |= {
             actuator.name: ("t", column, {"units": actuator.unit, "long_name": actuator.meaning})
             for actuator, column in self.moved.items()
-        } | self._positions()
+        }
+        if self.waterway is not None and self.waterway.origin is not None:
+            track = self.track()
+            data |= {
+                "longitude": ("t", track.longitude, {"units": "degrees_east", "long_name": "longitude, WGS84"}),
+                "latitude": ("t", track.latitude, {"units": "degrees_north", "long_name": "latitude, WGS84"}),
+                "heading_deg": ("t", track.heading_deg, {"units": "deg", "long_name": "heading, clockwise from north"}),
+            }
         attributes = {"outcome": self.outcome.kind, "side": self.outcome.side or "", "summary": self.outcome.sentence}
         return xarray.Dataset(data, coords={"t": ("t", self.t, {"units": "s", "long_name": "time"})}, attrs=attributes)
-
-    def _positions(self) -> dict[str, tuple[str, np.ndarray, dict[str, str]]]:
-        """Longitude, latitude and heading, if the waterway has a place on earth."""
-        if self.waterway is None or self.waterway.origin is None:
-            return {}
-        track = self.track()
-        return {
-            "longitude": ("t", track.longitude, {"units": "degrees_east", "long_name": "longitude, WGS84"}),
-            "latitude": ("t", track.latitude, {"units": "degrees_north", "long_name": "latitude, WGS84"}),
-            "heading_deg": ("t", track.heading_deg, {"units": "deg", "long_name": "heading, clockwise from north"}),
-        }
 
     def track(self) -> Track:
         """Return the ship's track on earth.
@@ -356,9 +357,10 @@ class _Log:
     def outcome(self, dt: float, waterway: "Waterway | None") -> Outcome:
         columns = self.columns(self.rows)
         last = {name: float(column[-1]) for name, column in columns.items() if name != "rudder"}
-        code, side = self._code_and_side(self.rows[-1].state)
-        model = self.ship.model
-        is_open = self.ship.shape == OPEN
+        model, is_open, at_end = self.ship.model, self.ship.shape == OPEN, self.rows[-1].state
+        code = Code(self.integrator.channel.codes(self.integrator.cause(self.ending, at_end), at_end[0]).item())
+        full, nearer = is_full(model.configuration.ship.block_coefficient), self.integrator.clearance(at_end)[1] > 0
+        side = end.SIDES.get(code, {}).get(1 if (full if code == Code.TOUCHED else nearer) else -1)
         bank = model.configuration.notes if is_open else model.bank_notes
         water = () if is_open and waterway is None else water_notes(waterway, model.configuration.canal.depth)
         notes = (*bank, *water, *self.propeller, *self._beyond(columns), *self._coarse(dt))
@@ -368,13 +370,9 @@ class _Log:
         passed, steered = code == Code.PASSED, "rudder" in self.integrator.choices.kept
         clearance = self.integrator.least_clearance(self.rows) if passed else None
         rudder = float(np.abs(columns["rudder"]).max()) if passed and steered else None
-        return Outcome(end.KINDS[code], last["t"], distance, side, state, notes, lengths, clearance, rudder)
-
-    def _code_and_side(self, state: tuple[float, ...]) -> tuple[Code, str | None]:
-        code = Code(self.integrator.channel.codes(self.integrator.cause(self.ending, state), state[0]).item())
-        ship = self.ship.model.configuration.ship
-        starboard = is_full(ship.block_coefficient) if code == Code.TOUCHED else self.integrator.clearance(state)[1] > 0
-        return code, end.WAYS.get(code) or end.SIDES.get(code, {}).get(1 if starboard else -1)
+        return Outcome(
+            end.KINDS[code], last["t"], distance, end.WAYS.get(code) or side, state, notes, lengths, clearance, rudder
+        )
 
     def _beyond(self, columns: dict[str, np.ndarray]) -> tuple[str, ...]:
         model = self.ship.model

@@ -13,8 +13,8 @@ from narrows.identification import Fit, identify
 from narrows.identification.shapley import KINDS
 from narrows.model.model import Model
 from narrows.results import BaseResult
+from narrows.simulation.derivative import bank_stiffness, eigenvalues
 from narrows.simulation.ensemble import ensemble
-from narrows.simulation.stability import bank_stiffness, eigenvalues
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:

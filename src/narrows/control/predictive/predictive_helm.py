@@ -37,8 +37,8 @@ from narrows.physics.rudder import gear_motion
 from narrows.results import BaseSummary
 from narrows.ship.actuators import SteeringGear
 from narrows.simulation.controllers import VoyageState
+from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.inputs import check_waterway, finite_numbers
-from narrows.simulation.self_propulsion import self_propulsion
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.ship_lanes import ShipLanes
 

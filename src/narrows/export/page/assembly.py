@@ -14,10 +14,10 @@ from typing import Any
 import numpy as np
 
 from narrows.codegen.free_motion import STATE
-from narrows.codegen.printers.language import JavaScript
+from narrows.codegen.printers.translation import JavaScript
 from narrows.errors import InputError
 from narrows.export.exported_ship import ExportedShip
-from narrows.export.native_build import ZIG_CC, compiled, lacks_zig
+from narrows.export.fmu import ZIG_CC, compiled, lacks_zig
 from narrows.export.page.page_sliders import (
     ASSUMED,
     COEFFICIENTS,

@@ -40,7 +40,7 @@ from narrows.logbook.reading.read_log import StreamedLog, read_log, stream_log
 from narrows.logbook.sensor_grades import GRADES, SensorGrade, SignalGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
 from narrows.model.model import Model
-from narrows.simulation.self_propulsion import steady_revolutions
+from narrows.simulation.initial_state import steady_revolutions
 from narrows.waterway.current_profile import check_along_only
 
 if TYPE_CHECKING:

@@ -36,7 +36,7 @@ from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 from narrows.safety.request import keel_at
 from narrows.ship.motion import Motion
-from narrows.simulation.self_propulsion import self_propulsion
+from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.ship import SimulatedShip
 
 

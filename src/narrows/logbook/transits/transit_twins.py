@@ -21,7 +21,7 @@ from narrows.progress import bar, is_shown
 from narrows.quantities.names import KNOT
 from narrows.simulation.controllers import Order, VoyageState
 from narrows.simulation.grid import correlated
-from narrows.simulation.self_propulsion import self_propulsion
+from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:
