@@ -18,7 +18,7 @@ from pages import markdown, publish
 from scipy.signal import savgol_filter
 
 import narrows as nw
-from narrows.logbook.filtering.search import SearchResult, search
+from narrows.logbook.filtering.likelihood import SearchResult, search
 from narrows.logbook.learning.learn_log import log_result
 from narrows.logbook.learning.log_posterior import with_spread
 from narrows.logbook.learning.log_setup import log_problem

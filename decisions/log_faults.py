@@ -17,7 +17,7 @@ from pages import Rows, markdown, part, publish, records
 from transits import BANKS, KINDS, ship, twin
 
 import narrows as nw
-from narrows.logbook.filtering.search import search
+from narrows.logbook.filtering.likelihood import search
 from narrows.logbook.learning.log_setup import log_problem
 from narrows.logbook.settings import HARMFUL_SHIFT
 

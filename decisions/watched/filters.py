@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from narrows.estimation.estimator import Estimator
+from narrows.estimation.filter_run import Start
 from narrows.estimation.settings import GROSS_ERROR_NIS, START_READINGS
-from narrows.estimation.start import Start
 from narrows.estimation.unscented import Gaussian, sigma_point_weights
 from narrows.simulation.ship_lanes import ShipLanes
 

@@ -12,7 +12,7 @@ from faults import FAULTS, ashore, cut, off, scaled
 from logs import bend, bent_waterway, kvlcc2, zigzag
 from narrows.logbook.checking.check_log import ALL
 from narrows.logbook.checking.faults import FaultTest, FaultTests
-from narrows.logbook.filtering.search import search
+from narrows.logbook.filtering.likelihood import search
 from narrows.logbook.learning.log_setup import log_problem
 from narrows.logbook.sensor_grades import VDR, sensor_grade
 from narrows.logbook.transits.transit_twins import SPEED, TransitTwin, large_container_ship, transits_of

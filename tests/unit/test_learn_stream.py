@@ -8,7 +8,7 @@ import pytest
 from test_learn import manoeuvred, mistaken
 
 import narrows as nw
-from narrows.logbook.filtering import search
+from narrows.logbook.filtering import likelihood
 
 TOLD = {"sensors": "basin", "spread": 0.1, "free": ("N_v", "N_r")}
 COUNT = 4
@@ -42,7 +42,7 @@ def test_records_of_a_stream_are_let_go_and_counted(monkeypatch: pytest.MonkeyPa
         bars.append([total])
         yield bars[-1].append
 
-    monkeypatch.setattr(search, "bar", counted)
+    monkeypatch.setattr(likelihood, "bar", counted)
     assert len(nw.learn(mistaken(), stream, **TOLD).records) == COUNT
     assert stream.most <= 3
     # A stream is counted when it is first gone through.

@@ -8,9 +8,9 @@ import pytest
 
 import narrows as nw
 from logs import PassedTransit
+from narrows.logbook.filtering.likelihood import search
 from narrows.logbook.filtering.log_problem import RecordedMotion
 from narrows.logbook.filtering.record_grid import HELM_GAIN, first_guess, grid_of
-from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_setup import log_problem
 from narrows.logbook.sensor_grades import AIS, VDR, SensorGrade
 from narrows.logbook.transits.transit_twins import (

@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 import narrows as nw
-from narrows.logbook.filtering.likelihood import RecordLikelihood
-from narrows.logbook.filtering.search import SearchResult, search
+from narrows.logbook.filtering.likelihood import RecordLikelihood, SearchResult, search
 from narrows.logbook.learning.log_posterior import posterior_mean
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
 

@@ -5,10 +5,10 @@ from typing import Any
 from narrows.aliases import part_named
 from narrows.estimation.consistency import Consistency as Consistency
 from narrows.estimation.consistency import consistency as consistency
-from narrows.estimation.estimate import Estimate as Estimate
-from narrows.estimation.estimate import EstimatedTrack as EstimatedTrack
 from narrows.estimation.estimator import Estimator as Estimator
 from narrows.estimation.sensors import *  # noqa: F403  its sensors are those of ``__all__`` there
+from narrows.estimation.states import Estimate as Estimate
+from narrows.estimation.states import EstimatedTrack as EstimatedTrack
 from narrows.estimation.states import Prior as Prior
 from narrows.estimation.states import ProcessNoise as ProcessNoise
 

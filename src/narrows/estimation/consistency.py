@@ -15,12 +15,11 @@ from scipy.special import chdtri
 
 from narrows.control.closed_loop import LawOrders
 from narrows.errors import InputError, check_count
-from narrows.estimation.estimate import Estimate
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.sensors import Sensor, drawn_reading
 from narrows.estimation.settings import CONFIDENCE, SETTLING_TIME, TWIN_SIDE_TIME, TWIN_START_STD
 from narrows.estimation.ship_filter import ShipFilter
-from narrows.estimation.states import Columns, described
+from narrows.estimation.states import Columns, Estimate, described
 from narrows.estimation.unscented import Gaussian
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY

@@ -14,14 +14,21 @@ from narrows.aliases import accept_aliases
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice
 from narrows.estimation import settings
-from narrows.estimation.estimate import Estimate, EstimatedTrack
 from narrows.estimation.fault_bank import FaultBank
-from narrows.estimation.filter_run import AGROUND, FilterRun, Moment, Readings
-from narrows.estimation.records import Reading, checked_readings, records_of, rows_of
+from narrows.estimation.filter_run import (
+    AGROUND,
+    FilterRun,
+    Moment,
+    Reading,
+    Readings,
+    Start,
+    checked_readings,
+    records_of,
+    rows_of,
+)
 from narrows.estimation.sensors import split_sensors
 from narrows.estimation.ship_filter import MODEL, Coefficients, MotionStep, ShipFilter, UpdateResult
-from narrows.estimation.start import Start
-from narrows.estimation.states import Prior, ProcessNoise
+from narrows.estimation.states import Estimate, EstimatedTrack, Prior, ProcessNoise
 from narrows.estimation.unscented import Gaussian
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY

@@ -18,10 +18,9 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.estimation import settings
-from narrows.estimation.filter_run import FilterRun, Moment, Readings, replay
+from narrows.estimation.filter_run import FilterRun, Moment, Readings, Start, replay
 from narrows.estimation.sensors import is_white
 from narrows.estimation.ship_filter import MODEL, ShipFilter
-from narrows.estimation.start import Start
 from narrows.simulation.ship_lanes import RUDDER
 
 Faults = frozenset[str]

@@ -10,8 +10,8 @@ from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.logbook import settings
 from narrows.logbook.checking.faults import FAULTS, FaultTest, FaultTests, longest_run, misreading, stuck
+from narrows.logbook.filtering.likelihood import search
 from narrows.logbook.filtering.record_grid import RUDDER, RecordGrid
-from narrows.logbook.filtering.search import search
 from narrows.logbook.learning.log_posterior import Spread
 from narrows.logbook.learning.log_setup import LogSetup, log_problem, log_records, speed_of
 from narrows.logbook.sensor_grades import SensorGrade

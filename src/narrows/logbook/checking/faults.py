@@ -12,10 +12,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from narrows.logbook.filtering.likelihood import DIFFERENCE, RecordLikelihood, RecordScore, score_and_information
+from narrows.logbook.filtering.likelihood import (
+    DIFFERENCE,
+    FIRST_PASSES,
+    RecordLikelihood,
+    RecordScore,
+    SearchResult,
+    score_and_information,
+)
 from narrows.logbook.filtering.log_problem import LogProblem
 from narrows.logbook.filtering.record_grid import RUDDER, STATES, Readings, RecordGrid, grid_of
-from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
 from narrows.logbook.settings import FALSE_ALARM, MOST_ANGLE, MOVED, OUTLYING, STUCK_LENGTHS, STUCK_READINGS
 from narrows.logbook.ship_log import SIGNALS, TURNING, ShipRecord, Signal
 from narrows.quantities.names import KNOT

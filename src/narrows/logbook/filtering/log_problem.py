@@ -100,6 +100,20 @@ class RecordedMotion:
         states, moved = (np.stack(part, axis=1) for part in zip(*(found[name] for name in STATES), strict=True))
         return states, moved
 
+    def slopes(self, along: np.ndarray, lasting: np.ndarray, inertia: np.ndarray, names: Sequence[str]) -> np.ndarray:
+        """Return slopes of the ends of steps by states and by processes, which have names, (n, 6, 6 + m)."""
+        # along (n, 6, directions): slopes by ``directions``; lasting (n,) [s]
+        found, places = np.zeros((len(along), 6, 6 + len(names))), {name: i for i, name in enumerate(self.directions)}
+        found[:, :, :6], known = along[:, :, :6], CURRENT in places
+        for place, name in enumerate(names, start=6):
+            source = CURRENT if known and name == CURRENTS[0] else name
+            if source in places:
+                scale = inertia[PUSHES.index(name)] if name in PUSHES else 1.0
+                found[:, :, place] = along[:, :, places[source]] * scale
+            elif name in CURRENTS and not known:
+                found[:, CURRENTS.index(name), place] = lasting
+        return found
+
     def _started(
         self, kept: Sequence[str], starts: np.ndarray, positions: Mapping[str, np.ndarray]
     ) -> tuple[np.ndarray, np.ndarray]:

@@ -13,9 +13,9 @@ import numpy as np
 
 from narrows.aliases import accept_aliases
 from narrows.errors import InputError
+from narrows.logbook.filtering.likelihood import LOOSE_WALK, SearchResult, search
 from narrows.logbook.filtering.log_problem import SWAY, YAW, LogProblem
 from narrows.logbook.filtering.record_grid import HELM, OFFSET, REVOLUTIONS, RUDDER
-from narrows.logbook.filtering.search import LOOSE_WALK, SearchResult, search
 from narrows.logbook.learned_coefficient import learned_model
 from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise, record_answers
 from narrows.logbook.learning.log_posterior import LogPosterior, Spread, averaged, log_posterior, posterior_mean

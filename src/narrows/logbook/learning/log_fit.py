@@ -7,10 +7,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.logbook.filtering.likelihood import RecordLikelihood, RecordPath, RecordScore
+from narrows.logbook.filtering.likelihood import FIRST_PASSES, RecordLikelihood, RecordPath, RecordScore, SearchResult
 from narrows.logbook.filtering.log_problem import CURRENT, INPUTS, PUSHES, LogProblem, StochasticModel
 from narrows.logbook.filtering.record_grid import CURRENTS, HELM, OFFSET, RUDDER, STATES, RecordGrid
-from narrows.logbook.filtering.search import FIRST_PASSES, SearchResult
 from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer
 from narrows.logbook.ship_log import size_of
 

@@ -17,8 +17,8 @@ from scipy.special import chdtrc
 from narrows.aliases import accept_aliases
 from narrows.control.steady_course import check_inside, check_rudder
 from narrows.errors import InputError
+from narrows.logbook.filtering.likelihood import bounded_step
 from narrows.logbook.filtering.log_problem import CoefficientPrior, Unknowns
-from narrows.logbook.filtering.search import bounded_step
 from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer, learned_model
 from narrows.logbook.learning.log_posterior import check_covariance, coefficient_prior, log_posterior
 from narrows.logbook.settings import CONTRADICTION, UPDATE_ROUNDS, UPDATE_SETTLED, WRONG_SIGN_GAIN

@@ -10,8 +10,8 @@ from narrows.aliases import accept_aliases
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, check_count
 from narrows.logbook import settings
+from narrows.logbook.filtering.likelihood import FIRST_PASSES, scored
 from narrows.logbook.filtering.log_problem import SWAY, YAW
-from narrows.logbook.filtering.search import FIRST_PASSES, scored
 from narrows.logbook.learned_coefficient import ON_TWINS, learnable
 from narrows.logbook.learning.log_posterior import check_covariance, expected_std
 from narrows.logbook.learning.log_setup import LogSetup, log_problem

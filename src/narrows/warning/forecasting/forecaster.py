@@ -12,9 +12,9 @@ from narrows.codegen.choices import CURRENT_ACROSS
 from narrows.control.linearization import local_water, steady_courses
 from narrows.control.steady_course import RUDDER
 from narrows.errors import InputError, check_count
-from narrows.estimation.estimate import Estimate
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.ship_filter import ShipFilter
+from narrows.estimation.states import Estimate
 from narrows.quantities.names import GRAVITY
 from narrows.ship.particulars import half_swept
 from narrows.simulation.ship import SimulatedShip

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from narrows.errors import InputError
-from narrows.estimation.estimate import Estimate
 from narrows.estimation.estimator import Estimator
 from narrows.estimation.sensors import CourseOverGround, Gnss, Gyro, Log, RateOfTurn, RudderIndicator
+from narrows.estimation.states import Estimate
 from narrows.model.data_range import extrapolation
 from narrows.model.model import Model
 from narrows.model.water import speeds_afloat

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from narrows.estimation.estimate import Estimate
+from narrows.estimation.states import Estimate
 from narrows.ship.particulars import Ship, half_swept
 from narrows.warning.alerts.alert import ANY_SENSOR, HOLDS, LOG_LATE, SHIP_OR_WATER, SITUATIONS, Alert, Priority
 from narrows.warning.forecasting.forecast import BankForecast
