@@ -9,6 +9,7 @@ import sympy
 from sympy import Integer, sympify
 
 from narrows.codegen.choices import DIRECTIONS, LENGTH, Actuated, Choices
+from narrows.codegen.expressions import symbols_of
 from narrows.codegen.free_motion import ACCELERATIONS, STATE, Expr, FreeMotion, symbol
 from narrows.codegen.kernels.elementary import module_text
 from narrows.codegen.linearisation import LINEARISED, arguments, controlled
@@ -41,7 +42,7 @@ def with_tangents(
     slopes = {name: [sympify(slope) for slope in along] for name, along in inputs.items()}
 
     def through(value: Expr, name: str) -> list[Expr]:
-        moving = [s for s in sorted(value.free_symbols, key=str) if s in slopes]
+        moving = [s for s in sorted(symbols_of(value), key=str) if s in slopes]
         partial = {s: out.put(f"{name}_by_{s}", slope(value, s)) for s in moving}
         totals = [sum((d * slopes[s][k] for s, d in partial.items()), Integer(0)) for k in range(directions)]
         return [out.put(f"{name}_d{k}", total) for k, total in enumerate(totals)]
@@ -50,7 +51,7 @@ def with_tangents(
         out.program.append(line)
         if line is not None:
             name, value = line
-            if any(s in slopes for s in value.free_symbols):
+            if any(s in slopes for s in symbols_of(value)):
                 slopes[name] = through(value, str(name))
 
     def of(value: Expr) -> list[Expr]:
@@ -63,7 +64,7 @@ def with_tangents(
 
 
 def slope(value: Expr, by: Expr) -> Expr:
-    if value == by or by not in value.free_symbols:
+    if value == by or by not in symbols_of(value):
         return Integer(value == by)
     parts = [slope(argument, by) for argument in value.args]
     if value.is_Add:
@@ -179,8 +180,8 @@ def tangent_text(step: Step, choices: Choices, moving: Sequence[str]) -> str:
     # The lines split into floats, and lanes: those that depend on a derivative.
     lanes, parts = {real(SLOPE(name)) for name in fields}, {False: list[Assignment](), True: list[Assignment]()}
     for name, value in program:
-        parts[bool(value.free_symbols & lanes)].append((name, value))
-        lanes |= {name} if value.free_symbols & lanes else set()
+        parts[bool(symbols_of(value) & lanes)].append((name, value))
+        lanes |= {name} if symbols_of(value) & lanes else set()
     body = [
         *(f"{name} = z[{i}]" for i, name in enumerate(kept)),
         *(f"{name} = inputs[{i}]" for i, name in enumerate(inputs)),

@@ -115,7 +115,7 @@ def asked_by(assignments: Iterable[Assignment], results: Iterable[Expr] = ()) ->
 
 
 def names_in(value: Expr) -> set[str]:
-    return {str(s) for s in sympy.sympify(value).free_symbols}
+    return {symbol.name for symbol in symbols_of(sympy.sympify(value))}
 
 
 # Formulas become straight lines: parts of parameters alone are constants, common subexpressions are written once.
@@ -174,7 +174,7 @@ def rounds(lines: Lines, apart: Callable[[Expr], bool] = lambda value: False) ->
             floor = (max(scheduled, default=0) + 2) // 2 * 2
             continue
         name, value = line
-        first = max((level.get(s, 0) for s in value.free_symbols), default=0)
+        first = max((level.get(s, 0) for s in symbols_of(value)), default=0)
         if apart(value):
             index = first + (first % 2 == 0)
         else:
