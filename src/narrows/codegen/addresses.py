@@ -3,6 +3,8 @@
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
 from narrows.codegen.cache import lacks_compiler
 
 
@@ -40,14 +42,9 @@ def _compiled(fills: bool) -> Any:
     return intrinsic(lambda _, address, given: (types.int64(address, given), call))
 
 
-def _plain(function: Any, given: tuple[Any, ...]) -> Any:
-    return function(*given)
-
-
-def _plain_into(function: Any, results: Any, given: tuple[Any, ...]) -> None:
-    results[:] = function(*given)
-
-
 # ``call(address, arguments)`` returns a whole number; ``call_into(address, results, arguments)`` fills an array.
-call = _plain if lacks_compiler() else _compiled(fills=False)
-call_into = _plain_into if lacks_compiler() else _compiled(fills=True)
+if lacks_compiler():
+    call: Any = lambda function, given: function(*given)  # noqa: E731
+    call_into: Any = lambda function, results, given: np.copyto(results, function(*given))  # noqa: E731
+else:
+    call, call_into = _compiled(fills=False), _compiled(fills=True)

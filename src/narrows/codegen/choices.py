@@ -60,6 +60,11 @@ class Actuated:
     late: bool = False  # True if it has a dead time, a lag or a dead band besides its limit and its rate
 
     @property
+    def controls(self) -> tuple[str, ...]:
+        """Names of its position in the terms."""
+        return (f"cos_{self.name}", f"sin_{self.name}") if self.angle else (self.name,)
+
+    @property
     def stages(self) -> tuple[str, ...]:
         """Names of the stored orders on their way to the actuator, the earliest last."""
         return tuple(f"{self.name}_delayed_{stage}" for stage in range(STAGES)) if self.late else ()
@@ -116,14 +121,9 @@ class Choices:
     def moving(self) -> tuple[str, ...]:
         """Quantities of the terms that change within a voyage, besides the state."""
         law = self.law.ordered if self.law else ()
-        controls = [name for actuator in law for name in control_names(actuator)]
+        controls = [name for actuator in law for name in actuator.controls]
         return (
             *controls,
             *(("width", "depth") if self.waterway else ()),
             *(INPUTS.values() if self.pushed == "until" or self.across == "field" else ()),
         )
-
-
-def control_names(actuator: Actuated) -> tuple[str, ...]:
-    """Return the names of an actuator's position in the terms."""
-    return (f"cos_{actuator.name}", f"sin_{actuator.name}") if actuator.angle else (actuator.name,)

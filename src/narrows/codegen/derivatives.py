@@ -73,7 +73,9 @@ def slope(value: Expr, by: Expr) -> Expr:
         others = [(*value.args[:i], *value.args[i + 1 :]) for i in range(len(parts))]
         return sympy.Add(*(sympy.Mul(part, *rest) for part, rest in zip(parts, others, strict=True) if part != 0))
     if value.is_Pow:
-        return _power_slope(*value.args, *parts)
+        (base, power), (base_slope, power_slope) = value.args, parts
+        by_base = power * base ** (power - 1) * base_slope if base_slope != 0 else Integer(0)
+        return by_base + base**power * sympy.log(base) * power_slope if power_slope != 0 else by_base
     if isinstance(value, sympy.Abs):
         return (positive(value.args[0]) - positive(-value.args[0])) * parts[0]  # the sign
     if isinstance(value, sympy.exp):
@@ -84,11 +86,6 @@ def slope(value: Expr, by: Expr) -> Expr:
     if name not in SLOPES:
         raise TypeError(f"no slope of {name}")
     return sympy.Add(*(outer * part for outer, part in zip(SLOPES[name](*value.args), parts, strict=True)))
-
-
-def _power_slope(base: Expr, power: Expr, base_slope: Expr, power_slope: Expr) -> Expr:
-    by_base = power * base ** (power - 1) * base_slope if base_slope != 0 else Integer(0)
-    return by_base + base**power * sympy.log(base) * power_slope if power_slope != 0 else by_base
 
 
 # Exact derivatives of the motion from the same trace: by state, by control, by coefficient.

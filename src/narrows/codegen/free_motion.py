@@ -4,6 +4,7 @@ On the rig a force is F(motion, accelerations); for a free ship F plus the input
 -dF/d(udot, vdot, rdot) and f = F at zero accelerations, M (udot, vdot, rdot) = f + F_in.
 """
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -70,10 +71,16 @@ def symbol(name: str) -> Expr:
 @lru_cache(maxsize=32)
 def solve_motion(trace: Trace, force_of: tuple[tuple[str, str], ...], surge: Surge, coriolis: bool) -> FreeMotion:
     """Solve the equation of motion for the accelerations; ``force_of`` pairs each term with its force."""
+    import sympy
+
     forces = dict(force_of)
     components = tuple(FORCES) if surge == "free" else ("Y", "N")
     names = _coefficient_symbols(trace)
-    regressors = _regressors(trace, forces, components)
+    held = {name: 0 for force, name in ACCELERATIONS.items() if force not in components}
+    symbols = {name: held.get(name, symbol(name)) for name in trace.inputs}
+    functions = {name: sympy.Function(name, real=True) for name in COLUMNS}
+    expressions = trace.replay(symbols, exact_number, functions)
+    regressors = {name: (forces[name], value) for name, value in expressions.items() if forces[name] in components}
     mass = _mass(regressors, names, components)
     columns = _columns(regressors, names, components, coriolis)
     if mass.det() == 0:
@@ -103,27 +110,8 @@ def _coefficient_symbols(trace: Trace) -> dict[str, Expr]:
     return names
 
 
-def _regressors(trace: Trace, forces: Mapping[str, str], components: Sequence[str]) -> dict[str, tuple[str, Expr]]:
-    """Return the regressors of the solved forces; the other accelerations are zero."""
-    held = {name: 0 for force, name in ACCELERATIONS.items() if force not in components}
-    symbols = {name: held.get(name, symbol(name)) for name in trace.inputs}
-    expressions = trace.replay(symbols, exact_number, symbolic_functions())
-    return {name: (forces[name], value) for name, value in expressions.items() if forces[name] in components}
-
-
-def symbolic_functions() -> dict[str, Expr]:
-    """Return the functions of ``quantities.arithmetic`` as symbols that printers know."""
-    import sympy
-
-    from narrows.codegen.expressions import Abs
-
-    return {name: sympy.Function(name, real=True) for name in COLUMNS} | {"abs": Abs}
-
-
 def exact_number(value: int | float) -> Expr:
     """Return an exact number: 0.5 is a half; a number without a short fraction keeps all its bits."""
-    import math
-
     import sympy
 
     if value == math.e:

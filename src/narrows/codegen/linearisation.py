@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from narrows.codegen.cache import compiled_loops
-from narrows.codegen.choices import Actuated, control_names
+from narrows.codegen.choices import Actuated
 from narrows.codegen.free_motion import INPUTS, STATE
 from narrows.quantities.names import FORCES, Number
 
@@ -23,7 +23,7 @@ def controlled(actuators: Sequence[Actuated]) -> tuple[str, ...]:
 
 def arguments(actuators: Sequence[Actuated], section: Sequence[str] = ()) -> tuple[str, ...]:
     """Return the arguments of the generated functions before the constants: state, external forces, controls."""
-    return (*STATE, *INPUTS.values(), *(name for actuator in actuators for name in control_names(actuator)), *section)
+    return (*STATE, *INPUTS.values(), *(name for actuator in actuators for name in actuator.controls), *section)
 
 
 @dataclass(frozen=True)

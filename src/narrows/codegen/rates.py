@@ -42,16 +42,12 @@ class Rates:
     def derivatives(self) -> tuple[Expr, ...]:
         return self._parts[1]
 
-    @property
-    def lines(self) -> tuple[list[Assignment], list[Expr]]:
-        return self._parts[2]
-
     def depend_on(self, name: str) -> bool:
         return any(symbol(name) in symbols_of(rate) for rate in self.derivatives)
 
     def inlined(self, lines: Lines, tag: str, values: Mapping[str, Expr]) -> dict[str, Expr]:
         where = {symbol(name): value for name, value in values.items()}
-        results = lines.inline(f"e{tag}_", *self.lines, where)
+        results = lines.inline(f"e{tag}_", *self._parts[2], where)
         return {name: lines.put(f"d{tag}_{name}", rate) for name, rate in zip(STATE, results, strict=True)}
 
     # How a stage of a step gets its rates.

@@ -20,7 +20,6 @@ from narrows.codegen.choices import (
     SHARE,
     TIME,
     WATER,
-    Actuated,
     Choices,
 )
 from narrows.codegen.free_motion import CORNERS, INPUTS, MIDSHIP, OPEN, STATE, Expr, exact_number, point_names
@@ -116,25 +115,18 @@ def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict
         name = actuator.name
         wanted = lines.put(f"{name}_order", clipped(results[name], real(f"{name}_limit")))
         if actuator.late:
-            whole = _followed(lines, actuator, z, wanted, out)
+            gear = {of: real(f"{name}_{of}") for of in ("dead_time", "lag", "dead_band", "rate")}
+            whole, after = gear_motion(
+                wanted, z[name], [z[stage] for stage in actuator.stages], gear, real(LENGTH),
+                {**FUNCTIONS, "exp": sympy.exp}, partial(lambda own, of, value: lines.put(f"{own}_{of}", value), name),
+            )  # fmt: skip
+            out.update(zip(actuator.stages, after, strict=True))
         else:
             furthest = lines.put(f"{name}_reach", real(f"{name}_rate") * real(LENGTH))
             whole = lines.put(f"{name}_whole", clipped(wanted - z[name], furthest))
         moves[name] = lines.put(f"{name}_move", real(SHARE) * whole)
         out[name] = lines.put(f"{name}_new", z[name] + moves[name])
     return moves, out | {name: lines.put(f"{name}_new", results[name]) for name in choices.law.memory}
-
-
-def _followed(lines: Lines, actuator: Actuated, z: Mapping[str, Expr], wanted: Expr, out: dict[str, Expr]) -> Expr:
-    """Write how far a gear with dead time and lag moves an actuator in the step; orders on their way go into out."""
-    name, stages = actuator.name, actuator.stages
-    gear = {of: real(f"{name}_{of}") for of in ("dead_time", "lag", "dead_band", "rate")}
-    whole, after = gear_motion(
-        wanted, z[name], [z[stage] for stage in stages], gear, real(LENGTH), {**FUNCTIONS, "exp": sympy.exp},
-        lambda of, value: lines.put(f"{name}_{of}", value),
-    )  # fmt: skip
-    out.update(zip(stages, after, strict=True))
-    return whole
 
 
 def _controls(

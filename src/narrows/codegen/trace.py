@@ -8,7 +8,7 @@ import math
 import operator
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partialmethod
 from numbers import Integral, Real
 from types import SimpleNamespace
 from typing import Any, NoReturn
@@ -63,27 +63,16 @@ class Recorded:
         return self.notes.operation(name, *values)
 
 
-def _forward(sign: str) -> Callable[[Recorded, Any], Recorded]:
-    return lambda self, other: self.notes.operation(sign, self, other)
-
-
-def _backward(sign: str) -> Callable[[Recorded, Any], Recorded]:
-    return lambda self, other: self.notes.operation(sign, other, self)
-
-
-def _refusal(deed: str) -> Callable[..., NoReturn]:
-    def refuse(*_: Any) -> NoReturn:
-        raise NotArithmeticError(f"it {deed}")
-
-    return refuse
+def _refuse(_: Recorded, deed: str, *__: Any) -> NoReturn:
+    raise NotArithmeticError(f"it {deed}")
 
 
 for _sign, _name in {"+": "add", "-": "sub", "*": "mul", "/": "truediv", "**": "pow"}.items():
-    setattr(Recorded, f"__{_name}__", _forward(_sign))
-    setattr(Recorded, f"__r{_name}__", _backward(_sign))
+    setattr(Recorded, f"__{_name}__", lambda self, other, *, sign=_sign: self.notes.operation(sign, self, other))
+    setattr(Recorded, f"__r{_name}__", lambda self, other, *, sign=_sign: self.notes.operation(sign, other, self))
 for _deed, _names in REFUSED.items():
     for _name in _names.split():
-        setattr(Recorded, _name, _refusal(_deed))
+        setattr(Recorded, _name, partialmethod(_refuse, _deed))
 
 
 class Notes:

@@ -11,7 +11,7 @@ import numpy as np
 import sympy
 from sympy import Float
 
-from narrows.codegen.choices import AFLOAT_SPEED, COUNTED, LENGTH, TIME, Actuated, Choices, Law, control_names
+from narrows.codegen.choices import AFLOAT_SPEED, COUNTED, LENGTH, TIME, Actuated, Choices, Law
 from narrows.codegen.derivatives import coefficient_slopes, linear_slopes
 from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, STATE, SURGE_INERTIA, Expr, exact_number
 from narrows.codegen.linearisation import LINEARISED
@@ -107,7 +107,7 @@ class ExportedShip:
     @cached_property
     def rates(self) -> Rates:
         """The rates of the state; everything that a caller may change counts as moving."""
-        controls = [name for actuator in self.ship.actuators for name in control_names(actuator)]
+        controls = [name for actuator in self.ship.actuators for name in actuator.controls]
         section = ("width", "depth") if self.waterway else ()
         return Rates(self.ship.system().rates.motion, (*INPUTS.values(), *controls, *section), pushed=True)
 

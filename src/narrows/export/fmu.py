@@ -182,10 +182,6 @@ class FmuVariable:
     reference: int = 0  # Value reference
 
 
-def variables_of(exported: ExportedShip, speed: float, dt: float) -> tuple[FmuVariable, ...]:
-    return tuple(replace(one, reference=place) for place, one in enumerate(_variables(exported, speed, dt)))
-
-
 def indicators(exported: ExportedShip) -> tuple[tuple[str, str, str], ...]:
     """Return name, outcome and meaning of each event indicator: below 0 the voyage has ended."""
     banks = [(f"contact_{side}", "grounded", f"the clearance to {side}") for side in SIDES]
@@ -264,7 +260,8 @@ OUTPUT_STEPS = 10
 def fmu_bytes(
     exported: ExportedShip, identifier: str, speed: float, dt: float, builds: tuple[NativeBuild, ...], fmi: int = 2
 ) -> bytes:
-    header, variables, model = c_text(exported), variables_of(exported, speed, dt), exported.ship.model
+    header, model = c_text(exported), exported.ship.model
+    variables = tuple(replace(one, reference=place) for place, one in enumerate(_variables(exported, speed, dt)))
     token = token_of(header, identifier, speed, dt, fmi)
     defaults = voyage_defaults(model, speed)
     output = OUTPUT_STEPS * defaults.dt
@@ -304,10 +301,6 @@ def fmu_of(
         for name, text in sources.items():
             Path(folder, name).write_text(text, encoding="utf-8")
         parts |= libraries_of_source(Path(folder, f"fmi{fmi}.c"), identifier, builds)
-    return _packed(parts)
-
-
-def _packed(parts: Mapping[str, bytes]) -> bytes:
     archive = BytesIO()
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
         for name, content in parts.items():

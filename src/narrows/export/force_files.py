@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import sympy
 
-from narrows.codegen.free_motion import Expr, exact_number, symbolic_functions
-from narrows.codegen.lines import Program, real, straight_lines
+from narrows.codegen.free_motion import Expr, exact_number
+from narrows.codegen.lines import FUNCTIONS, Program, real, straight_lines
 from narrows.codegen.printers.c import C
 from narrows.codegen.printers.translation import CSharp, JavaScript, Language, Matlab
 from narrows.codegen.trace import trace_of_terms
@@ -46,7 +46,7 @@ def force_program(model: Model) -> Program:
     # The bank's force does not depend on rudder, propeller and accelerations.
     inputs = {name: exact_number(float(values.get(name) or 0.0)) for name in trace.inputs}
     inputs |= {name: real(name) for name in ASKED}
-    regressors = trace.replay(inputs, exact_number, symbolic_functions())
+    regressors = trace.replay(inputs, exact_number, FUNCTIONS)
     own = [[term.name for term in group if term.from_bank] for group in list(model.terms.forces.values())[1:]]
     forces = [sum((exact_number(model[name]) * regressors[name] for name in names), sympy.Integer(0)) for names in own]
     lines, results = straight_lines([*forces, *(_variance(model, names, regressors) for names in own)])

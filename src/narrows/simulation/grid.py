@@ -193,13 +193,19 @@ def sampled(model: Model, samples: int, seed: int) -> dict[str, xr.DataArray]:
 
 
 def correlated(covariance: np.ndarray, samples: int, seed: int | Sequence[int]) -> np.ndarray:
-    """Draw correlated normal errors; correlations avoid coefficients that differ by many powers of ten."""
+    """Draw correlated normal errors."""
+    return np.asarray(
+        np.random.default_rng(seed).standard_normal((samples, len(covariance))) @ symmetric_root(covariance)
+    )
+
+
+def symmetric_root(covariance: np.ndarray) -> np.ndarray:
+    """Return a root of a covariance by its correlations: coefficients may differ by many powers of ten."""
     size = np.sqrt(np.diag(covariance))
     scale = np.where(size > 0, size, 1.0)
     share, axes = np.linalg.eigh(covariance / np.outer(scale, scale))
-    normal = np.random.default_rng(seed).standard_normal((samples, len(size)))
     # The symmetric root does not depend on the axes, which rounding on another processor may change.
-    return np.asarray(((normal @ axes) * np.sqrt(np.maximum(share, 0.0))) @ axes.T * size)
+    return np.asarray((axes * np.sqrt(np.maximum(share, 0.0))) @ axes.T * size)
 
 
 def _within(sample: np.ndarray, covariance: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:

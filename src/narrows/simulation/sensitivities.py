@@ -275,18 +275,14 @@ class TangentIntegrator:
         slopes = {name: self._unit(name) for name in self.integrator.choices.kept}
         slopes |= {name: factor * self._unit("psi") for name, factor in turned.items()}
         slopes |= stages_at(self.ship.actuators, self._unit)
-        slopes |= self._memory_slopes(slopes)
+        if self.steering is not None:
+            # The law's initial memory by a complex step, which is exact for sums and products.
+            start: dict[str, Any] = dict.fromkeys((actuator.name for actuator in self.ship.actuators), 0.0)
+            for name, value in zip(self.integrator.choices.kept, self.start, strict=True):
+                start[name] = value + 1j * COMPLEX_STEP * slopes[name]
+            memory = {name: np.imag(value) / COMPLEX_STEP for name, value in self.steering.memory(start).items()}
+            slopes |= {name: np.broadcast_to(slope, len(self.by)) for name, slope in memory.items()}
         return np.array([slopes[name] for name in self.integrator.choices.kept])
-
-    def _memory_slopes(self, slopes: Mapping[str, np.ndarray]) -> dict[str, np.ndarray]:
-        """Return the derivatives of a law's initial memory by a complex step, which is exact for sums and products."""
-        if self.steering is None:
-            return {}
-        start: dict[str, Any] = dict.fromkeys((actuator.name for actuator in self.ship.actuators), 0.0)
-        for name, value in zip(self.integrator.choices.kept, self.start, strict=True):
-            start[name] = value + 1j * COMPLEX_STEP * slopes[name]
-        kept = self.steering.memory(start)
-        return {name: np.broadcast_to(np.imag(value) / COMPLEX_STEP, len(self.by)) for name, value in kept.items()}
 
     @cached_property
     def input_slopes(self) -> dict[str, np.ndarray]:

@@ -243,7 +243,9 @@ def c_block(lines: Lines, results: Mapping[str, Expr], places: Mapping[str, str]
     # compiler makes vectors of the others.
     values = tuple(map(sympy.sympify, results.values()))
     needed = lines.needed_for(values)
-    parts = rounds(needed, lambda value: str(value.func) == "entry" or _calls(value, printer))
+    parts = rounds(
+        needed, lambda value: str(value.func) == "entry" or any(name in printer.doprint(value) for name in CALLED)
+    )
     layout = LaneFields(parts, values)
     shared = [name for name in asked_by(needed.assignments, values) if "[lane]" not in places[name]]
     scratch = [f"double rows[{layout.size}][{lanes}];"] if layout.size else []
@@ -267,7 +269,3 @@ def _round(
     for name in layout.stored(number):
         yield f"{kept[name]} = {printer.named(name)};"
     yield from (f"{target} = {printer.doprint(value)};" for target, value in zip(targets, layout.results, strict=False))
-
-
-def _calls(value: Expr, printer: C) -> bool:
-    return any(name in printer.doprint(value) for name in CALLED)

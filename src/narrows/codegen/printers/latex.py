@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from inspect import signature
 from typing import Any
 
-from narrows.codegen.free_motion import Expr, exact_number, symbol, symbolic_functions
+from narrows.codegen.free_motion import Expr, exact_number, symbol
+from narrows.codegen.lines import FUNCTIONS
 from narrows.codegen.trace import OPERATORS, Recorded, notes_of_terms
 from narrows.errors import check_choice
 from narrows.physics import clearance, hull, propeller, rudder
@@ -127,7 +128,7 @@ class Equations:
 
     def _operation(self, sign: str, operands: list[int], values: list[Any]) -> Expr:
         """Do an operation; if it makes a line too long, its longest operand gets a symbol first."""
-        operation = OPERATORS.get(sign) or symbolic_functions()[sign]
+        operation = OPERATORS.get(sign) or FUNCTIONS[sign]
         while True:
             value = operation(*(values[one] for one in operands))
             longest = max(operands, key=lambda one: self.width(values[one]))

@@ -10,7 +10,7 @@ import sympy
 from sympy.printing.pycode import PythonCodePrinter
 
 from narrows.codegen.free_motion import Expr
-from narrows.codegen.lines import Assignment, Constants, Program, straight_lines
+from narrows.codegen.lines import Assignment, Constants, straight_lines
 
 # Highest power that is written as a product, and digits that exceed those of a double.
 LONGEST_PRODUCT, DIGITS = 4, 20
@@ -69,14 +69,6 @@ class Arithmetic(PythonCodePrinter):  # type: ignore[misc]
 
 
 plain = Arithmetic()
-
-
-def statements(
-    program: Program, targets: Sequence[str], printer: Arithmetic, declared: str = "{} = {}", assigned: str = "{} = {}"
-) -> list[str]:
-    lines = [declared.format(*map(printer.doprint, line)) for line in program.assignments]
-    results = zip(targets, program.results, strict=True)
-    return lines + [assigned.format(target, printer.doprint(value)) for target, value in results]
 
 
 def function_text(

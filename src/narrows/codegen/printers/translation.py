@@ -12,7 +12,7 @@ from typing import ClassVar
 
 from narrows.codegen.free_motion import Expr
 from narrows.codegen.lines import Program
-from narrows.codegen.printers.python import Arithmetic, PlainSource, statements
+from narrows.codegen.printers.python import Arithmetic, PlainSource
 
 
 class Language(Arithmetic):
@@ -51,7 +51,10 @@ class Language(Arithmetic):
         return [self.DECLARED.format(self.named(name), places[name]) for name in names if name != places[name]]
 
     def body(self, program: Program, targets: Sequence[str], places: Mapping[str, str]) -> list[str]:
-        return self.unpacked(program.asked, places) + statements(program, targets, self, self.DECLARED, self.ASSIGNED)
+        lines = [self.DECLARED.format(*map(self.doprint, line)) for line in program.assignments]
+        results = zip(targets, program.results, strict=True)
+        assigned = [self.ASSIGNED.format(target, self.doprint(value)) for target, value in results]
+        return [*self.unpacked(program.asked, places), *lines, *assigned]
 
 
 class PythonFile(Language):
@@ -107,7 +110,7 @@ class Translation:
         ast.GtE: ">=", ast.And: "&&", ast.Or: "||", ast.Not: "!", ast.USub: "-", ast.Eq: "===", ast.NotEq: "!==",
         ast.FloorDiv: "Math.floor({} / {})", ast.Mod: "{} % {}",
     }  # fmt: skip
-    INFINITE, NO_NUMBER = "Infinity", "NaN"
+    INFINITE, NO_NUMBER = JavaScript.INFINITE, JavaScript.NO_NUMBER
     FIELD, ARRAY, HELD = "{}.{}", "const {} = new Float64Array({});", "const {} = {};"
 
     def __init__(self, source: PlainSource, prefix: str = "") -> None:
@@ -140,7 +143,11 @@ class Translation:
             for target, value in self._pairs(node):
                 if isinstance(target, ast.Name):
                     known.setdefault(target.id, []).append(value)
-        return {name: values for name, values in known.items() if not any(_is_array(value) for value in values)}
+        return {
+            name: values
+            for name, values in known.items()
+            if not any(isinstance(value, ast.BinOp) and isinstance(value.left, ast.List) for value in values)
+        }
 
     def _pairs(self, node: ast.AST) -> Iterator[tuple[ast.expr, ast.expr | None]]:
         match node:
@@ -277,7 +284,3 @@ def parts_of(node: ast.expr) -> list[ast.expr]:
 
 def _names(nodes: Sequence[ast.AST]) -> set[str]:
     return {one.id for node in nodes for one in ast.walk(node) if isinstance(one, ast.Name)}
-
-
-def _is_array(value: ast.expr | None) -> bool:
-    return isinstance(value, ast.BinOp) and isinstance(value.left, ast.List)

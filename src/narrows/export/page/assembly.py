@@ -33,6 +33,7 @@ from narrows.export.ship_files import c_text, javascript_text
 from narrows.model.model import Model
 from narrows.quantities.names import Number
 from narrows.simulation.controllers import SwitchedLaw
+from narrows.simulation.grid import symmetric_root
 from narrows.simulation.initial_state import voyage_defaults
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.ship import SimulatedShip
@@ -129,18 +130,14 @@ def _modules(name: str, given: Mapping[str, str], known: set[str]) -> Iterator[s
     text = given.get(name) or _read(name)
     for match in (*IMPORT.finditer(text), *SHARED.finditer(text)):
         yield from _modules(match[2], given, known)
-    yield _as_function(name, text)
+    exported = [word for match in EXPORT.finditer(text) for word in re.split(r"\W+", match[1] or match[2])]
+    body = without_exports(IMPORT.sub(_taken, SHARED.sub(_taken, text)))
+    yield f"const {_variable(name)} = (() => {{\n{body}return {{ {', '.join(exported)} }};\n}})();\n"
 
 
 def _read(name: str) -> str:
     path = files("narrows.export.page") / "script" / name
     return path.read_text("utf-8") if path.is_file() else asset(name)
-
-
-def _as_function(name: str, text: str) -> str:
-    exported = [word for match in EXPORT.finditer(text) for word in re.split(r"\W+", match[1] or match[2])]
-    body = without_exports(IMPORT.sub(_taken, SHARED.sub(_taken, text)))
-    return f"const {_variable(name)} = (() => {{\n{body}return {{ {', '.join(exported)} }};\n}})();\n"
 
 
 def _taken(match: re.Match[str]) -> str:
@@ -227,14 +224,10 @@ def _notes(model: Model, sliders: list[Slider]) -> list[str]:
 
 
 def root_of(model: Model, names: list[str]) -> np.ndarray:
-    """Return the symmetric root of the covariance of some coefficients, by their correlations as in ``samples``."""
-    size = np.array([deviation(model, name) for name in names])
     if model.covariance is None:
-        return np.diag(size)
+        return np.diag([deviation(model, name) for name in names])
     places = [model.terms.names.index(name) for name in names]
-    scale = np.where(size > 0, size, 1.0)
-    share, axes = np.linalg.eigh(model.covariance[np.ix_(places, places)] / np.outer(scale, scale))
-    return np.asarray((axes * np.sqrt(np.maximum(share, 0.0))) @ axes.T * size)
+    return symmetric_root(model.covariance[np.ix_(places, places)])
 
 
 def helm_of(model: Model, speed: float) -> tuple[SwitchedLaw | None, str]:
@@ -264,20 +257,13 @@ def wasm_of(exported: ExportedShip, single: bool = True) -> bytes:
     """Return a WebAssembly module that simulates fleets of a ship, 64 at a time."""
     ship = c_text(exported)
     lane = re.sub(rf"\b{SHIP}_", f"{LANE}_", re.sub(rf"\b{SHIP.upper()}_", f"{LANE.upper()}_", ship))
-    texts = {"ship.h": ship, "lane.h": in_single_precision(lane) if single else lane}
+    if single:
+        lane = re.sub(r"\bdouble\b", "float", FUNCTION.sub(r"\1f(", NUMBER.sub(r"\1f", lane)))
+    texts = {"ship.h": ship, "lane.h": lane}
     texts |= {name: (files("narrows.export.page") / "fleet" / name).read_text("utf-8") for name in SOURCES}
     with TemporaryDirectory(prefix="narrows-page-") as folder:
         for name, text in texts.items():
             Path(folder, name).write_text(text, encoding="utf-8")
-        return _compiled(Path(folder), ("-DSTEERED",) * ("rudder" in exported.kept), single)
-
-
-def in_single_precision(text: str) -> str:
-    text = FUNCTION.sub(r"\1f(", NUMBER.sub(r"\1f", text))
-    return re.sub(r"\bdouble\b", "float", text)
-
-
-def _compiled(folder: Path, more: tuple[str, ...], single: bool) -> bytes:
-    real = f"-DLANE_REAL={'float' if single else 'double'}"
-    command = (*ZIG_CC, "-target", "wasm32-freestanding", *FLAGS, *more, real, f"-I{folder}", str(folder / "fleet.c"))
-    return compiled(command, folder / "fleet.wasm", "WebAssembly")
+        chosen = f"-DLANE_REAL={'float' if single else 'double'}", *("-DSTEERED",) * ("rudder" in exported.kept)
+        command = *ZIG_CC, "-target", "wasm32-freestanding", *FLAGS, *chosen, f"-I{folder}", f"{folder}/fleet.c"
+        return compiled(command, Path(folder, "fleet.wasm"), "WebAssembly")
