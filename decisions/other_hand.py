@@ -34,7 +34,7 @@ class LatePilot:
 
     def begin(self) -> nw.simulation.controllers.Order:
         """Return the orders of one voyage."""
-        by_y, by_psi, by_v, by_r, by_rudder, by_integral = (float(gain) for gain in self.pilot.line.gains)
+        by_y, by_psi, by_v, by_r, by_rudder, by_integral = (float(gain) for gain in self.pilot.law.lines[0].gains)
         seen: deque = deque()
         kept = {"t": 0.0, "off": 0.0, "order": 0.0}
 
@@ -70,7 +70,7 @@ class OtherTransit(TransitTwin):
         started = {"y": float(aims[0]), "u": self.u, **self._swinging(draw)}
         if truth.terms.propelled:
             started["revolutions"] = self_propulsion(truth, self.u)
-        helm = LatePilot(TransitPilot.of(truth, self.u, times, aims, self.waterway))
+        helm = LatePilot(TransitPilot(truth, self.u, times, aims, self.waterway))
         voyage = nw.simulate(truth, duration=self.duration, dt=STEP, controller=helm, waterway=self.waterway, **started)
         if voyage.t[-1] < self.duration - 2 * STEP:
             raise nw.InputError("in these gusts the ship does not come through")

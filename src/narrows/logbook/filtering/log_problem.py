@@ -10,14 +10,14 @@ import numpy as np
 
 from narrows.codegen.choices import COUNTED
 from narrows.codegen.free_motion import INPUTS as PUSHED
-from narrows.logbook.filtering.record_grid import CURRENTS, ERROR, HELM, HELM_GAIN, OFFSET, REVOLUTIONS, RUDDER, STATES
+from narrows.logbook.filtering.record_grid import CURRENTS, ERROR, HELM, HELM_GAIN, OFFSET, RUDDER, STATES
 from narrows.model.model import Model
 from narrows.simulation.controllers import Named
 from narrows.simulation.sensitivities import TangentIntegrator
 from narrows.simulation.steering import PARAMETER
 
 PUSHES = ("X", "Y", "N")
-INPUTS = (*PUSHES, OFFSET(RUDDER), OFFSET(REVOLUTIONS), *CURRENTS)  # What processes may add to, but for sensors
+INPUTS = (*PUSHES, OFFSET(RUDDER), OFFSET("revolutions"), *CURRENTS)  # What processes may add to, but for sensors
 CURRENT = "current"  # Quantities of a waterway, along its line
 # Name, in the law, of an actuator's position at the end of the step; actuators go there straight within the step.
 RECORDED = "recorded_{}".format
@@ -132,6 +132,10 @@ class RecordedMotion:
 
 SWAY, YAW = "Y", "N"
 MOST_CORRELATION = 0.995
+SPREAD_OF_STRENGTH = 1.5  # Standard deviation of the logarithm of the strength of gusts, before records
+# A pilot: noise of the rudder from step to step [rad], its trim [rad], and what an aim that wanders adds [rad]; the aim
+# stays for so many times of a ship length. All but the trim are estimated, from these.
+HELM_NOISE, TRIM, AIMED, AIM_STAYS = math.radians(1.0), math.radians(5.0), math.radians(2.0), 4.0
 
 
 class Process(NamedTuple):
@@ -139,19 +143,6 @@ class Process(NamedTuple):
     adds_to: str  # X, Y, N as accelerations, ``rudder_offset``, ``current_x``, ``psi_error``...
     std: float  # In the unit of what it adds to
     memory: float  # [s]; 0 for white from step to step, infinite for a constant of the record
-
-
-# A pilot: noise of the rudder from step to step [rad], its trim [rad], and what an aim that wanders adds [rad]; the aim
-# stays for so many times of a ship length. All but the trim are estimated, from these.
-HELM_NOISE, TRIM, AIMED, AIM_STAYS, AIM = math.radians(1.0), math.radians(5.0), math.radians(2.0), 4.0, "helm_aim"
-
-
-def pilot(length: float, u: float) -> list[Process]:
-    """Return gains of a record's pilot, as large as those of a regulator, and the aim."""
-    sizes = {"y": 2.0 / length, "psi": 5.0, "v": 5.0 / u, "r": 2.0 * length / u, RUDDER: 0.5}
-    gains = [Process(HELM_GAIN(name), HELM_GAIN(name), size, np.inf) for name, size in sizes.items()]
-    trim = Process(f"{HELM}_trim", ERROR(HELM), TRIM, np.inf)
-    return [*gains, trim, Process(AIM, ERROR(HELM), AIMED, AIM_STAYS * length / u)]
 
 
 class Estimated(NamedTuple):
@@ -197,6 +188,19 @@ class StochasticModel:
         """Return the share of each process that remains after a step, (m,) [1]."""
         with np.errstate(divide="ignore"):
             return np.asarray(np.exp(-step / np.array([one.memory for one in self.processes])))
+
+    def with_pilot(self, length: float, u: float) -> "StochasticModel":
+        """Return the model with gains of each record's pilot, as large as those of a regulator, and an aim."""
+        sizes = {"y": 2.0 / length, "psi": 5.0, "v": 5.0 / u, "r": 2.0 * length / u, RUDDER: 0.5}
+        gains = [Process(HELM_GAIN(name), HELM_GAIN(name), size, np.inf) for name, size in sizes.items()]
+        trim = Process(f"{HELM}_trim", ERROR(HELM), TRIM, np.inf)
+        aim = Process(f"{HELM}_aim", ERROR(HELM), AIMED, AIM_STAYS * length / u)
+        numbers = [("std", aim.name), ("memory", aim.name), ("noise", HELM)]
+        estimated = [Estimated(of, (name,), SPREAD_OF_STRENGTH) for of, name in numbers]
+        return replace(
+            self, processes=(*self.processes, *gains, trim, aim), noise={**self.noise, HELM: HELM_NOISE},
+            estimated=(*self.estimated, *estimated),
+        )  # fmt: skip
 
 
 @dataclass(frozen=True)

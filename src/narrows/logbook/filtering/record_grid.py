@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 CURRENTS = ("current_x", "current_y")  # The current along the axes [m/s], which enters signals over ground
 # How much an actuator's position is truly above what is recorded or usual: [rad] to starboard, [1/s].
 OFFSET = "{}_offset".format
-RUDDER, REVOLUTIONS = "rudder", "revolutions"
+RUDDER = "rudder"
 ERROR = "{}_error".format  # Name of the constant error of a signal
 STATES = ("x", "y", "psi", "u", "v", "r")
 # A pilot looks out of the window, so that the rudder holds information on the motion that no sensor has: it is one more
@@ -50,8 +50,12 @@ def predicted_signal(
     name: str, states: np.ndarray, errors: Mapping[str, Any], antenna: tuple[float, float], rudder: np.ndarray
 ) -> PredictedSignal:
     """Predict readings of a signal from states (n, 6), errors of sensors and the rudder before the step (n,) [rad]."""
-    if name == HELM:
-        return _predicted_helm(states, errors, rudder)
+    if name == HELM:  # At the end of a step, from where it was and what is seen; the law has a memory, as pilots have.
+        seen = {own: states[:, STATES.index(own)] for own in SEEN} | {RUDDER: rudder}
+        gains = {own: errors.get(HELM_GAIN(own), 0.0) for own in seen}
+        value = rudder + errors.get(ERROR(HELM), 0.0) + sum(gains[own] * column for own, column in seen.items())
+        by_error = {HELM_GAIN(own): column for own, column in seen.items()} | {ERROR(HELM): ONE}
+        return PredictedSignal(value, {STATES.index(own): np.asarray(gains[own]) for own in SEEN}, by_error)
     psi, u, v = states[:, 2:5].T
     cosine, sine = np.cos(psi), np.sin(psi)
     by_error = {ERROR(name): ONE}
@@ -84,15 +88,6 @@ def _over_ground(name: str, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, A
         return np.arctan2(v, u), -v / square, u / square
     speed = np.maximum(np.hypot(u, v), 1e-9)
     return speed, u / speed, v / speed
-
-
-def _predicted_helm(states: np.ndarray, errors: Mapping[str, Any], rudder: np.ndarray) -> PredictedSignal:
-    """The rudder at the end of a step, from where it was and what is seen; the law has a memory, as pilots have."""
-    seen = {name: states[:, STATES.index(name)] for name in SEEN} | {RUDDER: rudder}
-    gains = {name: errors.get(HELM_GAIN(name), 0.0) for name in seen}
-    value = rudder + errors.get(ERROR(HELM), 0.0) + sum(gains[name] * column for name, column in seen.items())
-    by_error = {HELM_GAIN(name): column for name, column in seen.items()} | {ERROR(HELM): ONE}
-    return PredictedSignal(value, {STATES.index(name): np.asarray(gains[name]) for name in SEEN}, by_error)
 
 
 # Signals that the motion is held to.

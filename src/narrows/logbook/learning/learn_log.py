@@ -15,7 +15,7 @@ from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.logbook.filtering.likelihood import LOOSE_WALK, SearchResult, search
 from narrows.logbook.filtering.log_problem import SWAY, YAW, LogProblem
-from narrows.logbook.filtering.record_grid import HELM, OFFSET, REVOLUTIONS, RUDDER
+from narrows.logbook.filtering.record_grid import HELM, OFFSET, RUDDER
 from narrows.logbook.learned_coefficient import learned_model
 from narrows.logbook.learning.log_fit import Gusts, LogFit, SignalNoise, record_answers
 from narrows.logbook.learning.log_posterior import LogPosterior, Spread, averaged, log_posterior, posterior_mean
@@ -209,7 +209,7 @@ def _assumptions(problem: LogProblem, free: Sequence[str], met: int) -> Iterator
             "intervals are then too narrow."
         )
     yield from model.configuration.notes
-    if any(one.adds_to == OFFSET(REVOLUTIONS) for one in problem.model.processes):
+    if any(one.adds_to == OFFSET("revolutions") for one in problem.model.processes):
         yield (
             "The log has no propeller revolutions: each record has an unknown number of them about those that keep the "
             "usual speed. The rudder's force depends on them; record them."

@@ -11,8 +11,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.logbook.filtering.log_problem import (
-    AIM,
-    HELM_NOISE,
+    SPREAD_OF_STRENGTH,
     SWAY,
     YAW,
     CoefficientPrior,
@@ -21,19 +20,8 @@ from narrows.logbook.filtering.log_problem import (
     Process,
     RecordedMotion,
     StochasticModel,
-    pilot,
 )
-from narrows.logbook.filtering.record_grid import (
-    CURRENTS,
-    ERROR,
-    HELM,
-    OFFSET,
-    READ,
-    REVOLUTIONS,
-    RUDDER,
-    RecordGrid,
-    grid_of,
-)
+from narrows.logbook.filtering.record_grid import CURRENTS, ERROR, OFFSET, READ, RUDDER, RecordGrid, grid_of
 from narrows.logbook.learned_coefficient import learnable
 from narrows.logbook.learning.log_posterior import Spread, coefficient_prior, push_inertia, with_asymmetry, with_spread
 from narrows.logbook.reading.read_log import StreamedLog, read_log, stream_log
@@ -49,9 +37,9 @@ if TYPE_CHECKING:
 # Length of a step, in times of a ship length; in a basin, where the kinks of a rudder in a zigzag matter more.
 STEP, BASIN_STEP = 1 / 25, 1 / 40
 STEADY = "steady_{}".format  # Steady push of a record
-# How long a gust stays before anything is known of it [s], and standard deviations of logarithms: of that, of the
-# strength of gusts, of noise; of the inverse hyperbolic tangent of the correlation between sway and yaw.
-USUAL_MEMORY, SPREAD_OF_MEMORY, SPREAD_OF_STRENGTH, SPREAD_OF_NOISE, SPREAD_OF_CORRELATION = 40.0, 1.0, 1.5, 0.3, 1.0
+# How long a gust stays before anything is known of it [s], and standard deviations of logarithms: of that, of noise; of
+# the inverse hyperbolic tangent of the correlation between sway and yaw.
+USUAL_MEMORY, SPREAD_OF_MEMORY, SPREAD_OF_NOISE, SPREAD_OF_CORRELATION = 40.0, 1.0, 0.3, 1.0
 # Standard deviations of accelerations before anything is known, over speed squared by length (and by length again for
 # yaw): of gusts, and of a push that stays.
 GUST, STEADY_PUSH = 0.005, 0.1
@@ -113,12 +101,12 @@ class LogAssumptions:
     @property
     def lacks_revolutions(self) -> bool:
         """True if propeller revolutions are unknown: not recorded, and not those of a tank's tests."""
-        return REVOLUTIONS not in self.signals and not self.in_basin
+        return "revolutions" not in self.signals and not self.in_basin
 
     def problem(self, motion: RecordedMotion, prior: CoefficientPrior, inertia: np.ndarray) -> LogProblem:
         along = {"X": self.u**2 / self.length} if self.surge == "free" else {}
         sizes = {**along, "Y": self.u**2 / self.length, "N": (self.u / self.length) ** 2}
-        noise, basin = self._noise(), self.in_basin
+        noise = self._noise()
         gusts = [Process(name, name, GUST * size, USUAL_MEMORY) for name, size in sizes.items()] if self.gusts else []
         names = tuple(one.name for one in gusts)
         processes = [*gusts, *self._errors(motion, noise)]
@@ -127,13 +115,10 @@ class LogAssumptions:
             processes += [Process(STEADY(n), n, STEADY_PUSH * size, np.inf) for n, size in sizes.items()]
             estimated.append(Estimated("memory", names, SPREAD_OF_MEMORY))
             estimated.append(Estimated("correlation", (SWAY, YAW), SPREAD_OF_CORRELATION))
-        if self.pilot and RUDDER in self.signals:
-            noise[HELM] = HELM_NOISE
-            processes += pilot(self.length, self.u)
-            estimated += [Estimated(of, (AIM,), SPREAD_OF_STRENGTH) for of in ("std", "memory")]
-        wide = {HELM: SPREAD_OF_STRENGTH, **dict.fromkeys(noise if basin else (), BASIN_SPREAD)}
-        estimated += [Estimated("noise", (name,), wide.get(name, SPREAD_OF_NOISE)) for name in noise]
+        estimated += [Estimated("noise", (name,), BASIN_SPREAD if self.in_basin else SPREAD_OF_NOISE) for name in noise]
         model = StochasticModel(tuple(processes), noise, tuple(estimated), gusts=names)
+        if self.pilot and RUDDER in self.signals:
+            model = model.with_pilot(self.length, self.u)
         return LogProblem(motion, prior, inertia, model, 1.0 if self.gusts else USUALLY_CORRELATED)
 
     def _noise(self) -> dict[str, float]:
@@ -158,9 +143,9 @@ class LogAssumptions:
             white = rudder.noise * np.sqrt(rudder.period / self.step(self.u))
             found += [Process("rudder_noise", OFFSET(RUDDER), white, 0.0)]
             found += [Process(OFFSET(RUDDER), OFFSET(RUDDER), rudder.zero, np.inf)]
-        if REVOLUTIONS in motion.positions and self.lacks_revolutions:
-            usual = SPREAD_OF_REVOLUTIONS * motion.positions[REVOLUTIONS]
-            found.append(Process(OFFSET(REVOLUTIONS), OFFSET(REVOLUTIONS), usual, np.inf))
+        if "revolutions" in motion.positions and self.lacks_revolutions:
+            usual = SPREAD_OF_REVOLUTIONS * motion.positions["revolutions"]
+            found.append(Process(OFFSET("revolutions"), OFFSET("revolutions"), usual, np.inf))
         for name in noise:
             grade = self._grade(name)
             found.append(Process(f"{name}_wander", ERROR(name), grade.wander, grade.memory))
@@ -278,11 +263,11 @@ def _positions(model: Model, assumed: LogAssumptions) -> dict[str, float]:
     """Usual positions of the actuators that follow a record, and of a propeller whose revolutions are not recorded."""
     values = model.configuration.values()
     if assumed.lacks_revolutions:
-        values[REVOLUTIONS] = steady_revolutions(model, assumed.u) or values.get(REVOLUTIONS, 0.0)
+        values["revolutions"] = steady_revolutions(model, assumed.u) or values.get("revolutions", 0.0)
     return {
         actuator.name: float(values.get(actuator.name) or 0.0)
         for actuator in model.terms.actuators
-        if actuator.name in (RUDDER, REVOLUTIONS) or actuator.name in assumed.signals
+        if actuator.name in (RUDDER, "revolutions") or actuator.name in assumed.signals
     }
 
 

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,8 +12,8 @@ import pandas as pd
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.logbook.settings import HEADING_GAP
 from narrows.logbook.ship_log import SIGNALS, TURNING, ShipRecord, Signal
-from narrows.quantities.names import KNOT, Quantity
-from narrows.readers.headers import DEGREE, SUFFIXES, Vocabulary
+from narrows.quantities.names import Quantity
+from narrows.readers.headers import SUFFIXES, Vocabulary
 from narrows.readers.mapping import ColumnMapping
 from narrows.ship.checks import is_finite
 from narrows.ship.ship_file import load_toml
@@ -65,16 +65,11 @@ ARCHIVE_UNITS = {"speed_over_ground": "kn", "course_over_ground": "deg", "headin
 SHIP = "mmsi"
 UNDOCUMENTED = "r"  # The archives do not document the form of their rate of turn
 
-# Codes of AIS for missing values (ITU-R M.1371), as sent and in SI.
-ABSENT = {
-    "longitude": (181.0,), "latitude": (91.0,), "heading": (511.0, 511.0 * DEGREE),
-    "course_over_ground": (360.0, 360.0 * DEGREE), "speed_over_ground": (102.3, 102.3 * KNOT),
-    "r": (-128.0, -128.0 * DEGREE / 60),
-}  # fmt: skip
 
-
-def one_ship(frame: pd.DataFrame, mmsi: int | None, table: str) -> tuple[pd.DataFrame, int | None] | None:
-    """Return the rows of one ship of an AIS archive, with the units of AIS in the headers, and its number.
+def one_ship(
+    frame: pd.DataFrame, mmsi: int | None, table: str, mapped: ColumnMapping
+) -> tuple[pd.DataFrame, int | None, ColumnMapping] | None:
+    """Return the rows of one ship of an AIS archive, its number, and the mapping, with the units of AIS.
 
     None where the table has not the headers of an archive: ships by number, and their time without a unit.
     """
@@ -89,7 +84,9 @@ def one_ship(frame: pd.DataFrame, mmsi: int | None, table: str) -> tuple[pd.Data
     kept = {header: ARCHIVE_UNITS.get(ALIASES.get(name, "")) for header, name in plain.items()
             if ALIASES.get(name) != UNDOCUMENTED}  # fmt: skip
     units = {header: f"{header} [{unit}]" for header, unit in kept.items() if unit}
-    return frame.loc[ships == mmsi, list(kept)].rename(columns=units), mmsi
+    of_mapped = {name: unit for name, unit in ARCHIVE_UNITS.items() if name in mapped.columns}
+    known = replace(mapped, units={**of_mapped, **mapped.units})
+    return frame.loc[ships == mmsi, list(kept)].rename(columns=units), mmsi, known
 
 
 def renamed(frame: pd.DataFrame, mapped: Iterable[str] = ()) -> pd.DataFrame:

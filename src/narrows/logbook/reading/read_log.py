@@ -13,22 +13,13 @@ import pandas as pd
 
 from narrows.aliases import accept_aliases
 from narrows.errors import InputError, check_count
-from narrows.logbook.reading.log_rows import (
-    ABSENT,
-    ARCHIVE_UNITS,
-    QUANTITIES,
-    VOCABULARY,
-    LogMapping,
-    RawRecord,
-    log_mapping,
-    one_ship,
-    renamed,
-)
+from narrows.logbook.reading.log_rows import VOCABULARY, LogMapping, RawRecord, log_mapping, one_ship, renamed
 from narrows.logbook.settings import MOST_ROWS, PIECE_ROWS, RECORD_GAP
 from narrows.logbook.ship_log import ShipLog, ShipRecord
+from narrows.quantities.names import KNOT
 from narrows.readers.cells import as_sheet, check_once, labels, name_of, numbers, row_number, with_seconds
 from narrows.readers.frames import STREAMED, notes_of, read_chunks, read_frame
-from narrows.readers.headers import recognised_in
+from narrows.readers.headers import DEGREE, recognised_in
 from narrows.readers.nmea.nmea_decoder import Recording, is_nmea
 from narrows.waterway import Waterway, read_waterway
 
@@ -136,6 +127,12 @@ def stream_log(
 
 
 EARTH = {"latitude": 90.0, "longitude": 360.0}  # Degrees that a place on earth has at most
+# Codes of AIS for missing values (ITU-R M.1371), as sent and in SI.
+ABSENT = {
+    "longitude": (181.0,), "latitude": (91.0,), "heading": (511.0, 511.0 * DEGREE),
+    "course_over_ground": (360.0, 360.0 * DEGREE), "speed_over_ground": (102.3, 102.3 * KNOT),
+    "r": (-128.0, -128.0 * DEGREE / 60),
+}  # fmt: skip
 DAY_FIRST = re.compile(r"\d\d/\d\d/\d{4} ")  # A date as the Danish archive writes it, 31/12/2015 23:59:59
 
 
@@ -193,18 +190,16 @@ class LogReading:
     def _rows(self, raw: pd.DataFrame) -> pd.DataFrame:
         """A table in SI: t, record if it has one, and signals with NaN where nothing was measured."""
         mapped = self.log.mapping.columns
-        if archive := one_ship(raw, self.mmsi, self.table):
-            raw, self.mmsi = archive
-            units = {name: unit for name, unit in ARCHIVE_UNITS.items() if name in mapped.columns}
-            mapped = replace(mapped, units={**units, **mapped.units})
+        if archive := one_ship(raw, self.mmsi, self.table, mapped):
+            raw, self.mmsi, mapped = archive
         elif self.mmsi is not None:
             raise InputError(
                 f"{self.table}: mmsi = {self.mmsi} needs AIS reports, and this table has none; leave it out"
             )
         frame, self.mapped = mapped.applied(renamed(raw, mapped.columns.values()), self.table, VOCABULARY)
         frame = with_seconds(frame)
-        recognised = recognised_in(frame, QUANTITIES, self.table)
-        check_once(recognised, [str(header) for header in frame.columns], QUANTITIES, self.table)
+        recognised = recognised_in(frame, VOCABULARY.quantities, self.table)
+        check_once(recognised, list(map(str, frame.columns)), VOCABULARY.quantities, self.table)
         columns = {
             column.quantity: numbers(frame, column.header, self.table, column.quantity != "t") * column.scale
             for column in recognised

@@ -3,12 +3,13 @@
 import math
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
 
-from narrows.control.regulator import HeldLine, regulator
+from narrows.control.regulator import Regulator, regulator
 from narrows.control.steady_course import steady_course
 from narrows.errors import InputError, shown
 from narrows.identification.fitting import bundled_ship
@@ -97,33 +98,33 @@ def wandering(
 class TransitPilot:
     """A pilot at the wheel: an order every few seconds, in whole degrees."""
 
-    line: HeldLine  # Gains, made for the farthest aim
-    lead: float  # How far ahead bends are looked at [s]
-    courses: np.ndarray  # (4, offsets) y [m], rudder, psi [rad], v [m/s] of steady courses
-    limit: float  # Limit of the rudder [rad]
-    interval: float  # Time between two orders [s]
-    times: np.ndarray  # (n,) Where it wants to be, straight between [s]
-    aims: np.ndarray  # (n,) Where it wants to be, straight between [s]
+    model: Model
+    u: float  # [m/s]
+    times: np.ndarray  # (n,) [s]
+    aims: np.ndarray  # (n,) Where it wants to be, straight between these times [m]
     waterway: "Waterway | None" = None  # Whose bends it follows
 
-    @classmethod
-    def of(
-        cls, model: Model, u: float, times: np.ndarray, aims: np.ndarray, waterway: "Waterway | None" = None
-    ) -> "TransitPilot":
-        # u [m/s]; times, aims (n,) [s]
-        far = max(float(np.abs(aims).max()), 1e-6)
+    @cached_property
+    def courses(self) -> np.ndarray:
+        """Offset [m], rudder, heading [rad] and sway velocity [m/s] of steady courses, (4, offsets)."""
+        far = max(float(np.abs(self.aims).max()), 1e-6)
         y = np.linspace(-far, far, settings.PILOT_COURSES)
-        held = steady_course(model, y=xr.DataArray(y, dims="place"), u=u)
+        held = steady_course(self.model, y=xr.DataArray(y, dims="place"), u=self.u)
         courses = np.stack([y, *(held[name].to_numpy() for name in ("rudder", "psi", "v"))])
         if not np.isfinite(courses).all():
-            raise InputError(f"no rudder holds this ship {far:.3g} m off the middle at {u:.3g} m/s; aim nearer to it")
-        law = regulator(model, far, u)  # Where it is hardest.
-        interval = min(settings.ORDER_INTERVAL, model.configuration.ship.length / u / settings.ORDERS_A_LENGTH)
-        gear = model.configuration.gear
-        return cls(law.lines[0], float(law.lead), courses, gear.limit, interval, times, aims, waterway)
+            raise InputError(
+                f"no rudder holds this ship {far:.3g} m off the middle at {self.u:.3g} m/s; aim nearer to it"
+            )
+        return courses
+
+    @cached_property
+    def law(self) -> Regulator:
+        return regulator(self.model, float(self.courses[0, -1]), self.u)  # Where it is hardest.
 
     def begin(self) -> Order:
-        by_y, by_psi, by_v, by_r, by_rudder, by_integral = (float(gain) for gain in self.line.gains)
+        by_y, by_psi, by_v, by_r, by_rudder, by_integral = (float(gain) for gain in self.law.lines[0].gains)
+        ship, gear = self.model.configuration.ship, self.model.configuration.gear
+        interval = min(settings.ORDER_INTERVAL, ship.length / self.u / settings.ORDERS_A_LENGTH)
         memory = {"t": 0.0, "off": 0.0, "next": 0.0, "order": 0.0}
 
         def order(t: float, at: VoyageState) -> float:
@@ -135,8 +136,8 @@ class TransitPilot:
             wanted += by_rudder * (at.rudder - rudder) + by_integral * memory["off"]
             asked = float(at.rudder - step * wanted / (1 + step * by_rudder))
             # At the end of the rudder the integral waits.
-            memory["off"] += step * (at.y - aim) * (abs(asked) < self.limit)
-            memory["next"], memory["order"] = t + self.interval, round(asked / DEGREE) * DEGREE
+            memory["off"] += step * (at.y - aim) * (abs(asked) < gear.limit)
+            memory["next"], memory["order"] = t + interval, round(asked / DEGREE) * DEGREE
             return memory["order"]
 
         return order
@@ -146,9 +147,9 @@ class TransitPilot:
         rudder, psi, v = (float(np.interp(aim, y, course)) for course in courses)
         if self.waterway is None:
             return aim, rudder, psi, v, 0.0
-        ahead = min(max(at.x + self.lead * at.u, 0.0), self.waterway.line.length)
+        ahead = min(max(at.x + float(self.law.lead) * at.u, 0.0), self.waterway.line.length)
         turn = float(self.waterway.section(ahead).curvature) * (at.u + float(self.waterway.current_at(ahead)))
-        by_psi, by_v, by_rudder = (float(slope) for slope in self.line.turning)
+        by_psi, by_v, by_rudder = (float(slope) for slope in self.law.lines[0].turning)
         return aim, rudder + by_rudder * turn, psi + by_psi * turn, v + by_v * turn, turn
 
 
@@ -165,7 +166,7 @@ class TransitTwin:
         step = min(settings.AIM_STEP, settings.AIM_LENGTHS * self._length_time)
         times = step * np.arange(math.ceil(self.duration / step) + 1)
         aims = wandering(conditions.wander, conditions.wander_time, step, len(times), draw)[:, 0]
-        helm = TransitPilot.of(self.truth, self.u, times, aims, self.waterway)
+        helm = TransitPilot(self.truth, self.u, times, aims, self.waterway)
         started: dict[str, Any] = {"y": float(aims[0]), "u": self.u, **self._pushes(draw)}
         if self.truth.terms.propelled:
             started["revolutions"] = self_propulsion(self.truth, self.u)

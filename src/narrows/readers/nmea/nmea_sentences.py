@@ -62,14 +62,11 @@ def decode_parts(parts: Sequence[bytes], kind: str, mmsi: int | None = None) -> 
     source = f"{kind} {message.source}{message.engineshaftnum}" if kind.endswith("RPM") else kind
     clock = getattr(message, "time", None)
     values = READ[kind[2:]](message) if kind[2:] in READ else _fields_of(message, kind[2:])
-    return DecodedMessage(values, source, clock if isinstance(clock, time) else None, _day(message, kind))
-
-
-def _day(message: Any, kind: str) -> date | None:
-    if kind.endswith("ZDA") and isinstance(message.year, int):
-        return date(message.year, message.month, message.day)
     day = getattr(message, "date", None)
-    return day if isinstance(day, date) else None
+    if kind.endswith("ZDA") and isinstance(message.year, int):
+        day = date(message.year, message.month, message.day)
+    of_day = clock if isinstance(clock, time) else None
+    return DecodedMessage(values, source, of_day, day if isinstance(day, date) else None)
 
 
 FIXES = (1, 2, 3, 4, 5, 9)  # Valid fix qualities of GGA: not 6 (dead reckoning), 7 (manual), 8 (simulator)
