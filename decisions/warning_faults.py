@@ -22,8 +22,8 @@ from narrows.readers.nmea.nmea_sentences import checksum, sentences
 from narrows.readers.settings import MOST_SHIPS
 from narrows.warning.alerts.alert import Alert, AlertState, Priority
 from narrows.warning.alerts.alert_log import AlertLog, logged
-from narrows.warning.alerts.alert_sentences import command_of
 from narrows.warning.inputs.listening import Arrival, Inbox, SignalK
+from narrows.warning.monitoring.alert_publisher import command_of
 from narrows.warning.settings import OTHERS_QUEUE
 
 KILLS, A_LOG, SHIPS, LINES, BURST = 1000, 50, 1_000_000, 100_000, 20_000

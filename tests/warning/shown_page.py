@@ -16,7 +16,7 @@ from narrows.estimation.states import Estimate, StateNames
 from narrows.estimation.unscented import Gaussian
 from narrows.warning.alerts.alert import BANKS, AlertDesk, Condition, Priority, Situation
 from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun, Tracks
-from narrows.warning.monitoring.bridge_status import BridgeStatus, clearances
+from narrows.warning.monitoring.watched_transit import BridgeStatus, clearances
 from narrows.warning.page.bridge_page import BridgePage
 
 BANK = BANKS["starboard"]
@@ -101,7 +101,7 @@ class Pulse:
 
 def asked(page: BridgePage, monitored: Watched) -> list[Any]:
     """Do what was asked for on the page, as the next update of a monitor does; the alerts that changed."""
-    from narrows.warning.alerts.alert_sentences import command_of
+    from narrows.warning.monitoring.alert_publisher import command_of
 
     commands = [command_of(text) for text in page.requests.sentences(monitored.desk, monitored.t)]
     return [monitored.desk.command(monitored.t, *command) for command in commands]

@@ -35,8 +35,8 @@ from narrows.warning.alerts.alert import (
     Thresholds,
 )
 from narrows.warning.alerts.alert_log import AlertLog, logged
-from narrows.warning.alerts.alert_sentences import AlertCommand, alc, alf, arc, command_of, hbt, notifications
 from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun
+from narrows.warning.monitoring.alert_publisher import AlertCommand, alc, alf, arc, command_of, hbt, notifications
 
 SILENCE = 30.0  # [s] after which a silenced alert sounds again: IEC 62923-1:2018
 REPEAT_AFTER = 60.0  # [s] after which an alert that nobody acknowledges sounds anew

@@ -18,7 +18,7 @@ import narrows as nw
 import narrows.warning.page as page_room
 from narrows.warning import settings
 from narrows.warning.alerts.alert import SENSORS, SHIP_OR_WATER, AlertState, Condition, Priority
-from narrows.warning.monitoring.bridge_status import NOT_AVAILABLE, clearances
+from narrows.warning.monitoring.watched_transit import NOT_AVAILABLE, clearances
 from narrows.warning.page import page_updates
 from narrows.warning.page.bridge_page import (
     CROWDED,

@@ -14,8 +14,7 @@ from shown_page import ALARM, BANK, HANDSHAKE, soon
 import narrows as nw
 from narrows.warning import settings
 from narrows.warning.alerts.alert import SENSORS, AlertDesk, Command, Condition, Priority
-from narrows.warning.alerts.alert_sentences import notifications
-from narrows.warning.monitoring.alert_publisher import SignalKSender
+from narrows.warning.monitoring.alert_publisher import SignalKSender, notifications
 from narrows.warning.page import page_updates as waiting
 from narrows.warning.page.bridge_page import UPDATES, BridgePage
 from narrows.warning.page.page_updates import Clients

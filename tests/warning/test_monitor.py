@@ -18,8 +18,7 @@ from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher, sender_to
-from narrows.warning.monitoring.bridge_status import NOT_AVAILABLE
-from narrows.warning.monitoring.watched_transit import TransitLog
+from narrows.warning.monitoring.watched_transit import NOT_AVAILABLE, TransitLog
 
 BANK = BANKS["starboard"]
 

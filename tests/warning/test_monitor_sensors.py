@@ -6,8 +6,8 @@ from watch import BEGAN, Lines, calm, indicated, monitor, monitored, ticks, with
 
 from narrows.readers.nmea.nmea_sentences import with_checksum
 from narrows.warning.alerts.alert import NO_FORECAST, SENSORS, Priority
-from narrows.warning.monitoring.bridge_status import NOT_AVAILABLE
 from narrows.warning.monitoring.demonstration import bridge_sentences
+from narrows.warning.monitoring.watched_transit import NOT_AVAILABLE
 
 
 def test_nothing_is_clear_before_anything_is_known() -> None:

@@ -23,7 +23,7 @@ import narrows as nw
 from logs import motion, sentence
 from narrows.readers.nmea.nmea_decoder import AisFragments, Entry, NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import DecodedMessage, Sentence, sentences
-from narrows.warning.inputs.bridge_readings import NOT_HERE, BridgeReadings, Messages, Tick
+from narrows.warning.inputs.bridge_readings import NOT_HERE, BridgeReadings, Messages, Replay, Tick, by_second, in_order
 from narrows.warning.inputs.listening import (
     NO_PEER,
     OTHER_VESSEL,
@@ -37,7 +37,6 @@ from narrows.warning.inputs.listening import (
     SignalK,
     connection_of,
 )
-from narrows.warning.inputs.replay import Replay, by_second, in_order
 
 # Bounds of memory: ships, bytes of a line, messages that wait.
 MOST_SHIPS, LONGEST_LINE, OTHERS_QUEUE, OWN_QUEUE = 2000, 4096, 5000, 20_000

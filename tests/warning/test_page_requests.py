@@ -13,9 +13,8 @@ from watch import BEGAN, monitor, monitored, ticks
 
 from narrows.warning.alerts.alert import BANKS, CALM, AlertDesk, AlertState, Command, Condition, Priority
 from narrows.warning.alerts.alert_log import AlertLog, logged
-from narrows.warning.alerts.alert_sentences import command_of
 from narrows.warning.inputs.bridge_readings import Tick
-from narrows.warning.monitoring.alert_publisher import AlertPublisher
+from narrows.warning.monitoring.alert_publisher import AlertPublisher, command_of
 from narrows.warning.page.bridge_page import BUSY, PageRequest, PageRequests, objection, request_of
 from narrows.warning.page.page_updates import update_of
 

@@ -9,8 +9,7 @@ from transit import canal, ship
 
 from narrows.warning.alerts.alert import BankLevel, Priority, Thresholds
 from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun
-from narrows.warning.monitoring.bridge_status import clearances
-from narrows.warning.monitoring.watched_transit import WatchedTransit, alert_spells, score_transits
+from narrows.warning.monitoring.watched_transit import WatchedTransit, alert_spells, clearances, score_transits
 
 HALF, SPEED = 150.0, 4.5
 STILL = dict.fromkeys(("x", "y", "psi", "u", "v", "r"), 0.0)

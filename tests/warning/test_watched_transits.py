@@ -15,9 +15,14 @@ from narrows.cli.watching import end_by_sigterm
 from narrows.report.transit_report import transit_track_figure, write_transit_report
 from narrows.warning.alerts.alert_log import logged
 from narrows.warning.monitoring import watched_transit
-from narrows.warning.monitoring.bridge_status import BridgeStatus
 from narrows.warning.monitoring.demonstration import demonstration
-from narrows.warning.monitoring.watched_transit import PREDICTORS, TransitLog, WatchedTransit, score_transits
+from narrows.warning.monitoring.watched_transit import (
+    PREDICTORS,
+    BridgeStatus,
+    TransitLog,
+    WatchedTransit,
+    score_transits,
+)
 
 MISTAKE = (40.0, 120.0)  # [s] in which the demonstration's rudder is wrong
 NEEDED_TIME = 10.0  # [s] to act
@@ -108,7 +113,7 @@ def test_the_demonstration_warns_before_the_ship_is_near(tmp_path: Path, cli) ->
 
 
 def test_a_recording_of_the_demonstration_can_be_replayed(tmp_path: Path) -> None:
-    from narrows.warning.inputs.replay import Replay
+    from narrows.warning.inputs.bridge_readings import Replay
 
     shown = demonstration()
     (tmp_path / "bridge.nmea").write_bytes(shown.recording())

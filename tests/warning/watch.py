@@ -13,8 +13,8 @@ from narrows.warning.forecasting.forecaster import Forecaster
 from narrows.warning.forecasting.helmsman import Helmsmen
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
-from narrows.warning.monitoring.bridge_status import BridgeStatus
 from narrows.warning.monitoring.demonstration import bridge_sentences
+from narrows.warning.monitoring.watched_transit import BridgeStatus
 
 SPEED, BEGAN = 4.2, 1_777_680_000.0
 Lines = list[str]

@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import narrows as nw
-from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import DatasetDelivery, Numbers, Speed, Speeds, numbers, verb
+from narrows.cli.options import Argument, DatasetDelivery, Numbers, Option, Speed, Speeds, numbers, verb
 from narrows.cli.voyage_options import CurrentText
 from narrows.empirical.fleet import model_named
 from narrows.errors import InputError

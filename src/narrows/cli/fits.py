@@ -10,12 +10,13 @@ from typing import TYPE_CHECKING, Annotated
 import click
 
 import narrows as nw
-from narrows.cli.declarations import Argument, Option
 from narrows.cli.options import (
+    Argument,
     AsJson,
     ModelDelivery,
     ModelFile,
     Numbers,
+    Option,
     ReportDelivery,
     RunErrors,
     SelectionOptions,
@@ -207,7 +208,7 @@ def reproduce(
 
     Numbers of this package are listed with those of the paper.
     """
-    from narrows.report.reproduction import write_reproduction
+    from narrows.report.explanation_report import write_reproduction
     from narrows.studies.mikkelsen2025 import reproduce as made
 
     folder(out)

@@ -6,11 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import narrows as nw
-from narrows.cli.declarations import Argument, Option
 from narrows.cli.options import (
     PAGES,
+    Argument,
     ModelDelivery,
     Numbers,
+    Option,
     Speed,
     WaterwayFile,
     Words,
@@ -175,7 +176,7 @@ def _deliver(fit: "nw.LogFit", delivery: ModelDelivery, truth: Mapping[str, floa
 
 
 def _learn_steady(model: "nw.Model", legs: LegOptions, table: Path, delivery: ModelDelivery) -> bool:
-    from narrows.report.steady_report import print_steady_fit, write_steady_report
+    from narrows.report.pilot_page import print_steady_fit, write_steady_report
 
     fit = nw.learn_steady(model, table, conditions=nw.SteadyConditions(wind=legs.wind))
     delivery.write(fit.model.save, report=lambda path: write_steady_report(fit, path))
@@ -185,8 +186,7 @@ def _learn_steady(model: "nw.Model", legs: LegOptions, table: Path, delivery: Mo
 
 
 def _plan(model: "nw.Model", legs: LegOptions, page: Path, speed: str | None, json: bool) -> bool:
-    from narrows.report.pilot_page import write_pilot_page
-    from narrows.report.steady_report import print_steady_plan
+    from narrows.report.pilot_page import print_steady_plan, write_pilot_page
 
     ahead = None if speed is None else speeds("--speed", speed)
     plan = nw.plan_steady(model, legs.y, ahead, legs=legs.legs, conditions=nw.SteadyConditions(wind=legs.wind))

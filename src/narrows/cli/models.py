@@ -7,8 +7,17 @@ from typing import Annotated, Any
 import click
 
 import narrows as nw
-from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import AsJson, ModelFile, PlainModelDelivery, Speed, print_json, print_written, verb
+from narrows.cli.options import (
+    Argument,
+    AsJson,
+    ModelFile,
+    Option,
+    PlainModelDelivery,
+    Speed,
+    print_json,
+    print_written,
+    verb,
+)
 from narrows.cli.voyage_options import HelmOptions, PhysicsOptions, WaterOptions
 from narrows.empirical.fleet import model_named
 from narrows.errors import InputError

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 
 import narrows as nw
-from narrows.cli.declarations import Option
-from narrows.cli.options import Numbers, Speed, Speeds, WaterwayFile, numbers
+from narrows.cli.options import Numbers, Option, Speed, Speeds, WaterwayFile, numbers
 from narrows.cli.options import speed as read_speed
 from narrows.errors import InputError, check_choice
 

@@ -8,8 +8,17 @@ from typing import Annotated, Any
 import click
 
 import narrows as nw
-from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import ChartDelivery, DatasetDelivery, ModelFile, Speed, TrackDelivery, WaterwayDelivery, verb
+from narrows.cli.options import (
+    Argument,
+    ChartDelivery,
+    DatasetDelivery,
+    ModelFile,
+    Option,
+    Speed,
+    TrackDelivery,
+    WaterwayDelivery,
+    verb,
+)
 from narrows.cli.voyage_options import (
     ContactKind,
     HelmOptions,

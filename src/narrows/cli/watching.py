@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Annotated
 import click
 
 import narrows as nw
-from narrows.cli.declarations import Argument, Option
-from narrows.cli.options import ReportDelivery, WaterwayFile, named, numbers, verb
+from narrows.cli.options import Argument, Option, ReportDelivery, WaterwayFile, named, numbers, verb
 from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
 from narrows.files import write_whole
@@ -25,8 +24,7 @@ if TYPE_CHECKING:
     from narrows.warning.inputs.bridge_readings import Tick
     from narrows.warning.monitoring.alert_publisher import AlertPublisher, SignalKSender
     from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
-    from narrows.warning.monitoring.bridge_status import BridgeStatus
-    from narrows.warning.monitoring.watched_transit import WatchedTransit
+    from narrows.warning.monitoring.watched_transit import BridgeStatus, WatchedTransit
     from narrows.warning.page.bridge_page import BridgePage
 
 # Seconds between lines without changes.
@@ -171,7 +169,7 @@ def _score(inputs: InputOptions, model: str, waterway: Path | None, y: float, de
 
 
 def _replayed(path: Path, pace: float, mmsi: int | None) -> Iterator["Tick"]:
-    from narrows.warning.inputs.replay import Replay
+    from narrows.warning.inputs.bridge_readings import Replay
 
     if not path.is_file():
         raise InputError(f"{path}: there is no such file; check the path")
@@ -181,7 +179,7 @@ def _replayed(path: Path, pace: float, mmsi: int | None) -> Iterator["Tick"]:
 def _demonstrated(
     pace: float, alerts: AlertOptions, publisher: "AlertPublisher"
 ) -> tuple["BridgeMonitor", Iterator["Tick"]]:
-    from narrows.warning.inputs.replay import paced
+    from narrows.warning.inputs.bridge_readings import paced
     from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
     from narrows.warning.monitoring.demonstration import LINE, demonstration
 

@@ -19,7 +19,7 @@ from narrows.quantities.names import FORCES, Number
 from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.inputs import check_waterway, finite_numbers
 from narrows.simulation.ship import SimulatedShip
-from narrows.waterway.current_profile import check_along_only
+from narrows.waterway.centreline import check_along_only
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway

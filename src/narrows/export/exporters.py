@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from narrows.aliases import accept_aliases
 from narrows.errors import InputError, check_choice
 from narrows.files import form_of, write_whole
-from narrows.waterway.current_profile import check_along_only
+from narrows.waterway.centreline import check_along_only
 
 if TYPE_CHECKING:
     from narrows.export.exported_ship import ExportedShip

@@ -10,8 +10,8 @@ from matplotlib.patches import Patch
 
 from narrows.quantities.names import KNOT
 from narrows.report.envelope_chart import PALE, UNTESTED
+from narrows.report.printed_tables import print_result, table_of
 from narrows.report.style import BLACK, GREY, PURPLE, headed, panels
-from narrows.report.terminal import print_result, table_of
 from narrows.safety import EnvelopeAlong
 
 

@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from narrows.quantities.names import KNOT
+from narrows.report.printed_tables import cells_of, console_of, everything, print_notes, table_of, thinned
 from narrows.report.style import (
     BLACK,
     BLUE,
@@ -27,7 +28,6 @@ from narrows.report.style import (
     headed,
     titled,
 )
-from narrows.report.terminal import cells_of, console_of, everything, print_notes, table_of, thinned
 from narrows.safety import MEDIAN, SURE_SHARE, OutsideRules, SafeEnvelope
 from narrows.safety.channel_rules import READ, REMEMBERED
 from narrows.safety.headline import runs

@@ -27,8 +27,7 @@ from narrows.report.envelope_chart import draw_speeds, draw_widths, envelope_cha
 from narrows.report.fit_figures import comparison_figure, force_residuals_figure, intervals_figure, motions_figure
 from narrows.report.log_report import findings_figure, log_figure
 from narrows.report.manoeuvre_report import manoeuvres_figure, turning_figure, zigzag_figure
-from narrows.report.pilot_page import information_figure, legs_figure
-from narrows.report.steady_report import steady_figure
+from narrows.report.pilot_page import information_figure, legs_figure, steady_figure
 from narrows.report.style import BLACK, BLUE, FORCE_LABELS, GREY, ORANGE, drawing_on, notes_below, panels
 from narrows.report.transit_report import transit_figure
 from narrows.report.voyage_figures import paths_figure, voyage_figure, waterway_figure

@@ -9,7 +9,7 @@ from narrows.identification import Fit
 from narrows.identification.bank_summary import BankSummary, summarise_bank
 from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED, ZERO
-from narrows.report.terminal import everything, print_notes, table_of
+from narrows.report.printed_tables import everything, print_notes, table_of
 from narrows.results.base_results import interval, readable
 
 # Columns of the coefficients, and their heads.

@@ -13,8 +13,8 @@ from narrows.logbook.learned_coefficient import ON_TWINS, QUANTILE_95, LearnedCo
 from narrows.logbook.learning.log_fit import RecordAnswer
 from narrows.report.fit_page import figure, render
 from narrows.report.pilot_page import LEARNED, learned_rows
+from narrows.report.printed_tables import print_result, table_of
 from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Margins, panels
-from narrows.report.terminal import print_result, table_of
 
 # Margin around measured values, relative to their extent.
 ROOM_ACROSS = 0.6

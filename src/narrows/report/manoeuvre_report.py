@@ -8,8 +8,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from narrows.manoeuvres.manoeuvring_trials import Trials, Turning, ZigzagTest
+from narrows.report.printed_tables import console_of, print_notes, table_of
 from narrows.report.style import BLUE, DASHES, GREEN, ORANGE, PURPLE, notes_below, panels
-from narrows.report.terminal import console_of, print_notes, table_of
 
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE)
 LEGEND: dict[str, Any] = {

@@ -21,7 +21,7 @@ from narrows.safety.result import SafeEnvelope, noting
 from narrows.ship.particulars import Ship
 from narrows.simulation.inputs import check_waterway
 from narrows.simulation.outcome import water_notes
-from narrows.waterway.current_profile import check_along_only
+from narrows.waterway.centreline import check_along_only
 from narrows.waterway.waterway import STATIONS
 
 if TYPE_CHECKING:

@@ -18,7 +18,7 @@ from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.kernel_run import PUSH_END, KernelRun, PreparedRun
 from narrows.simulation.ship import SimulatedShip
 from narrows.simulation.steering import PARAMETER, steering_of
-from narrows.waterway.current_profile import check_along_only
+from narrows.waterway.centreline import check_along_only
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway

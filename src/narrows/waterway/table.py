@@ -8,7 +8,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.waterway.bank_clearance import GAUSS, PORT_BANK, STARBOARD_BANK, TURNED_AWAY
-from narrows.waterway.current_profile import profile_at
+from narrows.waterway.centreline import profile_at
 from narrows.waterway.waterway import Waterway
 
 

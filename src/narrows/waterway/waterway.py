@@ -13,8 +13,7 @@ from narrows.errors import InputError, shown
 from narrows.results import BaseSummary
 from narrows.ship.particulars import Canal, Ship
 from narrows.waterway.banks import Bank
-from narrows.waterway.centreline import Centreline
-from narrows.waterway.current_profile import Profile, checked_profile, current_words, extent, profile_at
+from narrows.waterway.centreline import Centreline, Profile, checked_profile, current_words, extent, profile_at
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,7 +10,7 @@ from narrows.codegen.cache import compiled_loops
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control.predictive import plan_loops
 from narrows.model.model import Model
-from narrows.waterway.current_profile import check_along_only
+from narrows.waterway.centreline import check_along_only
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway

@@ -29,7 +29,7 @@ from narrows.logbook.sensor_grades import GRADES, SensorGrade, SignalGrade, sens
 from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
 from narrows.model.model import Model
 from narrows.simulation.initial_state import steady_revolutions
-from narrows.waterway.current_profile import check_along_only
+from narrows.waterway.centreline import check_along_only
 
 if TYPE_CHECKING:
     from narrows.waterway import Waterway

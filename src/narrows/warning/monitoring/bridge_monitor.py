@@ -36,13 +36,12 @@ from narrows.warning.alerts.alert import (
     Situation,
     Thresholds,
 )
-from narrows.warning.alerts.alert_sentences import command_of
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
 from narrows.warning.forecasting.helmsman import Helmsmen
 from narrows.warning.inputs.bridge_readings import GROUND_LOG, NEEDED, BridgeReadings, Messages, Tick
-from narrows.warning.monitoring.alert_publisher import AlertPublisher
-from narrows.warning.monitoring.bridge_status import BridgeStatus, clearances
+from narrows.warning.monitoring.alert_publisher import AlertPublisher, command_of
+from narrows.warning.monitoring.watched_transit import BridgeStatus, clearances
 from narrows.waterway.waterway import Waterway
 
 

@@ -21,10 +21,10 @@ from urllib.parse import parse_qs, urlsplit
 from narrows.errors import InputError, needs, reason
 from narrows.warning import settings
 from narrows.warning.alerts.alert import SITUATIONS, AlertDesk, AlertState
-from narrows.warning.alerts.alert_sentences import acn, notifications
 from narrows.warning.inputs.bridge_readings import Tick
+from narrows.warning.monitoring.alert_publisher import acn, notifications
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
-from narrows.warning.monitoring.bridge_status import BridgeStatus
+from narrows.warning.monitoring.watched_transit import BridgeStatus
 from narrows.warning.page.page_updates import COMMANDS, Clients, packed, update_of
 from narrows.web import asset
 

@@ -13,7 +13,7 @@ import numpy as np
 from narrows.results import plain
 from narrows.warning.alerts.alert import Command
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
-from narrows.warning.monitoring.bridge_status import BridgeStatus, alert_to_dict
+from narrows.warning.monitoring.watched_transit import BridgeStatus, alert_to_dict
 from narrows.warning.settings import MOST_CLIENTS, SEND_INTERVAL, SEND_TIMEOUT
 from narrows.waterway.waterway import Section
 
