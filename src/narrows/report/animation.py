@@ -26,7 +26,11 @@ def animation_of(voyage: Voyage, path: str | Path | None = None, seconds: float 
     form = None if path is None else form_of(path, (".gif", ".html"))
     film = _film(voyage, max(2, round(FRAMES_A_SECOND * seconds)))
     if path is not None:
-        write_whole(path, film.to_jshtml(fps=FRAMES_A_SECOND) if form == ".html" else _gif(film))
+        with TemporaryDirectory() as folder:
+            if form == ".gif":
+                film.save(Path(folder) / "film.gif", writer=PillowWriter(fps=FRAMES_A_SECOND))
+            made = film.to_jshtml(FRAMES_A_SECOND) if form == ".html" else (Path(folder) / "film.gif").read_bytes()
+        write_whole(path, made)
     return film
 
 
@@ -53,9 +57,3 @@ def _film(voyage: Voyage, frames: int) -> FuncAnimation:
         return path, ship
 
     return FuncAnimation(figure, show, frames=rows.tolist(), interval=1000 / FRAMES_A_SECOND)
-
-
-def _gif(film: FuncAnimation) -> bytes:
-    with TemporaryDirectory() as folder:
-        film.save(Path(folder) / "film.gif", writer=PillowWriter(fps=FRAMES_A_SECOND))
-        return (Path(folder) / "film.gif").read_bytes()

@@ -73,13 +73,10 @@ COLUMNS = {
 
 def print_envelope_along(along: EnvelopeAlong) -> None:
     """Print the summary and one row per place; a star marks what is safe by the model and was not tested."""
-    rows = [_starred(row) for row in along.rows()]
+    rows = []
+    for row in along.rows():
+        by_model = {name.removesuffix("_by_model"): value for name, value in row.items() if name.endswith("_by_model")}
+        starred = np.isfinite(by_model["highest_speed"]) and not np.isfinite(row["highest_speed"])
+        rows.append({**row, **by_model, "star": "*"} if starred else {**row, "star": ""})
     key = "* safe by the model; no test covered that place" if any(row["star"] for row in rows) else None
     print_result(along, table_of(COLUMNS, rows, left=("limited by",), caption=key, caption_justify="left"))
-
-
-def _starred(row: dict[str, Any]) -> dict[str, Any]:
-    if np.isfinite(row["highest_speed"]) or not np.isfinite(row["highest_speed_by_model"]):
-        return {**row, "star": ""}
-    by_model = {name.removesuffix("_by_model"): value for name, value in row.items() if name.endswith("_by_model")}
-    return {**row, **by_model, "star": "*"}

@@ -56,7 +56,11 @@ def envelope_chart(envelope: SafeEnvelope) -> Figure:
         for panel in (speeds, rudder):
             _draw_banks(panel, envelope)
         _draw_table(figure.add_subplot(grid[2]), envelope)
-        _draw_notes(figure.add_subplot(grid[3]), envelope)
+        foot, said = figure.add_subplot(grid[3]), envelope.summary()
+        others = (note for note in envelope.notes if note.partition(". ")[0] not in said)
+        notes = [textwrap.shorten(note, LETTERS, placeholder=" ...") for note in (*envelope.limits, *others)]
+        foot.axis("off")
+        foot.text(0.0, 1.0, "\n".join(notes[:MOST_NOTES]), fontsize=SMALL, va="top", transform=foot.transAxes)
         figure.legend(handles=[*_speed_legend(), *keys], loc="outside lower left", frameon=False, ncols=3, fontsize=7.5)
         headed(figure, f"{envelope.description}; {envelope.weather}", [envelope.answer, envelope.trust])
     return figure
@@ -72,7 +76,11 @@ def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> list[Any]:
     y, u = data["y"].to_numpy(), data["u"].to_numpy() / KNOT
     if len(y) > 1 and len(u) > 1:
         held = data["held"].to_numpy().T
-        _hatch(axes, y, u, np.where(data["clear"].to_numpy()[:, None], held, 0.0))
+        by_model = np.where(data["clear"].to_numpy()[:, None], held, 0.0)
+        if (by_model >= SURE_SHARE).any():  # The part that was tested is filled above it
+            areas = axes.contourf(y, u, by_model, levels=[SURE_SHARE, 1.01], colors=["none"], hatches=[UNTESTED])
+            areas.set_edgecolor(PURPLE)
+            areas.set_linewidth(0.0)
         for name, colour, edge, width in (("known", PALER, BLUE, 0.9), ("held", PALE, BLACK, 1.8)):
             share = np.where(_counted(envelope), data[name].to_numpy().T, 0.0)
             if (share >= SURE_SHARE).any():
@@ -96,14 +104,6 @@ def _counted(envelope: SafeEnvelope) -> np.ndarray:
     """Return the cells that may be drawn as safe, (speeds, offsets): tested, in a tested section, and clear."""
     data = envelope.data.transpose("y", "u", ...)
     return np.asarray(data["tested"].to_numpy().T & data["clear"].to_numpy()[:, None] & (not envelope.untested))
-
-
-def _hatch(axes: Axes, y: np.ndarray, u: np.ndarray, share: np.ndarray) -> None:
-    """Hatch what is safe by the model; the part that was tested is filled above it."""
-    if (share >= SURE_SHARE).any():
-        areas = axes.contourf(y, u, share, levels=[SURE_SHARE, 1.01], colors=["none"], hatches=[UNTESTED])
-        areas.set_edgecolor(PURPLE)
-        areas.set_linewidth(0.0)
 
 
 def _line(
@@ -133,8 +133,9 @@ def _half(values: np.ndarray) -> float:
 
 def _shade(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> list[Any]:
     data, handles = envelope.data.transpose("y", "u", ...), list[Any]()
-    for low, high in _bands(~data["clear"].to_numpy(), u):
-        axes.axhspan(low, high, facecolor="white", edgecolor=ORANGE, hatch="///", lw=0, zorder=2.5)
+    for first, last in runs(~data["clear"].to_numpy()):
+        ends = u[first] - _half(u), u[last] + _half(u)
+        axes.axhspan(*ends, facecolor="white", edgecolor=ORANGE, hatch="///", lw=0, zorder=2.5)
     if not data["clear"].all():
         engine = "" if data["driven"].all() else ", engine"
         handles.append(Patch(facecolor="white", edgecolor=ORANGE, hatch="///", label=f"keel or choked canal{engine}"))
@@ -170,12 +171,6 @@ def _draw_ends_of_tests(
     return [Line2D([], [], color=PURPLE, lw=1.2, label="end of the tested range")] * bool(lines)
 
 
-def _bands(marked: np.ndarray, values: np.ndarray) -> list[tuple[float, float]]:
-    """Start and end of each run of marked places, extended by half a step."""
-    half = _half(values)
-    return [(float(values[first] - half), float(values[last] + half)) for first, last in runs(marked)]
-
-
 def _speed_legend() -> list[Any]:
     return [
         Patch(facecolor=PALE, edgecolor=BLACK, lw=1.7, label="safe with 95 % probability, same pilot for all cases"),
@@ -199,9 +194,15 @@ def _draw_rudder(axes: Axes, envelope: SafeEnvelope) -> None:
         label = "at every speed" if envelope.speed_free else f"at {float(here['u']) / KNOT:.1f} knots"
         _draw_band(axes, here, 1.2 * limit, f"9 cases of 10 within, {label}", style, shade)
         axes.plot(here["y"], np.degrees(here["rudder"]), color=BLUE, ls=style, label=f"most likely, {label}")
-    _draw_limit(axes, limit, "hard over", BLACK, "-")
-    _draw_limit(axes, limit * (1 - reserve), "reserve begins", GREY, "--")
-    draw_rudders(axes, envelope.rules)
+    for angle, words, colour, style in ((1.0, "hard over", BLACK, "-"), (1 - reserve, "reserve begins", GREY, "--")):
+        for sign in (1, -1):
+            axes.axhline(sign * limit * angle, color=colour, ls=style, lw=1.2)
+        _label(axes, limit * angle, words, colour)
+    for row in envelope.rules.rows():
+        if row["rudder"] is not None:
+            for angle in (row["rudder"], -row["rudder"]):
+                axes.axhline(angle, ls="--", **RULE_STYLE)
+            _label(axes, row["rudder"], f"{row['rule'].partition(',')[0]}, steady")
     axes.set_ylim(-1.2 * limit, 1.2 * limit)
     axes.set_ylabel("rudder that holds it [deg]\npositive turns the bow to starboard")
     axes.set_xlabel("offset from the middle [m]: port is negative, starboard positive")
@@ -216,12 +217,6 @@ def _draw_band(axes: Axes, here: xr.Dataset, edge: float, label: str, style: str
     axes.fill_between(here["y"], low, high, facecolor=ORANGE, alpha=shade, lw=0)
     for side in (low, high):
         axes.plot(here["y"], side, color=ORANGE, ls=style, lw=1.0, label=label if side is low else None)
-
-
-def _draw_limit(axes: Axes, angle: float, words: str, colour: str, style: str) -> None:
-    for sign in (1, -1):
-        axes.axhline(sign * angle, color=colour, ls=style, lw=1.2)
-    _label(axes, angle, words, colour)
 
 
 def _label(axes: Axes, angle: float, words: str, colour: str = BLACK) -> None:
@@ -251,14 +246,6 @@ HEAD, ROW = 0.1, 0.047
 SMALL = 7.2
 # Notes of one line, and their letters at that size; the terminal and the JSON have all notes.
 MOST_NOTES, LETTERS = 6, 145
-
-
-def _draw_notes(axes: Axes, envelope: SafeEnvelope) -> None:
-    axes.axis("off")
-    said = envelope.summary()
-    others = (note for note in envelope.notes if note.partition(". ")[0] not in said)
-    notes = [textwrap.shorten(note, LETTERS, placeholder=" ...") for note in (*envelope.limits, *others)]
-    axes.text(0.0, 1.0, "\n".join(notes[:MOST_NOTES]), fontsize=SMALL, va="top", transform=axes.transAxes)
 
 
 def _draw_table(axes: Axes, envelope: SafeEnvelope) -> None:
@@ -318,26 +305,14 @@ def draw_widths(axes: Axes, rules: OutsideRules) -> list[Line2D]:
         slow, fast = max(row["slowest"], low), min(row["fastest"] or math.inf, high)
         if slow >= fast:
             continue
-        label = labels.setdefault(row["rule"], row["rule"] + doubt(row))
+        # Whether its numbers were checked in its source.
+        doubt = {READ: "", REMEMBERED: ", from memory"}.get(row["standing"], ", in part from memory")
+        label = labels.setdefault(row["rule"], row["rule"] + doubt)
         if row["starboard"] is None and "; none" not in label:
             labels[row["rule"]] += "; none" + (f" over {row['slowest']:g} knots" if row["slowest"] else "")
         for side in ("port", "starboard") if row["starboard"] is not None else ():
             axes.plot([row[side]] * 2, [slow, fast], ls=styles[row["rule"]], **RULE_STYLE)
     return [Line2D([], [], label=label, ls=styles[rule], **RULE_STYLE) for rule, label in labels.items()]
-
-
-def draw_rudders(axes: Axes, rules: OutsideRules) -> None:
-    for row in rules.rows():
-        if row["rudder"] is None:
-            continue
-        for angle in (row["rudder"], -row["rudder"]):
-            axes.axhline(angle, ls="--", **RULE_STYLE)
-        _label(axes, row["rudder"], f"{row['rule'].partition(',')[0]}, steady")
-
-
-def doubt(row: dict[str, Any]) -> str:
-    """Return the note in the legend for a rule whose numbers were not all checked in its source."""
-    return {READ: "", REMEMBERED: ", from memory"}.get(row["standing"], ", in part from memory")
 
 
 def draw_speeds(axes: Axes, rules: OutsideRules) -> None:

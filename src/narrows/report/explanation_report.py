@@ -4,10 +4,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich.console import Console
 
 from narrows.files import write_whole
-from narrows.identification import Comparison, Explanation, Fit
+from narrows.identification import Explanation, Fit
 from narrows.identification.shapley import KINDS
 from narrows.quantities.names import FORCES
 from narrows.report import fit_figures as draw
@@ -34,7 +33,7 @@ def write_explanation(explanation: Explanation, path: str | Path, title: str) ->
         compared=explanation.comparison.summary().splitlines(),
         left_out=explanation.comparison.left_out,
         comparison=figure(comparison_figure(rows), "Errors of tables of terms, of the fit and on left-out tests."),
-        rows=[row | {"said": bank_said(row)} for row in rows],
+        rows=[row | {"said": "; ".join(map(_said, row["bank"], row["bank"].values()))} for row in rows],
         s=section("", explanation.fit, 0) | {"heading": f"A fit to these tests: {heading(explanation.fit, '')}"},
     )
     write_whole(path, page)
@@ -45,13 +44,9 @@ def _row(explanation: Explanation, name: str) -> dict[str, Any]:
     return coefficient_row(explanation.fit, name) | own
 
 
-def bank_said(row: dict[str, Any]) -> str:
-    return "; ".join(
-        f"{name} {coefficient['ci95'][0]:.3g} to {coefficient['ci95'][1]:.3g} ({coefficient['verdict']})"
-        if np.isfinite(coefficient["ci95"]).all()
-        else f"{name} ({coefficient['verdict']})"
-        for name, coefficient in row["bank"].items()
-    )
+def _said(name: str, coefficient: dict[str, Any]) -> str:
+    low, high = coefficient["ci95"]
+    return f"{name}{f' {low:.3g} to {high:.3g}' * bool(np.isfinite(high - low))} ({coefficient['verdict']})"
 
 
 def print_explanation(explanation: Explanation, label: str = "") -> None:
@@ -61,7 +56,10 @@ def print_explanation(explanation: Explanation, label: str = "") -> None:
     rows = (_row(explanation, name) for name in explanation.fit.terms.names)
     console.print(table_of(COLUMNS, rows, left=("", "unit"), no_wrap=True, title="The model and these tests"))
     print_fit(explanation.fit, label)
-    print_comparison(explanation.comparison, console)
+    title = "Tables of terms by their error (RMSE) on left-out tests"
+    console.print(table_of(COMPARED, explanation.comparison.rows(), left=("terms", "force"), title=title))
+    for sentence in explanation.comparison.summary().splitlines():
+        console.print(f"- {sentence}")
 
 
 COLUMNS = {
@@ -72,14 +70,6 @@ COMPARED = {
     "terms": "{table}", "force": "{force}", "fit": "{rmse:.3g}", "tests left out": "{rmse_left_out:.3g}",
     "speeds left out": "{rmse_other_speeds:.3g}", "not separable": "{not_separable} of {coefficients}",
 }  # fmt: skip
-
-
-def print_comparison(comparison: Comparison, console: Console | None = None) -> None:
-    console = console or console_of()
-    title = "Tables of terms by their error (RMSE) on left-out tests"
-    console.print(table_of(COMPARED, comparison.rows(), left=("terms", "force"), title=title))
-    for sentence in comparison.summary().splitlines():
-        console.print(f"- {sentence}")
 
 
 def write_reproduction(reproduced: Reproduction, path: str | Path) -> None:
@@ -98,14 +88,10 @@ def write_reproduction(reproduced: Reproduction, path: str | Path) -> None:
 
 def _coefficient(fit: Fit, name: str, printed: float) -> dict[str, str]:
     low, high = fit.intervals[name]
-    why = _why(fit.verdicts[name].determined, low <= printed <= high)
+    why = "" if low <= printed <= high else "outside the 95 % interval, as one in twenty is"
+    if not fit.verdicts[name].determined:
+        why = "not identifiable from these tests; the paper's number is its solver's choice"
     return coefficient_row(fit, name) | {"printed": f"{printed:g}", "why": why}
-
-
-def _why(known: bool, inside: bool) -> str:
-    if not known:
-        return "not identifiable from these tests; the paper's number is its solver's choice"
-    return "" if inside else "outside the 95 % interval, as one in twenty is"
 
 
 def _figures(reproduced: Reproduction) -> dict[str, dict[str, str]]:

@@ -87,7 +87,10 @@ class BankLine:
         shape = np.shape(self.points)
         if len(shape) != 2 or shape[1] != 2 or not (np.abs(self.points) < FARTHEST).all() or len(self._distinct) < 2:
             raise InputError(f"the {self.side} bank needs two points or more on earth, each east and north; mend it")
-        self._check_side()
+        known = chords(self._distinct)
+        along = np.union1d(np.linspace(0, 1, ALONG) * known[-1], known)
+        s, n = self.line.locate(np.stack([np.interp(along, known, column) for column in self._distinct.T], axis=1))
+        refuse_crossing(self.side, s, (s > 0) & (s < self.line.length) & ~(n * self._normals.sign > 0))
         self._check_whole()
         self._check_distance()
 
@@ -123,13 +126,6 @@ class BankLine:
             raise InputError(f"no normal of the centreline meets the {self.side} bank; draw it along the whole of it")
         return corners[seen[0] : seen[-1] + 2], pieces[seen[0] : seen[-1] + 1]
 
-    def _check_side(self) -> None:
-        ends, known = self._distinct, chords(self._distinct)
-        along = np.linspace(0, 1, ALONG) * known[-1]
-        places = np.stack([np.interp(np.union1d(along, known), known, column) for column in ends.T], axis=1)
-        s, n = self.line.locate(places)
-        self._refuse_crossing(s, n * self._normals.sign, (s > 0) & (s < self.line.length))
-
     def _check_whole(self) -> None:
         corners, pieces = self._pieces
         length = self.line.length
@@ -149,7 +145,7 @@ class BankLine:
         within = fine[(fine > corners[0]) & (fine < corners[-1])]
         s = np.concatenate([between, within])
         distance = np.concatenate([self.distance(between), self._normals.first(within)[0]])
-        self._refuse_crossing(s, distance, np.full(len(s), True))
+        refuse_crossing(self.side, s, ~(distance > 0))
         bend = self._normals.sign * self.line.curvature(s)
         beyond = bend * distance >= 1
         if beyond.any():
@@ -159,11 +155,11 @@ class BankLine:
                 f"bend there, of radius {1 / bend[first]:.0f} m; give the centreline fewer points, or mend the bank"
             )
 
-    def _refuse_crossing(self, s: np.ndarray, out: np.ndarray, beside: np.ndarray) -> None:
-        wrong = beside & ~(out > 0)
-        if wrong.any():
-            along = float(s[int(wrong.argmax())])
-            raise InputError(f"the {self.side} bank crosses the centreline at {along:.0f} m along it; mend it there")
+
+def refuse_crossing(side: str, s: np.ndarray, wrong: np.ndarray) -> None:
+    if wrong.any():
+        along = float(s[int(wrong.argmax())])
+        raise InputError(f"the {side} bank crosses the centreline at {along:.0f} m along it; mend it there")
 
 
 # Polylines that cross themselves, as hand-drawn and digitised ones do.
@@ -243,10 +239,7 @@ class Bank:
     drawn: BankLine | None = None
 
     def __post_init__(self) -> None:
-        wrong = ~(np.asarray(self.distance) > 0)
-        if wrong.any():
-            along = float(self.s[int(wrong.argmax())])
-            raise InputError(f"the {self.side} bank crosses the centreline at {along:.0f} m along it; mend it there")
+        refuse_crossing(self.side, np.asarray(self.s), ~(np.asarray(self.distance) > 0))
         if not np.max(self.distance) < FARTHEST:
             raise InputError(f"the {self.side} bank is {np.max(self.distance):g} m off, farther than any; give metres")
         back = np.diff(self.s) <= 0
@@ -271,9 +264,7 @@ class Bank:
         # Measured from far away, since a profile may begin before its line.
         away = [(PROFILE_REACH + out, up) for out, up in self.profile]
         heights, index = np.unique(np.broadcast_to(height, line.shape), return_inverse=True)
-        back = np.array(
-            [where(away, one_height) - PROFILE_REACH if one_height > 0 else np.nan for one_height in heights.tolist()]
-        )
+        back = np.array([where(away, up) - PROFILE_REACH if up > 0 else np.nan for up in heights.tolist()])
         return np.asarray(line + back[index].reshape(line.shape))
 
     def at(self, s: np.ndarray | float) -> np.ndarray:

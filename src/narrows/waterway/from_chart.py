@@ -4,6 +4,7 @@ import json
 import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -37,6 +38,8 @@ def waterway_from_chart(chart: Chart, centreline: np.ndarray, reach: float = REA
     # centreline (n, 2) [deg]; reach [m]. On either side the bank is the first of the chart's lines that the normals
     # meet, by exact intersection. The depth is the least of the shallowest area that contains the line. Banks are
     # vertical walls at the chart's lines.
+    import shapely
+
     if not 0 < reach < MOST:
         raise InputError(f"reach = {reach} m must be over 0 and under {MOST:g} m")
     if not chart.banks:
@@ -45,7 +48,8 @@ def waterway_from_chart(chart: Chart, centreline: np.ndarray, reach: float = REA
     line = Centreline(projected(centreline, origin))
     points, gaps = _shores([projected(bank, origin) for bank in chart.banks], line, reach)
     starboard, port = (_bank(side, line, points, gaps, reach, chart.name) for side in ("starboard", "port"))
-    depths = _depths([(_moved(area, origin), least) for area, least in chart.areas], line)
+    areas = [(shapely.transform(area, partial(projected, origin=origin)), least) for area, least in chart.areas]
+    depths = _depths(areas, line)
     return Waterway(line, starboard, port, depths, name=chart.name, origin=(float(origin[0]), float(origin[1])))
 
 
@@ -139,12 +143,6 @@ def _least(areas: list[tuple[Any, float]], places: np.ndarray) -> np.ndarray:
     return depth
 
 
-def _moved(area: Any, origin: np.ndarray) -> Any:
-    import shapely
-
-    return shapely.transform(area, lambda ring: projected(ring, origin))
-
-
 # Electronic charts, S-57 and inland: the lines of banks and the areas of depth in a cell. Object classes that bound the
 # water: coastline, shoreline construction, banks of canals and rivers.
 BANKS = ("COALNE", "SLCONS", "canbnk", "rivbnk", "CANBNK", "RIVBNK")
@@ -166,19 +164,19 @@ def read_chart(path: str | Path) -> Chart:
         driver = pyogrio.read_info(path, layer=sorted(names)[0])["driver"]
         if driver != "S57" or names >= BARE:
             raise InputError(f"{path}: is not a cell of an electronic chart (S-57); give the .000 file")
-        _check_metres(pyogrio, path)
+        unit = _read(pyogrio, path, "DSID", ("DSPM_DUNI",))[1]["DSPM_DUNI"]
+        if len(unit) and unit[0] != METRES:
+            raise InputError(f"{path}: its depths are not in metres (unit {unit[0]}); convert the cell")
         banks = [line for layer in BANKS if layer in names for line in _lines(pyogrio, path, layer)]
-        areas = [area for layer in DEPTH_AREAS if layer in names for area in _areas(pyogrio, path, layer)]
+        areas = []
+        for layer in DEPTH_AREAS:
+            if layer in names:
+                shapes, columns = _read(pyogrio, path, layer, ("DRVAL1",))
+                least = columns.get("DRVAL1", np.full(len(shapes), np.nan))
+                areas += [(area, float(least[number])) for number, area in _parts(shapes, "Polygon")]
     except pyogrio.errors.DataSourceError as error:
         raise InputError(f"{path}: is not a cell of an electronic chart ({str(error).split(';')[0]})") from None
     return Chart(tuple(banks), tuple(areas), path.stem)
-
-
-def _check_metres(pyogrio: Any, path: Path) -> None:
-    fields = _read(pyogrio, path, "DSID", ("DSPM_DUNI",))[1]
-    unit = fields["DSPM_DUNI"]
-    if len(unit) and unit[0] != METRES:
-        raise InputError(f"{path}: its depths are not in metres (unit {unit[0]}); convert the cell")
 
 
 def _read(pyogrio: Any, path: Path, layer: str, columns: Sequence[str]) -> tuple[np.ndarray, Mapping[str, np.ndarray]]:
@@ -207,10 +205,3 @@ def _lines(pyogrio: Any, path: Path, layer: str) -> Iterator[np.ndarray]:
     for _, area in _parts(shapes, "Polygon"):
         for ring in (area.exterior, *area.interiors):
             yield np.array(ring.coords)[:, :2]
-
-
-def _areas(pyogrio: Any, path: Path, layer: str) -> Iterator[tuple[Any, float]]:
-    shapes, columns = _read(pyogrio, path, layer, ("DRVAL1",))
-    least = columns.get("DRVAL1", np.full(len(shapes), np.nan))
-    for number, area in _parts(shapes, "Polygon"):
-        yield area, float(least[number])

@@ -74,9 +74,10 @@ def read_waterway(path: str | Path) -> Waterway:
         by_role = {role: own for role in ROLES if (own := _depths(features[role], line)) is not None}
         # Without a depth of the centreline that of the shallower bank counts.
         depths = by_role.get("centreline", min(by_role.values(), key=lambda own: own[1].min(), default=None))
-        at = (float(origin[0]), float(origin[1]))
         water = {name: features["centreline"].properties.get(name) for name in CURRENT}
-        way = Waterway(line, banks["starboard"], banks["port"], depths, name=Path(path).stem, origin=at)
+        way = Waterway(
+            line, banks["starboard"], banks["port"], depths, name=Path(path).stem, origin=tuple(origin.tolist())
+        )
         return way.with_water(**water)
     except InputError as error:
         raise InputError(f"{path}: {error}") from None
@@ -103,8 +104,7 @@ def waterway_from_line(points: np.ndarray, width: float, depth: float, name: str
     line = line_with_room(projected(points, origin), width / 2)
     ends, half = np.array([0.0, line.length]), np.full(2, width / 2)
     starboard, port = (Bank(side, ends, half) for side in ROLES[1:])
-    at = (float(origin[0]), float(origin[1]))
-    return Waterway(line, starboard, port, (ends, np.full(2, depth)), name=name, origin=at)
+    return Waterway(line, starboard, port, (ends, np.full(2, depth)), name=name, origin=tuple(origin.tolist()))
 
 
 def farthest(waterway: Waterway, points: np.ndarray) -> float:

@@ -323,7 +323,7 @@ class Waterway(BaseSummary):
         InputError
             If the waterway is narrower or shallower than the ship; the sentence names the place.
         """
-        s = np.linspace(0, self.line.length, STATIONS) if at is None else np.array([at])
+        s = self._stations if at is None else np.array([at])
         here = self.keel_section(s, ship.draft)
         for what, size, need in (("wide", here.width, ship.beam), ("deep", here.depth, ship.draft)):
             short = size <= need

@@ -52,7 +52,6 @@ class Command(Enum):
     SILENCE = "S"
 
 
-SOUNDING = (AlertState.UNACKNOWLEDGED,)
 # States in which the condition holds.
 HOLDS = (AlertState.UNACKNOWLEDGED, AlertState.SILENCED, AlertState.ACKNOWLEDGED, AlertState.TRANSFERRED)
 # States that wait for nobody: an alert whose condition ends in them is over.
@@ -80,11 +79,12 @@ class Alert:
     @property
     def sounds(self) -> bool:
         """Whether the alert sounds: a caution does not."""
-        return self.state in SOUNDING and self.priority > Priority.CAUTION
+        return self.state is AlertState.UNACKNOWLEDGED and self.priority > Priority.CAUTION
 
     def conditioned(self, priority: Priority, text: str, t: float) -> "Alert":
         if priority is Priority.NONE:
-            return self._rectified(t)
+            rectified = AlertState.NORMAL if self.state in ANSWERED else AlertState.RECTIFIED
+            return self._changed(t, rectified) if self.state in HOLDS else self
         if self.state in HOLDS and priority == self.priority:
             return replace(self, text=text)
         instance = self.instance + (self.state is AlertState.NORMAL)
@@ -94,11 +94,6 @@ class Alert:
         answered = self.state in ANSWERED and priority < self.priority
         state = AlertState.UNACKNOWLEDGED if waits and not answered else AlertState.ACKNOWLEDGED
         return replace(self, instance=instance)._changed(t, state, priority=priority, text=text, repeats=0)
-
-    def _rectified(self, t: float) -> "Alert":
-        if self.state not in HOLDS:
-            return self
-        return self._changed(t, AlertState.NORMAL if self.state in ANSWERED else AlertState.RECTIFIED)
 
     def commanded(self, command: Command, t: float) -> "Alert | None":
         if command is Command.REPEAT and self.state is not AlertState.NORMAL:
@@ -110,7 +105,11 @@ class Alert:
             return self._changed(t, AlertState.SILENCED)
         # Alerts judged by their picture (category A) stay where the picture is, and so do alarms.
         transferable = self.category == "B" and self.priority < Priority.ALARM
-        if command is Command.TRANSFER and transferable and self.state in (*SOUNDING, AlertState.SILENCED):
+        if (
+            command is Command.TRANSFER
+            and transferable
+            and self.state in (AlertState.UNACKNOWLEDGED, AlertState.SILENCED)
+        ):
             return self._changed(t, AlertState.TRANSFERRED)
         return None
 

@@ -47,7 +47,11 @@ class AlertLog:
         self._connect = connect or (lambda: _opened(path))
         self.aside = ""
         rows = self._kept() if path.exists() else []
-        self.alerts = _last_alerts(rows)
+        contents = [json.loads(row.content) for row in rows if row.kind == "alert"]
+        self.alerts = tuple(
+            Alert(**{**last, "priority": Priority[last["priority"]], "state": AlertState[last["state"]]})
+            for last in {content["identifier"]: content for content in contents}.values()
+        )
         self._last = rows[-1] if rows else LogRow(0, 0.0, "", "", NO_ROW)
         self._waiting: deque[LogRow] = deque(maxlen=LOG_QUEUE)
         self._written, self._closing = self._last.number, False
@@ -104,7 +108,11 @@ class AlertLog:
                     if self._signal.wait_for(lambda: self._closing, DISK_RETRY):
                         return
                 continue
-            self._done(rows[-1].number)
+            with self._signal:
+                while self._waiting and self._waiting[0].number <= rows[-1].number:
+                    self._waiting.popleft()
+                self._written, self.trouble = rows[-1].number, ""
+                self._signal.notify_all()
         if connection:
             connection.close()
 
@@ -113,13 +121,6 @@ class AlertLog:
         with self._signal:
             self._signal.wait_for(lambda: self._waiting or self._closing)
             return list(self._waiting)
-
-    def _done(self, number: int) -> None:
-        with self._signal:
-            while self._waiting and self._waiting[0].number <= number:
-                self._waiting.popleft()
-            self._written, self.trouble = number, ""
-            self._signal.notify_all()
 
 
 def logged(path: Path) -> Iterator[LogRow]:
@@ -153,15 +154,3 @@ def _opened(path: Path) -> sqlite3.Connection:
 
 def _hash(before: LogRow, row: LogRow) -> str:
     return hashlib.sha256(repr((before.hash, *row[:-1])).encode()).hexdigest()
-
-
-def _last_alerts(rows: list[LogRow]) -> tuple[Alert, ...]:
-    latest = {}
-    for row in rows:
-        if row.kind == "alert":
-            content = json.loads(row.content)
-            latest[content["identifier"]] = content
-    return tuple(
-        Alert(**{**one, "priority": Priority[one["priority"]], "state": AlertState[one["state"]]})
-        for one in latest.values()
-    )

@@ -103,7 +103,8 @@ class Forecaster:
         tracks = self._tracks(mean, root, rudder, law, turns, best)
         needed = rudder_needed(self.filter.ship, self.filter.waterway, now, positions)
         escape = Escape(self.manoeuvres[best].words, self.order(now), limit, self._least_water(tracks.escape))
-        likely = LikelyRun(float(seen.contact[0]), _side(seen.side[0]), float(seen.likely_chance[0]))
+        side = "starboard" if seen.side[0] > 0 else "port" if seen.side[0] < 0 else ""
+        likely = LikelyRun(float(seen.contact[0]), side, float(seen.likely_chance[0]))
         return BankForecast(
             estimate.t, likely, float(seen.last_chance[0]), float(seen.failing[0, best, 0]), float(seen.nobody[0]),
             float(helmsman.unattended[0]), float(seen.as_is[0]), float(seen.wrong_order[0]), escape,
@@ -124,18 +125,14 @@ class Forecaster:
 
     def order(self, now: Mapping[str, float]) -> float:
         """Return the first rudder angle of an escape [rad]."""
-        water = self._water(now)
+        waterway = self.filter.waterway
+        water = local_water(self.filter.model, waterway, 0.0 if waterway is None else now["x"])
         hull, limit = self.filter.model.configuration.ship, self.filter.model.configuration.gear.limit
         numbers = escape_numbers(self.line, hull.length, limit)
         course = float(np.clip((self.line - now["y"]) * numbers["reach"], -numbers["approach"], numbers["approach"]))
         turn = (now["r"] - water.curvature * now["u"]) * numbers["by_r"] / max(now["u"], 0.1)
         crab = now.get(CURRENT_ACROSS, 0.0) / max(now["u"], 0.1)
         return float(np.clip(-numbers["by_psi"] * (now["psi"] + crab - course) - turn, -limit, limit))
-
-    def _water(self, now: Mapping[str, float]) -> Any:
-        return local_water(
-            self.filter.model, self.filter.waterway, now["x"] if self.filter.waterway is not None else 0.0
-        )
 
     def _tracks(
         self, mean: np.ndarray, root: np.ndarray, rudder: np.ndarray, law: Any, turns: float | None, best: int
@@ -223,10 +220,6 @@ def crossing(times: np.ndarray, share: np.ndarray, limit: float) -> np.ndarray:
     part = np.where(high > low, (limit - low) / np.where(high > low, high - low, 1.0), 0.0)
     when = times[before] + part * (times[after] - times[before])
     return np.where(over[:, 0], -1.0, np.where(over.any(axis=1), when, np.inf))
-
-
-def _side(sign: float) -> str:
-    return "starboard" if sign > 0 else "port" if sign < 0 else ""
 
 
 @dataclass

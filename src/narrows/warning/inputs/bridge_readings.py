@@ -64,13 +64,15 @@ class BridgeReadings:
         values = self._latest(tick.entries)
         for what in NEEDED:
             self._last.setdefault(what, tick.t)
-        depth = self._depth(values.pop(WATER_DEPTH, {}))
+        water, draft = values.pop(WATER_DEPTH, {}), self._draft or self._usual_draft
+        depth = water.get("depth")
+        if "under_keel_clearance" in water and draft is not None:
+            depth = water["under_keel_clearance"] + draft
         readings = self._place(values.pop("position", {}))
         readings |= self._directions(values) | self._others(values)
         faults = {**tick.faults, **({NOT_HERE: self._off} if self._off else {})}
-        return Messages(
-            tick.t, readings, {name: tick.t - t for name, t in self._last.items()}, faults, self._draft, depth
-        )
+        ages = {name: tick.t - t for name, t in self._last.items()}
+        return Messages(tick.t, readings, ages, faults, self._draft, depth)
 
     def _latest(self, entries: Sequence[Entry]) -> dict[str, Values]:
         """Last values of each group, from its selected source."""
@@ -83,12 +85,6 @@ class BridgeReadings:
                 self._last[about] = max(entry.t, self._last.get(about, -math.inf))
         self._draft = values.pop(PARTICULARS, {}).get("draft", self._draft)
         return values
-
-    def _depth(self, values: Values) -> float | None:
-        draft = self._draft or self._usual_draft
-        if "under_keel_clearance" in values and draft is not None:
-            return values["under_keel_clearance"] + draft
-        return values.get("depth")
 
     def _place(self, values: Values) -> dict[str, Reading]:
         if not values:

@@ -83,26 +83,20 @@ class Listening:
         """Yield the messages of every second, if any; times count from an arbitrary origin."""
         due = time.monotonic() + settings.PERIOD
         while not self._stop.wait(max(0.0, due - time.monotonic())):
-            now = time.monotonic()
-            arrivals = self._arrivals(now)
-            yield Tick(now, self._entries(arrivals), self.faults(), [*_commands(arrivals)])
+            # All messages of the own ship, and those of others as far as time allows.
+            now, arrivals = time.monotonic(), self.inbox.own()
+            while time.monotonic() < now + settings.AIS_TIME_SHARE * settings.PERIOD and (other := self.inbox.other()):
+                arrivals.append(other)
+            decoded = ((t, self.decoder.decode(one, t) if isinstance(one, Sentence) else one) for t, one in arrivals)
+            entries = [Entry(t, one) for t, one in decoded if one is not None]
+            commands = [one.text for _, one in arrivals if isinstance(one, Sentence) and one.kind.endswith("ACN")]
+            yield Tick(now, entries, self.faults(), commands)
             due = max(due, now - settings.PERIOD) + settings.PERIOD
 
     def faults(self) -> dict[str, int]:
         total = sum((Counter(faults) for faults in self._faults), Counter(self.decoder.faults))
         total["for which there was no time"] = self.inbox.lost
         return dict(+total)
-
-    def _arrivals(self, now: float) -> list[Arrival]:
-        """Return the messages that arrived: all of the own ship, and those of others as far as time allows."""
-        arrivals = self.inbox.own()
-        while time.monotonic() < now + settings.AIS_TIME_SHARE * settings.PERIOD and (other := self.inbox.other()):
-            arrivals.append(other)
-        return arrivals
-
-    def _entries(self, arrivals: list[Arrival]) -> list[Entry]:
-        decoded = ((t, self.decoder.decode(one, t) if isinstance(one, Sentence) else one) for t, one in arrivals)
-        return [Entry(t, one) for t, one in decoded if one is not None]
 
     def _listen(self, connection: Connection, faults: Counter[str]) -> None:
         splitters: OrderedDict[str, LineSplitter] = OrderedDict()
@@ -130,12 +124,6 @@ class Listening:
 
 
 NO_PEER = "of commands from a place that may give none (--commands-from)"
-
-
-def _commands(arrivals: list[Arrival]) -> Iterator[bytes]:
-    for _, message in arrivals:
-        if isinstance(message, Sentence) and message.kind.endswith("ACN"):
-            yield message.text
 
 
 class Inbox:
@@ -240,17 +228,13 @@ def _grouped(pairs: Any) -> GroupedValues:
     for each in pairs:
         path, value = ENGINE.sub("propulsion.", each["path"]), each["value"]
         if path == POSITION:
-            values["position"] = _position(value)
+            known = isinstance(value, dict) and all(_can_be(value.get(name), most) for name, most in PLACES.items())
+            values["position"] = {name: float(value[name]) for name in PLACES} if known else {}
         elif path in PATHS:
             about, column, largest = PATHS[path]
             if _can_be(value, largest):
                 values.setdefault(about, {})[column] = float(value)
     return values
-
-
-def _position(value: Any) -> Values:
-    known = isinstance(value, dict) and all(_can_be(value.get(name), most) for name, most in PLACES.items())
-    return {name: float(value[name]) for name in PLACES} if known else {}
 
 
 def _can_be(value: Any, largest: float) -> bool:

@@ -14,7 +14,7 @@ from contextlib import closing, contextmanager, suppress
 from datetime import UTC, datetime
 from itertools import count
 from threading import Condition, Event, Thread
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 from urllib.parse import urlsplit
 
 from narrows.errors import InputError, needs
@@ -34,10 +34,6 @@ from narrows.warning.alerts.alert import (
 )
 from narrows.warning.alerts.alert_log import AlertLog
 from narrows.warning.settings import HEARTBEAT
-
-if TYPE_CHECKING:
-    from websockets.sync.client import ClientConnection
-
 
 # Integrated instrumentation; whose alerts they are.
 TALKER, MAKER = "II", "NRW"
@@ -133,14 +129,12 @@ def ended(since_1970: float) -> dict[str, Any]:
 
 
 def _delta(values: Mapping[Situation, dict[str, Any]], since_1970: float) -> dict[str, Any]:
-    pairs = [{"path": _path(situation), "value": value} for situation, value in values.items()]
+    pairs = []
+    for situation, value in values.items():
+        first, *others = situation.name.lower().split()
+        pairs.append({"path": f"notifications.{SOURCE}.{first}{''.join(map(str.title, others))}", "value": value})
     stamp = datetime.fromtimestamp(since_1970, UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")
     return {"context": "vessels.self", "updates": [{"$source": SOURCE, "timestamp": stamp, "values": pairs}]}
-
-
-def _path(situation: Situation) -> str:
-    first, *others = situation.name.lower().split()
-    return f"notifications.{SOURCE}.{first}{''.join(map(str.title, others))}"
 
 
 def _value(alert: Alert) -> dict[str, Any]:
@@ -245,7 +239,11 @@ class SignalKSender:
             try:
                 with self._connect(self.address, open_timeout=settings.OPEN_TIMEOUT) as server:
                     for message in self._changes():
-                        _exchange(server, message)
+                        if message:
+                            server.send(message)
+                        with suppress(TimeoutError):  # A connection that is never read breaks unnoticed
+                            while True:
+                                server.recv(0.0)
                         pause = settings.FIRST_PAUSE
             except (OSError, WebSocketException):
                 self._stop.wait(pause)
@@ -264,14 +262,3 @@ class SignalKSender:
 
     def _values(self) -> list[Any]:
         return list(self._newest["updates"][0]["values"]) if self._newest else []
-
-
-def _exchange(server: "ClientConnection", message: str) -> None:
-    """Send pending data and discard replies: a connection that is never read breaks unnoticed."""
-    if message:
-        server.send(message)
-    try:
-        while True:
-            server.recv(0.0)
-    except TimeoutError:
-        return

@@ -45,14 +45,6 @@ from narrows.warning.monitoring.watched_transit import BridgeStatus, clearances
 from narrows.waterway.waterway import Waterway
 
 
-def bridge_sensors(antenna: tuple[float, float] = (0.0, 0.0)) -> list[Any]:
-    forward, starboard = antenna
-    receiver = Gnss(forward=forward, starboard=starboard), CourseOverGround(forward=forward, starboard=starboard)
-    compass, turn = Gyro(settings.GYRO_NOISE), RateOfTurn(settings.TURN_NOISE)
-    log, ground = Log(), Log(settings.GROUND_LOG_NOISE, name=GROUND_LOG)
-    return [*receiver, compass, turn, log, ground, RudderIndicator()]
-
-
 @dataclass
 class BridgeMonitor:
     model: Model  # The ship at its own size, with the terms of a rudder
@@ -66,7 +58,11 @@ class BridgeMonitor:
 
     def __post_init__(self) -> None:
         self.bridge = BridgeReadings(self.waterway, self.model.configuration.ship.draft)
-        self.estimator = Estimator(self.model, bridge_sensors(self.antenna), waterway=self.waterway)
+        forward, starboard = self.antenna
+        receiver = Gnss(forward=forward, starboard=starboard), CourseOverGround(forward=forward, starboard=starboard)
+        sensors: list[Any] = [*receiver, Gyro(settings.GYRO_NOISE), RateOfTurn(settings.TURN_NOISE), Log()]
+        sensors.append(Log(settings.GROUND_LOG_NOISE, name=GROUND_LOG))
+        self.estimator = Estimator(self.model, [*sensors, RudderIndicator()], waterway=self.waterway)
         self.forecaster: Callable[..., BankForecast] = Forecaster(self.estimator, self.line, members=self.members)
         self.helmsman = Helmsmen(1, self.model.configuration.ship.length)
         log = self.publisher.log
@@ -225,16 +221,13 @@ class SensorHealth:
                 said[SENSORS.get(what, OTHER_SENSORS)].append(f"no {what} for {age:.0f} s")
         for name, words in self._doubted:
             said[SENSORS.get(MEASURES.get(name, name), OTHER_SENSORS)].append(f"{name} {words}")
-        silent = {SENSORS[what] for what in blind(messages)}
-        return {one: _of_sensor(one in silent, words) for one, words in said.items()}
+        priorities = dict.fromkeys((SENSORS[what] for what in blind(messages)), Priority.WARNING)
+        return {
+            one: Condition(priorities.get(one, Priority.CAUTION), "; ".join(words)) if words else CALM
+            for one, words in said.items()
+        }
 
 
 def blind(messages: Messages) -> list[str]:
     """Return what has been unknown for too long to forecast anything."""
     return [what for what in NEEDED if messages.ages[what] > settings.BLIND_AFTER]
-
-
-def _of_sensor(silent: bool, words: list[str]) -> Condition:
-    if not words:
-        return CALM
-    return Condition(Priority.WARNING if silent else Priority.CAUTION, "; ".join(words))

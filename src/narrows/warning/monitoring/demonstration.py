@@ -113,21 +113,17 @@ def bridge_sentences(waterway: Waterway, at: Mapping[str, float], since_1970: fl
     """Return the sentences of one second: position, course, heading, rate of turn, log, rudder."""
     east_north, heading = waterway.to_map(at["x"], at["y"], at["psi"])
     longitude, latitude = unprojected(np.reshape(east_north, (1, 2)), np.array(waterway.origin))[0]
-    line = float(heading) - at["psi"]
+    course = math.degrees(float(heading) - at["psi"] + at["course"]) % 360.0
     clock = datetime.fromtimestamp(since_1970, UTC)
     place = f"{_minutes(latitude, 'NS', 2)},{_minutes(longitude, 'EW', 3)}"
     bodies = (
         f"GPZDA,{clock:%H%M%S}.{clock.microsecond // 10_000:02d},{clock:%d,%m,%Y},00,00",
         f"GPGGA,{clock:%H%M%S}.{clock.microsecond // 10_000:02d},{place},1,12,0.8,20.0,M,45.0,M,,",
-        f"GPVTG,{_degrees(line + at['course']):.2f},T,,M,{at['speed'] / KNOT:.3f},N,{3.6 * at['speed']:.3f},K,A",
-        f"HEHDT,{_degrees(float(heading)):.2f},T", f"TIROT,{60 * math.degrees(at['r']):.2f},A",
+        f"GPVTG,{course:.2f},T,,M,{at['speed'] / KNOT:.3f},N,{3.6 * at['speed']:.3f},K,A",
+        f"HEHDT,{math.degrees(heading) % 360.0:.2f},T", f"TIROT,{60 * math.degrees(at['r']):.2f},A",
         f"VDVBW,{at['u'] / KNOT:.3f},,A,,,V,,V,,V", f"IIRSA,{math.degrees(at['rudder']):.2f},A,,V",
     )  # fmt: skip
     return [with_checksum(body) for body in bodies]
-
-
-def _degrees(angle: float) -> float:
-    return math.degrees(angle) % 360.0
 
 
 def _minutes(degrees: float, sides: str, width: int) -> str:
