@@ -22,8 +22,7 @@ from PIL import Image
 
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.demonstration import LINE, demonstration
-from narrows.warning.page.bridge_page import BridgePage
-from narrows.warning.page.page_updates import packed, update_of
+from narrows.warning.page.bridge_page import BridgePage, packed, update_of
 
 SIZES = {"desktop": (1440, 900), "panel": (1280, 800), "old": (1024, 768), "phone": (390, 844)}
 PALETTES = ("day", "dusk", "night")

@@ -19,7 +19,6 @@ import narrows.warning.page as page_room
 from narrows.warning import settings
 from narrows.warning.alerts.alert import SENSORS, SHIP_OR_WATER, AlertState, Condition, Priority
 from narrows.warning.monitoring.watched_transit import NOT_AVAILABLE, clearances
-from narrows.warning.page import page_updates
 from narrows.warning.page.bridge_page import (
     CROWDED,
     MALFORMED,
@@ -31,8 +30,9 @@ from narrows.warning.page.bridge_page import (
     BridgePage,
     PageAccess,
     address_of,
+    packed,
+    update_of,
 )
-from narrows.warning.page.page_updates import packed, update_of
 
 FAN_MEMBERS = 32  # ships of the fan
 
@@ -207,7 +207,7 @@ def test_a_websocket_is_refused_with_a_sentence(host: str, path: str) -> None:
 
 
 def test_a_crowd_is_refused(host: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(page_updates, "MOST_CLIENTS", 0)
+    monkeypatch.setattr(settings, "MOST_CLIENTS", 0)
     assert refused(host, f"{UPDATES}?token=secret").endswith(CROWDED)
 
 

@@ -15,9 +15,7 @@ import narrows as nw
 from narrows.warning import settings
 from narrows.warning.alerts.alert import SENSORS, AlertDesk, Command, Condition, Priority
 from narrows.warning.monitoring.alert_publisher import SignalKSender, notifications
-from narrows.warning.page import page_updates as waiting
-from narrows.warning.page.bridge_page import UPDATES, BridgePage
-from narrows.warning.page.page_updates import Clients
+from narrows.warning.page.bridge_page import UPDATES, BridgePage, Clients
 
 ANSWER_QUEUE = 16  # answers that wait for a client
 
@@ -96,7 +94,7 @@ def test_what_is_old_is_told_to_nobody() -> None:
 
 
 def test_who_does_not_read_is_let_go(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(waiting, "SEND_TIMEOUT", 0.02)
+    monkeypatch.setattr(settings, "SEND_TIMEOUT", 0.02)
 
     async def scene() -> None:
         crowd = Clients()
@@ -115,8 +113,8 @@ def test_who_does_not_read_is_let_go(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_a_dead_browser_holds_up_neither_the_monitor_nor_another(monkeypatch: pytest.MonkeyPatch) -> None:
     """Over real sockets: one never reads what would fill it in a moment, the other hears the last word."""
     connect = pytest.importorskip("websockets.sync.client", reason="of the extra monitor").connect
-    monkeypatch.setattr(waiting, "SEND_TIMEOUT", 0.3)
-    monkeypatch.setattr(waiting, "SEND_INTERVAL", 0.0)
+    monkeypatch.setattr(settings, "SEND_TIMEOUT", 0.3)
+    monkeypatch.setattr(settings, "SEND_INTERVAL", 0.0)
     page = BridgePage()
     with page.open() as address:
         host, token = address.removeprefix("http://").split("/?")

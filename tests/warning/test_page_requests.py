@@ -15,8 +15,7 @@ from narrows.warning.alerts.alert import BANKS, CALM, AlertDesk, AlertState, Com
 from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher, command_of
-from narrows.warning.page.bridge_page import BUSY, PageRequest, PageRequests, objection, request_of
-from narrows.warning.page.page_updates import update_of
+from narrows.warning.page.bridge_page import BUSY, PageRequest, PageRequests, objection, request_of, update_of
 
 FAN_MEMBERS, REQUEST_QUEUE = 32, 64  # ships of the fan; requests that wait between two updates
 

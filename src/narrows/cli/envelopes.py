@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import narrows as nw
 from narrows.cli.options import Argument, DatasetDelivery, Numbers, Option, Speed, Speeds, numbers, verb
-from narrows.cli.voyage_options import CurrentText
+from narrows.cli.voyages import CurrentText
 from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
 

@@ -38,7 +38,6 @@ from narrows.progress import stage
 
 if TYPE_CHECKING:
     from narrows.captive.tests import Tests
-    from narrows.identification.bank_summary import BankSummary
     from narrows.terms.term import TermTable
 
 
@@ -181,22 +180,18 @@ def publish(
     if delivery.report:
         with stage("drawing the report"):
             nw.report.write_report(every, delivery.report, title, answers)
-    _show(every, answers, delivery.json)
+    if delivery.json:
+        shown = {label: {"answer": answers[label].to_dict(), **fit.to_dict()} for label, fit in every.items()}
+        print_json(next(iter(shown.values())) if len(shown) == 1 else {"conditions": shown})
+    else:
+        from narrows.report.fit_table import print_fit
+
+        for label, fit in every.items():
+            print_fit(fit, label, answer=answers[label], table=len(every) == 1)
+        click.echo("Scores, Shapley shares and every coefficient: add --verbose, or read the report (--report).")
     print_written([*written, delivery.report], delivery.json)
     if any(fit.implausible or not fit.solution.kkt.satisfied for fit in fits.values()):
         raise SystemExit(1)
-
-
-def _show(fits: dict[str, "nw.Fit"], answers: dict[str, "BankSummary"], json: bool) -> None:
-    if json:
-        shown = {label: {"answer": answers[label].to_dict(), **fit.to_dict()} for label, fit in fits.items()}
-        print_json(next(iter(shown.values())) if len(shown) == 1 else {"conditions": shown})
-        return
-    from narrows.report.fit_table import print_fit
-
-    for label, fit in fits.items():
-        print_fit(fit, label, answer=answers[label], table=len(fits) == 1)
-    click.echo("Scores, Shapley shares and every coefficient: add --verbose, or read the report (--report).")
 
 
 @verb("narrows reproduce -o paper")

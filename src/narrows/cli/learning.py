@@ -98,7 +98,12 @@ def learn(
     """
     _check(model, logs, logged, legs, ahead, delivery)
     if logged.demo:
-        raise SystemExit(int(not _demonstrate(logged, delivery)))
+        from narrows.logbook import sensor_grade
+        from narrows.logbook.transits.transit_twins import demonstrated_log
+
+        prior, truth, log = demonstrated_log(sensor_grade(logged.sensors))
+        fit = nw.learn(prior, log, sensors=logged.sensors)
+        raise SystemExit(int(not _deliver(fit, delivery, truth.coefficients)))
     ship = model_named(model or "")
     if logs:
         found = _learn(ship, logs, logged, ahead, delivery)
@@ -156,14 +161,6 @@ def _read(logs: list[Path], logged: LogOptions, ahead: InformationOptions) -> "n
     if len(logs) == 1 and logs[0].is_file() and logs[0].stat().st_size >= LARGE_FILE:
         return nw.stream_log(logs[0], way, logged.mapping)
     return nw.read_log(logs, way, logged.mapping)
-
-
-def _demonstrate(logged: LogOptions, delivery: ModelDelivery) -> bool:
-    from narrows.logbook import sensor_grade
-    from narrows.logbook.transits.transit_twins import demonstrated_log
-
-    prior, truth, log = demonstrated_log(sensor_grade(logged.sensors))
-    return _deliver(nw.learn(prior, log, sensors=logged.sensors), delivery, truth.coefficients)
 
 
 def _deliver(fit: "nw.LogFit", delivery: ModelDelivery, truth: Mapping[str, float] | None = None) -> bool:

@@ -18,7 +18,7 @@ from narrows.cli.options import (
     print_written,
     verb,
 )
-from narrows.cli.voyage_options import HelmOptions, PhysicsOptions, WaterOptions
+from narrows.cli.voyages import HelmOptions, PhysicsOptions, WaterOptions
 from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
 from narrows.export.exporters import EXPORTERS
@@ -115,7 +115,6 @@ def export(
 
 
 def _helm(model: "nw.Model", hold: float | None, speed: float | None, way: "nw.Waterway | None") -> Any:
-    """Regulator for the exported file."""
     if hold is None:
         if speed is not None:
             raise InputError("--helm-speed is for the helm of --hold; add --hold, or leave it out")

@@ -199,7 +199,7 @@ def _watched(
 
     with stage("compiling the missing parts"):
         monitored.prepare(USUAL_SPEED)
-    ticks = page.watch(ticks, monitored) if page else ticks
+    ticks = page.requests.joined(ticks, monitored.desk) if page else ticks
     log = TransitLog(monitored.model.configuration, monitored.waterway)
     end_by_sigterm()
     with suppress(KeyboardInterrupt):

@@ -273,7 +273,6 @@ def with_gear(model: Model, gear: SteeringGear) -> Model:
 
 
 def weights_at(point: np.ndarray) -> RegulatorWeights | None:
-    """Return the weights of a point of the search; None if they are invalid."""
     tuned: dict[str, Any] = {n: getattr(DEFAULT_WEIGHTS, n) * math.exp(p) for n, p in zip(TUNED, point, strict=False)}
     bank = float(point[-1])
     return RegulatorWeights(**tuned, bank=bank) if 0.0 <= bank <= 1.0 else None

@@ -124,7 +124,13 @@ def speed_governor(
     known = dict(zip(speeds, revolutions, strict=True))
     turns = [known[speed] if speed in known else self_propulsion(model, speed) for speed in u]
     most = settings.ENGINE_RESERVE * max(revolutions) if most_revolutions is None else most_revolutions
-    return SpeedGovernor(helm, tuple(x), tuple(u), tuple(turns), *_gains(model, slowest), most)
+    # Proportional and integral gain by pole placement, and revolutions per surge acceleration.
+    linear = linearize(model, u=slowest, surge="free")
+    row = linear.states.index("u")
+    slope, push = float(linear.A[row, row]), float(linear.B[row, linear.controls.index("revolutions")])
+    pole = slowest / (settings.GOVERNOR_TIME * model.configuration.ship.length)
+    gains = (2 * pole + slope) / push, pole**2 / push, 1 / push
+    return SpeedGovernor(helm, tuple(x), tuple(u), tuple(turns), *gains, most)
 
 
 def _checked(limits: Sequence[tuple[float, float]]) -> tuple[list[float], list[float]]:
@@ -157,12 +163,3 @@ def _points(places: Sequence[float], speeds: Sequence[float], rate: float) -> li
     triples = zip(points, plan, points[1:], plan[1:], points[2:], plan[2:], strict=False)
     bent = [x for x0, u0, x, u, x1, u1 in triples if abs(u - (u0 + (u1 - u0) * (x - x0) / (x1 - x0))) > 1e-9 * u]
     return [points[0], *bent, points[-1]]
-
-
-def _gains(model: Model, u: float) -> tuple[float, float, float]:
-    """Proportional and integral gain by pole placement, and revolutions per surge acceleration."""
-    linear = linearize(model, u=u, surge="free")
-    row = linear.states.index("u")
-    slope, push = linear.A[row, row], linear.B[row, linear.controls.index("revolutions")]
-    pole = u / (settings.GOVERNOR_TIME * model.configuration.ship.length)
-    return float((2 * pole + slope) / push), float(pole**2 / push), float(1 / push)

@@ -127,7 +127,6 @@ def _draw_marks(axes: Axes, envelope: SafeEnvelope) -> None:
 
 
 def _half(values: np.ndarray) -> float:
-    """Half a step of a grid."""
     return float(values[-1] - values[0]) / max(len(values) - 1, 1) / 2 or 0.5
 
 

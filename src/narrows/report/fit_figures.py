@@ -29,7 +29,6 @@ from narrows.ship.particulars import Configuration
 
 
 def estimate(fit: Fit, tests: CaptiveTests, names: tuple[str, ...]) -> np.ndarray:
-    """Evaluate some terms of a fit over the rows of tests."""
     values = {**tests.configuration.values(), **tests.columns}
     parts = [fit.coefficients[name] * fit.terms[name].column(values) for name in names]
     return np.asarray(sum(parts, np.zeros(tests.rows)))

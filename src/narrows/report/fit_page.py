@@ -61,7 +61,6 @@ def write_report(
 
 
 def render(template: str, **values: Any) -> str:
-    """Fill in a template of this package."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     loader = PackageLoader("narrows.report", "templates")
@@ -70,12 +69,10 @@ def render(template: str, **values: Any) -> str:
 
 
 def figure(picture: Any, caption: str) -> dict[str, str]:
-    """Format a figure and its caption for a template."""
     return {"svg": svg(picture), "caption": caption}
 
 
 def section(label: str, fit: Fit, number: int, answer: BankSummary | None = None) -> dict[str, Any]:
-    """Collect the page's contents on a fit."""
     source, envelope = fit.tests.source, asdict(fit.data_range)
     return {
         "id": f"fit-{number}",
@@ -114,7 +111,6 @@ def _first_picture(fit: Fit) -> list[dict[str, str]]:
 
 
 def equations(fit: Fit) -> list[str]:
-    """Write the model of each force from the table of terms."""
     return [
         f"{force} = " + " + ".join(f"{term.name} {_written(term)}" for term in terms)
         for force, terms in fit.terms.forces.items()
@@ -128,7 +124,6 @@ def _written(term: Term) -> str:
 
 
 def constraints(fit: Fit) -> str:
-    """Write the bounds and ties of the table of terms."""
     bounded = [term.name for term in fit.terms.terms if term.bound[0] == 0]
     ties = [" = ".join(tie) for tie in fit.terms.ties]
     return "; ".join([f"{', '.join(bounded)} not negative"] * bool(bounded) + ties) or "none"

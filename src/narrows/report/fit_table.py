@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 
 from rich.console import Console
-from rich.table import Table
 
 from narrows.identification import Fit
 from narrows.identification.bank_summary import BankSummary, summarise_bank
@@ -34,8 +33,8 @@ def print_fit(
         console.print(sentence)
     if table or everything():
         console.print()
-        rows = (coefficient_row(fit, name) for name in best_known_first(fit))
-        console.print(table_of(COLUMNS, rows, left=("", "unit"), no_wrap=True))
+        known = (coefficient_row(fit, name) for name in best_known_first(fit))
+        console.print(table_of(COLUMNS, known, left=("", "unit"), no_wrap=True))
     if not everything():
         failed = () if fit.solution.kkt.satisfied else (kkt_sentence(fit),)
         print_notes(console, (*failed, *answer.details, *fit.notes))
@@ -46,8 +45,12 @@ def print_fit(
     for name, verdict in fit.verdicts.items():
         if verdict.status != IDENTIFIED:
             console.print(f"- {verdict.sentence(name)}")
-    console.print(_scores(fit))
-    console.print(_shares(fit))
+    rows = ({"force": force, "fit": score, "left_out": fit.left_out[force]} for force, score in fit.scores.items())
+    console.print(table_of(SCORES, rows, title="Fit, and on each distinct motion left out"))
+    columns = {"": "{name}"} | {kind: f"{{{kind}:+.3f}}" for kind in KINDS}
+    shares = share_rows({kind: fit.shapley(kind) for kind in KINDS})
+    named = ({"name": name, **dict(zip(KINDS, own, strict=True))} for name, own in shares)
+    console.print(table_of(columns, named, title="Shapley shares"))
     for note in (*fit.notes, kkt_sentence(fit)):
         console.print(note, style="dim")
 
@@ -66,7 +69,6 @@ def best_known_first(fit: Fit) -> list[str]:
 
 
 def heading(fit: Fit, label: str) -> str:
-    """Name a fit by its ship, condition and depth."""
     configuration = fit.tests.configuration
     depth = f"h/T = {configuration.canal.depth / configuration.ship.draft:.2f}" if configuration.canal.depth else ""
     return ", ".join(part for part in (configuration.ship.name, label, depth) if part)
@@ -92,7 +94,6 @@ def coefficient_row(fit: Fit, name: str) -> dict[str, str]:
 
 
 def share_rows(shares: Mapping[str, Mapping[str, Mapping[str, float]]]) -> list[tuple[str, list[float]]]:
-    """Return the Shapley shares of each term, of all kinds."""
     first = shares[KINDS[0]]
     return [(name, [shares[kind][force][name] for kind in KINDS]) for force in first for name in first[force]]
 
@@ -101,15 +102,3 @@ SCORES = {
     "": "{force}", "R2": "{fit.r2:.3f}", "RMSE": "{fit.rmse:.3f}", "R2 left out": "{left_out.r2:.3f}",
     "RMSE left out": "{left_out.rmse:.3f}",
 }  # fmt: skip
-
-
-def _scores(fit: Fit) -> Table:
-    rows = ({"force": force, "fit": score, "left_out": fit.left_out[force]} for force, score in fit.scores.items())
-    return table_of(SCORES, rows, title="Fit, and on each distinct motion left out")
-
-
-def _shares(fit: Fit) -> Table:
-    columns = {"": "{name}"} | {kind: f"{{{kind}:+.3f}}" for kind in KINDS}
-    shares = share_rows({kind: fit.shapley(kind) for kind in KINDS})
-    return table_of(columns, [{"name": name, **dict(zip(KINDS, own, strict=True))} for name, own in shares],
-                    title="Shapley shares")  # fmt: skip

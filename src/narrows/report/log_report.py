@@ -4,12 +4,11 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from narrows.files import write_whole
 from narrows.logbook import LogFindings, LogFit, ShipLog, Signal
-from narrows.logbook.learned_coefficient import ON_TWINS, QUANTILE_95, LearnedCoefficient
+from narrows.logbook.learned_coefficient import ON_TWINS, QUANTILE_95
 from narrows.logbook.learning.log_fit import RecordAnswer
 from narrows.report.fit_page import figure, render
 from narrows.report.pilot_page import LEARNED, learned_rows
@@ -72,29 +71,23 @@ def log_fit_figure(fit: LogFit) -> Figure:
     known = sorted((c for c in fit.coefficients.values() if c.prior_std > 0), key=lambda c: c.left)[:MOST_ROWS]
     height = max(2.8, 0.9 + 0.2 * len(known))
     figure, axes = panels(1, 2, height, Margins(left=0.9, bottom=0.75, top=0.2, across=0.9))
-    _draw_coefficients(axes[0, 0], known[::-1])
-    _draw_missed(axes[0, 1], fit.records)
-    figure.legend(*axes[0, 1].get_legend_handles_labels(), loc="lower right", ncols=2, frameon=False, fontsize=7)
-    return figure
-
-
-def _draw_coefficients(axes: Axes, known: list[LearnedCoefficient]) -> None:
-    axes.axvspan(-QUANTILE_95, QUANTILE_95, color=GREY, alpha=0.15, lw=0)
-    axes.axvline(0, color=BLACK, lw=0.6)
-    for place, c in enumerate(known):
+    left, right = axes[0]
+    left.axvspan(-QUANTILE_95, QUANTILE_95, color=GREY, alpha=0.15, lw=0)
+    left.axvline(0, color=BLACK, lw=0.6)
+    for place, c in enumerate(known[::-1]):
         moved = (c.value - c.prior) / c.prior_std
-        axes.errorbar([moved], [place], xerr=[QUANTILE_95 * c.left], fmt="o", color=BLUE, capsize=3, ms=4)
-    axes.set(yticks=np.arange(len(known)), xlabel="change, in prior standard deviations (grey: 95 % before)")
-    axes.set_yticklabels([c.name for c in known])
-
-
-def _draw_missed(axes: Axes, records: tuple[RecordAnswer, ...]) -> None:
-    missed, places = np.degrees([record.missed["psi"] for record in records]), np.arange(len(records))
+        left.errorbar([moved], [place], xerr=[QUANTILE_95 * c.left], fmt="o", color=BLUE, capsize=3, ms=4)
+    left.set(xlabel="change, in prior standard deviations (grey: 95 % before)")
+    left.set_yticks(range(len(known)), [c.name for c in known[::-1]])
+    missed, places = np.degrees([record.missed["psi"] for record in fit.records]), range(len(fit.records))
     for column, (colour, words) in enumerate(BY):
-        axes.plot(missed[:, column], places, "o", color=colour, label=words, ms=4)
-    axes.set(yticks=places, xlabel="heading error over 3.5 lengths [deg]")
-    axes.set_yticklabels([record.name if len(records) <= MOST_ROWS else "" for record in records], fontsize=7)
-    axes.set_xlim(left=0)
+        right.plot(missed[:, column], places, "o", color=colour, label=words, ms=4)
+    names = [record.name if len(places) <= MOST_ROWS else "" for record in fit.records]
+    right.set_yticks(places, names, fontsize=7)
+    right.set(xlabel="heading error over 3.5 lengths [deg]")
+    right.set_xlim(left=0)
+    figure.legend(*right.get_legend_handles_labels(), loc="lower right", ncols=2, frameon=False, fontsize=7)
+    return figure
 
 
 def forecast_figure(record: RecordAnswer) -> Figure:

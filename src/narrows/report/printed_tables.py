@@ -69,7 +69,6 @@ def table_of(
 
 
 def print_result(result: Any, *tables: Table | None) -> None:
-    """Print the summary of a result, tables, and its notes."""
     console = console_of(WIDTH)
     console.print(result.summary())
     for table in filter(None, tables):
@@ -107,7 +106,6 @@ SHOWN = ("kind", "offset", "amplitude", "period", "speed", "drift_deg", "depth")
 
 
 def print_plan(plan: Plan) -> None:
-    """Print a plan: one row per run, and the gain."""
     rows = plan.rows()
     names = [name for name in SHOWN if any(row.get(name) is not None for row in rows)]
     columns = {"run": "{run}"}

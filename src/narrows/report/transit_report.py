@@ -68,7 +68,9 @@ def transit_figure(transit: WatchedTransit) -> Figure:
         )),
     )  # fmt: skip
     for panel, (label, lines) in zip(axes[:, 0], curves, strict=True):
-        _shade(panel, t, columns["level"])
+        for part, held in _levels(columns["level"]):
+            if shade := SHADES.get(held):
+                panel.axvspan(t[part][0], t[part][-1], color=shade, alpha=0.35, lw=0)
         for values, colour, words in lines:
             panel.plot(t, np.where(np.isfinite(values), values, np.nan), color=colour, lw=1.2, label=words)
         panel.set_ylabel(label)
@@ -112,9 +114,3 @@ def _levels(level: np.ndarray) -> Iterator[tuple[slice, Priority]]:
     for first, last in pairwise(edges):
         if first < last:
             yield slice(first, last + 1), Priority(int(level[first]))
-
-
-def _shade(panel: Axes, t: np.ndarray, level: np.ndarray) -> None:
-    for part, held in _levels(level):
-        if colour := SHADES.get(held):
-            panel.axvspan(t[part][0], t[part][-1], color=colour, alpha=0.35, lw=0)

@@ -28,6 +28,7 @@ from narrows.report.style import (
     given_axes,
     headed,
     notes_below,
+    panels,
     titled,
 )
 from narrows.ship.particulars import Configuration
@@ -61,7 +62,16 @@ def voyage_figure(voyage: Voyage) -> Figure:
         grid = figure.add_gridspec(1 + len(HISTORIES), 1)
         above, *below = (figure.add_subplot(grid[row]) for row in range(grid.nrows))
         _draw_path(above, voyage)
-        _draw_histories(below, voyage)
+        for axes, (unit, factor, names) in zip(below, HISTORIES, strict=True):
+            for (name, words), colour, style in zip(names.items(), (BLUE, ORANGE), DASHES, strict=False):
+                if name != "rudder" or np.ptp(voyage.rudder) > 0:
+                    axes.plot(voyage.t, factor * voyage[name], color=colour, linestyle=style, label=words)
+            axes.set_ylabel(f"[{unit}]")
+            axes.sharex(below[-1])
+            axes.tick_params(labelbottom=axes is below[-1])
+            axes.grid(alpha=0.3)
+            axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
+        below[-1].set_xlabel("time [s]")
         (left, right), (low, top) = above.get_xlim(), above.get_ylim()
         high = min(max(TRACK * abs((top - low) / (right - left)), 0.7), 0.6 * TRACK)
         grid.set_height_ratios([high, *(HISTORY for _ in below)])
@@ -76,19 +86,6 @@ def _draw_path(axes: Axes, voyage: Voyage) -> None:
         paths_on(axes, [voyage], voyage.configuration)
     else:
         track_on_map(axes, voyage, voyage.waterway)
-
-
-def _draw_histories(panels: Sequence[Axes], voyage: Voyage) -> None:
-    for axes, (unit, factor, names) in zip(panels, HISTORIES, strict=True):
-        for (name, words), colour, style in zip(names.items(), (BLUE, ORANGE), DASHES, strict=False):
-            if name != "rudder" or np.ptp(voyage.rudder) > 0:
-                axes.plot(voyage.t, factor * voyage[name], color=colour, linestyle=style, label=words)
-        axes.set_ylabel(f"[{unit}]")
-        axes.sharex(panels[-1])
-        axes.tick_params(labelbottom=axes is panels[-1])
-        axes.grid(alpha=0.3)
-        axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
-    panels[-1].set_xlabel("time [s]")
 
 
 def described(voyage: Voyage) -> tuple[str, list[str]]:
@@ -122,16 +119,16 @@ def _banks_on_map(axes: Axes, waterway: Waterway, s: np.ndarray, section: Sectio
 
 
 def waterway_figure(waterway: Waterway) -> Figure:
-    figure = Picture(figsize=(WIDTH, 4.0), layout="constrained")
+    figure, axes = panels(1, 1, 4.0, grid="")
     s = np.linspace(0.0, waterway.line.length, BANK_POINTS)
-    _banks_on_map(figure.subplots(), waterway, s, waterway.section(s))
+    _banks_on_map(axes[0, 0], waterway, s, waterway.section(s))
     headed(figure, waterway.name, [waterway.summary().partition(": ")[2]])
     return figure
 
 
 def paths_figure(voyages: Sequence[Voyage], configuration: Configuration) -> Figure:
-    figure = Picture(figsize=(7.0, 3.6), layout="constrained")
-    paths_on(figure.subplots(), voyages, configuration)
+    figure, axes = panels(1, 1, 3.6, grid="")
+    paths_on(axes[0, 0], voyages, configuration)
     return figure
 
 
@@ -194,8 +191,7 @@ def _drawn(corners: np.ndarray, colour: str, alpha: float) -> Polygon:
 def distances_figure(
     distances: Mapping[str, xr.DataArray], sides: Mapping[str, xr.DataArray], configuration: Configuration
 ) -> Figure:
-    figure = Picture(figsize=(7.2, 3.8), layout="constrained")
-    axes = figure.subplots()
+    figure, ((axes,),) = panels(1, 1, 3.8)
     edge = (configuration.canal.width - configuration.ship.beam) / 2
     for i, (name, distance) in enumerate(distances.items()):
         clearance, colour = edge - distance["y"], (BLUE, ORANGE, "#009E73", "#CC79A7")[i % 4]
@@ -203,7 +199,6 @@ def distances_figure(
         axes.plot(clearance, distance.where(sides[name] > 0), color=colour, linewidth=4, alpha=0.5)
     axes.set_xlabel("starboard clearance at the start $y_s(0)$ [m]; thick: grounds to starboard")
     axes.set_ylabel("distance to grounding [m]")
-    axes.grid(alpha=0.3)
     axes.legend(frameon=False)
     return figure
 

@@ -179,18 +179,18 @@ class OutsideRules(Tabulated):
         return {"summary": self.summary(), "bank": self.bank, "rules": self.rows(), "notes": list(self.notes)}
 
     def _limits(self, rule: ChannelRule) -> list[dict[str, Any]]:
-        if rule.widths is not None:
-            return [self._left(*required) for required in rule.widths(self)]
-        if rule.speed is None:
-            return [{}]
-        limit = rule.speed(self)
-        return [] if math.isnan(limit) else [{"speed_limit": limit / KNOT, "of_choking": limit / self.choke}]
-
-    def _left(self, slowest: float, fastest: float, beams: float) -> dict[str, float | None]:
-        width = beams * self.beam
-        port, starboard = width / 2 - self.wall_port, self.wall_starboard - width / 2
-        left = {"port": port, "starboard": starboard} if port <= starboard else {}
-        return {"slowest": slowest, "fastest": None if math.isinf(fastest) else fastest, "width": width, **left}
+        if rule.speed is not None:
+            limit = rule.speed(self)
+            return [] if math.isnan(limit) else [{"speed_limit": limit / KNOT, "of_choking": limit / self.choke}]
+        limits: list[dict[str, Any]] = []
+        for slowest, fastest, beams in rule.widths(self) if rule.widths else ():
+            width = beams * self.beam
+            port, starboard = width / 2 - self.wall_port, self.wall_starboard - width / 2
+            left = {"port": port, "starboard": starboard} if port <= starboard else {}
+            limits.append(
+                {"slowest": slowest, "fastest": None if math.isinf(fastest) else fastest, "width": width, **left}
+            )
+        return limits or [{}]
 
 
 def outside_rules(

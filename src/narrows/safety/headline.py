@@ -44,7 +44,6 @@ def headline(data: xr.Dataset, share: float) -> tuple[list[str], list[str]]:
 
 
 def estimated(data: xr.Dataset) -> list[str]:
-    """Return the first sentence on an estimated model."""
     estimate = data.attrs.get("estimate", "")
     return [f"{estimate.partition('. ')[0].removesuffix('.')}."] if estimate else []
 

@@ -48,7 +48,14 @@ def trials(
         points = samples * len(y) * len(u)
         raise InputError(f"{points} points are more than {MOST_TRIALS}; take fewer samples, offsets or speeds")
     thrown = disturbance.drawn(samples, seed)
-    ship, grid = SimulatedShip(model), _grid(model, y, u, heave, samples, seed)
+    steady = {
+        "y": y,
+        "u": u,
+        "heave": xr.DataArray(heave, dims="u"),
+        "x": xr.DataArray(np.zeros(samples), dims="sample"),
+    }
+    drawn = samples if model.covariance is not None else 0
+    ship, grid = SimulatedShip(model), grid_of(model, with_propulsion(model, steady), drawn, seed)
     # Disturbances change side with the offset, so that a symmetric canal gets a symmetric result.
     side = xr.DataArray(np.where(np.asarray(y) < 0, -1.0, 1.0), dims="y")
     wind = side * disturbance.steady * thrown.pop("side")
@@ -60,7 +67,13 @@ def trials(
     extra |= _knowing(ship, grid, bend, workers) if knowing else {}
     sailing = replace(ship, surge="free") if model.terms.propelled else ship
     trial = _Trial(sailing, pilot, disturbance.gust_time, walls, bend, workers)
-    kept = _tried(trial, Grid({**grid.values, **extra}, grid.sizes), progress)
+    whole, kept = Grid({**grid.values, **extra}, grid.sizes), {n: np.empty(tuple(grid.sizes.values())) for n in KEPT}
+    with bar(whole.vessels, progress) as advance:
+        for block in whole.blocks(TRIAL_BLOCK):
+            values, shape = whole.flat(block)
+            for name, column in trial.sailed(values, math.prod(shape)).items():
+                kept[name][whole.region(block)] = column.reshape(shape)
+            advance(math.prod(shape))
     data = {name: (list(grid.sizes), column) for name, column in kept.items()}
     tried = xr.Dataset(data, coords={"y": y, "u": u}).transpose("y", "u", "sample")
     return tried.assign(held=tried["held"] > 0, known=tried["known"] > 0)
@@ -79,23 +92,6 @@ def _numbers(
     if disturbance.steady:
         numbers = xr.where(wind > 0, numbers, of(-disturbance.steady))
     return {str(name): column for name, column in numbers.items()}
-
-
-def _grid(model: Model, y: np.ndarray, u: np.ndarray, heave: np.ndarray, samples: int, seed: int) -> Grid:
-    along = xr.DataArray(np.zeros(samples), dims="sample")
-    steady = {"y": y, "u": u, "heave": xr.DataArray(heave, dims="u"), "x": along}
-    return grid_of(model, with_propulsion(model, steady), samples if model.covariance is not None else 0, seed)
-
-
-def _tried(trial: "_Trial", whole: Grid, progress: bool) -> dict[str, np.ndarray]:
-    kept = {name: np.empty(tuple(whole.sizes.values())) for name in KEPT}
-    with bar(whole.vessels, progress) as advance:
-        for block in whole.blocks(TRIAL_BLOCK):
-            values, shape = whole.flat(block)
-            for name, column in trial.sailed(values, math.prod(shape)).items():
-                kept[name][whole.region(block)] = column.reshape(shape)
-            advance(math.prod(shape))
-    return kept
 
 
 def _knowing(ship: SimulatedShip, grid: Grid, bend: Bend, workers: int | None) -> dict[str, xr.DataArray]:

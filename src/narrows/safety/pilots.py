@@ -156,11 +156,9 @@ PILOTS = {
 
 
 def regulator_of(ship: SimulatedShip, gains: list[Any], held: Mapping[str, Any], made_for: Any) -> Regulator:
-    """Return the regulator of many trials."""
     # gains (n,); held [m]; made_for (n,) [m/s]
     time = ship.model.configuration.ship.length / np.asarray(made_for)
-    one, two, three, four, five, six = gains
-    line = HeldLine(held["y"], (one, two, three, four, five, six), held["rudder"], held["psi"], held["v"])
+    line = HeldLine(held["y"], tuple(gains), held["rudder"], held["psi"], held["v"])
     return Regulator((line,), made_for, LEAD_TIME * time, DEFAULT_WEIGHTS.unwinding_time * time)
 
 

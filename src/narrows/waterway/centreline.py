@@ -337,14 +337,12 @@ def check_along_only(waterway: Any, user: str) -> None:
 
 
 def profile_at(profile: Profile, s: np.ndarray | float) -> np.ndarray:
-    """Return a profile at places along the line."""
     if np.ndim(profile):
         return np.asarray(np.interp(s, *np.transpose(profile)))
     return np.full(np.shape(s), profile)
 
 
 def current_words(along: np.ndarray, across: Profile, shear: Profile, s: np.ndarray) -> list[str]:
-    """Return what is not zero of a current in words."""
     columns = (
         (along, "current", "m/s"), (profile_at(across, s), "current across", "m/s"),
         (profile_at(shear, s), "shear of the current", "1/s"),

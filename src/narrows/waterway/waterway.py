@@ -354,7 +354,6 @@ class Waterway(BaseSummary):
 
 
 def _turned(angle: np.ndarray) -> np.ndarray:
-    """Wrap angles to between -pi and pi."""
     return np.asarray((angle + np.pi) % (2 * np.pi) - np.pi)
 
 

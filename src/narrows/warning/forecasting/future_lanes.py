@@ -122,7 +122,6 @@ class FutureLanes:
         return {**currents, CURRENT: np.where(known, columns[CURRENT] / np.where(known, flow, 1.0), usual)}
 
     def _law(self, case: Case, ships: Ships, turns: float) -> dict[str, Any]:
-        """Numbers of the law in a case."""
         hull, gear = self.ship.model.configuration.ship, self.ship.model.configuration.gear
         ordered = ships.rudder if case.ordered is None else case.ordered
         numbers: dict[str, Any] = {"since": case.since, "ordered": ordered}

@@ -44,8 +44,6 @@ class Tick(NamedTuple):
 
 
 class BridgeReadings:
-    """Converts messages to readings along a waterway."""
-
     def __init__(self, waterway: Waterway, draft: float | None = None) -> None:
         if waterway.origin is None:
             raise InputError(

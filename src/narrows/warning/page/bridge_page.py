@@ -1,15 +1,16 @@
-"""The page of a monitor: shows the status, takes commands."""
+"""The page of a monitor: shows the status, takes commands; the schema of its messages is `messages.json`."""
 
 import asyncio
 import hmac
 import ipaddress
 import json
 import logging
+import math
 import secrets
 import socket
 import time
 from collections import deque
-from collections.abc import Callable, Coroutine, Iterable, Iterator
+from collections.abc import Awaitable, Callable, Coroutine, Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field
 from importlib.resources import files
@@ -18,15 +19,112 @@ from threading import Thread
 from typing import Any, NamedTuple
 from urllib.parse import parse_qs, urlsplit
 
+import numpy as np
+
 from narrows.errors import InputError, needs, reason
+from narrows.results import plain
 from narrows.warning import settings
-from narrows.warning.alerts.alert import SITUATIONS, AlertDesk, AlertState
+from narrows.warning.alerts.alert import SITUATIONS, AlertDesk, AlertState, Command
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.alert_publisher import acn, notifications
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
-from narrows.warning.monitoring.watched_transit import BridgeStatus
-from narrows.warning.page.page_updates import COMMANDS, Clients, packed, update_of
+from narrows.warning.monitoring.watched_transit import BridgeStatus, alert_to_dict
+from narrows.waterway.waterway import Section
 from narrows.web import asset
+
+# Commands of the page, by the word in its messages.
+COMMANDS = {"acknowledge": Command.ACKNOWLEDGE, "silence": Command.SILENCE}
+
+
+def update_of(monitored: BridgeMonitor, status: BridgeStatus, since_1970: float) -> dict[str, Any]:
+    names = {"ship": monitored.model.configuration.ship.name or "A ship", "waterway": monitored.waterway.name}
+    alerts = [
+        {
+            **alert_to_dict(alert), "sounds": alert.sounds,
+            "may": [name for name, command in COMMANDS.items() if alert.commanded(command, status.t) is not None],
+        }
+        for alert in status.alerts
+    ]  # fmt: skip
+    parts = {"alerts": alerts, "scene": scene(monitored, status)}
+    return {"kind": "update", "at": since_1970, **names, **status.to_dict(), **parts}
+
+
+def packed(message: Mapping[str, Any]) -> str:
+    return json.dumps(plain(message), separators=(",", ":"), allow_nan=False)
+
+
+# The page draws the ship, the banks about it, and its forecast tracks, in metres east and north.
+# Length of bank drawn astern and ahead of the ship, and distance between points [m].
+ASTERN, AHEAD, EVERY = 800.0, 2400.0, 20.0
+# Digits that are sent: a decimetre north and east, a ten-thousandth of a radian.
+DIGITS = np.array([10.0, 10.0, 1e4])
+
+
+def scene(monitored: BridgeMonitor, status: BridgeStatus) -> dict[str, Any] | None:
+    """Return what the page draws, points as [north, east] [m], poses with a heading [rad]; None without a position."""
+    if not status.estimate.ready:
+        return None
+    way, ship, now = monitored.waterway, monitored.model.configuration.ship, status.estimate.values
+    pose, along = [now[name] for name in ("x", "y", "psi")], min(max(now["x"], 0.0), way.line.length)
+    first, last = max(along - ASTERN, 0.0), min(along + AHEAD, way.line.length)
+    s = np.linspace(first, last, max(2, round((last - first) / EVERY) + 1))
+
+    def drawn(place: Any, offset: Any, psi: Any = 0.0) -> Any:
+        positions, headings = way.to_map(place, offset, psi)
+        poses = np.concatenate([positions[..., ::-1], headings[..., None]], axis=-1)
+        return np.round(poses * DIGITS) / DIGITS
+
+    def sides(here: Section) -> list[Any]:
+        return [drawn(s, here.middle + side * here.width / 2)[:, :2].tolist() for side in (-1, 1)]
+
+    fan, tracks = None, status.forecast.tracks if status.forecast else None
+    if tracks is not None and np.isfinite([tracks.as_is, tracks.escape]).all():
+        whole = tracks.fan[np.isfinite(tracks.fan).all(axis=(1, 2))]  # A ship that diverges has no place.
+        fan = {
+            "times": tracks.times.tolist(),
+            "members": drawn(*np.moveaxis(np.insert(whole, 0, pose, axis=1), -1, 0))[..., :2].tolist(),
+            "likely": drawn(*tracks.as_is.T).tolist(), "escape": drawn(*tracks.escape.T).tolist(),
+        }  # fmt: skip
+    return {
+        "ship": {"pose": drawn(*pose).tolist(), "length": ship.length, "beam": ship.beam},
+        "middle": drawn(along, way.keel_section(along, ship.draft).middle).tolist(),
+        "banks": sides(way.section(s)), "limits": sides(way.keel_section(s, ship.draft)), "fan": fan,
+    }  # fmt: skip
+
+
+class Clients:
+    """Who look on: each receives the newest message, at its own pace, and answers to it alone."""
+
+    def __init__(self, lasts: float = math.inf) -> None:
+        self.lasts, self.newest, self.number, self.count = lasts, "", 0, 0
+        self._at = -math.inf
+
+    def __len__(self) -> int:
+        return self.count
+
+    @property
+    def full(self) -> bool:
+        return self.count >= settings.MOST_CLIENTS
+
+    def publish(self, message: str) -> None:
+        """Leave the newest message, in any thread, without waiting for anything."""
+        self.newest, self.number, self._at = message, self.number + 1, time.monotonic()
+
+    async def serve(self, answers: deque[str], send: Callable[[str], Awaitable[None]]) -> None:
+        """Send answers and the newest message as they come; looking for them needs no wake-up from other threads."""
+        sent = 0
+        self.count += 1
+        try:
+            while True:
+                while answers:
+                    await asyncio.wait_for(send(answers.popleft()), settings.SEND_TIMEOUT)
+                if sent != self.number and time.monotonic() - self._at <= self.lasts:
+                    sent = self.number
+                    await asyncio.wait_for(send(self.newest), settings.SEND_TIMEOUT)
+                await asyncio.sleep(settings.SEND_INTERVAL)
+        finally:
+            self.count -= 1
+
 
 UPDATES, SIGNAL_K = "/updates", "/signalk/v1/stream"
 ENDED = "The watch has ended: nothing on this page is kept up to date."
@@ -64,13 +162,13 @@ class PageAccess:
         return "" if hmac.compare_digest(token.encode(), self.token.encode()) else NO_TOKEN
 
 
-# Receives a command of a client, and answers it.
-Take = Callable[[str, Callable[[str], None]], None]
+# Told why, where a request is refused.
+Answer = Callable[[str], None]
 
 
 class Stream(NamedTuple):
     clients: Clients  # Who receive updates
-    take: Take  # Takes what they say
+    take: Callable[[str, Answer], None]  # Receives a command of a client, and answers it
 
 
 class BridgePage:
@@ -80,7 +178,11 @@ class BridgePage:
         self._noticed: list[Any] = []
         # Clients of Signal K only listen here.
         notices = Stream(self.notices, lambda text, answer: None)
-        self._streams = {UPDATES: Stream(self.updates, self._take), SIGNAL_K: notices}
+
+        def take(text: str, answer: Answer) -> None:
+            self.requests.take(text, lambda why: answer(packed({"kind": "refused", "sentence": why})))
+
+        self._streams = {UPDATES: Stream(self.updates, take), SIGNAL_K: notices}
         folder = files(__package__).joinpath("assets")
         self._texts = {f"/assets/{path.name}": path.read_text(encoding="utf-8") for path in folder.iterdir()}
         self._texts |= {f"/assets/{name}": asset(name) for name in SHARED}
@@ -121,18 +223,12 @@ class BridgePage:
                 loop.call_soon_threadsafe(loop.stop)
                 thread.join(settings.SERVER_TIMEOUT)
 
-    def watch(self, ticks: Iterable[Tick], monitored: BridgeMonitor) -> Iterator[Tick]:
-        return self.requests.joined(ticks, monitored.desk)
-
     def publish(self, monitored: BridgeMonitor, status: BridgeStatus, since_1970: float) -> None:
         self.updates.publish(packed(update_of(monitored, status, since_1970)))
         notice = notifications(monitored.desk, since_1970)
         if (values := notice["updates"][0]["values"]) != self._noticed:
             self._noticed = values
             self.notices.publish(packed(notice))
-
-    def _take(self, text: str, answer: "Answer") -> None:
-        self.requests.take(text, lambda why: answer(packed({"kind": "refused", "sentence": why})))
 
     def _respond(self, connection: Any, request: Any) -> Any:
         """Answer what asks for no updates, or for none that it may have."""
@@ -214,8 +310,6 @@ MALFORMED = (
     '"revision": ...}, the numbers as the alert has them.'
 )
 BUSY = "Too much is asked for at once; ask again."
-# Told why, where a request is refused.
-Answer = Callable[[str], None]
 
 
 class PageRequest(NamedTuple):
@@ -260,11 +354,8 @@ class PageRequests:
 
     def take(self, text: str, answer: Answer) -> None:
         request = request_of(text)
-        if request is None:
-            answer(MALFORMED)
-            return
         try:
-            self._waiting.put_nowait((request, answer))
+            answer(MALFORMED) if request is None else self._waiting.put_nowait((request, answer))
         except Full:
             answer(BUSY)
 
