@@ -138,13 +138,13 @@ def test_standard_output_keeps_its_order(name: str, to_file: bool, tmp_path: Pat
 
 def test_models_of_several_conditions_go_into_one_device(tmp_path: Path) -> None:
     from narrows.cli.fits import publish
-    from narrows.cli.options import ModelDelivery
+    from narrows.cli.options import Delivery
 
     fits = {"a": fit(), "b/c": fit()}
     with (tmp_path / "all").open("wb") as file:
-        publish(fits, "t", ModelDelivery(Path(f"/dev/fd/{file.fileno()}")))
+        publish(fits, "t", Delivery(Path(f"/dev/fd/{file.fileno()}")))
     assert (tmp_path / "all").read_text().count("[ship]") == 2
-    publish(fits, "t", ModelDelivery(tmp_path / "m.toml"))
+    publish(fits, "t", Delivery(tmp_path / "m.toml"))
     assert sorted(path.name for path in tmp_path.iterdir()) == ["all", "m-a.toml", "m-b%2Fc.toml"]
 
 

@@ -13,6 +13,7 @@ import narrows as nw
 from narrows.cli.options import (
     Argument,
     AsJson,
+    Delivery,
     ModelDelivery,
     ModelFile,
     Numbers,
@@ -120,7 +121,7 @@ def demo(
     """
     folder(out)
     fits = nw.identify_conditions(nw.measured_tests("kcs"))
-    delivery = ModelDelivery(out / "kcs.toml", json, out / "report.html")
+    delivery = Delivery(out / "kcs.toml", json, report=out / "report.html")
     publish(fits, "simulated and measured tests", delivery, {"simulated tests": _simulated()})
 
 

@@ -1,7 +1,7 @@
 """Arguments and options of verbs, declared by annotation, ``Annotated[float, Option(help="...")]``; their output."""
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import MISSING, dataclass, fields, is_dataclass
 from inspect import Parameter, signature
 from pathlib import Path
@@ -83,29 +83,29 @@ def _many(kind: Any, **attributes: Any) -> dict[str, Any]:
 
 
 def command(function: Callable[..., Any], name: str | None, example: str) -> click.Command:
-    """Return the verb of a function; a dataclass parameter becomes one option per field."""
-    hints = get_type_hints(function, include_extras=True)
-    groups = {own: hints[own] for own in signature(function).parameters if is_dataclass(hints[own])}
+    """Return the verb of a function; a dataclass parameter becomes one option per field, a delivery some options."""
+    hints, parameters = get_type_hints(function, include_extras=True), list[click.Parameter]()
+    groups: dict[str, tuple[Any, list[str]]] = {}
+    for own, parameter in signature(function).parameters.items():
+        kind, *chosen = get_args(hints[own]) if get_origin(hints[own]) is Annotated else (hints[own],)
+        if not is_dataclass(kind):
+            parameters.append(_declared(own, hints[own], parameter.default))
+            continue
+        kinds, defaults = get_type_hints(kind, include_extras=True), {one.name: one.default for one in fields(kind)}
+        if chosen:
+            kinds = {each: Annotated[kinds[each], option] for each, option in chosen[0].items()}
+        groups[own] = kind, list(kinds)
+        for each, hint in kinds.items():
+            parameters.append(_declared(each, hint, Parameter.empty if defaults[each] is MISSING else defaults[each]))
 
     def called(**given: Any) -> Any:
-        made = {own: kind(**{one.name: given.pop(one.name) for one in fields(kind)}) for own, kind in groups.items()}
+        made = {own: kind(**{each: given.pop(each) for each in names}) for own, (kind, names) in groups.items()}
         return function(**given, **made)
 
     return click.Command(
-        name or function.__name__.replace("_", "-"), callback=called, params=list(_parameters(function, hints)),
-        help=function.__doc__, epilog=f"Example: {example}",
+        name or function.__name__.replace("_", "-"), callback=called, params=parameters, help=function.__doc__,
+        epilog=f"Example: {example}",
     )  # fmt: skip
-
-
-def _parameters(function: Callable[..., Any], hints: dict[str, Any]) -> Iterator[click.Parameter]:
-    for name, parameter in signature(function).parameters.items():
-        if not is_dataclass(hints[name]):
-            yield _declared(name, hints[name], parameter.default)
-            continue
-        kinds = get_type_hints(hints[name], include_extras=True)
-        for one in fields(hints[name]):
-            default = Parameter.empty if one.default is MISSING else one.default
-            yield _declared(one.name, kinds[one.name], default)
 
 
 def _declared(name: str, hint: Any, default: Any) -> click.Parameter:
@@ -173,31 +173,6 @@ ModelFile = Annotated[str, Argument(help="Model file, or the name of a published
 WaterwayFile = Annotated[
     Path | None, Option(help="GeoJSON of a waterway instead of the model's canal; x, y, psi are relative to its line.")
 ]
-
-Plot = Annotated[Path | None, Option(help="Picture to write: PNG, SVG or PDF.", callback=named(PICTURES))]
-Report = Annotated[Path | None, Option(help="Self-contained HTML report to write.", callback=named(PAGES))]
-AsJson = Annotated[bool, Option("--json", help="Print JSON instead of tables.")]
-
-ModelOutput = Annotated[
-    Path | None, Option("--output", "-o", help="Model file to write: .toml.", callback=named(MODELS))
-]
-
-DatasetOutput = Annotated[
-    Path | None,
-    Option("--output", "-o", help="Data: .nc, .zarr, .csv, .parquet, .mat or .json.", callback=named(DATASETS)),
-]
-
-TrackOutput = Annotated[
-    Path | None,
-    Option("--output", "-o", help="Voyage: .nc, .csv, .mat, ..., .geojson or .kml.", callback=named(TRACKS)),
-]
-
-TableOutput = Annotated[
-    Path | None,
-    Option("--output", "-o", help="Table to write: .csv, .parquet, .mat, .json.", callback=named(TABLES)),
-]
-
-WaterwayOutput = Annotated[Path | None, Option("--output", "-o", help="GeoJSON to write.", callback=named(WATERWAYS))]
 
 
 @dataclass(frozen=True)
@@ -317,11 +292,12 @@ RunErrors = Annotated[
 ]
 
 
+@dataclass(frozen=True)
 class Delivery:
     output: Path | None = None
+    json: bool = False
     plot: Path | None = None
     report: Path | None = None
-    json: bool = False
 
     def write(
         self, save: Callable[[Path], Any], draw: Callable[[], "Figure"] | None = None,
@@ -342,43 +318,25 @@ class Delivery:
         print_written((self.output, self.plot, self.report))
 
 
-@dataclass(frozen=True)
-class PlainModelDelivery(Delivery):
-    output: ModelOutput = None
-    json: AsJson = False
+JSON = Option("--json", help="Print JSON instead of tables.")
+AsJson = Annotated[bool, JSON]
+PICTURE = Option(help="Picture to write: PNG, SVG or PDF.", callback=named(PICTURES))
+REPORT = Option(help="Self-contained HTML report to write.", callback=named(PAGES))
 
 
-@dataclass(frozen=True)
-class ModelDelivery(PlainModelDelivery):
-    report: Report = None
+def delivered(help: str, forms: tuple[str, ...], **others: Option) -> dict[str, Option]:
+    """Return the options of a delivery: by default its file and its JSON."""
+    return {"output": Option("--output", "-o", help=help, callback=named(forms)), "json": JSON, **others}
 
 
-@dataclass(frozen=True)
-class TableDelivery(Delivery):
-    output: TableOutput = None
-    json: AsJson = False
-
-
-@dataclass(frozen=True)
-class ReportDelivery(TableDelivery):
-    report: Report = None
-
-
-@dataclass(frozen=True)
-class ChartDelivery(TableDelivery):
-    plot: Plot = None
-
-
-@dataclass(frozen=True)
-class TrackDelivery(ChartDelivery):
-    output: TrackOutput = None
-
-
-@dataclass(frozen=True)
-class DatasetDelivery(ChartDelivery):
-    output: DatasetOutput = None
-
-
-@dataclass(frozen=True)
-class WaterwayDelivery(TableDelivery):
-    output: WaterwayOutput = None
+PlainModelDelivery = Annotated[Delivery, delivered("Model file to write: .toml.", MODELS)]
+ModelDelivery = Annotated[Delivery, delivered("Model file to write: .toml.", MODELS, report=REPORT)]
+TABLE = "Table to write: .csv, .parquet, .mat, .json."
+TableDelivery = Annotated[Delivery, delivered(TABLE, TABLES)]
+ReportDelivery = Annotated[Delivery, delivered(TABLE, TABLES, report=REPORT)]
+ChartDelivery = Annotated[Delivery, delivered(TABLE, TABLES, plot=PICTURE)]
+TrackDelivery = Annotated[Delivery, delivered("Voyage: .nc, .csv, .mat, ..., .geojson or .kml.", TRACKS, plot=PICTURE)]
+DatasetDelivery = Annotated[
+    Delivery, delivered("Data: .nc, .zarr, .csv, .parquet, .mat or .json.", DATASETS, plot=PICTURE)
+]
+WaterwayDelivery = Annotated[Delivery, delivered("GeoJSON to write.", WATERWAYS)]

@@ -16,6 +16,7 @@ from narrows.cli.options import (
     Argument,
     ChartDelivery,
     DatasetDelivery,
+    Delivery,
     ModelFile,
     Numbers,
     Option,
@@ -321,7 +322,7 @@ def waterway(
     depth: Annotated[float | None, Option(help="Water depth [m], if the file gives none.")] = None,
     reach: Annotated[float, Option(help="Search distance for a bank in a chart [m].")] = REACH,
     draft: Annotated[float, Option(help="Draft of a ship [m]: the width is then that available to the keel.")] = 0.0,
-    delivery: WaterwayDelivery = WaterwayDelivery(),
+    delivery: WaterwayDelivery = Delivery(),
 ) -> None:
     """Make or check a waterway file.
 
