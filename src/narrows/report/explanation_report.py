@@ -5,13 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from narrows.files import write_whole
 from narrows.identification import Explanation, Fit
 from narrows.identification.shapley import KINDS
 from narrows.quantities.names import FORCES
 from narrows.report import fit_figures as draw
 from narrows.report.fit_figures import comparison_figure
-from narrows.report.fit_page import figure, render, section
+from narrows.report.fit_page import figure, section, write_page
 from narrows.report.fit_table import coefficient_row, heading, print_fit
 from narrows.report.printed_tables import console_of, table_of
 from narrows.report.voyage_figures import distances_figure, paths_figure
@@ -21,7 +20,8 @@ from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reprod
 
 def write_explanation(explanation: Explanation, path: str | Path, title: str) -> None:
     rows = explanation.comparison.rows()
-    page = render(
+    write_page(
+        path,
         "explanation.html.j2",
         title=title,
         says=[*explanation.summary().splitlines(), *explanation.notes],
@@ -36,7 +36,6 @@ def write_explanation(explanation: Explanation, path: str | Path, title: str) ->
         rows=[row | {"said": "; ".join(map(_said, row["bank"], row["bank"].values()))} for row in rows],
         s=section("", explanation.fit, 0) | {"heading": f"A fit to these tests: {heading(explanation.fit, '')}"},
     )
-    write_whole(path, page)
 
 
 def _row(explanation: Explanation, name: str) -> dict[str, Any]:
@@ -73,8 +72,8 @@ COMPARED = {
 
 
 def write_reproduction(reproduced: Reproduction, path: str | Path) -> None:
-    page = render(
-        "reproduction.html.j2", title="The paper, reproduced", figures=_figures(reproduced),
+    write_page(
+        path, "reproduction.html.j2", title="The paper, reproduced", figures=_figures(reproduced),
         coefficients=[_coefficient(reproduced.fit, name, ours) for name, ours in reproduced.truth.coefficients.items()],
         shapley=[(name, PRINTED_SHARES[name], ours.values()) for name, ours in reproduced.shares.items()],
         kinds=KINDS, switches=reproduced.switches, printed_switch=PRINTED_SWITCH, doubts=reproduced.notes,
@@ -83,7 +82,6 @@ def write_reproduction(reproduced: Reproduction, path: str | Path) -> None:
         eigenvalues={name: [f"{z.real:+.3f}{z.imag:+.3f}i" for z in ours] for name, ours in reproduced.modes.items()},
         stiffness=reproduced.stiffness,
     )  # fmt: skip
-    write_whole(path, page)
 
 
 def _coefficient(fit: Fit, name: str, printed: float) -> dict[str, str]:

@@ -56,16 +56,15 @@ def write_report(
     """
     answers = answers or {label: summarise_bank(fit) for label, fit in fits.items()}
     sections = [section(label, fit, number, answers[label]) for number, (label, fit) in enumerate(fits.items())]
-    page = render("fits.html.j2", title=title, sections=sections, comparison=_comparison(fits))
-    write_whole(path, page)
+    write_page(path, "fits.html.j2", title=title, sections=sections, comparison=_comparison(fits))
 
 
-def render(template: str, **values: Any) -> str:
+def write_page(path: str | Path, template: str, **values: Any) -> None:
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     loader = PackageLoader("narrows.report", "templates")
     environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
-    return environment.get_template(template).render(**values)
+    write_whole(path, environment.get_template(template).render(**values))
 
 
 def figure(picture: Any, caption: str) -> dict[str, str]:

@@ -6,11 +6,10 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from narrows.files import write_whole
 from narrows.logbook import LogFindings, LogFit, ShipLog, Signal
 from narrows.logbook.learned_coefficient import ON_TWINS, QUANTILE_95
 from narrows.logbook.learning.log_fit import RecordAnswer
-from narrows.report.fit_page import figure, render
+from narrows.report.fit_page import figure, write_page
 from narrows.report.pilot_page import LEARNED, learned_rows
 from narrows.report.printed_tables import print_result, table_of
 from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, Margins, panels
@@ -28,7 +27,8 @@ def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] |
         "forecasts over 3.5 ship lengths miss of each record, by the model before and by one that learned from all "
         "other records."
     )
-    page = render(
+    write_page(
+        path,
         "log_fit.html.j2",
         title=f"{fit.prior.configuration.ship.name or 'A ship'}: learned from its own log",
         said=fit.summary().splitlines(),
@@ -41,7 +41,6 @@ def write_log_report(fit: LogFit, path: str | Path, truth: Mapping[str, float] |
         forecasts=[figure(forecast_figure(record), BESIDE) for record in fit.records if record.forecasts],
         notes=[note for note in fit.notes if note != ON_TWINS],
     )
-    write_whole(path, page)
 
 
 def _informed(fit: LogFit) -> tuple[str, ...]:

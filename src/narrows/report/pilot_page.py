@@ -12,13 +12,12 @@ from matplotlib.patches import Polygon
 
 from narrows.control import steady_course
 from narrows.errors import InputError
-from narrows.files import write_whole
 from narrows.logbook import InformationForecast, SteadyFit, SteadyPlan
 from narrows.logbook.learned_coefficient import ON_TWINS, PRIOR, QUANTILE_95, LearnedCoefficient
 from narrows.logbook.steady_legs.steady_readings import SHARED
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
-from narrows.report.fit_page import figure, render
+from narrows.report.fit_page import figure, write_page
 from narrows.report.fit_page import figure as captioned
 from narrows.report.printed_tables import print_result, table_of
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, Margins, panels
@@ -35,13 +34,12 @@ def write_pilot_page(plan: SteadyPlan, path: str | Path) -> None:
         (f"{abs(leg.offset):g} m {leg.side}", f"{leg.speed / KNOT:g} kn", _turned(leg.rudder), _turned(leg.drift, 1))
         for leg in plan.legs
     ]
-    page = render(
-        "pilot.html.j2", title="Holding the ship to either side: what the bank does", plan=plan, legs=legs,
+    write_page(
+        path, "pilot.html.j2", title="Holding the ship to either side: what the bank does", plan=plan, legs=legs,
         picture_of_legs=captioned(legs_figure(plan), "The legs from above, the ship going up the page."),
         miles=run / 1852, minutes=np.ceil(plan.settling / 60), most_rudder=np.degrees(plan.most_rudder),
         strayed=STRAYED * ship.beam, foot=[plan.summary().partition("\n")[0], ON_TWINS],
     )  # fmt: skip
-    write_whole(path, page)
 
 
 def _turned(angles: tuple[float, ...], digits: int = 0) -> str:
@@ -134,7 +132,8 @@ def learned_rows(
 def write_steady_report(fit: SteadyFit, path: str | Path) -> None:
     caption = "Steady rudder by offset, before and after the legs; the bank's coefficients with 95 % intervals."
     found = fit.to_dict()
-    page = render(
+    write_page(
+        path,
         "steady.html.j2",
         title=f"{fit.prior.configuration.ship.name or 'A ship'}: coefficients from {len(fit.readings)} steady legs",
         standing=ON_TWINS,
@@ -146,7 +145,6 @@ def write_steady_report(fit: SteadyFit, path: str | Path) -> None:
         shared=[row | {"words": SHARED[row["name"]][0]} for row in found["shared"]],
         notes=fit.notes,
     )
-    write_whole(path, page)
 
 
 # Number of offsets of the curves, and their extent relative to the farthest leg.

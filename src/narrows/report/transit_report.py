@@ -10,8 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from narrows.files import write_whole
-from narrows.report.fit_page import figure, render
+from narrows.report.fit_page import figure, write_page
 from narrows.report.style import BLACK, BLUE, GREY, ORANGE, PURPLE, Margins, panels
 from narrows.ship.particulars import half_swept
 from narrows.warning.alerts.alert import Priority
@@ -30,7 +29,8 @@ HISTORY = (
 
 def write_transit_report(transit: WatchedTransit, path: str | Path) -> None:
     margin = transit.to_dict()["least_rudder_margin"]
-    page = render(
+    write_page(
+        path,
         "transit.html.j2",
         title=": a transit of ".join(transit.names),
         said=transit.summary().splitlines(),
@@ -40,7 +40,6 @@ def write_transit_report(transit: WatchedTransit, path: str | Path) -> None:
         alerts=[(f"{said.t:.0f}", said.alert) for said in transit.alerts],
         notes=transit.notes,
     )
-    write_whole(path, page)
 
 
 # Background of the curves during an alert, by level.
