@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import narrows as nw
-from narrows.cli.options import Argument, DatasetDelivery, Numbers, Option, Speed, Speeds, numbers, verb
+from narrows.cli.options import Argument, DatasetDelivery, Numbers, Speed, Speeds, numbers, verb
 from narrows.cli.voyages import CurrentText
 from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
@@ -20,28 +20,22 @@ GUST_FACTOR = 1.24
 @dataclass(frozen=True)
 class GridOptions:
     y: Annotated[
-        Numbers | None,
-        Option(help="Offsets from the middle [m]: a number, a,b,c or from:to:count; default: bank to bank."),
+        Numbers | None, "Offsets from the middle [m]: a number, a,b,c or from:to:count; default: bank to bank."
     ] = None
-    speed: Annotated[
-        Speeds | None, Option(help="Speeds through the water: 8kn, 4kn:12kn:17, 4.1m/s; default: to choking.")
-    ] = None
+    speed: Annotated[Speeds | None, "Speeds through the water: 8kn, 4kn:12kn:17, 4.1m/s; default: to choking."] = None
 
 
 @dataclass(frozen=True)
 class SectionOptions:
-    width: Annotated[float | None, Option(help="Width of the canal [m]; default: the model's own.")] = None
-    depth: Annotated[float | None, Option(help="Depth of the canal [m], likewise.")] = None
-    waterway: Annotated[
-        Path | None, Option(help="GeoJSON of a waterway, whose section replaces the model's canal.")
-    ] = None
-    at: Annotated[float, Option(help="Place along the waterway [m].")] = 0.0
+    width: Annotated[float | None, "Width of the canal [m]; default: the model's own."] = None
+    depth: Annotated[float | None, "Depth of the canal [m], likewise."] = None
+    waterway: Annotated[Path | None, "GeoJSON of a waterway, whose section replaces the model's canal."] = None
+    at: Annotated[float, "Place along the waterway [m]."] = 0.0
     along: Annotated[
-        str | None,
-        Option(help="Places along the waterway instead [m]: all, or 0:5000:11. Chart and table by distance."),
+        str | None, "Places along the waterway instead [m]: all, or 0:5000:11. Chart and table by distance."
     ] = None
     current: CurrentText = None
-    level: Annotated[float, Option(help="Water level above that of the depths [m].")] = 0.0
+    level: Annotated[float, "Water level above that of the depths [m]."] = 0.0
 
     def check(self) -> None:
         if self.waterway is None and (self.at or self.level or self.current is not None or self.along is not None):
@@ -81,12 +75,12 @@ class SectionOptions:
 
 @dataclass(frozen=True)
 class WeatherOptions:
-    heading_deg: Annotated[float, Option(help="Heading error at the start, standard deviation [deg].")] = 2.0
-    wind: Annotated[Speed, Option(help="Speed of a steady beam wind, from either side: 10m/s, 20kn.")] = "0m/s"
-    gusts: Annotated[float, Option(help="Ratio of gust to wind speed [1]; 1 for none.")] = GUST_FACTOR
-    windage: Annotated[float, Option(help="Lateral area above the water [m2], with --wind.")] = 0.0
-    gust_lever: Annotated[float, Option(help="Lever of wind and gust, forward of midship [m].")] = 0.0
-    gust_time: Annotated[float, Option(help="Duration of the gust [s].")] = 60.0
+    heading_deg: Annotated[float, "Heading error at the start, standard deviation [deg]."] = 2.0
+    wind: Annotated[Speed, "Speed of a steady beam wind, from either side: 10m/s, 20kn."] = "0m/s"
+    gusts: Annotated[float, "Ratio of gust to wind speed [1]; 1 for none."] = GUST_FACTOR
+    windage: Annotated[float, "Lateral area above the water [m2], with --wind."] = 0.0
+    gust_lever: Annotated[float, "Lever of wind and gust, forward of midship [m]."] = 0.0
+    gust_time: Annotated[float, "Duration of the gust [s]."] = 60.0
 
     def disturbance(self) -> "nw.Disturbance":
         if bool(self.wind) != bool(self.windage):
@@ -102,16 +96,11 @@ class WeatherOptions:
 
 @dataclass(frozen=True)
 class CaseOptions:
-    reserve: Annotated[float, Option(help="Share of the rudder left on the steady course.")] = 1 / 3
-    keel: Annotated[
-        float | None, Option(help="Least clearance under the keel [m]; default: a twentieth of the draft.")
-    ] = None
-    most_revolutions: Annotated[float | None, Option(help="Limit of the engine [1/s], for a propeller.")] = None
-    samples: Annotated[
-        int | None,
-        Option(help="Number of samples; default: enough to determine the edge to a step."),
-    ] = None
-    seed: Annotated[int, Option(help="Seed of the samples.")] = 0
+    reserve: Annotated[float, "Share of the rudder left on the steady course."] = 1 / 3
+    keel: Annotated[float | None, "Least clearance under the keel [m]; default: a twentieth of the draft."] = None
+    most_revolutions: Annotated[float | None, "Limit of the engine [1/s], for a propeller."] = None
+    samples: Annotated[int | None, "Number of samples; default: enough to determine the edge to a step."] = None
+    seed: Annotated[int, "Seed of the samples."] = 0
 
 
 # A ship with a rudder and banks, but untested, which the chart notes.
@@ -125,12 +114,10 @@ def envelope(
     weather: WeatherOptions,
     cases: CaseOptions,
     delivery: DatasetDelivery,
-    controller: Annotated[
-        str, Option(help="Pilot, such as regulator or human; an unknown name lists all.")
-    ] = "regulator",
-    bank: Annotated[str, Option(help="Kind of bank for design rules: gentle, sloping or steep.")] = "steep",
-    rudder_of: Annotated[str | None, Option(help="Model whose rudder is used if this one has none.")] = None,
-    demo: Annotated[bool, Option("--demo", help="Use estimated_kcs, 230 m, in a canal of 300 x 16.2 m.")] = False,
+    controller: Annotated[str, "Pilot, such as regulator or human; an unknown name lists all."] = "regulator",
+    bank: Annotated[str, "Kind of bank for design rules: gentle, sloping or steep."] = "steep",
+    rudder_of: Annotated[str | None, "Model whose rudder is used if this one has none."] = None,
+    demo: Annotated[bool, "Use estimated_kcs, 230 m, in a canal of 300 x 16.2 m."] = False,
     model: Annotated[str | None, Argument(help="Model file, or the name of a ship; none with --demo.")] = None,
 ) -> None:
     """Find the safe speeds and offsets of a ship in a canal.

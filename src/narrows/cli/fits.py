@@ -47,16 +47,16 @@ SIMULATED_SPEEDS = (0.7, 1.0)  # [m/s]
 
 @dataclass(frozen=True)
 class FittingOptions:
-    balance: Annotated[str, Option(help="Units of equal weight: 'tests' of any length, or 'rows'.")] = "tests"
+    balance: Annotated[str, "Units of equal weight: 'tests' of any length, or 'rows'."] = "tests"
     terms: Terms = "paper"
     accelerations: Annotated[
-        str, Option(help="'checked': from the motion if the measured ones contradict it; 'motion'; 'measured'.")
+        str, "'checked': from the motion if the measured ones contradict it; 'motion'; 'measured'."
     ] = "checked"
     errors: RunErrors = "0.02,0.02,0.02"
     pass_over: Annotated[
-        Words, Option(help="'rudder': fit although it moves without a rudder term; other terms absorb its force.")
+        Words, "'rudder': fit although it moves without a rudder term; other terms absorb its force."
     ] = ""
-    pool: Annotated[str | None, Option(help="'depth': separate hull coefficients at each depth, one bank.")] = None
+    pool: Annotated[str | None, "'depth': separate hull coefficients at each depth, one bank."] = None
 
 
 @verb("narrows identify kcs.csv --ship kcs.toml -o kcs.model.toml --report report.html")
@@ -66,7 +66,7 @@ def identify(
     fitting: FittingOptions,
     selection: SelectionOptions,
     delivery: ModelDelivery,
-    stream: Annotated[bool, Option(help="Read block by block: for tables larger than memory.")] = False,
+    stream: Annotated[bool, "Read block by block: for tables larger than memory."] = False,
 ) -> None:
     """Identify coefficients from captive tests, with their verdicts.
 
@@ -145,7 +145,7 @@ def explain(
     ship: Annotated[
         Path | None, Option("--ship", help="Ship file of the tests; the model's own ship unless given.")
     ] = None,
-    compare: Annotated[Words, Option(help="Tables of terms to compare, a,b,c; all unless given.")] = "",
+    compare: Annotated[Words, "Tables of terms to compare, a,b,c; all unless given."] = "",
 ) -> None:
     """Evaluate a model on any table of tests.
 
@@ -219,17 +219,14 @@ def reproduce(
 
 @dataclass(frozen=True)
 class RunOptions:
-    runs: Annotated[int, Option(help="Number of runs.")] = 12
-    run_length: Annotated[float | None, Option(help="Steady motion in one run [m]; 10 ship lengths.")] = None
-    clearance: Annotated[float, Option(help="Least distance from the hull's side to a wall, in beams.")] = 1.5
+    runs: Annotated[int, "Number of runs."] = 12
+    run_length: Annotated[float | None, "Steady motion in one run [m]; 10 ship lengths."] = None
+    clearance: Annotated[float, "Least distance from the hull's side to a wall, in beams."] = 1.5
     speed: Annotated[
-        Speeds | None,
-        Option(help="Speeds: 0.6m/s,0.9m/s or from:to:count; default: those tested before, or three slow ones."),
+        Speeds | None, "Speeds: 0.6m/s,0.9m/s or from:to:count; default: those tested before, or three slow ones."
     ] = None
-    depths: Annotated[Numbers | None, Option(help="Depths [m]: a,b,c or from:to:count; for terms with depth.")] = None
-    reach: Annotated[
-        float | None, Option(help="Largest offset from the centreline [m]; default: the tested range.")
-    ] = None
+    depths: Annotated[Numbers | None, "Depths [m]: a,b,c or from:to:count; for terms with depth."] = None
+    reach: Annotated[float | None, "Largest offset from the centreline [m]; default: the tested range."] = None
 
     def tank(self) -> "nw.Tank":
         at_speeds, at_depths = (() if own is None else tuple(own.tolist()) for own in (self.speed, self.depths))
@@ -240,8 +237,8 @@ class RunOptions:
 class AimOptions:
     errors: RunErrors = "0.02,0.02,0.02"
     terms: Terms = "paper"
-    targets: Annotated[Words, Option(help="Target coefficients, a,b,c; default: the bank's.")] = ""
-    criterion: Annotated[str, Option(help="'c': sum of the variances; 'd': determinant.")] = "c"
+    targets: Annotated[Words, "Target coefficients, a,b,c; default: the bank's."] = ""
+    criterion: Annotated[str, "'c': sum of the variances; 'd': determinant."] = "c"
 
 
 @verb("narrows plan ship.toml --runs 12 --speed 0.6m/s,0.9m/s -o runs.csv")
@@ -253,7 +250,7 @@ def plan(
     aim: AimOptions,
     selection: SelectionOptions,
     delivery: TableDelivery,
-    after: Annotated[Path | None, Option(help="Earlier captive tests.")] = None,
+    after: Annotated[Path | None, "Earlier captive tests."] = None,
 ) -> None:
     """Choose captive tests that identify the bank."""
     from narrows.report.printed_tables import print_plan

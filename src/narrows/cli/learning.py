@@ -42,40 +42,34 @@ OptionalModel = Annotated[str | None, Argument(help="Model file; none for --demo
 
 @dataclass(frozen=True)
 class LogOptions:
-    free: Annotated[Words, Option(help="Free coefficients: b_bank,c_bank; default: all.")] = ""
-    sensors: Annotated[str, Option(help="Measurement quality of a log: rtk, vdr, ais, or basin.")] = "vdr"
-    spread: Annotated[float | None, Option(help="Relative standard deviation of coefficients without a fit.")] = None
-    mapping: Annotated[
-        Path | None, Option(help="TOML of the log's own names, units, signs and delays; see docs/ship-log.md.")
-    ] = None
-    unchecked: Annotated[
-        bool, Option("--unchecked", help="Fit although the log's signs, units or clock look wrong.")
-    ] = False
-    demo: Annotated[
-        bool, Option("--demo", help="Fit simulated twins of ten transits of a 400 m ship; compare with the truth.")
-    ] = False
+    free: Annotated[Words, "Free coefficients: b_bank,c_bank; default: all."] = ""
+    sensors: Annotated[str, "Measurement quality of a log: rtk, vdr, ais, or basin."] = "vdr"
+    spread: Annotated[float | None, "Relative standard deviation of coefficients without a fit."] = None
+    mapping: Annotated[Path | None, "TOML of the log's own names, units, signs and delays; see docs/ship-log.md."] = (
+        None
+    )
+    unchecked: Annotated[bool, "Fit although the log's signs, units or clock look wrong."] = False
+    demo: Annotated[bool, "Fit simulated twins of ten transits of a 400 m ship; compare with the truth."] = False
 
 
 @dataclass(frozen=True)
 class LegOptions:
     steady: Annotated[
-        Path | None,
-        Option(help="Steady legs off the middle: a table of y, u, rudder and drift or heading, one row per leg."),
+        Path | None, "Steady legs off the middle: a table of y, u, rudder and drift or heading, one row per leg."
     ] = None
     plan_steady: Annotated[
         Path | None,
         Option(help="Plan steady legs and write the pilot's page: .html.", callback=named(PAGES)),
     ] = None
-    legs: Annotated[int, Option(help="Number of legs to plan, even.")] = 4
-    y: Annotated[Numbers | None, Option(help="Allowed offsets [m] to either side: a,b,c or from:to:count.")] = None
-    wind: Annotated[Speed, Option(help="Standard deviation of beam wind: 8m/s, 16kn.")] = "8m/s"
+    legs: Annotated[int, "Number of legs to plan, even."] = 4
+    y: Annotated[Numbers | None, "Allowed offsets [m] to either side: a,b,c or from:to:count."] = None
+    wind: Annotated[Speed, "Standard deviation of beam wind: 8m/s, 16kn."] = "8m/s"
 
 
 @dataclass(frozen=True)
 class InformationOptions:
     predict_information: Annotated[
-        str | None,
-        Option(help="Predict the information of transits on the bank coefficients; give the sensors: rtk or vdr."),
+        str | None, "Predict the information of transits on the bank coefficients; give the sensors: rtk or vdr."
     ] = None
     waterway: WaterwayFile = None
 
@@ -86,7 +80,7 @@ def learn(
     legs: LegOptions,
     ahead: InformationOptions,
     delivery: ModelDelivery,
-    speed: Annotated[str | None, Option(help="Allowed speeds, or that of transits: 8kn, 4.1m/s.")] = None,
+    speed: Annotated[str | None, "Allowed speeds, or that of transits: 8kn, 4.1m/s."] = None,
     model: OptionalModel = None,
     logs: Logs = None,
 ) -> None:

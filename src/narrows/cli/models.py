@@ -32,22 +32,14 @@ WHERE = f"File to write: {', '.join(_FIRST)} or {_LAST}."
 @verb("narrows scale mikkelsen2025_dtc --length 355 --density 1025 --depth 24 -o full.toml")
 def scale(
     model: ModelFile,
-    length: Annotated[float, Option(help="Length between perpendiculars of the new ship [m].")],
+    length: Annotated[float, "Length between perpendiculars of the new ship [m]."],
     delivery: PlainModelDelivery,
-    density: Annotated[float | None, Option(help="Density of the new water [kg/m3]; default: unchanged.")] = None,
-    width: Annotated[
-        float | None, Option(help="Width of the new canal [m]; default: that of the tests, scaled.")
-    ] = None,
-    depth: Annotated[
-        float | None, Option(help="Depth of the new canal [m]; default: that of the tests, scaled.")
-    ] = None,
-    form_factor: Annotated[
-        float | None, Option(help="Scale friction by the ITTC line with this form factor k.")
-    ] = None,
-    wetted_surface: Annotated[
-        float | None, Option(help="Wetted surface of the old hull [m2], with --form-factor.")
-    ] = None,
-    at_speed: Annotated[Speed | None, Option(help="Speed of the old hull: 1.2m/s, 2kn; with --form-factor.")] = None,
+    density: Annotated[float | None, "Density of the new water [kg/m3]; default: unchanged."] = None,
+    width: Annotated[float | None, "Width of the new canal [m]; default: that of the tests, scaled."] = None,
+    depth: Annotated[float | None, "Depth of the new canal [m]; default: that of the tests, scaled."] = None,
+    form_factor: Annotated[float | None, "Scale friction by the ITTC line with this form factor k."] = None,
+    wetted_surface: Annotated[float | None, "Wetted surface of the old hull [m2], with --form-factor."] = None,
+    at_speed: Annotated[Speed | None, "Speed of the old hull: 1.2m/s, 2kn; with --form-factor."] = None,
 ) -> None:
     """Scale a model to another length by Froude's law.
 
@@ -77,10 +69,10 @@ def export(
     output: Annotated[Path, Option("--output", "-o", help=WHERE)],
     physics: PhysicsOptions,
     water: WaterOptions,
-    fmi: Annotated[int, Option(help="FMI version of an FMU: 2 or 3.")] = 2,
-    hold: Annotated[float | None, Option(help="Offset [m] held by a helm in the file.")] = None,
+    fmi: Annotated[int, "FMI version of an FMU: 2 or 3."] = 2,
+    hold: Annotated[float | None, "Offset [m] held by a helm in the file."] = None,
     helm_speed: Annotated[
-        Speed | None, Option(help="Design speed of the helm: 4m/s, 8kn; default: one that suits the ship.")
+        Speed | None, "Design speed of the helm: 4m/s, 8kn; default: one that suits the ship."
     ] = None,
     json: AsJson = False,
 ) -> None:
@@ -126,14 +118,14 @@ def _helm(model: "nw.Model", hold: float | None, speed: float | None, way: "nw.W
 
 @dataclass(frozen=True)
 class DimensionOptions:
-    length: Annotated[float, Option(help="Length between perpendiculars [m].")]
-    width: Annotated[float, Option(help="Width of the canal, from bank to bank [m].")]
-    depth: Annotated[float | None, Option(help="Depth of the canal [m]; default: deep water.")] = None
-    beam: Annotated[float | None, Option(help="Beam of the ship [m]; usual for its --type unless given.")] = None
-    draft: Annotated[float | None, Option(help="Draft of the ship [m]; usual for its --type unless given.")] = None
-    block: Annotated[float | None, Option(help="Block coefficient; usual for its --type unless given.")] = None
-    density: Annotated[float, Option(help="Density of the water [kg/m3].")] = 1025.0
-    name: Annotated[str, Option(help="Name of the ship.")] = "ship"
+    length: Annotated[float, "Length between perpendiculars [m]."]
+    width: Annotated[float, "Width of the canal, from bank to bank [m]."]
+    depth: Annotated[float | None, "Depth of the canal [m]; default: deep water."] = None
+    beam: Annotated[float | None, "Beam of the ship [m]; usual for its --type unless given."] = None
+    draft: Annotated[float | None, "Draft of the ship [m]; usual for its --type unless given."] = None
+    block: Annotated[float | None, "Block coefficient; usual for its --type unless given."] = None
+    density: Annotated[float, "Density of the water [kg/m3]."] = 1025.0
+    name: Annotated[str, "Name of the ship."] = "ship"
 
 
 @verb("narrows estimate --length 366 --beam 51 --draft 15 --block 0.65 --width 300 --depth 18 -o ship.toml")
@@ -141,7 +133,7 @@ def estimate(
     dimensions: DimensionOptions,
     delivery: PlainModelDelivery,
     kind: Annotated[str | None, Option("--type", help="container, tanker, bulk, general, inland or convoy.")] = None,
-    speed: Annotated[Speed | None, Option(help="Service speed: 12m/s, 16kn; default: usual for the type.")] = None,
+    speed: Annotated[Speed | None, "Service speed: 12m/s, 16kn; default: usual for the type."] = None,
 ) -> None:
     """Estimate a model from the main dimensions of a ship.
 

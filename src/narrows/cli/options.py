@@ -1,4 +1,4 @@
-"""Arguments and options of verbs, declared by annotation, ``Annotated[float, Option(help="...")]``; their output."""
+"""Arguments and options of verbs, declared by annotation, ``Annotated[float, "..."]``; their output."""
 
 import re
 from collections.abc import Callable, Iterable
@@ -111,7 +111,8 @@ def command(function: Callable[..., Any], name: str | None, example: str) -> cli
 def _declared(name: str, hint: Any, default: Any) -> click.Parameter:
     assert get_origin(hint) is Annotated, f"the parameter {name} of a verb is declared by no Option or Argument"
     kind, *read, declaration = get_args(hint)
-    return declaration.parameter(name, Annotated[(kind, *read)] if read else kind, default)  # type: ignore[no-any-return]
+    option: Option = Option(help=declaration) if isinstance(declaration, str) else declaration
+    return option.parameter(name, Annotated[(kind, *read)] if read else kind, default)
 
 
 # Characters that a file name cannot hold, percent-encoded as in addresses.
@@ -171,20 +172,17 @@ ShipFile = Annotated[
 ModelFile = Annotated[str, Argument(help="Model file, or the name of a published model.")]
 
 WaterwayFile = Annotated[
-    Path | None, Option(help="GeoJSON of a waterway instead of the model's canal; x, y, psi are relative to its line.")
+    Path | None, "GeoJSON of a waterway instead of the model's canal; x, y, psi are relative to its line."
 ]
 
 
 @dataclass(frozen=True)
 class SelectionOptions:
-    where: Annotated[
-        str | None, Option(help="Selection of rows, as in 'u > 0.3 and abs(psi_deg) < 9', also by headers.")
-    ] = None
+    where: Annotated[str | None, "Selection of rows, as in 'u > 0.3 and abs(psi_deg) < 9', also by headers."] = None
     mapping: Annotated[
-        Path | None,
-        Option(help="TOML of the table's own names, units and signs: [columns], [units], [positive]."),
+        Path | None, "TOML of the table's own names, units and signs: [columns], [units], [positive]."
     ] = None
-    condition: Annotated[str | None, Option(help="Use only this condition of the table.")] = None
+    condition: Annotated[str | None, "Use only this condition of the table."] = None
 
     def mapping_of(self, table: Path) -> Path | None:
         """The mapping that was given, or else the confirmed columns.toml beside the table, if there is one."""
@@ -282,9 +280,7 @@ Numbers = Annotated[Any, numbers]
 Speed = Annotated[Any, speed]
 Speeds = Annotated[Any, speeds]
 Words = Annotated[Any, words]
-Terms = Annotated[
-    Any, _read_terms, Option(help="Table of terms: 'paper', 'crossflow', 'mmg', 'paper+keel_gap+helm', ...")
-]
+Terms = Annotated[Any, _read_terms, "Table of terms: 'paper', 'crossflow', 'mmg', 'paper+keel_gap+helm', ..."]
 RunErrors = Annotated[
     Any,
     _read_run_errors,

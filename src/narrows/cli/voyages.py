@@ -38,24 +38,20 @@ if TYPE_CHECKING:
 
 
 HELMS = ("regulator", "predictive")
-ContactKind = Annotated[
-    str, Option(help="Contact with the bank: hull 'corners', 'midship' clearance, or 'none' in open water.")
-]
+ContactKind = Annotated[str, "Contact with the bank: hull 'corners', 'midship' clearance, or 'none' in open water."]
 
 
 @dataclass(frozen=True)
 class StartOptions:
-    y: Annotated[float, Option(help="Start to starboard of the centreline [m].")] = 0.0
+    y: Annotated[float, "Start to starboard of the centreline [m]."] = 0.0
     speed: Annotated[
-        Speed | None, Option(help="Surge velocity: 1.2m/s, 8kn; m/s without a unit; default: one that suits the ship.")
+        Speed | None, "Surge velocity: 1.2m/s, 8kn; m/s without a unit; default: one that suits the ship."
     ] = None
-    psi_deg: Annotated[float, Option(help="Heading at the start [deg].")] = 0.0
-    v: Annotated[Speed, Option(help="Sway velocity at the start, likewise.")] = "0m/s"
-    r_deg: Annotated[float, Option(help="Yaw rate at the start [deg/s].")] = 0.0
-    x: Annotated[float, Option(help="Start along the canal [m].")] = 0.0
-    revolutions: Annotated[float | None, Option(help="Propeller revolutions [1/s]; default: those of the model.")] = (
-        None
-    )
+    psi_deg: Annotated[float, "Heading at the start [deg]."] = 0.0
+    v: Annotated[Speed, "Sway velocity at the start, likewise."] = "0m/s"
+    r_deg: Annotated[float, "Yaw rate at the start [deg/s]."] = 0.0
+    x: Annotated[float, "Start along the canal [m]."] = 0.0
+    revolutions: Annotated[float | None, "Propeller revolutions [1/s]; default: those of the model."] = None
 
     def values(self) -> dict[str, float]:
         turning = {"psi": radians(self.psi_deg), "r": radians(self.r_deg)}
@@ -75,11 +71,9 @@ class PushOptions:
 
 @dataclass(frozen=True)
 class HelmOptions:
-    rudder_deg: Annotated[
-        float, Option(help="Rudder angle [deg], positive to starboard; for models with a rudder.")
-    ] = 0.0
-    hold: Annotated[float | None, Option(help="Offset held by a helm [m], for models with a rudder.")] = None
-    controller: Annotated[str | None, Option(help="Helm: regulator or predictive.")] = None
+    rudder_deg: Annotated[float, "Rudder angle [deg], positive to starboard; for models with a rudder."] = 0.0
+    hold: Annotated[float | None, "Offset held by a helm [m], for models with a rudder."] = None
+    controller: Annotated[str | None, "Helm: regulator or predictive."] = None
 
     def of(self, model: "nw.Model", u: float, x: float, way: "nw.Waterway | None") -> Any:
         """Return the helm for the model's own canal, or for the section of a waterway at the ship's start."""
@@ -100,17 +94,15 @@ class HelmOptions:
 
 @dataclass(frozen=True)
 class TimeOptions:
-    duration: Annotated[
-        float | None, Option(help="Longest duration of a voyage [s]; default: the time of 15 ship lengths.")
-    ] = None
-    dt: Annotated[float | None, Option(help="Time step [s]; default: a 200th of the time of a ship length.")] = None
+    duration: Annotated[float | None, "Longest duration of a voyage [s]; default: the time of 15 ship lengths."] = None
+    dt: Annotated[float | None, "Time step [s]; default: a 200th of the time of a ship length."] = None
 
 
 @dataclass(frozen=True)
 class PhysicsOptions:
-    surge: Annotated[str, Option(help="'held': constant speed; 'free': it is integrated.")] = "held"
-    surge_inertia: Annotated[float | None, Option(help="Mass in surge with its added mass [kg], for 'free'.")] = None
-    coriolis: Annotated[bool, Option("--coriolis", help="Add the rigid body's Coriolis force.")] = False
+    surge: Annotated[str, "'held': constant speed; 'free': it is integrated."] = "held"
+    surge_inertia: Annotated[float | None, "Mass in surge with its added mass [kg], for 'free'."] = None
+    coriolis: Annotated[bool, "Add the rigid body's Coriolis force."] = False
     contact: ContactKind = "corners"
 
 
@@ -130,19 +122,17 @@ def _number(option: str, text: str) -> float:
 
 Current = Annotated[Any, read_current]
 Shear = Annotated[Any, partial(read_current, read=_number)]
-CurrentText = Annotated[
-    Current, Option(help="Current along the waterway at its beginning: 0.5m/s, 1kn; or 0:0.5m/s,900:1m/s.")
-]
+CurrentText = Annotated[Current, "Current along the waterway at its beginning: 0.5m/s, 1kn; or 0:0.5m/s,900:1m/s."]
 
 
 @dataclass(frozen=True)
 class WaterOptions:
     waterway: WaterwayFile = None
     current: CurrentText = None
-    level: Annotated[float | None, Option(help="Water level above that of the waterway's depths [m].")] = None
-    current_across: Annotated[Current, Option(help="Current to starboard of the line, likewise.")] = None
+    level: Annotated[float | None, "Water level above that of the waterway's depths [m]."] = None
+    current_across: Annotated[Current, "Current to starboard of the line, likewise."] = None
     current_shear: Annotated[
-        Shear, Option(help="Rise of the current along for each metre to starboard [1/s]: 0.002; or 0:0.001,900:0.")
+        Shear, "Rise of the current along for each metre to starboard [1/s]: 0.002; or 0:0.001,900:0."
     ] = None
 
     def read(self) -> "nw.Waterway | None":
@@ -160,16 +150,14 @@ class WaterOptions:
 @dataclass(frozen=True)
 class VariedOptions:
     y: Annotated[
-        Numbers | None,
-        Option(help="Start to starboard [m]: a number, a,b,c or from:to:count; bank to bank unless given."),
+        Numbers | None, "Start to starboard [m]: a number, a,b,c or from:to:count; bank to bank unless given."
     ] = None
     speed: Annotated[
-        Speeds | None,
-        Option(help="Surge velocity: 8kn, 4kn:8kn:5, 1.2m/s; m/s without a unit; default: one that suits the ship."),
+        Speeds | None, "Surge velocity: 8kn, 4kn:8kn:5, 1.2m/s; m/s without a unit; default: one that suits the ship."
     ] = None
-    psi_deg: Annotated[Numbers, Option(help="Heading at the start [deg], likewise.")] = "0"
-    width: Annotated[Numbers | None, Option(help="Canal width [m], likewise; default: the model's own.")] = None
-    x: Annotated[Numbers, Option(help="Start along the waterway [m], likewise.")] = "0"
+    psi_deg: Annotated[Numbers, "Heading at the start [deg], likewise."] = "0"
+    width: Annotated[Numbers | None, "Canal width [m], likewise; default: the model's own."] = None
+    x: Annotated[Numbers, "Start along the waterway [m], likewise."] = "0"
 
     def values(self, defaults: "VoyageDefaults", offsets: int) -> dict[str, Any]:
         aside = np.linspace(-defaults.offset, defaults.offset, offsets)
@@ -183,11 +171,9 @@ class VariedOptions:
 
 @dataclass(frozen=True)
 class SampleOptions:
-    samples: Annotated[int, Option(help="Number of coefficient samples from the fit's covariance.")] = 0
-    within: Annotated[
-        float | None, Option(help="With --samples: map the probability of grounding within this distance [m].")
-    ] = None
-    seed: Annotated[int, Option(help="Seed of the samples.")] = 0
+    samples: Annotated[int, "Number of coefficient samples from the fit's covariance."] = 0
+    within: Annotated[float | None, "With --samples: map the probability of grounding within this distance [m]."] = None
+    seed: Annotated[int, "Seed of the samples."] = 0
 
     def __post_init__(self) -> None:
         if self.within is not None and not 0 < self.within < float("inf"):
@@ -285,11 +271,11 @@ Zigzags = Annotated[Any, _zigzags]
 @verb("narrows trials yasukawa2015_kvlcc2 --speed 1.179m/s --plot tracks.png")
 def trials(
     model: ModelFile,
-    speed: Annotated[Speed, Option(help="Approach speed: 1.2m/s, 8kn; m/s without a unit.")],
+    speed: Annotated[Speed, "Approach speed: 1.2m/s, 8kn; m/s without a unit."],
     delivery: ChartDelivery,
-    turn_deg: Annotated[float, Option(help="Rudder angle of the turning circles, to either side [deg].")] = 35.0,
-    zigzags: Annotated[Zigzags, Option(help="Rudder/heading of the zigzags [deg], a/b,c/d.")] = "10/10,20/20",
-    dt: Annotated[float | None, Option(help="Time step [s]; default: a 120th of the time of a ship length.")] = None,
+    turn_deg: Annotated[float, "Rudder angle of the turning circles, to either side [deg]."] = 35.0,
+    zigzags: Annotated[Zigzags, "Rudder/heading of the zigzags [deg], a/b,c/d."] = "10/10,20/20",
+    dt: Annotated[float | None, "Time step [s]; default: a 120th of the time of a ship length."] = None,
 ) -> None:
     """Simulate turning circles and zigzags in open water.
 
@@ -315,13 +301,12 @@ def waterway(
         Argument(help="GeoJSON, KML, shapefile, or a cell of an electronic chart (.000); none with --width."),
     ] = None,
     line: Annotated[
-        Path | None,
-        Option(help="Centreline, through a chart or an area, or with --width: a map with one line, as it is sailed."),
+        Path | None, "Centreline, through a chart or an area, or with --width: a map with one line, as it is sailed."
     ] = None,
-    width: Annotated[float | None, Option(help="Width from bank to bank along --line [m].")] = None,
-    depth: Annotated[float | None, Option(help="Water depth [m], if the file gives none.")] = None,
-    reach: Annotated[float, Option(help="Search distance for a bank in a chart [m].")] = REACH,
-    draft: Annotated[float, Option(help="Draft of a ship [m]: the width is then that available to the keel.")] = 0.0,
+    width: Annotated[float | None, "Width from bank to bank along --line [m]."] = None,
+    depth: Annotated[float | None, "Water depth [m], if the file gives none."] = None,
+    reach: Annotated[float, "Search distance for a bank in a chart [m]."] = REACH,
+    draft: Annotated[float, "Draft of a ship [m]: the width is then that available to the keel."] = 0.0,
     delivery: WaterwayDelivery = Delivery(),
 ) -> None:
     """Make or check a waterway file.

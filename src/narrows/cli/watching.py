@@ -37,33 +37,28 @@ USUAL_SPEED = 4.0
 @dataclass(frozen=True)
 class InputOptions:
     listen: Annotated[
-        list[str] | None,
-        Option(help="udp://:10110, tcp://HOST:PORT, serial:///dev/ttyUSB0?baud=4800, ws://HOST:3000; again."),
+        list[str] | None, "udp://:10110, tcp://HOST:PORT, serial:///dev/ttyUSB0?baud=4800, ws://HOST:3000; again."
     ] = None
-    replay: Annotated[Path | None, Option(help="A recording of NMEA 0183 to replay.")] = None
-    score: Annotated[list[Path] | None, Option(help="A recording, each a transit, to score; again.")] = None
-    limit: Annotated[float, Option(help="With --score: clearance that counts as contact [m].")] = 5.0
-    demo: Annotated[bool, Option("--demo", help="A simulated bridge with a steering error near a bank.")] = False
+    replay: Annotated[Path | None, "A recording of NMEA 0183 to replay."] = None
+    score: Annotated[list[Path] | None, "A recording, each a transit, to score; again."] = None
+    limit: Annotated[float, "With --score: clearance that counts as contact [m]."] = 5.0
+    demo: Annotated[bool, "A simulated bridge with a steering error near a bank."] = False
     pace: Annotated[
         float | None,
-        Option(
-            help="With --replay and --demo: factor on real time; default: as fast as possible, with --page real time."
-        ),
+        "With --replay and --demo: factor on real time; default: as fast as possible, with --page real time.",
     ] = None
     commands_from: Annotated[
-        list[str] | None,
-        Option(help="Host or device whose acknowledgements (ACN) are accepted; default: none; repeatable."),
+        list[str] | None, "Host or device whose acknowledgements (ACN) are accepted; default: none; repeatable."
     ] = None
-    mmsi: Annotated[int | None, Option(help="MMSI of the AIS reports to read; default: the ship's own.")] = None
-    antenna: Annotated[str, Option(help="Position of the antenna [m]: forward,starboard of midship.")] = "0,0"
+    mmsi: Annotated[int | None, "MMSI of the AIS reports to read; default: the ship's own."] = None
+    antenna: Annotated[str, "Position of the antenna [m]: forward,starboard of midship."] = "0,0"
 
 
 @dataclass(frozen=True)
 class AlertOptions:
-    log: Annotated[Path | None, Option(help="Log of alerts, written before they are sent: .db.")] = None
+    log: Annotated[Path | None, "Log of alerts, written before they are sent: .db."] = None
     send: Annotated[
-        list[str] | None,
-        Option(help="ALF, ALC, HBT and ARC to udp://HOST:PORT; Signal K notifications to ws://HOST:3000; again."),
+        list[str] | None, "ALF, ALC, HBT and ARC to udp://HOST:PORT; Signal K notifications to ws://HOST:3000; again."
     ] = None
     recording: Annotated[
         Path | None, Option(help="Write the messages of --demo, for --replay: .nmea.", callback=named((".nmea",)))
@@ -75,11 +70,9 @@ LOOPBACK, PORT = "127.0.0.1", 8765
 
 @dataclass(frozen=True)
 class PageOptions:
-    page: Annotated[bool, Option("--page", help="Show it in a browser too: prints the address.")] = False
+    page: Annotated[bool, "Show it in a browser too: prints the address."] = False
     port: Annotated[int, Option(help="Of --page.", type=click.IntRange(0, 65_535))] = PORT
-    host: Annotated[str, Option(help="With --page: network address; default: this machine alone; 0.0.0.0 for all.")] = (
-        LOOPBACK
-    )
+    host: Annotated[str, "With --page: network address; default: this machine alone; 0.0.0.0 for all."] = LOOPBACK
 
 
 @verb("narrows monitor full.toml --waterway canal.geojson --listen udp://:10110 --log alerts.db")
@@ -90,7 +83,7 @@ def monitor(
     delivery: ReportDelivery,
     model: Annotated[str | None, Argument(help="Model file; none for --demo.", metavar="[MODEL]")] = None,
     waterway: WaterwayFile = None,
-    y: Annotated[float, Option(help="Offset to which a pilot who takes over steers the ship [m].")] = 0.0,
+    y: Annotated[float, "Offset to which a pilot who takes over steers the ship [m]."] = 0.0,
 ) -> None:
     """Watch a ship beside the banks, and warn.
 
