@@ -14,12 +14,15 @@ from matplotlib.figure import Figure
 from pages import markdown, publish
 
 import narrows as nw
+from narrows.report.style import BLACK, BLUE, GREEN, GREY, ORANGE, PURPLE, panels
 from narrows.terms.bank_forms import without_bank
 
 NO_DRIFT, PROPELLER_ON, PROPELLER_OFF = "BCDFHIJ", "BDIJ", "CFH"
 NO_BANK = "no bank"
 COMPARED = ("delta", "distance", "tuck", NO_BANK)
 HEAD = ("tests", "form", "force", "rmse_left_out", "coefficient", "value")
+MARKERS = ("o", "^", "s", "D", "v", "P")
+COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY, BLACK)
 KCS = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
 
 
@@ -144,17 +147,26 @@ def text() -> str:
 
 
 def figure() -> Figure:
-    """Draw the errors of the forms on tests left out."""
-    from narrows.report.fit_figures import forms_figure
-
-    compared = {
-        label: nw.Comparison(
-            {name: fit for name, fit in comparison.fits.items() if not name.endswith("open_water")}, {}
-        )
-        for label, comparison in sets().items()
-        if "without D" not in label
-    }
-    return forms_figure(compared)
+    """Draw the error of each form of the bank term on left-out tests relative to the best, for sets of tests."""
+    sets_shown = {
+        label: {n.removeprefix("bank only: "): fit for n, fit in own.fits.items() if not n.endswith("open_water")}
+        for label, own in sets().items() if "without D" not in label
+    }  # fmt: skip
+    names = list(next(iter(sets_shown.values())))
+    figure, axes = panels(2, 1, 5.6, grid="y", sharex=True)
+    for panel, force in zip(axes[:, 0], ("Y", "N"), strict=True):
+        for i, (label, fits) in enumerate(sets_shown.items()):
+            errors = np.array([fit.left_out[force].rmse for fit in fits.values()])
+            style = {"marker": MARKERS[i % 6], "color": COLOURS[i % 6], "linestyle": "none", "markersize": 5}
+            panel.plot(np.arange(len(names)) + 0.09 * (i - 2.5), errors / errors.min(), label=label, **style)
+        panel.set(yscale="log", ylabel=f"RMSE of left-out {force},\nover the best form's [1]")
+        panel.yaxis.set_major_formatter("{x:g}")
+    axes[1, 0].set_xticks(
+        range(len(names)), [name.removeprefix("bank only: ") for name in names], rotation=20, ha="right"
+    )
+    axes[1, 0].set_xlabel("form of the bank term [-]")
+    axes[0, 0].legend(frameon=False, fontsize=6.5, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=1)
+    return figure
 
 
 if __name__ == "__main__":

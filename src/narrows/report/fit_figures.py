@@ -1,13 +1,11 @@
 """Figures of a fit: measured and estimated forces, coefficients with their intervals, Shapley shares."""
 
-from collections.abc import Mapping
-
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from narrows.captive.tests import CaptiveTests
-from narrows.identification import Comparison, Fit
+from narrows.identification import Fit
 from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED, Diagnosis
 from narrows.model.data_range import Range
@@ -21,7 +19,6 @@ from narrows.report.style import (
     GREY,
     HATCHES,
     ORANGE,
-    PURPLE,
     Margins,
     panels,
 )
@@ -164,10 +161,6 @@ def delta_surface_figure(configuration: Configuration) -> Figure:
     return figure
 
 
-MARKERS = ("o", "^", "s", "D", "v", "P")
-COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY, BLACK)
-
-
 def correlation_figure(fit: Fit) -> Figure:
     """Draw the correlations between the columns of each force, with rank and condition (the paper's fig. corr)."""
     overall = fit.diagnostics.overall
@@ -243,23 +236,6 @@ def comparison_figure(rows: list[dict], forces: tuple[str, ...] = ("Y", "N")) ->
     axes[0, 0].set_ylim(len(names) - 0.5, -0.5)
     handles, labels = axes[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, frameon=False, fontsize=7, loc="outside upper center", ncols=3)
-    return figure
-
-
-def forms_figure(comparisons: Mapping[str, Comparison]) -> Figure:
-    """Draw the error of each form of the bank term on left-out tests relative to the best, for sets of tests."""
-    names = [name.removeprefix("bank only: ") for name in next(iter(comparisons.values())).fits]
-    figure, axes = panels(2, 1, 5.6, grid="y", sharex=True)
-    for panel, force in zip(axes[:, 0], ("Y", "N"), strict=True):
-        for i, (label, comparison) in enumerate(comparisons.items()):
-            errors = np.array([fit.left_out[force].rmse for fit in comparison.fits.values()])
-            style = {"marker": MARKERS[i % 6], "color": COLOURS[i % 6], "linestyle": "none", "markersize": 5}
-            panel.plot(np.arange(len(names)) + 0.09 * (i - 2.5), errors / errors.min(), label=label, **style)
-        panel.set(yscale="log", ylabel=f"RMSE of left-out {force},\nover the best form's [1]")
-        panel.yaxis.set_major_formatter("{x:g}")
-    axes[1, 0].set_xticks(range(len(names)), names, rotation=20, ha="right")
-    axes[1, 0].set_xlabel("form of the bank term [-]")
-    axes[0, 0].legend(frameon=False, fontsize=6.5, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=1)
     return figure
 
 

@@ -163,12 +163,12 @@ CALM = Condition(Priority.NONE, "")
 class Hysteresis:
     """A condition that is spoken of for a while after it last held, so that it does not come and go with noise."""
 
-    def __init__(self, time: float = settings.HOLD_TIME) -> None:
-        self.time, self._last, self._until = time, CALM, -math.inf
+    def __init__(self) -> None:
+        self._last, self._until = CALM, -math.inf
 
     def held(self, t: float, condition: Condition) -> Condition:
         if condition.priority:
-            self._last, self._until = condition, t + self.time
+            self._last, self._until = condition, t + settings.HOLD_TIME
         return self._last if t < self._until else CALM
 
 

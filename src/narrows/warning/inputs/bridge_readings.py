@@ -146,7 +146,7 @@ class Replay:
             yield entry._replace(t=entry.t + (self.recording.clock.begin or 0.0))
 
 
-def in_order(entries: Iterable[Entry], late: float = LATE) -> Iterator[Entry]:
+def in_order(entries: Iterable[Entry]) -> Iterator[Entry]:
     waiting: list[tuple[float, str, int, Entry]] = []
     numbers, newest, last = count(), -math.inf, -math.inf
     recent: set[tuple[float, str, str]] = set()
@@ -166,7 +166,7 @@ def in_order(entries: Iterable[Entry], late: float = LATE) -> Iterator[Entry]:
         if entry.t >= last:
             heapq.heappush(waiting, (entry.t, entry.message.source, next(numbers), entry))
         newest = max(newest, entry.t)
-        yield from ready(newest - late)
+        yield from ready(newest - LATE)
     yield from ready(math.inf)
 
 

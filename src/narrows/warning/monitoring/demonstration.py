@@ -39,10 +39,9 @@ class Demonstration:
     model: Model  # The ship
     waterway: Waterway  # The canal, with its place on earth
     voyage: Voyage  # Voyage in steps of a second, along the canal
-    seed: int = 0  # Seed of the sensors' noise
 
     def seconds(self) -> Iterator[tuple[float, list[str]]]:
-        random, voyage = np.random.default_rng(self.seed), self.voyage
+        random, voyage = np.random.default_rng(0), self.voyage
         for row, t in enumerate(voyage.t):
             now = {name: float(voyage[name][row]) for name in ("x", "y", "psi", "r", "u", "rudder")}
             v = float(voyage.v[row])
@@ -66,7 +65,7 @@ class Demonstration:
             yield Tick(t, [Entry(t, one) for one in decoded if one is not None], dict(decoder.faults))
 
 
-def demonstration(seed: int = 0) -> Demonstration:
+def demonstration() -> Demonstration:
     """Return the demonstration: a 230 m container ship in a canal 300 m wide."""
     model, way = bundled_ship(LENGTH, WIDTH, DEPTH, table_named(TERMS)), demonstrated_canal()
     middle, course = linearize(model, u=SPEED), linearize(model, LINE, SPEED).course
@@ -88,7 +87,7 @@ def demonstration(seed: int = 0) -> Demonstration:
         model, x=300.0, y=LINE, u=SPEED, controller=order, waterway=way, duration=DURATION, dt=1.0,
         N=[(0.0, 0.0), (UPSET[0], moment), (UPSET[1], 0.0)],
     )  # fmt: skip
-    return Demonstration(model, way, voyage, seed)
+    return Demonstration(model, way, voyage)
 
 
 def demonstrated_canal() -> Waterway:
