@@ -37,7 +37,6 @@ Logs = Annotated[
     list[Path] | None,
     Argument(help="The ship's own logs: CSV, Parquet, NMEA 0183.", metavar="[LOG]..."),
 ]
-OptionalModel = Annotated[str | None, Argument(help="Model file; none for --demo.", metavar="[MODEL]")]
 
 
 @dataclass(frozen=True)
@@ -81,7 +80,7 @@ def learn(
     ahead: InformationOptions,
     delivery: ModelDelivery,
     speed: Annotated[str | None, "Allowed speeds, or that of transits: 8kn, 4.1m/s."] = None,
-    model: OptionalModel = None,
+    model: Annotated[str | None, Argument(help="Model file; none for --demo.", metavar="[MODEL]")] = None,
     logs: Logs = None,
 ) -> None:
     """Learn coefficients from a ship's log or steady legs.

@@ -6,15 +6,13 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from narrows.captive.tests import CaptiveTests
 from narrows.files import write_whole
 from narrows.identification import Fit
 from narrows.identification.bank_summary import BankSummary, summarise_bank
 from narrows.identification.shapley import KINDS
 from narrows.identification.verdict import IDENTIFIED
-from narrows.model.data_range import Range
+from narrows.model.data_range import MEASURES, Range
 from narrows.quantities.names import name_of
 from narrows.report import fit_figures as draw
 from narrows.report.fit_table import best_known_first, coefficient_row, heading, kkt_sentence, share_rows
@@ -22,15 +20,6 @@ from narrows.report.style import svg
 from narrows.results.base_results import with_error
 from narrows.ship.particulars import Canal, Configuration, Ship
 from narrows.terms.term import Term
-
-ENVELOPE = {
-    "speed": ("surge velocity", "m/s", 1.0),
-    "abs_y": ("offset |y|", "m", 1.0),
-    "abs_psi": ("heading |psi|", "deg", 180 / np.pi),
-    "abs_r": ("yaw rate |r|", "deg/s", 180 / np.pi),
-    "depth_to_draft": ("h/T", "1", 1.0),
-    "width_to_beam": ("W/B", "1", 1.0),
-}
 
 
 def write_report(
@@ -72,19 +61,18 @@ def figure(picture: Any, caption: str) -> dict[str, str]:
 
 
 def section(label: str, fit: Fit, number: int, answer: BankSummary | None = None) -> dict[str, Any]:
-    source, envelope = fit.tests.source, asdict(fit.data_range)
     return {
         "id": f"fit-{number}",
         "heading": heading(fit, label),
         "answer": (*answer.warnings, *answer.sentences) if answer else (),
         "details": answer.details if answer else (),
-        "source": source,
+        "source": fit.tests.source,
         "ship": {k: v for k, v in asdict(fit.tests.configuration.ship).items() if v is not None},
         "setting": {"width": fit.tests.configuration.canal.width, "depth": fit.tests.configuration.canal.depth,
                     "density": fit.tests.configuration.water.density},
         "envelope": [
-            f"{word}: {pair[0] * scale:.3g} to {pair[1] * scale:.3g} {unit}"
-            for name, (word, unit, scale) in ENVELOPE.items() if (pair := envelope[name]) is not None
+            f"{measure.words}: {measure.shown(*pair)}"
+            for name, measure in MEASURES.items() if (pair := getattr(fit.data_range, name)) is not None
         ],
         "equations": equations(fit),
         "constraints": constraints(fit),
