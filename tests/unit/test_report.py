@@ -19,7 +19,7 @@ from narrows.report.fit_figures import (
     shapley_figure,
 )
 from narrows.report.fit_page import write_report
-from narrows.report.fit_table import print_fit
+from narrows.report.printed_tables import print_fit
 
 pytestmark = pytest.mark.slow
 

@@ -185,7 +185,7 @@ def publish(
         shown = {label: {"answer": answers[label].to_dict(), **fit.to_dict()} for label, fit in every.items()}
         print_json(next(iter(shown.values())) if len(shown) == 1 else {"conditions": shown})
     else:
-        from narrows.report.fit_table import print_fit
+        from narrows.report.printed_tables import print_fit
 
         for label, fit in every.items():
             print_fit(fit, label, answer=answers[label], table=len(every) == 1)

@@ -11,8 +11,7 @@ from narrows.quantities.names import FORCES
 from narrows.report import fit_figures as draw
 from narrows.report.fit_figures import comparison_figure
 from narrows.report.fit_page import figure, section, write_page
-from narrows.report.fit_table import coefficient_row, heading, print_fit
-from narrows.report.printed_tables import console_of, table_of
+from narrows.report.printed_tables import coefficient_row, console_of, heading, print_fit, table_of
 from narrows.report.voyage_figures import distances_figure, paths_figure
 from narrows.simulation.ensemble import grounding_distance
 from narrows.studies.mikkelsen2025 import PRINTED_SHARES, PRINTED_SWITCH, Reproduction

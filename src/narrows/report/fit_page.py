@@ -15,7 +15,7 @@ from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import MEASURES, Range
 from narrows.quantities.names import name_of
 from narrows.report import fit_figures as draw
-from narrows.report.fit_table import best_known_first, coefficient_row, heading, kkt_sentence, share_rows
+from narrows.report.printed_tables import best_known_first, coefficient_row, heading, kkt_sentence, share_rows
 from narrows.report.style import svg
 from narrows.results.base_results import with_error
 from narrows.ship.particulars import Canal, Configuration, Ship
