@@ -11,8 +11,7 @@ import xarray as xr
 import narrows as nw
 from narrows.empirical.fleet import model_named
 from narrows.quantities.names import KNOT
-from narrows.report.envelope_along_chart import print_envelope_along
-from narrows.report.envelope_chart import UNTESTED
+from narrows.report.envelope_chart import UNTESTED, print_envelope_along
 from narrows.safety.envelope_along import reach_at
 from narrows.waterway import Bank, Centreline, Waterway
 

@@ -142,7 +142,7 @@ def envelope(
         asked = {name: value for name, value in asked.items() if (name, value) != ("samples", None)}
         waterway = section.read()
         along = nw.envelope_along(ship, waterway, section.places(waterway), **asked)
-        from narrows.report.envelope_along_chart import envelope_along_chart, print_envelope_along
+        from narrows.report.envelope_chart import envelope_along_chart, print_envelope_along
 
         delivery.write(along.save, lambda: envelope_along_chart(along))
         delivery.show(along.to_dict, lambda: print_envelope_along(along))

@@ -1,7 +1,8 @@
-"""The envelope chart for pilots: where the ship is safe, the rudder that holds it there, and a table of both."""
+"""The envelope chart for pilots: where the ship is safe, the rudder that holds it, a table; along a waterway."""
 
 import math
 import textwrap
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from narrows.quantities.names import KNOT
-from narrows.report.printed_tables import cells_of, console_of, everything, print_notes, table_of, thinned
+from narrows.report.printed_tables import cells_of, console_of, everything, print_notes, print_result, table_of, thinned
 from narrows.report.style import (
     BLACK,
     BLUE,
@@ -26,9 +27,10 @@ from narrows.report.style import (
     Picture,
     given_axes,
     headed,
+    panels,
     titled,
 )
-from narrows.safety import MEDIAN, SURE_SHARE, OutsideRules, SafeEnvelope
+from narrows.safety import MEDIAN, SURE_SHARE, EnvelopeAlong, OutsideRules, SafeEnvelope
 from narrows.safety.channel_rules import READ, REMEMBERED
 from narrows.safety.headline import runs
 
@@ -191,7 +193,14 @@ def _draw_rudder(axes: Axes, envelope: SafeEnvelope) -> None:
     ):
         here = data.isel(u=index)
         label = "at every speed" if envelope.speed_free else f"at {float(here['u']) / KNOT:.1f} knots"
-        _draw_band(axes, here, 1.2 * limit, f"9 cases of 10 within, {label}", style, shade)
+        band, edge = here.isel(y=np.isfinite(here["rudder"].to_numpy())), 1.2 * limit
+        low, high = (
+            np.nan_to_num(np.degrees(band[name].to_numpy()), nan=end, posinf=edge, neginf=-edge)
+            for name, end in (("rudder_low", -edge), ("rudder_high", edge))
+        )
+        axes.fill_between(band["y"], low, high, facecolor=ORANGE, alpha=shade, lw=0)
+        axes.plot(band["y"], low, color=ORANGE, ls=style, lw=1.0, label=f"9 cases of 10 within, {label}")
+        axes.plot(band["y"], high, color=ORANGE, ls=style, lw=1.0)
         axes.plot(here["y"], np.degrees(here["rudder"]), color=BLUE, ls=style, label=f"most likely, {label}")
     for angle, words, colour, style in ((1.0, "hard over", BLACK, "-"), (1 - reserve, "reserve begins", GREY, "--")):
         for sign in (1, -1):
@@ -207,15 +216,6 @@ def _draw_rudder(axes: Axes, envelope: SafeEnvelope) -> None:
     axes.set_xlabel("offset from the middle [m]: port is negative, starboard positive")
     axes.legend(frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
     axes.grid(alpha=0.3)
-
-
-def _draw_band(axes: Axes, here: xr.Dataset, edge: float, label: str, style: str, shade: float) -> None:
-    here = here.isel(y=np.isfinite(here["rudder"].to_numpy()))
-    low, high = (np.degrees(here[name].to_numpy()) for name in ("rudder_low", "rudder_high"))
-    low, high = np.nan_to_num(low, nan=-edge, neginf=-edge), np.nan_to_num(high, nan=edge, posinf=edge)
-    axes.fill_between(here["y"], low, high, facecolor=ORANGE, alpha=shade, lw=0)
-    for side in (low, high):
-        axes.plot(here["y"], side, color=ORANGE, ls=style, lw=1.0, label=label if side is low else None)
 
 
 def _label(axes: Axes, angle: float, words: str, colour: str = BLACK) -> None:
@@ -333,3 +333,67 @@ def _in_words(row: dict[str, Any]) -> dict[str, Any]:
         fits = row["starboard"] is not None
         left = f"{row['port']:+.0f} to {row['starboard']:+.0f}" if fits else f"none (needs {row['width']:.0f} m)"
     return {**row, "mark": "" if row["standing"] == READ else " *", "speeds": speeds, "left": left}
+
+
+def envelope_along_chart(along: EnvelopeAlong) -> Figure:
+    figure, axes = panels(2, 1, 6.2, sharex=True)
+    speed, offset = axes[:, 0]
+    rows, edges, (s, *banks) = along.to_dataframe(), along.edges(), along.banks()
+    _filled(speed, edges, rows, "lowest_speed", "highest_speed")
+    _filled(offset, edges, rows, "port", "starboard", (s, *banks))
+    for bank in banks:
+        offset.plot(s, bank, color=BLACK, lw=2)
+    offset.axhline(0.0, color=GREY, lw=0.8)
+    for place in rows["computed_at"]:
+        speed.axvline(place, ymax=0.03, color=GREY, lw=0.8)
+    asked = np.concatenate([envelope.data["u"].to_numpy() for envelope in along.envelopes]) / KNOT
+    speed.set_ylim(asked.min(), max(asked.max(), 1.05 * asked.min()))
+    speed.set_ylabel("safe speeds [knots]")
+    offset.set_ylabel("widest safe offsets [m]\nport above, starboard below")
+    offset.invert_yaxis()
+    offset.set_xlabel("distance along the waterway [m]; ticks: the computed sections")
+    figure.legend(
+        handles=[
+            Patch(facecolor=PALE, edgecolor=BLACK, label="safe with 95 % probability"),
+            Patch(facecolor="none", edgecolor=PURPLE, hatch=UNTESTED, label="safe by the model, not tested"),
+            Patch(facecolor="white", edgecolor=GREY, lw=0.6, label="not safe, or not computed"),
+            Line2D([], [], color=BLACK, lw=2, label="bank, at the keel"),
+        ],
+        loc="outside lower left", frameon=False, ncols=2,
+    )  # fmt: skip
+    summary = [along.envelopes[0].weather, along.summary()]
+    headed(figure, f"Safe speeds and offsets along {along.waterway.name}", summary)
+    return figure
+
+
+def _filled(axes: Axes, edges: np.ndarray, rows: Any, low: str, high: str, banks: Sequence[np.ndarray] = ()) -> None:
+    """Fill what is safe, between the banks if given, and hatch what is safe by the model alone."""
+    looks: dict[str, dict[str, Any]] = {
+        "_by_model": {"facecolor": "none", "edgecolor": PURPLE, "hatch": UNTESTED, "lw": 0.8},
+        "": {"facecolor": PALE, "edgecolor": BLACK, "lw": 1.2},
+    }
+    for suffix, look in looks.items():
+        bottom, top = (rows[f"{end}{suffix}"].to_numpy() for end in (low, high))
+        for left, right, under, over in zip(edges, edges[1:], bottom, top, strict=False):
+            if np.isfinite(over):
+                s, *walls = banks or (edges,)
+                inside = (s >= left) & (s <= right)
+                ends = [np.clip(end, *(wall[inside] for wall in walls)) if walls else end for end in (under, over)]
+                axes.fill_between(s[inside], *ends, **look)
+
+
+COLUMNS = {
+    "along [m]": "{distance:.0f}", "safe up to [kn]": "{highest_speed:.1f}{star}",
+    "widest safe offsets [m]": "{port:+z.0f} to {starboard:+z.0f}", "at [kn]": "{at_speed:.1f}{star}",
+    "limited by": "{limited_by}",
+}  # fmt: skip
+
+
+def print_envelope_along(along: EnvelopeAlong) -> None:
+    rows = []
+    for row in along.rows():
+        by_model = {name.removesuffix("_by_model"): value for name, value in row.items() if name.endswith("_by_model")}
+        starred = np.isfinite(by_model["highest_speed"]) and not np.isfinite(row["highest_speed"])
+        rows.append({**row, **by_model, "star": "*"} if starred else {**row, "star": ""})
+    key = "* safe by the model; no test covered that place" if any(row["star"] for row in rows) else None
+    print_result(along, table_of(COLUMNS, rows, left=("limited by",), caption=key, caption_justify="left"))

@@ -22,8 +22,7 @@ from narrows.model.model import Model
 from narrows.model.shallow_water import DepthCorrected
 from narrows.model.squat import Squat
 from narrows.quantities.names import KNOT
-from narrows.report.envelope_along_chart import envelope_along_chart
-from narrows.report.envelope_chart import draw_speeds, draw_widths, envelope_chart
+from narrows.report.envelope_chart import draw_speeds, draw_widths, envelope_along_chart, envelope_chart
 from narrows.report.fit_figures import comparison_figure, force_residuals_figure, intervals_figure, motions_figure
 from narrows.report.log_report import findings_figure, log_figure
 from narrows.report.manoeuvre_report import manoeuvres_figure, turning_figure, zigzag_figure
