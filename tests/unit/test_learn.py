@@ -191,14 +191,20 @@ def test_a_long_record_is_taken_in_parts() -> None:
     [
         ({"spread": None}, "state a spread"), ({"spread": -1.0}, "is none"), ({"free": ("N_vv",)}, "did you mean"),
         ({"sensors": "gps"}, "sensors"), ({"spread": {"N_vv": 0.1}}, "did you mean"), ({"log": 3}, "is no log"),
-        ({"log": [of_manoeuvre(zigzag()).between(0, 5)]}, "no record of this log .* too short"),
-        ({"log": [replace(zigzag(), signals={n: zigzag()[n] for n in ("x", "y", "psi")})]}, "has no rudder angle"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_learned_from_is_said(told: dict[str, Any], says: str) -> None:
     usual = {"model": mistaken(), "log": records()[:1], "spread": 0.1, "sensors": "basin"}
     with pytest.raises(nw.InputError, match=says):
         nw.learn(**{**usual, **told})
+
+
+def test_records_that_are_too_short_or_have_no_rudder_are_said() -> None:
+    bare = replace(zigzag(), signals={name: zigzag()[name] for name in ("x", "y", "psi")})
+    with pytest.raises(nw.InputError, match=r"no record of this log .* too short"):
+        nw.learn(mistaken(), [of_manoeuvre(zigzag()).between(0, 5)], spread=0.1, sensors="basin")
+    with pytest.raises(nw.InputError, match="has no rudder angle"):
+        nw.learn(mistaken(), [bare], spread=0.1, sensors="basin")
 
 
 def test_a_record_of_another_draft_is_left_out_and_said() -> None:

@@ -73,12 +73,14 @@ def solve_motion(trace: Trace, force_of: tuple[tuple[str, str], ...], surge: Sur
     """Solve the equation of motion for the accelerations; ``force_of`` pairs each term with its force."""
     import sympy
 
+    from narrows.codegen.expressions import Abs
+
     forces = dict(force_of)
     components = tuple(FORCES) if surge == "free" else ("Y", "N")
     names = _coefficient_symbols(trace)
     held = {name: 0 for force, name in ACCELERATIONS.items() if force not in components}
     symbols = {name: held.get(name, symbol(name)) for name in trace.inputs}
-    functions = {name: sympy.Function(name, real=True) for name in COLUMNS}
+    functions = {name: sympy.Function(name, real=True) for name in COLUMNS} | {"abs": Abs}
     expressions = trace.replay(symbols, exact_number, functions)
     regressors = {name: (forces[name], value) for name, value in expressions.items() if forces[name] in components}
     mass = _mass(regressors, names, components)
