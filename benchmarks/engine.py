@@ -25,8 +25,7 @@ from narrows.captive.measured import measured_files
 from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.sensitivities import TangentIntegrator
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import steering_of
+from narrows.simulation.ship import SimulatedShip, steering_of
 from narrows.waterway import Bank, Centreline, Waterway
 
 PAPER, KVLCC2 = nw.published("mikkelsen2025_dtc"), nw.published("yasukawa2015_kvlcc2")

@@ -10,8 +10,7 @@ import narrows as nw
 from narrows.simulation.controllers import ExternalOrder
 from narrows.simulation.grid import sampled
 from narrows.simulation.kernel_run import KernelRun
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import PARAMETER, steering_of
+from narrows.simulation.ship import PARAMETER, SimulatedShip, steering_of
 from narrows.waterway import Waterway
 from scenes.five_scenes import SPEED
 

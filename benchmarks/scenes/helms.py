@@ -10,8 +10,7 @@ import narrows as nw
 from narrows.control.regulator import HeldLine, Regulator, RegulatorWeights, stacked_gains
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.controllers import VoyageState
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import steering_of
+from narrows.simulation.ship import SimulatedShip, steering_of
 from scenes.five_scenes import SPEED, Scene
 from scenes.fleet import DT, Fleet
 

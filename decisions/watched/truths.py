@@ -17,8 +17,7 @@ from narrows.ship.particulars import half_swept
 from narrows.simulation.controllers import ExternalOrder
 from narrows.simulation.grid import sampled
 from narrows.simulation.kernel_run import KernelRun
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import PARAMETER, steering_of
+from narrows.simulation.ship import PARAMETER, SimulatedShip, steering_of
 from narrows.terms.tables import table_named
 from narrows.waterway import Bank, Centreline
 from narrows.waterway.waterway import Waterway

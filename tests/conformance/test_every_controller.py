@@ -11,8 +11,7 @@ from engine_models import steered
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.quantities.names import Number
 from narrows.simulation.controllers import CONTROLLERS, ControlLaw
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
+from narrows.simulation.ship import MEMORY, PARAMETER, SimulatedShip, steering_of
 
 LENGTH = steered().configuration.ship.length
 LAWS = {name: example(LENGTH) for name, example in CONTROLLERS.items()}

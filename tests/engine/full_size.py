@@ -10,8 +10,7 @@ import narrows as nw
 from narrows.identification.fitting import bundled_ship
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.controllers import VoyageState
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import steering_of
+from narrows.simulation.ship import SimulatedShip, steering_of
 from narrows.terms.tables import table_named
 
 STEP = 1.0

@@ -11,9 +11,8 @@ from narrows.control import PredictiveHelm
 from narrows.control.predictive.line_frame import no_push
 from narrows.control.predictive.planner import RudderPlan
 from narrows.control.predictive.predictive_helm import VoyageOrders
-from narrows.simulation.ship import SimulatedShip
+from narrows.simulation.ship import SimulatedShip, steering_of
 from narrows.simulation.ship_lanes import ActuatorRates
-from narrows.simulation.steering import steering_of
 
 SPEED, HOLD = 1.0, 0.6
 STEPS = 4

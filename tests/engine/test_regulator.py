@@ -18,8 +18,7 @@ from narrows.control import HeldLine, LinearSystem, Regulator, linearize, regula
 from narrows.control.regulator import RegulatorWeights, rate_driven
 from narrows.quantities.arithmetic import COLUMNS
 from narrows.simulation.kernel_run import KernelRun
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import Steering, steering_of
+from narrows.simulation.ship import SimulatedShip, Steering, steering_of
 from narrows.waterway import Bank, Centreline, Waterway
 
 # Weights by Bryson's rule, other than the usual: half a beam off the line weighs as much as 5 degrees off the heading,

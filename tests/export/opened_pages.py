@@ -15,8 +15,7 @@ import narrows as nw
 from narrows.export.exported_ship import ExportedShip
 from narrows.export.fmu import lacks_zig
 from narrows.export.page.assembly import SHIP, bundled, helm_of, model_script, wasm_of
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import steering_of
+from narrows.simulation.ship import SimulatedShip, steering_of
 
 NODE = shutil.which("node")
 needs_node = pytest.mark.skipif(NODE is None, reason="no Node is here to run the scripts of a page with")

@@ -12,8 +12,7 @@ from test_scripts import python_of
 import narrows as nw
 from narrows.simulation.controllers import CONTROLLERS
 from narrows.simulation.initial_state import initial_state
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import steering_of
+from narrows.simulation.ship import SimulatedShip, steering_of
 
 STEERED, DT, DURATION = "steered", 0.05, 12.0
 START = {"y": 0.3, "psi": 0.02, "u": 1.0}

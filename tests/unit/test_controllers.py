@@ -11,8 +11,7 @@ import xarray as xr
 import narrows as nw
 from engine_models import bent, mmg, steered
 from narrows.quantities.arithmetic import choice, clip, maximum
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import steering_of
+from narrows.simulation.ship import SimulatedShip, steering_of
 
 STATE = ("x", "y", "psi", "u", "v", "r")
 START = {"y": 0.2, "psi": 0.02, "v": 0.01, "r": -0.002}

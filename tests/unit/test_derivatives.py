@@ -14,8 +14,7 @@ from narrows.codegen.printers.python import function_text
 from narrows.codegen.system import scalar_functions
 from narrows.simulation.channel import along_waterway
 from narrows.simulation.controllers import Autopilot, Zigzag
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import steering_of
+from narrows.simulation.ship import SimulatedShip, steering_of
 
 A, B, C = (real(name) for name in "abc")
 SCALAR = scalar_functions(ROW)

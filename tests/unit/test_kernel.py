@@ -20,8 +20,7 @@ from narrows.simulation.controllers import Autopilot, Zigzag
 from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.kernel_run import KernelRun, PreparedRun
 from narrows.simulation.outcome import Code
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import steering_of
+from narrows.simulation.ship import SimulatedShip, steering_of
 from narrows.waterway import Waterway
 
 DTC = nw.published("mikkelsen2025_dtc")

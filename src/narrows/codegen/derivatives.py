@@ -96,28 +96,19 @@ def jacobian_text(
     rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
     lines = Lines()
     values = {name: real(name) for name in (*STATE, *rates.moving)}
-    linear = _linear(rates, actuators)
+    program, results = rates.program()
+    linear = linear_slopes(program, {**results, "psi": real("r")}, actuators)
     slopes = coefficient_slopes(lines, rates, names, values)
     # Both define constants of their own, so the texts come after them.
     texts = [_jacobian("linear", rates, *linear), _jacobian("coefficients", rates, lines, slopes)]
-    return "\n\n".join([constants_text(rates.parameters, rates.constants), *texts])
-
-
-def batch_text(motion: FreeMotion, actuators: Sequence[Actuated], section: Sequence[str]) -> str:
-    rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
-    linear = _linear(rates, actuators)
-    return module_text(0, f"@quiet\n{_jacobian('linear', rates, *linear)}")
+    return module_text(0, constants_text(rates.parameters, rates.constants), *texts)
 
 
 def _jacobian(name: str, rates: Rates, lines: Lines, results: Sequence[Expr]) -> str:
     head = [f"{own} = values[{index}]" for index, own in enumerate((*STATE, *rates.moving))]
     head += [f"{own} = constants[{index}]" for index, own in enumerate(rates.constants.names)]
-    return function_text(name, ("values", "constants"), lines.needed_for(results).assignments, results, head)
-
-
-def _linear(rates: Rates, actuators: Sequence[Actuated]) -> tuple[Lines, list[Expr]]:
-    lines, results = rates.program()
-    return linear_slopes(lines, {**results, "psi": real("r")}, actuators)
+    text = function_text(name, ("values", "constants"), lines.needed_for(results).assignments, results, head)
+    return f"@quiet\n{text}"
 
 
 def linear_slopes(lines: Lines, rates: Mapping[str, Expr], actuators: Sequence[Actuated]) -> tuple[Lines, list[Expr]]:

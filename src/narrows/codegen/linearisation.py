@@ -34,7 +34,7 @@ class Linearisation:
     constants: tuple[Number, ...]  # Constants of the ship
     names: tuple[str, ...]  # Coefficients, in the order of the columns of ``coefficients``
     actuators: tuple[Actuated, ...]  # Actuators of the model
-    compiled: Callable[[], ModuleType]  # Returns the module of the same functions, compiled
+    module: ModuleType  # The same functions for the compiler
     section: tuple[str, ...] = ()  # Water quantities that ``at`` gives, point by point
 
     @property
@@ -50,7 +50,7 @@ class Linearisation:
         from narrows.codegen.addresses import entry
         from narrows.codegen.kernels import loops
 
-        linear, fill = entry(self.compiled(), "linear"), compiled_loops(loops).at_points
+        linear, fill = entry(self.module, "linear"), compiled_loops(loops).at_points
         constants = np.array([float(np.ravel(value)[0]) for value in self.constants])
         values = np.zeros((points, len(arguments(self.actuators, self.section))))
         out = np.zeros((points, len(LINEARISED), len(LINEARISED) + len(self.controlled)))

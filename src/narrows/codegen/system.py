@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import cached_property, lru_cache
 from types import ModuleType, SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -100,8 +100,8 @@ class System:
         parts = tuple(actuators), section
         scope = _derivatives(self, *parts)
         constants = _evaluated(scope["constants"], scope["PARAMETERS"], values)
-        batch = partial(self._module, "jacobian_batch", *parts)
-        return Linearisation(scope, constants, self.table.names, parts[0], batch, section)
+        compiled = self._module("jacobian", *parts)
+        return Linearisation(scope, constants, self.table.names, parts[0], compiled, section)
 
     def kernel(self) -> ModuleType:
         return self._module("kernel")
@@ -114,8 +114,9 @@ class System:
 
     def _executed(self, name: str, functions: Mapping[str, Callable[..., Any]], *parts: Any) -> dict[str, Any]:
         """Execute a generated text with the elementary functions that it calls; return its definitions."""
-        scope: dict[str, Any] = dict(functions)
+        scope: dict[str, Any] = {}
         exec(self._module(name, *parts).CODE, scope)
+        scope.update(functions)
         return scope
 
     def _written(self, name: str, *parts: Any) -> str:
@@ -128,9 +129,7 @@ class System:
                 return kernel.kernel_text(self.choices, self.rates)
             case "tangent":
                 return derivatives.tangent_text(self.step, self.choices, *parts)
-            case "jacobian":
-                return derivatives.jacobian_text(self.rates.motion, self.table.names, *parts)
-        return derivatives.batch_text(self.rates.motion, *parts)
+        return derivatives.jacobian_text(self.rates.motion, self.table.names, *parts)
 
     def constants_slopes(
         self, values: Mapping[str, Number], slopes: Mapping[str, np.ndarray]

@@ -26,8 +26,7 @@ from narrows.simulation.controllers import ORDER_TOLERANCE, ControlLaw, Named, O
 from narrows.simulation.initial_state import initial_state
 from narrows.simulation.inputs import check_waterway, finite_numbers
 from narrows.simulation.integrator import VoyageIntegrator
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import MEMORY, PARAMETER, WATER_PREFIX, steering_of
+from narrows.simulation.ship import MEMORY, PARAMETER, WATER_PREFIX, SimulatedShip, steering_of
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:

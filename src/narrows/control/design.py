@@ -35,8 +35,7 @@ from narrows.simulation.controllers import ControlLaw, Named
 from narrows.simulation.grid import sampled
 from narrows.simulation.inputs import finite_numbers
 from narrows.simulation.kernel_run import PUSH_END, KernelRun
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
+from narrows.simulation.ship import MEMORY, PARAMETER, SimulatedShip, steering_of
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -29,8 +29,7 @@ from narrows.quantities.arithmetic import minimum
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Quantity
 from narrows.simulation.channel import Channel, along_waterway, limits_of, straight_channel
 from narrows.simulation.settings import NEAR_THE_BANK
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import MEMORY, PARAMETER, Steering
+from narrows.simulation.ship import MEMORY, PARAMETER, SimulatedShip, Steering
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway

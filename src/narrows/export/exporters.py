@@ -197,8 +197,7 @@ def ship_to_export(
     """Return a ship under its choices with its control law; names begin with that of the file."""
     from narrows.export.exported_ship import ExportedShip, prefix_of
     from narrows.simulation.controllers import ControlLaw
-    from narrows.simulation.ship import SimulatedShip
-    from narrows.simulation.steering import steering_of
+    from narrows.simulation.ship import SimulatedShip, steering_of
 
     if controller is not None and not isinstance(controller, ControlLaw):
         raise InputError(

@@ -174,7 +174,7 @@ class Trials(BaseResult):
         return {
             "speed": self.speed,
             "turning": self._circles(),
-            "zigzags": self._zigzags(),
+            "zigzags": {order: test.to_dict() for order, test in self.zigzags.items()},
             "summary": self.summary(),
             "notes": list(self.notes),
         }
@@ -188,8 +188,8 @@ class Trials(BaseResult):
         ]
         zigzags = [
             (f"zigzag {order}", f"overshoot_{number}_deg", angle)
-            for order, measures in self._zigzags().items()
-            for number, angle in enumerate(measures["overshoots_deg"], start=1)
+            for order, test in self.zigzags.items()
+            for number, angle in enumerate(test.overshoots_deg, start=1)
         ]
         return pd.DataFrame(circles + zigzags, columns=["manoeuvre", "measure", "value"]).set_index(
             ["manoeuvre", "measure"]
@@ -197,9 +197,6 @@ class Trials(BaseResult):
 
     def _circles(self) -> dict[str, dict[str, float]]:
         return {order: circle.over_length() for order, circle in self.turning.items()}
-
-    def _zigzags(self) -> dict[str, dict[str, list[float]]]:
-        return {order: test.to_dict() for order, test in self.zigzags.items()}
 
 
 @accept_aliases

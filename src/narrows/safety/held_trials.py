@@ -24,8 +24,7 @@ from narrows.simulation.controllers import ControlLaw, Named
 from narrows.simulation.grid import Grid, grid_of
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import MEMORY, PARAMETER, steering_of
+from narrows.simulation.ship import MEMORY, PARAMETER, SimulatedShip, steering_of
 
 KEPT = ("rudder", "held", "known")
 # Names of the columns: disturbances, numbers of the pilot, gains of one with the true coefficients.

@@ -20,12 +20,18 @@ from narrows.results.base_results import answer
 from narrows.ship.actuators import PROPELLER
 from narrows.simulation.grid import Grid, grid_of, with_values
 from narrows.simulation.initial_state import check_irrelevant, propeller_notes, voyage_defaults
-from narrows.simulation.inputs import Contact, check_steps, check_vessels, check_waterway, check_workers
+from narrows.simulation.inputs import Contact, check_steps, check_waterway, check_workers
 from narrows.simulation.kernel_run import OUTPUTS, KernelRun, Result
 from narrows.simulation.outcome import Code, measured, outside_notes, water_notes
-from narrows.simulation.settings import BLOCK_VESSELS, MOST_STEPS, STEP_CHECK_VOYAGES, STEP_ERROR_LIMIT
-from narrows.simulation.ship import Points, SimulatedShip
-from narrows.simulation.steering import steering_of
+from narrows.simulation.settings import (
+    BLOCK_VESSELS,
+    MOST_IN_MEMORY,
+    MOST_STEPS,
+    MOST_STORED,
+    STEP_CHECK_VOYAGES,
+    STEP_ERROR_LIMIT,
+)
+from narrows.simulation.ship import Points, SimulatedShip, steering_of
 from narrows.simulation.store import attributes_of, empty_of
 from narrows.terms.term import TermKind
 
@@ -109,7 +115,12 @@ def ensemble(
     )
     check_irrelevant(ship, vary)
     grid = with_values(plain, steering.parameters if steering else {})
-    check_vessels(grid.vessels, stored=store is not None)
+    if store is None and grid.vessels > MOST_IN_MEMORY:
+        raise InputError(
+            f"{grid.vessels:.3g} voyages are more than memory is asked for; vary less, or give store='fleet.zarr'"
+        )
+    if grid.vessels > MOST_STORED:
+        raise InputError(f"{grid.vessels:.3g} voyages are more than {MOST_STORED:.0g}; vary less")
     run = KernelRun(ship, duration, dt, steering, waterway)
     _check_waterway(run, grid, vary)
     if store is not None:

@@ -30,8 +30,7 @@ from narrows.simulation.settings import (
     DEFAULT_STEPS_A_LENGTH,
     OWN_REVOLUTIONS,
 )
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import Steering
+from narrows.simulation.ship import SimulatedShip, Steering
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway

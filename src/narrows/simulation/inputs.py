@@ -10,7 +10,7 @@ from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice, check_count, shown
 from narrows.quantities.names import Number
 from narrows.ship.checks import LARGEST, speed_hint
-from narrows.simulation.settings import MOST_EXTENT, MOST_IN_MEMORY, MOST_POINTS, MOST_STORED, MOST_WORKERS
+from narrows.simulation.settings import MOST_EXTENT, MOST_POINTS, MOST_WORKERS
 
 # Default state at the start.
 START = {"x": 0.0, "y": 0.0, "psi": 0.0, "u": 1.0, "v": 0.0, "r": 0.0}
@@ -143,15 +143,6 @@ def check_flag(name: str, value: object) -> None:
 def check_waterway(waterway: object) -> None:
     if waterway is not None and not hasattr(waterway, "line"):
         raise InputError(f"waterway = {shown(waterway)} is none; read one with read_waterway")
-
-
-def check_vessels(vessels: int, stored: bool) -> None:
-    if not stored and vessels > MOST_IN_MEMORY:
-        raise InputError(
-            f"{vessels:.3g} voyages are more than memory is asked for; vary less, or give store='fleet.zarr'"
-        )
-    if vessels > MOST_STORED:
-        raise InputError(f"{vessels:.3g} voyages are more than {MOST_STORED:.0g}; vary less")
 
 
 def counted_heading(cosine: Number, sine: Number, near: Number) -> np.ndarray:

@@ -20,7 +20,7 @@ from narrows.simulation.settings import (
     NEAR_THE_BANK,
     STEP_CHECK_STEPS,
 )
-from narrows.simulation.steering import PARAMETER
+from narrows.simulation.ship import PARAMETER
 
 # State from step to step, in the order of ``Choices.kept``: x, y, cos psi, sin psi, u, v, r first.
 State = tuple[float, ...]

@@ -26,8 +26,7 @@ from narrows.simulation.inputs import START, counted_heading
 from narrows.simulation.integrator import Row, VoyageIntegrator, near_the_bank
 from narrows.simulation.outcome import Code
 from narrows.simulation.settings import CONTACT_TOLERANCE, NEAR_THE_BANK
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import Steering
+from narrows.simulation.ship import SimulatedShip, Steering
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway

@@ -22,8 +22,7 @@ from narrows.simulation.initial_state import initial_state
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, finite_numbers, segments_of
 from narrows.simulation.integrator import VoyageIntegrator
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import PARAMETER, Steering, steering_of
+from narrows.simulation.ship import PARAMETER, SimulatedShip, Steering, steering_of
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:

@@ -16,8 +16,7 @@ from narrows.quantities.names import Number
 from narrows.simulation import lane_loops
 from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.kernel_run import PUSH_END, KernelRun, PreparedRun
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import PARAMETER, steering_of
+from narrows.simulation.ship import PARAMETER, SimulatedShip, steering_of
 from narrows.waterway.centreline import check_along_only
 
 if TYPE_CHECKING:

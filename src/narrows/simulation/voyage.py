@@ -43,8 +43,7 @@ from narrows.simulation.inputs import (
 from narrows.simulation.integrator import Row, VoyageIntegrator, track_error
 from narrows.simulation.outcome import Code, Outcome, Track, froude_notes, measured, outside_notes, water_notes
 from narrows.simulation.settings import MOST_ROWS, STEP_ERROR_LIMIT
-from narrows.simulation.ship import Points, SimulatedShip
-from narrows.simulation.steering import steering_of
+from narrows.simulation.ship import Points, SimulatedShip, steering_of
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -36,8 +36,7 @@ from narrows.simulation.controllers import SwitchedLaw
 from narrows.simulation.grid import symmetric_root
 from narrows.simulation.initial_state import voyage_defaults
 from narrows.simulation.inputs import finite_numbers
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import steering_of
+from narrows.simulation.ship import SimulatedShip, steering_of
 from narrows.web import asset, without_exports
 
 

@@ -14,7 +14,7 @@ from narrows.logbook.filtering.record_grid import CURRENTS, ERROR, HELM, HELM_GA
 from narrows.model.model import Model
 from narrows.simulation.controllers import Named
 from narrows.simulation.sensitivities import TangentIntegrator
-from narrows.simulation.steering import PARAMETER
+from narrows.simulation.ship import PARAMETER
 
 PUSHES = ("X", "Y", "N")
 INPUTS = (*PUSHES, OFFSET(RUDDER), OFFSET("revolutions"), *CURRENTS)  # What processes may add to, but for sensors

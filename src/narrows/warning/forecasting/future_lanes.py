@@ -9,8 +9,7 @@ from narrows.codegen.choices import CURRENT_ACROSS, stages_at
 from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
-from narrows.simulation.ship import SimulatedShip
-from narrows.simulation.steering import CURRENT, PARAMETER, steering_of
+from narrows.simulation.ship import CURRENT, PARAMETER, SimulatedShip, steering_of
 from narrows.warning.forecasting.helmsman import REVOLUTIONS, LineOfSight, Manoeuvre, escape_numbers
 from narrows.warning.settings import CONTACT_TOLERANCE
 
