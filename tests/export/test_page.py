@@ -52,6 +52,15 @@ def shown(paper: Path, browser: Any) -> tuple[Any, list[str]]:
     return opened(browser, paper, 1280, 800)
 
 
+@pytest.fixture(autouse=True)
+def closed(browser: Any, shown: tuple[Any, list[str]]) -> Iterator[None]:
+    """Close what a test opens: its ships would sail on while others are tested."""
+    before = list(browser.contexts)
+    yield
+    for context in [own for own in browser.contexts if own not in before]:
+        context.close()
+
+
 def put(page: Any, **values: float) -> None:
     """Change settings as sliders do, and wait for the voyage, not for all the others."""
     page.evaluate("values => { Object.assign(narrowsPage.settings.values, values); narrowsPage.changed(); }", values)
