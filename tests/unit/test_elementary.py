@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from narrows.codegen.choices import ROW
-from narrows.codegen.kernels.elementary import module_text
-from narrows.codegen.native import address
+from narrows.codegen.compilation import address
+from narrows.codegen.printers.python import module_text
 from narrows.codegen.system import column_functions, scalar_functions
 
 LANES = 64

@@ -13,7 +13,7 @@ import pytest
 import narrows as nw
 from dop853 import integrated
 from engine_models import ACTUATED, TABLES, bent, model_of
-from narrows.codegen.native import optimised
+from narrows.codegen.compilation import optimised
 from narrows.simulation import outcome as end
 from narrows.simulation.channel import along_waterway, straight_channel
 from narrows.simulation.controllers import Autopilot, Zigzag

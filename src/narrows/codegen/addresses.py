@@ -12,7 +12,7 @@ def entry(module: ModuleType, name: str) -> Any:
     """Compile a function of a generated module and return its address; without a compiler, the function itself."""
     if lacks_compiler():
         return getattr(module, name)
-    from narrows.codegen.native import address
+    from narrows.codegen.compilation import address
 
     return address(module, name)
 

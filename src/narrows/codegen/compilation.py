@@ -1,19 +1,282 @@
-"""Numba compilation: a progress bar, and checked files of compiled code."""
+"""Compilation: straight lines of Python by LLVM, for one vessel or over lanes as vectors; loops by Numba.
 
+Numba infers types and counts references, which takes seconds where formulas are long. A straight line of numbers needs
+neither, and a loop over lanes is written as vectors at once. For Numba: a progress bar, and checked files of its code.
+"""
+
+import ast
 import gc
 import hashlib
 import logging
 import pickle
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack, suppress
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import llvmlite.binding as llvm
+from llvmlite import ir
 from numba.core import event
 from numba.core.caching import IndexDataCacheFile
 
 from narrows.progress import bar, is_shown
+
+INTEGER, BOOLEAN, DOUBLE = ir.IntType(64), ir.IntType(1), ir.DoubleType()
+# Arguments that are arrays, and whole numbers; all others are numbers.
+ARRAYS = ("block", "table", "shared", "z", "inputs", "values", "constants")
+INTEGERS = ("lane", "first")
+# Bytes of a number, and numbers of a vector.
+SIZE, WIDTH = 8, 8
+VECTOR = ir.VectorType(DOUBLE, WIDTH)
+# Fused multiply-add, nothing reordered: the mirrored voyage is the mirror to the bit.
+FAST = ("nsz", "contract")
+ARITHMETIC = {ast.Add: "add", ast.Sub: "sub", ast.Mult: "mul", ast.Div: "div", ast.LShift: "shl"}
+COMPARED = {ast.Lt: "<", ast.Gt: ">", ast.LtE: "<=", ast.GtE: ">=", ast.Eq: "=="}
+INTRINSICS = {"abs": "fabs", "sqrt": "sqrt", "log": "log", "sin": "sin", "cos": "cos"}
+
+Value = Any  # An LLVM value, a number of Python, or a tuple of them
+
+_ENGINES: list[Any] = []  # An engine owns the code that it made
+
+
+@cache
+def address(module: ModuleType, name: str) -> int:
+    """Compile a function of a generated module; return its address."""
+    engine = llvm.create_mcjit_compiler(*optimised(module, name))
+    engine.finalize_object()
+    _ENGINES.append(engine)
+    return int(engine.get_function_address(name))
+
+
+def optimised(module: ModuleType, name: str) -> tuple[Any, Any]:
+    """Return a function as optimised code of LLVM, and this machine."""
+    function = Compiler(vars(module)["TEXT"]).function(name)
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    machine = llvm.Target.from_default_triple().create_target_machine(
+        cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=3, codemodel="jitdefault",
+        jit=True,
+    )  # fmt: skip
+    compiled = llvm.parse_assembly(str(function.module))
+    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=2))
+    builder.getModulePassManager().run(compiled, builder)
+    return compiled, machine
+
+
+class Compiler:
+    """Writes functions of a module's text as LLVM code; the functions that they call are inlined."""
+
+    def __init__(self, text: str) -> None:
+        body = ast.parse(text).body
+        self.functions = {node.name: node for node in body if isinstance(node, ast.FunctionDef)}
+        assigned = [node for node in body if isinstance(node, ast.Assign) and isinstance(node.value, ast.Constant)]
+        self.constants: dict[str, Any] = {node.targets[0].id: node.value.value for node in assigned}  # type: ignore[attr-defined]
+        self.module = ir.Module()
+
+    def function(self, name: str) -> ir.Function:
+        """Write a function; where it returns a tuple, a last array takes the results."""
+        node = self.functions[name]
+        names = [one.arg for one in node.args.args]
+        last = node.body[-1]
+        if isinstance(last, ast.Return) and isinstance(last.value, ast.Tuple):
+            names.append("results")
+        arrays = (*ARRAYS, "results")
+        kinds = [ir.PointerType() if n in arrays else INTEGER if n in INTEGERS else DOUBLE for n in names]
+        function = ir.Function(self.module, ir.FunctionType(INTEGER, kinds), name)
+        for one in function.args:
+            if isinstance(one.type, ir.PointerType):
+                one.add_attribute("noalias")
+        builder = ir.IRBuilder(function.append_basic_block())
+        body = Body(self, builder, dict(zip(names, function.args, strict=True)))
+        result = body.run(node.body)
+        if isinstance(result, tuple):
+            for place, value in enumerate(result):
+                body.store(function.args[-1], place, value)
+        builder.ret(INTEGER(0) if result is None or isinstance(result, tuple) else result)
+        return function
+
+
+class Body:
+    """Statements of a function, written where a builder stands."""
+
+    def __init__(self, compiler: Compiler, builder: ir.IRBuilder, scope: dict[str, Value], lane: str = "") -> None:
+        self.compiler, self.builder, self.scope, self.lane = compiler, builder, scope, lane
+
+    def run(self, statements: Sequence[ast.stmt]) -> Value:
+        """Write statements, and return what they return."""
+        for statement in statements:
+            match statement:
+                case ast.Return():
+                    return self.value(statement.value) if statement.value else None
+                case ast.Assign(targets=[ast.Subscript(value=array, slice=place)]):
+                    self.store(self.value(array), self.value(place), self.value(statement.value))
+                case ast.Assign(targets=[ast.Tuple(elts=names)]):
+                    self.scope.update(zip((one.id for one in names), self.value(statement.value), strict=True))  # type: ignore[attr-defined]
+                case ast.Assign(targets=[ast.Name(id=name)]):
+                    self.scope[name] = self.value(statement.value)
+                case ast.For(target=ast.Name(id=lane), iter=ast.Call(args=[ast.Constant(value=count)])):
+                    self._loop(lane, int(str(count)), statement.body)
+                case _:
+                    raise TypeError(f"no straight line: {ast.unparse(statement)}")
+        return None
+
+    def _loop(self, lane: str, count: int, body: Sequence[ast.stmt]) -> None:
+        """Write a loop over lanes, a vector of them at a time; flags set before it are carried through it."""
+        builder, before, begun = self.builder, self.builder.block, self.builder.append_basic_block()
+        builder.branch(begun)
+        builder.position_at_end(begun)
+        inside = Body(self.compiler, builder, dict(self.scope), lane)
+        flags = ir.VectorType(BOOLEAN, WIDTH)
+        targets = [node.targets[0] for node in body if isinstance(node, ast.Assign)]
+        assigned = {target.id for target in targets if isinstance(target, ast.Name)}
+        phis = {name: builder.phi(flags) for name in sorted(self.scope.keys() & assigned)}
+        first = builder.phi(INTEGER)
+        inside.scope |= {**phis, lane: first}
+        inside.run(body)
+        ahead, end = builder.add(first, INTEGER(WIDTH)), builder.block
+        after = builder.append_basic_block()
+        for name, phi in phis.items():
+            phi.add_incoming(self._as(self.scope[name], flags), before)
+            phi.add_incoming(inside.scope[name], end)
+        first.add_incoming(INTEGER(0), before)
+        first.add_incoming(ahead, end)
+        builder.cbranch(builder.icmp_unsigned("<", ahead, INTEGER(count)), begun, after)
+        builder.position_at_end(after)
+        self.scope.update({name: inside.scope[name] for name in phis})
+
+    def value(self, node: ast.expr) -> Value:
+        builder = self.builder
+        match node:
+            case ast.Constant():
+                return node.value
+            case ast.Name(id=name):
+                return self.scope[name] if name in self.scope else self.compiler.constants[name]
+            case ast.Tuple(elts=parts):
+                return tuple(map(self.value, parts))
+            case ast.UnaryOp(op=ast.Not(), operand=operand):  # True if the flag of any lane is not set
+                flags = builder.bitcast(builder.not_(self.value(operand)), ir.IntType(WIDTH))
+                return builder.zext(builder.icmp_unsigned("!=", flags, ir.Constant(flags.type, 0)), INTEGER)
+            case ast.UnaryOp(operand=operand):
+                value = self.value(operand)
+                return builder.fneg(value, FAST) if isinstance(value, ir.Value) else -value
+            case ast.BinOp(left=left, op=operator, right=right):
+                return self._arithmetic(operator, self.value(left), self.value(right))
+            case ast.Compare(left=left, ops=[sign], comparators=[right]):
+                return builder.fcmp_ordered(COMPARED[type(sign)], *self._alike(self.value(left), self.value(right)))
+            case ast.IfExp(test=test, body=over, orelse=under):
+                chosen = self.value(test)
+                kind = VECTOR if _is_vector(chosen) else DOUBLE
+                return builder.select(chosen, self._as(self.value(over), kind), self._as(self.value(under), kind))
+            case ast.Subscript(value=array, slice=place):
+                own, at = self.value(array), self.value(place)
+                if isinstance(own, tuple):
+                    return own[at]
+                of_lanes = any(isinstance(one, ast.Name) and one.id == self.lane for one in ast.walk(place))
+                kind = VECTOR if of_lanes else DOUBLE
+                return builder.load(self._place(own, at), align=SIZE, typ=kind)
+            case ast.Call(func=ast.Name(id=name), args=given):
+                return self._called(name, [self.value(one) for one in given])
+            case ast.Call(func=ast.Attribute(value=value, attr="view"), args=[ast.Name()]):
+                return self._cast(self.value(value), DOUBLE, "bitcast")
+            case ast.Call(func=ast.Attribute(value=value, attr="view")):
+                return self._cast(self.value(value), INTEGER, "bitcast")
+            case ast.Call(func=ast.Attribute(value=ast.Name(id="np")), args=[number]):
+                value = self.value(number)
+                return value if isinstance(_element(value), ir.IntType) else self._cast(value, INTEGER, "fptosi")
+        raise TypeError(f"no straight line: {ast.unparse(node)}")
+
+    def _arithmetic(self, operator: ast.operator, left: Value, right: Value) -> Value:
+        if not isinstance(left, ir.Value) and not isinstance(right, ir.Value):  # places in an array
+            return left * right if isinstance(operator, ast.Mult) else left + right
+        left, right = self._alike(left, right)
+        if isinstance(operator, ast.Pow):
+            return self._intrinsic("pow", left, right)
+        if isinstance(operator, ast.BitAnd):
+            return self.builder.and_(left, right)
+        name = ARITHMETIC[type(operator)]
+        if isinstance(_element(left), ir.IntType):
+            return getattr(self.builder, name)(left, right)
+        return getattr(self.builder, f"f{name}")(left, right, flags=FAST)
+
+    def _called(self, name: str, given: list[Value]) -> Value:
+        if name in INTRINSICS:
+            return self._intrinsic(INTRINSICS[name], *given)
+        if name in ("min", "max"):
+            first, second = self._alike(*given)
+            is_second = self.builder.fcmp_ordered("<" if name == "min" else ">", second, first)
+            return self.builder.select(is_second, second, first)
+        if name == "real":
+            whole = isinstance(given[0], ir.Value) and isinstance(_element(given[0]), ir.IntType)
+            return self._cast(given[0], DOUBLE, "sitofp") if whole else given[0]
+        if name == "entry":
+            return self._entry(given[0], int(given[1]), self._cast(given[2], INTEGER, "fptosi"))
+        function = self.compiler.functions[name]
+        scope = dict(zip((one.arg for one in function.args.args), given, strict=True))
+        return Body(self.compiler, self.builder, scope, self.lane).run(function.body)
+
+    def _intrinsic(self, name: str, *given: Value) -> Value:
+        given = self._alike(*given)
+        kind = given[0].type
+        kinds = f"v{kind.count}f64" if _is_vector(given[0]) else "f64"
+        signature = ir.FunctionType(kind, [kind] * len(given))
+        function = self.compiler.module.declare_intrinsic(f"llvm.{name}.{kinds}", (), signature)
+        return self.builder.call(function, given, fastmath=FAST)
+
+    def _entry(self, table: Value, column: int, cell: Value) -> Value:
+        """Read a column of the table of a waterway, lane by lane."""
+        if not _is_vector(cell):
+            return self._read(table, cell, column)
+        out = ir.Constant(VECTOR, ir.Undefined)
+        for lane in range(cell.type.count):
+            one = self._read(table, self.builder.extract_element(cell, INTEGER(lane)), column)
+            out = self.builder.insert_element(out, one, INTEGER(lane))
+        return out
+
+    def _read(self, table: Value, cell: Value, column: int) -> Value:
+        builder = self.builder
+        row = builder.mul(cell, INTEGER(self.compiler.constants["CELL_ENTRIES"]))
+        place = builder.gep(table, [builder.add(row, INTEGER(column))], source_etype=DOUBLE)
+        return builder.load(place, align=SIZE, typ=DOUBLE)
+
+    def store(self, array: Value, place: Value, value: Value) -> None:
+        kind = VECTOR if self.lane else DOUBLE
+        self.builder.store(self._as(value, kind), self._place(array, place), align=SIZE)
+
+    def _place(self, array: Value, place: Value) -> Value:
+        at = place if isinstance(place, ir.Value) else INTEGER(place)
+        return self.builder.gep(array, [at], source_etype=DOUBLE)
+
+    def _cast(self, value: Value, element: ir.Type, how: str) -> Value:
+        kind = ir.VectorType(element, value.type.count) if _is_vector(value) else element
+        return getattr(self.builder, how)(value, kind)
+
+    def _alike(self, *values: Value) -> tuple[Value, ...]:
+        """Return values of one type: numbers of Python as constants, single numbers as lanes where one has lanes."""
+        kinds = [one.type for one in values if isinstance(one, ir.Value)]
+        vectors = [kind for kind in kinds if isinstance(kind, ir.VectorType)]
+        return tuple(self._as(one, (vectors + kinds)[0]) for one in values)
+
+    def _as(self, value: Value, kind: ir.Type) -> Value:
+        element = kind.element if isinstance(kind, ir.VectorType) else kind
+        if not isinstance(value, ir.Value):
+            number = int(value) if isinstance(element, ir.IntType) else float(value)
+            return ir.Constant(kind, [number] * kind.count) if element is not kind else ir.Constant(kind, number)
+        if value.type == kind:
+            return value
+        one = self.builder.insert_element(ir.Constant(kind, ir.Undefined), value, INTEGER(0))
+        places = ir.Constant(ir.VectorType(ir.IntType(32), kind.count), [0] * kind.count)
+        return self.builder.shuffle_vector(one, ir.Constant(kind, ir.Undefined), places)
+
+
+def _is_vector(value: Value) -> bool:
+    return isinstance(value, ir.Value) and isinstance(value.type, ir.VectorType)
+
+
+def _element(value: Value) -> ir.Type:
+    return value.type.element if _is_vector(value) else value.type
+
 
 # Number of functions to compile in each generated file, by file name.
 FUNCTIONS: dict[str, int] = {}
@@ -64,7 +327,7 @@ def watch(module: ModuleType, text: str) -> None:
 
 # Numba does not check its files: a truncated one ends in a traceback, and corrupt machine code in worse. So a damaged
 # file is compiled again, and an unwritable one is ignored.
-SIZE = hashlib.sha256().digest_size
+DIGEST = hashlib.sha256().digest_size
 
 
 class CheckedFile(IndexDataCacheFile):  # type: ignore[misc]
@@ -83,8 +346,8 @@ class CheckedFile(IndexDataCacheFile):  # type: ignore[misc]
         """Read the code of a signature; None if it is absent, damaged or of another version."""
         with suppress(OSError):
             content = Path(self._place(key)).read_bytes()
-            if hashlib.sha256(content[SIZE:]).digest() == content[:SIZE]:
-                *known, data = pickle.loads(content[SIZE:])
+            if hashlib.sha256(content[DIGEST:]).digest() == content[:DIGEST]:
+                *known, data = pickle.loads(content[DIGEST:])
                 return data if known == [self._version, self._source_stamp, key] else None
         return None
 

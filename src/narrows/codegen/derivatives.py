@@ -11,10 +11,9 @@ from sympy import Integer, sympify
 from narrows.codegen.choices import DIRECTIONS, LENGTH, Actuated, Choices
 from narrows.codegen.expressions import symbols_of
 from narrows.codegen.free_motion import ACCELERATIONS, STATE, Expr, FreeMotion, symbol
-from narrows.codegen.kernels.elementary import module_text
 from narrows.codegen.linearisation import LINEARISED, arguments, controlled
 from narrows.codegen.lines import FUNCTIONS, Assignment, Lines, asked_by, real, straight_lines
-from narrows.codegen.printers.python import constants_text, function_text, plain
+from narrows.codegen.printers.python import constants_text, function_text, module_text, plain
 from narrows.codegen.rates import Rates
 from narrows.codegen.step import Step
 from narrows.quantities.names import FORCES

@@ -11,9 +11,8 @@ import sympy
 
 from narrows.codegen.choices import BOOK, LANES, SHARED, Choices
 from narrows.codegen.free_motion import MIDSHIP, OPEN, STATE, Expr
-from narrows.codegen.kernels.elementary import module_text
 from narrows.codegen.lines import LaneFields, Lines, asked_by, real, rounds
-from narrows.codegen.printers.python import Arithmetic, constants_text, function_text
+from narrows.codegen.printers.python import Arithmetic, constants_text, function_text, module_text
 from narrows.codegen.rates import ITEM, RATES, CalledRates, Rates
 from narrows.codegen.step import Step, ends_left, least_clearance, step_of
 

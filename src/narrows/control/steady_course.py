@@ -151,9 +151,8 @@ def _balance_text(system: "System") -> str:
 
     from narrows.codegen.derivatives import with_tangents
     from narrows.codegen.free_motion import STATE
-    from narrows.codegen.kernels.elementary import module_text
     from narrows.codegen.lines import FUNCTIONS, Lines, real
-    from narrows.codegen.printers.python import Arithmetic
+    from narrows.codegen.printers.python import Arithmetic, module_text
 
     lines, (drift, angle) = Lines(), (real("drift"), real("angle"))
     cosine = lines.put("cos_psi", (1 + drift * drift) ** sympy.Rational(-1, 2))

@@ -37,7 +37,6 @@ from narrows.export.passport import RANGE_BITS, bits_in_words, passport
 from narrows.export.ship_files import c_text, commented, filled, places_in, rates_of, rendered
 from narrows.model.model import Model
 from narrows.quantities.dimensions import dimension_of
-from narrows.quantities.names import MOTION
 from narrows.ship.checks import POSITIVE, SMALLEST
 from narrows.simulation.initial_state import voyage_defaults
 
@@ -196,7 +195,9 @@ def indicators(exported: ExportedShip) -> tuple[tuple[str, str, str], ...]:
 
 def _variables(exported: ExportedShip, speed: float, dt: float) -> Iterator[FmuVariable]:
     yield FmuVariable("time", Kind.TIME_ITSELF, "s", "time")
-    states = tuple(_states(exported))
+    known = {one.name: (one.name, one.unit, one.meaning) for one in exported.state}
+    known["psi"] = "psi", "rad", HEADING
+    states = [known[name] for name in (*LINEARISED, *exported.gear)]
     for name, unit, meaning in states:
         yield FmuVariable(name, Kind.STATE, unit, meaning, speed if name == "u" else 0.0)
     for number, (name, unit, _) in enumerate(states):
@@ -221,13 +222,6 @@ def _variables(exported: ExportedShip, speed: float, dt: float) -> Iterator[FmuV
         yield FmuVariable(name, Kind.TUNABLE, one.unit, one.meaning, one.value, 0, bounds)
     for name, _, meaning in indicators(exported):
         yield FmuVariable(name, Kind.INDICATOR, "1" if "heading" in name else "m", f"event indicator: {meaning}")
-
-
-def _states(exported: ExportedShip) -> Iterator[tuple[str, str, str]]:
-    for name in LINEARISED:
-        yield name, *((MOTION[name].unit, MOTION[name].meaning) if name in MOTION else ("rad", HEADING))
-    known = {one.name: one for one in exported.state}
-    yield from ((name, known[name].unit, known[name].meaning) for name in exported.gear)
 
 
 def _bounds(exported: ExportedShip, one: ExportedNumber) -> tuple[float, float]:

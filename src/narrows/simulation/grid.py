@@ -51,7 +51,16 @@ class Grid:
     def flat(self, block: slice) -> tuple[dict[str, np.ndarray | float], tuple[int, ...]]:
         """Return every value over one block of vessels: one number, or one per vessel, and the block's shape."""
         shape = tuple(len(range(*block.indices(n))) if name == self.axis else n for name, n in self.sizes.items())
-        return {name: self._flat(value, block, shape) for name, value in self.values.items()}, shape
+        flat: dict[str, np.ndarray | float] = {}
+        for name, value in self.values.items():
+            if not value.dims:
+                flat[name] = float(value)
+                continue
+            cut = value.isel({self.axis: block}) if self.axis in value.dims else value
+            wide = cut.transpose(*(own for own in self.sizes if own in cut.dims)).to_numpy()
+            spread = tuple(n if own in cut.dims else 1 for own, n in zip(self.sizes, shape, strict=True))
+            flat[name] = np.ascontiguousarray(np.broadcast_to(wide.reshape(spread), shape)).ravel()
+        return flat, shape
 
     def coordinates(self) -> dict[str, xr.DataArray]:
         return {
@@ -60,15 +69,6 @@ class Grid:
             for name, coordinate in value.coords.items()
             if set(coordinate.dims) <= set(self.sizes)
         }
-
-    def _flat(self, value: xr.DataArray, block: slice, shape: tuple[int, ...]) -> np.ndarray | float:
-        if not value.dims:
-            return float(value)
-        cut = value.isel({self.axis: block}) if self.axis in value.dims else value
-        order = [name for name in self.sizes if name in cut.dims]
-        wide = cut.transpose(*order).to_numpy()
-        spread = tuple(n if name in cut.dims else 1 for name, n in zip(self.sizes, shape, strict=True))
-        return np.ascontiguousarray(np.broadcast_to(wide.reshape(spread), shape)).ravel()
 
 
 def grid_of(model: Model, vary: Mapping[str, Any], samples: int, seed: int) -> Grid:

@@ -105,20 +105,20 @@ class Outcome:
         """The end in words."""
         where = f"after {self.time:.2f} s and {self.distance:.2f} m along the canal"
         heading = math.degrees(self.state["psi"])
+        if self.kind == LEFT_WATERWAY and self.side == END:
+            clear = "" if self.clearance is None else f", least clearance {self.clearance:.3g} m"
+            most = self.largest_rudder
+            helm = "" if most is None else f", largest rudder {math.degrees(most):.1f} deg"
+            return f"Reached the end of the waterway {where}{clear}{helm}."
         return {
             GROUNDED: f"Grounded to {self.side} {where}, at {self.impact_speed:.2f} m/s, heading {heading:+.1f} deg.",
             AFLOAT: f"Still afloat when the time was up, {where}, {self.lengths:.1f} ship lengths.",
             LEFT_VALIDITY: f"Turned across the canal {where}, heading {heading:+.1f} deg: the model ends there.",
             DIVERGED: f"The motion diverged {where}: shorten the time step or look at the coefficients.",
-            LEFT_WATERWAY: self._reached(where) if self.side == END else f"Left the waterway by its beginning {where}.",
+            LEFT_WATERWAY: f"Left the waterway by its beginning {where}.",
             TOUCHED: f"Touched bottom with the {self.side} {where}, at {self.impact_speed:.2f} m/s.",
             CHOKED: f"Choked the section {where}: the water cannot pass the ship at {self.impact_speed:.2f} m/s.",
         }[self.kind]
-
-    def _reached(self, where: str) -> str:
-        clear = "" if self.clearance is None else f", least clearance {self.clearance:.3g} m"
-        helm = "" if self.largest_rudder is None else f", largest rudder {math.degrees(self.largest_rudder):.1f} deg"
-        return f"Reached the end of the waterway {where}{clear}{helm}."
 
     @property
     def sentence(self) -> str:

@@ -10,8 +10,8 @@ from typing import ClassVar
 import sympy
 
 from narrows.codegen.free_motion import Expr
-from narrows.codegen.kernels.elementary import EXPONENTIAL_DEGREE, SINE_TERMS
 from narrows.codegen.lines import LaneFields, Lines, asked_by, rounds
+from narrows.codegen.printers.python import EXPONENTIAL_DEGREE, SINE_TERMS
 from narrows.codegen.printers.translation import Language, Translation, parts_of
 
 WIDTH, TIED = 108, "\0=\0"
