@@ -182,22 +182,20 @@ def plan_steady(
     ahead = usual_speeds(model) if speeds is None else _rising("speeds", speeds)
     check_inside(beside, model.configuration.canal.width, model.configuration.ship.beam)
     found = candidates(model, beside, ahead, reserve, side, samples, seed)
-    allowed = np.flatnonzero(found.allowed)
-    problem = LegProblem(coefficient_prior(model, "held"), conditions, held_exactly(found, allowed, errors))
+    allowed = [place for place in found if place.allowed]
+    problem = LegProblem(coefficient_prior(model, "held"), conditions, held_exactly(allowed, errors))
     size = len(problem.precision)
     pairs = problem.informations().reshape(2, len(allowed), size, size).swapaxes(0, 1)
     best = best_pairs(problem, pairs.sum(axis=1), names, legs // 2)
-    order = sorted(best, key=lambda i: (found.offsets[allowed[i]], found.speeds[allowed[i]]))
+    order = sorted(best, key=lambda i: allowed[i][:2])
     # The sides come first in turn, so that what grows with time cancels too.
     held = [(i, sign) for turn, i in enumerate(order) for sign in ((-1, 1) if turn % 2 else (1, -1))]
     information = np.cumsum([np.zeros(problem.precision.shape), *(pairs[i, int(sign < 0)] for i, sign in held)], axis=0)
     known = [log_posterior(problem, np.zeros(size), one).covariance for one in information]
     std = dict(zip(model.terms.names, np.sqrt(np.diagonal(known, axis1=1, axis2=2)).T, strict=True))
-    then = (
-        candidates(replace(model, covariance=known[-1]), beside, ahead, reserve, side, samples, seed)
-        if order
-        else found
-    )
+    later = replace(model, covariance=known[-1])
+    then = candidates(later, beside, ahead, reserve, side, samples, seed) if order else found
+    now, after = (max((place.offset for place in places if place.allowed), default=0.0) for places in (found, then))
     notes = (
         *model.notes, *water_notes(None, model.configuration.canal.depth), *_refused(found, reserve, side),
         f"Assumed: {errors.summary()}; {conditions.summary()}.",
@@ -205,9 +203,8 @@ def plan_steady(
         "ship there, and the master decides.",
     )  # fmt: skip
     return SteadyPlan(
-        tuple(found.leg(allowed[i], sign) for i, sign in held), names,
-        {name: std[name] for name in names}, model, errors, conditions, reserve, side,
-        len(allowed), (found.farthest, max(found.farthest, then.farthest)), notes,
+        tuple(allowed[i].leg(sign) for i, sign in held), names, {name: std[name] for name in names}, model, errors,
+        conditions, reserve, side, len(allowed), (now, max(now, after)), notes,
     )  # fmt: skip
 
 
@@ -221,48 +218,45 @@ def _rising(name: str, values: object) -> np.ndarray:
     return np.unique(column)
 
 
-class Candidates(NamedTuple):
-    offsets: np.ndarray  # (places,) Offset to starboard [m]
-    speeds: np.ndarray  # (places,) Through the water [m/s]
-    rudder: np.ndarray  # (places,) Rudder with the most likely coefficients [rad]
-    psi: np.ndarray  # (places,) Drift with the most likely coefficients [rad]
-    rudder_range: np.ndarray  # (places, 3) 5 %, 50 %, 95 % of the samples; infinite without a course [rad]
-    psi_range: np.ndarray  # (places, 3) The same [rad]
-    within: np.ndarray  # (places,) Share of the samples that leave the rudder its reserve [1]
-    clear: np.ndarray  # (places,) True where side and keel have their clearance
+class Place(NamedTuple):
+    """A place that may be held to either side."""
+
+    offset: float  # To starboard [m]
+    speed: float  # Through the water [m/s]
+    rudder: float  # With the most likely coefficients [rad]
+    psi: float  # Drift with the most likely coefficients [rad]
+    rudder_range: list[float]  # 5 %, 50 %, 95 % of the samples; infinite without a course [rad]
+    psi_range: list[float]  # The same [rad]
+    within: float  # Share of the samples that leave the rudder its reserve [1]
+    clear: bool  # True where side and keel have their clearance
 
     @property
-    def allowed(self) -> np.ndarray:
-        return np.asarray(self.clear & (self.within >= SURE_SHARE) & np.isfinite(self.rudder))
+    def allowed(self) -> bool:
+        return self.clear and self.within >= SURE_SHARE and math.isfinite(self.rudder)
 
-    @property
-    def farthest(self) -> float:
-        return float(self.offsets[self.allowed].max(initial=0.0))
-
-    def leg(self, place: int, sign: int) -> PlannedLeg:
-        rudder, drift = (tuple(np.sort(sign * own[place]).tolist()) for own in (self.rudder_range, self.psi_range))
-        return PlannedLeg(float(sign * self.offsets[place]), float(self.speeds[place]), rudder, drift)
+    def leg(self, sign: int) -> PlannedLeg:
+        rudder, drift = (tuple(sorted(sign * angle for angle in own)) for own in (self.rudder_range, self.psi_range))
+        return PlannedLeg(sign * self.offset, self.speed, rudder, drift)
 
 
-def _refused(found: Candidates, reserve: float, clearance: float) -> list[str]:
-    short = found.clear & ~found.allowed
-    notes = []
-    if short.any():
-        first = int(np.flatnonzero(short)[found.offsets[short].argmin()])
+def _refused(found: Sequence[Place], reserve: float, clearance: float) -> list[str]:
+    notes, short = [], [place for place in found if place.clear and not place.allowed]
+    if short:
+        first = min(short, key=lambda place: place.offset)
         notes.append(
-            f"{short.sum()} of {len(short)} places are not allowed for the rudder: at {found.offsets[first]:.3g} m "
-            f"only {100 * found.within[first]:.0f} % of the samples leave {100 * reserve:.0f} % of it."
+            f"{len(short)} of {len(found)} places are not allowed for the rudder: at {first.offset:.3g} m only "
+            f"{100 * first.within:.0f} % of the samples leave {100 * reserve:.0f} % of it."
         )
-    if not found.clear.all():
-        notes.append(f"{(~found.clear).sum()} are not allowed for the keel, or for {clearance:.3g} m to the bank.")
+    if beyond := sum(not place.clear for place in found):
+        notes.append(f"{beyond} are not allowed for the keel, or for {clearance:.3g} m to the bank.")
     return notes
 
 
-def held_exactly(found: Candidates, allowed: np.ndarray, errors: ReadingErrors) -> SteadyReadings:
+def held_exactly(allowed: Sequence[Place], errors: ReadingErrors) -> SteadyReadings:
     """Return the readings of legs held as planned at each allowed place, to starboard and then to port."""
-    starboard = {"y": found.offsets, "u": found.speeds, "rudder": found.rudder, "drift": found.psi}
-    signs = {name: 1.0 if name == "u" else -1.0 for name in starboard}
-    values = {name: np.append(own[allowed], signs[name] * own[allowed]) for name, own in starboard.items()}
+    y, u, rudder, drift = np.array([place[:4] for place in allowed]).reshape(-1, 4).T
+    values = {"y": np.append(y, -y), "u": np.append(u, u), "rudder": np.append(rudder, -rudder)}
+    values["drift"] = np.append(drift, -drift)
     stated = {name: np.full(2 * len(allowed), reading_error(errors, name)) for name in values}
     return SteadyReadings(tuple(map(str, range(2 * len(allowed)))), values, stated)
 
@@ -319,7 +313,7 @@ def usual_speeds(model: Model) -> np.ndarray:
 
 def candidates(
     model: Model, offsets: np.ndarray, speeds: np.ndarray, reserve: float, clearance: float, samples: int, seed: int
-) -> Candidates:
+) -> list[Place]:
     y, u = (part.ravel() for part in np.meshgrid(offsets, speeds, indexing="ij"))
     keel = keel_at(model, u)
     steady = {name: xr.DataArray(part, dims="place") for name, part in {"y": y, "u": u, "heave": keel.midship}.items()}
@@ -334,4 +328,5 @@ def candidates(
     rudder_range, psi_range = (np.quantile(part, QUANTILES, axis=1, method="higher").T for part in (rudder, psi))
     within = (np.abs(rudder) <= (1 - reserve) * gear.limit).mean(axis=1)
     likely, clear = (mean["rudder"].to_numpy(), mean["psi"].to_numpy()), beside & under
-    return Candidates(y, u, *likely, rudder_range, psi_range, within, clear)
+    columns = y, u, *likely, rudder_range, psi_range, within, clear
+    return [Place(*row) for row in zip(*(column.tolist() for column in columns), strict=True)]
