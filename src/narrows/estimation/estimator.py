@@ -277,12 +277,8 @@ def smoothed_track(filter: ShipFilter, records: "pd.DataFrame", notes: tuple[str
     # The coefficients are states too, with the fit's covariance as prior: a whole record may correct them.
     joint, count, size = replace(filter, coefficients="estimated", memory=math.inf), len(records), len(filter.states)
     refused, suspected = ({name: np.zeros(count, bool) for name in filter.sensors} for _ in range(2))
-    held = (
-        records[list(filter.actuators)]
-        .ffill()
-        .fillna(dict(zip(filter.actuators, joint.at_rest, strict=True)))
-        .to_numpy()
-    )
+    rest = dict(zip(filter.actuators, joint.at_rest, strict=True))
+    held = records[list(filter.actuators)].ffill().fillna(rest).to_numpy()
     start, run, times = Start(joint), None, records.index.to_numpy()
     # Filter runs between resets, with the rows of the records and the places of their moments in the run's history.
     runs: list[tuple[FilterRun, list[tuple[int, int]]]] = []

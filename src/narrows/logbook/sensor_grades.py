@@ -1,16 +1,13 @@
 """Errors of a ship's sensors, by grade: noise, correlated noise, and constant errors of a record."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from narrows.errors import check_choice
 from narrows.logbook.ship_log import check_signals
-from narrows.quantities.names import KNOT
+from narrows.quantities.names import DEGREE, KNOT
 from narrows.results import BaseSummary
 from narrows.ship.checks import check_sizes
-
-DEGREE = math.pi / 180
 
 
 @dataclass(frozen=True)

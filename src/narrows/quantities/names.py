@@ -1,6 +1,7 @@
 """Every quantity of physics, tables and files: one name, one unit, one meaning."""
 
 import inspect
+import math
 from collections.abc import Callable
 from functools import lru_cache
 from types import FunctionType
@@ -80,6 +81,7 @@ GRAVITY = 9.81
 
 # One nautical mile an hour [m/s].
 KNOT = 1852 / 3600
+DEGREE = math.pi / 180  # [rad]
 
 # Mass density of the air at 15 degrees Celsius [kg/m3].
 AIR_DENSITY = 1.225

@@ -8,13 +8,12 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, NamedTuple
 
 from narrows.errors import InputError, installing, libraries_of
-from narrows.quantities.names import Quantity
+from narrows.quantities.names import DEGREE, Quantity
 
 if TYPE_CHECKING:
     import pandas as pd
 
 
-DEGREE = math.pi / 180
 # Units behind an underscore, as in psi_deg.
 SUFFIXES = (
     "m", "mm", "deg", "rad", "mps", "mps2", "degps", "degps2", "radps", "radps2", "s", "N", "kN", "Nm", "kNm", "kn",

@@ -99,7 +99,7 @@ class ColumnMapping:
             matching = [header for header, quantity in headers.items() if quantity == name]
         else:
             # A row of units may have been appended to the name.
-            matching = [asked] if asked in headers else [header for header in headers if _bare(header) == asked.strip()]
+            matching = [asked] if asked in headers else [header for header in headers if bare(header) == asked.strip()]
         if not matching:
             raise InputError(
                 f"{table}: no column is headed {asked or name!r}, which {self.name} reads as {name}"
@@ -141,5 +141,5 @@ def _parsed(header: str, vocabulary: Vocabulary) -> str | None:
     return column.quantity if column else None
 
 
-def _bare(header: str) -> str:
+def bare(header: str) -> str:
     return re.sub(r"\s*[\[(][^\])]*[\])]$", "", header).strip()

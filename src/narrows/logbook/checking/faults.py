@@ -24,11 +24,10 @@ from narrows.logbook.filtering.log_problem import LogProblem
 from narrows.logbook.filtering.record_grid import RUDDER, STATES, Readings, RecordGrid, grid_of
 from narrows.logbook.settings import FALSE_ALARM, MOST_ANGLE, MOVED, OUTLYING, STUCK_LENGTHS, STUCK_READINGS
 from narrows.logbook.ship_log import SIGNALS, TURNING, ShipRecord, Signal
-from narrows.quantities.names import KNOT
+from narrows.quantities.names import DEGREE, KNOT
 
 POSITION = ("x", "y")
 JUMPING = ("x", "y", "psi")  # signals that a reset moves
-DEGREES = np.pi / 180
 
 
 # Sentence, with the signal, the size with its error, and the time; remedy
@@ -79,7 +78,7 @@ class Fault(NamedTuple):
 def faults_of(grid: RecordGrid, normalised: dict[str, np.ndarray]) -> Iterator[Fault]:
     """Yield the faults that a record may have; a step where the normalised innovations of a signal are largest."""
     for name, read in grid.readings.items():
-        small = {"rad": DEGREES, "rad/s": 0.01 * DEGREES}.get(SIGNALS[name].unit, 0.1)
+        small = {"rad": DEGREE, "rad/s": 0.01 * DEGREE}.get(SIGNALS[name].unit, 0.1)
         if name != "x":  # Nothing fixes where x begins.
             yield Fault("zero", name, grid, small)
             if name not in (*TURNING, *POSITION):  # Neither angles that go round nor places by satellite have a gain.
@@ -92,7 +91,7 @@ def faults_of(grid: RecordGrid, normalised: dict[str, np.ndarray]) -> Iterator[F
     if grid.readings.keys() >= set(POSITION):
         yield from (Fault(kind, "x", grid) for kind in ("delay", "antenna"))
     if RUDDER in grid.positions:
-        yield from (Fault(kind, RUDDER, grid, scale) for kind, scale in (("zero", DEGREES), ("gain", 1), ("delay", 1)))
+        yield from (Fault(kind, RUDDER, grid, scale) for kind, scale in (("zero", DEGREE), ("gain", 1), ("delay", 1)))
 
 
 class Misreading(NamedTuple):
@@ -132,12 +131,12 @@ MISREADINGS = (
     *(Misreading((name,), f'turn its sign ([positive] {name} = "port")', -1.0)
       for name in (RUDDER, "psi", "r", "y", "v", "v_ground", "course")),
     # Read as degrees a rudder nearly vanishes; where the model's rudder is too strong, that alone is more likely.
-    Misreading((RUDDER,), "it looks like degrees: head it 'rudder [deg]'", DEGREES, least=MOST_ANGLE),
-    *(Misreading((name,), f"it looks like degrees: head it '{name} [deg]'", DEGREES) for name in ("psi", "course")),
-    Misreading((RUDDER,), "radians were read as degrees: give its unit", 1 / DEGREES),
-    Misreading(("r",), "r looks like degrees a second: give its unit", DEGREES),
-    Misreading(("r",), "r looks like degrees a minute: give its unit", DEGREES / 60),
-    Misreading(("psi", "r"), "psi looks like degrees and r like degrees a second: give their units", DEGREES),
+    Misreading((RUDDER,), "it looks like degrees: head it 'rudder [deg]'", DEGREE, least=MOST_ANGLE),
+    *(Misreading((name,), f"it looks like degrees: head it '{name} [deg]'", DEGREE) for name in ("psi", "course")),
+    Misreading((RUDDER,), "radians were read as degrees: give its unit", 1 / DEGREE),
+    Misreading(("r",), "r looks like degrees a second: give its unit", DEGREE),
+    Misreading(("r",), "r looks like degrees a minute: give its unit", DEGREE / 60),
+    Misreading(("psi", "r"), "psi looks like degrees and r like degrees a second: give their units", DEGREE),
     *(Misreading(names, "knots were read as metres a second: give the unit", KNOT)
       for names in (("u",), ("speed_over_ground",), ("u_ground", "v_ground"))),
     *(Misreading(("revolutions",), f"they look like turns a {unit}: give their unit", factor)

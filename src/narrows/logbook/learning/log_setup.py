@@ -28,6 +28,7 @@ from narrows.logbook.reading.read_log import StreamedLog, read_log, stream_log
 from narrows.logbook.sensor_grades import GRADES, SensorGrade, SignalGrade, sensor_grade
 from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
 from narrows.model.model import Model
+from narrows.quantities.names import DEGREE
 from narrows.simulation.initial_state import steady_revolutions
 from narrows.waterway.centreline import check_along_only
 
@@ -48,7 +49,6 @@ SPREAD_OF_CURRENT = 0.3  # Standard deviation of a current that nothing is known
 # wind a ship needs a fifth more or less.
 SPREAD_OF_REVOLUTIONS = 0.2
 
-DEGREE = np.pi / 180
 # What a model leaves of places in a basin, in lengths of the ship, its memory counted; four times as much of angles,
 # five of yaw rates and twice as much of speeds, over those of the ship.
 USUALLY_LEFT = 0.015

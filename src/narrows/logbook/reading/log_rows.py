@@ -14,7 +14,7 @@ from narrows.logbook.settings import HEADING_GAP
 from narrows.logbook.ship_log import SIGNALS, TURNING, ShipRecord, Signal
 from narrows.quantities.names import Quantity
 from narrows.readers.headers import SUFFIXES, Vocabulary
-from narrows.readers.mapping import ColumnMapping
+from narrows.readers.mapping import ColumnMapping, bare
 from narrows.ship.checks import is_finite
 from narrows.ship.ship_file import load_toml
 from narrows.waterway import Waterway
@@ -92,7 +92,7 @@ def one_ship(
 def renamed(frame: pd.DataFrame, mapped: Iterable[str] = ()) -> pd.DataFrame:
     """Return a table with the documented names, but for headers that a mapping reads."""
     headers, kept = [str(header) for header in frame.columns], set(mapped)
-    new = {old: name for old in headers if old not in kept and _bare(old) not in kept and (name := _documented(old))}
+    new = {old: name for old in headers if old not in kept and bare(old) not in kept and (name := _documented(old))}
     return frame.rename(columns={old: name for old, name in new.items() if name not in headers})
 
 
@@ -106,10 +106,6 @@ def _documented(header: str) -> str | None:
 
 def _plain(header: str) -> str:
     return re.sub(r"\s+", "_", header.strip().removeprefix("#").strip()).lower()
-
-
-def _bare(header: str) -> str:
-    return re.sub(r"\s*[\[(].*[\])]$", "", header)
 
 
 OF_COLUMNS = ("columns", "units", "positive")

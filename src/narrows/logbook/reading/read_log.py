@@ -16,10 +16,10 @@ from narrows.errors import InputError, check_count
 from narrows.logbook.reading.log_rows import VOCABULARY, LogMapping, RawRecord, log_mapping, one_ship, renamed
 from narrows.logbook.settings import MOST_ROWS, PIECE_ROWS, RECORD_GAP
 from narrows.logbook.ship_log import ShipLog, ShipRecord
-from narrows.quantities.names import KNOT
+from narrows.quantities.names import DEGREE, KNOT
 from narrows.readers.cells import as_sheet, check_once, labels, name_of, numbers, row_number, with_seconds
 from narrows.readers.frames import STREAMED, notes_of, read_chunks, read_frame
-from narrows.readers.headers import DEGREE, recognised_in
+from narrows.readers.headers import recognised_in
 from narrows.readers.nmea.nmea_decoder import Recording, is_nmea
 from narrows.waterway import Waterway, read_waterway
 

@@ -19,7 +19,7 @@ from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
 from narrows.logbook.steady_legs.steady_readings import BeamWind, steady_push
 from narrows.model.model import Model
 from narrows.progress import bar, is_shown
-from narrows.quantities.names import KNOT
+from narrows.quantities.names import DEGREE, KNOT
 from narrows.simulation.controllers import Order, VoyageState
 from narrows.simulation.grid import correlated
 from narrows.simulation.initial_state import self_propulsion
@@ -27,8 +27,6 @@ from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
-
-DEGREE = math.pi / 180
 
 
 @dataclass(frozen=True, repr=False)

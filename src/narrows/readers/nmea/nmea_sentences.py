@@ -10,8 +10,7 @@ from functools import reduce
 from operator import xor
 from typing import Any, NamedTuple
 
-from narrows.quantities.names import KNOT
-from narrows.readers.headers import DEGREE
+from narrows.quantities.names import DEGREE, KNOT
 
 # AIS message types with position and motion, and with the ship's loading (ITU-R M.1371).
 AIS_POSITIONS, AIS_VOYAGE = (1, 2, 3, 18), 5
