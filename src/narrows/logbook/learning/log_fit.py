@@ -136,26 +136,18 @@ def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path
     if "psi" not in grid.readings:
         return np.nan
     motion, read, scales = problem.at(scaled)[0], grid.readings["psi"], problem.scales
-    ends, at, share = np.array([0, len(grid)]), read.step, read.share[:, None]
-    headings = np.column_stack([read.values, np.zeros((len(at), 4))])
+    ends, at, share = np.array([0, len(grid)]), read.step, read.share
 
     def missed_at(start: np.ndarray) -> np.ndarray:
-        """Return headings missed, over READING, and their slopes by the start, (readings, 5)."""
+        """Return headings missed, over READING, then the start over its standard deviations, (readings + 4,)."""
         begun = path.states[0].copy()
         begun[2:] += START_FREE * scales[2:] * start
         with np.errstate(all="ignore"):
-            states, moved = motion.sailed(begun[None], np.zeros((1, 3)), ends, grid.times, grid.positions)
-            column = np.column_stack([states[:, 2], moved[:, 2, 2:6] * START_FREE * scales[2:]])
-            off = ((1 - share) * column[at] + share * column[at + 1] - headings) / READING
-        return np.asarray(np.nan_to_num(off, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3))
+            heading = motion.sailed(begun[None], np.zeros((1, 3)), ends, grid.times, grid.positions)[0][:, 2]
+            off = ((1 - share) * heading[at] + share * heading[at + 1] - read.values) / READING
+        return np.append(np.nan_to_num(off, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3), start)
 
-    def penalised(start: np.ndarray) -> np.ndarray:
-        return np.append(missed_at(start)[:, 0], start)
-
-    def slopes(start: np.ndarray) -> np.ndarray:
-        return np.append(missed_at(start)[:, 1:], np.eye(4), axis=0)
-
-    found = least_squares(penalised, np.zeros(4), slopes, max_nfev=15)
+    found = least_squares(missed_at, np.zeros(4), max_nfev=15)
     return float(READING * np.sqrt(np.mean(found.fun[:-4] ** 2)))
 
 
