@@ -1,6 +1,7 @@
 """Tests in, a fit out: ``identify`` of one condition, ``identify_conditions`` of each."""
 
 from collections.abc import Mapping, Sequence
+from functools import cache
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -193,6 +194,7 @@ def _by_condition(tests: Tests) -> Mapping[str, Tests]:
     return tests.by_condition() if isinstance(tests, CaptiveTests) else {"": tests}
 
 
+@cache
 def bundled_ship(length: float, width: float, depth: float | None = None, terms: TermTable = STEERED) -> Model:
     """Return the KCS as identified from the bundled tests, with its rudder, at another length [m]."""
     table, ship = measured_files("kcs")

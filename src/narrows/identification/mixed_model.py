@@ -86,26 +86,18 @@ class MixedModel:
         return int(self.taken.shape[0])
 
     @cached_property
-    def _blocks(self) -> tuple[np.ndarray, ...]:
-        """Columns and forces, shared errors, and variances apart and by noise, each (blocks, most rows, ...)."""
-        count, sizes = len(self.y), np.diff(self.starts, append=len(self.y))
-        place = np.arange(sizes.max())
-        rows = np.where(place < sizes[:, None], self.starts[:, None] + place, count)
-        # Shorter blocks are filled up with empty rows of variance one.
-        parts = (np.column_stack([self.x, self.y]), self.shared, self.apart)
-        filled = [np.append(part, np.zeros((1, part.shape[1])), axis=0)[rows] for part in parts]
-        return *filled, np.append(self.noise, 1.0)[rows]
+    def _blocks(self) -> list[tuple[np.ndarray, ...]]:
+        """Columns and forces, shared errors, variances apart and by noise, each (blocks, size, ...), for each size."""
+        sizes, parts = np.diff(self.starts, append=len(self.y)), (np.column_stack([self.x, self.y]), self.shared)
+        rows = [self.starts[sizes == size, None] + np.arange(size) for size in np.unique(sizes)]
+        return [tuple(part[own] for part in (*parts, self.apart, self.noise)) for own in rows]
 
     def at(self, z: np.ndarray, gradient: bool = False) -> Conditional:
         """Solve for coefficients and effects at given scales: generalised least squares."""
         p, scale = self.fixed, self.scales(z)
-        columns, shared, apart, noise = self._blocks
-        own, places = scale[: shared.shape[2]] ** 2, np.arange(noise.shape[1])
-        v = (shared * own) @ shared.swapaxes(1, 2)
-        v[:, places, places] += noise + apart @ own
-        root = np.linalg.inv(np.linalg.cholesky(v))
-        white = root @ columns
-        flat = white.reshape(-1, white.shape[2])
+        roots = [_root(scale[: self.shared.shape[1]] ** 2, *block[1:]) for block in self._blocks]
+        white = [root @ block[0] for root, block in zip(roots, self._blocks, strict=True)]
+        flat = np.concatenate([own.reshape(-1, own.shape[2]) for own in white])
         h = flat.T @ flat
         # In units of their standard deviations, so that the matrix stays well conditioned.
         unit = np.concatenate([1 / np.sqrt(np.diag(h)[:p] + RIDGE), scale[self.group]])
@@ -116,25 +108,30 @@ class MixedModel:
         # Residuals and effects, not a difference of large sums: that is rounding where columns depend on each other.
         left = flat[:, -1] - flat[:, :-1] @ beta
         quadratic = left @ left + (precision * (beta / unit) ** 2).sum() + z @ z
-        logs += np.log(unit[:p]).sum() + np.log(np.diagonal(root, axis1=1, axis2=2)).sum()
-        slope = self._gradient(z, scale, beta, inverse, root, white) if gradient else np.zeros(0)
+        logs += np.log(unit[:p]).sum() + sum(np.log(np.diagonal(root, axis1=1, axis2=2)).sum() for root in roots)
+        slope = self._gradient(z, scale, beta, inverse, roots, white) if gradient else np.zeros(0)
         return Conditional(float(logs - 0.5 * quadratic), beta, inverse, slope)
 
     def _gradient(
-        self, z: np.ndarray, scale: np.ndarray, beta: np.ndarray, inverse: np.ndarray, root: np.ndarray,
-        white: np.ndarray,
+        self, z: np.ndarray, scale: np.ndarray, beta: np.ndarray, inverse: np.ndarray, roots: list[np.ndarray],
+        white: list[np.ndarray],
     ) -> np.ndarray:  # fmt: skip
         """Gradient of the log posterior by each coordinate: the identities of restricted maximum likelihood."""
-        _, shared, apart, _ = self._blocks
-        p, back = self.fixed, root.swapaxes(1, 2)
+        p, errors = self.fixed, self.shared.shape[1]
         moment = (beta[p:] ** 2 + np.diag(inverse)[p:]) / scale[self.group] ** 2 - 1
         slope = np.bincount(self.group, moment, len(scale))[:-1].astype(float)  # By the logarithm of each scale
-        solved = back @ white
-        x, residual = solved[..., :-1], (solved[..., -1] - solved[..., :-1] @ beta)[..., None]
-        excess = residual @ residual.swapaxes(1, 2) + (x @ inverse) @ x.swapaxes(1, 2) - back @ root
-        alone = np.diagonal(excess, axis1=1, axis2=2)
-        errors = ((excess @ shared) * shared).sum(axis=(0, 1)) + np.tensordot(alone, apart, 2)
-        slope[: len(errors)] += scale[: len(errors)] ** 2 * errors
+        for (_, shared, apart, _), root, own in zip(self._blocks, roots, white, strict=True):
+            back = root.swapaxes(1, 2)
+            solved = back @ own
+            solved[..., -1] -= solved[..., :-1] @ beta  # Residuals
+            # One product of two large matrices, not one for each block.
+            rows = solved.reshape(-1, own.shape[2])
+            spread = np.column_stack([rows[:, :-1] @ inverse, rows[:, -1]])
+            excess = spread.reshape(own.shape) @ solved.swapaxes(1, 2) - back @ root
+            alone = np.diagonal(excess, axis1=1, axis2=2)
+            slope[:errors] += scale[:errors] ** 2 * (
+                ((excess @ shared) * shared).sum(axis=(0, 1)) + np.tensordot(alone, apart, 2)
+            )
         return np.asarray(slope * self._log_rate(z) - z)
 
     def covariance_of(self, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
@@ -158,6 +155,13 @@ class MixedModel:
 
         ratio = self._ratio(z)
         return np.asarray(0.5 * stats.norm.pdf(z) / stats.t.pdf(ratio, self.freedom) / ratio)
+
+
+def _root(own: np.ndarray, shared: np.ndarray, apart: np.ndarray, noise: np.ndarray) -> np.ndarray:
+    """Inverse of the Cholesky factor of the covariance of blocks, (blocks, rows, rows)."""
+    v, places = (shared * own) @ shared.swapaxes(1, 2), np.arange(noise.shape[1])
+    v[:, places, places] += noise + apart @ own
+    return np.linalg.inv(np.linalg.cholesky(v))
 
 
 def _inverse(m: np.ndarray) -> tuple[np.ndarray, float]:
