@@ -24,7 +24,7 @@ PHYSICS = [
     and {"pressure", "mass"}.isdisjoint(
         argument_names(function)
     )  # Of another function or a given mass: tables hold these.
-    and function is not hull.drift  # Not defined at rest
+    and function not in (hull.half_drift, hull.drift)  # Not defined at rest
 ]
 PHYSICS += dict.fromkeys(
     term.regressor for table in (nw.MIXED, nw.CROSSFLOW) for term in table.terms if not term.from_bank
