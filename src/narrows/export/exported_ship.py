@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,7 +27,7 @@ from narrows.model.water import speeds_afloat
 from narrows.physics.squat_and_depth import BOUNDLESS
 from narrows.quantities.arithmetic import minimum
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Quantity
-from narrows.simulation.channel import Channel, along_waterway, limits_of, straight_channel
+from narrows.simulation.channel import Channel, limits_of
 from narrows.simulation.settings import NEAR_THE_BANK
 from narrows.simulation.ship import MEMORY, PARAMETER, SimulatedShip, Steering
 
@@ -219,9 +219,7 @@ class ExportedShip:
 
     @cached_property
     def channel(self) -> Channel:
-        if self.waterway is None:
-            return straight_channel(self.ship.values(), self.ship.shape)
-        return along_waterway(self.waterway, self.ship.model, self.ship.shape)
+        return self.ship.channel(self.waterway, self.ship.values())
 
     @cached_property
     def parameters(self) -> tuple[ExportedNumber, ...]:
@@ -315,9 +313,9 @@ class ExportedShip:
     @cached_property
     def afloat_speed(self) -> float:
         """Least speed through the water at which the ship touches the bottom or chokes a section [m/s]."""
+        channel = replace(self.ship, bottom=True).channel(self.waterway, self.ship.values())
         if self.waterway is None:
-            return float(straight_channel(self.ship.values(), self.ship.shape, bottom=True).inputs[AFLOAT_SPEED])
-        channel = along_waterway(self.waterway, self.ship.model, self.ship.shape, bottom=True)
+            return float(channel.inputs[AFLOAT_SPEED])
         first, rise = channel.water.table.reshape(int(channel.inputs["last_cell"]) + 1, -1)[:, -2:].T
         return float(np.minimum(first, first + rise).min())
 

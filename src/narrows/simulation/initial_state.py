@@ -17,7 +17,7 @@ from narrows.model.squat import choke_speed
 from narrows.quantities.names import GRAVITY
 from narrows.ship.actuators import PROPELLER, places_of
 from narrows.ship.motion import Motion
-from narrows.simulation.channel import across_of, along_waterway, straight_channel
+from narrows.simulation.channel import across_of
 from narrows.simulation.controllers import Controller
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START
@@ -56,12 +56,9 @@ def initial_state(
 ) -> tuple[VoyageIntegrator, tuple[float, ...]]:
     """Return the integrator with every input of its lines, and its initial state."""
     values = ship.values(**{name: number for name, number in numbers.items() if name not in POSE})
-    if waterway is None:
-        channel = straight_channel(values, ship.shape, ship.bottom)
-    elif not 0 <= (x := numbers["x"]) < waterway.line.length:
+    if waterway is not None and not 0 <= (x := numbers["x"]) < waterway.line.length:
         raise InputError(f"x = {x:g} m is not on {waterway.name}, 0 to {waterway.line.length:.0f} m; start on it")
-    else:
-        channel = along_waterway(waterway, ship.model, ship.shape, ship.bottom)
+    channel = ship.channel(waterway, values)
     law = steering.law if steering else None
     system = ship.system(waterway is not None, law, "until" if pushed else "never", across_of(waterway))
     inputs = {**values, **system.constants(values), **channel.inputs, **(steering.parameters if steering else {})}

@@ -19,7 +19,7 @@ from narrows.codegen.kernels import event
 from narrows.codegen.system import System
 from narrows.errors import InputError, installing, libraries_of, needs
 from narrows.model.water import is_full
-from narrows.simulation.channel import Channel, WaterTable, across_of, along_waterway, straight_channel
+from narrows.simulation.channel import Channel, WaterTable, across_of
 from narrows.simulation.initial_state import complete_state
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, counted_heading
@@ -312,11 +312,7 @@ class KernelRun:
         return {**ship, **system.constants(ship), **channel.inputs, **law}, channel
 
     def channel(self, values: Mapping[str, Any]) -> Channel:
-        if self.bend is not None:
-            return self.bend
-        if self.waterway is None:
-            return straight_channel(values, self.ship.shape, self.ship.bottom)
-        return along_waterway(self.waterway, self.ship.model, self.ship.shape, self.ship.bottom)
+        return self.bend or self.ship.channel(self.waterway, values)
 
     def _start(self, values: Mapping[str, Any]) -> dict[str, Any]:
         psi = np.asarray(values["psi"], float)

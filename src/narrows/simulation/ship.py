@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from narrows.codegen.choices import LENGTH, TIME, WATER, Across, Actuated, Choices, Law, Pushed
 from narrows.codegen.free_motion import OPEN, STATE, Outline, Surge
@@ -15,10 +15,13 @@ from narrows.model.model import Model
 from narrows.quantities.arithmetic import angle
 from narrows.quantities.names import Number
 from narrows.ship.checks import check_ahead
-from narrows.simulation.channel import check_outline
+from narrows.simulation.channel import Channel, along_waterway, check_outline, straight_channel
 from narrows.simulation.controllers import ControlLaw, Controller, ExternalOrder, Named, Order
 from narrows.simulation.inputs import Contact, check_flag, check_options
 from narrows.terms.term import TermTable
+
+if TYPE_CHECKING:
+    from narrows.waterway.waterway import Waterway
 
 # Points of the waterline: (forward of midship, to starboard) [m].
 Points = Sequence[Sequence[float]]
@@ -82,6 +85,12 @@ class SimulatedShip:
             if actuator.name in positions:
                 ship |= {actuator.name: positions[actuator.name], **actuator.placed(positions[actuator.name])}
         return {**ship, "heave": 0.0, "surge_inertia": added}
+
+    def channel(self, waterway: "Waterway | None", values: Mapping[str, Number]) -> Channel:
+        """Return the water: a waterway, or the straight canal of the values."""
+        if waterway is None:
+            return straight_channel(values, self.shape, self.bottom)
+        return along_waterway(waterway, self.model, self.shape, self.bottom)
 
     def linearisation(self, values: Mapping[str, Number]) -> Linearisation:
         return self.system().linearisation(values, self.actuators)
