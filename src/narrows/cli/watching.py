@@ -97,7 +97,7 @@ def monitor(
         return _score(inputs, model or "", waterway, y, delivery)
     pace = inputs.pace or (1.0 if page.page else math.inf)
     with ExitStack() as stack:
-        publisher, senders, shown = publisher_of(alerts, stack), _senders(alerts, stack), _page(page, stack)
+        (publisher, senders), shown = _outputs(alerts, stack), _page(page, stack)
         if inputs.demo:
             monitored, ticks = _demonstrated(pace, alerts, publisher)
         else:
@@ -234,28 +234,21 @@ def _deliver(transit: "WatchedTransit", delivery: ReportDelivery) -> None:
 SIGNAL_K = ("ws://", "wss://")
 
 
-def publisher_of(alerts: AlertOptions, stack: ExitStack) -> "AlertPublisher":
+def _outputs(alerts: AlertOptions, stack: ExitStack) -> "tuple[AlertPublisher, list[SignalKSender]]":
     from narrows.warning.alerts.alert_log import AlertLog
-    from narrows.warning.monitoring.alert_publisher import AlertPublisher, sender_to
+    from narrows.warning.monitoring.alert_publisher import AlertPublisher, SignalKSender, sender_to
 
     log = stack.enter_context(AlertLog(alerts.log)) if alerts.log else None
     if log and log.aside:
         click.secho(log.aside, err=True, bold=True)
-    addresses = [address for address in alerts.send or () if not address.startswith(SIGNAL_K)]
-    sends = [stack.enter_context(sender_to(address)) for address in addresses]
+    servers = [address for address in alerts.send or () if address.startswith(SIGNAL_K)]
+    sends = [stack.enter_context(sender_to(address)) for address in alerts.send or () if address not in servers]
 
     def send(sentence: str) -> None:
         for each in sends:
             each(sentence)
 
-    return AlertPublisher(log, send)
-
-
-def _senders(alerts: AlertOptions, stack: ExitStack) -> list["SignalKSender"]:
-    from narrows.warning.monitoring.alert_publisher import SignalKSender
-
-    addresses = [address for address in alerts.send or () if address.startswith(SIGNAL_K)]
-    return [stack.enter_context(SignalKSender(address)) for address in addresses]
+    return AlertPublisher(log, send), [stack.enter_context(SignalKSender(address)) for address in servers]
 
 
 def _page(page: PageOptions, stack: ExitStack) -> "BridgePage | None":

@@ -68,10 +68,6 @@ def envelope_chart(envelope: SafeEnvelope) -> Figure:
     return figure
 
 
-# Shade of what was not computed.
-OUTSIDE = "0.92"
-
-
 def _draw_speeds(axes: Axes, envelope: SafeEnvelope) -> list[Any]:
     """Draw contours of the shares of cases, none between untested speeds; return further legend keys."""
     data = envelope.data.transpose("y", "u", ...)
@@ -140,36 +136,23 @@ def _shade(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> 
     if not data["clear"].all():
         engine = "" if data["driven"].all() else ", engine"
         handles.append(Patch(facecolor="white", edgecolor=ORANGE, hatch="///", label=f"keel or choked canal{engine}"))
-    handles += _shade_outside(axes, envelope, y, u)
-    span = (y[0] - _half(y), y[-1] + _half(y)), (u[0] - _half(u), u[-1] + _half(u))
-    handles += _draw_ends_of_tests(axes, envelope, *span)
+    (port, starboard), (slow, fast) = envelope.walls, (u[0] - _half(u), u[-1] + _half(u))
+    if min(len(y), len(u)) > 1:  # Offsets and speeds that were not computed should not look unsafe.
+        look: dict[str, Any] = {"facecolor": "0.92", "lw": 0, "zorder": 0.5}
+        for low, high in ((-abs(port), y[0]), (y[-1], starboard)):
+            axes.axvspan(low, high, **look)
+        for low, high in ((slow, u[0]), (u[-1], fast)):
+            axes.axhspan(low, high, **look)
+        handles.append(Patch(label="not computed", **look))
+    far = data.attrs.get("tested_offset", (0.0, np.inf))[1]
+    tested = [edge / KNOT for edge in data.attrs.get("tested_speed", ()) if slow < edge / KNOT < fast]
+    lines = [axes.axhline(edge, color=PURPLE, lw=1.2) for edge in tested]
+    inside = (edge for edge in (-far, far) if y[0] - _half(y) < edge < y[-1] + _half(y))
+    lines += [axes.axvline(edge, color=PURPLE, lw=1.2) for edge in inside]
+    handles += [Line2D([], [], color=PURPLE, lw=1.2, label="end of the tested range")] * bool(lines)
     if envelope.untested or not data["tested"].all():
         handles.append(Patch(fc="none", edgecolor=PURPLE, hatch=UNTESTED, label="safe by the model, not tested"))
     return handles
-
-
-def _shade_outside(axes: Axes, envelope: SafeEnvelope, y: np.ndarray, u: np.ndarray) -> list[Any]:
-    """Shade the offsets and speeds that were not computed, so that they do not look unsafe."""
-    if len(y) < 2 or len(u) < 2:
-        return []
-    port, starboard = envelope.walls
-    look: dict[str, Any] = {"facecolor": OUTSIDE, "lw": 0, "zorder": 0.5}
-    for low, high in ((-abs(port), y[0]), (y[-1], starboard)):
-        axes.axvspan(low, high, **look)
-    for low, high in ((u[0] - _half(u), u[0]), (u[-1], u[-1] + _half(u))):
-        axes.axhspan(low, high, **look)
-    return [Patch(label="not computed", **look)]
-
-
-def _draw_ends_of_tests(
-    axes: Axes, envelope: SafeEnvelope, offsets: tuple[float, float], speeds: tuple[float, float]
-) -> list[Line2D]:
-    """Draw the ends of the tested offsets and speeds that are in the chart; return their key, if there is one."""
-    far = envelope.data.attrs.get("tested_offset", (0.0, np.inf))[1]
-    tested = [edge / KNOT for edge in envelope.data.attrs.get("tested_speed", ())]
-    lines = [axes.axhline(edge, color=PURPLE, lw=1.2) for edge in tested if speeds[0] < edge < speeds[1]]
-    lines += [axes.axvline(edge, color=PURPLE, lw=1.2) for edge in (-far, far) if offsets[0] < edge < offsets[1]]
-    return [Line2D([], [], color=PURPLE, lw=1.2, label="end of the tested range")] * bool(lines)
 
 
 def _speed_legend() -> list[Any]:

@@ -74,8 +74,14 @@ def _least(table: WaterwayTable, radius: float, column: int, sign: int) -> np.nd
     """Least distance of the bank along the hull from each node, over the cells on either side of it."""
     # The position of a bank point relative to the line is nearly linear in s while midship passes a cell. The minimum
     # at the nodes, less the largest sag below the chord, is a bound between them too.
-    step, (bend, change) = table.step, _sharpest(table)
-    sag = step**2 / 8 * np.stack([bend, change])
+    step = table.step
+    # Greatest curvature [1/m] and rate of curvature [1/m2] in the cells beside each node.
+    bends, changes = (
+        np.pad(np.abs(table.curvature), 1, mode="edge"),
+        np.pad(np.abs(np.diff(table.curvature)) / step, 1),
+    )
+    bend = np.max([bends[:-2], bends[1:-1], bends[2:]], axis=0)
+    sag = step**2 / 8 * np.stack([bend, np.maximum(changes[:-1], changes[1:])])
     least = np.full(len(table.s), np.inf)
     ends = ((len(least),) * 2, (0, 0))
     columns = np.ascontiguousarray(np.pad(table.nodes, ends, mode="edge")[:, [0, 1, 2, 3, column, column + 1]].T)
@@ -92,13 +98,6 @@ def _least(table: WaterwayTable, radius: float, column: int, sign: int) -> np.nd
             left &= ~(passed | (turned < TURNED_AWAY)) & (abs(offset) <= len(least))
             before, out_before = ahead, out
     return least
-
-
-def _sharpest(table: WaterwayTable) -> tuple[np.ndarray, np.ndarray]:
-    """Greatest curvature [1/m] and rate of curvature [1/m2] in the cells beside each node."""
-    bend = np.abs(np.pad(table.curvature, 1, mode="edge"))
-    change = np.pad(np.abs(np.diff(table.curvature)) / table.step, 1)
-    return np.max([bend[:-2], bend[1:-1], bend[2:]], axis=0), np.maximum(change[:-1], change[1:])
 
 
 def _seen(columns: np.ndarray, sign: int, offset: int) -> tuple[np.ndarray, ...]:

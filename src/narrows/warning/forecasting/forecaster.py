@@ -249,16 +249,12 @@ class Members:
     def _samples(self, mean: np.ndarray, root: np.ndarray, normals: np.ndarray) -> Samples:
         size = len(self.filter.states)
         points = mean[:, None] + normals[:, : root.shape[2]] @ root.transpose(0, 2, 1)
-        points = points.reshape(-1, mean.shape[1])
-        return Samples(points[:, :size], self._coefficients(points[:, size:]))
-
-    def _coefficients(self, directions: np.ndarray) -> np.ndarray:
-        """Coefficients by the directions of their covariance, within the bounds of their terms."""
-        model = self.filter.model
+        points, model = points.reshape(-1, mean.shape[1]), self.filter.model
+        # Coefficients by the directions of their covariance, within the bounds of their terms.
         middle = np.array([model.coefficients[name] for name in model.terms.names])
         low, high = np.array([term.bound for term in model.terms.terms]).T
-        drawn = middle + directions @ self.filter.root.T
-        return np.asarray(np.clip(drawn, np.minimum(low, middle), np.maximum(high, middle)))
+        drawn = middle + points[:, size:] @ self.filter.root.T
+        return Samples(points[:, :size], np.clip(drawn, np.minimum(low, middle), np.maximum(high, middle)))
 
 
 def rudder_needed(

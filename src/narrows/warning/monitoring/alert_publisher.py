@@ -166,9 +166,6 @@ class AlertPublisher:
             for sentence in alf(alert, since_1970, next(self._numbers["alf"])):
                 self.send(sentence)
 
-    def refuse(self, command: AlertCommand, since_1970: float) -> None:
-        self.send(arc(command, since_1970))
-
     def beat(self, t: float, alerts: Sequence[Alert], sound: bool) -> None:
         if t - self._listed >= settings.LIST_INTERVAL:
             self._listed = t

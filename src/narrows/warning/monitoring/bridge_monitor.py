@@ -27,7 +27,6 @@ from narrows.warning.alerts.alert import (
     OTHER_SENSORS,
     SENSORS,
     SHIP_OR_WATER,
-    Alert,
     AlertDesk,
     BankLevel,
     Condition,
@@ -40,7 +39,7 @@ from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.forecasting.forecaster import Forecaster
 from narrows.warning.forecasting.helmsman import Helmsmen
 from narrows.warning.inputs.bridge_readings import GROUND_LOG, NEEDED, BridgeReadings, Messages, Tick
-from narrows.warning.monitoring.alert_publisher import AlertPublisher, command_of
+from narrows.warning.monitoring.alert_publisher import AlertPublisher, arc, command_of
 from narrows.warning.monitoring.watched_transit import BridgeStatus, clearances
 from narrows.waterway.waterway import Waterway
 
@@ -91,10 +90,19 @@ class BridgeMonitor:
         self._began = tick.t if self._began is None else self._began
         estimate = self._estimated(messages)
         if estimate.ready:
-            self._observe_helm(estimate)
+            now = {name: np.array([value]) for name, value in estimate.values.items()}
+            bend = self.waterway.line.curvature(min(max(estimate["x"], 0.0), self.waterway.line.length))
+            rudder = np.array([self._positions.get("rudder", 0.0)])
+            self.helmsman.update(now["y"], now["psi"], now["r"] - float(bend) * now["u"], now["u"], rudder)
         forecast, why = self._forecast(messages, estimate)
         conditions = self._conditions(messages, estimate, forecast, why)
-        changed = [*self._commanded(tick, since_1970), *self.desk.update(tick.t, conditions)]
+        changed = []
+        for command in filter(None, map(command_of, tick.commands)):
+            if alert := self.desk.command(tick.t, *command):
+                changed.append(alert)
+            else:
+                self.publisher.send(arc(command, since_1970))
+        changed += self.desk.update(tick.t, conditions)
         self.publisher.publish(changed, since_1970)
         self.publisher.beat(tick.t, self.desk.alerts, forecast is not None)
         room = clearances(self.model.configuration.ship, self.waterway, estimate)
@@ -102,16 +110,6 @@ class BridgeMonitor:
         return BridgeStatus(
             tick.t, estimate, forecast, self.desk.alerts, tuple(changed), room, messages.faults, why, limits
         )
-
-    def _commanded(self, tick: Tick, since_1970: float) -> list[Alert]:
-        changed = []
-        for command in filter(None, map(command_of, tick.commands)):
-            alert = self.desk.command(tick.t, *command)
-            if alert is None:
-                self.publisher.refuse(command, since_1970)
-            else:
-                changed.append(alert)
-        return changed
 
     def _estimated(self, messages: Messages) -> Estimate:
         actuators = self.estimator.filter.actuators
@@ -122,12 +120,6 @@ class BridgeMonitor:
         }
         self._positions |= {name: value for name, value in known.items() if name in actuators}  # type: ignore[misc]
         return self.estimator.update(messages.t, known)
-
-    def _observe_helm(self, estimate: Estimate) -> None:
-        now = {name: np.array([value]) for name, value in estimate.values.items()}
-        bend = self.waterway.line.curvature(min(max(estimate["x"], 0.0), self.waterway.line.length))
-        rudder = np.array([self._positions.get("rudder", 0.0)])
-        self.helmsman.update(now["y"], now["psi"], now["r"] - float(bend) * now["u"], now["u"], rudder)
 
     def _forecast(self, messages: Messages, estimate: Estimate) -> tuple[BankForecast | None, str]:
         """Return the forecast, or the reason why there is none."""

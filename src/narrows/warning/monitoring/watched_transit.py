@@ -110,12 +110,9 @@ class BridgeStatus:
     def to_dict(self) -> dict[str, Any]:
         forecast = self.forecast.to_dict() if self.forecast else None
         said = {"status": self.word, "headline": self.headline, "caveats": list(self.caveats)}
-        ends = {name: end._asdict() if end else None for name, end in zip(ENDS, self.clearances[2:], strict=True)}
-        known = {
-            "clearances": {**self.clearances._asdict(), **ends},
-            "state": self.estimate.values,
-            "forecast": forecast,
-        }
+        clearances = {name: own._asdict() if isinstance(own, HullEnd) else own
+                      for name, own in self.clearances._asdict().items()}  # fmt: skip
+        known = {"clearances": clearances, "state": self.estimate.values, "forecast": forecast}
         alerts = [alert_to_dict(one) for one in self.alerts]
         return {"t": self.t, **said, **known, "alerts": alerts, "faults": dict(self.faults)}
 
@@ -123,9 +120,6 @@ class BridgeStatus:
 def alert_to_dict(alert: Alert) -> dict[str, Any]:
     words = {"name": SITUATIONS[alert.identifier].name, "priority": alert.priority.words, "state": alert.state.value}
     return {**vars(alert), **words}
-
-
-ENDS = ("bow", "stern")
 
 
 def clearances(ship: Ship, waterway: Waterway, estimate: Estimate) -> Clearances:
