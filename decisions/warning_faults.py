@@ -20,8 +20,7 @@ from pages import markdown, publish
 from narrows.readers.nmea.nmea_decoder import NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import checksum, sentences
 from narrows.readers.settings import MOST_SHIPS
-from narrows.warning.alerts.alert import Alert, AlertState, Priority
-from narrows.warning.alerts.alert_log import AlertLog, logged
+from narrows.warning.alerts.alert import Alert, AlertLog, AlertState, Priority, logged
 from narrows.warning.inputs.listening import Arrival, Inbox, SignalK
 from narrows.warning.monitoring.alert_publisher import command_of
 from narrows.warning.settings import OTHERS_QUEUE

@@ -12,8 +12,7 @@ from narrows.warning.forecasting.forecaster import (
     Forecaster,
     wrong_order_chance,
 )
-from narrows.warning.forecasting.future_lanes import Case, FutureBlock
-from narrows.warning.forecasting.helmsman import Helmsmen
+from narrows.warning.forecasting.helmsman import Case, FutureBlock, Helmsmen
 from watched.truths import LENGTH, NARROWS, bend_at, modelled
 
 AT_ONCE, SCOUTS = 8, 16

@@ -12,7 +12,7 @@ import numpy as np
 
 import narrows as nw
 from narrows.codegen.choices import WATER
-from narrows.control.predictive.line_frame import water_ahead
+from narrows.control.predictive.course_ahead import water_ahead
 from narrows.simulation.controllers import ControlLaw
 
 State = np.ndarray

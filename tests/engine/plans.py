@@ -8,7 +8,7 @@ from arguments import uncertain
 
 import narrows as nw
 from narrows.control import PredictiveHelm
-from narrows.control.predictive.line_frame import no_push
+from narrows.control.predictive.course_ahead import no_push
 from narrows.control.predictive.planner import RudderPlan
 from narrows.control.predictive.predictive_helm import VoyageOrders
 from narrows.simulation.ship import SimulatedShip, steering_of

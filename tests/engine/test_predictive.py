@@ -19,7 +19,7 @@ import narrows as nw
 from narrows.control import PredictiveHelm, RegulatorWeights
 from narrows.control.predictive import planner as planner_module
 from narrows.control.predictive import predictive_helm as helm_module
-from narrows.control.predictive.line_frame import HELD
+from narrows.control.predictive.course_ahead import HELD
 from narrows.control.predictive.predictive_helm import VoyageOrders
 from narrows.simulation.controllers import VoyageState
 from narrows.waterway import Bank, Centreline, Waterway

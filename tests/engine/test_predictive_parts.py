@@ -19,16 +19,18 @@ from narrows.codegen.cache import compiled_loops
 from narrows.codegen.linearisation import LINEARISED
 from narrows.control.linearization import LocalMotion, LocalWater, along_line
 from narrows.control.predictive import plan_loops
-from narrows.control.predictive.course_ahead import margins_of, regulator_of, weights_of
-from narrows.control.predictive.line_frame import (
+from narrows.control.predictive.course_ahead import (
     HELD,
     BankSpread,
     Push,
+    margins_of,
     no_push,
     over_interval,
+    regulator_of,
     share_of,
     update_push,
     water_ahead,
+    weights_of,
 )
 from narrows.control.predictive.planner import (
     QuadraticProgram,

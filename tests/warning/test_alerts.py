@@ -26,6 +26,7 @@ from narrows.warning.alerts.alert import (
     SENSORS,
     Alert,
     AlertDesk,
+    AlertLog,
     AlertState,
     BankLevel,
     Command,
@@ -33,8 +34,8 @@ from narrows.warning.alerts.alert import (
     Priority,
     Situation,
     Thresholds,
+    logged,
 )
-from narrows.warning.alerts.alert_log import AlertLog, logged
 from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun
 from narrows.warning.monitoring.alert_publisher import AlertCommand, alc, alf, arc, command_of, hbt, notifications
 
@@ -338,7 +339,7 @@ def test_a_full_disk_mutes_nothing_and_what_waited_is_written(tmp_path: Path) ->
             raise sqlite3.OperationalError("database or disk is full")
         while way[0] == "stuck":
             time.sleep(0.01)
-        from narrows.warning.alerts.alert_log import _opened
+        from narrows.warning.alerts.alert import _opened
 
         return _opened(path)
 
@@ -362,7 +363,7 @@ WRITER = """
 import sys
 from pathlib import Path
 from narrows.warning.alerts.alert import Alert, AlertState, Priority
-from narrows.warning.alerts.alert_log import AlertLog
+from narrows.warning.alerts.alert import AlertLog
 with AlertLog(Path(sys.argv[1]), deadline=30.0) as log:
     for number in range(10_000):
         assert log.alert(Alert(10110, Priority.WARNING, AlertState.UNACKNOWLEDGED, str(number)))

@@ -14,8 +14,7 @@ from narrows.estimation import Estimator
 from narrows.warning.forecasting import helmsman
 from narrows.warning.forecasting.forecast import BankForecast, level_time
 from narrows.warning.forecasting.forecaster import Forecaster, Members, crossing, rudder_needed
-from narrows.warning.forecasting.future_lanes import Case
-from narrows.warning.forecasting.helmsman import Helmsmen, LineOfSight, escape_numbers
+from narrows.warning.forecasting.helmsman import Case, Helmsmen, LineOfSight, escape_numbers
 
 FAN_MEMBERS = 32  # ships of the fan
 

@@ -13,8 +13,7 @@ from watch import BEGAN, calm, monitor, monitored, ticks
 
 import narrows as nw
 from narrows.readers.nmea.nmea_sentences import with_checksum
-from narrows.warning.alerts.alert import BANKS, NO_FORECAST, AlertState, Priority
-from narrows.warning.alerts.alert_log import AlertLog, logged
+from narrows.warning.alerts.alert import BANKS, NO_FORECAST, AlertLog, AlertState, Priority, logged
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher, sender_to

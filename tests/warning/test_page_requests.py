@@ -11,8 +11,17 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, rule
 from watch import BEGAN, monitor, monitored, ticks
 
-from narrows.warning.alerts.alert import BANKS, CALM, AlertDesk, AlertState, Command, Condition, Priority
-from narrows.warning.alerts.alert_log import AlertLog, logged
+from narrows.warning.alerts.alert import (
+    BANKS,
+    CALM,
+    AlertDesk,
+    AlertLog,
+    AlertState,
+    Command,
+    Condition,
+    Priority,
+    logged,
+)
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher, command_of
 from narrows.warning.page.bridge_page import BUSY, PageRequest, PageRequests, objection, request_of, update_of

@@ -13,7 +13,7 @@ from watch import monitored, ticks, without
 import narrows as nw
 from narrows.cli.watching import end_by_sigterm
 from narrows.report.transit_report import transit_track_figure, write_transit_report
-from narrows.warning.alerts.alert_log import logged
+from narrows.warning.alerts.alert import logged
 from narrows.warning.monitoring import watched_transit
 from narrows.warning.monitoring.demonstration import demonstration
 from narrows.warning.monitoring.watched_transit import (

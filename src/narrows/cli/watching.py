@@ -235,7 +235,7 @@ SIGNAL_K = ("ws://", "wss://")
 
 
 def _outputs(alerts: AlertOptions, stack: ExitStack) -> "tuple[AlertPublisher, list[SignalKSender]]":
-    from narrows.warning.alerts.alert_log import AlertLog
+    from narrows.warning.alerts.alert import AlertLog
     from narrows.warning.monitoring.alert_publisher import AlertPublisher, SignalKSender, sender_to
 
     log = stack.enter_context(AlertLog(alerts.log)) if alerts.log else None

@@ -16,7 +16,7 @@ from narrows.control import settings
 from narrows.control.design import with_gear
 from narrows.control.linear_system import loop_margins
 from narrows.control.linearization import linearize
-from narrows.control.predictive.line_frame import water_ahead
+from narrows.control.predictive.course_ahead import water_ahead
 from narrows.control.steady_course import check_rudder
 from narrows.errors import InputError, needs
 from narrows.model.model import Model

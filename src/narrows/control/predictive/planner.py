@@ -12,8 +12,7 @@ from narrows.codegen.linearisation import LINEARISED
 from narrows.control import settings
 from narrows.control.linearization import along_line
 from narrows.control.predictive import plan_loops
-from narrows.control.predictive.course_ahead import Weights
-from narrows.control.predictive.line_frame import (
+from narrows.control.predictive.course_ahead import (
     FORCED,
     HELD,
     MOTION,
@@ -22,6 +21,7 @@ from narrows.control.predictive.line_frame import (
     SECTION,
     Push,
     WaterAhead,
+    Weights,
     over_interval,
     share_of,
 )

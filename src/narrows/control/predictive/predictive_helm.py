@@ -10,16 +10,17 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from narrows.codegen.choices import STAGES
-from narrows.control.predictive.course_ahead import CourseAhead, weights_of
-from narrows.control.predictive.line_frame import (
+from narrows.control.predictive.course_ahead import (
     FORCED,
     MOTION,
     RUDDER,
+    CourseAhead,
     Push,
     no_push,
     share_of,
     update_push,
     water_ahead,
+    weights_of,
 )
 from narrows.control.predictive.planner import (
     Horizon,

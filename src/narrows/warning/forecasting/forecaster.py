@@ -20,8 +20,19 @@ from narrows.ship.particulars import half_swept
 from narrows.simulation.ship import SimulatedShip
 from narrows.warning import settings
 from narrows.warning.forecasting.forecast import BankForecast, Escape, LikelyRun, Tracks
-from narrows.warning.forecasting.future_lanes import Case, FutureBlock, FutureLanes, Outcomes, Ships
-from narrows.warning.forecasting.helmsman import KICK, REVOLUTIONS, STEADY, Helmsmen, Manoeuvre, escape_numbers
+from narrows.warning.forecasting.helmsman import (
+    KICK,
+    REVOLUTIONS,
+    STEADY,
+    Case,
+    FutureBlock,
+    FutureLanes,
+    Helmsmen,
+    Manoeuvre,
+    Outcomes,
+    Ships,
+    escape_numbers,
+)
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway

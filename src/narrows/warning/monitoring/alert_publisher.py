@@ -27,12 +27,12 @@ from narrows.warning.alerts.alert import (
     SITUATIONS,
     Alert,
     AlertDesk,
+    AlertLog,
     AlertState,
     Command,
     Priority,
     Situation,
 )
-from narrows.warning.alerts.alert_log import AlertLog
 from narrows.warning.settings import HEARTBEAT
 
 # Integrated instrumentation; whose alerts they are.
