@@ -28,9 +28,9 @@ from narrows.warning.page.bridge_page import (
     SIGNAL_K,
     UPDATES,
     BridgePage,
-    PageAccess,
     address_of,
     packed,
+    refusal,
     update_of,
 )
 
@@ -133,20 +133,20 @@ def test_what_diverges_is_not_drawn() -> None:
     ],
 )  # fmt: skip
 def test_who_may_come(token: str, host: str, origin: str | None, sentence: str) -> None:
-    assert PageAccess("secret").refusal(token, host, origin) == sentence
+    assert refusal("secret", token, host, origin) == sentence
 
 
 def test_tokens_are_new_and_not_shown() -> None:
-    one = PageAccess()
+    one = BridgePage()
     assert len(one.token) >= 24
-    assert one.token != PageAccess().token
+    assert one.token != BridgePage().token
     assert one.token not in repr(one)
 
 
 @pytest.fixture(scope="module")
 def page() -> BridgePage:
     pytest.importorskip("websockets", reason="of the extra monitor")
-    return BridgePage(PageAccess("secret"))
+    return BridgePage("secret")
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,7 @@ import narrows as nw
 from narrows.cli.options import (
     PAGES,
     Argument,
+    Delivery,
     ModelDelivery,
     Numbers,
     Option,
@@ -16,8 +17,6 @@ from narrows.cli.options import (
     WaterwayFile,
     Words,
     named,
-    print_json,
-    print_written,
     speeds,
     verb,
 )
@@ -132,17 +131,15 @@ def _learn(
 ) -> bool:
     """Learn from logs; return whether they carry information."""
     log = _read(logs, logged, ahead)
-    doubts = () if logged.unchecked else _doubts(model, log, logged)
+    doubts: tuple[str, ...] = ()
+    if not logged.unchecked:
+        findings = nw.check_log(log, model, sensors=logged.sensors, spread=logged.spread)
+        if wrong := findings.wrong:
+            more = f" ({len(wrong) - 1} more: see nw.check_log)" if len(wrong) > 1 else ""
+            raise InputError(f"{wrong[0].record}: {wrong[0].sentence}; {wrong[0].remedy}{more}, or give --unchecked")
+        doubts = findings.doubts
     fit = nw.learn(model, log, free=logged.free, sensors=logged.sensors, spread=logged.spread)
     return _deliver(replace(fit, about=(*doubts, *fit.about)), delivery)
-
-
-def _doubts(model: "nw.Model", log: "nw.ShipLog | StreamedLog", logged: LogOptions) -> tuple[str, ...]:
-    findings = nw.check_log(log, model, sensors=logged.sensors, spread=logged.spread)
-    if wrong := findings.wrong:
-        more = f" ({len(wrong) - 1} more: see nw.check_log)" if len(wrong) > 1 else ""
-        raise InputError(f"{wrong[0].record}: {wrong[0].sentence}; {wrong[0].remedy}{more}, or give --unchecked")
-    return findings.doubts
 
 
 def _read(logs: list[Path], logged: LogOptions, ahead: InformationOptions) -> "nw.ShipLog | StreamedLog":
@@ -182,8 +179,8 @@ def _plan(model: "nw.Model", legs: LegOptions, page: Path, speed: str | None, js
     plan = nw.plan_steady(model, legs.y, ahead, legs=legs.legs, conditions=nw.SteadyConditions(wind=legs.wind))
     if plan.legs:
         write_pilot_page(plan, page)
-    print_json(_told(plan, plan=plan.to_dict())) if json else print_steady_plan(plan)
-    print_written([page] if plan.legs else [], json)
+    shown = Delivery(page if plan.legs else None, json)
+    shown.show(lambda: _told(plan, plan=plan.to_dict()), lambda: print_steady_plan(plan))
     return bool(plan.legs)
 
 
@@ -193,7 +190,7 @@ def _predict_information(model: "nw.Model", ahead: InformationOptions, speed: st
     way = None if ahead.waterway is None else nw.read_waterway(ahead.waterway)
     u = None if speed is None else read_speed("--speed", speed)
     found = nw.predict_information(model, way, ahead.predict_information or "", u=u)
-    print_json(_told(found, information=found.to_dict())) if json else print_information(found)
+    Delivery(json=json).show(lambda: _told(found, information=found.to_dict()), lambda: print_information(found))
     return bool(found.std)
 
 

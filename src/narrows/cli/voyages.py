@@ -315,7 +315,12 @@ def waterway(
     """
     from narrows.report.printed_tables import print_waterway, waterway_summary
 
-    _check_together(file, line, width, reach)
+    if file is not None and width is not None:
+        raise InputError("--width makes a waterway along --line alone; leave it out, or the file")
+    if file is not None and file.suffix == ".000" and line is None:
+        raise InputError("a chart (.000) goes with --line, its centreline on a map with one line")
+    if (line is None or file is None) and reach != REACH:
+        raise InputError("--reach measures a chart or an area; leave it out for banks that are drawn")
     if not 0 <= draft < 1000:
         raise InputError(f"--draft {draft} is invalid; give metres from 0 to 1000")
     result, notes = _made(file, line, width, depth, reach)
@@ -346,12 +351,3 @@ def _made(
     axis = read_line(line)
     chart = read_chart(file) if of_chart else chart_of_area(file, axis, depth or 0.0)
     return waterway_from_chart(chart, axis, reach), ()
-
-
-def _check_together(file: Path | None, line: Path | None, width: float | None, reach: float) -> None:
-    if file is not None and width is not None:
-        raise InputError("--width makes a waterway along --line alone; leave it out, or the file")
-    if file is not None and file.suffix == ".000" and line is None:
-        raise InputError("a chart (.000) goes with --line, its centreline on a map with one line")
-    if (line is None or file is None) and reach != REACH:
-        raise InputError("--reach measures a chart or an area; leave it out for banks that are drawn")

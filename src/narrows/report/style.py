@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from io import BytesIO
+from io import BytesIO, StringIO
 from textwrap import wrap
 from typing import Any, NamedTuple, cast
 
@@ -117,8 +117,6 @@ def notes_below(figure: Figure, notes: Iterable[str]) -> None:
 
 
 def svg(figure: Figure) -> str:
-    from io import StringIO
-
     memory = StringIO()
     with rc_context(FONT):
         figure.savefig(memory, format="svg", dpi=100, metadata={"Date": None})

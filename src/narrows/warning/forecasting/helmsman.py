@@ -71,11 +71,6 @@ class Helmsmen:
         self._held: np.ndarray | None = None  # Angle of the rudder since it last moved [rad]
 
     @property
-    def delay(self) -> np.ndarray:
-        """Reaction time of the helmsman, (count,) [s]."""
-        return np.asarray(np.array(HELM_DELAYS)[self._best])
-
-    @property
     def _best(self) -> np.ndarray:
         return np.asarray(self._squares.argmin(axis=1))
 
@@ -124,8 +119,8 @@ class Helmsmen:
         trim, by_y, by_psi, by_r = np.moveaxis(self.gains[np.arange(self.count), self._best], -1, 0)
         heading = np.maximum(by_psi, 0.05)
         return {
-            "since": self.delay + 0.5 * ORDER_INTERVAL, "trim": trim, "line": np.zeros(self.count),
-            "reach": by_y / self.length / heading, "by_psi": heading,
+            "since": np.array(HELM_DELAYS)[self._best] + 0.5 * ORDER_INTERVAL, "trim": trim, "by_psi": heading,
+            "line": np.zeros(self.count), "reach": by_y / self.length / heading,
             "by_r": by_r * self.length / np.maximum(u, 0.1), "most": self.limit,
         }  # fmt: skip
 

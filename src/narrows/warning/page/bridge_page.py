@@ -12,7 +12,6 @@ import time
 from collections import deque
 from collections.abc import Awaitable, Callable, Coroutine, Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
-from dataclasses import dataclass, field
 from importlib.resources import files
 from queue import Empty, Full, Queue
 from threading import Thread
@@ -147,19 +146,14 @@ LOGGER = logging.Logger("narrows.page", logging.CRITICAL)
 TOKEN_BYTES = 18
 
 
-@dataclass(frozen=True)
-class PageAccess:
-    # That must be known; made anew unless given
-    token: str = field(default_factory=lambda: secrets.token_urlsafe(TOKEN_BYTES), repr=False)
-
-    def refusal(self, token: str, host: str, origin: str | None = None) -> str:
-        """Return why somebody is refused, in a sentence; empty where nobody is."""
-        if not _is_here(host):
-            return NO_HOST
-        if origin is not None and origin not in (f"http://{host}", f"https://{host}"):
-            return NO_ORIGIN
-        # In constant time, so that nobody can guess it letter by letter.
-        return "" if hmac.compare_digest(token.encode(), self.token.encode()) else NO_TOKEN
+def refusal(known: str, token: str, host: str, origin: str | None = None) -> str:
+    """Return why somebody with a token is refused, in a sentence; empty where nobody is."""
+    if not _is_here(host):
+        return NO_HOST
+    if origin is not None and origin not in (f"http://{host}", f"https://{host}"):
+        return NO_ORIGIN
+    # In constant time, so that nobody can guess it letter by letter.
+    return "" if hmac.compare_digest(token.encode(), known.encode()) else NO_TOKEN
 
 
 # Told why, where a request is refused.
@@ -172,8 +166,8 @@ class Stream(NamedTuple):
 
 
 class BridgePage:
-    def __init__(self, access: PageAccess | None = None) -> None:
-        self.access = access or PageAccess()
+    def __init__(self, token: str = "") -> None:
+        self.token = token or secrets.token_urlsafe(TOKEN_BYTES)
         self.updates, self.notices, self.requests = Clients(settings.OLDEST_UPDATE), Clients(), PageRequests()
         self._noticed: list[Any] = []
         # Clients of Signal K only listen here.
@@ -214,7 +208,7 @@ class BridgePage:
             thread.start()
             server = run(begin())
             try:
-                yield f"http://{address_of(host)}:{listening.getsockname()[1]}/?token={self.access.token}"
+                yield f"http://{address_of(host)}:{listening.getsockname()[1]}/?token={self.token}"
                 self.updates.publish(packed({"kind": "ended", "sentence": ENDED}))
                 time.sleep(settings.FAREWELL * bool(self.updates))
             finally:
@@ -238,7 +232,7 @@ class BridgePage:
         if asked.path != "/" and asked.path not in self._streams:
             return _response(connection, MISSING, "There is no such file.")
         token = parse_qs(asked.query).get("token", [""])[0]
-        if why := self.access.refusal(token, heads.get("Host", ""), heads.get("Origin")):
+        if why := refusal(self.token, token, heads.get("Host", ""), heads.get("Origin")):
             return _response(connection, FORBIDDEN, why)
         if asked.path == "/":
             return _response(connection, 200, self._index, ".html")
