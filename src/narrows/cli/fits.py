@@ -190,7 +190,7 @@ def publish(
         for label, fit in every.items():
             print_fit(fit, label, answer=answers[label], table=len(every) == 1)
         click.echo("Scores, Shapley shares and every coefficient: add --verbose, or read the report (--report).")
-    print_written([*written, delivery.report], delivery.json)
+        print_written([*written, delivery.report])
     if any(fit.implausible or not fit.solution.kkt.satisfied for fit in fits.values()):
         raise SystemExit(1)
 
@@ -211,10 +211,7 @@ def reproduce(
     result = made(lambda doing: click.echo(f"{doing} ...", err=True))
     click.echo("figures ...", err=True)
     write_reproduction(result, out / "report.html")
-    if json:
-        print_json(result.to_dict())
-    else:
-        click.echo(f"{result.summary()}\nwrote {out / 'report.html'}")
+    Delivery(json=json, report=out / "report.html").show(result.to_dict, lambda: click.echo(result.summary()))
 
 
 @dataclass(frozen=True)

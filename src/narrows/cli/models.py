@@ -7,17 +7,7 @@ from typing import Annotated, Any
 import click
 
 import narrows as nw
-from narrows.cli.options import (
-    Argument,
-    AsJson,
-    ModelFile,
-    Option,
-    PlainModelDelivery,
-    Speed,
-    print_json,
-    print_written,
-    verb,
-)
+from narrows.cli.options import Argument, AsJson, Delivery, ModelFile, Option, PlainModelDelivery, Speed, verb
 from narrows.cli.voyages import HelmOptions, PhysicsOptions, WaterOptions
 from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
@@ -97,13 +87,8 @@ def export(
         raise InputError(f"a file of kind {kind} has no helm of its own to set; leave --hold out")
     written = exporter.write(ship, output, **{name: value for name, value in options.items() if name in known})
     notes, platforms = list(exporter.notes(written)), written if exporter.platforms else ()
-    if json:
-        summary = f"wrote {output}"
-        print_json({"summary": summary, "kind": kind, "output": str(output), "platforms": platforms, "notes": notes})
-        return
-    for note in notes:
-        click.echo(note)
-    print_written([output])
+    shown = {"summary": f"wrote {output}", "kind": kind, "output": str(output), "platforms": platforms, "notes": notes}
+    Delivery(output, json).show(lambda: shown, lambda: click.echo("\n".join(notes), nl=bool(notes)))
 
 
 def _helm(model: "nw.Model", hold: float | None, speed: float | None, way: "nw.Waterway | None") -> Any:
@@ -156,8 +141,6 @@ def ships(json: AsJson = False) -> None:
     from narrows.report.printed_tables import print_ships
 
     table = nw.ready_ships()
-    if json:
-        summary = f"{len(table)} ships; each name replaces a model file"
-        print_json({"ships": table.reset_index().to_dict("records"), "summary": summary, "notes": []})
-        return
-    print_ships(table)
+    summary = f"{len(table)} ships; each name replaces a model file"
+    shown = {"ships": table.reset_index().to_dict("records"), "summary": summary, "notes": []}
+    Delivery(json=json).show(lambda: shown, lambda: print_ships(table))

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Callable, Iterable
 from dataclasses import MISSING, dataclass, fields, is_dataclass
+from importlib import import_module
 from inspect import Parameter, signature
 from pathlib import Path
 from types import UnionType
@@ -19,8 +20,6 @@ from narrows.results import to_json
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from narrows.terms.term import TermTable
 
 
 TYPES: dict[type, click.ParamType[Any, Any]] = {
@@ -135,12 +134,11 @@ def named(forms: tuple[str, ...]) -> Callable[[Path | None], Path | None]:
     return checked
 
 
-def print_written(paths: Iterable[Path | None], json: bool = False) -> None:
-    """Print which files were written; nothing with JSON output or for streams."""
+def print_written(paths: Iterable[Path | None]) -> None:
+    """Print which files were written; nothing for streams."""
     files = [path for path in paths if path is not None]
-    if not json and not any(map(is_stream, files)):
-        for path in files:
-            click.echo(f"wrote {path}")
+    for path in () if any(map(is_stream, files)) else files:
+        click.echo(f"wrote {path}")
 
 
 def folder(path: Path) -> None:
@@ -263,16 +261,8 @@ def words(_: str, text: str) -> tuple[str, ...]:
     return tuple(filter(None, map(str.strip, text.split(","))))
 
 
-def _read_terms(_: str, text: str) -> "TermTable":
-    from narrows.terms.tables import table_named
-
-    return table_named(text)
-
-
-def _read_run_errors(_: str, text: str) -> Any:
-    from narrows.identification.systematic_effects import run_errors_of
-
-    return run_errors_of(text)
+def _read_by(module: str, name: str) -> Callable[[str, str], Any]:
+    return lambda _, text: getattr(import_module(module), name)(text)  # Imported when it is needed
 
 
 # Types of options that are read from text.
@@ -280,10 +270,14 @@ Numbers = Annotated[Any, numbers]
 Speed = Annotated[Any, speed]
 Speeds = Annotated[Any, speeds]
 Words = Annotated[Any, words]
-Terms = Annotated[Any, _read_terms, "Table of terms: 'paper', 'crossflow', 'mmg', 'paper+keel_gap+helm', ..."]
+Terms = Annotated[
+    Any,
+    _read_by("narrows.terms.tables", "table_named"),
+    "Table of terms: 'paper', 'crossflow', 'mmg', 'paper+keel_gap+helm', ...",
+]
 RunErrors = Annotated[
     Any,
-    _read_run_errors,
+    _read_by("narrows.identification.systematic_effects", "run_errors_of"),
     Option("--run-errors", help="Differences between runs: gain, zero and form, as shares of the force."),
 ]
 
