@@ -61,12 +61,9 @@ class StartOptions:
 
 @dataclass(frozen=True)
 class PushOptions:
-    surge_force: Annotated[float, Option("--X", help="External surge force [N].")] = 0.0
-    sway_force: Annotated[float, Option("--Y", help="External sway force [N].")] = 0.0
-    yaw_moment: Annotated[float, Option("--N", help="External yaw moment [N m].")] = 0.0
-
-    def values(self) -> dict[str, float]:
-        return {"X": self.surge_force, "Y": self.sway_force, "N": self.yaw_moment}
+    X: Annotated[float, "External surge force [N]."] = 0.0
+    Y: Annotated[float, "External sway force [N]."] = 0.0
+    N: Annotated[float, "External yaw moment [N m]."] = 0.0
 
 
 @dataclass(frozen=True)
@@ -210,7 +207,7 @@ def simulate(
 
     chosen, waterway = model_named(model), water.read()
     u = voyage_defaults(chosen).speed if start.speed is None else start.speed
-    options: dict[str, Any] = start.values() | push.values() | vars(time) | vars(physics) | {"bottom": bottom}
+    options: dict[str, Any] = start.values() | vars(push) | vars(time) | vars(physics) | {"bottom": bottom}
     controller = helm.of(chosen, u, start.x, waterway)
     voyage = nw.simulate(
         chosen, u=u, rudder=radians(helm.rudder_deg), waterway=waterway, controller=controller, **options
@@ -242,11 +239,10 @@ def map_(
     from narrows.simulation.initial_state import voyage_defaults
 
     chosen, waterway = model_named(model), water.read()
-    defaults = voyage_defaults(chosen, varied.speed)
-    vary, choices = varied.values(defaults, OFFSETS), dict[str, Any](contact=contact)
+    vary: dict[str, Any] = varied.values(voyage_defaults(chosen, varied.speed), OFFSETS)
     voyages = nw.ensemble(
         chosen, samples=samples.samples, seed=samples.seed, waterway=waterway,
-        progress=sys.stderr.isatty() and not delivery.json, **vars(time), **choices, **vary,
+        progress=sys.stderr.isatty() and not delivery.json, **vars(time) | {"contact": contact}, **vary,
     )  # fmt: skip
     delivery.write(
         lambda path: save_dataset(voyages, path),
