@@ -1,4 +1,4 @@
-"""What is ahead of a ship: the water, an unexplained force, and by place the steady course and its best linear helm."""
+"""The way ahead: water, unexplained force, steady course, and the linear-quadratic regulator about it, by place."""
 
 import math
 from collections.abc import Mapping
