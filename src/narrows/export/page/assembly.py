@@ -73,11 +73,13 @@ def page_text(exported: ExportedShip, speed: float, title: str, helm: str, wasm:
     data = json.dumps(page_data(exported, speed, title) | {"wasm": packed(wasm) if wasm else ""}, separators=(",", ":"))
     template = Environment(loader=PackageLoader("narrows.export.page", "."), undefined=StrictUndefined)
     known: set[str] = set()
-    given = {"model.js": model_script(exported)}
+    given, data_range = {"model.js": model_script(exported)}, exported.ship.model.data_range
+    whose = "tests of other ships" if exported.ship.model.source.estimate else "the tests"
+    has_range = data_range.speed is not None or data_range.abs_y is not None
     return template.get_template("page.html.j2").render(
         title=title, banks=exported.ship.model.has_bank, open=is_open_water(exported.ship.model),
         foot=_foot(exported), helm=helm,
-        ship=exported.ship.model.configuration.ship.in_words, dotted=_dotted(exported.ship.model),
+        ship=exported.ship.model.configuration.ship.in_words, dotted=f"; dotted: what {whose} covered" * has_range,
         passport=list(passport(exported.ship.model)), data=data.replace("<", "\\u003c"),
         style=asset("palette.css") + files("narrows.export.page").joinpath("page.css").read_text("utf-8"),
         shared="".join(bundled(name, given, known) for name in FIRST),
@@ -102,12 +104,6 @@ def _foot(exported: ExportedShip) -> str:
         f"steps of a 200th of a ship length{of_map}. The speed is "
         f"{'held' if exported.ship.surge == 'held' else 'free'}."
     )
-
-
-def _dotted(model: Model) -> str:
-    if model.data_range.speed is None and model.data_range.abs_y is None:
-        return ""
-    return f"; dotted: what {'tests of other ships' if model.source.estimate else 'the tests'} covered"
 
 
 IMPORT = re.compile(r'^import \{ ([^}]*) \} from "\./([\w/.]+)";\n', re.MULTILINE)
@@ -177,7 +173,10 @@ def page_data(exported: ExportedShip, speed: float, title: str) -> dict[str, Any
             "inputs": [JavaScript().named(one.name) for one in exported.inputs],
         },
         "parameters": [one.value for one in exported.parameters], "inputs": [one.value for one in exported.inputs],
-        "coefficients": [{"name": name, "bounds": _bounds(model, name)} for name in names],
+        "coefficients": [
+            {"name": name, "bounds": [float(end) if np.isfinite(end) else None for end in model.terms[name].bound]}
+            for name in names
+        ],
         "root": _written(root_of(model, names)), "share": ASSUMED,
         "assumed": model.covariance is None,
         "sliders": [slider.to_dict() for slider in sliders], "speeds": [speeds.low, speeds.high],
@@ -205,10 +204,6 @@ def _written(root: np.ndarray) -> list[Any]:
     if np.array_equal(root, np.diag(diagonal)):
         return [float(f"{value:.10g}") for value in diagonal]
     return [[float(f"{value:.10g}") for value in row] for row in root]
-
-
-def _bounds(model: Model, name: str) -> list[float | None]:
-    return [float(end) if np.isfinite(end) else None for end in model.terms[name].bound]
 
 
 def _notes(model: Model, sliders: list[Slider]) -> list[str]:
