@@ -251,12 +251,16 @@ def map_figure(
         if quantity.notnull().any():
             keys = (_line if len(dims) == 1 else _field)(figure, axes, quantity, voyages["side"], within is None)
         else:
-            _say_nothing_grounds(axes, quantity, str(map_summary(voyages)["summary"]))
+            at, words = _scaled(quantity, dims[0]), textwrap.wrap(str(map_summary(voyages)["summary"]), 60)
+            axes.set(xlim=(float(at.min()), float(at.max())), yticks=[])
+            axes.text(0.5, 0.5, "\n".join(words), transform=axes.transAxes, ha="center", va="center")
         axes.set_xlabel(LABELS.get(dims[0], dims[0]))
         keys += _mark_tested(axes, quantity, model)
         axes.legend(handles=keys, frameon=False, loc="upper left", bbox_to_anchor=(0.0, -0.14), ncols=3)
         if model and dims == ["y"] and within is None and waterway is None:
-            _clearance_on_top(axes, model.configuration)
+            edge = (model.configuration.canal.width - model.configuration.ship.beam) / 2
+            top: Any = axes.secondary_xaxis("top", functions=(lambda y: edge - y,) * 2)
+            top.set_xlabel("starboard clearance at the start $y_s(0)$ [m]")
         notes_below(figure, notes)
         if model:
             headed(figure, *_title(model.configuration, waterway, start or {}))
@@ -272,14 +276,6 @@ def _title(configuration: Configuration, waterway: Waterway | None, start: Mappi
     parts += [f"heading {np.degrees(held['psi']):.3g} deg"] if held.get("psi") else []
     parts += [f"rudder {np.degrees(held['rudder']):.3g} deg"] if held.get("rudder") else []
     return parts[0], ["; ".join(parts[1:])]
-
-
-def _say_nothing_grounds(axes: Axes, quantity: xr.DataArray, sentence: str) -> None:
-    at = _scaled(quantity, str(quantity.dims[0]))
-    axes.set_xlim(float(at.min()), float(at.max()))
-    axes.set_yticks([])
-    words = "\n".join(textwrap.wrap(sentence, 60))
-    axes.text(0.5, 0.5, words, transform=axes.transAxes, ha="center", va="center")
 
 
 def _mark_tested(axes: Axes, quantity: xr.DataArray, model: Model | None) -> list[Any]:
@@ -345,13 +341,3 @@ def _field(figure: Figure, axes: Axes, quantity: xr.DataArray, side: xr.DataArra
     axes.set_ylabel(LABELS.get(up, up))
     white = by_side and quantity.isnull().any()
     return [Patch(facecolor="white", edgecolor=GREY, lw=0.6, label="does not ground")] if white else []
-
-
-def _clearance_on_top(axes: Axes, configuration: Configuration) -> None:
-    edge = (configuration.canal.width - configuration.ship.beam) / 2
-
-    def other_side(value: Any) -> Any:
-        return edge - value
-
-    top: Any = axes.secondary_xaxis("top", functions=(other_side, other_side))
-    top.set_xlabel("starboard clearance at the start $y_s(0)$ [m]")

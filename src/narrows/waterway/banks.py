@@ -91,7 +91,15 @@ class BankLine:
         along = np.union1d(np.linspace(0, 1, ALONG) * known[-1], known)
         s, n = self.line.locate(np.stack([np.interp(along, known, column) for column in self._distinct.T], axis=1))
         refuse_crossing(self.side, s, (s > 0) & (s < self.line.length) & ~(n * self._normals.sign > 0))
-        self._check_whole()
+        (corners, pieces), length = self._pieces, self.line.length
+        if corners[0] > SLACK * length or corners[-1] < (1 - SLACK) * length:
+            raise InputError(
+                f"the {self.side} bank is known from {corners[0]:.0f} to {corners[-1]:.0f} m along a centreline of "
+                f"{length:.0f} m; draw it along the whole of it"
+            )
+        if (pieces < 0).any():
+            place = corners[int((pieces < 0).argmax())]
+            raise InputError(f"the normal of the centreline at {place:.0f} m meets no {self.side} bank; draw it there")
         self._check_distance()
 
     @property
@@ -125,18 +133,6 @@ class BankLine:
         if not seen.size:
             raise InputError(f"no normal of the centreline meets the {self.side} bank; draw it along the whole of it")
         return corners[seen[0] : seen[-1] + 2], pieces[seen[0] : seen[-1] + 1]
-
-    def _check_whole(self) -> None:
-        corners, pieces = self._pieces
-        length = self.line.length
-        if corners[0] > SLACK * length or corners[-1] < (1 - SLACK) * length:
-            raise InputError(
-                f"the {self.side} bank is known from {corners[0]:.0f} to {corners[-1]:.0f} m along a centreline of "
-                f"{length:.0f} m; draw it along the whole of it"
-            )
-        if (pieces < 0).any():
-            s = corners[int((pieces < 0).argmax())]
-            raise InputError(f"the normal of the centreline at {s:.0f} m meets no {self.side} bank; draw it there")
 
     def _check_distance(self) -> None:
         """Check at every corner, between them, and between the points of the line."""
