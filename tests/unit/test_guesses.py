@@ -194,7 +194,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.step_response": (lambda: nw.step_response, "state_space"),  # type: ignore[attr-defined]
     "nw.simulate(..., T=20)": (lambda: nw.simulate(DTC, y=0.5, T=20), "write duration"),
     "nw.simulate(..., hold=0)": (lambda: nw.simulate(DTC, y=0.5, hold=0), "write controller=nw.control.regulator"),
-    "model.sensitivity()": (lambda: DTC.sensitivity(), "write nw.sensitivities"),  # type: ignore[attr-defined]
     "nw.cross_validate(tests)": (lambda: nw.cross_validate(TESTS()), "write identify"),  # type: ignore[attr-defined]
     'nw.simulate(u="8 kn")': (lambda: nw.simulate(DTC, u="8 kn"), "8 kn is 4.12 m/s"),  # type: ignore[arg-type]
     'nw.ensemble(u="8 kn")': (lambda: nw.ensemble(DTC, u="8 kn"), "8 kn is 4.12 m/s"),
@@ -252,6 +251,26 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "model.nondimensional()": (lambda: DTC.nondimensional(), "give a positive one, speed="),  # type: ignore[attr-defined]
     "nw.crash_stop(model)": (lambda: nw.crash_stop(DTC), r"nw.published\('estimated_kcs'\)"),
     'nw.squat(formula="barrass")': (lambda: nw.squat(KCS, 4.0, formula="barrass"), "give gives='largest'"),
+    "nw.simulate(speed_knots=)": (lambda: nw.simulate(DTC, speed_knots=8), "write u=... in m/s, as 8 [*] 0.514444"),
+    "nw.turning_circle(speed_knots=)": (lambda: nw.turning_circle(KCS, speed_knots=8), "write speed=... in m/s"),  # type: ignore[call-arg]
+    "nw.turning_circle(rudder_deg=)": (lambda: nw.turning_circle(KCS, rudder_deg=35), "in degrees for turning"),  # type: ignore[call-arg]
+    "nw.scale(scale_factor=)": (lambda: nw.scale(DTC, scale_factor=89.11), "write length=... of the other ship"),  # type: ignore[attr-defined]
+    "model.to_full_scale": (lambda: DTC.to_full_scale(89.11), r"write scale\(length\)"),  # type: ignore[attr-defined]
+    "model.ukc": (lambda: DTC.ukc, "write canal.depth - ship.draft"),  # type: ignore[attr-defined]
+    "nw.froude_depth": (lambda: nw.froude_depth, "write choke_speed, or u / np.sqrt"),  # type: ignore[attr-defined]
+    "nw.Sensors": (lambda: nw.Sensors, "write a list of sensors"),  # type: ignore[attr-defined]
+    "voyage.n_samples": (lambda: voyage().n_samples, r"write t, as len\(t\)"),  # type: ignore[attr-defined]
+    "voyage.rot": (lambda: voyage().rot, "in degrees a minute"),  # type: ignore[attr-defined]
+    "waterway.save(path)": (
+        lambda: nw.straight_waterway(nw.Canal(300.0, 16.0), 5000.0).save("own.geojson"),  # type: ignore[attr-defined]
+        r"write waterway.to_geojson\(path\)",
+    ),
+    "Waterway.from_geojson(width=)": (
+        lambda: nw.Waterway.from_geojson("axis.geojson", width=300.0),
+        "write path=... of a file with both banks; narrows waterway --line FILE",
+    ),
+    'nw.export_c(model, "c", path)': (lambda: nw.export.write(DTC, "c", "dtc.h"), "no export 'dtc.h'; give the model"),
+    "nw.load_ship(name)": (lambda: nw.load_ship("kcs"), "nw.published has the package's ships"),  # type: ignore[attr-defined]
     "nw.ExtendedKalmanFilter": (lambda: nw.ExtendedKalmanFilter, "write estimation.Estimator"),  # type: ignore[attr-defined]
 }
 """Those that do not, and what they are told."""
@@ -363,6 +382,24 @@ assert len(nw.grounding_map(pub, y=[0.5, 1.0]).to_dataframe()) == 2 and nw.ols(t
 assert fit.confidence().equals(fit.conf_int())
 assert all(pickle.loads(pickle.dumps(one)) == one for one in (fit, voyage, tests)) and nw.simulate(pub, y=0.4) != voyage
 assert len(voyage[0:10]) == 10
+assert fit.n_samples == fit.nobs and tests.n_samples == tests.n_rows == tests.rows and fit.std_err == fit.std
+assert nw.map(pub, y=[0.5, 1.0], speed=1.0).outcomes.equals(nw.ensemble(pub, y=[0.5, 1.0], u=1.0).outcome)
+assert nw.simulate(pub, y_m=0.5, speed_ms=1.0, psi_rad=0.0, sim_time=1.0, step_size=0.05).t[-1] == 1.0
+circle = nw.run_turning_circle(kcs, 35, u=6.0)
+assert circle.trajectory.heading is circle.psi and len(circle.df) == len(circle.t)
+circle.to_csv("circle.csv"); assert nw.run_zigzag(kcs, 20, 20).overshoots[0] > 0 and voyage.hit_bank
+assert len(nw.emergency_stop(kcs, speed=4.0).to_dataframe()) > 0 and nw.model_comparison is nw.compare
+assert "overshoots_deg" in dir(nw.zigzag(kcs)) and nw.safety_envelope(kcs, y=[0.0], u=[4.0]).speeds.item() == 4.0
+sens = nw.sensitivity_analysis(pub, params=("b_bank",), duration=1.0)
+assert sens.gradients is sens.slopes and len(sens.df) == len(sens.voyage.t)
+assert pub.sensitivity(duration=1.0).parameters and pub.clone() == pub
+assert nw.squat(kcs, 4.0, method="icorels", gives="bow").squat > 0 and nw.Vessel is nw.Ship
+assert nw.rescale(pub, length_m=355.0, rho=1025.0).scale_factor == nw.scale_model(pub, 355.0).ratio
+assert nw.Compass is nw.estimation.Gyro and nw.estimation.GPS is nw.gps is nw.estimation.Gnss
+nw.export_model(pub, "dtc.h"); nw.to_python(pub, outfile="dtc.py"); nw.write_model(pub, "dtc.toml")
+nw.html_report({"C": fit}, "fit.html")
+assert nw.Waterway.from_geojson is nw.read_waterway and nw.doe is nw.plan_tests
+assert nw.linearization is nw.control.linearize
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""
 LATER_MISSED = {

@@ -92,6 +92,8 @@ def write(model: "Model", path: str | Path, kind: str = "", **options: Any) -> A
     ----------
     Fossen and Perez, Marine Systems Simulator, https://github.com/cybergalactic/MSS
     """
+    if kind and kind not in EXPORTERS:
+        raise InputError(f"there is no export {kind!r}; give the model, the path and one of: {', '.join(EXPORTERS)}")
     exporter = EXPORTERS[kind] if kind else BY_SUFFIX[form_of(path, tuple(BY_SUFFIX))]
     suffix = form_of(path, exporter.suffixes)
     for name in options:

@@ -120,7 +120,8 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
     # A property that raised: its own error, not one of a missing name.
     if name.startswith("_") or name in _known(thing):
         return object.__getattribute__(thing, name)
-    remedy = name_here(name, "instead", lambda row: re.split(r"[ (.,]", row)[0] in {*known, "nw"})
+    heads = {*known, "nw", type(thing).__name__.lower()}
+    remedy = name_here(name, "instead", lambda row: re.split(r"[ (.,]", row)[0] in heads)
     if "coefficients" in known and name in thing.coefficients:
         remedy = f"{type(thing).__name__.lower()}[{name!r}]"
     why = f": {reason}" if (reason := name_here(name, "why")) else ""

@@ -60,7 +60,9 @@ def read_ship(path: str | Path, actuators: Iterable[Actuator] = ()) -> Configura
         If the file is absent, is not TOML, or a key is missing, unknown or out of range.
     """
     if not Path(path).exists():
-        raise InputError(f"{path}: there is no such ship file; write one: {LEAST}")
+        raise InputError(
+            f"{path}: there is no such ship file (nw.published has the package's ships); write one: {LEAST}"
+        )
     return configuration_from(load_toml(path), str(path), actuators)
 
 

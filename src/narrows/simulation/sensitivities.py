@@ -26,6 +26,7 @@ from narrows.simulation.ship import PARAMETER, SimulatedShip, Steering, steering
 from narrows.simulation.voyage import Voyage, simulate
 
 if TYPE_CHECKING:
+    import pandas
     import xarray
 
 STATES = {"x": "m", "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s"}
@@ -136,6 +137,11 @@ class Sensitivities(BaseResult):
         }
         coordinates = {"t": ("t", self.voyage.t, {"units": "s"}), "by": list(self.by)}
         return xarray.Dataset(data, coords=coordinates, attrs={"summary": self.summary()})
+
+    def to_dataframe(self) -> "pandas.DataFrame":
+        """Return the derivatives as a data frame, a row per time and quantity."""
+        frame: pandas.DataFrame = self.dataset().to_dataframe()
+        return frame
 
 
 @accept_aliases

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -118,17 +117,6 @@ class Waterway(BaseSummary):
                 raise InputError(f"{self.name}: no depth of water at {along:.0f} m along it; {remedy}")
             if wet.max() > DEEPEST:
                 raise InputError(f"{self.name}: a depth of {wet.max():.6g} m is deeper than any sea; give it in metres")
-
-    @classmethod
-    def from_geojson(cls, path: str | Path) -> "Waterway":
-        """Read a waterway from a file, as ``read_waterway`` does.
-
-        Parameters
-        ----------
-        path : str or Path
-            The file.
-        """
-        return narrows.read_waterway(path)
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw its banks on a map.
