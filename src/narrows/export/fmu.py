@@ -103,13 +103,6 @@ def builds_here(fmi: int = 2) -> tuple[NativeBuild, ...]:
     return (NativeBuild(folders[fmi], (compiler, "-s"), ".so"),) if compiler and folders else ()
 
 
-def libraries_of_source(source: Path, name: str, builds: tuple[NativeBuild, ...]) -> Mapping[str, bytes]:
-    made: dict[str, list[bytes]] = {}
-    for build in builds:
-        made.setdefault(f"binaries/{build.folder}/{name}{build.suffix}", []).append(build.compiled(source))
-    return {place: own[0] if len(own) == 1 else universal(own) for place, own in made.items()}
-
-
 def universal(libraries: Sequence[bytes]) -> bytes:
     """Join the libraries for macOS processors: a table of them, then each on pages of its own."""
     entries, body = b"", b""
@@ -294,7 +287,11 @@ def fmu_of(
     with TemporaryDirectory(prefix="narrows-fmu-") as folder:
         for name, text in sources.items():
             Path(folder, name).write_text(text, encoding="utf-8")
-        parts |= libraries_of_source(Path(folder, f"fmi{fmi}.c"), identifier, builds)
+        made: dict[str, list[bytes]] = {}
+        for build in builds:
+            place = f"binaries/{build.folder}/{identifier}{build.suffix}"
+            made.setdefault(place, []).append(build.compiled(Path(folder, f"fmi{fmi}.c")))
+    parts |= {place: own[0] if len(own) == 1 else universal(own) for place, own in made.items()}
     archive = BytesIO()
     with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as packed:
         for name, content in parts.items():

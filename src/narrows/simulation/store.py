@@ -27,8 +27,12 @@ def run_into(path: Path, fleet: KernelRun, grid: Grid, client: Any, progress: bo
     if client is not None and not hasattr(client, "submit"):
         raise InputError(f"client = {shown(client)} is none; give a dask.distributed.Client")
     blocks = list(grid.blocks(TASK_VESSELS))
+    identity = hashlib.sha256(f"{fleet.text} {TASK_VESSELS}".encode())
+    for name, value in sorted(grid.values.items()):
+        identity.update(f"{name} {value.dims}".encode())
+        identity.update(np.ascontiguousarray(value.to_numpy()).tobytes())
     with storing(path), bar(grid.vessels, progress) as advance:
-        group = opened(path, _identity(fleet, grid), grid, blocks)
+        group = opened(path, identity.hexdigest(), grid, blocks)
         left = [number for number, done in enumerate(group[DONE][:]) if not done]
         advance(grid.vessels - sum(_vessels(grid, blocks[number]) for number in left))
         tasks = (
@@ -71,14 +75,6 @@ def _done(client: Any, tasks: Iterator[tuple[str, KernelRun, Grid, tuple[slice, 
 
 def _vessels(grid: Grid, block: slice) -> int:
     return int((block.stop - block.start) * grid.vessels // grid.sizes[grid.axis])
-
-
-def _identity(fleet: KernelRun, grid: Grid) -> str:
-    digest = hashlib.sha256(f"{fleet.text} {TASK_VESSELS}".encode())
-    for name, value in sorted(grid.values.items()):
-        digest.update(f"{name} {value.dims}".encode())
-        digest.update(np.ascontiguousarray(value.to_numpy()).tobytes())
-    return digest.hexdigest()
 
 
 # Array of the folder: whether each block has run.
