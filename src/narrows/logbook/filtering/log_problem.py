@@ -266,6 +266,9 @@ class Unknowns:
         return np.asarray((covariance + covariance.T) / 2)
 
 
+KEPT_MOTIONS = 64  # More than the coefficients of a ship, by each of which every record is differentiated
+
+
 @dataclass(frozen=True)
 class LogProblem(Unknowns):
     motion: RecordedMotion  # How the ship moves under its recorded rudder
@@ -297,8 +300,9 @@ class LogProblem(Unknowns):
     def at(self, scaled: np.ndarray) -> tuple[RecordedMotion, np.ndarray]:
         """Return the motion and the inertia at scaled coefficients (p,)."""
         key = scaled.tobytes()
-        if key not in self._last:  # A motion is prepared once for all passes at the same coefficients.
-            self._last.clear()
+        if key not in self._last:  # A motion is prepared once for all records and passes at the same coefficients.
+            if len(self._last) == KEPT_MOTIONS:
+                self._last.clear()
             motion = self.motion.with_coefficients(self.prior.values(scaled))
             self._last[key] = motion, self.inertia @ [1.0, *(self.prior.mean + self.prior.scale * scaled)]
         return self._last[key]
