@@ -12,12 +12,6 @@ from narrows.errors import InputError, near_miss
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-# An argument that a remedy names: a word before an equals sign.
-NAMED = re.compile(r"\b(\w+)=")
-
-# Least similarity of two public names for a suggestion [1].
-NAMES_ALIKE = 0.75
-
 
 @cache
 def _tables() -> dict[str, dict[str, list[str]]]:
@@ -47,7 +41,7 @@ def public_name(name: str, known: Iterable[str]) -> str:
     """Return what to write instead of an unknown public name, as the end of a sentence."""
     longer = [word for word in sorted(known) if len(name) > 2 and name.lower() in word.lower()]
     meant = name_here(name, "other_functions") or " or ".join(longer)
-    return f"; write {meant}" if meant else near_miss(name, known, NAMES_ALIKE)
+    return f"; write {meant}" if meant else near_miss(name, known, cutoff=0.75)
 
 
 def accept_aliases(function: Function) -> Function:
@@ -65,7 +59,7 @@ def accept_aliases(function: Function) -> Function:
         return ours in parameters or (bool(more) and (more != "positions" or ours == "rudder"))
 
     def names_own(row: str) -> bool:
-        return set(NAMED.findall(row)) <= parameters.keys()
+        return set(re.findall(r"\b(\w+)=", row)) <= parameters.keys()
 
     @wraps(function)
     def called(*values: Any, **given: Any) -> Any:

@@ -12,8 +12,6 @@ from numbers import Integral
 from pathlib import Path
 from reprlib import Repr
 
-UNPRINTABLE = re.compile(r"[\x00-\x1f\x7f-\x9f\ud800-\udfff]")
-LONGEST_SENTENCE = 2000
 # Longest quotation of another library's message, or of a value [characters].
 LONGEST = 200
 
@@ -36,8 +34,9 @@ class InputError(ValueError):
     """
 
     def __init__(self, sentence: str) -> None:
-        line = UNPRINTABLE.sub(lambda match: ascii(match[0])[1:-1], " ".join(sentence.splitlines()))
-        super().__init__(line if len(line) <= LONGEST_SENTENCE else f"{line[:900]} ... {line[-900:]}")
+        unprintable, words = r"[\x00-\x1f\x7f-\x9f\ud800-\udfff]", " ".join(sentence.splitlines())
+        line = re.sub(unprintable, lambda match: ascii(match[0])[1:-1], words)
+        super().__init__(line if len(line) <= 2000 else f"{line[:900]} ... {line[-900:]}")
 
 
 def near_miss(word: str, known: Iterable[str], cutoff: float = 0.6) -> str:

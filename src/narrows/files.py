@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 
 # Target of ``/dev/stdout`` and the like: a file that this process has open already.
 DESCRIPTOR = re.compile(r"/(?:dev|proc/self)/fd/(\d+)")
-MOST_LINKS = 40
 PICTURES = (".png", ".svg", ".pdf")
 
 
@@ -137,7 +136,7 @@ def save_figure(figure: "Figure", path: str | Path) -> None:
 def _descriptor(path: str | Path) -> int | None:
     """Number of the open file behind a path."""
     target = os.path.abspath(path)
-    for _ in range(MOST_LINKS):
+    for _ in range(40):
         if match := DESCRIPTOR.fullmatch(target.replace(f"/proc/{os.getpid()}/", "/proc/self/")):
             return int(match[1])
         if not os.path.islink(target):
@@ -157,31 +156,19 @@ def _pour(path: str | Path, data: bytes) -> None:
 
 
 def _replace(path: Path, data: bytes) -> None:
-    known = _known(path)
+    known = path.stat() if path.exists() else None
     if known and not os.access(path, os.W_OK):
         raise PermissionError(EACCES, os.strerror(EACCES))
     temporary = path.parent / f".narrows-{uuid4().hex}"
     try:
         with temporary.open("xb") as file:
             file.write(data)
-        if known:
-            _resemble(temporary, known)
+        if known:  # The new file has the mode of the old one, and its owner if allowed
+            with suppress(OSError, AttributeError):
+                os.chown(temporary, known.st_uid, known.st_gid)
+            temporary.chmod(stat.S_IMODE(known.st_mode))
         os.replace(temporary, path)
     except BaseException:
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
         raise
-
-
-def _known(path: Path) -> os.stat_result | None:
-    try:
-        return path.stat()
-    except FileNotFoundError:
-        return None
-
-
-def _resemble(path: Path, known: os.stat_result) -> None:
-    """Give a file the owner, if allowed, and the mode of the one that it replaces."""
-    with suppress(OSError, AttributeError):
-        os.chown(path, known.st_uid, known.st_gid)
-    path.chmod(stat.S_IMODE(known.st_mode))

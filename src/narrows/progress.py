@@ -75,11 +75,9 @@ def stage(what: str) -> Iterator[None]:
         yield
 
 
-@contextmanager
-def counted(path: Path, rows: int) -> Iterator[Callable[[int], None]]:
+def counted(path: Path, rows: int) -> AbstractContextManager[Callable[[int], None]]:
     """Show how many rows of a file were read, if it is large and there is a listener."""
-    with bar(rows, _is_long(path), f"reading {path.name}") as advance:
-        yield advance
+    return bar(rows, _is_long(path), f"reading {path.name}")
 
 
 def file_stage(what: str, path: Path | None) -> AbstractContextManager[None]:
@@ -95,6 +93,7 @@ def _is_long(path: Path) -> bool:
 @contextmanager
 def _task(what: str, total: int | None) -> Iterator[tuple[Any, Any]]:
     """A line of the terminal's one display; whoever starts the display ends it."""
+    from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
 
     if _DISPLAYS:
@@ -105,7 +104,7 @@ def _task(what: str, total: int | None) -> Iterator[tuple[Any, Any]]:
             _DISPLAYS[0].remove_task(task)
         return
     columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=_stderr(), transient=True) as display:
+    with Progress(*columns, console=Console(stderr=True), transient=True) as display:
         _DISPLAYS.append(display)
         try:
             yield display, display.add_task(what, total=total)
@@ -114,9 +113,3 @@ def _task(what: str, total: int | None) -> Iterator[tuple[Any, Any]]:
 
 
 _DISPLAYS: list[Any] = []
-
-
-def _stderr() -> Any:
-    from rich.console import Console
-
-    return Console(stderr=True)

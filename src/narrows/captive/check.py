@@ -190,7 +190,11 @@ def check_forces(table: CheckedColumns) -> None:
     columns, length, mass = table.columns, table.configuration.ship.length, displacement(table.configuration)
     if "u" not in columns:
         return
-    pull = _usual_acceleration(columns, length)
+    # Acceleration of the measured motion, or of a turn in one length [m/s2]; at least a hundredth of gravity
+    speed = np.hypot(columns["u"], columns.get("v", 0.0))
+    parts = [speed**2 / length, *(np.abs(columns[name]) for name in ("udot", "vdot") if name in columns)]
+    parts += [length * np.abs(columns["rdot"])] if "rdot" in columns else []
+    pull = max(float(np.mean(sum(parts))), GRAVITY / 1e4)
     for force, arm in (("X", 1.0), ("Y", 1.0), ("N", length)):
         ratio = float(np.sqrt(np.mean(columns[force] ** 2))) / (mass * pull * arm) if force in columns else 0.0
         if ratio > settings.STRONGEST:
@@ -199,14 +203,6 @@ def check_forces(table: CheckedColumns) -> None:
                 f"{ratio:.2g} times faster than it was moved; check the unit of the force, and the scale of the ship "
                 "file"
             )
-
-
-def _usual_acceleration(columns: Columns, length: float) -> float:
-    """Acceleration of the measured motion, or of a turn in one length [m/s2]; at least a hundredth of gravity."""
-    speed = np.hypot(columns["u"], columns.get("v", 0.0))
-    parts = [speed**2 / length, *(np.abs(columns[name]) for name in ("udot", "vdot") if name in columns)]
-    parts += [length * np.abs(columns["rdot"])] if "rdot" in columns else []
-    return max(float(np.mean(sum(parts))), GRAVITY / 1e4)
 
 
 def check_drift(table: CheckedColumns) -> None:

@@ -5,6 +5,7 @@ import math
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from narrows.readers.cells import floats
 from narrows.readers.headers import parse_header, unit_named, unit_of
 from narrows.readers.mapping import COUNTED, WAYS
 
+_quoted = partial(json.dumps, ensure_ascii=False)
 # Units that headers leave out, besides SI.
 UNITS = {"m": ("mm",), "rad": ("deg",), "rad/s": ("deg/s",), "rad/s2": ("deg/s2",), "s": ("ms",), "m/s": ("kn",)}
 
@@ -80,7 +82,8 @@ def draft_columns(frame: pd.DataFrame) -> Draft:
     """Return a draft of the columns of a table of tests."""
     draft = Draft(unread=[str(header) for header in frame.columns])
     for header in list(draft.unread):
-        known = parse_header(header, COLUMNS) if _has_known_unit(header) else None
+        unit = _bracketed(header)
+        known = parse_header(header, COLUMNS) if not unit or unit_named(unit) is not None else None
         if known:
             draft.columns[known.quantity] = floats(frame[header]) * known.scale
         if known or header in LABELS:
@@ -214,10 +217,6 @@ def _share_of_sway(force: np.ndarray, v: np.ndarray) -> float:
     return float(1 - rest.var() / force.var())
 
 
-def _has_known_unit(header: str) -> bool:
-    return not (unit := _bracketed(header)) or unit_named(unit) is not None
-
-
 def _bracketed(header: str) -> str:
     match = re.search(r"\[(.*)\]|\((.*)\)", header)
     return (match[1] or match[2] or "").strip() if match else ""
@@ -234,7 +233,3 @@ def _scale(name: str, unit: str) -> float:
         return 1.0
     given, wanted = unit_named(unit), unit_named(COLUMNS[name].unit)
     return given.scale if given and wanted and given.powers == wanted.powers else 0.0
-
-
-def _quoted(word: str) -> str:
-    return json.dumps(word, ensure_ascii=False)

@@ -18,8 +18,6 @@ DEGREE = math.pi / 180
 RATES = {
     "x": ("u", "v", "psi"), "y": ("u", "v", "psi"), "psi": ("r",), "u": ("udot",), "v": ("vdot",), "r": ("rdot",),
 }  # fmt: skip
-SAYS = {"x": "what u, v and psi say", "y": "what u, v and psi say", "psi": "r", "u": "udot", "v": "vdot", "r": "rdot"}
-
 # Columns whose signs are reversed together, the fewest first.
 MIRRORED = (
     "y", "psi", "v", "r", "vdot", "rdot", "udot", "psi r", "r rdot", "v vdot", "psi r rdot", "y v vdot",
@@ -203,8 +201,9 @@ def _disagreement(agreements: Mapping[str, Agreement], tests: list[str]) -> str:
     for name, agreement in agreements.items():
         if agreement.apart.any():
             i = int(np.argmax(agreement.apart))
+            said = "what u, v and psi say" if name in ("x", "y") else RATES[name][0]
             parts.append(
-                f"d{name}/dt is {math.copysign(agreement.factor[i], agreement.correlation[i]):.2g} times {SAYS[name]}"
+                f"d{name}/dt is {math.copysign(agreement.factor[i], agreement.correlation[i]):.2g} times {said}"
             )
     others = f" and {len(tests) - 1} more" if len(tests) > 1 else ""
     return f"in test {tests[0]}{others}, {' and '.join(parts)}"

@@ -24,9 +24,6 @@ from narrows.readers.mapping import ColumnMapping
 from narrows.ship.actuators import STANDARD, Actuator
 from narrows.ship.particulars import Configuration
 
-# Columns assumed 0 if a table has none.
-ASSUMED = ("heave",)
-
 
 class Rows(NamedTuple):
     columns: dict[str, np.ndarray]  # (rows,) Columns in SI
@@ -112,14 +109,13 @@ def checked(
     check.check_units(found)
     for name in movers.keys() & columns.keys():
         columns |= movers[name].placed(columns[name])
-    assumed = [name for name in ASSUMED if name not in columns]
-    columns |= {name: np.zeros(len(frame)) for name in assumed}
+    assumed = [] if "heave" in columns else ["column 'heave' is absent: taken as 0"]
+    columns.setdefault("heave", np.zeros(len(frame)))
     condition = _conditions(frame, columns, configuration, table)
     check.check_inside(found)
     check.check_speed(found)
     sense = _physical_sense(found, test)
-    notes = [f"column {name!r} is absent: taken as 0" for name in assumed]
-    notes += [] if "test" in frame else ["column 'test' is absent: all rows are taken as one test"]
+    notes = assumed + ([] if "test" in frame else ["column 'test' is absent: all rows are taken as one test"])
     unread = tuple(header for header in headers if header not in {*LABELS, *(c.header for c in recognised)})
     notes += [
         f"column {header!r} is not read: is it {name}?"
@@ -299,10 +295,8 @@ def screened(
 
 def _runs(test: np.ndarray) -> Iterator[tuple[np.ndarray, bool]]:
     """Rows of each test with True; short tests come together, with False."""
-    codes = pd.factorize(test)[0]
-    order = np.argsort(codes, kind="stable")
-    edges = np.concatenate([[0], np.cumsum(np.bincount(codes))]) if len(codes) else [0]
-    parts = [order[start:stop] for start, stop in pairwise(edges)]
+    order, _, starts = _grouped(test)
+    parts = [order[start:stop] for start, stop in pairwise(starts)]
     yield from ((rows, True) for rows in parts if len(rows) >= settings.FEWEST_SCREENED)
     short = [rows for rows in parts if len(rows) < settings.FEWEST_SCREENED]
     if sum(map(len, short)) >= settings.FEWEST_SCREENED:

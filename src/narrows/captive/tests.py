@@ -183,12 +183,11 @@ class CaptiveTests(Configured, Tabulated):
             return self.of_rows(key)
         if key in LABELS:
             return self.to_dataframe()[key].to_numpy() if key in self.to_dataframe() else ()
-        if key in self.columns or key not in self.names:
-            if key not in self.columns:
-                raise InputError(
-                    f"there is no column and no test {key!r}{did_you_mean(key, (*self.columns, *self.names))}"
-                )
+        if key in self.columns:
             return self.columns[key]
+        if key not in self.names:
+            hint = did_you_mean(key, (*self.columns, *self.names))
+            raise InputError(f"there is no column and no test {key!r}{hint}")
         return self.where([name == key for name in self.names])
 
     def of_rows(self, keep: Any) -> "CaptiveTests":
@@ -321,23 +320,21 @@ class CaptiveTests(Configured, Tabulated):
         pieces : int
             Number of consecutive stretches of each test.
         """
-        cuts = list(self._cuts(pieces))
+        pieces_of_tests = [
+            (test, piece, int(a), int(b))
+            for test, start, stop in zip(self.names, self.starts, self.starts[1:], strict=False)
+            for piece, (a, b) in enumerate(pairwise(start + cuts(stop - start, pieces)))
+        ]
         particulars = self.configuration.values()
         for start in range(0, self.rows, BLOCK_ROWS):
             stop = min(start + BLOCK_ROWS, self.rows)
             spans = [
                 Span(test, piece, max(a, start) - start, min(b, stop) - start)
-                for test, piece, a, b in cuts
+                for test, piece, a, b in pieces_of_tests
                 if a < stop and b > start
             ]
             columns = {name: column[start:stop] for name, column in self.columns.items()}
             yield Block({**particulars, **columns}, stop - start, spans, self.headers)
-
-    def _cuts(self, pieces: int) -> Iterator[Span]:
-        for test, start, stop in zip(self.names, self.starts, self.starts[1:], strict=False):
-            edges = start + cuts(stop - start, pieces)
-            for piece, (a, b) in enumerate(pairwise(edges)):
-                yield Span(test, piece, int(a), int(b))
 
     def rows_of(self, i: int) -> dict[str, np.ndarray]:
         """Return the columns of one test by its number.

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import narrows
-from narrows.aliases import NAMES_ALIKE, aliases, name_here
+from narrows.aliases import aliases, name_here
 from narrows.errors import did_you_mean
 from narrows.files import write_whole
 from narrows.results.saving import FORMS, csv_of, forms_of, to_json, write
@@ -81,17 +81,6 @@ def _given_or_written(content: str | bytes | None, path: str | Path | None) -> A
     return None
 
 
-def other_names(thing: Any) -> list[str]:
-    """Return the names of other libraries that an object supports."""
-    known = _known(thing)
-    return [
-        name.removesuffix(CALL)
-        for ours, theirs in aliases("attributes").items()
-        if _head(ours) in known
-        for name in theirs
-    ]
-
-
 def _head(path: str) -> str:
     return re.split(r"[(.]", path)[0]
 
@@ -126,12 +115,9 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
         remedy = f"{type(thing).__name__.lower()}[{name!r}]"
     why = f": {reason}" if (reason := name_here(name, "why")) else ""
     kinds = (kind for kind in type(thing).__mro__ if kind.__module__.startswith("narrows"))
-    own = {
-        *columns,
-        *getattr(type(thing), "__dataclass_fields__", ()),
-        *(it for kind in kinds for it in vars(kind)),
-    }
-    other = f"; write {remedy}" if remedy else did_you_mean(name, {word for word in own if word[0] != "_"}, NAMES_ALIKE)
+    fields = getattr(type(thing), "__dataclass_fields__", ())
+    own = {*columns, *fields, *(it for kind in kinds for it in vars(kind))}
+    other = f"; write {remedy}" if remedy else did_you_mean(name, {word for word in own if word[0] != "_"}, cutoff=0.75)
     raise AttributeError(f"{type(thing).__name__} has no {name!r}{why}{other}", name=None, obj=None)
 
 
@@ -157,7 +143,9 @@ class BaseSummary(metaclass=Answering):
         return f"<{type(self).__name__}: {shortened(said.summary())}>"
 
     def __dir__(self) -> list[str]:
-        return sorted({*super().__dir__(), *other_names(self)})
+        known, rows = _known(self), aliases("attributes").items()
+        theirs = (name.removesuffix(CALL) for ours, names in rows if _head(ours) in known for name in names)
+        return sorted({*super().__dir__(), *theirs})
 
     def _repr_html_(self) -> str:
         said: Any = self
@@ -310,9 +298,6 @@ class Tabulated(BaseResult):
                 return getattr(table.select_dtypes("number") if name in OF_NUMBERS else table, name)
 
 
-LONG, MOST_DECIMALS = 1e5, 8
-
-
 def readable(value: float, std: float = math.nan) -> str:
     """Write a number to the second digit of its standard error, or to four digits; some by powers of ten."""
     if not math.isfinite(value):
@@ -320,7 +305,7 @@ def readable(value: float, std: float = math.nan) -> str:
     if not (math.isfinite(std) and std > 0):
         return f"{value:.4g}"
     digits = 1 - math.floor(math.log10(std))
-    if abs(value) >= LONG or digits > MOST_DECIMALS:
+    if abs(value) >= 1e5 or digits > 8:
         return f"{value:.{max(1, digits + 1 + math.floor(math.log10(abs(value) or 1.0)))}g}"
     return f"{round(value, digits):.{max(digits, 0)}f}"
 
