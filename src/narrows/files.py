@@ -156,7 +156,7 @@ def _pour(path: str | Path, data: bytes) -> None:
 
 
 def _replace(path: Path, data: bytes) -> None:
-    known = path.stat() if path.exists() else None
+    known = path.stat() if os.path.lexists(path) else None
     if known and not os.access(path, os.W_OK):
         raise PermissionError(EACCES, os.strerror(EACCES))
     temporary = path.parent / f".narrows-{uuid4().hex}"

@@ -56,21 +56,13 @@ class Tests(Protocol):
     """Interface of tests for identification, in memory or on disk."""
 
     @property
-    def configuration(self) -> Configuration:
-        """Ship, canal and water."""
-
+    def configuration(self) -> Configuration: ...
     @property
-    def source(self) -> Source:
-        """Origin of the rows."""
-
+    def source(self) -> Source: ...
     @property
-    def notes(self) -> tuple[str, ...]:
-        """Notes of the reader."""
-
+    def notes(self) -> tuple[str, ...]: ...
     @property
-    def names(self) -> tuple[str, ...]:
-        """Names of the tests."""
-
+    def names(self) -> tuple[str, ...]: ...
     def blocks(self, pieces: int) -> Iterator[Block]:
         """Yield every row once, in blocks."""
 

@@ -14,11 +14,6 @@ from narrows.quantities.names import FORCES
 from narrows.results.base_results import interval, readable
 from narrows.terms.tables import BARE, table_named
 
-# Error on left-out tests, over that of the given terms, below which other terms predict better.
-BETTER = 0.98
-# Share of the half width of the canal: offset that makes a straight run informative of a bank.
-OFF_CENTRE = 0.1
-
 
 @dataclass(frozen=True)
 class BankSummary:
@@ -119,7 +114,7 @@ def preferred_fit(fit: Fit) -> Fit | None:
     # additions.
     base, plus, additions = fit.terms.name.partition("+")
     known = base in BARE and fit.terms == table_named(fit.terms.name)
-    best, least = None, BETTER
+    best, least = None, 0.98
     for table in [table_named(f"{name}{plus}{additions}") for name in BARE if name != base and known]:
         try:
             balance = fit.normal_equations.balance
@@ -137,7 +132,8 @@ def preferred_fit(fit: Fit) -> Fit | None:
 def missing_runs(fit: Fit) -> list[str]:
     """Name the kinds of runs that separate bank and hull and are missing in the tests."""
     motions = fit.motions
-    off = motions.steady & (motions.features["reach"] > OFF_CENTRE * fit.tests.configuration.canal.width / 2)
+    # A straight run beyond a tenth of the canal's half width informs of a bank.
+    off = motions.steady & (motions.features["reach"] > 0.1 * fit.tests.configuration.canal.width / 2)
     fastest = f"{max(round(float(motions.features['speed'][group].mean()), 2) for group in motions.by_speed):g} m/s"
     asks = []
     if len(set(motions.level("side")[off].tolist())) < 2:

@@ -38,8 +38,6 @@ from narrows.terms.term import TermTable
 if TYPE_CHECKING:
     import pandas as pd
 
-ERRORS = ("r2", "rmse", "r2_left_out", "rmse_left_out")
-
 
 @dataclass(frozen=True, repr=False)
 class Fit(Prediction):
@@ -273,7 +271,7 @@ class Fit(Prediction):
         return {
             "coefficients": {name: self._coefficient(name) for name in self.terms.names},
             "fit": {
-                force: dict(zip(ERRORS, (*fitted, *self.left_out[force]), strict=True))
+                force: fitted._asdict() | {f"{n}_left_out": v for n, v in self.left_out[force]._asdict().items()}
                 for force, fitted in self.scores.items()
             },
             "diagnostics": {force: diagnosis.to_dict() for force, diagnosis in self.diagnostics.overall.items()},

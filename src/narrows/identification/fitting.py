@@ -94,7 +94,12 @@ def identify(
     if pool is not None:
         check_choice("pool", pool, get_args(Pool))
         terms = pooled(terms, depths_of(tests))
-    check_one_condition(tests, terms)
+    if isinstance(tests, CaptiveTests) and len(set(tests.conditions)) > 1 and not terms.needs_depth:
+        labels = ", ".join(dict.fromkeys(tests.conditions))
+        raise InputError(
+            f"the tests are of several conditions ({labels}), which no one model fits unless its terms need the "
+            "depth; identify each of tests.by_condition()"
+        )
     for name in (pass_over,) if isinstance(pass_over, str) else pass_over:
         check_choice("pass_over", name, ("rudder",))
     if not isinstance(errors, RunErrors):
@@ -128,16 +133,6 @@ def depths_of(tests: Tests) -> list[float]:
         raise InputError("the tests have no water depth; give depths in the ship file or a column")
     group = numbered(means)
     return [float(means[group == number].mean()) for number in range(group.max() + 1)]
-
-
-def check_one_condition(tests: Tests, terms: TermTable) -> None:
-    """Raise where tests at several depths are to share coefficients that do not know the depth."""
-    if isinstance(tests, CaptiveTests) and len(set(tests.conditions)) > 1 and not terms.needs_depth:
-        labels = ", ".join(dict.fromkeys(tests.conditions))
-        raise InputError(
-            f"the tests are of several conditions ({labels}), which no one model fits unless its terms need the "
-            "depth; identify each of tests.by_condition()"
-        )
 
 
 @accept_aliases

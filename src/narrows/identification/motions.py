@@ -11,8 +11,6 @@ from narrows.identification.normal_equations import NormalEquations
 
 # Tolerance of each feature, or of a fifth of its largest value if more: within it two tests are one motion.
 SAME_MOTION = 0.03
-# Tolerance of speed, period or depth against the first test of a level.
-SAME_LEVEL = 0.05
 # Standard deviations within a test under which nothing oscillates: over speed, in radians, over the ship's length.
 LEAST_MOTION = {"v": 0.015, "sin_psi": 0.01, "y": 0.01}
 FLOOR = 0.2
@@ -113,14 +111,14 @@ def _moments(equations: NormalEquations) -> tuple[Moments, Moments]:
     return mean, std
 
 
-def numbered(values: Sequence[float] | np.ndarray, tolerance: float = SAME_LEVEL) -> np.ndarray:
-    """Number values (n,) by the first one that each is within a tolerance of."""
+def numbered(values: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Number values (n,) by the first one that each is within 5 % of."""
     # The smallest comes first, so that the order of the tests does not matter; a group is kept against its own first
     # member, never against its last: neighbours do not chain.
     values = np.asarray(values, float)
     group, first, count = np.zeros(len(values), int), np.nan, 0
     for i in np.argsort(values, kind="stable"):
-        if not abs(values[i] - first) <= EDGE * tolerance * abs(first):
+        if not abs(values[i] - first) <= EDGE * 0.05 * abs(first):
             first, count = float(values[i]), count + 1
         group[i] = count
     return _in_order_of_appearance(group)

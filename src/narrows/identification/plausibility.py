@@ -47,21 +47,20 @@ def implausible(fit: Any) -> tuple[str, ...]:
     columns = zip(names, fit.estimates.free_values.tolist(), fit.estimates.free_std.tolist(), strict=True)
     known = {name: (value, std) for name, value, std in columns if determined(name)}
     rejected = [name for name, held in zip(names, fit.estimates.held, strict=True) if held]
+    wrong = " and ".join(t.name for t in fit.terms.terms if t.kind == TermKind.RUDDER and t.name in rejected)
+    # Y that answers a yaw acceleration by half of the ship's inertia in yaw is a moment.
+    answers = [known.get(term.name, (0.0, 0.0))[0] for term in fit.terms.forces["Y"] if term.inputs == ("rdot",)]
+    half = ship_inertia(fit.tests.configuration) / 2
     masses = [mass_sentence(fit, known, *mass) for mass in MASSES if mass[0] not in turned]
     sentences = (
         *(f"{force} of the other sign fits far better: is {AXES[force]}?" for force in turned),
         "" if "X" in turned else surge_sentence(fit),
         "" if turned else bank_sentence(fit.terms, known),
-        *((EXCHANGED,) if masses and all(masses) and are_exchanged(fit, known) else masses),
-        rudder_sentence(fit.terms, rejected),
+        *((EXCHANGED,) if masses and all(masses) and any(answer > half for answer in answers) else masses),
+        f"The data put {wrong} below 0: is the rudder's sign reversed (positive where it turns the bow to starboard)?"
+        * bool(wrong),
     )
     return tuple(filter(None, sentences))
-
-
-def are_exchanged(fit: Any, known: Known) -> bool:
-    """Return whether Y answers a yaw acceleration by at least half of the ship's inertia in yaw."""
-    answers = [known.get(term.name, (0.0, 0.0))[0] for term in fit.terms.forces["Y"] if term.inputs == ("rdot",)]
-    return any(answer > ship_inertia(fit.tests.configuration) / 2 for answer in answers)
 
 
 def fits_reversed(fit: Any, force: str) -> bool:
@@ -145,13 +144,6 @@ def _cause(value: float, expected: float, force: str, small: bool) -> str:
         if abs(math.log(expected / value / size)) < math.log(2):
             return f"is {force} in {unit}?"
     return f"has the ship's own inertia been taken off {force} already, or is the ship file of a larger model?"
-
-
-def rudder_sentence(terms: TermTable, rejected: list[str]) -> str:
-    """Warn that a rudder's force has the wrong sign; empty where it has not."""
-    wrong = " and ".join(term.name for term in terms.terms if term.kind == TermKind.RUDDER and term.name in rejected)
-    remedy = "is the rudder's sign reversed (positive where it turns the bow to starboard)?"
-    return f"The data put {wrong} below 0: {remedy}" if wrong else ""
 
 
 def unmodelled_rudder(tests: Tests, equations: NormalEquations, terms: TermTable) -> str:

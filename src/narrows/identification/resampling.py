@@ -20,14 +20,8 @@ from narrows.ship.particulars import Configuration
 if TYPE_CHECKING:
     import pandas as pd
 
-# Quantiles a standard deviation from a Gaussian's mean: the few resamples that miss a kind of test do not count.
-MIDDLE = (0.158655, 0.841345)
 # Resamples that are solved at once.
 CHUNK = 2048
-# Lower bound of 1 - leverage: rounding can make it negative where one motion alone determines a coefficient.
-ROUNDING = 1e-9
-# Significance level of the chi-square test of equal coefficients [1].
-DIFFERENT = 0.05
 
 
 @dataclass(frozen=True)
@@ -62,7 +56,8 @@ def resampled(
         h, g = problem.normal(np.tensordot(times[start : start + CHUNK], motions.sums, axes=1))
         bounded.append(solve_many(h, g, problem.lower, problem.upper))
         free.append(solve_many(h, g, -everywhere, everywhere))
-    low, high = np.quantile(problem.coefficients(np.concatenate(free)), MIDDLE, axis=0)
+    # Quantiles a standard deviation from a Gaussian's mean: the few resamples that miss a kind of test do not count.
+    low, high = np.quantile(problem.coefficients(np.concatenate(free)), (0.158655, 0.841345), axis=0)
     return Bootstrap(problem, problem.coefficients(np.concatenate(bounded)), (high - low) / 2, found)
 
 
@@ -147,7 +142,8 @@ def without_rows(part: ForcePosterior, draw: int, own: np.ndarray) -> tuple[np.n
     scaled = np.linalg.solve(lower, x)
     known = conditional.covariance @ scaled.T
     values, vectors = np.linalg.eigh(scaled @ known)
-    left = np.maximum(1 - values, ROUNDING)  # Without information from other rows only the prior remains
+    # Without information from other rows only the prior remains, and rounding can make the difference negative.
+    left = np.maximum(1 - values, 1e-9)
     error = vectors.T @ np.linalg.solve(lower, model.y[own] - x @ conditional.mean)
     back = lower @ vectors
     added = ((known @ vectors) ** 2 / left).sum(axis=1)
@@ -162,8 +158,8 @@ class DepthTest:
 
     @property
     def changes(self) -> bool:
-        """True where the coefficient differs between depths by more than its errors allow."""
-        return self.p < DIFFERENT
+        """True where the coefficient differs between depths by more than its errors allow, at 5 % significance."""
+        return self.p < 0.05
 
     def sentence(self, name: str) -> str:
         values = ", ".join(f"{with_error(value, self.std[h])} at {h:.4g} m" for h, value in self.values.items())

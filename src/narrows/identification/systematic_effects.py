@@ -33,7 +33,6 @@ SIZES = {
 }  # fmt: skip
 # Degrees of freedom of the half-t priors where they are not the usual ones: few where an error may be large.
 FREEDOM = {TYPES: 1.5, HULL: 2.0, BANK: 2.0, SHAPE: 2.0, WITH_OFFSET: 5.0, SETTLING: 2.0, CROSSTALK: 4.0}
-USUAL_FREEDOM = 3.0
 # Groups that may mimic a coefficient, or another of these groups.
 RIVALS = (f"{INERTIA} by speed", f"{INERTIA} by period", SHAPE, BANK, TYPES, WITH_OFFSET, SETTLING, CROSSTALK)
 # Trends of less than this, in logarithms or octaves, count as one level.
@@ -297,18 +296,15 @@ def assemble(
         apart=np.reshape([apart for _, _, apart in runs.values()], (len(runs), len(x))).T,
         group=np.array([places[effect.group] for effect in effects], int),
         prior=np.array(list(priors.values())),
-        freedom=np.array([FREEDOM.get(name, USUAL_FREEDOM) for name in priors]),
+        freedom=np.array([FREEDOM.get(name, 3.0) for name in priors]),
         taken=_taken(rows, x, effects),
         rivals=tuple(places[name] for name in RIVALS if name in places),
     )  # fmt: skip
     return model, effects, unit
 
 
-# Prior scale of an error within blocks; what it adds in proportion to each row, and its variance of each row alone.
-RunErrorParts = tuple[float, np.ndarray, np.ndarray]
-
-
-def _run_errors(rows: ForceRows, errors: RunErrors) -> dict[str, RunErrorParts]:
+def _run_errors(rows: ForceRows, errors: RunErrors) -> dict[str, tuple[float, np.ndarray, np.ndarray]]:
+    """Prior scale of each error within blocks, what it adds in proportion to each row, its variance of each alone."""
     fitted, one, none = rows.fitted(rows.reference), rows.reference[:, rows.names[ONE]], np.zeros(len(rows.y))
     runs, sizes = np.repeat(rows.runs, rows.sizes), np.repeat(rows.sizes, rows.sizes)
     bank = rows.fitted(rows.reference, bank=True) * rows.of_mean

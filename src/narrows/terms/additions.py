@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from narrows.errors import InputError
 from narrows.physics import propeller, rudder
 from narrows.physics.hull import HullPower
-from narrows.quantities import dimensions as dim
 from narrows.quantities.arithmetic import maximum, minimum
 from narrows.quantities.dimensions import NUMBER
 from narrows.quantities.names import Number
@@ -14,22 +13,16 @@ from narrows.terms.term import DEPTH, NONNEGATIVE, Term, TermKind, TermTable
 
 # Suffix of the name of a table with the terms of a rudder.
 WITH_HELM = "helm"
-HELM_SOURCE = "form of Yasukawa and Yoshimura (2015)"
-
-
-def _row(letter: str, regressor: Callable[..., Number]) -> tuple[Term, ...]:
-    name, symbol = f"{letter}_{WITH_HELM}", f"{letter}_{{{WITH_HELM}}}"
-    return (Term(name, symbol, regressor, dim.NUMBER, NONNEGATIVE, TermKind.RUDDER, HELM_SOURCE),)
 
 
 def helm_terms(table: TermTable) -> dict[str, tuple[Term, ...]]:
     """Return the terms of a rudder with a table's names: those of surge, sway and yaw."""
-    surge, sway, yaw = table.letters
+    laws = {"surge": rudder.helm_surge, "sway": rudder.helm_sway, "yaw": rudder.helm_yaw}
     return {
-        "surge": _row(surge, rudder.helm_surge),
-        "sway": _row(sway, rudder.helm_sway),
-        "yaw": _row(yaw, rudder.helm_yaw),
-    }
+        force: (Term(f"{letter}_{WITH_HELM}", f"{letter}_{{{WITH_HELM}}}", law, NUMBER, NONNEGATIVE, TermKind.RUDDER,
+                     "form of Yasukawa and Yoshimura (2015)"),)
+        for (force, law), letter in zip(laws.items(), table.letters, strict=True)
+    }  # fmt: skip
 
 
 def with_helm(table: TermTable, name: str = "") -> TermTable:

@@ -150,8 +150,6 @@ def _rudder(name: str, symbol: str, force: Callable[[RudderQuantities], Number])
     return Term(name, symbol, regressor, NUMBER, NONNEGATIVE, TermKind.RUDDER, SOURCE, scale_effect=WAKE)
 
 
-THRUST = Grouped(propeller.thrust, PropellerQuantities)
-
 # The MMG standard method in open water: a hull with nondimensional derivatives, a propeller, a rudder in its
 # slipstream.
 MMG = TermTable(
@@ -165,7 +163,8 @@ MMG = TermTable(
             scale_effect=ScaleEffect.FRICTION,
         ),
         *_polynomial("X", SURGE_POWERS),
-        Term("X_thrust", r"1 - t_P", THRUST, NUMBER, NONNEGATIVE, TermKind.PROPELLER, SOURCE, scale_effect=WAKE),
+        Term("X_thrust", r"1 - t_P", Grouped(propeller.thrust, PropellerQuantities), NUMBER, NONNEGATIVE,
+             TermKind.PROPELLER, SOURCE, scale_effect=WAKE),
         _rudder("X_rudder", r"1 - t_R", rudder.rudder_surge),
     ),
     sway=(
@@ -208,7 +207,10 @@ def table_named(name: str) -> TermTable:
         raise InputError(f"the terms {name!r} have two forms of the bank; keep one")
     table = BASES[base]
     for addition in additions:
-        table = _with(table, addition)
+        if addition in ADDED:
+            table = ADDED[addition](table)
+        else:
+            table = without_bank(table) if addition == OPEN_WATER else with_bank(table, addition)
     return table
 
 
@@ -217,12 +219,6 @@ def _depths(written: str, name: str) -> list[float]:
         return [float(part) for part in written.split(",")]
     except ValueError:
         raise InputError(f"the terms {name!r} give no depths in metres behind {AT}; write paper{AT}0.25,0.41") from None
-
-
-def _with(table: TermTable, addition: str) -> TermTable:
-    if addition in ADDED:
-        return ADDED[addition](table)
-    return without_bank(table) if addition == OPEN_WATER else with_bank(table, addition)
 
 
 # The paper's terms with its boundary-layer taper on the bank.

@@ -27,9 +27,6 @@ NONNEGATIVE: Bound = (0.0, float("inf"))
 # Quantities that describe the banks and the water depth.
 BANKS, DEPTH = "width", "depth"
 
-# A coefficient's name: no blanks, and no two underscores at its start (keywords: see ``Term.__post_init__``).
-NAME = re.compile(r"(?!__)\S+")
-
 ARITHMETIC = "arithmetic, abs() and minimum, maximum, clip and choice of narrows.quantities.arithmetic"
 
 # Replacements for functions in a regressor, by name.
@@ -144,7 +141,8 @@ class Term(BaseSummary):
 
     def __post_init__(self) -> None:
         taken = {*self._vocabulary, *(actuator.name for actuator in self._known)}
-        if not NAME.fullmatch(self.name) or iskeyword(self.name) or self.name in taken:
+        # No blanks, and no two underscores at its start
+        if not re.fullmatch(r"(?!__)\S+", self.name) or iskeyword(self.name) or self.name in taken:
             raise InputError(f"a coefficient cannot be called {shown(self.name)}; give it a name such as b_vv")
         for word in self.inputs:
             if word not in self._vocabulary:
