@@ -6,12 +6,10 @@ coefficient is the same at three clearances, where that of the paper's delta cha
 
 import csv
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import islice
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize
@@ -36,16 +34,13 @@ class BankEvidence:
     cushion_error: float = 0.0
 
 
-def _evidence() -> Iterator[BankEvidence]:
-    # The paper of the DTC prints 1.07 and 0.13 of delta; its row holds these times delta/y_B at the largest offset of
-    # its motions (0.907 m). It prints no errors: theirs are the medians of the KCS tests at three depths, at one speed.
-    with Path(__file__).with_suffix(".csv").open(encoding="utf-8", newline="") as file:
-        for ship, source, *cells in islice(csv.reader(file), 1, None):
-            numbers: list[Any] = [float(cell) if cell else None for cell in cells]
-            yield BankEvidence(ship, source, *numbers)
-
-
-BANK_EVIDENCE = tuple(_evidence())
+# The paper of the DTC prints 1.07 and 0.13 of delta; its row holds these times delta/y_B at the largest offset of its
+# motions (0.907 m). It prints no errors: theirs are the medians of the KCS tests at three depths, at one speed.
+_ROWS = csv.reader(Path(__file__).with_name("bank_evidence.csv").read_text(encoding="utf-8").splitlines()[1:])
+BANK_EVIDENCE = tuple(
+    BankEvidence(ship, source, *(float(cell) if cell else None for cell in cells))  # type: ignore[arg-type]
+    for ship, source, *cells in _ROWS
+)
 
 
 @dataclass(frozen=True)

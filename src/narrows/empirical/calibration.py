@@ -91,7 +91,8 @@ class Calibration:
             for ratio, primes in ship.primes.items():
                 for name in set(primes) & set(SIGNED) if ratio < deepest else ():
                     noise = ship.relative_error(name, ratio) ** 2 + ship.relative_error(name, deepest) ** 2
-                    square = _depth_error(ship, name, ratio, deepest) ** 2 - noise
+                    law = depth_factor(name, ship.hull, ratio) / depth_factor(name, ship.hull, deepest)
+                    square = math.log(primes[name] / ship.primes[deepest][name] / law) ** 2 - noise
                     squares[name].append(max(square, 0.0) * (ratio - 1))
         known = [square for group in squares.values() for square in group]
         typical = float(np.median(known)) if known else 0.0  # Few large ones must not affect all coefficients
@@ -150,13 +151,6 @@ def _deep(ship: KnownShip, name: str) -> float | None:
     if ratio < SHALLOWEST_AS_DEEP or name not in ship.primes[ratio]:
         return None
     return ship.primes[ratio][name] / depth_factor(name, ship.hull, ratio)
-
-
-def _depth_error(ship: KnownShip, name: str, ratio: float, deepest: float) -> float:
-    """Error of the depth law for the change between two depths of a ship, as a logarithm."""
-    measured = ship.primes[ratio][name] / ship.primes[deepest][name]
-    law = depth_factor(name, ship.hull, ratio) / depth_factor(name, ship.hull, deepest)
-    return math.log(measured / law)
 
 
 @dataclass(frozen=True)

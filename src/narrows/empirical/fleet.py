@@ -42,14 +42,9 @@ ESTIMATED_SHIPS = MappingProxyType({name: _estimated(**row) for name, row in _RO
 
 
 @cache
-def _printed() -> dict[str, Path]:
-    folder = files("narrows") / "model" / "published"
-    names = sorted(entry.name for entry in folder.iterdir() if entry.name.endswith(".toml"))
-    return {name.removesuffix(".toml"): Path(str(folder / name)) for name in names}
-
-
 def _ready_ships() -> dict[str, Callable[[], Model]]:
-    printed = {name: lambda path=path: load_model(path) for name, path in _printed().items()}
+    paths = sorted(Path(str(files("narrows") / "model" / "published")).glob("*.toml"))
+    printed = {path.stem: lambda path=path: load_model(path) for path in paths}
     estimates = {name: lambda row=row: _estimate(row) for name, row in ESTIMATED_SHIPS.items()}
     return {**printed, **estimates}
 
@@ -61,21 +56,9 @@ def _estimate(row: EstimatedShip) -> Model:
 
 
 @overload
-def published() -> list[str]:
-    """List the names of the available ships."""
-
-
+def published() -> list[str]: ...
 @overload
-def published(name: str) -> Model:
-    """Load an available ship.
-
-    Parameters
-    ----------
-    name : str
-        As in ``mikkelsen2025_dtc``.
-    """
-
-
+def published(name: str) -> Model: ...
 def published(name: str | None = None) -> "Model | list[str]":
     """Load an available ship, or list their names.
 

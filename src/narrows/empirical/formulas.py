@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from narrows.physics.hull import clarke_sway, clarke_yaw
 from narrows.physics.squat_and_depth import kijima_drift_force, kijima_drift_moment, kijima_yaw_moment
 from narrows.quantities.names import Number
 
@@ -102,23 +103,14 @@ def _zhou_yaw(hull: Hull) -> Number:
     return radius**2 * hull.mass
 
 
-def _clarke_sway(hull: Hull) -> Number:
-    block, ratio = hull.block_coefficient, hull.length_to_beam
-    return _cross(hull) * (1 + 0.16 * block * hull.beam_to_draft - 5.1 / ratio**2)
-
-
-def _clarke_yaw(hull: Hull) -> Number:
-    block, ratio = hull.block_coefficient, hull.length_to_beam
-    return _cross(hull) * (1 / 12 + 0.017 * block * hull.beam_to_draft - 0.33 / ratio)
+def _clarke_mass(law: Callable[..., Number], hull: Hull) -> Number:
+    """Added mass or inertia over 1/2 rho L^2 d or 1/2 rho L^4 d."""
+    return law(1.0, 1 / hull.length_to_beam, hull.slenderness, hull.block_coefficient, 2.0) / hull.slenderness
 
 
 def _clarke_turning_force(hull: Hull) -> Number:
     slope = -0.5 + 2.2 / hull.length_to_beam - 0.080 * hull.beam_to_draft
     return -_cross(hull) * slope + SURGE_SHARE * hull.mass
-
-
-def _clarke_turning_moment(hull: Hull) -> Number:
-    return -_cross(hull) * (0.25 + 0.039 * hull.beam_to_draft - 0.56 / hull.length_to_beam)
 
 
 def _aspect(hull: Hull) -> Number:
@@ -132,9 +124,9 @@ WITH_SURGE = "the author counts the added mass in surge with Y_r"
 FORMULAS = (
     Formula("X_mx", CLARKE, lambda hull: SURGE_SHARE * hull.mass),
     Formula("X_my", ZHOU, _zhou_sway, "four transcriptions agree; one leaves out C_B in the last term"),
-    Formula("X_my", CLARKE, _clarke_sway),
+    Formula("X_my", CLARKE, lambda hull: _clarke_mass(clarke_sway, hull)),
     Formula("N_jz", ZHOU, _zhou_yaw, "radius over L; another, divided by L once more, contradicts KVLCC2"),
-    Formula("N_jz", CLARKE, _clarke_yaw, "0.33 B/L; one transcription has 0.0033"),
+    Formula("N_jz", CLARKE, lambda hull: _clarke_mass(clarke_yaw, hull), "0.33 B/L; one transcription has 0.0033"),
     Formula("Y_v", CLARKE, lambda hull: -_cross(hull) * (1 + 0.40 * hull.block_coefficient * hull.beam_to_draft)),
     Formula("Y_v", INOUE, lambda hull: -(math.pi / 2 * _aspect(hull) + 1.4 * hull.fullness)),
     Formula("Y_v", SMITT, lambda hull: -1.59 * _cross(hull), ALONE),
@@ -148,7 +140,8 @@ FORMULAS = (
     Formula("N_v", INOUE, lambda hull: -_aspect(hull)),
     Formula("N_v", SMITT, lambda hull: -0.62 * _cross(hull), ALONE),
     Formula("N_v", NORRBIN, lambda hull: -_cross(hull) * (0.64 - 0.04 * _norrbin_fullness(hull)), ALONE),
-    Formula("N_r", CLARKE, _clarke_turning_moment),
+    Formula("N_r", CLARKE,
+            lambda hull: -_cross(hull) * (0.25 + 0.039 * hull.beam_to_draft - 0.56 / hull.length_to_beam)),
     Formula("N_r", INOUE, lambda hull: -0.54 * _aspect(hull) + _aspect(hull) ** 2, INOUE_YAW),
     Formula("N_r", SMITT, lambda hull: -0.21 * _cross(hull), ALONE),
     Formula("N_r", NORRBIN, lambda hull: -_cross(hull) * (0.47 - 0.18 * _norrbin_fullness(hull)), ALONE),

@@ -40,19 +40,12 @@ def _without_rudder(primes: Mapping[str, float], force: float, moment: float) ->
     return bare
 
 
-def _identified(
-    masses: tuple[float, float, float],
-    sway: float,
-    yaw: float,
-    drift: tuple[float, float],
-    turning: tuple[float, float],
-) -> dict[str, float]:
+def _identified(masses: tuple[float, float, float], test: Mapping[str, Any]) -> dict[str, float]:
     """Primes of the package's fit with the terms ``crossflow``, which include mass, lever and inertia of the ship."""
-    mass, lever, inertia = masses
-    surge = SURGE_SHARE * mass
+    (mass, lever, inertia), drift, turning = masses, test["drift"], test["turning"]
     return {
-        "X_my": sway - mass, "N_jz": yaw - inertia, "Y_v": -drift[0], "N_v": -drift[1],
-        "Y_r": mass + surge - turning[0], "N_r": mass * lever - turning[1],
+        "X_my": test["sway"] - mass, "N_jz": test["yaw"] - inertia, "Y_v": -drift[0], "N_v": -drift[1],
+        "Y_r": mass + SURGE_SHARE * mass - turning[0], "N_r": mass * lever - turning[1],
     }  # fmt: skip
 
 
@@ -66,7 +59,7 @@ def _ship(row: Mapping[str, Any]) -> KnownShip:
     if "rudder" in row:
         primes[math.inf] = _without_rudder(primes[math.inf], *(slope * length / draft for slope in row["rudder"]))
     for test in row.get("shallow", ()):
-        primes[test["ratio"]] = _identified(row["masses"], test["sway"], test["yaw"], test["drift"], test["turning"])
+        primes[test["ratio"]] = _identified(row["masses"], test)
     errors = {test["ratio"]: test["errors"] for test in row.get("shallow", ())}
     ratios = Hull(length / hull["beam"], hull["beam"] / draft, hull["block_coefficient"], hull.get("x_g", 0.0))
     return KnownShip(row["name"], row["source"], ratios, primes, errors)

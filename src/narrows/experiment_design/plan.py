@@ -39,10 +39,6 @@ UNITS = {
 MOST_STEPS = 24
 # Number of straight runs at the start of a plan for the bank.
 SEPARATING = 4
-# Ratio of highest to lowest speed, less one, within which earlier tests count as one speed.
-SAME_SPEED_TOLERANCE = 0.05
-# Further forms of the bank for which a plan must work.
-OTHER_FORMS = ("distance", "tapered")
 
 
 @dataclass(frozen=True, repr=False)
@@ -244,7 +240,7 @@ def _forms(terms: TermTable) -> list[TermTable]:
     """The terms, and the same with other forms of the bank: a plan must work under each."""
     if sum(term.from_bank for term in terms.terms) != 2 or terms.needs_depth:
         return [terms]
-    return [terms, *(with_bank(terms, form) for form in OTHER_FORMS)]
+    return [terms, *(with_bank(terms, form) for form in ("distance", "tapered"))]
 
 
 def _check(runs: int, criterion: str, terms: TermTable, noise: Mapping[str, float], tank: Tank) -> None:
@@ -287,7 +283,7 @@ def within_tested(tank: Tank, tested: DataRange | None) -> tuple[Tank, tuple[str
     notes, tested = [], tested or DataRange()
     if tested.speed is not None and not tank.speeds:
         low, high = tested.speed
-        speeds = (low,) if high - low < SAME_SPEED_TOLERANCE * high else (low, (low + high) / 2, high)
+        speeds = (low,) if high - low < 0.05 * high else (low, (low + high) / 2, high)
         tank = replace(tank, speeds=tuple(round(speed, 3) for speed in speeds if round(speed, 3) > 0))
         notes.append(f"Speeds are within those tested, {low:.3g} to {high:.3g} m/s, as none were asked for.")
     if tested.abs_y is not None and tested.abs_y[1] > 0 and tank.reach is None:

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 CONTACT = 64
 # Largest heading along the banks [rad]: an unknown range of headings ends here. A degree passed as a radian exceeds it.
 ALONG = math.pi / 4
-NO_MEANING = "The hull touches a bank: the force has no meaning there."
 
 
 @dataclass(frozen=True, repr=False)
@@ -155,7 +154,8 @@ def bank_force(
     walls = [foot + slope * free for foot, slope in zip(feet, slopes, strict=True)]
     touches = np.logical_not((y + reach < walls[0]) & (reach - y < walls[1]))
     known = beside_banks(model)
-    notes = (*model.bank_notes, *extrapolation(known, asked), *[NO_MEANING] * bool(np.any(touches)))
+    contact = ("The hull touches a bank: the force has no meaning there.",) if np.any(touches) else ()
+    notes = (*model.bank_notes, *extrapolation(known, asked), *contact)
     (Y, Y_deviation), (N, N_deviation) = forces
     beyond = sum_beyond(known, asked) + CONTACT * np.asarray(touches, int)
     return BankForce(Y, N, Y_deviation, N_deviation, beyond, notes)

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from math import log10
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
@@ -10,15 +10,16 @@ import numpy as np
 
 from narrows.aliases import accept_aliases
 from narrows.errors import InputError, shown
-from narrows.model.data_range import MEASURES, DataRange, Range
+from narrows.model.data_range import MEASURES, DataRange
+from narrows.model.masses import ship_mass
 from narrows.model.model import Model
 from narrows.quantities.dimensions import Dimension, dimension_of
 from narrows.quantities.names import GRAVITY, PARTICULARS
 from narrows.results import BaseResult
 from narrows.ship.checks import is_finite
 from narrows.ship.motion import Motion
-from narrows.ship.particulars import Canal, Configuration, Ship, Water
-from narrows.terms.term import ScaleEffect, Term
+from narrows.ship.particulars import Canal, Configuration, Water
+from narrows.terms.term import ScaleEffect
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -162,8 +163,13 @@ def scale_model(
     units = Units(ratio**3 * water.density / old.water.density, ratio, ratio**0.5)
     deep = None if old.canal.depth is None else old.canal.depth * ratio
     canal = Canal(old.canal.width * ratio if width is None else width, deep if depth is None else depth)
-    hull = Configuration(_scaled_ship(old.ship, units), canal, water)
-    configuration = hull.with_parts(part.scaled(units.factor) for part in old.parts.values())
+    particulars = {name: value for name, value in vars(old.ship).items() if name in PARTICULARS and value is not None}
+    sizes = {n: v * units.factor(dimension_of(PARTICULARS[n].unit)) for n, v in particulars.items()}
+    ship = replace(old.ship, name=name_at_scale(old.ship.name, ratio), **sizes)
+    parts = [part.scaled(units.factor) for part in old.parts.values()]
+    configuration = Configuration(ship, canal, water).with_parts(parts)
+    scales = {name: units.factor(dimension_of(measure.unit)) for name, measure in MEASURES.items()}
+    ranges = {n: (pair[0] * scales[n], pair[1] * scales[n]) for n, pair in vars(model.data_range).items() if pair}
     factors = np.array([units.factor(model.terms[name].dimension) for name in model.terms.names])
     coefficients = {n: model.coefficients[n] * f for n, f in zip(model.terms.names, factors.tolist(), strict=True)}
     same = f"The water keeps its density of {water.density:g} kg/m3: the sea's is 1025 (density, --density)."
@@ -176,7 +182,7 @@ def scale_model(
         configuration=configuration,
         coefficients=coefficients,
         covariance=None if model.covariance is None else model.covariance * np.outer(factors, factors),
-        data_range=_scaled_range(model.data_range, units),
+        data_range=DataRange(**ranges),
         source=replace(model.source, text=f"{model.source.text}; scaled by {ratio:.4g} with Froude's law"),
     )
     return Scaled(scaled, model, ratio, notes)
@@ -192,20 +198,6 @@ class Units:
         return float(self.mass**dimension.mass * self.length**dimension.length * self.time**dimension.time)
 
 
-def _scaled_ship(ship: Ship, units: Units) -> Ship:
-    particulars = {name: value for name, value in vars(ship).items() if name in PARTICULARS and value is not None}
-    sizes = {n: v * units.factor(dimension_of(PARTICULARS[n].unit)) for n, v in particulars.items()}
-    return replace(ship, name=name_at_scale(ship.name, sizes["length"] / ship.length), **sizes)
-
-
-def _scaled_range(covered: DataRange, units: Units) -> DataRange:
-    def moved(name: str) -> Range | None:
-        pair, factor = getattr(covered, name), units.factor(dimension_of(MEASURES[name].unit))
-        return pair and (pair[0] * factor, pair[1] * factor)
-
-    return DataRange(**{entry.name: moved(entry.name) for entry in fields(DataRange)})
-
-
 def _with_friction(
     model: Model, friction: Friction, configuration: Configuration, scaled: Mapping[str, float]
 ) -> dict[str, float]:
@@ -215,7 +207,9 @@ def _with_friction(
         raise InputError("the model has no resistance to scale the friction of; leave the form factor out")
     name = terms[0]
     small, large = (
-        _line(friction, setting, nu, model.configuration) / _of_square(model.terms[name], setting)
+        # Resistance by the line and per unit of the coefficient, over the square of the speed
+        _line(friction, setting, nu, model.configuration)
+        / -float(model.terms[name].column({**setting.values(), **Motion.at(u=1.0).values()}))
         for setting, nu in zip((model.configuration, configuration), friction.viscosity, strict=True)
     )
     whole = model.coefficients[name]
@@ -232,11 +226,6 @@ def _line(friction: Friction, setting: Configuration, viscosity: float, old: Con
     ratio, length = setting.ship.length / old.ship.length, setting.ship.length
     coefficient = (1 + friction.form_factor) * ittc57(friction.speed * ratio**0.5 * length / viscosity)
     return 0.5 * setting.water.density * friction.wetted_surface * ratio**2 * coefficient
-
-
-def _of_square(term: Term, setting: Configuration) -> float:
-    """Resistance over the square of the speed, per unit of a coefficient [kg/m over the coefficient's unit]."""
-    return -float(term.column({**setting.values(), **Motion.at(u=1.0).values()}))
 
 
 def _holding(model: Model, effect: ScaleEffect) -> list[str]:
@@ -283,7 +272,11 @@ def _place_notes(model: Model, configuration: Configuration) -> tuple[str, ...]:
         span = f"{covered[0]:.2f} to {covered[1]:.2f}"
         outside = f"tests' {span}"
         if model.source.estimate:
-            outside = f"{span} that the hull was estimated for; {_estimated_anew(configuration)}"
+            outside = (
+                f"{span} that the hull was estimated for; estimate it anew: narrows estimate --length {ship.length:g} "
+                f"--beam {ship.beam:g} --draft {ship.draft:g} --block {ship.block_coefficient:g} --width "
+                f"{configuration.canal.width:g} --depth {configuration.canal.depth:g} -o ship.toml"
+            )
         notes.append(f"h/T = {ratio:.2f} is outside the {outside}.")
     if (pair := model.data_range.speed) and old.canal.depth:
         froude = pair[1] / (GRAVITY * old.canal.depth) ** 0.5
@@ -292,18 +285,8 @@ def _place_notes(model: Model, configuration: Configuration) -> tuple[str, ...]:
     return tuple(notes)
 
 
-def _estimated_anew(new: Configuration) -> str:
-    """The command that estimates a ship for its own depth."""
-    ship, canal = new.ship, new.canal
-    return (
-        f"estimate it anew: narrows estimate --length {ship.length:g} --beam {ship.beam:g} --draft {ship.draft:g} "
-        f"--block {ship.block_coefficient:g} --width {canal.width:g} --depth {canal.depth:g} -o ship.toml"
-    )
-
-
 # Nondimensional models: every factor comes from the dimension of its term.
 System = Literal["prime1", "prime2", "bis"]
-
 SYSTEMS = get_args(System)
 
 
@@ -314,8 +297,7 @@ def units_of(configuration: Configuration, system: System, speed: float | None =
     if system not in SYSTEMS:
         raise InputError(f"nondimensional system {system!r} is unknown; choose {', '.join(SYSTEMS)}")
     if system == "bis":
-        displaced = density * ship.block_coefficient * ship.length * ship.beam * ship.draft
-        return Units(ship.mass or displaced, ship.length, float((ship.length / GRAVITY) ** 0.5))
+        return Units(ship_mass(configuration), ship.length, float((ship.length / GRAVITY) ** 0.5))
     if not (speed and 0 < speed < float("inf")):
         raise InputError(f"system {system} needs a speed; give a positive one, speed=... in m/s, or system='bis'")
     depth = ship.length if system == "prime1" else ship.draft
@@ -367,27 +349,20 @@ def dimensional(
     """
     units = units_of(model.configuration, system, speed)
     known = {n: v * units.factor(model.terms[n].dimension) for n, v in numbers.items() if n in model.terms.names}
-    unknown = {n: v for n, v in numbers.items() if n not in known}
-    return replace(model, coefficients=known | unknown, covariance=None)
+    return replace(model, coefficients={**numbers, **known}, covariance=None)
 
 
 # Scale in a ship's name, as in ``KCS 1:52.667``, valid for every size of the ship.
 SCALE = re.compile(r"\b1:(?P<smaller>\d+(\.\d+)?)\b|\b(?P<larger>\d+(\.\d+)?):1\b|\bat full scale\b")
 
-# Tolerance around 1 within which a scale is full.
-EQUAL = 5e-3
-
 
 def name_at_scale(name: str, ratio: float) -> str:
     """Return a ship's name after scaling its lengths; a name without a scale stays unchanged."""
-    return SCALE.sub(lambda known: _in_words(_scale(known) / ratio), name)
 
+    def renamed(known: re.Match[str]) -> str:
+        scale = float(known["smaller"] or 1.0) / float(known["larger"] or 1.0) / ratio
+        if abs(scale - 1) < 5e-3:
+            return "at full scale"
+        return f"1:{scale:.5g}" if scale > 1 else f"{1 / scale:.4g}:1"
 
-def _scale(known: re.Match[str]) -> float:
-    return float(known["smaller"] or 1.0) / float(known["larger"] or 1.0)
-
-
-def _in_words(scale: float) -> str:
-    if abs(scale - 1) < EQUAL:
-        return "at full scale"
-    return f"1:{scale:.5g}" if scale > 1 else f"{1 / scale:.4g}:1"
+    return SCALE.sub(renamed, name)

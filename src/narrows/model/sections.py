@@ -15,13 +15,9 @@ from narrows.terms.tables import table_named
 from narrows.terms.term import TermTable
 
 PARTS = ("ship", "canal", "water")
-
 REQUIRED = (*PARTS, "terms", "coefficients")
 
-OPTIONAL = ("covariance", "data_range", "source", "verdicts")
 
-
-# Origin of the numbers.
 @dataclass(frozen=True)
 class Source:
     """Origin of the numbers.
@@ -74,7 +70,10 @@ def fields_of(tables: Mapping[str, Any], terms: TermTable | None) -> dict[str, A
     actuators = terms.actuators if terms else ()
     parts = (*PARTS, *actuator_sections(actuators))
     _check_sections(tables, parts)
-    terms = terms or _known_table(str(tables["terms"].get("table", "")))
+    try:
+        terms = terms or table_named(str(tables["terms"].get("table", "")))
+    except InputError as error:
+        raise InputError(f"{error}; a table of your own goes in as load_model(path, terms=...)") from None
     sections = {name: table for name, table in tables.items() if name in parts}
     covered = {name: _pair(name, pair) for name, pair in tables.get("data_range", {}).items()}
     cited = {name: str(text) for name, text in tables.get("source", {}).items()}
@@ -95,7 +94,7 @@ def _check_sections(tables: Mapping[str, Any], parts: Iterable[str]) -> None:
             "this is a ship file, which has no coefficients; give a model, as narrows identify makes of tests of this "
             "ship"
         )
-    known = {*REQUIRED, *OPTIONAL, *parts}
+    known = {*REQUIRED, "covariance", "data_range", "source", "verdicts", *parts}
     for name, table in tables.items():
         if name not in known:
             raise InputError(f"unknown section [{name}]{did_you_mean(name, known)}")
@@ -103,13 +102,6 @@ def _check_sections(tables: Mapping[str, Any], parts: Iterable[str]) -> None:
     for name in REQUIRED:
         if name not in tables:
             raise InputError(f"section [{name}] is missing; a model file has {', '.join(REQUIRED)}")
-
-
-def _known_table(name: str) -> TermTable:
-    try:
-        return table_named(name)
-    except InputError as error:
-        raise InputError(f"{error}; a table of your own goes in as load_model(path, terms=...)") from None
 
 
 def _is_covariance(matrix: np.ndarray) -> bool:

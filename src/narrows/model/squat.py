@@ -22,7 +22,6 @@ if TYPE_CHECKING:
 Sinkage = Literal["midship", "bow", "largest"]
 GIVES = get_args(Sinkage)
 VERIFIED, UNVERIFIED = "read in a source", "from memory, not verified"
-DERIVED = "derived from its equations"
 
 
 @dataclass(frozen=True)
@@ -98,7 +97,7 @@ SQUAT = {
     ),
     "tuck_midship": SquatFormula(formulas.tuck_midship, "midship", UNVERIFIED, SUBCRITICAL),
     "tuck_bow": SquatFormula(formulas.tuck_bow, "bow", UNVERIFIED, SUBCRITICAL),
-    "continuity": SquatFormula(formulas.continuity, "mean", DERIVED),
+    "continuity": SquatFormula(formulas.continuity, "mean", "derived from its equations"),
 }
 
 

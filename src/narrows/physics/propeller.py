@@ -13,8 +13,6 @@ TURNING_ADVANCE = 0.7
 # advance -u/(n D) between the two ADVANCES and beyond them.
 WITHOUT_ADVANCE, BETWEEN, BEYOND = -5.58e-4, -7.99e-3, 5.87e-3
 ADVANCES = 0.06, 0.35
-# Lever of that force behind midship [1], over the length.
-TRANSVERSE_LEVER = 0.4
 # An angle [rad] that counts as zero, without a side.
 NOTHING = 1e-9
 
@@ -105,5 +103,5 @@ def transverse_thrust_yaw(
     u: Number, revolutions: Number, propeller_diameter: Number, length: Number, draft: Number, density: Number
 ) -> Number:
     """Yaw moment of that force [N m], bow to starboard. Source: as for ``transverse_thrust``, B_1 to B_5 within 1 %."""
-    force = transverse_thrust(u, revolutions, propeller_diameter, length, draft, density)
-    return -TRANSVERSE_LEVER * length * force
+    # Its lever is 0.4 L behind midship.
+    return -0.4 * length * transverse_thrust(u, revolutions, propeller_diameter, length, draft, density)

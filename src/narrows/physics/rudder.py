@@ -14,12 +14,9 @@ from narrows.physics.hull import drift, speed
 from narrows.physics.propeller import PropellerQuantities, inflow, loading
 from narrows.quantities.names import Number
 
-# Reference area of the rudder, over length times draft [1].
-REFERENCE_AREA = 0.01
-
 
 def _pressure(length: Number, draft: Number, density: Number) -> Number:
-    return 0.5 * density * REFERENCE_AREA * length * draft
+    return 0.5 * density * 0.01 * length * draft  # The reference area is L T/100
 
 
 def _across(v: Number, r: Number, length: Number, flow_straightening: Number) -> Number:

@@ -66,12 +66,9 @@ def tuck_bow(
 ) -> Number:
     """Bow sinkage [m] in water without banks. Source: Tuck (1966) with Hooft's (1974) coefficients."""
     q, slender = _tuck(u, depth), _slender(length, beam, draft, block_coefficient)
-    return 1.46 * slender * q + length / 2 * _small_sine(slender / length * q)
-
-
-def _small_sine(angle: Number) -> Number:
-    """Sine of a trim angle by its series, to 1e-12 below 0.03 rad."""
-    return angle * (1 - angle * angle / 6 * (1 - angle * angle / 20))
+    trim = slender / length * q
+    # The sine of the trim by its series, to 1e-12 below 0.03 rad
+    return 1.46 * slender * q + length / 2 * trim * (1 - trim * trim / 6 * (1 - trim * trim / 20))
 
 
 def critical_speed(beam: Number, draft: Number, width: Number, depth: Number) -> Number:
@@ -112,17 +109,12 @@ def deeper_end(block_coefficient: Number) -> Number:
 
     Source: Barrass (2004), from memory, not verified; within 2 % of the measured mean of the KCS (``measured_squat``).
     """
-    return 1 / (1 - 20 * _fullness(block_coefficient) ** 2)
+    return 1 / (1 - 20 * clip(block_coefficient - TRIMLESS, 0.15) ** 2)  # Limited to tested ships
 
 
 def other_end(block_coefficient: Number) -> Number:
     """Sinkage of the other end over the mean sinkage [1]. Source: as for ``deeper_end``."""
     return 2 - deeper_end(block_coefficient)
-
-
-def _fullness(block_coefficient: Number) -> Number:
-    """Block coefficient less that of a ship without trim [1], limited to tested ships."""
-    return clip(block_coefficient - TRIMLESS, 0.15)
 
 
 def speed_that_sinks(sinkage: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:

@@ -121,10 +121,6 @@ def _metres(length: float) -> str:
     return f"{length:.{max(4, len(str(int(length))))}g} m"  # At least four digits, and no power of ten
 
 
-# Least and largest density of a water [kg/m3]: hot and fresh, and the Dead Sea.
-LIGHTEST, HEAVIEST = 900.0, 1300.0
-
-
 @dataclass(frozen=True)
 class Water:
     """The water; the default is fresh.
@@ -149,7 +145,7 @@ class Water:
 
     def __post_init__(self) -> None:
         check_fields(self, {"density": "density"}, "water")
-        if self.density is not None and not LIGHTEST <= self.density <= HEAVIEST:
+        if self.density is not None and not 900 <= self.density <= 1300:  # From hot and fresh water to the Dead Sea
             raise InputError(
                 f"[water] density = {self.density:g} is of no water; give kg/m3: 1000 is fresh, 1025 the sea's"
             )
@@ -356,7 +352,6 @@ def _below(before: Point, after: Point, depth: float) -> float:
     return wet * (min(low, high) + depth) / 2 + (stop - start - wet) * depth
 
 
-# Width that a hull sweeps across its path.
 def half_swept(ship: Ship, heading: np.ndarray | float) -> np.ndarray:
     """Return the distance of a hull's corners to either side of midship [m]."""
     return np.asarray(ship.length / 2 * np.abs(np.sin(heading)) + ship.beam / 2 * np.cos(heading))

@@ -111,17 +111,12 @@ def check_table(name: str, table: object, file: str) -> None:
         raise InputError(f"{file}: {name} = {shown(table)} must be a section; write [{name}] and its keys under it")
 
 
-def _renamed(name: str, values: Mapping[str, Any]) -> Mapping[str, Any]:
+def _section(cls: type, name: str, values: Mapping[str, Any]) -> Any:
+    known = {f.name: f for f in fields(cls)}
     for old, new in RENAMED.get(name, {}).items():
         if old in values and new in values:
             raise InputError(f"[{name}] gives {new} twice, as {old} too; leave {old} out")
         values = {new if key == old else key: value for key, value in values.items()}
-    return values
-
-
-def _section(cls: type, name: str, values: Mapping[str, Any]) -> Any:
-    known = {f.name: f for f in fields(cls)}
-    values = _renamed(name, values)
     for key in values:
         if key not in known:
             raise InputError(f"[{name}] has an unknown key {key!r}{did_you_mean(key, known)}")
