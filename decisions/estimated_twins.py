@@ -17,7 +17,7 @@ import numpy as np
 from pages import markdown, publish
 
 import narrows as nw
-from narrows.empirical.bank_evidence import BANK_EVIDENCE, bank_effects
+from narrows.empirical.calibration import BANK_EVIDENCE, bank_effects
 from narrows.empirical.formulas import FORMULAS, depth_factor
 from narrows.empirical.main_dimensions import hull_of
 from narrows.logbook.sensor_grades import VDR

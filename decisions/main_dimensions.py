@@ -15,10 +15,17 @@ from manoeuvres import APPROACH, CIRCLES, OVERSHOOTS
 from pages import Rows, markdown, part, publish, records
 
 import narrows as nw
-from narrows.empirical.bank_evidence import BANK_EVIDENCE, BankEvidence, bank_effects, bank_prior, left_out_banks
-from narrows.empirical.calibration import SIGNED, Calibration, left_out
-from narrows.empirical.formulas import FORMULAS, depth_factor
-from narrows.empirical.known_ships import KNOWN_SHIPS
+from narrows.empirical.calibration import (
+    BANK_EVIDENCE,
+    SIGNED,
+    BankEvidence,
+    Calibration,
+    bank_effects,
+    bank_prior,
+    left_out,
+    left_out_banks,
+)
+from narrows.empirical.formulas import FORMULAS, KNOWN_SHIPS, depth_factor
 from narrows.empirical.main_dimensions import estimated
 from narrows.quantities.names import KNOT
 from narrows.simulation.grid import sampled

@@ -10,10 +10,15 @@ import pytest
 
 import narrows as nw
 from narrows.cli.app import main
-from narrows.empirical.bank_evidence import BANK_EVIDENCE, bank_prior, left_out_banks, random_effects
-from narrows.empirical.calibration import Calibration, left_out
-from narrows.empirical.formulas import FORMULAS, Hull, depth_factor
-from narrows.empirical.known_ships import KCS, KNOWN_SHIPS, KVLCC2
+from narrows.empirical.calibration import (
+    BANK_EVIDENCE,
+    Calibration,
+    bank_prior,
+    left_out,
+    left_out_banks,
+    random_effects,
+)
+from narrows.empirical.formulas import FORMULAS, KCS, KNOWN_SHIPS, KVLCC2, Hull, depth_factor
 from narrows.empirical.propulsion import balanced_revolutions, resistance_prime
 from narrows.physics.clearance import bank_distance, suction
 

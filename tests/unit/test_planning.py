@@ -8,8 +8,7 @@ import pytest
 
 import narrows as nw
 from narrows.captive.synthetic import motion_of
-from narrows.experiment_design.candidates import candidates
-from narrows.experiment_design.information import RATE, choose, information_of, spread
+from narrows.experiment_design.information import RATE, candidates, choose, information_of, spread
 from narrows.experiment_design.plan import expected_model
 from narrows.identification.least_squares import free_parameters
 

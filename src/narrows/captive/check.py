@@ -10,7 +10,7 @@ import pandas as pd
 from narrows.captive import settings
 from narrows.captive.columns import COLUMNS
 from narrows.errors import InputError
-from narrows.model.masses import displacement
+from narrows.model.water import displacement
 from narrows.physics.squat_and_depth import critical_speed
 from narrows.quantities.names import GRAVITY
 from narrows.readers.cells import row_number

@@ -12,9 +12,8 @@ import numpy as np
 import pandas as pd
 
 from narrows.captive import settings
-from narrows.captive.columns import COLUMNS
+from narrows.captive.columns import COLUMNS, begun, meant
 from narrows.captive.kinematics import RATES, rates_of
-from narrows.captive.synonyms import begun, meant
 from narrows.captive.tests import LABELS
 from narrows.quantities.names import FORCES
 from narrows.readers.cells import floats

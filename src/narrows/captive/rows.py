@@ -10,9 +10,8 @@ import numpy as np
 import pandas as pd
 
 from narrows.captive import check, formats, settings
-from narrows.captive.columns import COLUMNS, columns_with
+from narrows.captive.columns import COLUMNS, begun, columns_with, renamed
 from narrows.captive.kinematics import MotionColumns, check_axes, check_kinematics
-from narrows.captive.synonyms import begun, renamed
 from narrows.captive.tests import LABELS, CaptiveTests, Headers
 from narrows.errors import InputError, near_miss, reason, shown
 from narrows.model.sections import Source

@@ -9,7 +9,7 @@ import numpy as np
 from narrows.aliases import accept_aliases
 from narrows.empirical.formulas import Hull
 from narrows.errors import InputError
-from narrows.model.masses import wetted_surface
+from narrows.model.water import wetted_surface
 from narrows.quantities.names import GRAVITY
 from narrows.ship.actuators import Propeller, Rudder
 from narrows.ship.particulars import Ship, Water

@@ -12,8 +12,15 @@ from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, motion_of
 from narrows.empirical.fleet import published
 from narrows.errors import InputError
-from narrows.experiment_design.candidates import Tank, candidates
-from narrows.experiment_design.information import CRITERIA, choose, expected_errors, information_of, known_information
+from narrows.experiment_design.information import (
+    CRITERIA,
+    Tank,
+    candidates,
+    choose,
+    expected_errors,
+    information_of,
+    known_information,
+)
 from narrows.identification.estimates import HALF
 from narrows.identification.fitting import identify
 from narrows.identification.least_squares import free_parameters

@@ -9,13 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from narrows.captive.tests import CaptiveTests, Tests
-from narrows.identification import shapley
 from narrows.identification.estimates import CoefficientEstimates, estimates
 from narrows.identification.least_squares import Problem, Solution
 from narrows.identification.motions import DistinctMotions, distinct_motions
 from narrows.identification.normal_equations import ONE, DesignMatrix, NormalEquations, Score, score
 from narrows.identification.plausibility import implausible, unmodelled_rudder
-from narrows.identification.prediction import Prediction
+from narrows.identification.prediction import KINDS, Kind, Prediction, shares
 from narrows.identification.resampling import (
     Bootstrap,
     DepthTest,
@@ -25,7 +24,6 @@ from narrows.identification.resampling import (
     predictiveness,
     resampled,
 )
-from narrows.identification.shapley import Kind as ShareKind
 from narrows.identification.systematic_effects import Effect, RunErrors
 from narrows.identification.verdict import IDENTIFIED, Diagnostics, Verdict, verdicts
 from narrows.model.data_range import DataRange
@@ -215,7 +213,7 @@ class Fit(Prediction):
         """
         return resampled(self.problem, self.motions, self.estimates, resamples, seed)
 
-    def shapley(self, kind: ShareKind = "mse") -> dict[str, dict[str, float]]:
+    def shapley(self, kind: Kind = "mse") -> dict[str, dict[str, float]]:
         """Shapley share of each term: force -> coefficient -> share, sizes adding up to 1.
 
         Parameters
@@ -229,7 +227,7 @@ class Fit(Prediction):
             Where the kind is none of these.
         """
         equations, values = self.normal_equations, self.coefficients
-        return shapley.shares(kind, equations, self.terms, values, lambda: self._deviations)
+        return shares(kind, equations, self.terms, values, lambda: self._deviations)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -279,7 +277,7 @@ class Fit(Prediction):
                 {"speed": speed, "diagnostics": {force: d.to_dict() for force, d in by_force.items()}}
                 for speed, by_force in self.diagnostics.by_speed.items()
             ],
-            "shapley": {kind: self.shapley(kind) for kind in shapley.KINDS},
+            "shapley": {kind: self.shapley(kind) for kind in KINDS},
             "kkt": {"satisfied": self.solution.kkt.satisfied, **self.solution.kkt._asdict()},
             "influence": {
                 name: {"most_informing": share.idxmax(), "share": float(share.max())}

@@ -8,7 +8,7 @@ import numpy as np
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.identification.normal_equations import ONE, NormalEquations, score
 from narrows.model.froude import ittc57
-from narrows.model.masses import added_sway, added_yaw, ship_inertia, ship_mass, wetted_surface
+from narrows.model.water import added_sway, added_yaw, ship_inertia, ship_mass, wetted_surface
 from narrows.terms.term import TermKind, TermTable
 
 # Least share of the added mass in deep water that a hull has; most times mass and added mass in deep water, which

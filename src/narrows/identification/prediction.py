@@ -1,7 +1,9 @@
-"""Predict forces on rows of a table, with residuals and errors."""
+"""Predict forces on rows of a table, with residuals and errors, and exact Shapley values of the terms."""
 
+from collections.abc import Callable, Mapping
+from math import factorial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
@@ -13,11 +15,13 @@ from narrows.errors import InputError, shown
 from narrows.identification.normal_equations import ONE, NormalEquations, Score, accumulate, score
 from narrows.results import BaseResult
 from narrows.ship.ship_file import ShipSource
+from narrows.terms.term import TermTable
 
 if TYPE_CHECKING:
     import pandas as pd
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
 
 # Share of the truths that intervals are to miss.
 ALPHA = 0.05
@@ -120,3 +124,84 @@ def _rows(fit: Any, tests: Tests, measured: bool) -> "pd.DataFrame":
         frames.append(pd.DataFrame(rows))
     frame = pd.concat(frames)
     return frame.set_index([name for name in ("test", "t") if name in frame])
+
+
+Kind = Literal["mse", "mean_abs", "lmg"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
+# Share of a column's sum of squares: a column with less left beside others adds no information.
+COLLINEAR = 1e-12
+
+
+def mse_shares(gram: np.ndarray, cross: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Share of each term when the value of a set of terms is minus its mean squared error, (n,)."""
+    # The coefficients stay as they are. The game is quadratic, so that the shares have a closed form: phi_j = theta_j
+    # (2 x_j'y - x_j'X theta) / rows, here up to the rows, which normalising removes.
+    return _normalised(values * (2 * cross - gram @ values))
+
+
+def mean_abs_shares(deviations: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Share of each term by the mean size of its contribution, mean ``|theta_j (x_j - mean x_j)|``, (n,)."""
+    # For a linear model these are the means of the sizes of the exact per-row Shapley values; never negative.
+    return _normalised(np.abs(values) * deviations)
+
+
+def lmg_shares(gram: np.ndarray, cross: np.ndarray) -> np.ndarray:
+    """Share of each term in R2 when every subset of terms is fitted anew, averaged over all orders, (n,)."""
+    # Lindeman, Merenda, Gold (1980); no bounds are imposed on the subsets' fits.
+    return _normalised(shapley_values(_explained(gram, cross)))
+
+
+def shapley_values(worth: np.ndarray) -> np.ndarray:
+    """Return the exact Shapley values (players,) of a game from the value of every subset (2**players,)."""
+    players = len(worth).bit_length() - 1
+    others = np.bitwise_count(np.arange(len(worth) // 2))
+    orders = np.array([factorial(size) * factorial(players - size - 1) / factorial(players) for size in range(players)])
+    weights, phi = orders[others], np.zeros(players)
+    for j in range(players):
+        pairs = worth.reshape(-1, 2, 2**j)
+        phi[j] = weights @ (pairs[:, 1] - pairs[:, 0]).ravel()
+    return phi
+
+
+def _explained(gram: np.ndarray, cross: np.ndarray) -> np.ndarray:
+    """Sum of squares that a fit of every subset of columns explains, (2**n,), numbered as in ``shapley_values``."""
+    # Column by column every subset so far is kept as it is and with the column eliminated, as sums of products of what
+    # the columns still to come, and the force, have left beside it.
+    size = np.sqrt(np.diag(gram))
+    scale = np.append(np.divide(1.0, size, out=np.zeros_like(size), where=size > 0), 1.0)
+    left = (np.block([[gram, cross[:, None]], [cross, np.zeros(1)]]) * np.outer(scale, scale))[None]
+    for _ in size:
+        pivot, row = left[:, 0, 0], left[:, 0, 1:]
+        inverse = np.divide(1.0, pivot, out=np.zeros_like(pivot), where=pivot > COLLINEAR)
+        rest = left[:, 1:, 1:]
+        left = np.concatenate([rest, rest - inverse[:, None, None] * row[:, :, None] * row[:, None, :]])
+    return np.asarray(-left[:, 0, 0])
+
+
+def _normalised(phi: np.ndarray) -> np.ndarray:
+    total = float(np.abs(phi).sum())
+    return phi / total if total > 0 else phi
+
+
+def shares(
+    kind: str, equations: NormalEquations, terms: TermTable, coefficients: Mapping[str, float],
+    deviations: Callable[[], Mapping[str, float]],
+) -> dict[str, dict[str, float]]:  # fmt: skip
+    if kind not in KINDS:
+        raise InputError(f"Shapley kind {kind!r} is unknown; choose {', '.join(KINDS)}")
+    shared = {}
+    for force, part in terms.forces.items():
+        names = [term.name for term in part]
+        if not names:
+            continue
+        values = np.array([coefficients[name] for name in names])
+        gram = equations.pick(equations.total, names)
+        cross = equations.pick(equations.total, names, [force])[:, 0]
+        if kind == "mse":
+            share = mse_shares(gram, cross, values)
+        elif kind == "lmg":
+            share = lmg_shares(gram, cross)
+        else:
+            share = mean_abs_shares(np.array([deviations()[name] for name in names]), values)
+        shared[force] = dict(zip(names, share.tolist(), strict=True))
+    return shared

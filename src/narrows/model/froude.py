@@ -11,8 +11,8 @@ import numpy as np
 from narrows.aliases import accept_aliases
 from narrows.errors import InputError, shown
 from narrows.model.data_range import MEASURES, DataRange
-from narrows.model.masses import ship_mass
 from narrows.model.model import Model
+from narrows.model.water import ship_mass
 from narrows.quantities.dimensions import Dimension, dimension_of
 from narrows.quantities.names import GRAVITY, PARTICULARS
 from narrows.results import BaseResult

@@ -1,4 +1,4 @@
-"""Water around a moving ship: return flow, sinkage of bow and stern, and the speed that chokes the section."""
+"""Water around a moving ship, the speed that chokes the section, and a ship's mass, inertia and added mass."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -6,9 +6,11 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.physics import squat_and_depth as formulas
+from narrows.physics.hull import clarke_sway, clarke_yaw
 from narrows.physics.squat_and_depth import BOUNDLESS
 from narrows.quantities.arithmetic import choice, maximum, minimum
 from narrows.quantities.names import Number
+from narrows.ship.particulars import Configuration, Ship
 
 
 class WaterUnderWay(NamedTuple):
@@ -59,3 +61,41 @@ def speeds_afloat(values: Mapping[str, Number]) -> SpeedsAfloat:
 def is_full(block_coefficient: Number) -> Number:
     """Return whether a ship sinks most at the bow; a fine one does at the stern."""
     return np.asarray(block_coefficient) >= formulas.TRIMLESS
+
+
+# Least radius of gyration over length, for a ship without a given inertia.
+SLENDEREST = 0.2
+
+
+def displacement(configuration: Configuration) -> float:
+    """Return the mass of the water that a ship displaces at rest [kg]."""
+    ship = configuration.ship
+    return configuration.water.density * ship.length * ship.beam * ship.draft * ship.block_coefficient
+
+
+def wetted_surface(ship: Ship) -> float:
+    """Return the wetted surface of a hull by Denny and Mumford's formula [m2]."""
+    return ship.length * (1.7 * ship.draft + ship.block_coefficient * ship.beam)
+
+
+def ship_mass(configuration: Configuration) -> float:
+    """Return the mass of a ship, estimated from its displacement if not given [kg]."""
+    return configuration.ship.mass or displacement(configuration)
+
+
+def ship_inertia(configuration: Configuration) -> float:
+    """Return the yaw inertia of a ship, with the least radius of gyration if not given [kg m2]."""
+    ship = configuration.ship
+    return ship.inertia or ship_mass(configuration) * (SLENDEREST * ship.length) ** 2
+
+
+def added_sway(configuration: Configuration) -> float:
+    """Return the added mass in sway in deep water by Clarke's formula [kg]."""
+    ship = configuration.ship
+    return clarke_sway(ship.length, ship.beam, ship.draft, ship.block_coefficient, configuration.water.density)
+
+
+def added_yaw(configuration: Configuration) -> float:
+    """Return the added inertia in yaw in deep water by Clarke's formula [kg m2]."""
+    ship = configuration.ship
+    return clarke_yaw(ship.length, ship.beam, ship.draft, ship.block_coefficient, configuration.water.density)

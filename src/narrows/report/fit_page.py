@@ -10,7 +10,7 @@ from narrows.captive.tests import CaptiveTests
 from narrows.files import write_whole
 from narrows.identification import Fit
 from narrows.identification.bank_summary import BankSummary, summarise_bank
-from narrows.identification.shapley import KINDS
+from narrows.identification.prediction import KINDS
 from narrows.identification.verdict import IDENTIFIED
 from narrows.model.data_range import MEASURES, Range
 from narrows.quantities.names import name_of

@@ -14,7 +14,7 @@ from narrows.errors import InputError
 from narrows.experiment_design.plan import UNITS, Plan
 from narrows.identification import Fit
 from narrows.identification.bank_summary import BankSummary, summarise_bank
-from narrows.identification.shapley import KINDS
+from narrows.identification.prediction import KINDS
 from narrows.identification.verdict import IDENTIFIED, ZERO
 from narrows.model.froude import Scaled
 from narrows.model.model import Model

@@ -10,7 +10,7 @@ import numpy as np
 from narrows.captive.synthetic import twin
 from narrows.empirical.fleet import published
 from narrows.identification import Fit, identify
-from narrows.identification.shapley import KINDS
+from narrows.identification.prediction import KINDS
 from narrows.model.model import Model
 from narrows.results import BaseResult
 from narrows.simulation.derivative import bank_stiffness, eigenvalues
