@@ -13,22 +13,14 @@ Listener = Callable[[str], None]
 LISTENERS: list[Listener] = []
 
 
-class _Lines(logging.Handler):
-    def __init__(self, listener: Listener) -> None:
-        super().__init__(logging.INFO)
-        self.listener = listener
-
-    def emit(self, record: logging.LogRecord) -> None:
-        self.listener(record.getMessage())
-
-
 @contextmanager
 def listening(listener: Listener, wanted: bool = True) -> Iterator[None]:
     """Listen to long operations: log lines of the package, with bars."""
     if not wanted:
         yield
         return
-    logger, lines = logging.getLogger("narrows"), _Lines(listener)
+    logger, lines = logging.getLogger("narrows"), logging.Handler(logging.INFO)
+    lines.emit = lambda record: listener(record.getMessage())  # type: ignore[method-assign]
     before = logger.level
     logger.addHandler(lines)
     logger.setLevel(logging.INFO)

@@ -35,10 +35,7 @@ def columns_with(actuators: Iterable[Actuator]) -> dict[str, Quantity]:
     return {**COLUMNS, **{actuator.name: Quantity(actuator.unit, actuator.meaning) for actuator in actuators}}
 
 
-# Published ship whose particulars serve as examples of usual ones.
-EXAMPLE = "yasukawa2015_kvlcc2"
 SOURCE = "Yasukawa and Yoshimura 2015"
-STRAIGHTENING = ("rudder_straightening_port", "rudder_straightening_starboard")
 
 
 def check_given(asked: Iterable[str], values: Container[str], headers: Headers, actuators: Iterable[Actuator]) -> None:
@@ -102,10 +99,10 @@ def usual(name: str) -> str:
     """Return a particular of a published ship, with the source, in words; nothing if there is none."""
     from narrows.empirical.fleet import published
 
-    example = published(EXAMPLE).configuration
+    example = published("yasukawa2015_kvlcc2").configuration
     values, size = example.values(), f"{example.ship.length:g} m long"
     if name == "flow_straightening":
-        low, high = (values[side] for side in STRAIGHTENING)
+        low, high = (values[f"rudder_straightening_{side}"] for side in ("port", "starboard"))
         return f"; usual are {low:.2g} to {high:.2g}, those of KVLCC2 to port and to starboard ({SOURCE})"
     asked = name.startswith(("rudder_", "propeller_")) or name in ("x_g", "inertia", "mass", "revolutions")
     return f"; KVLCC2, {size}, has {values[name]:.4g} ({SOURCE})" if asked and name in values else ""

@@ -126,6 +126,9 @@ def concat(tests: Sequence[CaptiveTests]) -> CaptiveTests:
     left = {name for part in parts for name in part.columns} - set(shared)
     labels = tuple(label for part in parts for label in part.conditions or ("",) * len(part.names))
     names, renamed = _numbered([name for part in parts for name in part.names])
+    notes = [note for part in parts for note in part.notes]
+    notes += [f"Columns that not all tables have were left out: {', '.join(sorted(left))}."] if left else []
+    notes += [f"Tests that share a name are numbered: {', '.join(renamed)}."] if renamed else []
     return replace(
         first,
         columns={name: np.concatenate([part.columns[name] for part in parts]) for name in shared},
@@ -133,7 +136,7 @@ def concat(tests: Sequence[CaptiveTests]) -> CaptiveTests:
         starts=np.concatenate([[0], np.cumsum(np.concatenate([np.diff(part.starts) for part in parts]))]),
         conditions=labels if any(part.conditions for part in parts) else (),
         source=_source([part.source for part in parts]),
-        notes=(*dict.fromkeys(note for part in parts for note in part.notes), *_notes(sorted(left), renamed)),
+        notes=tuple(dict.fromkeys(notes)),
     )
 
 
@@ -152,11 +155,6 @@ def _source(sources: list[Source]) -> Source:
         return " + ".join(dict.fromkeys(filter(None, (getattr(source, name) for source in sources))))
 
     return Source(joined("text"), joined("table"), joined("sha256"))
-
-
-def _notes(left: list[str], renamed: list[str]) -> list[str]:
-    notes = [f"Columns that not all tables have were left out: {', '.join(left)}."] if left else []
-    return notes + ([f"Tests that share a name are numbered: {', '.join(renamed)}."] if renamed else [])
 
 
 def as_tests(tests: Any, ship: ShipSource | None, default: ShipSource | None = None) -> Any:

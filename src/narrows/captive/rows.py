@@ -38,12 +38,17 @@ def clean(
     known = columns_with(actuators)
     raw, of_rows = without_words(raw)
     mapped, notes = mapping.applied(raw, table, Vocabulary(known, LABELS)) if mapping else (raw, ())
-    early = chosen_early(mapped, where, table)
-    frame, of_layout = formats.translated(mapped if early is None else mapped[early], where or "", table)
+    frame, late = mapped, False
+    if where:
+        try:
+            frame = mapped[_evaluated(mapped, where, table, ())]
+        except pd.errors.UndefinedVariableError:  # It asks for columns that the layout or the names below make
+            late = True
+    frame, of_layout = formats.translated(frame, where or "", table)
     if not mapping:
         frame, of_headers = renamed(frame, known, table)
         of_layout = (*of_layout, *of_headers)
-    if early is None and where:
+    if where and late:
         frame = frame[chosen_late(raw, frame, where, table, known)]
     if not len(frame):
         return frame, (*notes, *of_layout)
@@ -221,15 +226,6 @@ def plain_columns(
             column = columns[asked.quantity]
             columns_by_word[word] = pd.to_numeric(frame[column.header], errors="coerce") * (column.scale / asked.scale)
     return columns_by_word
-
-
-def chosen_early(frame: pd.DataFrame, where: str | None, table: str) -> np.ndarray | None:
-    if where is None or where == "":
-        return np.ones(len(frame), bool)
-    try:
-        return _evaluated(frame, where, table, ())
-    except pd.errors.UndefinedVariableError:
-        return None
 
 
 def chosen_late(

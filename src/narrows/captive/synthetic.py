@@ -17,8 +17,6 @@ from narrows.quantities.names import Number
 from narrows.ship.motion import Motion
 
 Columns = dict[str, np.ndarray]
-
-
 COLUMNS = ("t", "x", "y", "psi", "u", "v", "r", "udot", "vdot", "rdot", "heave")
 
 

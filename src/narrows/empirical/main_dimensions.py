@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, replace
-from functools import cache
 from typing import Any
 
 import numpy as np
@@ -36,6 +35,7 @@ from narrows.terms.tables import table_named
 
 TABLE = f"mmg+{FORM}"
 SEA = Water(1025.0)
+ALL_SHIPS = Calibration()
 GYRATION = 0.25  # Radius of gyration over L, Yasukawa and Yoshimura (2015) for KVLCC2; 0.25 to 0.27 is usual
 
 # Relative standard deviations of parts that no known ship calibrates, from the differences between the formulas, KVLCC2
@@ -101,12 +101,7 @@ def estimate_model(
     >>> model.terms.name
     'mmg+distance'
     """
-    return estimated(ship, canal, water, kind, speed, propeller, rudder, steering, _all_ships())
-
-
-@cache
-def _all_ships() -> Calibration:
-    return Calibration()
+    return estimated(ship, canal, water, kind, speed, propeller, rudder, steering, ALL_SHIPS)
 
 
 def estimated(
@@ -271,10 +266,6 @@ SHAPES = {"L/B": (2.5, 15.0), "B/T": (1.2, 15.0), "block coefficient": (0.3, 0.9
 FASTEST_OVER_USUAL = 1.8
 
 
-# A particular, a size of the ship and its words, the widest range of their ratio (a wrong unit is outside), a remedy.
-Proportion = tuple[str, float, float, str, tuple[float, float], str]
-
-
 def check_types(ship: object, canal: object, water: object, **parts: object) -> None:
     """Raise if an argument is of another type; parts may be missing."""
     if not isinstance(ship, Ship | Mapping):
@@ -318,14 +309,17 @@ def check_speed(speed: Any, ship: Ship, kind: ShipType) -> None:
 
 def check_proportions(ship: Ship, water: Water, parts: Mapping[str, Part | None]) -> None:
     """Raise if a particular is out of proportion to the ship: another unit, or a share of the ship."""
-    for place, value, size, of, (low, high), remedy in (*_of_mass(ship, water), *_of_parts(ship, parts)):
+    for place, value, size, of, (low, high), remedy in _proportions(ship, water, parts):
         if not low * size <= value <= high * size:
             raise InputError(
                 f"{place} = {value:.4g} is {value / size:.3g} times {of}, outside {low:g} to {high:g}; {remedy}"
             )
 
 
-def _of_mass(ship: Ship, water: Water) -> Iterator[Proportion]:
+def _proportions(
+    ship: Ship, water: Water, parts: Mapping[str, Any]
+) -> Iterator[tuple[str, float, float, str, tuple[float, float], str]]:
+    """Particulars, a size of the ship and its words, the widest range of their ratio (no wrong unit), and a remedy."""
     displaced = water.density * ship.block_coefficient * ship.length * ship.beam * ship.draft
     if ship.mass is not None:
         yield "[ship] mass", ship.mass, displaced, "the displaced water", (0.7, 1.4), "give it in kg"
@@ -334,9 +328,6 @@ def _of_mass(ship: Ship, water: Water) -> Iterator[Proportion]:
         yield "[ship] inertia", ship.inertia, square, "mass x length^2", (0.02, 0.2), "give it in kg m2"
     if ship.x_g is not None:
         yield "[ship] x_g", ship.x_g, ship.length, "the length", (-0.1, 0.1), "give metres forward of midship"
-
-
-def _of_parts(ship: Ship, parts: Mapping[str, Any]) -> Iterator[Proportion]:
     propeller, rudder, steering = (parts[name] for name in ("propeller", "rudder", "steering"))
     if propeller is not None:
         diameter, pace = propeller.diameter, math.sqrt(GRAVITY * ship.length) / propeller.diameter

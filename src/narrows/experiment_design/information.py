@@ -178,17 +178,11 @@ def _joined(made: NormalEquations, planned: NormalEquations) -> NormalEquations:
     )
 
 
-# Default speeds over the root of g L: slow ships, as in canals.
-FROUDE = (0.08, 0.12, 0.16)
 # Offsets and amplitudes as shares of the distance between hull and wall.
 OFFSETS, AMPLITUDES = (0.0, 0.35, 0.7), (0.3, 0.6, 1.0)
-CYCLES = (2, 3, 5)
-STRAIGHT_DRIFTS = (0.0, 6.0)
 # Starboard and port: each run off the centreline may be mirrored.
 SIDES = (1, -1)
 SAMPLES = 100
-# Default share of the distance that the clearance leaves.
-UNASKED = 0.75
 # Steady motion of a run over the ship's length; and a limit above any tank's data, in SI.
 RUN_LENGTHS, MOST = 10.0, 1e5
 # Largest speed over the root of g L of a ship in a canal; largest number of samples in a run.
@@ -256,7 +250,7 @@ def candidates(configuration: Configuration, tank: Tank) -> list[Run]:
     """List the runs that fit between the walls and into the length of a tank."""
     ship, length = configuration.ship, tank.length_for(configuration)
     clear = configuration.canal.width / 2 - ship.beam * (0.5 + tank.clearance)
-    room = UNASKED * clear if tank.reach is None else min(clear, tank.reach)
+    room = 0.75 * clear if tank.reach is None else min(clear, tank.reach)
     if room <= 0:
         raise InputError("no run fits between the walls of this tank; check the ship file, or ask for less clearance")
     dry = [depth for depth in tank.depths if depth <= ship.draft]
@@ -267,14 +261,15 @@ def candidates(configuration: Configuration, tank: Tank) -> list[Run]:
         if speed > MOST_FROUDE * wave or length / speed > MOST_SAMPLES:
             raise InputError(f"{speed:g} m/s is no speed for a ship {ship.length:g} m long in a tank; check it")
     runs = []
-    for speed, depth in product(tank.speeds or [round(f * wave, 3) for f in FROUDE], tank.depths or (None,)):
+    slow = [round(froude * wave, 3) for froude in (0.08, 0.12, 0.16)]  # As in canals
+    for speed, depth in product(tank.speeds or slow, tank.depths or (None,)):
         runs += [*_straight(room, length, speed, depth), *_harmonic(room, length, tank.heading, speed, depth)]
     limit = configuration.canal.width / 2 - tank.clearance * ship.beam + 1e-9
     return [run for run in runs if _reach(run, ship) <= limit]
 
 
 def _straight(room: float, length: float, speed: float, depth: float | None) -> Iterator[Run]:
-    for share, side, drift in product((0.0, 0.25, 0.5, 0.75, 1.0), SIDES, STRAIGHT_DRIFTS):
+    for share, side, drift in product((0.0, 0.25, 0.5, 0.75, 1.0), SIDES, (0.0, 6.0)):
         offset, drift = side * round(share * room, 3), side * drift + 0.0  # Never -0
         if (share or drift) and (share or side > 0):
             name = f"straight y={offset:g} drift={drift:g} u={speed:g}{_at(depth)}"
@@ -282,7 +277,7 @@ def _straight(room: float, length: float, speed: float, depth: float | None) -> 
 
 
 def _harmonic(room: float, length: float, heading: float, speed: float, depth: float | None) -> Iterator[Run]:
-    for kind, offset_share, side, share, cycles in product(("yaw", "sway"), OFFSETS, SIDES, AMPLITUDES, CYCLES):
+    for kind, offset_share, side, share, cycles in product(("yaw", "sway"), OFFSETS, SIDES, AMPLITUDES, (2, 3, 5)):
         offset = side * round(offset_share * room, 3)
         amplitude, period = round(share * (room - abs(offset)), 3), round(length / speed / cycles, 2)
         # Path angle at the centre crossing: a yaw run moves along its heading (sine), a sway run drifts (tangent).

@@ -17,10 +17,6 @@ LEAST_ADDED, MOST = 0.5, 10.0
 # Standard errors by which a mass must exceed its plausible range; least force of such a mass over the residual of the
 # fit for a warning.
 SURE, LEAST_FORCE = 2.0, 0.1
-# Error of a fit to the force with the other sign, over that of the fit, below which the sign is reported.
-CLEARLY = 0.7
-# Standard errors over the runs by which X must push ahead.
-SURE_PUSH = 3.0
 # Sign conventions of a force whose other sign fits better.
 AXES = {"X": "X counted astern", "Y": "Y counted to port", "N": "N counted anticlockwise"}
 # Units of forces other than N and N m, and their factors.
@@ -32,7 +28,6 @@ EXCHANGED = (
     "Neither the mass in sway nor the inertia in yaw is this ship's, and Y grows with the yaw acceleration as a moment "
     "does: are the columns Y and N exchanged?"
 )
-RUDDER_MOVES = math.radians(1.0)
 Known = dict[str, tuple[float, float]]  # Estimate without bounds and standard error, where the tests determine it
 # Force, acceleration and name of a mass or inertia; its unit, its bare value and its added value in deep water.
 MASSES = (
@@ -71,7 +66,7 @@ def fits_reversed(fit: Any, force: str) -> bool:
     other = equations.total * np.outer(sign, sign)
     again = fit.problem.named(fit.problem.solve(other).z)
     now = score(equations, equations.total, fit.terms, fit.least_squares)[force].rmse
-    return score(equations, other, fit.terms, again)[force].rmse < CLEARLY * now
+    return score(equations, other, fit.terms, again)[force].rmse < 0.7 * now  # Clearly less
 
 
 def surge_sentence(fit: Any) -> str:
@@ -81,7 +76,8 @@ def surge_sentence(fit: Any) -> str:
         return ""
     means = np.array([np.mean(np.sign(run["u"]) * run["X"]) for run in tests])
     propelled = any(actuator.name == "revolutions" for actuator in terms.actuators) or len(means) < 2
-    if not propelled and means.mean() > SURE_PUSH * means.std(ddof=1) / math.sqrt(len(means)):
+    # Three standard errors over the runs
+    if not propelled and means.mean() > 3 * means.std(ddof=1) / math.sqrt(len(means)):
         return (
             f"X pushes the ship the way it goes, by {means.mean():.2g} N in the mean of {len(means)} runs: is X "
             "counted astern, or does a propeller push?"
@@ -156,7 +152,7 @@ def unmodelled_rudder(tests: Tests, equations: NormalEquations, terms: TermTable
         rows, total, squares = equations.moved.get("rudder", np.eye(1, 3)).T
         mean = total / rows
         angle = float((np.abs(mean) + np.sqrt(2 * np.maximum(squares / rows - mean**2, 0.0))).max())
-    if angle < RUDDER_MOVES:
+    if angle < math.radians(1):
         return ""
     return (
         f"the rudder goes to {math.degrees(angle):.0f} deg and no term has it, so other terms absorb its force: "

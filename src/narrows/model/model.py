@@ -28,10 +28,8 @@ if TYPE_CHECKING:
 
 # Start of a note on uncertain bank coefficients of a model.
 UNSETTLED = "The tests do not determine the bank force"
-
 # The verdict that needs no note, and the start of the one that is no adjective.
 SETTLED, ALONE = "identified", "rests"
-
 NO_SUCTION = "The model's bank coefficients are 0: the banks of a canal end a voyage without any force before."
 
 

@@ -73,7 +73,7 @@ def table_has(name: str) -> bool:
     return hasattr(pd.DataFrame, name)
 
 
-def _given_or_written(content: str | bytes | None, path: str | Path | None) -> Any:
+def _given_or_written(content: str | None, path: str | Path | None) -> str | None:
     if path is None:
         return content
     if content is not None:
@@ -131,7 +131,6 @@ class Answering(type):
         raise AttributeError(f"{cls.__name__} has no {name!r}" + (f"; write {made}" if made else ""))
 
 
-# Summary of an object.
 class BaseSummary(metaclass=Answering):
     """An object with a one-line summary, a longer one in a notebook, and names of other libraries.
 
@@ -211,8 +210,7 @@ class BaseResult(BaseSummary):
             If the file cannot be written.
         """
         result: Any = self
-        text: str | None = _given_or_written(csv_of(result.to_dataframe(), **options), path)
-        return text
+        return _given_or_written(csv_of(result.to_dataframe(), **options), path)
 
     def to_json(self, path: str | Path | None = None) -> str | None:
         """Write everything by name as JSON.
@@ -228,8 +226,7 @@ class BaseResult(BaseSummary):
             If the file cannot be written.
         """
         result: Any = self
-        text: str | None = _given_or_written(to_json(result.to_dict()), path)
-        return text
+        return _given_or_written(to_json(result.to_dict()), path)
 
     def to_xarray(self) -> "xarray.Dataset":
         """Return the data as an xarray Dataset."""
@@ -263,7 +260,6 @@ def shortened(text: str, most: int = 120) -> str:
     return line if len(line) <= most else f"{line[: most - 3]}..."
 
 
-# A result of table rows.
 class Tabulated(BaseResult):
     """A result of rows: the data frame of its rows provides all further methods.
 

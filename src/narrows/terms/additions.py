@@ -108,13 +108,13 @@ def pooled(table: TermTable, depths: Sequence[float]) -> TermTable:
     if len(knots) < 2 or not knots[0] > 0:
         raise InputError(f"hulls of their own at each depth need two depths or more; there are {len(knots)}")
 
-    def spread(part: tuple[Term, ...]) -> tuple[Term, ...]:
-        return tuple(each for term in part for each in ([term] if term.from_bank else _at_each(term, knots)))
-
     hull = {term.name for term in table.terms if not term.from_bank}
     ties = tuple((_named(a, h), _named(b, h)) for a, b in table.ties if {a, b} <= hull for h in knots)
     name = f"{table.name}{AT}{','.join(f'{h:g}' for h in knots)}"
-    surge, sway, yaw = (spread(part) for part in (table.surge, table.sway, table.yaw))
+    surge, sway, yaw = (
+        tuple(each for term in part for each in ([term] if term.from_bank else _at_each(term, knots)))
+        for part in table.forces.values()
+    )
     return replace(table, name=name, ties=ties, surge=surge, sway=sway, yaw=yaw)
 
 

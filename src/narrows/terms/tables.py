@@ -110,22 +110,15 @@ BARE = {table.name: table for table in (PAPER, SPEED, MIXED, CROSSFLOW)}
 
 # The MMG standard method as a table of terms.
 SOURCE = "Yasukawa and Yoshimura (2015)"
-
 LETTERS = ("X", "Y", "N")
-
-SURGE_POWERS = (("vv", (2, 0)), ("vr", (1, 1)), ("rr", (0, 2)), ("vvvv", (4, 0)))
-
 # Powers of v' and r' in the hull's forces.
+SURGE_POWERS = (("vv", (2, 0)), ("vr", (1, 1)), ("rr", (0, 2)), ("vvvv", (4, 0)))
 TURNING_POWERS = (
     ("v", (1, 0)), ("r", (0, 1)), ("vvv", (3, 0)), ("vvr", (2, 1)), ("vrr", (1, 2)), ("rrr", (0, 3)),
 )  # fmt: skip
 
-# Powers of the drag of a bluff section.
-CROSSFLOW_DRAG = (3, 0)
-
 # Depth laws of the derivatives that grow in shallow water.
 DEPTH_LAWS = {"Y_v": DRIFT_FORCE, "N_v": DRIFT_MOMENT, "N_r": YAW_MOMENT}
-
 WAKE = ScaleEffect.WAKE
 
 
@@ -138,7 +131,7 @@ def _polynomial(letter: str, powers: tuple[tuple[str, tuple[int, int]], ...], le
         Term(
             f"{letter}_{word}", f"{letter}_{{{word}}}'", HullPower(*exponents, lever=lever), NUMBER, FREE,
             TermKind.HULL, SOURCE, DEPTH_LAWS.get(f"{letter}_{word}"),
-            scale_effect=ScaleEffect.CROSSFLOW_DRAG if exponents == CROSSFLOW_DRAG else None,
+            scale_effect=ScaleEffect.CROSSFLOW_DRAG if exponents == (3, 0) else None,  # Drag of a bluff section
         )
         for word, exponents in powers
     )  # fmt: skip
@@ -185,7 +178,6 @@ MMG = TermTable(
 
 # The tables by name; ``speed+keel_gap`` is the table ``speed`` with another form of the bank term.
 BASES = {**BARE, "steered": STEERED, "mmg": MMG}
-
 # Other names for some of them.
 SHORT = {"tapered": "paper+tapered"}
 

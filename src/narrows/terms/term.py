@@ -19,11 +19,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Bound = tuple[float, float]
-
 FREE: Bound = (float("-inf"), float("inf"))
-
 NONNEGATIVE: Bound = (0.0, float("inf"))
-
 # Quantities that describe the banks and the water depth.
 BANKS, DEPTH = "width", "depth"
 
@@ -40,8 +37,6 @@ INSTEAD = {
     "min max minimum maximum clip where heaviside": "minimum(x, y), maximum(x, y) or clip(x, most)",
     "pow power square": "x ** 2 for a power",
 }
-
-BRANCH = "choice(v, a, b) for a where v is over 0 and b elsewhere, instead of an if"
 
 # First letters of the paper's coefficients, by force.
 LETTERS = ("a", "b", "c")
@@ -380,7 +375,7 @@ def uncompiled(term: Term, error: Exception) -> InputError:
     used = getattr(getattr(term.regressor, "__code__", None), "co_names", ())
     instead = [remedy for words, remedy in INSTEAD.items() if set(words.split()) & set(used)]
     if "compares" in str(error) or "branches" in str(error) or "ambiguous" in str(error):
-        instead.append(BRANCH)
+        instead.append("choice(v, a, b) for a where v is over 0 and b elsewhere, instead of an if")
     remedy = f": {'; '.join(instead)}" * bool(instead)
     why = str(error).partition("\n")[0].rstrip(".")
     sentence = f"term {term.name}: its regressor cannot be compiled ({why}); write it with {ARITHMETIC}"
@@ -392,7 +387,5 @@ def _merged(old: Iterable[Term], new: Iterable[Term]) -> tuple[Term, ...]:
 
 
 DRIFT_FORCE = DepthLaw(squat_and_depth.kijima_drift_force)
-
 DRIFT_MOMENT = DepthLaw(squat_and_depth.kijima_drift_moment, verified=False)
-
 YAW_MOMENT = DepthLaw(squat_and_depth.kijima_yaw_moment)
