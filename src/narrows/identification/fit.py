@@ -13,7 +13,6 @@ from narrows.identification.estimates import CoefficientEstimates, estimates
 from narrows.identification.least_squares import Problem, Solution
 from narrows.identification.motions import DistinctMotions, distinct_motions
 from narrows.identification.normal_equations import ONE, DesignMatrix, NormalEquations, Score, score
-from narrows.identification.plausibility import implausible, unmodelled_rudder
 from narrows.identification.prediction import KINDS, Kind, Prediction, shares
 from narrows.identification.resampling import (
     Bootstrap,
@@ -25,7 +24,7 @@ from narrows.identification.resampling import (
     resampled,
 )
 from narrows.identification.systematic_effects import Effect, RunErrors
-from narrows.identification.verdict import IDENTIFIED, Diagnostics, Verdict, verdicts
+from narrows.identification.verdict import IDENTIFIED, Diagnostics, Verdict, implausible, unmodelled_rudder, verdicts
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
 from narrows.results import same_content

@@ -16,8 +16,8 @@ from narrows.identification.fit import Fit
 from narrows.identification.least_squares import reduced
 from narrows.identification.motions import distinct_motions, numbered
 from narrows.identification.normal_equations import Balance, Score, accumulate, score
-from narrows.identification.plausibility import unmodelled_rudder
 from narrows.identification.systematic_effects import RunErrors
+from narrows.identification.verdict import unmodelled_rudder
 from narrows.model.froude import scale_model
 from narrows.model.model import Model
 from narrows.ship.ship_file import ShipSource

@@ -13,12 +13,8 @@ class Layout(Protocol):
     __name__: str
     __doc__: str | None
 
-    def recognises(self, frame: pd.DataFrame) -> bool:
-        """Return whether a frame has this layout."""
-
-    def translated(self, frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]:
-        """Convert the layout to the documented headers, with notes."""
-
+    def recognises(self, frame: pd.DataFrame) -> bool: ...
+    def translated(self, frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFrame, tuple[str, ...]]: ...
     def sample(self) -> pd.DataFrame:
         """Return a few rows in its format."""
 

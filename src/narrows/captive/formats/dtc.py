@@ -47,10 +47,9 @@ def sample() -> pd.DataFrame:
     return pd.DataFrame(dict(zip(HEADERS, columns, strict=True)))
 
 
-# Velocities and accelerations from raw records, by differentiating low-passed positions.
-def low_passed(t: np.ndarray, column: np.ndarray, cutoff: float) -> np.ndarray:
-    """Low-pass a record without delay: a Butterworth filter of fourth order, run forward and back."""
-    # t (rows,) [s]; column (rows,); cutoff [Hz]
+def rates(t: np.ndarray, position: np.ndarray, cutoff: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return velocity and acceleration of a position, low-passed by a Butterworth filter that runs forward and back."""
+    # t (rows,) [s]; position (rows,) [m]; cutoff [Hz]
     from scipy.signal import butter, sosfiltfilt
 
     if len(t) < SHORTEST_RECORD:
@@ -62,12 +61,6 @@ def low_passed(t: np.ndarray, column: np.ndarray, cutoff: float) -> np.ndarray:
     if cutoff >= rate / 2:
         raise InputError(f"a cutoff of {cutoff:g} Hz is not below half the sampling rate {rate:g} Hz; lower it")
     # The filter's transient lasts some periods of its cutoff; SciPy's own padding is shorter and spoils a moving end.
-    padding = min(len(column) - 1, round(3 * rate / cutoff))
-    return np.asarray(sosfiltfilt(butter(4, cutoff, fs=rate, output="sos"), column, padlen=padding))
-
-
-def rates(t: np.ndarray, position: np.ndarray, cutoff: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return velocity and acceleration of a position, low-passed first."""
-    # t (rows,) [s]; position (rows,) [m]; cutoff [Hz]
-    velocity = np.gradient(low_passed(t, position, cutoff), t)
+    padding = min(len(position) - 1, round(3 * rate / cutoff))
+    velocity = np.gradient(sosfiltfilt(butter(4, cutoff, fs=rate, output="sos"), position, padlen=padding), t)
     return velocity, np.gradient(velocity, t)

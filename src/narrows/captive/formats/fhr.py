@@ -21,8 +21,6 @@ RENAMED = {
     "rud_given_deg": "rudder [deg]",
     "n_meas_rpm": "revolutions [rpm]",
 }
-# A selection that names rudder angles or types.
-SPEAKS_OF = re.compile(r"\b(?:type|rud_given_deg|rudder\w*)\b")
 TURNED = (
     "rudder is rud_given_deg with its sign turned, as it counts the other way there: positive turns the bow to port"
 )
@@ -37,7 +35,7 @@ def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFra
     # kept: the paper's terms cover neither a rudder nor a drift of 90 degrees.
     turned = -cells.numbers(frame, "rud_given_deg", table)
     frame = frame.assign(rud_given_deg=turned).rename(columns=RENAMED)
-    if SPEAKS_OF.search(chosen):
+    if re.search(r"\b(?:type|rud_given_deg|rudder\w*)\b", chosen):
         return frame, (TURNED,)
     kept = frame[frame["type"].isin(HARMONIC) & (np.abs(frame["rudder [deg]"]) < 1)]
     return kept, (f"{len(kept)} of {len(frame)} rows read: harmonic sway and yaw with the rudder amidships",)
