@@ -117,6 +117,8 @@ class MixedModel:
         white: list[np.ndarray],
     ) -> np.ndarray:  # fmt: skip
         """Gradient of the log posterior by each coordinate: the identities of restricted maximum likelihood."""
+        from scipy import stats
+
         p, errors = self.fixed, self.shared.shape[1]
         moment = (beta[p:] ** 2 + np.diag(inverse)[p:]) / scale[self.group] ** 2 - 1
         slope = np.bincount(self.group, moment, len(scale))[:-1].astype(float)  # By the logarithm of each scale
@@ -132,7 +134,9 @@ class MixedModel:
             slope[:errors] += scale[:errors] ** 2 * (
                 ((excess @ shared) * shared).sum(axis=(0, 1)) + np.tensordot(alone, apart, 2)
             )
-        return np.asarray(slope * self._log_rate(z) - z)
+        # Derivative of the logarithm of each scale to its coordinate: normal density over half-t density.
+        ratio = self._ratio(z)
+        return np.asarray(slope * 0.5 * stats.norm.pdf(z) / stats.t.pdf(ratio, self.freedom) / ratio - z)
 
     def covariance_of(self, z: np.ndarray, rows: np.ndarray) -> np.ndarray:
         own = self.scales(z)[: self.shared.shape[1]] ** 2
@@ -148,13 +152,6 @@ class MixedModel:
         from scipy import special
 
         return np.asarray(-special.stdtrit(self.freedom, 0.5 * special.ndtr(-np.maximum(z, NO_SCALE))))
-
-    def _log_rate(self, z: np.ndarray) -> np.ndarray:
-        """Derivative of the logarithm of each scale to its coordinate: normal density over half-t density."""
-        from scipy import stats
-
-        ratio = self._ratio(z)
-        return np.asarray(0.5 * stats.norm.pdf(z) / stats.t.pdf(ratio, self.freedom) / ratio)
 
 
 def _root(own: np.ndarray, shared: np.ndarray, apart: np.ndarray, noise: np.ndarray) -> np.ndarray:
