@@ -22,6 +22,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("learn")
     mistaken().save(folder / "ship.toml")
     nw.ShipLog(tuple(records()[:2])).to_csv(folder / "zigzags.csv")
+    nw.ShipLog(tuple(cut(record) for record in records()[:2])).to_csv(folder / "gaps.csv")
     t = np.arange(0.0, 900.0, 2.0)
     speed = 7.0 + 0.0 * t
     told = {"x": 7.0 * t, "y": 0 * t, "psi": 0 * t, "r": 0 * t, "u": speed, "rudder": 0 * t}
@@ -57,7 +58,7 @@ def test_a_log_makes_a_model_and_a_page(cli, folder: Path) -> None:
 def test_what_is_printed_as_json_keeps_to_the_schema(cli, folder: Path) -> None:
     free = "N_v,N_r"
     code, out, err = cli(
-        "learn", folder / "ship.toml", folder / "zigzags.csv", *BASIN, "--free", free, "--json", "--unchecked"
+        "learn", folder / "ship.toml", folder / "gaps.csv", *BASIN, "--free", free, "--json", "--unchecked"
     )
     assert code == 0, err
     told = json.loads(out)
@@ -65,14 +66,12 @@ def test_what_is_printed_as_json_keeps_to_the_schema(cli, folder: Path) -> None:
     moved = [c["name"] for c in told["log"]["coefficients"] if c["value"] != c["prior"]]
     assert moved == free.split(",")
     assert f"Only {', '.join(moved)} may change" in out
+    assert not any("doubtful" in note for note in told["log"]["notes"])
 
 
 def test_what_is_doubtful_in_a_log_is_among_the_notes_of_what_it_taught(cli, folder: Path) -> None:
-    log = nw.ShipLog(tuple(cut(record) for record in records()[:2]))
-    log.to_csv(folder / "gaps.csv")
-    words = ("learn", folder / "ship.toml", folder / "gaps.csv", *BASIN, "--free", "N_r", "--json")
-    assert any(note.startswith("gaps (doubtful)") for note in json.loads(cli(*words)[1])["log"]["notes"])
-    assert not any("doubtful" in note for note in json.loads(cli(*words, "--unchecked")[1])["log"]["notes"])
+    out = cli("learn", folder / "ship.toml", folder / "gaps.csv", *BASIN, "--free", "N_r", "--json")[1]
+    assert any(note.startswith("gaps (doubtful)") for note in json.loads(out)["log"]["notes"])
 
 
 def test_a_log_that_does_not_tell_is_exit_1(cli, folder: Path) -> None:
@@ -88,7 +87,7 @@ def test_a_log_that_does_not_tell_is_exit_1(cli, folder: Path) -> None:
         (["{ship}"], "logs after the model"), (["{ship}", "{log}", "--demo"], "exactly one of"),
         (["--demo", "--steady", "x.csv"], "exactly one of"), (["{ship}", "{gone}"], "no such file"),
         (["{ship}", "{log}"], "--spread 0.1"), (["{ship}", "{log}", "{log}"], "is given twice"),
-        (["{ship}", "{log}", "--spread", "0.1", "--free", "N_vv,N_w"], "did you mean"),
+        (["{ship}", "{log}", "--spread", "0.1", "--free", "N_vv,N_w", "--unchecked"], "did you mean"),
         (["{ship}", "{log}", "--spread", "0.1", "--sensors", "gps"], "rtk or vdr or ais or basin"),
         (["{ship}", "{log}", "--waterway", "{gone}"], "gone.csv"), (["{ship}", "{empty}"], "has no signal of a ship"),
         (["{ship}", "{silent}", "--spread", "0.1"], "has no rudder angle"),
