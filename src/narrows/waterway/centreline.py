@@ -227,6 +227,7 @@ class Centreline:
 def line_with_room(points: np.ndarray, half_width: float) -> Centreline:
     """Return the line through points, or if it bends inside its banks, as a track does, the nearest that does not."""
     from scipy.interpolate import splev, splprep
+    from scipy.spatial import KDTree
 
     line, most = Centreline(points), 1.0
     for share in SMOOTHING if len(points) > 3 else ():
@@ -242,14 +243,8 @@ def line_with_room(points: np.ndarray, half_width: float) -> Centreline:
         spline: Any = splprep(points.T, u=s, s=len(points) * (share * half_width) ** 2)[0]
         places = np.linspace(0, s[-1], max(3, round(s[-1] / half_width)) + 1)
         line = Centreline(np.transpose(splev(places, spline)))
-    _check_apart(line, 2 * half_width)
-    return line
-
-
-def _check_apart(line: Centreline, width: float) -> None:
-    """Raise if a line crosses itself, closes, or returns within a width, so that its banks would overlap."""
-    from scipy.spatial import KDTree
-
+    # Banks overlap where the line crosses itself, closes, or returns within a width.
+    width = 2 * half_width
     s = np.linspace(0, line.length, round(4 * line.length / width) + 2)
     pairs = KDTree(line.at(s)).query_pairs(0.99 * width, output_type="ndarray")
     far = pairs[np.abs(np.diff(s[pairs], axis=1))[:, 0] > 2 * width]
@@ -259,6 +254,7 @@ def _check_apart(line: Centreline, width: float) -> None:
             f"the centreline comes back to itself: its places at {first:.0f} and {second:.0f} m lie within its width; "
             f"end it at {second - width / 2:.0f} m, and give the rest as another waterway"
         )
+    return line
 
 
 def chords(points: np.ndarray) -> np.ndarray:

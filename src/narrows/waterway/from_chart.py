@@ -46,7 +46,12 @@ def waterway_from_chart(chart: Chart, centreline: np.ndarray, reach: float = REA
         raise InputError(f"{chart.name}: the chart has no banks; is it the right cell?")
     origin = origin_of(centreline)
     line = Centreline(projected(centreline, origin))
-    points, gaps = _shores([projected(bank, origin) for bank in chart.banks], line, reach)
+    # The banks within reach, split where they cross, end to end; the gaps are pieces between points of no bank.
+    near = shapely.buffer(shapely.LineString(line.at(line.fine)), 1.1 * reach)
+    drawn = shapely.union_all([shapely.LineString(projected(bank, origin)) for bank in chart.banks])
+    parts = shapely.get_parts(shapely.intersection(drawn, near))
+    shores = [np.array(part.coords) for part in parts if part.geom_type == "LineString"]
+    points, gaps = np.concatenate([*shores, np.empty((0, 2))]), np.cumsum([len(shore) for shore in shores])[:-1] - 1
     starboard, port = (_bank(side, line, points, gaps, reach, chart.name) for side in ("starboard", "port"))
     areas = [(shapely.transform(area, partial(projected, origin=origin)), least) for area, least in chart.areas]
     depths = _depths(areas, line)
@@ -80,17 +85,6 @@ def _sides(ring: Any, centreline: np.ndarray) -> list[np.ndarray]:
     kept = edges[~shapely.dwithin(edges, shapely.LineString(centreline), TOUCHING)]
     merged = shapely.get_parts(shapely.line_merge(shapely.multilinestrings(kept)))
     return [np.array(part.coords) for part in merged]
-
-
-def _shores(banks: list[np.ndarray], line: Centreline, reach: float) -> tuple[np.ndarray, np.ndarray]:
-    """Banks within reach, split where they cross, end to end; and which pieces between points belong to no bank."""
-    import shapely
-
-    near = shapely.buffer(shapely.LineString(line.at(line.fine)), 1.1 * reach)
-    shores = shapely.intersection(shapely.union_all([shapely.LineString(bank) for bank in banks]), near)
-    lines = [np.array(part.coords) for part in shapely.get_parts(shores) if part.geom_type == "LineString"]
-    ends = np.cumsum([len(points) for points in lines])
-    return np.concatenate([*lines, np.empty((0, 2))]), ends[:-1] - 1
 
 
 def _bank(side: str, line: Centreline, points: np.ndarray, gaps: np.ndarray, reach: float, name: str) -> Bank:

@@ -264,10 +264,12 @@ def read_features(path: Path) -> list[Feature]:
     features = document.get("features")
     if not isinstance(features, list) or not all(isinstance(feature, Mapping) for feature in features):
         raise InputError(f"{path}: its features are no list of GeoJSON features; give three LineStrings")
-    found = [
-        Feature(*(_object(feature, name, f"{path}: feature {number}") for name in ("properties", "geometry")))
-        for number, feature in enumerate(features)
-    ]
+    found = []
+    for number, feature in enumerate(features):
+        for name in ("properties", "geometry"):
+            if (value := feature.get(name)) is not None and not isinstance(value, Mapping):
+                raise InputError(f"{path}: feature {number}: its {name} are {shown(value)}, no object; mend them")
+        found.append(Feature(feature.get("properties") or {}, feature.get("geometry") or {}))
     if crs and found:
         turned = into_degrees(crs, str(path))
         found = [Feature(one.properties, turned(one.geometry)) for one in found]
@@ -377,10 +379,3 @@ def metres(value: Any) -> float | None:
         bare = value.strip().removesuffix("m").removesuffix("ft").removesuffix("feet")
         return number(float(bare) * (FOOT if value.strip().endswith(("ft", "feet")) else 1.0))
     return None
-
-
-def _object(feature: Mapping[str, Any], name: str, owner: str) -> Mapping[str, Any]:
-    value = feature.get(name)
-    if value is not None and not isinstance(value, Mapping):
-        raise InputError(f"{owner}: its {name} are {shown(value)}, no object; mend them")
-    return value or {}
