@@ -11,6 +11,7 @@ import click
 
 import narrows as nw
 from narrows.cli.options import (
+    SHIP_FILE,
     Argument,
     AsJson,
     Delivery,
@@ -142,9 +143,7 @@ def explain(
     table: Table,
     selection: SelectionOptions,
     delivery: ReportDelivery,
-    ship: Annotated[
-        Path | None, Option("--ship", help="Ship file of the tests; the model's own ship unless given.")
-    ] = None,
+    ship: Annotated[Path | None, "Ship file of the tests; the model's own ship unless given."] = None,
     compare: Annotated[Words, "Tables of terms to compare, a,b,c; all unless given."] = "",
 ) -> None:
     """Evaluate a model on any table of tests.
@@ -240,9 +239,7 @@ class AimOptions:
 
 @verb("narrows plan ship.toml --runs 12 --speed 0.6m/s,0.9m/s -o runs.csv")
 def plan(
-    ship: Annotated[
-        Path, Argument(help="Ship file (TOML): [ship] length, beam, draft, block_coefficient; [canal] width.")
-    ],
+    ship: Annotated[Path, Argument(help=SHIP_FILE)],
     runs: RunOptions,
     aim: AimOptions,
     selection: SelectionOptions,

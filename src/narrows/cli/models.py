@@ -61,9 +61,7 @@ def export(
     water: WaterOptions,
     fmi: Annotated[int, "FMI version of an FMU: 2 or 3."] = 2,
     hold: Annotated[float | None, "Offset [m] held by a helm in the file."] = None,
-    helm_speed: Annotated[
-        Speed | None, "Design speed of the helm: 4m/s, 8kn; default: one that suits the ship."
-    ] = None,
+    helm_speed: Annotated[Speed, "Design speed of the helm: 4m/s, 8kn; default: one that suits the ship."] = None,
     json: AsJson = False,
 ) -> None:
     """Export a model: C, C++, JavaScript, MATLAB, FMU and more.

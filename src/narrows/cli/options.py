@@ -163,10 +163,8 @@ def print_json(value: object) -> None:
 
 Table = Annotated[Path, Argument(help="Captive tests: CSV in any dialect, Parquet, Excel, .mat.")]
 
-ShipFile = Annotated[
-    Path,
-    Option("--ship", help="Ship file (TOML): [ship] length, beam, draft, block_coefficient; [canal] width."),
-]
+SHIP_FILE = "Ship file (TOML): [ship] length, beam, draft, block_coefficient; [canal] width."
+ShipFile = Annotated[Path, SHIP_FILE]
 ModelFile = Annotated[str, Argument(help="Model file, or the name of a published model.")]
 
 WaterwayFile = Annotated[
