@@ -59,7 +59,8 @@ def accept_aliases(function: Function) -> Function:
         return ours in parameters or (bool(more) and (more != "positions" or ours == "rudder"))
 
     def names_own(row: str) -> bool:
-        return set(re.findall(r"\b(\w+)=", row)) <= parameters.keys()
+        named = set(re.findall(r"\b(\w+)=", row))
+        return named <= parameters.keys() | (aliases("arguments").keys() if more else set())
 
     @wraps(function)
     def called(*values: Any, **given: Any) -> Any:
@@ -72,9 +73,7 @@ def accept_aliases(function: Function) -> Function:
                 given[ours] = given.pop(name)
             elif ours:
                 raise InputError(f"{name} and {ours} are one argument; give {ours}")
-            elif meant := name_here(name, "other_arguments", names_own) or (
-                name_here(name, "other_arguments") if more else None
-            ):
+            elif meant := name_here(name, "other_arguments", names_own):
                 raise InputError(f"{own} has no argument {name!r}; write {meant}")
         if has_model and values:
             values = (_model_of(values[0]), *values[1:])

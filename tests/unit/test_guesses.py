@@ -271,6 +271,26 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     'nw.export_c(model, "c", path)': (lambda: nw.export.write(DTC, "c", "dtc.h"), "no export 'dtc.h'; give the model"),
     "nw.load_ship(name)": (lambda: nw.load_ship("kcs"), "nw.published has the package's ships"),  # type: ignore[attr-defined]
+    "nw.simulate(heading_deg=)": (lambda: nw.simulate(DTC, heading_deg=2.0), "write psi=..., in radians"),
+    "nw.simulate(n_steps=)": (lambda: nw.simulate(DTC, n_steps=100), "write at=..., the times"),
+    "nw.straight_waterway(width=)": (
+        lambda: nw.straight_waterway(width=300.0, depth=16.0, length=5000.0),  # type: ignore[call-arg]
+        r"write canal=nw.Canal\(width, depth\)",
+    ),
+    "nw.safe_envelope(wind=)": (lambda: nw.safe_envelope(KCS, wind=10.0), r"write disturbance=nw.Disturbance\("),  # type: ignore[call-arg]
+    "nw.regulator(Q=)": (
+        lambda: nw.control.regulator(KCS, 0.0, 4.0, Q=1.0),
+        "write weights=nw.control.RegulatorWeights",
+    ),
+    "Estimator(P0=)": (
+        lambda: nw.estimation.Estimator(KCS, [nw.estimation.Gnss()], P0=1.0),  # type: ignore[call-arg]
+        "write prior=nw.estimation.Prior",
+    ),
+    "nw.read_captive(sep=)": (
+        lambda: nw.read_captive("tests.csv", sep=";"),
+        "decimal commas and encoding are detected",
+    ),  # type: ignore[call-arg]
+    "nw.identify(bounds=)": (lambda: nw.identify(short_twin(), bounds={}), "write terms=..., a nw.TermTable"),  # type: ignore[call-arg]
     "nw.ExtendedKalmanFilter": (lambda: nw.ExtendedKalmanFilter, "write estimation.Estimator"),  # type: ignore[attr-defined]
 }
 """Those that do not, and what they are told."""
@@ -400,6 +420,14 @@ nw.export_model(pub, "dtc.h"); nw.to_python(pub, outfile="dtc.py"); nw.write_mod
 nw.html_report({"C": fit}, "fit.html")
 assert nw.Waterway.from_geojson is nw.read_waterway and nw.doe is nw.plan_tests
 assert nw.linearization is nw.control.linearize
+same = nw.simulate(model=pub, y=0.5, Y_ext=0.0, N_ext=0.0, V=1.0, duration=1.0)
+assert same == nw.simulate(vessel=pub, y=0.5, u=1.0, tf=1.0)
+assert nw.wind_force(wind_speed=10.0, windage=5.0, Cd=0.9) == nw.wind_force(10.0, 5.0, 0.9)
+assert nw.squat(kcs, V=4.0, where="bow") == nw.squat(kcs, 4.0, "bow") and nw.GPS(1.0, delay=0.5).late == 0.5
+env = nw.safe_envelope(kcs, ys=[0.0], speeds=[4.0], ukc=1.0, rudder_reserve=0.2, verbose=False)
+assert env.data.attrs["reserve"] == 0.2
+nw.to_c(pub, "dtc.h", language="c"); assert nw.load(name="mikkelsen2025_dtc") == pub
+assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""
 LATER_MISSED = {
