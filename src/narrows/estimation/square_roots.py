@@ -11,11 +11,13 @@ import numpy as np
 def sigma_points(mean: np.ndarray, root: np.ndarray, distance: float, pairs: int) -> np.ndarray:
     """Return the points, (1 + 2 pairs, n): the mean, then one point on either side of it along each column."""
     # mean (n,); root (n, k), further pairs are at the mean
+    # Number by number, here and below: Numba takes seconds to compile a slice that is set and a sum along an axis.
     points = np.empty((1 + 2 * pairs, len(mean)))
-    points[:] = mean
-    step = distance * root.T
-    points[1 : 1 + len(step)] += step
-    points[1 + pairs : 1 + pairs + len(step)] -= step
+    for i in range(len(mean)):
+        points[:, i] = mean[i]
+        for k in range(root.shape[1]):
+            points[1 + k, i] += distance * root[i, k]
+            points[1 + pairs + k, i] -= distance * root[i, k]
     return points
 
 
@@ -29,7 +31,9 @@ def transform(
     pairs, half = len(values) // 2, 0.5 / distance
     ahead, back = values[1 : 1 + pairs], values[1 + pairs :]
     bends = ahead + back - 2.0 * values[0]
-    total = bends.sum(axis=0)
+    total = np.zeros(values.shape[1])
+    for bent in bends:
+        total += bent
     rows = np.concatenate(((ahead - back) * half, (bends + bend * total) * half, noise))
     return values[0] + weight * total, rows
 
@@ -40,7 +44,9 @@ def triangular_root(rows: np.ndarray) -> np.ndarray:
     if np.isfinite(rows).all():
         factor = np.linalg.qr(rows)[1]
         root[:] = 0.0
-        root[:, : len(factor)] = factor.T
+        for i in range(len(factor)):
+            for j in range(i, len(root)):
+                root[j, i] = factor[i, j]
     return root
 
 
@@ -58,7 +64,11 @@ def whiten(values: np.ndarray, root: np.ndarray) -> np.ndarray:
     """Return values (n, m) over a triangular root (m, m): their components in independent standard deviations."""
     white = np.empty_like(values)
     for i in range(len(root)):
-        white[:, i] = (values[:, i] - (white[:, :i] * root[i, :i]).sum(axis=1)) / root[i, i]
+        for k in range(len(values)):
+            explained = 0.0
+            for j in range(i):
+                explained += white[k, j] * root[i, j]
+            white[k, i] = (values[k, i] - explained) / root[i, i]
     return white
 
 
@@ -98,7 +108,9 @@ def update(
     white = whiten(stacked, factor)
     gain = white[:size].T @ root.T
     after = -(white[:-1] @ gain)
-    after[:size] += root.T
+    for i in range(size):
+        for j in range(len(root)):
+            after[i, j] += root[j, i]
     likelihood -= 0.5 * (white[-1] ** 2).sum()
     return mean + white[-1] @ gain, triangular_root(after), whitened, tests, agree, likelihood
 
