@@ -23,7 +23,7 @@ import narrows as nw
 from logs import motion, sentence
 from narrows.readers.nmea.nmea_decoder import AisFragments, Entry, NmeaDecoder
 from narrows.readers.nmea.nmea_sentences import DecodedMessage, Sentence, sentences
-from narrows.warning.inputs.bridge_readings import NOT_HERE, BridgeReadings, Messages, Replay, Tick, by_second, in_order
+from narrows.warning.inputs.bridge_readings import NOT_HERE, BridgeReadings, Messages, Tick, by_second, in_order, replay
 from narrows.warning.inputs.listening import (
     NO_PEER,
     OTHER_VESSEL,
@@ -390,7 +390,7 @@ def test_late_shuffled_and_repeated_lines_are_as_the_clean_recording(tmp_path: P
     lines, chance = stamped(80), random.Random(3)
     late = sorted(lines * 10, key=lambda line: int(line[3:13]) + chance.uniform(0.0, 59.0))
     clean, shuffled = (
-        list(Replay(recorded(tmp_path / f"{name}.nmea", told)).ticks()) for name, told in (("a", lines), ("b", late))
+        list(replay(recorded(tmp_path / f"{name}.nmea", told))) for name, told in (("a", lines), ("b", late))
     )
     assert [tick.t for tick in clean] == [tick.t for tick in shuffled]
     assert [sorted(map(repr, tick.entries)) for tick in clean] == [sorted(map(repr, t.entries)) for t in shuffled]
@@ -405,7 +405,7 @@ def test_late_shuffled_and_repeated_lines_are_as_the_clean_recording(tmp_path: P
 
 def test_silence_is_heard_second_by_second(tmp_path: Path) -> None:
     path = recorded(tmp_path / "a.nmea", stamped(5) + stamped(5, 15) + stamped(2, 900))
-    ticks = list(Replay(path).ticks())
+    ticks = list(replay(path))
     assert [len(tick.entries) > 0 for tick in ticks[:20]] == [True] * 5 + [False] * 10 + [True] * 5
     assert len(ticks) == 22
     assert list(by_second([])) == []
@@ -413,5 +413,5 @@ def test_silence_is_heard_second_by_second(tmp_path: Path) -> None:
 
 def test_a_replay_keeps_the_pace_that_is_asked_for(tmp_path: Path) -> None:
     path, start = recorded(tmp_path / "a.nmea", stamped(6)), time.monotonic()
-    assert len(list(Replay(path, speed=20.0).ticks())) == 6
+    assert len(list(replay(path, speed=20.0))) == 6
     assert 0.25 <= time.monotonic() - start < 2.0

@@ -113,11 +113,11 @@ def test_the_demonstration_warns_before_the_ship_is_near(tmp_path: Path, cli) ->
 
 
 def test_a_recording_of_the_demonstration_can_be_replayed(tmp_path: Path) -> None:
-    from narrows.warning.inputs.bridge_readings import Replay
+    from narrows.warning.inputs.bridge_readings import replay
 
     shown = demonstration()
     (tmp_path / "bridge.nmea").write_bytes(shown.recording())
-    again = list(Replay(tmp_path / "bridge.nmea").ticks())
+    again = list(replay(tmp_path / "bridge.nmea"))
     told = list(shown.ticks())
     # A voyage may end within a second; the recording has whole seconds.
     assert [one.t for one in again] == sorted({float(round(one.t)) for one in told})

@@ -105,7 +105,10 @@ def monitor(
         transit = _watched(monitored, ticks, senders, shown, delivery.json)
     if inputs.replay and not len(transit.columns["t"]):
         raise InputError(f"{inputs.replay}: it has no valid sentence; give a recording of NMEA 0183")
-    _deliver(transit, delivery)
+    from narrows.report.transit_report import write_transit_report
+
+    delivery.write(transit.save, report=lambda path: write_transit_report(transit, path))
+    delivery.show(transit.to_dict, lambda: click.echo("\n".join([transit.summary(), *transit.notes])))
     raise SystemExit(int(not inputs.listen and transit.level.words not in ("none", "caution")))
 
 
@@ -162,11 +165,11 @@ def _score(inputs: InputOptions, model: str, waterway: Path | None, y: float, de
 
 
 def _replayed(path: Path, pace: float, mmsi: int | None) -> Iterator["Tick"]:
-    from narrows.warning.inputs.bridge_readings import Replay
+    from narrows.warning.inputs.bridge_readings import replay
 
     if not path.is_file():
         raise InputError(f"{path}: there is no such file; check the path")
-    return Replay(path, pace, mmsi).ticks()
+    return replay(path, pace, mmsi)
 
 
 def _demonstrated(
@@ -222,13 +225,6 @@ def _say(number: int, status: "BridgeStatus") -> None:
         click.secho(bell + said, fg=COLOURS.get(alert.priority.words), bold=alert.sounds)
     if number % SAID_EVERY == 0:
         click.echo(f"{number:6d} s  {status.line()}")
-
-
-def _deliver(transit: "WatchedTransit", delivery: ReportDelivery) -> None:
-    from narrows.report.transit_report import write_transit_report
-
-    delivery.write(transit.save, report=lambda path: write_transit_report(transit, path))
-    delivery.show(transit.to_dict, lambda: click.echo("\n".join([transit.summary(), *transit.notes])))
 
 
 SIGNAL_K = ("ws://", "wss://")

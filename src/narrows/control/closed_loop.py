@@ -284,7 +284,7 @@ class LawOrders:
     def __post_init__(self) -> None:
         self._ahead = water_ahead(self.model, self.waterway)
         self._known = {**SimulatedShip(self.model).values(), **self.law.parameters(), "dt": self.dt}
-        self._known |= {"water": self._water}
+        self._known |= {"water": lambda name, x: self._along(WATER[f"{WATER_PREFIX}{name}"], x)}
 
     def __call__(self, t: float, state: VoyageState) -> float:
         return float(self.orders(t, state._asdict())["rudder"])
@@ -298,9 +298,6 @@ class LawOrders:
         except AttributeError as lacking:
             raise InputError(f"the {type(self.law).__name__} needs an unknown ({lacking}); take another") from None
         return orders
-
-    def _water(self, name: str, x: Any) -> Any:
-        return self._along(WATER[f"{WATER_PREFIX}{name}"], x)
 
     def _along(self, column: str, x: Any) -> np.ndarray:
         return self._ahead.at(np.ravel(x))[column].reshape(np.shape(x))

@@ -84,7 +84,11 @@ def track_figure(track: EstimatedTrack, truth: np.ndarray | None = None) -> Figu
     first = int(truth is not None)
     figure, axes = panels(first + len(names), 1, 1.1 + 0.95 * (first + len(names)), sharex=True)
     if truth is not None:
-        _error(axes[0, 0], track, truth)
+        place, axis = track.states.index("y"), axes[0, 0]
+        wide = NORMAL_95 * track.std[:, place]
+        axis.fill_between(track.t, -wide, wide, color=BLUE, alpha=0.25, linewidth=0)
+        axis.plot(track.t, track.mean[:, place] - truth[:, place], color=BLUE)
+        axis.set_ylabel("error of y [m]", fontsize=8)
     for axis, name in zip(axes[first:, 0], names, strict=True):
         _state(axis, track, name, None if truth is None else truth[:, track.states.index(name)])
     for axis in axes[:, 0]:
@@ -115,7 +119,8 @@ def consistency_figure(result: Consistency) -> Figure:
 
 
 def model_figure(model: Model) -> Figure:
-    speed = _speed(model)
+    covered = model.data_range.speed  # Its middle, if the data give one
+    speed = float(np.mean(covered)) if covered else SPEED_OF_LENGTH * math.sqrt(9.81 * model.ship.length)
     figure, axes = panels(2, 1, 4.2, sharex=True)
     if model.has_bank:
         place = REACH * (model.configuration.canal.width - model.ship.beam) / 2 * np.linspace(-1, 1, POINTS)
@@ -195,14 +200,6 @@ def _state(axis: Axes, track: EstimatedTrack, name: str, truth: np.ndarray | Non
     axis.set_ylabel(f"{name.replace('_', chr(10))} [{unit}]", fontsize=8)
 
 
-def _error(axis: Axes, track: EstimatedTrack, truth: np.ndarray) -> None:
-    place = track.states.index("y")
-    wide = NORMAL_95 * track.std[:, place]
-    axis.fill_between(track.t, -wide, wide, color=BLUE, alpha=0.25, linewidth=0)
-    axis.plot(track.t, track.mean[:, place] - truth[:, place], color=BLUE)
-    axis.set_ylabel("error of y [m]", fontsize=8)
-
-
 def _mark(axis: Axes, track: EstimatedTrack) -> None:
     looks = ((track.refused, ORANGE, "", "refused"), (track.suspected, GREY, "///", "suspected"))
     for flags, colour, hatch, what in looks:
@@ -217,12 +214,6 @@ def _mark(axis: Axes, track: EstimatedTrack) -> None:
 REACH, DRIFT, POINTS = 0.9, 20.0, 181
 # Froude number of the figure's speed, if the data give none.
 SPEED_OF_LENGTH = 0.1
-
-
-def _speed(model: Model) -> float:
-    """Middle of the tested speed range [m/s]."""
-    covered = model.data_range.speed
-    return float(np.mean(covered)) if covered else SPEED_OF_LENGTH * float(np.sqrt(9.81 * model.ship.length))
 
 
 # The picture of each kind of result.

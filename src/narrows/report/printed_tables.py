@@ -2,7 +2,7 @@
 
 import math
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from string import Formatter
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -211,18 +211,16 @@ def waterway_summary(waterway: Waterway, draft: float = 0.0, more: tuple[str, ..
         "sharpest": dict(zip(("radius", "at", "over"), sharpest, strict=True)) if sharpest else None,
         "stations": _stations(waterway, draft),
     }
-    notes = [*_not_drawn(waterway), *(NO_DEPTH,) * (waterway.depths is None), *more]
-    return {**summary, "summary": _sentence(summary, waterway), "notes": notes}
-
-
-def _not_drawn(waterway: Waterway) -> Iterator[str]:
+    notes, length = list[str](), waterway.line.length
     for bank in (waterway.starboard, waterway.port):
-        first, last = (0.0, waterway.line.length) if bank.drawn is None else bank.drawn.corners[[0, -1]]
-        if first > NEGLIGIBLE * waterway.line.length or last < (1 - NEGLIGIBLE) * waterway.line.length:
-            yield (
+        first, last = (0.0, length) if bank.drawn is None else bank.drawn.corners[[0, -1]]
+        if first > NEGLIGIBLE * length or last < (1 - NEGLIGIBLE) * length:
+            notes.append(
                 f"The {bank.side} bank is drawn from {first:.0f} to {last:.0f} m along the centreline of "
-                f"{waterway.line.length:.0f} m; beyond, its distance is assumed constant."
+                f"{length:.0f} m; beyond, its distance is assumed constant."
             )
+    notes += [*(NO_DEPTH,) * (waterway.depths is None), *more]
+    return {**summary, "summary": _sentence(summary, waterway), "notes": notes}
 
 
 def _stations(waterway: Waterway, draft: float) -> list[dict[str, float]]:

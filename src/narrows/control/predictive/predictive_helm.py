@@ -93,7 +93,10 @@ class VoyageOrders:
     def _ordered(self, t: float, state: VoyageState) -> float:
         elapsed = t - self._seen.t if self._seen else 0.0
         expected = self._expected(state, elapsed)
-        seen = _without_gaps(t, state, expected)
+        # A gap in the readings is filled by what is expected.
+        sensed = np.array([state.x, state.u, state.y, state.psi, state.v, state.r, state.rudder], float)
+        whole = np.where(np.isfinite(sensed), sensed, [expected.x, expected.speed, *expected.state])
+        seen = Seen(t, float(whole[0]), float(whole[1]), whole[2:])
         if self._seen is not None and np.isfinite([state.v, state.r]).all():
             self._estimate(seen, expected, elapsed)
         if not math.isfinite(self._order):
@@ -251,9 +254,3 @@ class PredictiveHelm(BaseSummary):
         observer = ShipLanes(ship, MOTION, 2, self.waterway, pushed=True, endless=True)
         gear = self.model.configuration.gear
         return VoyageOrders(planner, course, observer, PUSH_LENGTHS * passing, self.seconds, gear)
-
-
-def _without_gaps(t: float, state: VoyageState, expected: Seen) -> Seen:
-    sensed = np.array([state.x, state.u, state.y, state.psi, state.v, state.r, state.rudder], float)
-    whole = np.where(np.isfinite(sensed), sensed, [expected.x, expected.speed, *expected.state])
-    return Seen(t, float(whole[0]), float(whole[1]), whole[2:])

@@ -132,18 +132,12 @@ class BridgeReadings:
         return True
 
 
-class Replay:
-    def __init__(self, path: Path, speed: float = math.inf, mmsi: int | None = None) -> None:
-        self.recording, self.speed = Recording(path, mmsi), speed
-
-    def ticks(self) -> Iterator[Tick]:
-        """Yield the messages second by second; times count from 1970 if the recording has dates."""
-        for tick in paced(by_second(in_order(self._entries())), self.speed):
-            yield tick._replace(faults=dict(self.recording.faults))
-
-    def _entries(self) -> Iterator[Entry]:
-        for entry in self.recording.entries():
-            yield entry._replace(t=entry.t + (self.recording.clock.begin or 0.0))
+def replay(path: Path, speed: float = math.inf, mmsi: int | None = None) -> Iterator[Tick]:
+    """Yield the messages of a recording second by second; times count from 1970 if it has dates."""
+    recording = Recording(path, mmsi)
+    entries = (entry._replace(t=entry.t + (recording.clock.begin or 0.0)) for entry in recording.entries())
+    for tick in paced(by_second(in_order(entries)), speed):
+        yield tick._replace(faults=dict(recording.faults))
 
 
 def in_order(entries: Iterable[Entry]) -> Iterator[Entry]:

@@ -88,7 +88,10 @@ class BridgeMonitor:
     def update(self, tick: Tick, since_1970: float) -> BridgeStatus:
         messages = self.bridge.convert(tick)
         self._began = tick.t if self._began is None else self._began
-        estimate = self._estimated(messages)
+        actuators = self.estimator.filter.actuators
+        known = {n: one for n, one in messages.readings.items() if n in (*self.estimator.filter.sensors, *actuators)}
+        self._positions |= {name: value for name, value in known.items() if name in actuators}  # type: ignore[misc]
+        estimate = self.estimator.update(messages.t, known)
         if estimate.ready:
             now = {name: np.array([value]) for name, value in estimate.values.items()}
             bend = self.waterway.line.curvature(min(max(estimate["x"], 0.0), self.waterway.line.length))
@@ -110,16 +113,6 @@ class BridgeMonitor:
         return BridgeStatus(
             tick.t, estimate, forecast, self.desk.alerts, tuple(changed), room, messages.faults, why, limits
         )
-
-    def _estimated(self, messages: Messages) -> Estimate:
-        actuators = self.estimator.filter.actuators
-        known = {
-            name: reading
-            for name, reading in messages.readings.items()
-            if name in self.estimator.filter.sensors or name in actuators
-        }
-        self._positions |= {name: value for name, value in known.items() if name in actuators}  # type: ignore[misc]
-        return self.estimator.update(messages.t, known)
 
     def _forecast(self, messages: Messages, estimate: Estimate) -> tuple[BankForecast | None, str]:
         """Return the forecast, or the reason why there is none."""
