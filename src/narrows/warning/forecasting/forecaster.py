@@ -111,7 +111,12 @@ class Forecaster:
         law, turns = helmsman.law(np.array([now["u"]])), positions.get(REVOLUTIONS)
         seen = self.judge(mean, root, rudder, law, helmsman.unattended, turns)
         best, limit = int(seen.best[0]), self.filter.model.configuration.gear.limit
-        tracks = self._tracks(mean, root, rudder, law, turns, best)
+        lanes, count = self._track_lanes, len(TIMES)
+        drawn, single = self._drawn.drawn(mean, root), self._drawn.likely(mean)
+        lanes([self.samples(drawn, rudder, law, FAN_MEMBERS), self.samples(single, rudder, law, 1)], turns)
+        fan, ends = lanes.poses()
+        first = count * (1 + best)
+        tracks = Tracks(TIMES, fan.swapaxes(0, 1), ends[:count, 0], ends[first : first + count, 0])
         needed = rudder_needed(self.filter.ship, self.filter.waterway, now, positions)
         escape = Escape(self.manoeuvres[best].words, self.order(now), limit, self._least_water(tracks.escape))
         side = "starboard" if seen.side[0] > 0 else "port" if seen.side[0] < 0 else ""
@@ -144,16 +149,6 @@ class Forecaster:
         turn = (now["r"] - water.curvature * now["u"]) * numbers["by_r"] / max(now["u"], 0.1)
         crab = now.get(CURRENT_ACROSS, 0.0) / max(now["u"], 0.1)
         return float(np.clip(-numbers["by_psi"] * (now["psi"] + crab - course) - turn, -limit, limit))
-
-    def _tracks(
-        self, mean: np.ndarray, root: np.ndarray, rudder: np.ndarray, law: Any, turns: float | None, best: int
-    ) -> Tracks:
-        drawn, likely = self._drawn.drawn(mean, root), self._drawn.likely(mean)
-        lanes, count = self._track_lanes, len(TIMES)
-        lanes([self.samples(drawn, rudder, law, FAN_MEMBERS), self.samples(likely, rudder, law, 1)], turns)
-        fan, single = lanes.poses()
-        first = count * (1 + best)
-        return Tracks(TIMES, fan.swapaxes(0, 1), single[:count, 0], single[first : first + count, 0])
 
     def _least_water(self, track: np.ndarray) -> float:
         """Least water beside the hull on a track [m]; none left where it ends in a bank."""

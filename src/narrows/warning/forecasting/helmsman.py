@@ -253,7 +253,13 @@ class FutureLanes:
         for lanes, block, own in zip(self._parts(), self.blocks, ships, strict=True):
             self._load(lanes, block, own, revolutions)
         self._prepared()
-        return self._ends()
+        codes, time = self._prepared.codes, self._prepared.time
+        contact = np.where(np.isin(codes[:, 0], MEETS), time, np.inf)
+        ends = []
+        for lanes, block in zip(self._parts(), self.blocks, strict=True):
+            shape = len(block.cases), block.ships
+            ends.append(Outcomes(contact[lanes].reshape(shape), codes[lanes, 1].reshape(shape)))
+        return ends
 
     def _parts(self) -> list[slice]:
         stops = np.cumsum([block.lanes for block in self.blocks]).tolist()
@@ -314,12 +320,3 @@ class FutureLanes:
         poses = np.stack([end[:, kept["x"]], end[:, kept["y"]], psi], axis=1)
         parts = zip(self._parts(), self.blocks, strict=True)
         return [poses[lanes].reshape(len(block.cases), block.ships, 3) for lanes, block in parts]
-
-    def _ends(self) -> list[Outcomes]:
-        codes, time = self._prepared.codes, self._prepared.time
-        contact = np.where(np.isin(codes[:, 0], MEETS), time, np.inf)
-        ends = []
-        for lanes, block in zip(self._parts(), self.blocks, strict=True):
-            shape = len(block.cases), block.ships
-            ends.append(Outcomes(contact[lanes].reshape(shape), codes[lanes, 1].reshape(shape)))
-        return ends

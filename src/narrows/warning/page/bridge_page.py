@@ -160,23 +160,17 @@ def refusal(known: str, token: str, host: str, origin: str | None = None) -> str
 Answer = Callable[[str], None]
 
 
-class Stream(NamedTuple):
-    clients: Clients  # Who receive updates
-    take: Callable[[str, Answer], None]  # Receives a command of a client, and answers it
-
-
 class BridgePage:
     def __init__(self, token: str = "") -> None:
         self.token = token or secrets.token_urlsafe(TOKEN_BYTES)
         self.updates, self.notices, self.requests = Clients(settings.OLDEST_UPDATE), Clients(), PageRequests()
         self._noticed: list[Any] = []
-        # Clients of Signal K only listen here.
-        notices = Stream(self.notices, lambda text, answer: None)
 
         def take(text: str, answer: Answer) -> None:
             self.requests.take(text, lambda why: answer(packed({"kind": "refused", "sentence": why})))
 
-        self._streams = {UPDATES: Stream(self.updates, take), SIGNAL_K: notices}
+        # Who receive updates, and what receives their commands and answers; clients of Signal K only listen here.
+        self._streams = {UPDATES: (self.updates, take), SIGNAL_K: (self.notices, lambda text, answer: None)}
         folder = files(__package__).joinpath("assets")
         self._texts = {f"/assets/{path.name}": path.read_text(encoding="utf-8") for path in folder.iterdir()}
         self._texts |= {f"/assets/{name}": asset(name) for name in SHARED}
@@ -236,19 +230,19 @@ class BridgePage:
             return _response(connection, FORBIDDEN, why)
         if asked.path == "/":
             return _response(connection, 200, self._index, ".html")
-        return _response(connection, TOO_MANY, CROWDED) if self._streams[asked.path].clients.full else None
+        return _response(connection, TOO_MANY, CROWDED) if self._streams[asked.path][0].full else None
 
     async def _attend(self, connection: Any) -> None:
-        stream = self._streams[urlsplit(connection.request.path).path]
+        clients, take = self._streams[urlsplit(connection.request.path).path]
         answers = deque[str](maxlen=settings.ANSWER_QUEUE)
 
         async def hear() -> None:
             async for text in connection:
-                stream.take(text, answers.append)
+                take(text, answers.append)
                 # Who talks without pause waits: the monitor needs the machine.
                 await asyncio.sleep(settings.SEND_INTERVAL)
 
-        tasks = [asyncio.create_task(work) for work in (stream.clients.serve(answers, connection.send), hear())]
+        tasks = [asyncio.create_task(work) for work in (clients.serve(answers, connection.send), hear())]
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         for task in tasks:
             task.cancel()
