@@ -124,9 +124,9 @@ def _rest(t: np.ndarray, column: np.ndarray, frequency: float, harmonics: int) -
 def _harmonics(t: np.ndarray, column: np.ndarray, frequency: float, typical: float) -> tuple[np.ndarray, float] | None:
     """Cosines and sines of a velocity above their noise, and the missing acceleration."""
     # None if they do not explain it.
-    parts, rest = (
-        _rest(t, column, frequency, settings.HARMONICS) if frequency else (np.zeros(1), column - column.mean())
-    )
+    parts, rest = np.zeros(1), column - column.mean()
+    if frequency:
+        parts, rest = _rest(t, column, frequency, settings.HARMONICS)
     error = float(rest.std())
     memory = float(rest[1:] @ rest[:-1]) / max(float(rest @ rest), 1e-300)
     if error > settings.SMALL_REST * max(float(column.std()), typical) and memory > settings.WHITE:
@@ -142,9 +142,8 @@ def _harmonics(t: np.ndarray, column: np.ndarray, frequency: float, typical: flo
 
 def _small(columns: Mapping[str, np.ndarray], velocity: str, length: float) -> float:
     """Tolerance of a measured acceleration: a share of its size in the table."""
-    least = (
-        settings.LEAST_ACCELERATION * float(np.mean(columns["u"] ** 2)) / length / (length if velocity == "r" else 1.0)
-    )
+    arm = length**2 if velocity == "r" else length
+    least = settings.LEAST_ACCELERATION * float(np.mean(columns["u"] ** 2)) / arm
     return settings.ACCELERATION_TOLERANCE * max(float(np.sqrt(np.mean(columns[RATES[velocity]] ** 2))), least)
 
 
@@ -175,11 +174,8 @@ def _strays(
 def _sentence(rate: str, names: tuple[str, ...], stray: np.ndarray, choice: str) -> str:
     far = np.flatnonzero(stray > settings.ACCELERATION_TOLERANCE)
     others = f" and {len(far) - 1} more" if len(far) > 1 else ""
-    done = (
-        "used as measured, which biases their coefficients towards 0"
-        if choice == "measured"
-        else "taken from the motion"
-    )
+    biased = "used as measured, which biases their coefficients towards 0"
+    done = biased if choice == "measured" else "taken from the motion"
     return (
         f"Measured {rate} differs from the motion by {np.nanmax(stray):.0%} of its size in test "
         f"{names[int(np.nanargmax(stray))]}{others}: it is {done}."

@@ -44,9 +44,8 @@ def check_given(asked: Iterable[str], values: Container[str], headers: Headers, 
     if not missing:
         return
     movers = (*STANDARD, *actuators)
-    column = {word: actuator.name for actuator in movers for word in actuator.controls} | {
-        "cos_psi": "psi", "sin_psi": "psi",
-    }  # fmt: skip
+    column = {word: actuator.name for actuator in movers for word in actuator.controls}
+    column |= {"cos_psi": "psi", "sin_psi": "psi"}
     first, *more = dict.fromkeys(column.get(name, name) for name in missing)
     raise InputError(f"{_lacking(first, missing[0], headers, movers)}{_others(more, movers)}")
 
@@ -178,9 +177,7 @@ def begun(header: str) -> str:
         return name
     for known, name in _meanings("names").items():
         others = known.split()
-        begins = [
-            any(other.startswith(part) for other in others) or (len(part) > 3 and part in known) for part in parts
-        ]
+        begins = (any(it.startswith(part) for it in others) or (len(part) > 3 and part in known) for part in parts)
         if len(words) > 2 and all(begins):  # Compounds are written apart, too: "Geschw. längs".
             return name
     return ""

@@ -201,12 +201,9 @@ def _last_force(name: str, header: str, draft: Draft, frame: pd.DataFrame) -> Dr
         following = {other: _share_of_sway(floats(frame[other]), draft.columns["v"]) for other in left}
         if header == max(left, key=following.__getitem__):
             return DraftEntry(header, _unit_of(header) or "N", "", "of two forces, it follows v", False)
-    only = left == [header] and kind == [name]
-    return (
-        DraftEntry(header, _unit_of(header) or FORCES[name].unit, "", "it is the only column left", False)
-        if only
-        else None
-    )
+    if left != [header] or kind != [name]:
+        return None
+    return DraftEntry(header, _unit_of(header) or FORCES[name].unit, "", "it is the only column left", False)
 
 
 def _share_of_sway(force: np.ndarray, v: np.ndarray) -> float:

@@ -51,11 +51,8 @@ class Agreement(NamedTuple):
     @property
     def apart(self) -> np.ndarray:
         """Tests that contradict it, (tests,) of bool."""
-        far = (
-            (self.correlation < 0)
-            | (self.factor > settings.SLOPE_TOLERANCE)
-            | (self.factor < 1 / settings.SLOPE_TOLERANCE)
-        )
+        most = settings.SLOPE_TOLERANCE
+        far = (self.correlation < 0) | (self.factor > most) | (self.factor < 1 / most)
         return np.asarray(self.alike & far)
 
 
@@ -130,10 +127,9 @@ def rates_of(columns: Columns) -> dict[str, np.ndarray]:
 def _moves(motions: MotionColumns, name: str) -> bool:
     """Return whether a column varies by more than a carriage's vibration."""
     speed = float(np.abs(motions.columns.get("u", np.ones(1))).mean())
-    least = {"x": motions.length, "y": motions.length, "psi": 1.0, "u": speed, "v": speed, "r": speed / motions.length}[
-        name
-    ] * settings.SHAKE
-    return bool(np.std(motions.columns[name]) > least)
+    length = motions.length
+    sizes = {"x": length, "y": length, "psi": 1.0, "u": speed, "v": speed, "r": speed / length}
+    return bool(np.std(motions.columns[name]) > sizes[name] * settings.SHAKE)
 
 
 def _lapses(motions: MotionColumns, rates: Columns) -> np.ndarray:
@@ -182,17 +178,11 @@ def _agreement(column: np.ndarray, rate: np.ndarray, lapses: np.ndarray, starts:
     whose, change, expected = test[1:][whole], np.diff(column[edges])[whole], np.diff(way)[whole]
     cc, ee, ce = (np.bincount(whose, product, count) for product in (change**2, expected**2, change * expected))
     rows = np.bincount(whose, minlength=count)
-    enough = (rows >= settings.FEWEST_STRETCHES) & (
-        np.minimum(_strong(cc, rows), _strong(ee, rows)) > settings.FAINT_SHARE**2
-    )
+    mean = np.stack([cc, ee]) / np.maximum(rows, 1)  # Mean squares of each test
+    strong = (mean / np.maximum(mean.max(axis=1, keepdims=True), 1e-300)).min(axis=0)
+    enough = (rows >= settings.FEWEST_STRETCHES) & (strong > settings.FAINT_SHARE**2)
     with np.errstate(all="ignore"):
         return Agreement(np.where(enough, ce / np.sqrt(cc * ee), 0.0), np.where(enough, np.sqrt(cc / ee), 0.0))
-
-
-def _strong(squares: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """Mean square of each test relative to the largest."""
-    mean = squares / np.maximum(rows, 1)
-    return np.asarray(mean / max(mean.max(), 1e-300))
 
 
 def _disagreement(agreements: Mapping[str, Agreement], tests: list[str]) -> str:

@@ -73,12 +73,8 @@ class CoefficientEstimates:
                 slot = self.problem.slot[name]
                 if slot in part.rows.free_parameters and 0 < away < np.inf and not held:
                     needed = away / np.maximum(shifts[part.rows.free_parameters.index(slot)], 1e-300)
-                    sizes = [
-                        (effect, min(float(n * effect.usual), effect.linear))
-                        for effect, n in zip(part.effects, needed, strict=True)
-                        if effect.unit
-                    ]
-                    usual = [(effect, size) for effect, size in sizes if size < effect.most]
+                    pairs = [(e, min(float(n * e.usual), e.linear)) for e, n in zip(part.effects, needed, strict=True)]
+                    usual = [(effect, size) for effect, size in pairs if effect.unit and size < effect.most]
                     result[name] = sorted(usual, key=lambda one: one[1] / one[0].usual)
         return result
 

@@ -59,12 +59,10 @@ class DistinctMotions:
 
     @property
     def sentence(self) -> str:
-        tests = sum(map(len, self.members))
-        if tests == len(self):
+        tests, own = sum(map(len, self.members)), len(self)
+        if tests == own:
             return f"Errors are those of {tests} runs, each a motion of its own."
-        return (
-            f"Errors are those of {len(self)} distinct motions: {tests - len(self)} of the {tests} tests are repeats."
-        )
+        return f"Errors are those of {own} distinct motions: {tests - own} of the {tests} tests are repeats."
 
 
 def distinct_motions(equations: NormalEquations) -> DistinctMotions:

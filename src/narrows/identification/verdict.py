@@ -113,26 +113,13 @@ class Diagnostics:
 
 @dataclass(frozen=True)
 class Verdict:
-    """Verdict on a coefficient.
+    """Verdict on a coefficient."""
 
-    Parameters
-    ----------
-    status : str
-        ``identified``, ``imprecise``, ``not separable``, ``zero``, ``at bound``, ``not identifiable`` or
-        ``not excited``.
-    reasons : tuple of str
-        Why, each a clause.
-    partners : tuple of str
-        Coefficients from which the tests do not separate it.
-    tipping : tuple of str
-        Errors of a campaign that would bring the interval to 0, the least unusual first, each with its size.
-    limits : tuple of str
-        Errors of a campaign that move the estimate by its standard error, or are too large to be sure that they do not.
-    """
-
-    status: str
-    reasons: tuple[str, ...] = ()
-    partners: tuple[str, ...] = ()
+    status: str  # identified, imprecise, not separable, zero, at bound, not identifiable or not excited
+    reasons: tuple[str, ...] = ()  # Why, each a clause
+    partners: tuple[str, ...] = ()  # Coefficients from which the tests do not separate it
+    # Errors of a campaign that would bring the interval to 0, the least unusual first, each with its size; those that
+    # move the estimate by its standard error, or are too large to be sure that they do not
     tipping: tuple[str, ...] = ()
     limits: tuple[str, ...] = ()
 

@@ -174,9 +174,8 @@ def _with_deviation(model: Model, force: str, values: dict[str, Number]) -> tupl
             raise InputError(f"the bank terms of this model need {name}; give it")
     columns = [term.column(values) for term in terms]
     # Not by sum(), as in ``Model.bank_forces``.
-    total = reduce(
-        add, (model[term.name] * column for term, column in zip(terms, columns, strict=True)), 0.0 * values["y"]
-    )
+    parts = (model[term.name] * column for term, column in zip(terms, columns, strict=True))
+    total = reduce(add, parts, 0.0 * values["y"])
     if model.covariance is None:
         return total, total * np.nan
     places = [model.terms.names.index(term.name) for term in terms]

@@ -36,11 +36,11 @@ def water_under_way(values: Mapping[str, Number], speed: Number) -> WaterUnderWa
     sinkage = np.maximum(
         formulas.continuity(below, **section), formulas.tuck_midship(below, **ship, depth=values["depth"])
     )
-    deeper, other = formulas.deeper_end(ship["block_coefficient"]), formulas.other_end(ship["block_coefficient"])
+    deeper = formulas.deeper_end(ship["block_coefficient"])  # Of the other end it is 2 less that
     full, still = is_full(ship["block_coefficient"]), values["depth"] - values["draft"]
     found = (
         formulas.return_flow(below, **section), sinkage,
-        still - sinkage * np.where(full, deeper, other), still - sinkage * np.where(full, other, deeper),
+        still - sinkage * np.where(full, deeper, 2 - deeper), still - sinkage * np.where(full, 2 - deeper, deeper),
     )  # fmt: skip
     return WaterUnderWay(*(np.where(slow, one, np.nan) for one in found))
 

@@ -112,11 +112,6 @@ def deeper_end(block_coefficient: Number) -> Number:
     return 1 / (1 - 20 * clip(block_coefficient - TRIMLESS, 0.15) ** 2)  # Limited to tested ships
 
 
-def other_end(block_coefficient: Number) -> Number:
-    """Sinkage of the other end over the mean sinkage [1]. Source: as for ``deeper_end``."""
-    return 2 - deeper_end(block_coefficient)
-
-
 def speed_that_sinks(sinkage: Number, beam: Number, draft: Number, width: Number, depth: Number) -> Number:
     """Speed [m/s] of a mean sinkage [m] in a canal; ``BOUNDLESS`` if it chokes before. Source: Schijf (1949)."""
     past = 1 - blockage(beam, draft, width, depth) - sinkage / depth

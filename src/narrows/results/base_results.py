@@ -48,22 +48,10 @@ class Result(Protocol):
         """Return everything by name, as the verb's ``--json`` prints it; see the folder ``schemas``."""
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw it.
-
-        Parameters
-        ----------
-        ax : matplotlib Axes, optional
-            Axes to draw on; a new figure unless given.
-        """
+        """Draw it, on given axes or on a new figure."""
 
     def save(self, path: str | Path) -> None:
-        """Write it in the format of the suffix.
-
-        Parameters
-        ----------
-        path : str or Path
-            Output file.
-        """
+        """Write it in the format of the suffix."""
 
 
 def table_has(name: str) -> bool:
