@@ -127,10 +127,7 @@ def _row(name: str, model: Model) -> dict[str, object]:
     source = ESTIMATED_SHIPS[name].source if name in ESTIMATED_SHIPS else model.source.text
     return {
         "ship": ship.name,
-        "length": ship.length,
-        "beam": ship.beam,
-        "draft": ship.draft,
-        "block_coefficient": ship.block_coefficient,
+        **{size: getattr(ship, size) for size in ("length", "beam", "draft", "block_coefficient")},
         "rudder": any(term.kind is TermKind.RUDDER for term in terms.terms),
         "banks": model.has_bank,
         "measured": "nothing of this ship" if model.source.estimate else "captive tests",

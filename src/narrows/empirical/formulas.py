@@ -74,7 +74,6 @@ CLARKE = "Clarke, Gedling and Hine (1983)"
 ZHOU = "Zhou, Sheng and Feng (1983)"
 KIJIMA = "Kijima et al. (1990)"
 INOUE = "Inoue, Hirano and Kijima (1981)"
-LEE = "Lee and Shin (1998)"
 YOSHIMURA = "Yoshimura and Masumoto (2012)"
 SMITT = "Wagner Smitt (1971)"
 NORRBIN = "Norrbin (1971)"
@@ -114,11 +113,6 @@ def _clarke_mass(law: Callable[..., Number], hull: Hull) -> Number:
     return law(1.0, 1 / hull.length_to_beam, hull.slenderness, hull.block_coefficient, 2.0) / hull.slenderness
 
 
-def _clarke_turning_force(hull: Hull) -> Number:
-    slope = -0.5 + 2.2 / hull.length_to_beam - 0.080 * hull.beam_to_draft
-    return -_cross(hull) * slope + SURGE_SHARE * hull.mass
-
-
 def _aspect(hull: Hull) -> Number:
     return 2 * hull.slenderness
 
@@ -137,7 +131,10 @@ FORMULAS = (
     Formula("Y_v", INOUE, lambda hull: -(math.pi / 2 * _aspect(hull) + 1.4 * hull.fullness)),
     Formula("Y_v", SMITT, lambda hull: -1.59 * _cross(hull), ALONE),
     Formula("Y_v", NORRBIN, lambda hull: -_cross(hull) * (1.69 + 0.08 * _norrbin_fullness(hull)), ALONE),
-    Formula("Y_r", CLARKE, _clarke_turning_force, f"-0.080 B/T; +0.08 in one of four contradicts KVLCC2; {WITH_SURGE}"),
+    Formula("Y_r", CLARKE,
+            lambda hull: _cross(hull) * (0.5 - 2.2 / hull.length_to_beam + 0.080 * hull.beam_to_draft)
+            + SURGE_SHARE * hull.mass,
+            f"-0.080 B/T; +0.08 in one of four contradicts KVLCC2; {WITH_SURGE}"),
     Formula("Y_r", KIJIMA, lambda hull: 0.5 * hull.fullness + SURGE_SHARE * hull.mass,
             "m' + m_x' - 1.5 C_B B/L; as in Yoshimura and Masumoto (2012)"),
     Formula("Y_r", INOUE, lambda hull: math.pi / 4 * _aspect(hull), ALONE),
@@ -164,7 +161,7 @@ FORMULAS = (
     Formula("Y_vrr", KIJIMA, lambda hull: -5.95 * (1 - hull.block_coefficient) / hull.beam_to_draft,
             "T/B; one transcription and its copy have T/T"),
     Formula("Y_rrr", YOSHIMURA, lambda hull: -0.051),
-    Formula("Y_rrr", LEE,
+    Formula("Y_rrr", "Lee and Shin (1998)",
             lambda hull: (-0.0233 * hull.block_coefficient / hull.beam_to_draft + 0.0063) / hull.slenderness,
             "-0.0233; one transcription and its copy have -0.233, far from KVLCC2"),
     Formula("N_vvv", YOSHIMURA, lambda hull: 0.69 * hull.block_coefficient - 0.66),

@@ -262,8 +262,6 @@ def _sentences(
 SHORTEST, LONGEST = 1.0, 500.0  # Length of a ship or a model [m]
 # At a block coefficient of 1 some formulas have no value.
 SHAPES = {"L/B": (2.5, 15.0), "B/T": (1.2, 15.0), "block coefficient": (0.3, 0.98)}
-# Service speed over the usual one: a speed in knots is 1.94 times that in m/s.
-FASTEST_OVER_USUAL = 1.8
 
 
 def check_types(ship: object, canal: object, water: object, **parts: object) -> None:
@@ -300,7 +298,7 @@ def check_speed(speed: Any, ship: Ship, kind: ShipType) -> None:
         remedy = speed_hint(speed) or "; give it in m/s"
         raise InputError(f"a service speed of {shown(speed)} is not a finite number{remedy}")
     ordinary = service_speed(ship, kind)
-    if speed > FASTEST_OVER_USUAL * ordinary:
+    if speed > 1.8 * ordinary:  # A speed in knots is 1.94 times that in m/s
         raise InputError(
             f"a service speed of {speed:.4g} m/s is {speed / ordinary:.2g} times that of a usual {kind.words} of this "
             f"length, {ordinary:.3g} m/s; numbers are m/s, and {speed:.4g} knots are {speed * KNOT:.3g} m/s"

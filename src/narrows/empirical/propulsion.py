@@ -15,9 +15,6 @@ from narrows.ship.actuators import Propeller, Rudder
 from narrows.ship.particulars import Ship, Water
 
 VISCOSITY = 1.19e-6  # Kinematic viscosity of sea water at 15 degrees [m2/s]
-ALLOWANCE = 0.0004  # Correlation allowance and residual resistance over the wetted surface [1]
-# C_1 that matches Hirano's (1980) exp(-4 beta_P^2) at a drift of 0.4 rad at the propeller, as in a turn.
-WAKE_RATE = 1.6
 LARGEST_FROUDE = 0.35  # Beyond it wave resistance dominates, which is not estimated
 
 
@@ -62,7 +59,8 @@ def resistance_prime(ship: Ship, speed: float) -> float:
     ratio, draft = ship.length / ship.beam, ship.beam / ship.draft
     friction = 0.075 / (math.log10(speed * ship.length / VISCOSITY) - 2) ** 2
     form = -0.095 + 25.6 * ship.block_coefficient / (ratio**2 * math.sqrt(draft))
-    return ((1 + form) * friction + ALLOWANCE) * wetted_surface(ship) / (ship.length * ship.draft)
+    # The correlation allowance and the residual resistance are 0.0004 over the wetted surface.
+    return ((1 + form) * friction + 0.0004) * wetted_surface(ship) / (ship.length * ship.draft)
 
 
 def thrust_deduction(hull: Hull) -> float:
@@ -82,7 +80,6 @@ def rudder_force_increase(hull: Hull) -> float:
 
 RUDDER_SURGE = 0.61  # 1 - t_R, Yoshimura and Masumoto (2012); KVLCC2 has 0.613
 RUDDER_PLACE, INCREASE_PLACE = 0.5, 0.45  # -x_R', -x_H' [1]; x_H' of Aoki et al. (2006)
-RUDDER_LEVER = -0.9  # l_R', Yoshimura and Masumoto (2012)
 
 
 def estimated_rudder(ship: Ship, hull: Hull, kind: ShipType, propeller: Propeller) -> Rudder:
@@ -96,7 +93,7 @@ def estimated_rudder(ship: Ship, hull: Hull, kind: ShipType, propeller: Propelle
         wake_ratio=ratio,
         slipstream=0.55 / ratio,
         in_slipstream=min(propeller.diameter / math.sqrt(ASPECT_RATIO * area), 1.0),
-        position=RUDDER_LEVER,
+        position=-0.9,  # l_R', as the rest
         straightening_starboard=straightening,
         straightening_port=straightening,
     )
@@ -105,9 +102,10 @@ def estimated_rudder(ship: Ship, hull: Hull, kind: ShipType, propeller: Propelle
 def estimated_propeller(ship: Ship, hull: Hull, kind: ShipType, water: Water, speed: float) -> Propeller:
     """Return a propeller of usual size, with revolutions whose thrust balances the resistance at a speed."""
     thinned = 1 / (1 - wake(hull))
+    # C_1 = 1.6 matches Hirano's (1980) exp(-4 beta_P^2) at a drift of 0.4 rad at the propeller, as in a turn.
     shaped = Propeller(
         kind.propeller * ship.draft, 0.0, wake(hull), *kind.thrust,
-        wake_rate=WAKE_RATE, wake_starboard=thinned, wake_port=thinned,
+        wake_rate=1.6, wake_starboard=thinned, wake_port=thinned,
     )  # fmt: skip
     return with_astern_thrust(replace(shaped, revolutions=balanced_revolutions(ship, hull, shaped, speed)))
 

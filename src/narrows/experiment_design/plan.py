@@ -11,7 +11,7 @@ from narrows.captive.read import as_tests
 from narrows.captive.settings import FORCE_NOISE
 from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, motion_of
 from narrows.empirical.fleet import published
-from narrows.errors import InputError
+from narrows.errors import InputError, check_choice
 from narrows.experiment_design.information import (
     CRITERIA,
     Tank,
@@ -253,8 +253,7 @@ def _forms(terms: TermTable) -> list[TermTable]:
 def _check(runs: int, criterion: str, terms: TermTable, noise: Mapping[str, float], tank: Tank) -> None:
     if runs < 1:
         raise InputError(f"{runs} runs are no plan; ask for one or more")
-    if criterion not in CRITERIA:
-        raise InputError(f"criterion {criterion!r} is unknown; choose {' or '.join(CRITERIA)}")
+    check_choice("criterion", criterion, CRITERIA)
     for force, part in terms.forces.items():
         if part and not noise.get(force, 0.0) > 0:
             raise InputError(f"noise: {force} needs a positive standard deviation; give one for each force")

@@ -11,7 +11,7 @@ import narrows
 from narrows.captive.columns import check_given
 from narrows.captive.read import as_tests
 from narrows.captive.tests import Tests
-from narrows.errors import InputError, shown
+from narrows.errors import InputError, check_choice, shown
 from narrows.identification.normal_equations import ONE, NormalEquations, Score, accumulate, score
 from narrows.results import BaseResult
 from narrows.ship.ship_file import ShipSource
@@ -187,8 +187,7 @@ def shares(
     kind: str, equations: NormalEquations, terms: TermTable, coefficients: Mapping[str, float],
     deviations: Callable[[], Mapping[str, float]],
 ) -> dict[str, dict[str, float]]:  # fmt: skip
-    if kind not in KINDS:
-        raise InputError(f"Shapley kind {kind!r} is unknown; choose {', '.join(KINDS)}")
+    check_choice("kind", kind, KINDS)
     shared = {}
     for force, part in terms.forces.items():
         names = [term.name for term in part]

@@ -39,27 +39,22 @@ class Operations(BaseResult):
 
     def derivative(self: Any, state: Any, **given: Any) -> np.ndarray:
         """Return the rates of x, y, psi, u, v, r of the free ship, (6,...), from the engine."""
-        # state [m]
         return narrows.derivative(self, state, **given)
 
     def step(self: Any, state: Any, dt: float, **given: Any) -> np.ndarray:
-        """Return x, y, psi, u, v, r one step of the engine later, (6,)."""
-        # state [m]; dt [s]
+        """Return x, y, psi, u, v, r one step of the engine later [s], (6,)."""
         return narrows.step(self, state, dt, **given)
 
     def linearize(self: Any, *at: float, **options: Any) -> "narrows.control.LinearSystem":
         """Linearise the motion about a steady course, to a ``LinearSystem``."""
-        # *at [m, m/s]
         return narrows.control.linearize(self, *at, **options)
 
     def simulate(self: Any, *start: float, **given: Any) -> "narrows.Voyage":
         """Simulate one voyage, to a ``Voyage``."""
-        # *start [m]
         return narrows.simulate(self, *start, **given)
 
     def scale(self: Any, length: float, **given: Any) -> "narrows.Scaled":
-        """Scale the model by Froude's law: a ``Scaled`` with the new model and the effects that do not scale."""
-        # length [m]
+        """Scale the model to a length [m]: a ``Scaled`` with the new model and the effects that do not scale."""
         return narrows.scale_model(self, length, **given)
 
     @accept_aliases
@@ -68,8 +63,7 @@ class Operations(BaseResult):
         return narrows.export.write(self, path, **options)
 
     def with_canal(self: Any, **changes: float) -> Any:
-        """Return the model in another canal with the same coefficients; ``nw.at_depth`` corrects them for depth."""
-        # **changes [m]
+        """Return the model in another canal [m] with its coefficients; ``nw.at_depth`` corrects them for depth."""
         canal = self.configuration.canal
         for name in changes:
             check_choice("canal", name, tuple(vars(canal)))

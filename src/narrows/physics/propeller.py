@@ -7,14 +7,10 @@ from narrows.physics.hull import drift, speed
 from narrows.quantities.arithmetic import maximum, minimum
 from narrows.quantities.names import Number
 
-# Advance at which the thrust astern begins to rise, where the flow through the propeller turns round [1].
-TURNING_ADVANCE = 0.7
 # Sway force of the Esso Osaka's propeller astern over 1/2 rho L d (n D)^2 [1]: without advance, and its slopes by the
 # advance -u/(n D) between the two ADVANCES and beyond them.
 WITHOUT_ADVANCE, BETWEEN, BEYOND = -5.58e-4, -7.99e-3, 5.87e-3
 ADVANCES = 0.06, 0.35
-# An angle [rad] that counts as zero, without a side.
-NOTHING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -61,7 +57,7 @@ def wake_share(at: PropellerQuantities) -> Number:
     angle = angle_to_propeller(at)
     middle = (at.propeller_wake_starboard + at.propeller_wake_port) / 2
     half = (at.propeller_wake_starboard - at.propeller_wake_port) / 2
-    return middle + half * angle / (abs(angle) + NOTHING)
+    return middle + half * angle / (abs(angle) + 1e-9)  # Such an angle has no side
 
 
 def loading(at: PropellerQuantities) -> Number:
@@ -73,7 +69,8 @@ def loading(at: PropellerQuantities) -> Number:
     # Written without J, which is infinite at a stopped propeller.
     tip, coming = (at.revolutions + abs(at.revolutions)) / 2 * at.propeller_diameter, inflow(at)
     back = tip - at.revolutions * at.propeller_diameter
-    turning = (coming * coming + TURNING_ADVANCE * TURNING_ADVANCE * back * back) ** 0.5
+    # From an advance of 0.7 the thrust astern rises: there the flow through the propeller turns round.
+    turning = (coming * coming + 0.7 * 0.7 * back * back) ** 0.5
     astern = at.propeller_astern_0 * back - at.propeller_astern_1 * coming + at.propeller_astern_2 * turning
     ahead = at.propeller_thrust_0 * tip * tip + coming * (at.propeller_thrust_1 * tip + at.propeller_thrust_2 * coming)
     return ahead + back * astern

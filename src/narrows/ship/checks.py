@@ -128,15 +128,10 @@ def place_of(name: str) -> str:
 
 def check_number(location: str, value: object) -> None:
     """Raise if a value, or one of a column, is not a finite number."""
-    if hasattr(value, "dims"):
-        asked = {"": value}
-        _check(np.isfinite(value), "{} is not a finite number; give it in SI units", asked, {"": location})  # type: ignore[call-overload]
-        _check(abs(value) < LARGEST, "{} is beyond all measure; check its unit", asked, {"": location})  # type: ignore[arg-type]
-        return
-    if not is_finite(value):
-        raise InputError(f"{location} = {shown(value)} is not a finite number; give it in SI units")
-    if not abs(value) < LARGEST:  # type: ignore[arg-type]
-        raise InputError(f"{location} = {shown(value)} is beyond all measure; check its unit")
+    known: Any = value
+    finite = np.isfinite(known) if hasattr(value, "dims") else is_finite(value)
+    _check(finite, "{} is not a finite number; give it in SI units", {"": value}, {"": location})
+    _check(abs(known) < LARGEST, "{} is beyond all measure; check its unit", {"": value}, {"": location})
 
 
 def check_sizes(thing: object, over: Collection[str] = (), names: Iterable[str] = ()) -> None:

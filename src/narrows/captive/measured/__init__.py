@@ -1,6 +1,5 @@
 """Measured tests bundled with the package, cited in the README of this folder."""
 
-from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,7 +16,7 @@ TABLES = {"kcs": "kcs_pmm_shallow.csv", "lataire2009": "lataire2009.csv"}
 def measured_files(name: str) -> tuple[Path, Path]:
     if name not in TABLES:
         raise InputError(f"no bundled tests are called {name!r}{did_you_mean(name, TABLES)}")
-    folder = Path(str(files("narrows") / "captive" / "measured"))
+    folder = Path(__file__).parent
     return folder / TABLES[name], folder / f"{name}.toml"
 
 
@@ -36,7 +35,7 @@ def measured_squat() -> "pd.DataFrame":
     """
     import pandas as pd
 
-    return pd.read_csv(Path(str(files("narrows") / "captive" / "measured")) / "lataire2009_squat.csv")
+    return pd.read_csv(Path(__file__).with_name("lataire2009_squat.csv"))
 
 
 def measured_tests(name: str = "kcs", where: str | None = None) -> "CaptiveTests":
