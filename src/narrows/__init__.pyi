@@ -62,11 +62,13 @@ from .manoeuvres import overshoots as overshoots
 from .manoeuvres import sail_trials as sail_trials
 from .manoeuvres import turning_circle as turning_circle
 from .manoeuvres import zigzag as zigzag
-from .model.added_terms import borrow_rudder as borrow_rudder
-from .model.added_terms import with_transverse_thrust as with_transverse_thrust
 from .model.bank_force import BankForce as BankForce
 from .model.bank_force import bank_force as bank_force
 from .model.data_range import DataRange as DataRange
+from .model.derived_models import DepthCorrected as DepthCorrected
+from .model.derived_models import at_depth as at_depth
+from .model.derived_models import borrow_rudder as borrow_rudder
+from .model.derived_models import with_transverse_thrust as with_transverse_thrust
 from .model.froude import Friction as Friction
 from .model.froude import Scaled as Scaled
 from .model.froude import dimensional as dimensional
@@ -76,8 +78,6 @@ from .model.model import Model as Model
 from .model.model_file import load_model as load_model
 from .model.model_file import save_model as save_model
 from .model.sections import Source as Source
-from .model.shallow_water import DepthCorrected as DepthCorrected
-from .model.shallow_water import at_depth as at_depth
 from .model.squat import SQUAT as SQUAT
 from .model.squat import Squat as Squat
 from .model.squat import SquatFormula as SquatFormula

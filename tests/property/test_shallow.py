@@ -8,7 +8,7 @@ from hypothesis import given
 from strategies import numbers
 
 import narrows as nw
-from narrows.model.shallow_water import factor_at
+from narrows.model.derived_models import factor_at
 from narrows.terms.term import DepthLaw
 
 

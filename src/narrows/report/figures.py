@@ -17,9 +17,9 @@ from narrows.experiment_design import Plan
 from narrows.identification import Comparison, Explanation, Fit
 from narrows.logbook import InformationForecast, LogFindings, ShipLog, SteadyFit, SteadyPlan
 from narrows.manoeuvres import Trials, Turning, ZigzagTest
+from narrows.model.derived_models import DepthCorrected
 from narrows.model.froude import Scaled
 from narrows.model.model import Model
-from narrows.model.shallow_water import DepthCorrected
 from narrows.model.squat import Squat
 from narrows.quantities.names import KNOT
 from narrows.report.envelope_chart import draw_speeds, draw_widths, envelope_along_chart, envelope_chart

@@ -8,7 +8,7 @@ import numpy as np
 from narrows.errors import InputError, did_you_mean
 from narrows.logbook.filtering.likelihood import SearchResult
 from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem, Unknowns
-from narrows.model.added_terms import extend
+from narrows.model.derived_models import extend
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES
 from narrows.ship.motion import Motion
