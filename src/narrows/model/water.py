@@ -36,7 +36,7 @@ def water_under_way(values: Mapping[str, Number], speed: Number) -> WaterUnderWa
     sinkage = np.maximum(
         formulas.continuity(below, **section), formulas.tuck_midship(below, **ship, depth=values["depth"])
     )
-    deeper = formulas.deeper_end(ship["block_coefficient"])  # Of the other end it is 2 less that
+    deeper = formulas.deeper_end(ship["block_coefficient"])  # The other end sinks by 2 less this
     full, still = is_full(ship["block_coefficient"]), values["depth"] - values["draft"]
     found = (
         formulas.return_flow(below, **section), sinkage,
