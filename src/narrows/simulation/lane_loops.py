@@ -19,10 +19,13 @@ def depart(
     after = drift(points.copy(), places, duration / 2, bend, known)
     for lane in range(len(points)):
         row, heading = rows[lane], after[lane, 2]
-        row[0], row[1], row[4:7] = max(after[lane, 0], least), after[lane, 1], after[lane, 3:6]
+        row[0], row[1] = max(after[lane, 0], least), after[lane, 1]
+        for speed in range(3):  # Number by number, here and below: Numba takes seconds to compile a slice that is set.
+            row[4 + speed] = after[lane, 3 + speed]
         row[2], row[3] = math.cos(heading), math.sin(heading)
         bank = points[lane, places[0]] if places[0] >= 0 else 0.0
-        inputs[lane] = base[lane] + bank * slope[lane]
+        for place in range(inputs.shape[1]):
+            inputs[lane, place] = base[lane, place] + bank * slope[lane, place]
         here, there = start[min(lane, len(start) - 1)], end[min(lane, len(end) - 1)]
         for number in range(len(kept)):
             biased = number == rudder and places[3] >= 0
@@ -42,7 +45,8 @@ def arrive(
         after[lane, 1] += row[1] - before[1]
         # The heading by its change, so that whole turns are kept.
         after[lane, 2] += math.atan2(row[3] * before[2] - row[2] * before[3], row[2] * before[2] + row[3] * before[3])
-        after[lane, 3:6] = row[4:7]
+        for speed in range(3):
+            after[lane, 3 + speed] = row[4 + speed]
         if places[1] >= 0:
             after[lane, places[1]] += change
     drift(after, places, duration, bend, known)
