@@ -136,7 +136,7 @@ def save_figure(figure: "Figure", path: str | Path) -> None:
 def _descriptor(path: str | Path) -> int | None:
     """Number of the open file behind a path."""
     target = os.path.abspath(path)
-    for _ in range(40):
+    for _ in range(40):  # As many links as Linux follows
         if match := DESCRIPTOR.fullmatch(target.replace(f"/proc/{os.getpid()}/", "/proc/self/")):
             return int(match[1])
         if not os.path.islink(target):

@@ -289,6 +289,7 @@ def within_tested(tank: Tank, tested: DataRange | None) -> tuple[Tank, tuple[str
     notes, tested = [], tested or DataRange()
     if tested.speed is not None and not tank.speeds:
         low, high = tested.speed
+        # Earlier tests within 5 % count as one speed.
         speeds = (low,) if high - low < 0.05 * high else (low, (low + high) / 2, high)
         tank = replace(tank, speeds=tuple(round(speed, 3) for speed in speeds if round(speed, 3) > 0))
         notes.append(f"Speeds are within those tested, {low:.3g} to {high:.3g} m/s, as none were asked for.")

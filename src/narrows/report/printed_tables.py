@@ -11,18 +11,17 @@ from rich.console import Console
 from rich.table import Table
 
 from narrows.errors import InputError
-from narrows.experiment_design.plan import UNITS, Plan
-from narrows.identification import Fit
-from narrows.identification.bank_summary import BankSummary, summarise_bank
-from narrows.identification.prediction import KINDS
-from narrows.identification.verdict import IDENTIFIED, ZERO
-from narrows.model.froude import Scaled
-from narrows.model.model import Model
 from narrows.results.base_results import interval, readable
-from narrows.waterway import Waterway
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # A verb that prints one of them does not wait for the packages of the others
     import pandas as pd
+
+    from narrows.experiment_design.plan import Plan
+    from narrows.identification import Fit
+    from narrows.identification.bank_summary import BankSummary
+    from narrows.model.froude import Scaled
+    from narrows.model.model import Model
+    from narrows.waterway import Waterway
 
 Row = TypeVar("Row")
 
@@ -108,7 +107,9 @@ COLUMN = 14
 SHOWN = ("kind", "offset", "amplitude", "period", "speed", "drift_deg", "depth")
 
 
-def print_plan(plan: Plan) -> None:
+def print_plan(plan: "Plan") -> None:
+    from narrows.experiment_design.plan import UNITS
+
     rows = plan.rows()
     names = [name for name in SHOWN if any(row.get(name) is not None for row in rows)]
     columns = {"run": "{run}"}
@@ -126,7 +127,7 @@ def print_plan(plan: Plan) -> None:
 SCALED = {"": "{name}", "was": "{old:.4g}", "is": "{new:.4g}", "unit": "{unit}", "bis [1]": "{bis:.4g}"}
 
 
-def print_scaled(scaled: Scaled) -> None:
+def print_scaled(scaled: "Scaled") -> None:
     console, shown = console_of(), scaled.to_dict()
     rows = ({"name": n, **shown["coefficients"][n], "bis": shown["bis"][n]} for n in _main_terms(scaled.model))
     console.print(table_of(SCALED, rows, left=("", "unit"), no_wrap=True))
@@ -144,7 +145,7 @@ SHIPS = {
 ESTIMATED = {"": "{index}", "estimate": "{value:.3g}", "std": "{std:.2g}", "unit": "{unit}"}
 
 
-def estimate_summary(model: Model) -> dict[str, Any]:
+def estimate_summary(model: "Model") -> dict[str, Any]:
     """Return estimated coefficients with their standard deviations as plain values."""
     table = model.to_dataframe()
     return {
@@ -154,7 +155,7 @@ def estimate_summary(model: Model) -> dict[str, Any]:
     }
 
 
-def print_estimate(model: Model) -> None:
+def print_estimate(model: "Model") -> None:
     console = console_of()
     table = model.to_dataframe().loc[_main_terms(model)].rename_axis("index").reset_index()
     for note in model.notes:
@@ -165,13 +166,13 @@ def print_estimate(model: Model) -> None:
     _say_rest(console, model)
 
 
-def _main_terms(model: Model) -> list[str]:
+def _main_terms(model: "Model") -> list[str]:
     """Return the coefficients to print: those of the banks of a long table, or all."""
     banks = [term.name for term in model.terms.terms if term.from_bank]
     return banks if banks and len(model.terms) > MOST_TERMS and not everything() else list(model.terms.names)
 
 
-def _say_rest(console: "Console", model: Model) -> None:
+def _say_rest(console: "Console", model: "Model") -> None:
     if rest := len(model.terms) - len(_main_terms(model)):
         console.print(f"{rest} more coefficients: add --verbose")
 
@@ -189,7 +190,7 @@ STATIONS, CROSSINGS_SHOWN = 2001, 11
 NEGLIGIBLE = 0.002
 
 
-def waterway_summary(waterway: Waterway, draft: float = 0.0, more: tuple[str, ...] = ()) -> dict[str, Any]:
+def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, ...] = ()) -> dict[str, Any]:
     """Return a waterway's dimensions as plain values: metres, degrees."""
     s = np.linspace(0, waterway.line.length, STATIONS)
     here = waterway.keel_section(s, draft)
@@ -223,7 +224,7 @@ def waterway_summary(waterway: Waterway, draft: float = 0.0, more: tuple[str, ..
     return {**summary, "summary": _sentence(summary, waterway), "notes": notes}
 
 
-def _stations(waterway: Waterway, draft: float) -> list[dict[str, float]]:
+def _stations(waterway: "Waterway", draft: float) -> list[dict[str, float]]:
     s = np.linspace(0, waterway.line.length, CROSSINGS_SHOWN)
     here, heading = waterway.keel_section(s, draft), np.degrees(waterway.line.heading(s)) % 360
     columns = {
@@ -240,7 +241,7 @@ STATION = {
 }  # fmt: skip
 
 
-def print_waterway(waterway: Waterway, draft: float = 0.0, notes: tuple[str, ...] = ()) -> None:
+def print_waterway(waterway: "Waterway", draft: float = 0.0, notes: tuple[str, ...] = ()) -> None:
     console, summary = console_of(), waterway_summary(waterway, draft, notes)
     if waterway.place:
         console.print(f"{waterway.name}: {waterway.place_check}")
@@ -249,7 +250,7 @@ def print_waterway(waterway: Waterway, draft: float = 0.0, notes: tuple[str, ...
     print_notes(console, summary["notes"])
 
 
-def _sentence(summary: dict[str, Any], waterway: Waterway) -> str:
+def _sentence(summary: dict[str, Any], waterway: "Waterway") -> str:
     narrowest, place = summary["narrowest"], waterway.place and f" ({waterway.place})"
     return (
         f"{summary['name']}{place}: {summary['length']:.0f} m long; narrowest {narrowest['width']:.1f} m at "
@@ -276,9 +277,13 @@ COLOURS = {"identified": "", "zero": "", "imprecise": "yellow", "at bound": "yel
 
 
 def print_fit(
-    fit: Fit, label: str = "", console: Console | None = None, answer: BankSummary | None = None, table: bool = True
+    fit: "Fit", label: str = "", console: Console | None = None, answer: "BankSummary | None" = None, table: bool = True
 ) -> None:
     """Print a fit, its main result first; with --verbose all results."""
+    from narrows.identification.bank_summary import summarise_bank
+    from narrows.identification.prediction import KINDS
+    from narrows.identification.verdict import IDENTIFIED
+
     console = console or Console(highlight=False, markup=False, soft_wrap=False)
     console.print(f"\n{heading(fit, label)}", style="bold")
     answer = answer or summarise_bank(fit)
@@ -310,8 +315,10 @@ def print_fit(
         console.print(note, style="dim")
 
 
-def best_known_first(fit: Fit) -> list[str]:
+def best_known_first(fit: "Fit") -> list[str]:
     """Coefficients by relative uncertainty, the smallest first."""
+    from narrows.identification.verdict import IDENTIFIED, ZERO
+
     order = {name: i for i, name in enumerate((IDENTIFIED, ZERO))}
 
     def width(name: str) -> tuple[int, float]:
@@ -323,13 +330,13 @@ def best_known_first(fit: Fit) -> list[str]:
     return sorted(fit.terms.names, key=width)
 
 
-def heading(fit: Fit, label: str) -> str:
+def heading(fit: "Fit", label: str) -> str:
     configuration = fit.tests.configuration
     depth = f"h/T = {configuration.canal.depth / configuration.ship.draft:.2f}" if configuration.canal.depth else ""
     return ", ".join(part for part in (configuration.ship.name, label, depth) if part)
 
 
-def kkt_sentence(fit: Fit) -> str:
+def kkt_sentence(fit: "Fit") -> str:
     """Return whether the solution is optimal, in words."""
     kkt = fit.solution.kkt
     worst = max(kkt)
@@ -337,7 +344,7 @@ def kkt_sentence(fit: Fit) -> str:
     return f"The Karush-Kuhn-Tucker conditions {verb}: largest violation {worst:.1e}, relative."
 
 
-def coefficient_row(fit: Fit, name: str) -> dict[str, str]:
+def coefficient_row(fit: "Fit", name: str) -> dict[str, str]:
     """Return a coefficient with its uncertainty in words, and the class of its verdict on a page."""
     verdict, std = fit.verdicts[name], fit.std[name]
     known = (readable(fit.coefficients[name], std), readable(std, std), interval(fit.intervals[name], std))
@@ -349,8 +356,8 @@ def coefficient_row(fit: Fit, name: str) -> dict[str, str]:
 
 
 def share_rows(shares: Mapping[str, Mapping[str, Mapping[str, float]]]) -> list[tuple[str, list[float]]]:
-    first = shares[KINDS[0]]
-    return [(name, [shares[kind][force][name] for kind in KINDS]) for force in first for name in first[force]]
+    first = next(iter(shares.values()))
+    return [(name, [own[force][name] for own in shares.values()]) for force in first for name in first[force]]
 
 
 SCORES = {

@@ -11,7 +11,7 @@ import numpy as np
 
 from narrows.errors import InputError, shown
 
-if TYPE_CHECKING:
+if TYPE_CHECKING:  # SciPy's splines are slow to load: they do where a line is used, not where a command starts
     from scipy.interpolate import PPoly
     from scipy.spatial import KDTree
 
