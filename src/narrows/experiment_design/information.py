@@ -24,12 +24,7 @@ from narrows.terms.term import TermTable
 RATE = 5.0
 # Zero offsets: of harmonic runs, of steady ones to starboard and to port, often made on different days.
 ZEROS = 3
-# Least singular value of scaled columns over the largest: below it a direction is rounding.
-DIRECTION = 3e-5
-# Median ratio of fitted run-error scales to their priors, for good tests.
-TYPICAL = 0.7
 CRITERIA = ("c", "d")
-ROUNDS = 20
 # Prior information relative to the largest of each parameter: almost none.
 RIDGE = 1e-9
 # Relative difference of the criterion within which runs count as equal: while a parameter is unknown, rounding over the
@@ -64,7 +59,7 @@ def information_of(
         part, whole = table.forces[force], np.broadcast_to(np.asarray(expected.get(force, 0.0), float), rows)
         a = np.array([*(np.broadcast_to(term.column(values), rows) for term in part), np.ones(rows)])
         scaled = a / np.maximum(np.linalg.norm(a, axis=1), 1e-300)[:, None]
-        found, _, rank, _ = np.linalg.lstsq(scaled.T, whole, rcond=DIRECTION)
+        found, _, rank, _ = np.linalg.lstsq(scaled.T, whole, rcond=3e-5)  # Below it rounding
         variance = noise[force] ** 2 * max(1.0, 2 * correlation_time * RATE)
         variance += errors.form**2 * float(whole @ whole) / max(rank, 1)
         shared = np.stack([errors.gain * (found @ scaled), np.full(rows, errors.zero * level.get(force, 0.0))])
@@ -120,7 +115,7 @@ def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[in
     chosen: list[int] = []
     for _ in range(min(count, len(runs))):
         chosen.append(best(chosen, range(len(runs))))
-    for _ in range(ROUNDS):
+    for _ in range(20):
         before = list(chosen)
         for i in range(len(chosen)):
             chosen[i] = best(chosen[:i] + chosen[i + 1 :], range(len(runs)))
@@ -159,7 +154,8 @@ def expected_errors(
         for own in joint_forces(problem):
             rows = ForceRows(equations, motions, problem, own, np.array([within[force] for force in own]))
             model, _, unit = assemble(rows, errors, truth.configuration)
-            spread = model.at(np.full(len(model.prior), np.log(TYPICAL))).covariance
+            # Of good tests the median ratio of fitted run-error scales to their priors is 0.7.
+            spread = model.at(np.full(len(model.prior), np.log(0.7))).covariance
             std[rows.free_parameters] = np.sqrt(np.diag(spread)[: len(unit)]) * unit
         known = Diagnostics(equations, terms, motions).determined
         table.append([std[problem.slot[name]] if known(name) else np.inf for name in targets])

@@ -13,10 +13,6 @@ from narrows.identification.normal_equations import NormalEquations
 from narrows.identification.systematic_effects import Effect, RunErrors, assemble
 from narrows.ship.particulars import Configuration
 
-# An estimate so many standard errors beyond a bound is held at the bound.
-CERTAIN = 2.0
-# Within so many half widths of a bound the true value may lie on it.
-BOUND_HALF_WIDTHS = 1.5
 # Draws from the posterior; if fewer than LEAST are within the bounds, all are used, clipped.
 DRAWS, LEAST, SEED = 8000, 200, 26
 # Half width of a 95 % interval over the standard error.
@@ -119,7 +115,7 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
         std = np.sqrt(weights @ (variances + (means - mean) ** 2))
         beyond = np.maximum(bounds[:, 0] - mean, mean - bounds[:, 1]) / np.maximum(std, 1e-12 * np.abs(mean) + 1e-150)
         beyond[held] = -np.inf
-        if beyond.max() < CERTAIN:
+        if beyond.max() < 2.0:  # So many standard errors beyond a bound, an estimate is held at it
             break
         worst = int(beyond.argmax())
         held[worst], free[worst], free_std[worst] = True, mean[worst], std[worst]
@@ -133,7 +129,8 @@ def _within_bounds(part: ForcePosterior, bounds: np.ndarray) -> tuple[np.ndarray
     for edge in (low, high):  # A value that differs from its bound by rounding is the bound.
         values = np.where(np.isclose(values, edge, rtol=1e-9, atol=0.0), edge, values)
     ends = np.quantile(inside, TAILS, axis=0)
-    near = (np.abs(free[:, None] - bounds).min(axis=1) < BOUND_HALF_WIDTHS * HALF * free_std) & ~held
+    # Within 1.5 half widths of a bound the true value may lie on it.
+    near = (np.abs(free[:, None] - bounds).min(axis=1) < 1.5 * HALF * free_std) & ~held
     for i in np.flatnonzero(near):
         # If the true value lies on this bound, the others follow their conditional distribution.
         edge = bounds[i, np.abs(free[i] - bounds[i]).argmin()]

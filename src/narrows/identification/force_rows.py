@@ -10,16 +10,10 @@ from narrows.identification.motions import DistinctMotions
 from narrows.identification.normal_equations import ONE, NormalEquations
 from narrows.terms.term import Term
 
-# Squared size of a direction over that of the columns: a smaller one is noise of the motion [1].
-LEAST_DIRECTION_RATIO = 1e-1
 # Share of the largest eigenvalue of scaled products, below which a direction holds only rounding [1].
 RANK = 1e-9
-# Assumed noise where the rows have none, as a share of a force's root mean square [1].
-LEAST_NOISE = 1e-6
 # Column of the velocity whose rate an inertial term takes.
 VELOCITIES: dict[tuple[str, ...], str] = {("vdot",): "column v", ("rdot",): "column r"}
-# Share of a force's level: least size of a term whose slope is let vary.
-LEAST_TERM_SHARE = 0.1
 # Ridge of the first fit, a share of the information that one motion gives of a term as large as the force.
 RIDGE = 4e-6
 # Value of a coefficient beyond which no force of a towing tank puts it [SI]: its column is empty but for rounding.
@@ -38,7 +32,7 @@ class ForceRows:
         total, y = np.diag(sums.sum(axis=0)), np.array([equations.columns[force] for force in forces])
         # (forces,) Root mean square of each force, and variance of a row of one run by the noise within it.
         self.level = np.sqrt(np.maximum(total[y] / total[equations.columns[ONE]], 1e-300))
-        least = (LEAST_NOISE * self.level) ** 2
+        least = (1e-6 * self.level) ** 2  # Where the rows have no noise
         self.noise = np.maximum(_noise(equations, sums, y), least) if noise is None else noise
         columns, reference, early, motion, runs, is_mean = zip(*_blocks(equations, motions, sums), strict=True)
         # (rows, m) Every column of the sums; of the motion's mean, to which errors of gain are proportional; with the
@@ -103,7 +97,7 @@ class ForceRows:
     def size(self, force: int, term: Term) -> float:
         """Force per unit of a term's column that a change of the term by one is taken for."""
         rms, level = max(self.rms(self.raw(term.name)), 1e-300), self.level[force]
-        return float(np.clip(abs(self.theta[self.place(term)]) * rms, LEAST_TERM_SHARE * level, level) / rms)
+        return float(np.clip(abs(self.theta[self.place(term)]) * rms, 0.1 * level, level) / rms)
 
     def units(self) -> np.ndarray:
         """Value of each coefficient at which its term is as large as the force."""
@@ -174,7 +168,7 @@ def _blocks(
         own = sums[[copies[key] for key in sorted(copies)]]
         mean = own.mean(axis=0)
         # Gains and form errors do not cover faint directions: there noise of the motion would outweigh the force.
-        turn = _turn(mean[np.ix_(basis, basis)], usual * np.sqrt(mean[one, one]), LEAST_DIRECTION_RATIO)
+        turn = _turn(mean[np.ix_(basis, basis)], usual * np.sqrt(mean[one, one]), least=0.1)
         rows = turn @ own[:, basis]
         mean = rows.mean(axis=0)
         begin = turn @ early[tests].mean(axis=0)[basis]

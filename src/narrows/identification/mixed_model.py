@@ -26,8 +26,6 @@ from threadpoolctl import threadpool_limits
 
 P = ParamSpec("P")
 R = TypeVar("R")
-# Least eigenvalue of scaled equations, where rounding leaves dependent columns.
-LEAST_EIGENVALUE = 1e-10
 # Coordinate of a scale of 1e-6 of its prior, which counts as 0; SciPy's quantile of t is exactly 0 a little below.
 NO_SCALE = -5.0
 RIDGE = 1e-6  # Prior precision of a coefficient over the force's level: it only keeps the solution finite
@@ -169,7 +167,7 @@ def _inverse(m: np.ndarray) -> tuple[np.ndarray, float]:
         lower = np.linalg.cholesky(m)
     except np.linalg.LinAlgError:  # The matrix is rounding in some direction: there its eigenvalues are raised.
         values, vectors = np.linalg.eigh(m)
-        values = np.maximum(values, LEAST_EIGENVALUE)
+        values = np.maximum(values, 1e-10)
         return (vectors / values) @ vectors.T, -0.5 * np.log(values).sum()
     half = np.tril(lapack.dpotri(lower, lower=1)[0])
     return half + np.tril(half, -1).T, -np.log(np.diag(lower)).sum()

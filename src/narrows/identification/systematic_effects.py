@@ -50,7 +50,6 @@ LARGEST_SIZES = {"%": 50.0, "m": 0.3, "s": 3.0, "deg": 5.0, "cm/s": 10.0}
 # coefficients without a linear response change (decisions/trust_campaign.py).
 LINEAR = 0.04
 CLOCKS, MOUNT = "delay between clocks", "compliance of the mount"
-BENT = (CLOCKS, MOUNT)
 
 
 @dataclass(frozen=True)
@@ -271,8 +270,8 @@ def _effects(rows: ForceRows, errors: RunErrors, configuration: Configuration) -
         if usual > 0 and max(sizes) > 0:
             # Size at which the largest root mean square of the column is the level of its force.
             whole = 1 / max(sizes)
-            most, linear = LARGEST_SIZES.get(unit.split(" ")[0], whole), LINEAR * whole if name in BENT else np.inf
-            effects.append(Effect(name, unit, usual, group, most, linear))
+            linear = LINEAR * whole if name in (CLOCKS, MOUNT) else np.inf
+            effects.append(Effect(name, unit, usual, group, LARGEST_SIZES.get(unit.split(" ")[0], whole), linear))
             columns.append(column * usual)
     return effects, columns
 

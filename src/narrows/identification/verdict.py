@@ -27,8 +27,6 @@ PRECISE = 0.5
 NEGLIGIBLE = 0.02
 # Posterior correlation of two coefficients beyond which the tests do not separate them.
 INSEPARABLE = 0.9
-# Errors of a campaign that are named with a verdict.
-MOST_NAMED = 3
 # A column takes part in a direction of unit length where its share is larger than this.
 INVOLVED = 1e-3
 
@@ -204,11 +202,11 @@ def _judged(name: str, found: CoefficientEstimates) -> Verdict:
 
 
 def _named(errors: list[tuple[Effect, float]]) -> tuple[str, ...]:
-    """The least unusual errors, one of each kind."""
+    """The three least unusual errors, one of each kind."""
     by_kind: dict[str, str] = {}
     for effect, size in errors:
         by_kind.setdefault(effect.name.split(" ")[0], f"{size:.2g} {effect.unit} of {effect.name}")
-    return tuple(by_kind.values())[:MOST_NAMED]
+    return tuple(by_kind.values())[:3]
 
 
 # Least share of the added mass in deep water that a hull has; most times mass and added mass in deep water, which
@@ -221,9 +219,6 @@ SURE, LEAST_FORCE = 2.0, 0.1
 AXES = {"X": "X counted astern", "Y": "Y counted to port", "N": "N counted anticlockwise"}
 # Units of forces other than N and N m, and their factors.
 UNITS = {"kgf or kgf m": 9.80665, "kN or kN m": 1e3}
-# Resistance over the friction of the ITTC's line: every hull has more than 1, and knots read as m/s divide it by 3.8;
-# viscosity of fresh water at 20 degrees [m2/s]; least Reynolds number of the line.
-LEAST_DRAG, VISCOSITY, LEAST_REYNOLDS = 0.9, 1.0e-6, 1e5
 EXCHANGED = (
     "Neither the mass in sway nor the inertia in yaw is this ship's, and Y grows with the yaw acceleration as a moment "
     "does: are the columns Y and N exchanged?"
@@ -285,10 +280,11 @@ def surge_sentence(fit: Any) -> str:
     u, density = tests.columns["u"], tests.configuration.water.density
     fast = np.abs(u) > np.abs(u).max() / 2
     speed = float(np.sqrt(np.mean(u[fast] ** 2)))
-    line = ittc57(max(speed * ship.length / VISCOSITY, LEAST_REYNOLDS))
+    line = ittc57(max(speed * ship.length / 1.0e-6, 1e5))  # Fresh water at 20 degrees; least Reynolds number
     friction = 0.5 * density * wetted_surface(ship) * speed**2 * line
     drag = -float(np.mean(np.sign(u[fast]) * tests.columns["X"][fast]))
-    if "revolutions" in tests.columns or not 0 < drag < LEAST_DRAG * friction:
+    # Every hull resists with more than the friction of the line, and knots read as m/s divide the ratio by 3.8.
+    if "revolutions" in tests.columns or not 0 < drag < 0.9 * friction:
         return ""
     return (
         f"X resists with {drag:.2g} N in the mean, {drag / friction:.2g} of the friction of this hull at "

@@ -156,17 +156,14 @@ def is_finite(value: object) -> bool:
 def _check(right: Any, sentence: str, values: Mapping[str, Any], places: Mapping[str, str]) -> None:
     if np.all(right):
         return
-    at = _first(~right) if hasattr(right, "dims") else {}
+    at: dict[str, int] = {}
+    if hasattr(right, "dims"):  # Place of the first hit, by dimension
+        first = np.unravel_index(int(np.argmin(right.to_numpy())), right.shape)
+        at = {str(name): int(index) for name, index in zip(right.dims, first, strict=True)}
     words = {name: f"{places[name]} = {shown(_picked(value, at))}" for name, value in values.items()}
     labels = (f"{name} = {right[name].to_numpy()[index]}" for name, index in at.items() if name not in values)
     where = ", ".join(labels)
     raise InputError(sentence.format(*words.values(), **words) + (f" (the first is at {where})" if where else ""))
-
-
-def _first(wrong: Any) -> dict[str, int]:
-    """Index of the first hit, by dimension."""
-    places = np.unravel_index(int(np.argmax(wrong.to_numpy())), wrong.shape)
-    return {str(name): int(index) for name, index in zip(wrong.dims, places, strict=True)}
 
 
 def _picked(value: Any, at: Mapping[str, int]) -> Any:
