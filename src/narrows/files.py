@@ -32,7 +32,12 @@ def write_whole(path: str | Path, content: str | bytes) -> None:
     data = content.encode("utf-8") if isinstance(content, str) else content
     try:
         if is_stream(path):
-            _pour(path, data)
+            number = _descriptor(path)
+            if number is not None and sys.stdout is not None:
+                sys.stdout.flush()  # Earlier output comes first
+            # If reopened, a descriptor's file would be overwritten from its beginning; a device is never created.
+            with open(os.open(path, os.O_WRONLY) if number is None else os.dup(number), "wb") as file:
+                file.write(data)
         else:
             _replace(Path(os.path.realpath(path)), data)
     except (OSError, ValueError) as error:
@@ -143,16 +148,6 @@ def _descriptor(path: str | Path) -> int | None:
             return None
         target = os.path.normpath(os.path.join(os.path.dirname(target), os.readlink(target)))
     return None
-
-
-def _pour(path: str | Path, data: bytes) -> None:
-    number = _descriptor(path)
-    if number is not None and sys.stdout is not None:
-        sys.stdout.flush()  # Earlier output comes first
-    # If reopened, a descriptor's file would be overwritten from its beginning; a device is never created, only opened.
-    handle = os.open(path, os.O_WRONLY) if number is None else os.dup(number)
-    with open(handle, "wb") as file:
-        file.write(data)
 
 
 def _replace(path: Path, data: bytes) -> None:

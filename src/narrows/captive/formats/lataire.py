@@ -45,21 +45,16 @@ def translated(frame: pd.DataFrame, chosen: str, table: str) -> tuple[pd.DataFra
     ahead["heave [mm]"] = (fore + aft) / 2
     ahead[["r", "udot", "vdot", "rdot"]] = np.zeros((len(ahead), 4))
     ahead["condition"] = "banks"
-    ahead = _between_walls(ahead, table)
+    for name in ahead["bank"]:
+        if name not in BANKS:
+            raise InputError(f"{table}: bank {name!r} is not one of {', '.join(BANKS)}; mend it")
+    depths = cells.numbers(ahead, "depth [m]", table)
+    walls = np.array([equivalent_wall(BANKS[b], h) for b, h in zip(ahead["bank"], depths, strict=True)])
+    ahead["y [m]"] = cells.numbers(ahead, "y [m]", table) - (walls - WALL) / 2
+    ahead["width [m]"] = walls + WALL
     left = len(frame) - len(ahead)
     notes = ("slopes and platforms are taken as the wall that leaves the same section; y is from between the walls",)
     return ahead, (f"{left} of {len(frame)} tests left out: sailed backwards", *notes) if left else notes
-
-
-def _between_walls(frame: pd.DataFrame, table: str) -> pd.DataFrame:
-    """Return for each row the width of its canal, and the offset from its middle."""
-    for name in frame["bank"]:
-        if name not in BANKS:
-            raise InputError(f"{table}: bank {name!r} is not one of {', '.join(BANKS)}; mend it")
-    depths = cells.numbers(frame, "depth [m]", table)
-    walls = np.array([equivalent_wall(BANKS[b], h) for b, h in zip(frame["bank"], depths, strict=True)])
-    y = cells.numbers(frame, "y [m]", table) - (walls - WALL) / 2
-    return frame.assign(**{"width [m]": walls + WALL, "y [m]": y})
 
 
 def sample() -> pd.DataFrame:
