@@ -22,9 +22,6 @@ LEAST_MOTION = {"v": 0.01, "psi": 0.01, "y": 0.01}
 # Least number of rows in a run: two for each fitted number.
 FEWEST = 2 * (2 * settings.HARMONICS + 1)
 
-# Amplitude of a velocity over a hundredth of the speed, below which it is rounding of a constant.
-ROUNDING = 1e-9
-
 
 class HarmonicMotion(NamedTuple):
     frequency: float  # Angular frequency of the first harmonic; 0 without oscillation [rad/s]
@@ -134,7 +131,8 @@ def _harmonics(t: np.ndarray, column: np.ndarray, frequency: float, typical: flo
     if not frequency:
         return np.zeros(2 * settings.HARMONICS), 0.0
     pairs = parts[1:].reshape(2, settings.HARMONICS)
-    least = max(settings.SIGNIFICANT * 4 * error**2 / len(t), (ROUNDING * typical) ** 2)
+    # Below 1e-9 of a usual size it is rounding of a constant.
+    least = max(settings.SIGNIFICANT * 4 * error**2 / len(t), (1e-9 * typical) ** 2)
     silent = (pairs**2).sum(axis=0) < least
     missing = (settings.HARMONICS + 2) * frequency * error if memory > settings.WHITE else 0.0
     return np.where(silent, 0.0, pairs).ravel(), missing

@@ -36,7 +36,6 @@ from narrows.terms.tables import table_named
 TABLE = f"mmg+{FORM}"
 SEA = Water(1025.0)
 ALL_SHIPS = Calibration()
-GYRATION = 0.25  # Radius of gyration over L, Yasukawa and Yoshimura (2015) for KVLCC2; 0.25 to 0.27 is usual
 
 # Relative standard deviations of parts that no known ship calibrates, from the differences between the formulas, KVLCC2
 # and S-175.
@@ -45,13 +44,11 @@ INCREASE_SHARE = 0.10  # 1 + a_H in addition
 RESISTANCE_SHARE = 0.30
 THRUST_SHARE = 0.06
 
-FASTEST_FROUDE = 0.25  # Largest Froude number of the tests behind the formulas
 SHALLOWEST, DEEPEST = 1.2, 1e3  # h/T of the calibration; beyond it the water is deep
 DEEP = 3.0  # h/T from which water counts as deep for manoeuvring, PIANC (1992), by Vantorre et al. (2017)
 # Share by which the clearance below the keel may differ from that of the estimate: the laws of depth have its power
 # -0.82, so coefficients change by 16 %.
 NEAR_DEPTH = 0.2
-BANK_VERDICT = "estimated from other ships"
 NEEDED = ("length", "beam", "draft", "block_coefficient")
 
 
@@ -134,7 +131,7 @@ def estimated(
         coefficients,
         covariance=covariance,
         data_range=DataRange(
-            speed=(0.0, FASTEST_FROUDE * math.sqrt(GRAVITY * known.length)),
+            speed=(0.0, 0.25 * math.sqrt(GRAVITY * known.length)),  # Tests behind the formulas were no faster
             depth_to_draft=_depths_of(depth_to_draft),
             **tested_places(known, canal),
         ),
@@ -142,7 +139,7 @@ def estimated(
             text="formulas of the literature, calibrated on ships whose derivatives are known",
             estimate=" ".join(_sentences(known, filled, missing, usual_words, service, hull, depth_to_draft)),
         ),
-        verdicts=dict.fromkeys(bank_prior(), BANK_VERDICT),
+        verdicts=dict.fromkeys(bank_prior(), "estimated from other ships"),
     )
 
 
@@ -198,9 +195,10 @@ def _type_of(ship: Ship, kind: str | None) -> tuple[ShipType, str]:
 
 
 def _with_mass(ship: Ship, water: Water) -> Ship:
+    # The radius of gyration is 0.25 L, Yasukawa and Yoshimura (2015) for KVLCC2; 0.25 to 0.27 is usual.
     x_g = ship.x_g or 0.0
     mass = ship.mass or water.density * ship.block_coefficient * ship.length * ship.beam * ship.draft
-    inertia = ship.inertia or mass * ((GYRATION * ship.length) ** 2 + x_g**2)
+    inertia = ship.inertia or mass * ((0.25 * ship.length) ** 2 + x_g**2)
     return replace(ship, mass=mass, inertia=inertia, x_g=x_g)
 
 

@@ -24,7 +24,6 @@ from narrows.terms.term import TermTable
 RATE = 5.0
 # Zero offsets: of harmonic runs, of steady ones to starboard and to port, often made on different days.
 ZEROS = 3
-CRITERIA = ("c", "d")
 # Prior information relative to the largest of each parameter: almost none.
 RIDGE = 1e-9
 # Relative difference of the criterion within which runs count as equal: while a parameter is unknown, rounding over the
@@ -178,7 +177,6 @@ def _joined(made: NormalEquations, planned: NormalEquations) -> NormalEquations:
 OFFSETS, AMPLITUDES = (0.0, 0.35, 0.7), (0.3, 0.6, 1.0)
 # Starboard and port: each run off the centreline may be mirrored.
 SIDES = (1, -1)
-SAMPLES = 100
 # Steady motion of a run over the ship's length; and a limit above any tank's data, in SI.
 RUN_LENGTHS, MOST = 10.0, 1e5
 # Largest speed over the root of g L of a ship in a canal; largest number of samples in a run.
@@ -289,5 +287,5 @@ def _at(depth: float | None) -> str:
 
 def _reach(run: Run, ship: Ship) -> float:
     """Largest distance of the hull's corners from the centreline."""
-    columns = run.columns(SAMPLES / run.duration)
+    columns = run.columns(100 / run.duration)
     return float((np.abs(columns["y"]) + half_swept(ship, columns["psi"])).max())

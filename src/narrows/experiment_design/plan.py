@@ -13,7 +13,6 @@ from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, motion_of
 from narrows.empirical.fleet import published
 from narrows.errors import InputError, check_choice
 from narrows.experiment_design.information import (
-    CRITERIA,
     Tank,
     candidates,
     choose,
@@ -42,8 +41,6 @@ if TYPE_CHECKING:
 UNITS = {
     "offset": "m", "amplitude": "m", "period": "s", "speed": "m/s", "drift_deg": "deg", "depth": "m", "duration": "s",
 }  # fmt: skip
-# Largest number of runs after which standard errors are computed.
-MOST_STEPS = 24
 # Number of straight runs at the start of a plan for the bank.
 SEPARATING = 4
 
@@ -209,8 +206,8 @@ def plan_tests(
     # A tank too small for harmonic runs offers no other plan for comparison.
     best_harmonic = [centred[i] for i in choose(adds[centred], known, len(best), parameters, criterion)] or best
     given = (names, truth, terms, *assumed, made[0] if made else None)
-    # In long plans standard errors are those after some runs, repeated for the runs before.
-    counts = np.unique(np.linspace(1, len(best), min(len(best), MOST_STEPS)).astype(int)).tolist()
+    # In plans of more than 24 runs standard errors are those after some runs, repeated for the runs before.
+    counts = np.unique(np.linspace(1, len(best), min(len(best), 24)).astype(int)).tolist()
     chosen, harmonic = (tuple(offered[i] for i in own) for own in (best, best_harmonic))
     std = expected_errors(chosen, counts, *given)[np.searchsorted(counts, np.arange(1, len(best) + 1))]
     (usual,) = expected_errors(harmonic, [len(harmonic)], *given).tolist()
@@ -253,7 +250,7 @@ def _forms(terms: TermTable) -> list[TermTable]:
 def _check(runs: int, criterion: str, terms: TermTable, noise: Mapping[str, float], tank: Tank) -> None:
     if runs < 1:
         raise InputError(f"{runs} runs are no plan; ask for one or more")
-    check_choice("criterion", criterion, CRITERIA)
+    check_choice("criterion", criterion, ("c", "d"))
     for force, part in terms.forces.items():
         if part and not noise.get(force, 0.0) > 0:
             raise InputError(f"noise: {force} needs a positive standard deviation; give one for each force")

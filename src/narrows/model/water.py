@@ -63,10 +63,6 @@ def is_full(block_coefficient: Number) -> Number:
     return np.asarray(block_coefficient) >= formulas.TRIMLESS
 
 
-# Least radius of gyration over length, for a ship without a given inertia.
-SLENDEREST = 0.2
-
-
 def displacement(configuration: Configuration) -> float:
     """Return the mass of the water that a ship displaces at rest [kg]."""
     ship = configuration.ship
@@ -84,9 +80,9 @@ def ship_mass(configuration: Configuration) -> float:
 
 
 def ship_inertia(configuration: Configuration) -> float:
-    """Return the yaw inertia of a ship, with the least radius of gyration if not given [kg m2]."""
+    """Return the yaw inertia of a ship, with the least radius of gyration, 0.2 L, if not given [kg m2]."""
     ship = configuration.ship
-    return ship.inertia or ship_mass(configuration) * (SLENDEREST * ship.length) ** 2
+    return ship.inertia or ship_mass(configuration) * (0.2 * ship.length) ** 2
 
 
 def added_sway(configuration: Configuration) -> float:
