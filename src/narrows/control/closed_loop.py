@@ -81,16 +81,13 @@ class ClosedLoop(BaseSummary):
         ``seed`` is that of the sensor noise.
         """
         helm = SensedHelm(self, seed) if self.sensors else self.controller
-        return simulate(self.model, **{**self._begun(duration), "controller": helm, **voyage})
+        begun = {"y": self.y, "u": self.u, "x": self.x, "dt": self.dt, "waterway": self.waterway, **self.course}
+        time = settings.LOOP_DURATION * self._passing if duration is None else duration
+        return simulate(self.model, **{**begun, "duration": time, "controller": helm, **voyage})
 
     @property
     def _passing(self) -> float:
         return self.model.configuration.ship.length / self.u
-
-    def _begun(self, duration: float | None) -> dict[str, Any]:
-        time = settings.LOOP_DURATION * self._passing if duration is None else duration
-        point = {"y": self.y, "u": self.u, "x": self.x, "dt": self.dt, "waterway": self.waterway}
-        return {**point, **self.course, "duration": time}
 
     @cached_property
     def states(self) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from narrows.quantities.arithmetic import choice, maximum
 from narrows.safety.pilots import PILOTS, BestEstimateCourses, Pilot, limited_course, regulator_of
 from narrows.safety.request import STRAIGHT, Bend, Disturbance, Walls
 from narrows.safety.settings import BACK_LENGTHS, MOST_TRIALS, STEPS_A_LENGTH, TRIAL_BLOCK, TRIAL_LENGTHS
-from narrows.simulation.channel import Channel, bend_channel
+from narrows.simulation.channel import bend_channel
 from narrows.simulation.controllers import ControlLaw, Named
 from narrows.simulation.grid import Grid, grid_of
 from narrows.simulation.kernel_run import KernelRun
@@ -161,23 +161,19 @@ class _Trial:
             **{PARAMETER(name): value for name, value in recorder.parameters().items()},
             "wall_port": np.minimum(walls[0], half), "wall_starboard": np.minimum(walls[1], half),
         }  # fmt: skip
-        run = KernelRun(ship, steps * pace, pace, steering=steering, bend=self._bend(steps * pace, course))
+        duration, channel = steps * pace, None
+        if self.bend:  # It is longer at either end than any ship sails.
+            room = 1 - np.abs(self.bend.curvature * np.asarray(line))
+            way = duration * (np.hypot(course["u"], course["v"]) + abs(self.bend.current)) / room
+            length = 2 * REACH * hull.length + MARGIN * float(np.max(way))
+            channel = bend_channel(ship.model, ship.shape, walls, self.bend.curvature, self.bend.current, length)
+        run = KernelRun(ship, duration, pace, steering=steering, bend=channel)
         inputs |= {"x": REACH * hull.length} if run.bend else {}
         prepared = run.prepared(inputs, sailed.size, self.workers)
         prepared()
         ended = run.ended(prepared, inputs)
         late = np.maximum(ended[f"{MEMORY('farthest')}_end"], np.abs(ended["y_end"] - line))
         return np.asarray(sailed & (ended["outcome"] == Code.AFLOAT) & (late <= hull.beam / 2))
-
-    def _bend(self, duration: np.ndarray, course: Columns) -> Channel | None:
-        """The bend, longer at either end than any ship sails."""
-        if not self.bend:
-            return None
-        model, bend = self.ship.model, self.bend
-        room = 1 - np.abs(bend.curvature * np.asarray(course["y"]))
-        way = duration * (np.hypot(course["u"], course["v"]) + abs(bend.current)) / room
-        length = 2 * REACH * model.configuration.ship.length + MARGIN * float(np.max(way))
-        return bend_channel(model, self.ship.shape, self.walls, bend.curvature, bend.current, length)
 
 
 # Ship lengths of a bend before and after the trial, and its length over that of the ship's way [1].

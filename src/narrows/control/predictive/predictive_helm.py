@@ -98,7 +98,10 @@ class VoyageOrders:
         whole = np.where(np.isfinite(sensed), sensed, [expected.x, expected.speed, *expected.state])
         seen = Seen(t, float(whole[0]), float(whole[1]), whole[2:])
         if self._seen is not None and np.isfinite([state.v, state.r]).all():
-            self._estimate(seen, expected, elapsed)
+            force_of = self.course.track.force_of[0, self.course.track.nearest(seen.x)]
+            missing = force_of @ (seen.state - expected.state)[FORCED] / elapsed
+            share = float(self._share(np.array([seen.x]), seen.state[0])[0])
+            self.push = update_push(self.push, missing, share, elapsed, self.push_time)
         if not math.isfinite(self._order):
             self._order = float(seen.state[RUDDER])
             self._stages = [self._order] * STAGES
@@ -142,12 +145,6 @@ class VoyageOrders:
         rates, positions = np.full(2, turned / time), self.planner.positions
         places, after = predict(self.observer, x, states, seen.speed, rates, push, time, positions)
         return Seen(seen.t + time, float(places[0]), seen.speed, after[0])
-
-    def _estimate(self, seen: Seen, expected: Seen, elapsed: float) -> None:
-        force_of = self.course.track.force_of[0, self.course.track.nearest(seen.x)]
-        missing = force_of @ (seen.state - expected.state)[FORCED] / elapsed
-        share = self._share(np.array([seen.x]), seen.state[0])
-        self.push = update_push(self.push, missing, float(share[0]), elapsed, self.push_time)
 
     def _share(self, x: np.ndarray, y: float) -> np.ndarray:
         return share_of(np.full(len(x), y), self.course.water.at(x))
