@@ -264,7 +264,17 @@ def design(
         best = searched(cost, np.append(np.zeros(len(TUNED)), DEFAULT_WEIGHTS.bank), rounds)
     weights = weights_at(best) or DEFAULT_WEIGHTS
     judge = DesignTrials(geared, y, u, scenes, settings.DESIGN_JUDGES * ships, seed + 1, noise)
-    return RegulatorDesign(geared, float(y), float(u), weights, _judged(judge, weights))
+    tuned, default = judge.run(weights), judge.run(DEFAULT_WEIGHTS)
+    assert tuned is not None
+    assert default is not None
+    judged = {
+        name: {
+            "lost": float(tuned.lost[row].mean()), "usual": float(default.lost[row].mean()),
+            "travel": float(np.median(tuned.travel[row])), "usual_travel": float(np.median(default.travel[row])),
+        }
+        for row, name in enumerate(SCENES)
+    }  # fmt: skip
+    return RegulatorDesign(geared, float(y), float(u), weights, judged)
 
 
 def with_gear(model: Model, gear: SteeringGear) -> Model:
@@ -282,19 +292,6 @@ def cost_of(result: TrialResult) -> float:
     usual = settings.FULL_TRAVEL * TRIAL_LENGTHS
     travel = np.minimum(result.travel, 2 * usual).mean() / usual
     return float(result.lost.mean() + settings.OFF_SHARE * late + settings.TRAVEL_SHARE * travel)
-
-
-def _judged(trials: DesignTrials, weights: RegulatorWeights) -> dict[str, dict[str, float]]:
-    tuned, default = trials.run(weights), trials.run(DEFAULT_WEIGHTS)
-    assert tuned is not None
-    assert default is not None
-    return {
-        name: {
-            "lost": float(tuned.lost[row].mean()), "usual": float(default.lost[row].mean()),
-            "travel": float(np.median(tuned.travel[row])), "usual_travel": float(np.median(default.travel[row])),
-        }
-        for row, name in enumerate(SCENES)
-    }  # fmt: skip
 
 
 def searched(cost: Callable[[np.ndarray], float], start: np.ndarray, rounds: int) -> np.ndarray:

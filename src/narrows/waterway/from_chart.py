@@ -161,13 +161,16 @@ def read_chart(path: str | Path) -> Chart:
         unit = _read(pyogrio, path, "DSID", ("DSPM_DUNI",))[1]["DSPM_DUNI"]
         if len(unit) and unit[0] != METRES:
             raise InputError(f"{path}: its depths are not in metres (unit {unit[0]}); convert the cell")
-        banks = [line for layer in BANKS if layer in names for line in _lines(pyogrio, path, layer)]
-        areas = []
-        for layer in DEPTH_AREAS:
-            if layer in names:
-                shapes, columns = _read(pyogrio, path, layer, ("DRVAL1",))
-                least = columns.get("DRVAL1", np.full(len(shapes), np.nan))
-                areas += [(area, float(least[number])) for number, area in _parts(shapes, "Polygon")]
+        banks, areas = list[np.ndarray](), list[tuple[Any, float]]()
+        for layer in (one for one in BANKS if one in names):
+            shapes, _ = _read(pyogrio, path, layer, ())
+            lines = [line for _, line in _parts(shapes, "LineString")]
+            rings = [ring for _, area in _parts(shapes, "Polygon") for ring in (area.exterior, *area.interiors)]
+            banks += [np.array(line.coords)[:, :2] for line in (*lines, *rings)]
+        for layer in (one for one in DEPTH_AREAS if one in names):
+            shapes, columns = _read(pyogrio, path, layer, ("DRVAL1",))
+            least = columns.get("DRVAL1", np.full(len(shapes), np.nan))
+            areas += [(area, float(least[number])) for number, area in _parts(shapes, "Polygon")]
     except pyogrio.errors.DataSourceError as error:
         raise InputError(f"{path}: is not a cell of an electronic chart ({str(error).split(';')[0]})") from None
     return Chart(tuple(banks), tuple(areas), path.stem)
@@ -190,12 +193,3 @@ def _parts(shapes: np.ndarray, kind: str) -> Iterator[tuple[int, Any]]:
     for part, number in zip(parts, whose.tolist(), strict=True):
         if part.geom_type == kind and not part.is_empty:
             yield number, part
-
-
-def _lines(pyogrio: Any, path: Path, layer: str) -> Iterator[np.ndarray]:
-    shapes, _ = _read(pyogrio, path, layer, ())
-    for _, line in _parts(shapes, "LineString"):
-        yield np.array(line.coords)[:, :2]
-    for _, area in _parts(shapes, "Polygon"):
-        for ring in (area.exterior, *area.interiors):
-            yield np.array(ring.coords)[:, :2]
