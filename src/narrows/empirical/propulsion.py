@@ -93,7 +93,7 @@ def estimated_rudder(ship: Ship, hull: Hull, kind: ShipType, propeller: Propelle
         wake_ratio=ratio,
         slipstream=0.55 / ratio,
         in_slipstream=min(propeller.diameter / math.sqrt(ASPECT_RATIO * area), 1.0),
-        position=-0.9,  # l_R', as the rest
+        position=-0.9,  # l_R', Yoshimura and Masumoto (2012)
         straightening_starboard=straightening,
         straightening_port=straightening,
     )

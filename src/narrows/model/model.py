@@ -42,7 +42,7 @@ class Operations(BaseResult):
         return narrows.derivative(self, state, **given)
 
     def step(self: Any, state: Any, dt: float, **given: Any) -> np.ndarray:
-        """Return x, y, psi, u, v, r one step of the engine later [s], (6,)."""
+        """Return x, y, psi, u, v, r, (6,), one step ``dt`` [s] of the engine later."""
         return narrows.step(self, state, dt, **given)
 
     def linearize(self: Any, *at: float, **options: Any) -> "narrows.control.LinearSystem":
@@ -54,7 +54,7 @@ class Operations(BaseResult):
         return narrows.simulate(self, *start, **given)
 
     def scale(self: Any, length: float, **given: Any) -> "narrows.Scaled":
-        """Scale the model to a length [m]: a ``Scaled`` with the new model and the effects that do not scale."""
+        """Scale the model to a length [m] by Froude's law: a ``Scaled``, with the effects that do not scale."""
         return narrows.scale_model(self, length, **given)
 
     @accept_aliases

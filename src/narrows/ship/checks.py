@@ -130,6 +130,8 @@ def check_number(location: str, value: object) -> None:
     """Raise if a value, or one of a column, is not a finite number."""
     known: Any = value
     finite = np.isfinite(known) if hasattr(value, "dims") else is_finite(value)
+    if finite is True and abs(known) < LARGEST:  # A plain number, in a twentieth of the time of a column
+        return
     _check(finite, "{} is not a finite number; give it in SI units", {"": value}, {"": location})
     _check(abs(known) < LARGEST, "{} is beyond all measure; check its unit", {"": value}, {"": location})
 
