@@ -31,12 +31,9 @@ class HarmonicMotion(NamedTuple):
     def acceleration(self, velocity: str, t: np.ndarray) -> np.ndarray:
         # t (rows,) [s]
         cosine, sine = np.split(self.harmonics[velocity], 2)
-        result = np.zeros(len(t))
-        for k, (a, b) in enumerate(zip(cosine, sine, strict=True), start=1):
-            rate = k * self.frequency
-            if a or b:
-                result += rate * (b * np.cos(rate * t) - a * np.sin(rate * t))
-        return result
+        rates = self.frequency * np.arange(1, len(sine) + 1)
+        angles = np.outer(t, rates)
+        return np.asarray(np.cos(angles) @ (rates * sine) - np.sin(angles) @ (rates * cosine))
 
 
 UNKNOWN = HarmonicMotion(0.0, {}, {})

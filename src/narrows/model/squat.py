@@ -125,9 +125,6 @@ class Squat(BaseResult):
     critical_speed: float
     notes: tuple[str, ...]
 
-    def __repr__(self) -> str:
-        return f"<Squat: {self.summary()}>"
-
     def to_dataframe(self) -> "pd.DataFrame":
         """Return it as a table of one row, by the formula's name."""
         import pandas as pd
