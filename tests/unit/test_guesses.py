@@ -253,6 +253,8 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     'nw.squat(formula="barrass")': (lambda: nw.squat(KCS, 4.0, formula="barrass"), "give gives='largest'"),
     "nw.simulate(speed_knots=)": (lambda: nw.simulate(DTC, speed_knots=8), "write u=... in m/s, as 8 [*] 0.514444"),
     "nw.turning_circle(speed_knots=)": (lambda: nw.turning_circle(KCS, speed_knots=8), "write speed=... in m/s"),  # type: ignore[call-arg]
+    "nw.turning_circle(wind_speed=)": (lambda: nw.turning_circle(KCS, wind_speed=8), "its arguments: model, rudder"),  # type: ignore[call-arg]
+    "nw.wind_force(wind_speed=)": (lambda: nw.wind_force(wind_speed=8.0, area=1e3), "write speed=..., of the wind"),  # type: ignore[call-arg]
     "nw.turning_circle(rudder_deg=)": (lambda: nw.turning_circle(KCS, rudder_deg=35), "in degrees for turning"),  # type: ignore[call-arg]
     "nw.scale(scale_factor=)": (lambda: nw.scale(DTC, scale_factor=89.11), "write length=... of the other ship"),  # type: ignore[attr-defined]
     "model.to_full_scale": (lambda: DTC.to_full_scale(89.11), r"write scale\(length\)"),  # type: ignore[attr-defined]
@@ -422,7 +424,7 @@ assert nw.Waterway.from_geojson is nw.read_waterway and nw.doe is nw.plan_tests
 assert nw.linearization is nw.control.linearize
 same = nw.simulate(model=pub, y=0.5, Y_ext=0.0, N_ext=0.0, V=1.0, duration=1.0)
 assert same == nw.simulate(vessel=pub, y=0.5, u=1.0, tf=1.0)
-assert nw.wind_force(wind_speed=10.0, windage=5.0, Cd=0.9) == nw.wind_force(10.0, 5.0, 0.9)
+assert nw.wind_force(speed=10.0, windage=5.0, Cd=0.9) == nw.wind_force(10.0, 5.0, 0.9)
 assert nw.squat(kcs, V=4.0, where="bow") == nw.squat(kcs, 4.0, "bow") and nw.GPS(1.0, delay=0.5).late == 0.5
 env = nw.safe_envelope(kcs, ys=[0.0], speeds=[4.0], ukc=1.0, rudder_reserve=0.2, verbose=False)
 assert env.data.attrs["reserve"] == 0.2
