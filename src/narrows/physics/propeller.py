@@ -11,6 +11,8 @@ from narrows.quantities.names import Number
 # advance -u/(n D) between the two ADVANCES and beyond them.
 WITHOUT_ADVANCE, BETWEEN, BEYOND = -5.58e-4, -7.99e-3, 5.87e-3
 ADVANCES = 0.06, 0.35
+# An angle [rad] that counts as zero, without a side.
+NOTHING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,7 @@ def wake_share(at: PropellerQuantities) -> Number:
     angle = angle_to_propeller(at)
     middle = (at.propeller_wake_starboard + at.propeller_wake_port) / 2
     half = (at.propeller_wake_starboard - at.propeller_wake_port) / 2
-    return middle + half * angle / (abs(angle) + 1e-9)  # Such an angle has no side
+    return middle + half * angle / (abs(angle) + NOTHING)
 
 
 def loading(at: PropellerQuantities) -> Number:
