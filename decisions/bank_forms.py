@@ -161,9 +161,7 @@ def figure() -> Figure:
             panel.plot(np.arange(len(names)) + 0.09 * (i - 2.5), errors / errors.min(), label=label, **style)
         panel.set(yscale="log", ylabel=f"RMSE of left-out {force},\nover the best form's [1]")
         panel.yaxis.set_major_formatter("{x:g}")
-    axes[1, 0].set_xticks(
-        range(len(names)), [name.removeprefix("bank only: ") for name in names], rotation=20, ha="right"
-    )
+    axes[1, 0].set_xticks(range(len(names)), names, rotation=20, ha="right")
     axes[1, 0].set_xlabel("form of the bank term [-]")
     axes[0, 0].legend(frameon=False, fontsize=6.5, loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=1)
     return figure

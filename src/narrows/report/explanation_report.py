@@ -44,7 +44,8 @@ def _row(explanation: Explanation, name: str) -> dict[str, Any]:
 
 def _said(name: str, coefficient: dict[str, Any]) -> str:
     low, high = coefficient["ci95"]
-    return f"{name}{f' {low:.3g} to {high:.3g}' * bool(np.isfinite(high - low))} ({coefficient['verdict']})"
+    known = f" {low:.3g} to {high:.3g}" if np.isfinite([low, high]).all() else ""
+    return f"{name}{known} ({coefficient['verdict']})"
 
 
 def print_explanation(explanation: Explanation, label: str = "") -> None:
