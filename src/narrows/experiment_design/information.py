@@ -58,7 +58,8 @@ def information_of(
         part, whole = table.forces[force], np.broadcast_to(np.asarray(expected.get(force, 0.0), float), rows)
         a = np.array([*(np.broadcast_to(term.column(values), rows) for term in part), np.ones(rows)])
         scaled = a / np.maximum(np.linalg.norm(a, axis=1), 1e-300)[:, None]
-        found, _, rank, _ = np.linalg.lstsq(scaled.T, whole, rcond=3e-5)  # Below it rounding
+        # A direction whose singular value is less than 3e-5 of the largest is rounding.
+        found, _, rank, _ = np.linalg.lstsq(scaled.T, whole, rcond=3e-5)
         variance = noise[force] ** 2 * max(1.0, 2 * correlation_time * RATE)
         variance += errors.form**2 * float(whole @ whole) / max(rank, 1)
         shared = np.stack([errors.gain * (found @ scaled), np.full(rows, errors.zero * level.get(force, 0.0))])
@@ -114,7 +115,7 @@ def choose(runs: np.ndarray, known: np.ndarray, count: int, targets: Sequence[in
     chosen: list[int] = []
     for _ in range(min(count, len(runs))):
         chosen.append(best(chosen, range(len(runs))))
-    for _ in range(20):
+    for _ in range(20):  # Rounds of exchanges, at most
         before = list(chosen)
         for i in range(len(chosen)):
             chosen[i] = best(chosen[:i] + chosen[i + 1 :], range(len(runs)))

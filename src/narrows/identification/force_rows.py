@@ -96,6 +96,7 @@ class ForceRows:
 
     def size(self, force: int, term: Term) -> float:
         """Force per unit of a term's column that a change of the term by one is taken for."""
+        # A small term whose slope is let vary counts as a tenth of the force's level.
         rms, level = max(self.rms(self.raw(term.name)), 1e-300), self.level[force]
         return float(np.clip(abs(self.theta[self.place(term)]) * rms, 0.1 * level, level) / rms)
 

@@ -38,7 +38,7 @@ class Operations(BaseResult):
     """Simulation, derivatives and equations of a model, as methods."""
 
     def derivative(self: Any, state: Any, **given: Any) -> np.ndarray:
-        """Return the rates of x, y, psi, u, v, r of the free ship, (6,...), from the engine."""
+        """Return the rates of x, y, psi, u, v, r of the free ship, (6,...), from the engine, in SI."""
         return narrows.derivative(self, state, **given)
 
     def step(self: Any, state: Any, dt: float, **given: Any) -> np.ndarray:
@@ -46,11 +46,11 @@ class Operations(BaseResult):
         return narrows.step(self, state, dt, **given)
 
     def linearize(self: Any, *at: float, **options: Any) -> "narrows.control.LinearSystem":
-        """Linearise the motion about a steady course, to a ``LinearSystem``."""
+        """Linearise the motion about a steady course at y [m] and u [m/s], to a ``LinearSystem``."""
         return narrows.control.linearize(self, *at, **options)
 
     def simulate(self: Any, *start: float, **given: Any) -> "narrows.Voyage":
-        """Simulate one voyage, to a ``Voyage``."""
+        """Simulate one voyage, from y [m] at u [m/s], to a ``Voyage``."""
         return narrows.simulate(self, *start, **given)
 
     def scale(self: Any, length: float, **given: Any) -> "narrows.Scaled":
