@@ -196,10 +196,12 @@ class StochasticModel:
         trim = Process(f"{HELM}_trim", ERROR(HELM), TRIM, np.inf)
         aim = Process(f"{HELM}_aim", ERROR(HELM), AIMED, AIM_STAYS * length / u)
         numbers = [("std", aim.name), ("memory", aim.name), ("noise", HELM)]
-        estimated = [Estimated(of, (name,), SPREAD_OF_STRENGTH) for of, name in numbers]
+        *of_aim, of_helm = (Estimated(of, (name,), SPREAD_OF_STRENGTH) for of, name in numbers)
+        # Noise comes last: where the search ends depends a little on the order.
+        first = sum(one.of != "noise" for one in self.estimated)
         return replace(
             self, processes=(*self.processes, *gains, trim, aim), noise={**self.noise, HELM: HELM_NOISE},
-            estimated=(*self.estimated, *estimated),
+            estimated=(*self.estimated[:first], *of_aim, *self.estimated[first:], of_helm),
         )  # fmt: skip
 
 
