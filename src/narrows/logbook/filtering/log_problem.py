@@ -284,7 +284,7 @@ class LogProblem(Unknowns):
     # Standard deviation of a step over ship lengths and speeds, for rounding alone. At 1e-5 the filter follows a
     # position that is measured to millimetres instead of the model, and the estimated noise vanishes.
     walk: float = 1e-7
-    _last: dict[bytes, tuple[RecordedMotion, np.ndarray]] = field(default_factory=dict, init=False)
+    _last: dict[bytes, tuple[RecordedMotion, np.ndarray]] = field(default_factory=dict, init=False, repr=False)
 
     @property
     def spreads(self) -> np.ndarray:
