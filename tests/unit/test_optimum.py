@@ -8,7 +8,7 @@ from scipy import stats
 from scipy.optimize import lsq_linear
 
 import narrows as nw
-from narrows.identification.least_squares import check, solve
+from narrows.identification.least_squares import kkt_residuals, solve
 
 
 def problem(seed: int, rank: int, size: int = 5) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -89,15 +89,15 @@ def test_a_point_off_the_optimum_is_told_from_it(i: int, move: float) -> None:
     matrix, right, lower, upper = problem(3, 5)
     h, g = matrix.T @ matrix, matrix.T @ right
     z = solve(h, g, lower, upper).z
-    assert check(h, g, z, lower, upper).satisfied
+    assert kkt_residuals(h, g, z, lower, upper).satisfied
     z[i] += move
-    assert not check(h, g, z, lower, upper).satisfied
+    assert not kkt_residuals(h, g, z, lower, upper).satisfied
 
 
 def test_a_bound_with_the_wrong_sign_of_multiplier_is_told() -> None:
     """Inside the bounds and stationary in what is free, yet not optimal: the held one wants to leave."""
     h, g, lower, upper = np.eye(2), np.array([1.0, 1.0]), np.zeros(2), np.full(2, np.inf)
-    found = check(h, g, np.array([1.0, 0.0]), lower, upper)
+    found = kkt_residuals(h, g, np.array([1.0, 0.0]), lower, upper)
     assert (found.stationarity, found.infeasibility) == (0.0, 0.0)
     assert found.multiplier == pytest.approx(1.0)
     assert not found.satisfied

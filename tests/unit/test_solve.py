@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import lsq_linear
 
 import narrows as nw
-from narrows.identification.least_squares import check, reduced, solve
+from narrows.identification.least_squares import bounded_problem, kkt_residuals, solve
 from narrows.identification.normal_equations import accumulate
 
 
@@ -75,10 +75,10 @@ def test_solver_agrees_with_every_active_set(seed: int) -> None:
 
 def test_conditions_fail_at_a_wrong_point() -> None:
     h, g, lower, upper = np.eye(2), np.array([1.0, -1.0]), np.zeros(2), np.full(2, np.inf)
-    assert check(h, g, np.array([1.0, 0.0]), lower, upper).satisfied
-    assert check(h, g, np.array([0.5, 0.0]), lower, upper).stationarity == pytest.approx(0.5)
-    assert check(h, g, np.array([0.0, 0.0]), lower, upper).multiplier == pytest.approx(1.0)
-    assert check(h, g, np.array([1.0, -0.1]), lower, upper).infeasibility == pytest.approx(0.1)
+    assert kkt_residuals(h, g, np.array([1.0, 0.0]), lower, upper).satisfied
+    assert kkt_residuals(h, g, np.array([0.5, 0.0]), lower, upper).stationarity == pytest.approx(0.5)
+    assert kkt_residuals(h, g, np.array([0.0, 0.0]), lower, upper).multiplier == pytest.approx(1.0)
+    assert kkt_residuals(h, g, np.array([1.0, -0.1]), lower, upper).infeasibility == pytest.approx(0.1)
 
 
 def test_a_direction_without_data_stays_at_its_smallest_norm() -> None:
@@ -91,9 +91,9 @@ def test_a_direction_without_data_stays_at_its_smallest_norm() -> None:
 def test_sums_are_those_of_the_rows(short: nw.CaptiveTests) -> None:
     equations, envelope = accumulate(short, nw.PAPER)
     matrix, right, _ = stacked(short)
-    h, g = reduced(equations, nw.PAPER).normal(equations.total)
-    scale = reduced(equations, nw.PAPER).scale
-    order = [reduced(equations, nw.PAPER).slot[name] for name in nw.PAPER.names if name != "c_vdot"]
+    h, g = bounded_problem(equations, nw.PAPER).normal(equations.total)
+    scale = bounded_problem(equations, nw.PAPER).scale
+    order = [bounded_problem(equations, nw.PAPER).slot[name] for name in nw.PAPER.names if name != "c_vdot"]
     np.testing.assert_allclose(
         (h * np.outer(scale, scale))[np.ix_(order, order)], matrix.T @ matrix, rtol=1e-10, atol=1e-9
     )

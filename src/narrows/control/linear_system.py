@@ -19,7 +19,7 @@ UNITS = {
     "y": "m", "psi": "rad", "u": "m/s", "v": "m/s", "r": "rad/s", "rudder": "rad", "revolutions": "1/s", "X": "N",
     "Y": "N", "N": "N m", "current": "m/s", "curvature": "1/m",
 }  # fmt: skip
-RANK_TOLERANCE = 1e-9  # Smallest singular value relative to the largest [1]
+RANK_TOLERANCE = 1e-9  # Smallest singular value relative to the largest that counts in a rank [1]
 LOWEST, HIGHEST = 1e-5, 1e5  # Frequency range of margins, relative to speed over length [rad]
 
 
@@ -28,12 +28,12 @@ class LinearSystem(BaseResult):
     """A ship near its steady course: dx/dt = A x + B u + G d, exact in the limit of small x, u and d.
 
     x, u and d are deviations of state, controls and disturbances from the course. With several courses, the dimensions
-    of ``course`` come first in the matrices; methods about one course then raise ``InputError``: take it by ``one``.
+    of ``course`` come first in the matrices; methods for one course then raise ``InputError``: choose one by ``one``.
     """
 
     A: np.ndarray  # (..., states, states) Rates by states
     B: np.ndarray  # (..., states, controls) Rates by positions of actuators
-    # (..., states, disturbances) Rates by external forces, the current along the line and the curvature of the line
+    # (..., states, disturbances) Rates by external forces, the current along the line, and the line's curvature
     G: np.ndarray
     states: tuple[str, ...]  # Names of rows and columns, in ``units``
     controls: tuple[str, ...]
@@ -64,7 +64,7 @@ class LinearSystem(BaseResult):
         return self._of_one(self.A), self._of_one(self.B)[:, columns]
 
     def rates(self, x: np.ndarray, u: np.ndarray, d: np.ndarray) -> np.ndarray:
-        """Return the rates of the states of one course, by absolute states, positions of actuators and disturbances."""
+        """Return the nonlinear rates of the states at absolute states x, actuator positions u and disturbances d."""
         names = (*self.states, *self.controls, *self.disturbances)
         rates = self.motion({**self.course, **dict(zip(names, (*x, *u, *d), strict=True))})
         return np.array([float(rates[name]) for name in self.states])
@@ -105,10 +105,10 @@ class LinearSystem(BaseResult):
         """
         A, B = self.matrices(*controls)
         scales = self._scales()
-        A, B = self._time() * A * scales / scales[:, None], B / scales[:, None]
+        A, B = self._time_scale() * A * scales / scales[:, None], B / scales[:, None]
         sizes = np.linalg.norm(B, axis=0)
-        step = B / np.where(sizes > 0, sizes, 1.0)
-        reached = np.hstack([np.linalg.matrix_power(A, power) @ step for power in range(len(A))])
+        unit_columns = B / np.where(sizes > 0, sizes, 1.0)
+        reached = np.hstack([np.linalg.matrix_power(A, power) @ unit_columns for power in range(len(A))])
         return int(np.linalg.matrix_rank(reached, tol=RANK_TOLERANCE * np.linalg.norm(reached, 2)))
 
     def margins(self, gains: Any, control: str = "rudder") -> dict[str, float]:
@@ -129,7 +129,7 @@ class LinearSystem(BaseResult):
             whole = np.zeros((count + 2, count + 2))
             whole[:count, :count], whole[count], whole[count + 1, self.states.index("y")] = A, -gains, 1.0
             A, B, C = whole, np.vstack([B, np.zeros((2, 1))]), -np.eye(count + 2)[count : count + 1]
-        return loop_margins(A, B, C, LOWEST / self._time(), HIGHEST / self._time())
+        return loop_margins(A, B, C, LOWEST / self._time_scale(), HIGHEST / self._time_scale())
 
     def state_space(self) -> Any:
         """Return one course as a state space of python-control, with named states, inputs and outputs.
@@ -220,7 +220,8 @@ class LinearSystem(BaseResult):
             raise InputError("these are several courses at once; linearise about one y and one u")
         return matrix
 
-    def _time(self) -> float:
+    def _time_scale(self) -> float:
+        """Time of one ship length [s]."""
         return self.length / float(self.course["u"])
 
     def _scales(self) -> np.ndarray:
@@ -233,9 +234,9 @@ class LinearSystem(BaseResult):
 def loop_margins(
     A: np.ndarray, B: np.ndarray, C: np.ndarray, lowest: float, highest: float, dt: float = 0.0
 ) -> dict[str, float]:
-    """Return the margins of an opened loop, with the sign of negative feedback; it is discrete if dt is over 0."""
+    """Return the margins of the loop C (sI - A)^-1 B under negative feedback, or a discrete one if dt [s] is over 0."""
     # Astrom and Murray (2021), Feedback Systems, 2nd ed., section 10.3. Crossings between two frequencies of a fine
-    # grid are refined by bisection.
+    # grid are refined by 40 bisections; "distance" is the modulus margin, from -1 to the Nyquist curve.
     unit = np.eye(len(A))
 
     def response(omega: np.ndarray) -> np.ndarray:
@@ -256,12 +257,12 @@ def loop_margins(
             low, high = np.where(same, middle, low), np.where(same, high, middle)
         return np.sqrt(low * high)
 
-    at_one = crossings(lambda at: np.abs(at) - 1.0, True)
+    gain_crossings = crossings(lambda at: np.abs(at) - 1.0, True)
     # Phase crossing at half a turn: the imaginary part changes its sign while the real part is negative.
-    at_half_turn = crossings(np.imag, loop.real[:-1] < 0)
-    factors, phase = 1.0 / np.abs(response(at_half_turn)), np.angle(-response(at_one))
+    phase_crossings = crossings(np.imag, loop.real[:-1] < 0)
+    factors, phase = 1.0 / np.abs(response(phase_crossings)), np.angle(-response(gain_crossings))
     # A delay turns the loop clockwise: the delay margin is the clockwise angle to half a turn.
-    delays = np.mod(phase, 2 * math.pi) / at_one
+    delays = np.mod(phase, 2 * math.pi) / gain_crossings
     distance = float(np.abs(1.0 + loop).min())
     return {
         "gain": float(factors[factors > 1].min(initial=math.inf)),

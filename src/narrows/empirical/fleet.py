@@ -32,17 +32,17 @@ class EstimatedShip:
     speed: float | None = None  # Service speed [m/s]
 
 
-def _estimated(ship: dict[str, Any], canal: dict[str, Any], speed_knots: float = 0.0, **words: str) -> EstimatedShip:
+def _ship_of_row(ship: dict[str, Any], canal: dict[str, Any], speed_knots: float = 0.0, **labels: str) -> EstimatedShip:
     speed = speed_knots * KNOT or None
-    return EstimatedShip(Ship(**ship), Canal(**canal), speed=speed, **words)
+    return EstimatedShip(Ship(**ship), Canal(**canal), speed=speed, **labels)
 
 
 _ROWS = tomllib.loads(Path(__file__).with_suffix(".toml").read_text(encoding="utf-8"))
-ESTIMATED_SHIPS = MappingProxyType({name: _estimated(**row) for name, row in _ROWS.items()})
+ESTIMATED_SHIPS = MappingProxyType({name: _ship_of_row(**row) for name, row in _ROWS.items()})
 
 
 @cache
-def _ready_ships() -> dict[str, Callable[[], Model]]:
+def _loaders() -> dict[str, Callable[[], Model]]:
     paths = sorted(Path(str(files("narrows") / "model" / "published")).glob("*.toml"))
     printed = {path.stem: lambda path=path: load_model(path) for path in paths}
     estimates = {name: lambda row=row: _estimate(row) for name, row in ESTIMATED_SHIPS.items()}
@@ -50,7 +50,7 @@ def _ready_ships() -> dict[str, Callable[[], Model]]:
 
 
 def _estimate(row: EstimatedShip) -> Model:
-    from narrows.empirical.main_dimensions import estimate_model  # Its statistics load slowly
+    from narrows.empirical.main_dimensions import estimate_model  # SciPy's statistics load slowly
 
     return estimate_model(row.ship, row.canal, kind=row.kind, speed=row.speed)
 
@@ -67,12 +67,12 @@ def published(name: str | None = None) -> "Model | list[str]":
     Parameters
     ----------
     name : str, optional
-        As in ``mikkelsen2025_dtc``; all names unless given.
+        Name of the ship, as ``mikkelsen2025_dtc``; the names of all ships unless given.
 
     Returns
     -------
     Model or list of str
-        With its citation in ``source``; or the names.
+        The model, with its citation in ``source``; or the names.
 
     Raises
     ------
@@ -84,23 +84,22 @@ def published(name: str | None = None) -> "Model | list[str]":
     >>> nw.published("mikkelsen2025_dtc").ship.name
     'DTC 1:89.11'
     """
-    ready = _ready_ships()
+    loaders = _loaders()
     if name is None:
-        return list(ready)
-    if name not in ready:
-        raise InputError(f"no published model is called {name!r}{did_you_mean(name, ready)}")
-    return ready[name]()
+        return list(loaders)
+    if name not in loaders:
+        raise InputError(f"no published model is called {name!r}{did_you_mean(name, loaders)}")
+    return loaders[name]()
 
 
 def model_named(name: str, width: float | None = None, depth: float | None = None) -> Model:
     """Return a model by its file or name, in a canal of another width and depth [m] if given."""
-    sizes = {"width": width, "depth": depth}
-    given = {side: size for side, size in sizes.items() if size is not None}
-    if given and name in ESTIMATED_SHIPS:  # Its formulas take the depth.
+    changes = {size: value for size, value in (("width", width), ("depth", depth)) if value is not None}
+    if changes and name in ESTIMATED_SHIPS:  # The formulas of an estimate depend on depth.
         row = ESTIMATED_SHIPS[name]
-        return _estimate(replace(row, canal=replace(row.canal, **given)))
+        return _estimate(replace(row, canal=replace(row.canal, **changes)))
     model = load_model(name) if "." in name or "/" in name or os.path.exists(name) else published(name)
-    return model.with_canal(**given) if given else model
+    return model.with_canal(**changes) if changes else model
 
 
 def ready_ships() -> "pd.DataFrame":

@@ -11,7 +11,7 @@ from narrows.errors import InputError
 from narrows.identification.estimates import joint_forces
 from narrows.identification.fit import Fit
 from narrows.identification.force_rows import ForceRows
-from narrows.identification.least_squares import free_parameters, reduced
+from narrows.identification.least_squares import bounded_problem, free_parameters
 from narrows.identification.motions import distinct_motions
 from narrows.identification.normal_equations import ONE, NormalEquations, accumulate
 from narrows.identification.systematic_effects import RunErrors, assemble
@@ -149,7 +149,7 @@ def expected_errors(
     for count in counts:
         equations = planned.of_tests([run.name for run in runs[:count]])
         equations = equations if made is None else _joined(made.normal_equations, equations)
-        motions, problem = distinct_motions(equations), reduced(equations, terms)
+        motions, problem = distinct_motions(equations), bounded_problem(equations, terms)
         std = np.zeros(len(problem.scale))
         for own in joint_forces(problem):
             rows = ForceRows(equations, motions, problem, own, np.array([within[force] for force in own]))

@@ -13,7 +13,7 @@ from narrows.captive.read import as_tests, read_captive
 from narrows.captive.tests import CaptiveTests, Tests
 from narrows.errors import InputError, check_choice, did_you_mean, shown
 from narrows.identification.fit import Fit
-from narrows.identification.least_squares import reduced
+from narrows.identification.least_squares import bounded_problem
 from narrows.identification.motions import distinct_motions, numbered
 from narrows.identification.normal_equations import Balance, Score, accumulate, score
 from narrows.identification.systematic_effects import RunErrors
@@ -112,7 +112,7 @@ def identify(
         raise InputError(f"{rudder}, or fit all the same (--pass-over rudder, in Python pass_over='rudder')")
     if len(equations.tests) < 2:
         raise InputError(f"one row of test {equations.tests[0]} is all there is; standard errors need two or more")
-    problem = reduced(equations, terms)
+    problem = bounded_problem(equations, terms)
     motions = distinct_motions(equations)
     if len(motions) > 1:
         left_out = score(equations, motions.sums, terms, problem.fits(motions.without))

@@ -10,12 +10,12 @@ from narrows.errors import InputError
 from narrows.identification.normal_equations import NormalEquations
 from narrows.terms.term import TermTable
 
-KKT_TOLERANCE = 1e-8
-# Smallest singular value, over the largest, that counts; sums of products keep about eight digits of it.
+KKT_TOLERANCE = 1e-8  # Largest relative residual of an optimum [1]
+# Smallest singular value over the largest that counts as data [1]; sums of products resolve about 1e-8 of it.
 RANK_TOLERANCE = 1e-6
-# Added to the unit diagonal: keeps directions without data at 0, a tenth of what still counts as data.
+# Ridge on the unit diagonal: sets directions without data to 0; a tenth of the least eigenvalue that counts as data.
 RIDGE = 0.1 * RANK_TOLERANCE**2
-ROUNDS = 25  # Changes of the active sets of a stack before a problem is solved by itself
+ROUNDS = 25  # Most updates of the active sets; a problem that still changes is solved by itself
 CHUNK = 4096  # Problems of a stack that are solved at once
 
 
@@ -41,20 +41,20 @@ class Problem:
         """Assemble H (..., p, p) and g (..., p) from sums of products (..., m, m)."""
         size = len(self.scale)
         h, g = np.zeros((*sums.shape[:-2], size, size)), np.zeros((*sums.shape[:-2], size))
-        for force in filter(self.terms.forces.get, self.terms.forces):
-            names = [term.name for term in self.terms.forces[force]]
+        fitted = {force: [term.name for term in terms] for force, terms in self.terms.forces.items() if terms}
+        for force, names in fitted.items():
             slots, columns = [self.slot[name] for name in names], [self.columns[name] for name in names]
             scaled = np.eye(size)[slots] / self.scale  # Two coefficients of one force may share a parameter
-            own = sums[..., columns, :]
-            h += scaled.T @ own[..., columns] @ scaled
-            g += own[..., self.columns[force]] @ scaled
+            rows = sums[..., columns, :]
+            h += scaled.T @ rows[..., columns] @ scaled
+            g += rows[..., self.columns[force]] @ scaled
         return h, g
 
     def solve(self, sums: np.ndarray) -> "Solution":
         return solve(*self.normal(sums), self.lower, self.upper)
 
     def fits(self, sums: np.ndarray) -> np.ndarray:
-        """Coefficients (..., n) fitted to the rows behind each of some sums (groups, m, m)."""
+        """Return the coefficients (groups, n) fitted to each of several sums of products (groups, m, m)."""
         return self.coefficients(solve_many(*self.normal(sums), self.lower, self.upper))
 
     def coefficients(self, z: np.ndarray) -> np.ndarray:
@@ -65,7 +65,7 @@ class Problem:
         return dict(zip(self.terms.names, self.coefficients(z).tolist(), strict=True))
 
 
-def reduced(equations: NormalEquations, terms: TermTable) -> Problem:
+def bounded_problem(equations: NormalEquations, terms: TermTable) -> Problem:
     slot = free_parameters(terms)
     size = max(slot.values()) + 1
     square, bounds = np.zeros(size), np.tile([-np.inf, np.inf], (size, 1))
@@ -110,7 +110,7 @@ class Solution(NamedTuple):
 
 
 def solve(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Solution:
-    """Minimise 1/2 z'Hz - g'z over lower <= z <= upper; directions without data are left at their smallest norm."""
+    """Minimise 1/2 z'Hz - g'z over lower <= z <= upper, with the smallest norm in directions without data."""
     # h (p, p); g (p,); lower, upper (p,)
     from scipy.optimize import lsq_linear
 
@@ -119,15 +119,15 @@ def solve(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) ->
     kept = values > RANK_TOLERANCE**2 * max(values[-1], 1e-300)
     root = np.sqrt(values, where=kept, out=np.zeros(len(g)))
     target = np.divide(vectors.T @ g, root, where=kept, out=np.zeros(len(g)))
-    with np.errstate(all="ignore"):  # It divides by steps of zero on its way; what it finds is checked below.
+    with np.errstate(all="ignore"):  # lsq_linear may divide by a step of zero; the result is checked below.
         found = lsq_linear(root[:, None] * vectors.T, target, (lower, upper), method="bvls", tol=1e-14)
-    # Its last step to a bound may stop a rounding short of it: what it holds there is put there.
+    # Rounding may leave an active parameter just off its bound: set it to the bound.
     z = np.select([found.active_mask < 0, found.active_mask > 0], [lower, upper], found.x)
     z = np.where(np.diag(h) > 0, z, np.clip(0.0, lower, upper))
-    return Solution(z, (z <= lower) | (z >= upper), check(h, g, z, lower, upper))
+    return Solution(z, (z <= lower) | (z >= upper), kkt_residuals(h, g, z, lower, upper))
 
 
-def check(h: np.ndarray, g: np.ndarray, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Kkt:
+def kkt_residuals(h: np.ndarray, g: np.ndarray, z: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> Kkt:
     gradient = (h @ z - g) / max(float(np.abs(g).max(initial=0.0)), 1e-300)
     low, high = z <= lower, z >= upper
     pushed = np.concatenate([-gradient[low & ~high], gradient[high & ~low]])
@@ -138,20 +138,21 @@ def check(h: np.ndarray, g: np.ndarray, z: np.ndarray, lower: np.ndarray, upper:
 def solve_many(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
     """Minimise 1/2 z'Hz - g'z over lower <= z <= upper for every problem of a stack, (n, p)."""
     # h (n, p, p) or (p, p); g (n, p); lower, upper (p,)
-    # Guess which parameters sit at a bound, solve the rest directly, put at their bound those that left it, free those
-    # whose multiplier has the wrong sign, until nothing changes; where something still does, solve one by one.
+    # Primal-dual active set: solve for the free parameters; fix at its bound each that violates it, and free each whose
+    # multiplier has the wrong sign, until nothing changes. Problems that still change are solved one by one.
     # Hintermueller, Ito, Kunisch (2002), The primal-dual active set strategy as a semismooth Newton method.
     h, z = np.broadcast_to(h, (len(g), *h.shape[-2:])), np.empty_like(g)
     for first in range(0, len(g), CHUNK):
         left = np.arange(first, min(first + CHUNK, len(g)))
-        held = np.zeros((len(left), g.shape[1]), np.int8)  # -1 at the lower bound, +1 at the upper
+        active = np.zeros((len(left), g.shape[1]), np.int8)  # -1 at the lower bound, +1 at the upper
         for _ in range(ROUNDS):
-            z[left] = best = _with_held(h[left], g[left], held, lower, upper)
-            push = g[left] - np.einsum("nij,nj->ni", h[left], best)
-            below, above = np.where(held < 0, push < 0, best < lower), np.where(held > 0, push > 0, best > upper)
+            z[left] = best = _solve_with_active(h[left], g[left], active, lower, upper)
+            multiplier = g[left] - np.einsum("nij,nj->ni", h[left], best)
+            below = np.where(active < 0, multiplier < 0, best < lower)
+            above = np.where(active > 0, multiplier > 0, best > upper)
             after = np.where(above, 1, np.where(below, -1, 0))
-            changed = (after != held).any(axis=1)
-            left, held = left[changed], after[changed]
+            changed = (after != active).any(axis=1)
+            left, active = left[changed], after[changed]
             if not left.size:
                 break
         for i in left:
@@ -159,9 +160,11 @@ def solve_many(h: np.ndarray, g: np.ndarray, lower: np.ndarray, upper: np.ndarra
     return z
 
 
-def _with_held(h: np.ndarray, g: np.ndarray, held: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
-    free = held == 0
-    fixed = np.where(held < 0, lower, np.where(held > 0, upper, 0.0))
+def _solve_with_active(
+    h: np.ndarray, g: np.ndarray, active: np.ndarray, lower: np.ndarray, upper: np.ndarray
+) -> np.ndarray:
+    free = active == 0
+    fixed = np.select([active < 0, active > 0], [lower, upper], 0.0)
     right = np.where(free, g - np.einsum("nij,nj->ni", h, fixed), 0.0)
     matrix = h * (free[:, :, None] & free[:, None, :])
     diagonal = np.arange(h.shape[-1])

@@ -10,8 +10,7 @@ import numpy as np
 from narrows.quantities.names import Number
 
 Range = tuple[float, float]
-# Tolerance relative to an end of a range, within which a value still counts as covered: the accuracy of a depth or a
-# speed.
+# Tolerance relative to an end of a range [1]: the accuracy of a depth or a speed.
 SLACK = 0.01
 
 
@@ -20,14 +19,13 @@ class Measure(NamedTuple):
     unit: str  # Unit in print; empty for none
     scale: float = 1.0  # Factor from the unit of the data to that unit [1]
     short: str = ""  # Short name in lists of untested quantities
-    bit: int = 0  # Bit in the sum of them
+    bit: int = 0  # Bit of the quantity in ``sum_beyond``
 
     def shown(self, low: float, high: float) -> str:
         ends = dict.fromkeys(f"{self.scale * end:.3g}" for end in (low, high))
         return " ".join([" to ".join(ends), self.unit]).rstrip()
 
 
-# Every range, with its words for sentences.
 MEASURES = {
     "speed": Measure("surge velocity", "m/s", 1.0, "speed", 1),
     "abs_y": Measure("offset from the centreline", "m", 1.0, "offset", 2),
@@ -36,7 +34,7 @@ MEASURES = {
     "depth_to_draft": Measure("h/T", "", 1.0, "depth", 32),
     "width_to_beam": Measure("W/B", "", 1.0, "width", 16),
 }
-# Motion astern: the forms of hull and rudder hold ahead only, so that an unknown range of speeds is any ahead.
+# Motion astern: terms of hull and rudder hold ahead only. So an unknown range of speeds is all speeds ahead [m/s].
 ASTERN = Measure("way astern", "m/s", 1.0, "speed", 1)
 AHEAD = (0.0, 1000.0)
 
@@ -152,7 +150,7 @@ def tolerated(covered: Range) -> Range:
 
 
 def measure_of(name: str, values: Number, measures: Mapping[str, Measure] = MEASURES) -> Measure:
-    """Return the measure of a quantity: motion astern is named."""
+    """Return the measure of a quantity; for speeds below 0 that of motion astern."""
     return ASTERN if name == "speed" and np.any(np.asarray(values) < 0) else measures[name]
 
 
@@ -176,6 +174,6 @@ def extrapolation(
                 f"Not known whether tested: the model gives no range of {measure.words} that its data covered."
             )
         elif np.any(known.outside(name, values)):
-            there = measure.shown(float(np.min(values)), float(np.max(values)))
-            sentences.append(f"Beyond the data: {measure.words} {there}; they covered {known.shown(name, measures)}.")
+            found = measure.shown(float(np.min(values)), float(np.max(values)))
+            sentences.append(f"Beyond the data: {measure.words} {found}; they covered {known.shown(name, measures)}.")
     return tuple(sentences)

@@ -26,10 +26,8 @@ from narrows.terms.term import Term, TermTable
 if TYPE_CHECKING:
     import pandas as pd
 
-# Start of a note on uncertain bank coefficients of a model.
-UNSETTLED = "The tests do not determine the bank force"
-# The verdict that needs no note, and the start of the one that is no adjective.
-SETTLED, ALONE = "identified", "rests"
+# The verdict that needs no note, and the start of a verdict that is a verb phrase: "rests on ...".
+SETTLED, VERB = "identified", "rests"
 NO_SUCTION = "The model's bank coefficients are 0: the banks of a canal end a voyage without any force before."
 
 
@@ -247,7 +245,7 @@ class Model(Configured, Operations):
         Parameters
         ----------
         motion : Motion, optional
-            Floats or columns; alternatively its quantities are given by name: y, psi, u, v, r, udot ...
+            Floats or columns; alternatively give its quantities by name: y, psi, u, v, r, udot ...
         rudder : number [rad], optional
             Angle, positive if it turns the bow to starboard, floats or columns; amidships unless given.
         revolutions : number [1/s], optional
@@ -264,12 +262,12 @@ class Model(Configured, Operations):
         """
         if motion is None:
             given = {name: others.pop(name) for name in ("psi", *MOTION) if name in others}
-            named = {name: np.array(of) if isinstance(of, list | tuple) else of for name, of in given.items()}
-            check_angles({**named, **({} if rudder is None else {"rudder": rudder})})
-            motion = Motion.at(**named) if "psi" in named else Motion(**named)
+            given = {name: np.array(q) if isinstance(q, list | tuple) else q for name, q in given.items()}
+            check_angles(given if rudder is None else {**given, "rudder": rudder})
+            motion = Motion.at(**given) if "psi" in given else Motion(**given)
         check_ahead(revolutions, self.configuration.propeller)
-        asked = {"rudder": rudder, "revolutions": revolutions, **others}
-        values = self._values(motion, {name: position for name, position in asked.items() if position is not None})
+        positions = {"rudder": rudder, "revolutions": revolutions, **others}
+        values = self._values(motion, {name: value for name, value in positions.items() if value is not None})
         try:
             return {force: self._sum(terms, values) for force, terms in self.terms.forces.items()}
         except ZeroDivisionError:
@@ -313,34 +311,36 @@ class Model(Configured, Operations):
 
     @property
     def bank_note(self) -> str:
-        """First note for questions about a canal; nothing if the model has a bank force."""
+        """Note that the model has no bank force; empty if it has one."""
         return "" if self.has_bank else self.terms.bank_note or NO_SUCTION
 
     @property
     def trust_note(self) -> str:
-        """First note on bank coefficients that the tests do not determine; nothing otherwise."""
+        """Note on bank coefficients that the tests do not determine; empty if there are none."""
         doubted = [
-            f"{term.name} {'' if verdict.startswith(ALONE) else 'is '}{verdict}"
+            f"{term.name} {'' if verdict.startswith(VERB) else 'is '}{verdict}"
             for term in self.terms.terms
             if term.from_bank and self.coefficients[term.name]
             and (verdict := self.verdicts.get(term.name, SETTLED)) != SETTLED
         ]  # fmt: skip
-        return f"{UNSETTLED}: {', '.join(doubted)}." if doubted else ""
+        return f"The tests do not determine the bank force: {', '.join(doubted)}." if doubted else ""
 
     @property
     def bank_notes(self) -> tuple[str, ...]:
-        """First notes on the banks: no force, uncertain or unknown coefficients, unknown ranges, assumed values."""
+        """Notes on the banks: no force, uncertain or unknown coefficients, unknown ranges, assumed values."""
         trust = self.bank_note, self.trust_note, self.unknown_note, self.data_range.unknown_note(self.has_bank)
         return tuple(filter(None, (*trust, *self.configuration.notes)))
 
     @property
     def unknown_note(self) -> str:
-        """Note on bank coefficients without a verdict or a covariance; nothing otherwise."""
+        """Note on bank coefficients without a verdict or a covariance; empty if there are none."""
         banks = [term.name for term in self.terms.terms if term.from_bank and self.coefficients[term.name]]
         unjudged = [name for name in banks if name not in self.verdicts]
         missing = ["verdict"] * bool(unjudged) + ["covariance"] * (self.covariance is None)
-        known = f"How well tests determine {', '.join(unjudged or banks)} is not known: the model has no"
-        return f"{known} {' and no '.join(missing)}." if banks and missing else ""
+        if not (banks and missing):
+            return ""
+        names = ", ".join(unjudged or banks)
+        return f"How well tests determine {names} is not known: the model has no {' and no '.join(missing)}."
 
     def in_open_water(self) -> "Model":
         """Return the model without the terms of the banks; itself if it has none."""
@@ -356,14 +356,15 @@ class Model(Configured, Operations):
 
     def _values(self, motion: Motion, positions: Mapping[str, Number] = MappingProxyType({})) -> dict[str, Number]:
         values = {**self.configuration.values(), **motion.values()}
-        movers = {actuator.name: actuator for actuator in self.terms.actuators}
+        actuators = {actuator.name: actuator for actuator in self.terms.actuators}
         for name in positions:
-            if name not in movers:
-                hint = did_you_mean(name, movers) if movers else "; leave it out"
+            if name not in actuators:
+                hint = did_you_mean(name, actuators) if actuators else "; leave it out"
                 raise InputError(f"the terms of this model have no actuator {name!r}{hint}")
-        for name, actuator in movers.items():
+        for name, actuator in actuators.items():
             position = positions.get(name, values.get(name, actuator.rest))
-            values |= {} if position is None else actuator.placed(position)
+            if position is not None:
+                values |= actuator.placed(position)
         for name in self.terms.inputs:
             if name not in values:
                 raise InputError(f"the terms of this model need {name}; give it in the ship file")

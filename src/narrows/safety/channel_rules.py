@@ -13,10 +13,9 @@ from narrows.ship.particulars import Configuration
 
 # Kinds of bank in rules; a wall is steep.
 BANKS = ("gentle", "sloping", "steep")
-# Reliability of the numbers of a rule.
+# Verification of the numbers of a rule.
 READ, REMEMBERED = "checked in the source", "from memory, not checked"
-# Kilometres per hour in one metre per second, and metres in one foot.
-HOUR, FOOT = 3.6, 0.3048
+KMH_PER_MS, FOOT = 3.6, 0.3048  # Kilometres per hour in one metre per second, and metres in one foot
 
 
 @dataclass(frozen=True)
@@ -31,7 +30,8 @@ class ChannelRule:
     rudder_deg: float | None = None  # Largest steady rudder [deg]
 
 
-# Lowest and highest speed [knots], lane added to 1.5 for wind and speed [beams], clearance to a bank [beams].
+# Lowest and highest speed [knots], addition to the lane of 1.5 B for wind and speed [beams], clearance to a bank by its
+# kind [beams].
 PIANC_LANES = (
     (0.0, 8.0, 0.3, {"gentle": 0.0, "sloping": 0.3, "steep": 0.5}),
     (8.0, 12.0, 0.2, {"gentle": 0.1, "sloping": 0.5, "steep": 1.0}),
@@ -39,21 +39,21 @@ PIANC_LANES = (
 )
 
 
-def pianc(ship: "OutsideRules") -> list[tuple[float, float, float]]:
-    """Return the required widths: a lane, wider by 0.2 B below h/T = 1.5 and 0.4 B below 1.15, and clearances."""
+def pianc_widths(ship: "OutsideRules") -> list[tuple[float, float, float]]:
+    """Return the required widths: a lane, wider by 0.2 B below h/T = 1.5 and by 0.4 B below 1.15, and clearances."""
     ratio = round(ship.depth / ship.draft, 2)
     lane = 1.5 + (0.4 if ratio < 1.15 else 0.2 if ratio < 1.5 else 0.0)
-    return [(low, high, lane + more + 2 * clearance[ship.bank]) for low, high, more, clearance in PIANC_LANES]
+    return [(low, high, lane + added + 2 * clearance[ship.bank]) for low, high, added, clearance in PIANC_LANES]
 
 
-def kiel(ship: "OutsideRules") -> float:
+def kiel_speed_limit(ship: "OutsideRules") -> float:
     """Return the speed limit [m/s] in the Kiel Canal; NaN for a ship that is too large for it."""
     if ship.length > 235.5 or ship.beam > 32.5:
         return math.nan
-    return (12 if ship.draft > 8.5 else 15) / HOUR
+    return (12 if ship.draft > 8.5 else 15) / KMH_PER_MS
 
 
-def panama(ship: "OutsideRules") -> float:
+def panama_speed_limit(ship: "OutsideRules") -> float:
     """Return the speed limit of 1933 [m/s] in the Panama Canal, by width of the reach and, in the cut, length."""
     feet, reaches = (ship.wall_port + ship.wall_starboard) / FOOT, {1000: 15.0, 800: 12.0, 500: 10.0}
     cut = 6.0 if ship.length >= 250 * FOOT else 8.0
@@ -72,7 +72,7 @@ CHANNEL_RULES = (
         "kublasoftware.com/support/documentation/kubla-ports/2018/5.1/technical-manual/channel-widths/overview.html",
         "lane, wind and speed checked; clearance to the banks and the addition for shallow water from memory, not "
         "checked",
-        pianc,
+        pianc_widths,
     ),
     ChannelRule(
         "UFC 4-150-06",
@@ -98,20 +98,20 @@ CHANNEL_RULES = (
         "Suez, tanker or bulk carrier",
         "14 km/h for loaded tankers and bulk carriers of more than 44 ft, and for gas carriers",
         SUEZ_SOURCE,
-        speed=lambda ship: 14 / HOUR if ship.draft > 44 * FOOT else math.nan,
+        speed=lambda ship: 14 / KMH_PER_MS if ship.draft > 44 * FOOT else math.nan,
     ),
-    ChannelRule("Suez, other ships", "16 km/h", SUEZ_SOURCE, speed=lambda ship: 16 / HOUR),
+    ChannelRule("Suez, other ships", "16 km/h", SUEZ_SOURCE, speed=lambda ship: 16 / KMH_PER_MS),
     ChannelRule(
         "Kiel",
         "15 km/h; 12 for traffic group 6 or a draft of more than 8.5 m",
         "Wasserstrassen- und Schifffahrtsamt Nord-Ostsee-Kanal, wsa-kiel.wsv.de",
-        speed=kiel,
+        speed=kiel_speed_limit,
     ),
     ChannelRule(
         "Panama, 1933",
         "15 knots where it is 1000 ft wide, 12 where 800, 10 where 500; in the cut 6, or 8 for a ship under 250 ft",
         "Executive Order 6128 (1933), presidency.ucsb.edu; its present rules were not found",
-        speed=panama,
+        speed=panama_speed_limit,
     ),
 )
 
@@ -129,7 +129,7 @@ class OutsideRules(Tabulated):
     bank : str
         Kind of bank: gentle, sloping or steep.
     wall_port, wall_starboard : float [m]
-        Places where the keel meets the banks, from the middle.
+        Distances from the middle to where the keel meets the banks.
     choke : float [m/s]
         Speed at which the canal is choked; infinite if the depth is unknown.
 
@@ -186,9 +186,9 @@ class OutsideRules(Tabulated):
         for slowest, fastest, beams in rule.widths(self) if rule.widths else ():
             width = beams * self.beam
             port, starboard = width / 2 - self.wall_port, self.wall_starboard - width / 2
-            left = {"port": port, "starboard": starboard} if port <= starboard else {}
+            offsets = {"port": port, "starboard": starboard} if port <= starboard else {}
             limits.append(
-                {"slowest": slowest, "fastest": None if math.isinf(fastest) else fastest, "width": width, **left}
+                {"slowest": slowest, "fastest": None if math.isinf(fastest) else fastest, "width": width, **offsets}
             )
         return limits or [{}]
 
@@ -198,7 +198,7 @@ def outside_rules(
 ) -> OutsideRules:
     """Return the limits from design and canal rules for a ship in a section of water.
 
-    Rules do not contain the largest offset: it is the water left by the lane and the required clearance to either bank.
+    No rule states a largest offset: it follows from the water that lane and required clearances leave.
 
     Parameters
     ----------
@@ -207,7 +207,7 @@ def outside_rules(
     bank : str
         Kind of bank: ``gentle``, ``sloping`` or ``steep``; the walls of a canal are steep.
     walls : pair of float [m], optional
-        Places where the keel meets the banks, to port and to starboard of the middle; default: the canal's walls.
+        Distances from the middle to where the keel meets the banks, port and starboard; default: the canal's walls.
 
     Raises
     ------

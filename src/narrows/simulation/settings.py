@@ -7,12 +7,12 @@ HEADING_LIMIT = math.radians(85)
 # Largest surge or sway velocity [m/s] and yaw rate [rad/s]: beyond them the motion diverges.
 SPEED_LIMIT, RATE_LIMIT = 100.0, 10.0
 
-# Tolerance of a contact's location [m], and the clearance [m] that counts as closed afterwards.
+# Tolerance of the clearance at a contact [m], and the clearance that counts as contact when the tries run out [m].
 CONTACT_TOLERANCE, CONTACT_CLOSENESS = 1e-9, 1e-6
 # Clearance relative to the width [1] at which a diverging motion counts as contact: at midship contact the suction
 # becomes infinite.
 NEAR_THE_BANK = 1e-3
-# Moments of a voyage, at most about twice this many, at which the least clearance to the banks is computed.
+# Instants of a voyage at which the least clearance to the banks is computed: from this many to about twice as many.
 CLEARANCE_ROWS = 1000
 
 # Error of the track relative to the beam [1] above which a note warns of a long time step.
@@ -30,10 +30,10 @@ DEFAULT_OFFSET = 0.78
 # model's self-propulsion point run at fewer than balance its resistance (KVLCC2: 13 %).
 OWN_REVOLUTIONS = 0.2
 
-# Froude number by the length above which a note doubts the speed [1]: displacement hulls do not reach it.
+# Froude number by the ship's length [1] above which a note questions the speed: displacement hulls do not reach it.
 MOST_FROUDE = 0.6
 
-# Voyages per block: a fraction of a second's work, so that bars move and Ctrl-C takes effect.
+# Voyages per block: less than a second of work, so that progress bars move and Ctrl-C takes effect.
 BLOCK_VESSELS = 65_536
 # Least number of voyages of a stored task: makes the cost of writing and scheduling small.
 TASK_VESSELS = 100_000
@@ -42,6 +42,6 @@ TASK_VESSELS = 100_000
 MOST_ROWS, MOST_STEPS = 5_000_000, 1_000_000_000
 # Most voyages of an ensemble (some 60 bytes each) in memory and in a store; most samples of coefficients.
 MOST_IN_MEMORY, MOST_STORED, MOST_SAMPLES = 100_000_000, 100_000_000_000, 10_000_000
-MOST_WORKERS = 4096
-# Most points of an outline, which is a part of the program, and their largest distance from midship [m].
+MOST_WORKERS = 4096  # Most threads or processes
+# Most points of a hull outline, each a line of the generated program, and their largest distance from midship [m].
 MOST_POINTS, MOST_EXTENT = 1000, 1e6
