@@ -70,12 +70,12 @@ def test_a_rudder_to_starboard_turns_her_to_starboard_and_holds_her_back(angle: 
 @given(slow=numbers(1.4, 15.0), more=numbers(0.01, 5.0))
 def test_more_revolutions_never_slow_the_slipstream(slow: float, more: float) -> None:
     """From where the thrust itself rises, dragging too; without thrust the inflow stays as it is."""
-    flows = [value(rudder.along, revolutions=n) for n in (slow, slow + more)]
+    flows = [value(rudder.axial_velocity, revolutions=n) for n in (slow, slow + more)]
     assert flows[0] <= flows[1] + 1e-12
     screw = KVLCC2.configuration.propeller
     idle = np.roots([screw.thrust_2, screw.thrust_1, screw.thrust_0]).max()  # J of no thrust
     n = value(propeller.inflow) / (idle * screw.diameter)
-    assert value(rudder.along, revolutions=n) == pytest.approx(1.09 * value(propeller.inflow), rel=1e-9)
+    assert value(rudder.axial_velocity, revolutions=n) == pytest.approx(1.09 * value(propeller.inflow), rel=1e-9)
 
 
 def test_what_files_called_a_race_is_read_as_the_slipstream() -> None:

@@ -50,11 +50,11 @@ def test_dyestuff_as_lme4_prints_it() -> None:
     def criterion(scale: float) -> float:
         z = coordinate(scale)
         constant = 29 * np.log(2 * np.pi) - 2 * np.log(1000.0)  # the column is 1000
-        return -2 * (model.at(z).log_density + 0.5 * float(z @ z)) + constant
+        return -2 * (model.conditional(z).log_density + 0.5 * float(z @ z)) + constant
 
     assert criterion(42.00) == pytest.approx(319.65, abs=0.05)
     assert criterion(42.00) < min(criterion(38.0), criterion(46.0))
-    found = model.at(coordinate(42.00))
+    found = model.conditional(coordinate(42.00))
     assert 1000 * found.mean[0] == pytest.approx(1527.50, abs=0.01)
     assert 1000 * np.sqrt(found.covariance[0, 0]) == pytest.approx(19.38, abs=0.01)
 
@@ -63,7 +63,7 @@ def test_dyestuff_as_lme4_prints_it() -> None:
 def test_a_scale_far_below_its_prior_divides_by_no_zero(freedom: float) -> None:
     batches = grouped(np.full((30, 1), 1000.0), DYESTUFF.ravel(), np.kron(np.eye(6), np.ones((5, 1))), 49.51**2)
     model = replace(batches, freedom=np.full(1, freedom))
-    at = [model.at(np.array([z])).mean[0] for z in (-4.0, -6.8)]
+    at = [model.conditional(np.array([z])).mean[0] for z in (-4.0, -6.8)]
     assert at == pytest.approx([1.5275, 1.5275], abs=1e-6)
 
 
@@ -84,7 +84,7 @@ def test_coefficients_are_those_of_dense_generalised_least_squares(model: MixedM
     v = model.covariance_of(at, np.arange(len(model.y))) + z @ z.T
     information = x.T @ np.linalg.solve(v, x)
     expected = np.linalg.solve(information, x.T @ np.linalg.solve(v, model.y))
-    found = model.at(at)
+    found = model.conditional(at)
     np.testing.assert_allclose(found.mean[: model.fixed], expected, rtol=1e-5)
     covariance = np.linalg.inv(information)
     size = np.sqrt(np.diag(covariance))
@@ -98,10 +98,10 @@ def test_coefficients_are_those_of_dense_generalised_least_squares(model: MixedM
 def test_the_gradient_is_that_of_the_log_density(model: MixedModel) -> None:
     at, step = np.full(len(model.prior), -0.7), 1e-4
     slopes = [
-        (model.at(at + step * e).log_density - model.at(at - step * e).log_density) / (2 * step)
+        (model.conditional(at + step * e).log_density - model.conditional(at - step * e).log_density) / (2 * step)
         for e in np.eye(len(at))
     ]
-    np.testing.assert_allclose(model.at(at, gradient=True).gradient, slopes, atol=1e-3)
+    np.testing.assert_allclose(model.conditional(at, gradient=True).gradient, slopes, atol=1e-3)
 
 
 def moments(mixture: ScaleMixture) -> tuple[np.ndarray, np.ndarray]:
@@ -147,7 +147,7 @@ class TwoHills:
     prior, rivals = np.ones(2), ()
     centres, widths = np.array([[-1.0, 0.0], [0.6, 0.9]]), np.array([0.5, 0.4])
 
-    def at(self, z: np.ndarray, gradient: bool = False) -> Conditional:
+    def conditional(self, z: np.ndarray, gradient: bool = False) -> Conditional:
         apart = (z - self.centres) / self.widths[:, None]
         logs = -0.5 * (apart**2).sum(axis=1) - 2 * np.log(self.widths)
         total = float(np.logaddexp(*logs))
@@ -181,8 +181,8 @@ def test_a_shift_is_what_an_effect_of_known_size_takes_from_the_estimates(fit: n
         x, group = np.delete(model.x, model.fixed + i, axis=1), np.delete(model.group, i)
         taken = np.zeros((model.fixed, len(group)))
         absent, present = (replace(model, x=x, group=group, y=model.y - size * column, taken=taken) for size in (0, 1))
-        expected = (present.at(at).mean - absent.at(at).mean)[: model.fixed]
-        part = ScaleMixture(replace(model, taken=0 * model.taken), at, at[None], np.ones(1), [model.at(at)])
+        expected = (present.conditional(at).mean - absent.conditional(at).mean)[: model.fixed]
+        part = ScaleMixture(replace(model, taken=0 * model.taken), at, at[None], np.ones(1), [model.conditional(at)])
         np.testing.assert_allclose(part.shifts[:, i], expected, rtol=1e-4, atol=1e-6 * np.abs(expected).max())
 
 

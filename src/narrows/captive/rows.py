@@ -1,4 +1,4 @@
-"""Rows of a table in the documented columns: recognised, screened for markers and spikes, checked, in SI, by test."""
+"""Rows of a table in the documented columns: screened for markers and spikes, checked, in SI, sorted by test."""
 
 import math
 import re
@@ -25,11 +25,11 @@ from narrows.ship.particulars import Configuration
 
 
 class Rows(NamedTuple):
-    columns: dict[str, np.ndarray]  # (rows,) Columns in SI
+    columns: dict[str, np.ndarray]  # Columns (rows,) in SI, by quantity
     test: np.ndarray  # (rows,) Test of each row
     condition: np.ndarray  # (rows,) Condition of each row; empty if the table names none
-    notes: tuple[str, ...]  # Notes on them
-    headers: Headers  # Headers of the table
+    notes: tuple[str, ...]  # Assumptions, and columns that were not read
+    headers: Headers
 
 
 def clean(
@@ -42,7 +42,7 @@ def clean(
     if where:
         try:
             frame = mapped[_evaluated(mapped, where, table, ())]
-        except pd.errors.UndefinedVariableError:  # It asks for columns that the layout or the names below make
+        except pd.errors.UndefinedVariableError:  # It names columns that the layout or the renaming below creates
             late = True
     frame, of_layout = formats.translated(frame, where or "", table)
     if not mapping:
@@ -58,10 +58,10 @@ def clean(
 
 
 def without_words(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Return a table without the rows that hold no number, as repeated headers, and a note."""
+    """Return a table without rows that hold no number, such as repeated headers, and a note."""
     words = [header for header in frame.columns if frame[header].dtype.kind not in "fiub"]
     bare = np.asarray(frame.drop(columns=words).isna().to_numpy().all(axis=1))
-    for header in words if bare.any() else ():
+    for header in words if bare.any() else ():  # A row stays bare unless a column of text holds a number there
         bare[bare] = ~np.isfinite(floats(frame[header][bare]))
     if not bare.any() or bare.all():
         return frame, ()
@@ -71,7 +71,7 @@ def without_words(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
 
 
 def without_totals(frame: pd.DataFrame) -> tuple[pd.DataFrame, tuple[str, ...]]:
-    """Return a table without single rows that are named as the mean or total of others, and a note."""
+    """Return a table without single rows that are called a mean or total of the others, and a note."""
     if "test" not in frame:
         return frame, ()
     names = frame["test"].astype(str).str.strip().str.casefold()
@@ -90,13 +90,13 @@ def checked(
     frame: pd.DataFrame, configuration: Configuration, table: str, actuators: Iterable[Actuator] = (),
     ship_file: str = "",
 ) -> Rows:  # fmt: skip
-    movers = {actuator.name: actuator for actuator in (*STANDARD, *actuators)}
-    known = columns_with(movers.values())
+    by_actuator = {actuator.name: actuator for actuator in (*STANDARD, *actuators)}
+    known = columns_with(by_actuator.values())
     recognised = recognised_in(frame, known, table)
     headers = [str(header) for header in frame.columns]
-    # Time alone heads a table of one row for each channel.
-    several = recognised if {column.quantity for column in recognised} - {"t"} else []
-    cells.check_once(several, headers, COLUMNS, table)
+    # A table of one row for each channel has no known header but time.
+    unique = recognised if {column.quantity for column in recognised} - {"t"} else []
+    cells.check_once(unique, headers, COLUMNS, table)
     columns = {c.quantity: cells.numbers(frame, c.header, table) * c.scale for c in recognised}
     test = tests_of(frame, table)
     by_name = {c.quantity: c for c in recognised}
@@ -111,24 +111,24 @@ def checked(
         check.check_rates(found, test)
         columns |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"])}
     check.check_units(found)
-    for name in movers.keys() & columns.keys():
-        columns |= movers[name].placed(columns[name])
+    for name in by_actuator.keys() & columns.keys():
+        columns |= by_actuator[name].placed(columns[name])
     assumed = [] if "heave" in columns else ["column 'heave' is absent: taken as 0"]
     columns.setdefault("heave", np.zeros(len(frame)))
     condition = _conditions(frame, columns, configuration, table)
     check.check_inside(found)
     check.check_speed(found)
-    sense = _physical_sense(found, test)
+    plausibility = _check_plausible(found, test)
     notes = assumed + ([] if "test" in frame else ["column 'test' is absent: all rows are taken as one test"])
     unread = tuple(header for header in headers if header not in {*LABELS, *(c.header for c in recognised)})
     notes += [
         f"column {header!r} is not read: is it {name}?"
         for header in unread if (name := begun(header)) and name not in {*columns, *LABELS}
     ]  # fmt: skip
-    return Rows(columns, test, condition, (*notes, *sense), Headers(table, unread, ship_file))
+    return Rows(columns, test, condition, (*notes, *plausibility), Headers(table, unread, ship_file))
 
 
-def _physical_sense(found: check.CheckedColumns, test: np.ndarray) -> tuple[str, ...]:
+def _check_plausible(found: check.CheckedColumns, test: np.ndarray) -> tuple[str, ...]:
     table, configuration = found.table, found.configuration
     notes = configuration.notes + check.check_mass(configuration, table) + check.check_heave(found)
     check.check_forces(found)
@@ -141,13 +141,13 @@ def _physical_sense(found: check.CheckedColumns, test: np.ndarray) -> tuple[str,
 
 
 def with_accelerations(rows: Rows) -> Rows:
-    """Return rows whose missing heading, yaw rate and accelerations follow from the others, test by test."""
+    """Return rows with missing heading, yaw rate and accelerations computed from the other columns, test by test."""
     columns, made = dict(rows.columns), []
     order, _, starts = _grouped(rows.test)
     steady = "t" not in columns and len(starts) > len(order)  # One row for each test
 
     def rate_of(name: str) -> np.ndarray | None:
-        """Central differences over t, 0 for steady tests; None if neither is known."""
+        """Return central differences over t, or 0 for steady tests; None if there is no time."""
         if steady:
             return np.zeros(len(order))
         if not {"t", name} <= columns.keys() or (np.diff(starts) < 2).any():
@@ -158,10 +158,10 @@ def with_accelerations(rows: Rows) -> Rows:
         return rate
 
     turns = steady and np.any(columns.get("r", 0.0))
-    unknown = "psi" not in columns and {"y", "u", "v"} <= columns.keys() and not near_miss("psi", rows.headers.unread)
-    if unknown and not turns and (aside := rate_of("y")) is not None:
+    lacks_psi = "psi" not in columns and {"y", "u", "v"} <= columns.keys()
+    if lacks_psi and not near_miss("psi", rows.headers.unread) and not turns and (aside := rate_of("y")) is not None:
         u, v = columns["u"], columns["v"]
-        with np.errstate(all="ignore"):  # From dy/dt = u sin(psi) + v cos(psi); 0 where the ship lies still
+        with np.errstate(all="ignore"):  # From dy/dt = u sin(psi) + v cos(psi); 0 at no speed
             columns["psi"] = np.nan_to_num(np.arcsin(np.clip(aside / np.hypot(u, v), -1, 1)) - np.arctan2(v, u))
         columns |= {"cos_psi": np.cos(columns["psi"]), "sin_psi": np.sin(columns["psi"])}
         made.append(f"psi is absent: taken from u, v and {'a constant y' if steady else 'y over t'}")
@@ -289,7 +289,7 @@ def screened(
 
 
 def _runs(test: np.ndarray) -> Iterator[tuple[np.ndarray, bool]]:
-    """Rows of each test with True; short tests come together, with False."""
+    """Yield the rows of each test, with True; those of all short tests together, with False."""
     order, _, starts = _grouped(test)
     parts = [order[start:stop] for start, stop in pairwise(starts)]
     yield from ((rows, True) for rows in parts if len(rows) >= settings.FEWEST_SCREENED)
@@ -305,7 +305,7 @@ def _outliers(values: np.ndarray, runs: list[tuple[np.ndarray, bool]]) -> np.nda
     typical = float(np.quantile(sizes, settings.USUAL_SHARE)) if sizes.size else 0.0
     for rows, is_run in runs:
         wrong[rows] = _spikes(values[rows], marks[rows], typical, is_run)
-    # Readings of a gauge hardly repeat, so a marker that several rows hold is none, whatever its size.
+    # Readings of a gauge hardly repeat: a marker value in several rows is no reading, whatever its size.
     counts = np.unique(values[~marks & np.isfinite(values)], return_counts=True)[1]
     if 2 * len(counts) > counts.sum():
         for mark, count in zip(*np.unique(values[marks], return_counts=True), strict=True):
@@ -315,12 +315,12 @@ def _outliers(values: np.ndarray, runs: list[tuple[np.ndarray, bool]]) -> np.nda
 
 
 def _spikes(values: np.ndarray, marks: np.ndarray, typical: float, is_run: bool) -> np.ndarray:
-    """Rows whose distance from the run's median is many times that of nearly all others."""
+    """Return the rows whose distance from the run's median is many times that of nearly all others."""
     plain = values[~marks & np.isfinite(values)]
     if not plain.size:
         return np.zeros(len(values), bool)
-    away = np.abs(values - np.median(plain))
-    others = np.sort(np.abs(plain - np.median(plain)))
+    median = np.median(plain)
+    away, others = np.abs(values - median), np.sort(np.abs(plain - median))
     lone = max(1, int(settings.LONE_SHARE * len(others)))
     spread = others[-1 - lone] if len(others) > lone else 0.0
     # A column that is constant in a run may still step by its size in the table.

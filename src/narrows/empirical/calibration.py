@@ -1,4 +1,4 @@
-"""Calibrate estimates on ships that were tested: primes by formulas, and the bank's coefficients.
+"""Calibrate estimates on tested ships: hydrodynamic derivatives (primes) by formulas, and bank coefficients.
 
 Errors are those of logarithms for coefficients of known sign, and absolute ones for the others. The mean of the
 formulas weighs each by its mean squared error. Variances of few ships are shrunk to that of the whole group, as Smyth
@@ -34,8 +34,8 @@ LEAST_ERROR = 0.1  # Least error of a formula: limits its weight where few ships
 
 
 @dataclass(frozen=True)
-class Spread:
-    """A prime of a ship, and its standard deviation."""
+class Uncertain:
+    """An estimated number and its standard deviation."""
 
     value: float
     std: float
@@ -67,6 +67,11 @@ class _Errors:
     def squares(self) -> float:
         """Sum of squares about the bias, relative to the scale."""
         return float((((self.combined - self.bias) / self.scale) ** 2).sum())
+
+
+def _tail_factor(degrees: float) -> float:
+    """Return the 97.5 % quantile of Student's t over that of the normal distribution."""
+    return float(t.ppf(0.975, degrees) / norm.ppf(0.975))
 
 
 @dataclass(frozen=True)
@@ -102,24 +107,24 @@ class Calibration:
                     square = math.log(primes[name] / ship.primes[deepest][name] / law) ** 2 - noise
                     squares[name].append(max(square, 0.0) * (ratio - 1))
         known = [square for group in squares.values() for square in group]
-        typical = float(np.median(known)) if known else 0.0  # Few large ones must not affect all coefficients
+        typical = float(np.median(known)) if known else 0.0  # Few large ones must not affect all
         return {
             name: (sum(group) + PRIOR_SHIPS * typical) / (len(group) + PRIOR_SHIPS) for name, group in squares.items()
         }
 
     @cached_property
     def correlation(self) -> np.ndarray:
-        """Correlation of the errors of the signed coefficients, shrunk towards zero."""
+        """Correlation matrix of the errors of the signed coefficients, shrunk towards zero."""
         table = np.zeros((len(self.ships), len(SIGNED)))
         for column, name in enumerate(SIGNED):
             errors = self.errors[name]
-            rows = [place for place, ship in enumerate(self.ships) if _deep(ship, name) is not None]
+            rows = [place for place, ship in enumerate(self.ships) if _deep_prime(ship, name) is not None]
             table[rows, column] = (errors.combined - errors.bias) / math.sqrt(self.group_variances[True])
         products = table.T @ table + PRIOR_SHIPS * np.eye(len(SIGNED))
         size = np.sqrt(np.diag(products))
         return np.asarray(products / np.outer(size, size))
 
-    def estimate(self, name: str, hull: Hull, depth_to_draft: float = math.inf) -> Spread:
+    def estimate(self, name: str, hull: Hull, depth_to_draft: float = math.inf) -> Uncertain:
         """Return a prime of a hull at a depth, with its standard deviation."""
         errors, signed = self.errors[name], name in SIGNED
         values = np.array([float(formula.law(hull)) for formula in errors.formulas])
@@ -127,22 +132,22 @@ class Calibration:
         mean = float(numbers @ errors.weights)
         count = len(errors.errors)
         degrees = PRIOR_SHIPS + count
-        size = max(errors.scale, abs(mean)) if not signed else 1.0
+        size = 1.0 if signed else max(errors.scale, abs(mean))
         moderated = (errors.squares + PRIOR_SHIPS * self.group_variances[signed]) / degrees
-        variance = moderated * size**2 * (1 + 1 / (count + PRIOR_SHIPS))
+        variance = moderated * size**2 * (1 + 1 / degrees)
         # The formulas' disagreement on this hull is added.
         variance += float(errors.weights @ (numbers - mean) ** 2)
-        widened = math.sqrt(variance) * float(t.ppf(0.975, degrees) / norm.ppf(0.975))
+        widened = math.sqrt(variance) * _tail_factor(degrees)
         if not signed:
-            return Spread(mean + errors.bias, widened)
+            return Uncertain(mean + errors.bias, widened)
         if math.isfinite(depth_to_draft):
             widened = math.hypot(widened, math.sqrt(self.depth_variances[name] / (depth_to_draft - 1)))
         value = math.copysign(math.exp(mean + errors.bias), values[0]) * depth_factor(name, hull, depth_to_draft)
-        return Spread(value, widened * abs(value))
+        return Uncertain(value, widened * abs(value))
 
     def _errors(self, name: str) -> _Errors:
         formulas = tuple(formula for formula in FORMULAS if formula.coefficient == name)
-        known = [(ship.hull, value) for ship in self.ships if (value := _deep(ship, name)) is not None]
+        known = [(ship.hull, value) for ship in self.ships if (value := _deep_prime(ship, name)) is not None]
         truths = np.array([value for _, value in known])
         laws = np.array([[float(formula.law(hull)) for formula in formulas] for hull, _ in known])
         laws = laws.reshape(len(known), len(formulas))
@@ -152,8 +157,8 @@ class Calibration:
         return _Errors(formulas, scale or 1.0, truths[:, None] - laws)
 
 
-def _deep(ship: KnownShip, name: str) -> float | None:
-    """The prime in deep water, or that of the deepest tests that count as deep."""
+def _deep_prime(ship: KnownShip, name: str) -> float | None:
+    """Return the prime corrected to deep water, from the deepest tests; None if these are too shallow or lack it."""
     ratio = max(ship.primes)
     if ratio < SHALLOWEST_AS_DEEP or name not in ship.primes[ratio]:
         return None
@@ -169,7 +174,7 @@ class LeftOut:
     coefficient: str
     known: float
     known_error: float  # Standard error of the known prime
-    estimate: Spread
+    estimate: Uncertain
 
     @property
     def held(self) -> bool:
@@ -190,7 +195,7 @@ def left_out(ships: Sequence[KnownShip] = KNOWN_SHIPS) -> list[LeftOut]:
     return rows
 
 
-FORM = "distance"
+FORM = "distance"  # Form of the bank force of the evidence
 
 
 @dataclass(frozen=True)
@@ -223,13 +228,13 @@ class RandomEffects:
     mean_error: float
     between: float  # Between ships
     within: float  # Within a ship: depth, distance, bank and propeller, which the form does not describe
-    degrees: int
+    degrees: int  # Degrees of freedom
 
     @property
-    def spread(self) -> Spread:
+    def spread(self) -> Uncertain:
         """The coefficient of a further ship, widened so that 95 % intervals of a normal distribution cover 95 %."""
         std = math.hypot(self.mean_error, self.between, self.within)
-        return Spread(self.mean, std * float(t.ppf(0.975, self.degrees) / norm.ppf(0.975)))
+        return Uncertain(self.mean, std * _tail_factor(self.degrees))
 
 
 def random_effects(values: Sequence[float], errors: Sequence[float], ships: Sequence[str]) -> RandomEffects:
@@ -248,8 +253,8 @@ def random_effects(values: Sequence[float], errors: Sequence[float], ships: Sequ
         matrix = covariance(log_stds)
         precision = np.linalg.inv(matrix)
         residuals = y - mean_of(precision)[0]
-        found = np.linalg.slogdet(matrix)[1] + math.log(precision.sum()) + residuals @ precision @ residuals
-        return float(found)
+        log_determinants = np.linalg.slogdet(matrix)[1] + math.log(precision.sum())
+        return float(log_determinants + residuals @ precision @ residuals)
 
     start = math.log(float(y.std()) + 1e-6) - np.array([1.0, 1.0])
     log_stds = minimize(deviance, start, method="Nelder-Mead", bounds=[(-8.0, 3.0)] * 2).x
@@ -268,7 +273,7 @@ def bank_effects(rows: Sequence[BankEvidence] = BANK_EVIDENCE) -> dict[str, Rand
 
 
 @cache
-def bank_prior() -> dict[str, Spread]:
+def bank_prior() -> dict[str, Uncertain]:
     """Return suction and cushion of a ship without bank tests, ``Y_bank`` and ``N_bank``."""
     return {name: effects.spread for name, effects in bank_effects().items()}
 
@@ -288,7 +293,7 @@ def left_out_banks() -> list[LeftOut]:
 
 
 def tested_places(ship: Ship, canal: Canal) -> dict[str, tuple[float, float]]:
-    """Return the ranges of the evidence, of W/B [1] and of the offset in a canal [m]."""
+    """Return the ranges of W/B [1] and of the offset in a canal [m] that the evidence covers."""
     widths = [row.width_to_beam for row in BANK_EVIDENCE]
     nearest = min(row.clearance_to_beam for row in BANK_EVIDENCE)
     farthest = max(canal.width / 2 - (0.5 + nearest) * ship.beam, 0.0)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from narrows.aliases import accept_aliases
-from narrows.empirical.calibration import COEFFICIENTS, FORM, SIGNED, Calibration, Spread, bank_prior, tested_places
+from narrows.empirical.calibration import COEFFICIENTS, FORM, SIGNED, Calibration, Uncertain, bank_prior, tested_places
 from narrows.empirical.formulas import RANGES, Hull
 from narrows.empirical.propulsion import (
     INCREASE_PLACE,
@@ -122,7 +122,7 @@ def estimated(
     depth_to_draft = canal.depth / known.draft if canal.depth else math.inf
     spreads = {name: calibration.estimate(name, hull, depth_to_draft) for name in COEFFICIENTS}
     spreads |= bank_prior()
-    spreads["R_0"] = Spread(resistance, RESISTANCE_SHARE * resistance)
+    spreads["R_0"] = Uncertain(resistance, RESISTANCE_SHARE * resistance)
     coefficients, covariance = _assembled(spreads, hull, calibration.correlation)
     missing = [name for name in ("propeller", "rudder") if parts[name] is None]
     return Model(
@@ -203,7 +203,7 @@ def _with_mass(ship: Ship, water: Water) -> Ship:
 
 
 def _assembled(
-    spreads: Mapping[str, Spread], hull: Hull, correlation: np.ndarray
+    spreads: Mapping[str, Uncertain], hull: Hull, correlation: np.ndarray
 ) -> tuple[dict[str, float], np.ndarray]:
     """Return coefficients and covariance in the order of the terms; tied coefficients share one error."""
     terms = table_named(TABLE)

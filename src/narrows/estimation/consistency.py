@@ -16,7 +16,7 @@ from scipy.special import chdtri
 from narrows.control.closed_loop import LawOrders
 from narrows.errors import InputError, check_count
 from narrows.estimation.estimator import Estimator
-from narrows.estimation.sensors import Sensor, drawn_reading
+from narrows.estimation.sensors import Sensor, draw_reading
 from narrows.estimation.settings import CONFIDENCE, SETTLING_TIME, TWIN_SIDE_TIME, TWIN_START_STD
 from narrows.estimation.ship_filter import ShipFilter
 from narrows.estimation.states import Columns, Estimate, described
@@ -292,5 +292,5 @@ def _readings(
         before = min(int(measured), len(times) - 2)
         then = states[before] + (measured - before) * (states[before + 1] - states[before])
         at = Columns(then, filter.states, lanes.bend(float(then[0, 0])))
-        readings[number] = np.stack(drawn_reading(sensor, at, vars(at), random), axis=1)
+        readings[number] = np.stack(draw_reading(sensor, at, vars(at), random), axis=1)
     return readings

@@ -24,9 +24,8 @@ __all__ = ["CourseOverGround", "GaussMarkov", "Gnss", "Gyro", "Log", "RateOfTurn
 
 Values = tuple[Any, ...]
 STRAIGHT = 1e-9  # Curvature [1/m] below which a line counts as straight
-# Correlation time [s] of the slow error of fixes of a receiver without corrections: the autocorrelation of recorded
-# errors falls within about a minute. Wilson, GPS horizontal position accuracy; that the error is not white: Sensors 20
-# (2020) 6050.
+# Correlation time [s] of the slow position error of a receiver without corrections: the autocorrelation of recorded
+# errors falls within about a minute: Wilson, GPS horizontal position accuracy. It is not white: Sensors 20 (2020) 6050.
 GNSS_TIME = 60.0
 
 
@@ -83,7 +82,7 @@ class GaussMarkov:
 
 @dataclass(frozen=True)
 class Measuring:
-    """Base of the package's own sensors: one noise level for all components; by default one, which is a state."""
+    """Base of the package's own sensors: equal noise of all components; by default one component, which is a state."""
 
     noise: float  # Standard deviation of the white error of each component [SI]
     _: KW_ONLY
@@ -146,10 +145,10 @@ class Gyro(Measuring):
 @accept_aliases
 @dataclass(frozen=True)
 class RateOfTurn(Measuring):
-    """A rate gyro: the yaw rate, with white ``noise`` [rad/s]; others are those of ``Gyro``.
+    """A rate gyro: the yaw rate, with white ``noise`` [rad/s]; other arguments as in ``Gyro``.
 
-    The default is that of an indicator within IMO A.526(13), 0.5 degrees a minute and 5 % of the rate. A rate by
-    differences of headings has several times as much.
+    The default is that of an indicator within IMO A.526(13), 0.5 degrees a minute and 5 % of the rate. The noise of a
+    rate from differences of headings is several times as large.
     """
 
     noise: float = math.radians(0.01)
@@ -161,7 +160,7 @@ class RateOfTurn(Measuring):
 @accept_aliases
 @dataclass(frozen=True)
 class Log(Measuring):
-    """A speed log: the surge velocity through the water, with white ``noise`` [m/s]; others are those of ``Gyro``."""
+    """A speed log: the surge velocity through the water, with white ``noise`` [m/s]; other arguments as in ``Gyro``."""
 
     noise: float = 0.05
     _: KW_ONLY
@@ -208,7 +207,7 @@ class Gnss(Antenna):
     """A satellite receiver: the position of its antenna, ``forward`` and ``starboard`` of midship [m], in the canal.
 
     ``noise`` [m] is the standard deviation of the white error along and across. The slow error, ``coloured``, is by
-    default as large, over a minute, as is usual for receivers; ``None``: white errors alone. Others: see ``Gyro``.
+    default as large, with a correlation time of a minute; ``None``: white errors alone. Other arguments: see ``Gyro``.
     """
 
     noise: float = 1.5
@@ -219,7 +218,7 @@ class Gnss(Antenna):
 
     @property
     def errors(self) -> tuple[GaussMarkov, ...]:
-        usual: Gnss = slowed(self) if self.coloured == "usual" else self
+        usual: Gnss = with_slow_error(self) if self.coloured == "usual" else self
         return super(Gnss, usual).errors
 
     @property
@@ -246,7 +245,7 @@ class Gnss(Antenna):
 @accept_aliases
 @dataclass(frozen=True)
 class CourseOverGround(Antenna):
-    """Course and speed over ground, of a satellite receiver from Doppler shifts. Others are those of ``Gnss``.
+    """Course and speed over ground, of a satellite receiver from Doppler shifts; other arguments as in ``Gnss``.
 
     Readings are course and speed; the estimate uses velocities along and across, whose white ``noise`` [m/s] does not
     depend on the speed. Together with the model's drift they determine a gyro's bias.
@@ -271,10 +270,10 @@ class CourseOverGround(Antenna):
         return ahead * cosine - side * sine + at.current, ahead * sine + side * cosine + at.current_across
 
     def start(self, reading: Sequence[float]) -> dict[str, tuple[float, float]]:
-        return {}  # Current and drift separate these velocities from the state
+        return {}  # Current and drift make these velocities differ from the states
 
 
-# Sensors that measure states, by the usual name of their readings; the rudder's indicator is an input of the model.
+# Sensors of the estimate by the default name of their readings. The rudder indicator is an input of the model instead.
 SENSORS: dict[str, type[Measuring]] = {
     sensor.name: sensor for name in __all__ if issubclass(sensor := globals()[name], Measuring)
 }
@@ -285,7 +284,7 @@ def is_white(sensor: object) -> bool:
     return isinstance(sensor, Antenna) and sensor.coloured is None
 
 
-def slowed(sensor: Any) -> Any:
+def with_slow_error(sensor: Any) -> Any:
     """Return a sensor with a slow error as large as its noise."""
     return replace(sensor, coloured=GaussMarkov(sensor.noise, GNSS_TIME))
 
@@ -313,8 +312,9 @@ def error_states(sensor: Sensor, faulty: bool = False) -> dict[str, tuple[int, f
     """Return the error states of a sensor: component, standard deviation and correlation time [s]."""
     errors = [("wander" if math.isfinite(one.time) else "bias", one) for one in getattr(sensor, "errors", ())]
     if faulty:
-        sizes = tuple(FAULT_STD * sigma for sigma in sensor.sigma)
-        errors.insert(0, ("fault", GaussMarkov(sizes, 2.0 * (FAULT_STD / FAULT_WALK) ** 2 * sensor.period)))
+        # Correlation time of a process of this size that walks by FAULT_WALK sigmas from one reading to the next.
+        time = 2.0 * (FAULT_STD / FAULT_WALK) ** 2 * sensor.period
+        errors.insert(0, ("fault", GaussMarkov(tuple(FAULT_STD * sigma for sigma in sensor.sigma), time)))
     found: dict[str, tuple[int, float, float]] = {}
     for kind, error in errors:
         for place, std in enumerate(np.broadcast_to(error.std, len(sensor.fields)).tolist()):
@@ -324,8 +324,8 @@ def error_states(sensor: Sensor, faulty: bool = False) -> dict[str, tuple[int, f
     return found
 
 
-def drawn_reading(sensor: Sensor, at: Any, errors: Mapping[str, Any], random: np.random.Generator) -> Values:
-    """Draw a reading from states, with white errors and the given states of the others."""
+def draw_reading(sensor: Sensor, at: Any, errors: Mapping[str, Any], random: np.random.Generator) -> Values:
+    """Draw a reading at a state, with white errors and given values of the error states."""
     numbers = np.stack([np.asarray(number, float) for number in sensor.measured(at)], axis=-1)
     numbers += np.array(sensor.sigma) * random.standard_normal(numbers.shape)
     for state, (place, _, _) in error_states(sensor).items():
@@ -337,12 +337,12 @@ class ErrorProcess:
     """The declared errors of one sensor, drawn from reading to reading."""
 
     def __init__(self, sensor: Sensor, random: np.random.Generator) -> None:
-        self.sensor, self.random, self.known = sensor, random, error_states(sensor)
-        std, times = np.array([(std, time) for _, std, time in self.known.values()]).reshape(-1, 2).T
+        self.sensor, self.random, self.states = sensor, random, error_states(sensor)
+        std, times = np.array([(std, time) for _, std, time in self.states.values()]).reshape(-1, 2).T
         self.process = MarkovProcess(std * np.sqrt(2.0 / times), times)
         self.values = std * random.standard_normal(len(std))
 
     def reading(self, at: Any) -> Any:
         self.values = self.process.after(self.values, self.sensor.period, self.random)
-        drawn = drawn_reading(self.sensor, at, dict(zip(self.known, self.values, strict=True)), self.random)
+        drawn = draw_reading(self.sensor, at, dict(zip(self.states, self.values, strict=True)), self.random)
         return tuple(map(float, drawn)) if len(drawn) > 1 else float(drawn[0])

@@ -12,7 +12,7 @@ from scipy.special import chdtri
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError
 from narrows.estimation import settings
-from narrows.estimation.sensors import RudderIndicator, Sensor, error_states, slowed
+from narrows.estimation.sensors import RudderIndicator, Sensor, error_states, with_slow_error
 from narrows.estimation.states import MOTION_STATES, STATES, Columns, MarkovProcess, Prior, ProcessNoise, StateNames
 from narrows.estimation.unscented import Gaussian, predict, sigma_point_weights, triangular_root, update
 from narrows.model.model import Model
@@ -207,7 +207,7 @@ class ShipFilter:
         if not faults | slow:
             return self
         if (faults, slow) not in self._others:
-            sensors = {name: slowed(one) if name in slow else one for name, one in self.sensors.items()}
+            sensors = {name: with_slow_error(one) if name in slow else one for name, one in self.sensors.items()}
             self._others[faults, slow] = replace(self, sensors=sensors, faults=faults)
         return self._others[faults, slow]
 

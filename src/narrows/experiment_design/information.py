@@ -155,7 +155,7 @@ def expected_errors(
             rows = ForceRows(equations, motions, problem, own, np.array([within[force] for force in own]))
             model, _, unit = assemble(rows, errors, truth.configuration)
             # In good tests the median ratio of fitted run-error scales to their priors is 0.7.
-            spread = model.at(np.full(len(model.prior), np.log(0.7))).covariance
+            spread = model.conditional(np.full(len(model.prior), np.log(0.7))).covariance
             std[rows.free_parameters] = np.sqrt(np.diag(spread)[: len(unit)]) * unit
         known = Diagnostics(equations, terms, motions).determined
         table.append([std[problem.slot[name]] if known(name) else np.inf for name in targets])

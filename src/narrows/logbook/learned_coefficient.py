@@ -1,4 +1,4 @@
-"""Verdict on each coefficient after a log: one word, from thresholds stated here."""
+"""Coefficients before and after a log, with a verdict on each."""
 
 import math
 from collections.abc import Mapping
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 LEARNED, SHARPENED, PRIOR, UNRESOLVED = "learned", "sharpened", "from the prior", "unresolved"
-QUANTILE_95 = 1.959964  # Standard errors either way, 95 % of a normal distribution
+QUANTILE_95 = 1.959964  # Half-width of the central 95 % of a normal distribution [standard errors]
 
 
 @dataclass(frozen=True)
@@ -46,11 +46,11 @@ class LearnedCoefficient:
     @property
     def by_record(self) -> tuple[float, float]:
         """95 % interval by the record alone, the prior of this coefficient removed; infinite without information."""
-        known, all_known = (1 / size**2 if size > 0 else math.inf for size in (self.prior_std, self.std))
-        if not known < all_known < math.inf:
+        before, after = (1 / std**2 if std > 0 else math.inf for std in (self.prior_std, self.std))  # Precisions
+        if not before < after < math.inf:
             return -math.inf, math.inf
-        gained = all_known - known
-        value = (self.value * all_known - self.prior * known) / gained
+        gained = after - before
+        value = (self.value * after - self.prior * before) / gained
         return value - QUANTILE_95 / math.sqrt(gained), value + QUANTILE_95 / math.sqrt(gained)
 
     @property
@@ -113,8 +113,8 @@ class LearnedAnswer(BaseResult):
         columns = ["prior", "prior_std", "value", "std", "low", "high", "std_left", "unit", "verdict"]
         return pd.DataFrame(rows, columns=columns, index=pd.Index(list(known), name="coefficient"))
 
-    def _taught(self, source: str) -> str:
-        """Return a sentence on the coefficients learned from a source, and on those unchanged."""
+    def _learned_sentence(self, source: str) -> str:
+        """Return a sentence on learned and unchanged coefficients."""
         known = [c for c in self.coefficients.values() if c.prior_std > 0]
         sentences = [c.sentence() for c in known if c.from_bank and c.word != PRIOR]
         learned = [c.name for c in known if c.word == LEARNED and not c.from_bank]
@@ -137,7 +137,7 @@ def learnable(model: Model, targets: object) -> tuple[str, ...]:
     return names
 
 
-# The label of every page, result and report.
+# Note on every page, result and report.
 ON_TWINS = "Bank coefficients from legs and transits are tested on simulated twins only."
 
 
@@ -145,8 +145,8 @@ def learned_model(
     prior: Model, values: np.ndarray, covariance: np.ndarray, source: str, offsets: np.ndarray, speeds: np.ndarray,
     contradicted: bool = False,
 ) -> tuple[Model, dict[str, LearnedCoefficient]]:  # fmt: skip
-    # values (n,); covariance (n, n); offsets [m] and speeds [m/s] that were met
-    before, after = (np.sqrt(np.maximum(np.diag(part), 0.0)) for part in (np.asarray(prior.covariance), covariance))
+    # values (n,); covariance (n, n); offsets [m] and speeds [m/s] of the record
+    before, after = (np.sqrt(np.maximum(np.diag(each), 0.0)) for each in (np.asarray(prior.covariance), covariance))
     columns = zip(prior.terms.terms, *(part.tolist() for part in (before, values, after)), strict=True)
     learned = {
         term.name: LearnedCoefficient(

@@ -15,17 +15,17 @@ from narrows.physics.propeller import PropellerQuantities, inflow, loading
 from narrows.quantities.names import Number
 
 
-def _pressure(length: Number, draft: Number, density: Number) -> Number:
+def _half_density_area(length: Number, draft: Number, density: Number) -> Number:
     return 0.5 * density * 0.01 * length * draft  # The reference area is L T/100
 
 
-def _across(v: Number, r: Number, length: Number, flow_straightening: Number) -> Number:
-    """Flow across the rudder at the stern, straightened by hull and propeller [m/s]."""
+def _cross_flow(v: Number, r: Number, length: Number, flow_straightening: Number) -> Number:
+    """Return the velocity across the rudder at the stern, straightened by hull and propeller [m/s]."""
     return flow_straightening * (r * length / 2 - v)
 
 
-def _normal(u: Number, across: Number, cos_rudder: Number, sin_rudder: Number) -> Number:
-    """U_R (u sin delta - v_R cos delta) [m2/s2]."""
+def _normal_flow(u: Number, across: Number, cos_rudder: Number, sin_rudder: Number) -> Number:
+    """Return U_R (u sin delta - v_R cos delta) [m2/s2]."""
     return (u * u + across * across) ** 0.5 * (u * sin_rudder - across * cos_rudder)
 
 
@@ -34,8 +34,8 @@ def helm_surge(
     length: Number, draft: Number, flow_straightening: Number, density: Number,
 ) -> Number:  # fmt: skip
     """Surge force [N] of the rudder per unit coefficient. Source: form of Yasukawa and Yoshimura (2015)."""
-    across = _across(v, r, length, flow_straightening)
-    return -_pressure(length, draft, density) * _normal(u, across, cos_rudder, sin_rudder) * sin_rudder
+    across = _cross_flow(v, r, length, flow_straightening)
+    return -_half_density_area(length, draft, density) * _normal_flow(u, across, cos_rudder, sin_rudder) * sin_rudder
 
 
 def helm_sway(
@@ -43,9 +43,9 @@ def helm_sway(
     length: Number, draft: Number, flow_straightening: Number, density: Number,
 ) -> Number:  # fmt: skip
     """Sway force [N] of turning the rudder, per unit. Source: Yasukawa and Yoshimura (2015), less the one amidships."""
-    across = _across(v, r, length, flow_straightening)
-    turned = _normal(u, across, cos_rudder, sin_rudder) * cos_rudder
-    return -_pressure(length, draft, density) * (turned - _normal(u, across, 1.0, 0.0))
+    across = _cross_flow(v, r, length, flow_straightening)
+    turned = _normal_flow(u, across, cos_rudder, sin_rudder) * cos_rudder
+    return -_half_density_area(length, draft, density) * (turned - _normal_flow(u, across, 1.0, 0.0))
 
 
 def helm_yaw(
@@ -72,38 +72,38 @@ class RudderQuantities(PropellerQuantities):
     rudder_lift: Number
 
 
-def along(at: RudderQuantities) -> Number:
+def axial_velocity(at: RudderQuantities) -> Number:
     """Velocity of the water along the rudder [m/s], in the propeller's slipstream over the share eta of its height.
 
     u_R = epsilon u_P (eta (1 + kappa ((1 + 8 K_T/(pi J^2))^(1/2) - 1))^2 + 1 - eta)^(1/2). Source: Yasukawa and
     Yoshimura (2015).
     """
-    coming = inflow(at)
-    # A propeller with negative thrust slows its slipstream down, to zero at most.
-    pushed = coming * coming + 8 / math.pi * loading(at)
-    # Rounding may leave less than zero, which has no root.
-    slipstream = math.sqrt(0.5) * abs(pushed + abs(pushed)) ** 0.5
-    inside = coming + at.rudder_slipstream * (slipstream - coming)
-    mixed = at.rudder_in_slipstream * inside * inside + (1 - at.rudder_in_slipstream) * coming * coming
+    u_p = inflow(at)
+    # A propeller with negative thrust slows its slipstream, to zero at most: the root of max(squared, 0).
+    squared = u_p * u_p + 8 / math.pi * loading(at)
+    # The outer abs: rounding of the sum may leave less than zero.
+    slipstream = math.sqrt(0.5) * abs(squared + abs(squared)) ** 0.5
+    inside = u_p + at.rudder_slipstream * (slipstream - u_p)
+    mixed = at.rudder_in_slipstream * inside * inside + (1 - at.rudder_in_slipstream) * u_p * u_p
     return at.rudder_wake_ratio * mixed**0.5
 
 
-def across(at: RudderQuantities) -> Number:
+def lateral_velocity(at: RudderQuantities) -> Number:
     """Velocity of the water across the rudder [m/s], U gamma_R beta_R. Source: Yasukawa and Yoshimura (2015)."""
-    whole, angle = speed(at.u, at.v), angle_to_rudder(at)
+    whole, angle = speed(at.u, at.v), inflow_angle(at)
     middle = (at.rudder_straightening_starboard + at.rudder_straightening_port) / 2
     half = (at.rudder_straightening_starboard - at.rudder_straightening_port) / 2
     return whole * (middle * angle + half * abs(angle))
 
 
-def angle_to_rudder(at: RudderQuantities) -> Number:
+def inflow_angle(at: RudderQuantities) -> Number:
     """Angle of the inflow to the rudder [rad], beta_R. Source: Yasukawa and Yoshimura (2015)."""
     return drift(at.u, at.v) - at.rudder_position * at.r * at.length / speed(at.u, at.v)
 
 
 def normal_force(at: RudderQuantities) -> Number:
     """Normal force of the rudder [N], F_N. Source: Yasukawa and Yoshimura (2015)."""
-    forward, sideways = along(at), across(at)
+    forward, sideways = axial_velocity(at), lateral_velocity(at)
     lift = 0.5 * at.density * at.rudder_area * at.rudder_lift * (forward * forward + sideways * sideways) ** 0.5
     return lift * (forward * at.sin_rudder - sideways * at.cos_rudder)
 
@@ -143,8 +143,7 @@ def gear_motion(
     """
     # The dead time is a chain of equal first-order stages. A stage passes on a share of its input; if the step is
     # longer than its part of the dead time it passes on all of it, weighted between start and end of the step. So a
-    # ramp is late by exactly the dead time for any step, and no memory of past orders is needed, whose length would
-    # depend on it.
+    # ramp is late by exactly the dead time for any step. A list of past orders would have a length that depends on it.
     least, greatest = functions["minimum"], functions["maximum"]
     passing = put("passing", len(stages) * dt)
     share = put("share", passing / greatest(greatest(gear["dead_time"], passing), NO_TIME))

@@ -1,4 +1,4 @@
-"""One self-contained page for the fits of a table: every figure inside, every sentence computed."""
+"""One self-contained page for the fits of a table, with all figures inside."""
 
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -99,13 +99,13 @@ def _first_picture(fit: Fit) -> list[dict[str, str]]:
 
 def equations(fit: Fit) -> list[str]:
     return [
-        f"{force} = " + " + ".join(f"{term.name} {_written(term)}" for term in terms)
+        f"{force} = " + " + ".join(f"{term.name} {_regressor_text(term)}" for term in terms)
         for force, terms in fit.terms.forces.items()
         if terms
     ]
 
 
-def _written(term: Term) -> str:
+def _regressor_text(term: Term) -> str:
     name = name_of(term.regressor)
     return name if name.endswith(")") else f"{name}({', '.join(term.inputs)})"
 
@@ -117,15 +117,14 @@ def constraints(fit: Fit) -> str:
 
 
 def _figures(fit: Fit) -> list[dict[str, str]]:
-    configuration = fit.tests.configuration
+    tests, configuration = fit.tests, fit.tests.configuration
     pictures = [
         figure(draw.intervals_figure(fit), "Coefficients with their 95 % intervals, each over its own size."),
         figure(draw.correlation_figure(fit), "Correlations between the columns of each force; grey: constant."),
         figure(draw.influence_figure(fit), "Share of each coefficient's information by test."),
         figure(draw.shapley_figure(fit), "Shapley shares of the terms under three value functions."),
-        *_of_delta(configuration.ship, configuration.canal.width, fit.data_range.abs_y),
+        *_delta_figures(configuration.ship, configuration.canal.width, fit.data_range.abs_y),
     ]  # fmt: skip
-    tests = fit.tests
     if isinstance(tests, CaptiveTests):
         measured = figure(draw.forces_figure(fit, tests), "Forces measured and estimated, and the bank's part.")
         pictures = [measured, *pictures, figure(draw.motions_figure(tests), "The tests: motions and forces.")]
@@ -133,8 +132,8 @@ def _figures(fit: Fit) -> list[dict[str, str]]:
 
 
 @cache
-def _of_delta(ship: Ship, width: float, covered: Range | None) -> tuple[dict[str, str], ...]:
-    """Figures that do not depend on depth, so that the conditions of a table share them."""
+def _delta_figures(ship: Ship, width: float, covered: Range | None) -> tuple[dict[str, str], ...]:
+    """Draw the figures that do not depend on depth: the conditions of a table share them."""
     configuration = Configuration(ship, Canal(width))
     return (
         figure(draw.delta_figure(configuration, covered), "Pressure difference delta across the canal, heading zero."),
@@ -143,7 +142,7 @@ def _of_delta(ship: Ship, width: float, covered: Range | None) -> tuple[dict[str
 
 
 def _comparison(fits: Mapping[str, Fit]) -> dict[str, Any] | None:
-    ship = [*fits.values()][-1].tests.configuration.ship
+    ship = list(fits.values())[-1].tests.configuration.ship
     fits = {label: fit for label, fit in fits.items() if fit.tests.configuration.ship == ship}
     if len(fits) < 2:
         return None

@@ -9,7 +9,7 @@ from narrows.quantities.names import KNOT
 
 # Offsets and speeds of a grid.
 Block = tuple[slice, slice]
-# Share of cases that makes a place more likely held than not [1].
+# Share of cases [1] from which a ship is more likely held than not.
 LIKELY = 0.5
 # Remedy for an edge that the number of samples leaves uncertain.
 MORE = "more samples (--samples, in Python samples=) make it certain"
@@ -18,9 +18,9 @@ SAME_OFFSET = 0.05
 
 
 def headline(data: xr.Dataset, share: float) -> tuple[list[str], list[str]]:
-    """Return the answer and its limits, in sentences."""
-    # The offsets and speeds are those of the largest block of the grid in which every place is safe. First come the
-    # untested quantities of the section; with the limits, where a pilot with the true coefficients would hold it.
+    """Return the sentences of the answer, and those of its limits."""
+    # The answer is the largest block of the grid in which every place is safe, after the untested quantities of the
+    # section. The limits include where a pilot with the true coefficients would hold the ship.
     data = data.transpose("y", "u", ...)
     by_model = safe_by(data, share)
     safe, section = by_model & data["tested"].to_numpy(), data.attrs["untested"]
@@ -32,14 +32,14 @@ def headline(data: xr.Dataset, share: float) -> tuple[list[str], list[str]]:
         words, limit = _nowhere(data, share)
         if wider is not None:
             words = f"Nowhere safe within the tests; by the model {_at_places(data, wider)}."
-        return [*answer, words], [*_known(data, share, None), limit]
+        return [*answer, words], [*_with_true_coefficients(data, share, None), limit]
     word = "Safe by the model" if section else "Safe"  # The chart hatches a section that was not tested, too
     span = place_in_words(data, block[1], safe_offsets(data, block, share))
-    limits = [*_outside(data, safe, block), _limits(data, share, block)]
+    limits = [*_safe_outside(data, safe, block), _limits_of(data, share, block)]
     if wider is not None and wider != block:
         limits.append(f"By the model also {_at_places(data, wider)}, but there the tests end.")
     return [*answer, f"{word} {span}, with 95 % probability."], [
-        *limits, *_known(data, share, block), *_doubt(data, share),
+        *limits, *_with_true_coefficients(data, share, block), *_sampling_doubt(data, share),
     ]  # fmt: skip
 
 
@@ -63,29 +63,27 @@ def _nowhere(data: xr.Dataset, share: float) -> tuple[str, str]:
     # Rounded down, so that a share below a limit does not read as the limit.
     most = math.floor(round(1000 * float(best["held"]), 6)) / 10
     place = f"{float(best['y']):+.1f} m and {float(best['u']) / KNOT:.1f} knots"
-    answer, likely = (
-        f"{nowhere}: at best {most:g} % of the cases are held, at {place}",
-        largest_block(data, safe_by(data, LIKELY)),
-    )
+    answer = f"{nowhere}: at best {most:g} % of the cases are held, at {place}"
+    likely = largest_block(data, safe_by(data, LIKELY))
     if likely is not None:
         answer += f"; more likely held than not {place_in_words(data, likely[1], safe_offsets(data, likely, LIKELY))}"
     return f"{answer}.", f"The limit is {_cause_at_length(best, share)}."
 
 
-def _outside(data: xr.Dataset, safe: np.ndarray, block: Block) -> list[str]:
-    """Return the safe places that the largest block leaves out, so that no table contradicts it."""
+def _safe_outside(data: xr.Dataset, safe: np.ndarray, block: Block) -> list[str]:
+    """Return a sentence on safe places outside the largest block, so that no table contradicts the answer."""
     # safe (offsets, speeds)
     y, u, rest = data["y"].to_numpy(), data["u"].to_numpy(), safe.copy()
     rest[block] = False
     if not rest.any():
         return []
     fastest, farthest = u[safe.any(axis=0)].max(), np.abs(y[safe.any(axis=1)]).max()
-    more = [f"up to {fastest / KNOT:.1f} knots"] * bool(fastest > u[block[1]].max())
-    more += [f"out to {farthest:.1f} m"] * bool(farthest > np.abs(y[block[0]]).max())
-    return [f"{', '.join(['Single places outside this are safe too', *more])}."]
+    parts = [f"up to {fastest / KNOT:.1f} knots"] * bool(fastest > u[block[1]].max())
+    parts += [f"out to {farthest:.1f} m"] * bool(farthest > np.abs(y[block[0]]).max())
+    return [f"{', '.join(['Single places outside this are safe too', *parts])}."]
 
 
-def _limits(data: xr.Dataset, share: float, block: Block) -> str:
+def _limits_of(data: xr.Dataset, share: float, block: Block) -> str:
     rows, columns = block
     aside = rows.stop if rows.stop < len(data["y"]) else rows.start - 1
     sides = _first_limit(data.isel(y=[aside], u=columns), share) if aside >= 0 else AT_LENGTH[RANGE]
@@ -95,7 +93,7 @@ def _limits(data: xr.Dataset, share: float, block: Block) -> str:
 
 
 def _first_limit(beside: xr.Dataset, share: float) -> str:
-    """Return what limits the safe area at the places beside it, in the one nearest the middle that is not safe."""
+    """Return the cause at the unsafe place nearest the middle, of the places next to the safe block."""
     places = beside.stack(place=("u", "y"))
     safe = ((places["held"] >= share) & places["clear"] & places["tested"]).to_numpy()
     first = int(np.where(safe, math.inf, np.abs(places["y"].to_numpy())).argmin())
@@ -106,13 +104,13 @@ def _cause_at_length(here: xr.Dataset, share: float) -> str:
     return AT_LENGTH[cause(here, share, float((1 - here.attrs["reserve"]) * here.attrs["rudder_limit"]))]
 
 
-def _known(data: xr.Dataset, share: float, block: Block | None) -> list[str]:
-    """Return where a pilot with the true coefficients would hold the ship, if that exceeds the safe area."""
+def _with_true_coefficients(data: xr.Dataset, share: float, block: Block | None) -> list[str]:
+    """Return where a pilot with the true coefficients would hold the ship, if that differs from the safe block."""
     if bool((data["known"] == data["held"]).all()):
         return []
     by_true = safe_by(data, share, "known")
     known = largest_block(data, by_true & data["tested"].to_numpy())
-    if known is None:  # Where it would hold it outside the tests, only the tests end earlier.
+    if known is None:  # Held, but only outside the tests: the tested range is the limit.
         return [] if by_true.any() else ["A pilot with the true coefficients would not hold it either."]
     span = place_in_words(data, known[1], safe_offsets(data, known, share, "known"))
     return [f"A pilot with the true coefficients would hold it {span}."] * (known != block)
@@ -147,7 +145,7 @@ def safe_offsets(data: xr.Dataset, block: Block, share: float, name: str = "held
     return max(low), min(high)
 
 
-def _doubt(data: xr.Dataset, share: float) -> list[str]:
+def _sampling_doubt(data: xr.Dataset, share: float) -> list[str]:
     sure, perhaps = sure_blocks(data, share)
     if sure == perhaps or perhaps is None:
         return []
@@ -192,7 +190,9 @@ def cause(here: xr.Dataset, share: float, limit: float) -> str:
     if float(here["certain"]) >= share:
         return KNOWLEDGE
     rudder = float(here["rudder_likely"])
-    return NONE if math.isnan(rudder) else RUDDER if abs(rudder) > limit else UPSET
+    if math.isnan(rudder):
+        return NONE
+    return RUDDER if abs(rudder) > limit else UPSET
 
 
 def safe_by(data: xr.Dataset, share: float, name: str = "held") -> np.ndarray:
@@ -203,21 +203,21 @@ def safe_by(data: xr.Dataset, share: float, name: str = "held") -> np.ndarray:
 def largest_block(data: xr.Dataset, safe: np.ndarray) -> Block | None:
     """Return the offsets and speeds of the largest block in which everything is safe; None if there is none."""
     y, u = data["y"].to_numpy(), data["u"].to_numpy()
-    wide, high = (np.gradient(values) if len(values) > 1 else np.ones(1) for values in (y, u))
+    widths, heights = (np.gradient(values) if len(values) > 1 else np.ones(1) for values in (y, u))
     area, block = 0.0, None
     for first in range(len(y)):
         held = np.ones(len(u), bool)
         for last in range(first, len(y)):
             held &= safe[last]
             for low, up in runs(held):
-                covered = float(wide[first : last + 1].sum() * high[low : up + 1].sum())
+                covered = float(widths[first : last + 1].sum() * heights[low : up + 1].sum())
                 if covered > area:
                     area, block = covered, (slice(first, last + 1), slice(low, up + 1))
     return block
 
 
 def runs(held: np.ndarray) -> list[tuple[int, int]]:
-    """Return the first and the last place of each run of true."""
+    """Return the first and the last index of each run of true values."""
     ends = np.flatnonzero(np.diff(np.concatenate([[False], held, [False]]).astype(int)))
     return [(int(a), int(b) - 1) for a, b in zip(ends[::2], ends[1::2], strict=True)]
 

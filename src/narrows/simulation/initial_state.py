@@ -63,29 +63,29 @@ def initial_state(
     system = ship.system(waterway is not None, law, "until" if pushed else "never", across_of(waterway))
     inputs = {**values, **system.constants(values), **channel.inputs, **(steering.parameters if steering else {})}
     inputs |= {**dict.fromkeys((*INPUTS.values(), *map(AFTER, INPUTS.values())), 0.0), "push_end": math.inf}
-    asked = steering.asked if steering else None
-    order = asked.begin() if isinstance(asked, Controller) else asked
+    order = steering.asked if steering else None
+    order = order.begin() if isinstance(order, Controller) else order
     integrator = VoyageIntegrator(system.scalar, system.choices, inputs, channel, near_the_bank(values), order)
     psi = numbers["psi"]
     pose = {**numbers, "cos_psi": math.cos(psi), "sin_psi": math.sin(psi), COUNTED: psi}
     state = complete_state(ship, steering, pose, numbers)
     start = tuple(float(state[name]) for name in system.choices.kept)
-    _check_afloat(integrator, start)
+    _check_start(integrator, start)
     return integrator, start
 
 
 def complete_state(
     ship: SimulatedShip, steering: Steering | None, state: Mapping[str, Any], values: Mapping[str, Any]
 ) -> dict[str, Any]:
-    """Return a state with time, actuators (at rest unless given), their stored orders and the memory of a law."""
-    rest = {**ship.values(), **values}
-    positions = {one.name: rest.get(one.name) for one in ship.actuators}
+    """Return a state with time, actuators (at rest unless given), stages of their dead time and the law's memory."""
+    known = {**ship.values(), **values}
+    positions = {actuator.name: known.get(actuator.name) for actuator in ship.actuators}
     whole = {"t": 0.0, **state, **{name: 0.0 if value is None else value for name, value in positions.items()}}
     whole |= stages_at(ship.actuators, whole.__getitem__)
     return {**whole, **(steering.memory(whole) if steering else {})}
 
 
-def _check_afloat(integrator: VoyageIntegrator, start: tuple[float, ...]) -> None:
+def _check_start(integrator: VoyageIntegrator, start: tuple[float, ...]) -> None:
     _, y, cosine, sine, *_ = start
     if cosine <= integrator.inputs["least_cos"]:
         heading = math.degrees(math.atan2(sine, cosine))
@@ -96,14 +96,14 @@ def _check_afloat(integrator: VoyageIntegrator, start: tuple[float, ...]) -> Non
         raise InputError(
             f"y = {y:g} m starts with the hull {-clearance:.3g} m into the bank; start nearer the centreline"
         )
-    # The shortest step: with none at all, a rate without limit would give 0 times infinity.
+    # A step of the smallest number instead of 0: 0 times an infinite rate would be NaN.
     if not all(map(math.isfinite, integrator.stepped(start, math.ulp(0.0))[0])):
         u, v, r = start[4:7]
         raise InputError(f"the forces of this model are not finite at u = {u:g}, v = {v:g}, r = {r:g}; start otherwise")
 
 
 def check_irrelevant(ship: SimulatedShip, given: Mapping[str, Any]) -> None:
-    """Raise if an argument has no effect: the caller expects one."""
+    """Raise if an argument has no effect."""
     terms = ship.model.terms
     relevant = {*START, *PUSHED, *terms.inputs, *terms.names, "length", "beam", "width", *places_of(terms.actuators)}
     relevant |= {actuator.name for actuator in terms.actuators}
@@ -177,7 +177,7 @@ def self_propulsion(model: Model, u: float) -> float:
 
 
 def steady_ahead(model: Model, u: float) -> tuple[Model, str]:
-    """The model with revolutions that keep the approach speed, and a note; itself if its own do, or nearly."""
+    """Return the model with revolutions that keep the approach speed, and a note; itself if its own nearly do."""
     propeller, steady = model.configuration.propeller, steady_revolutions(model, u)
     if steady is None or propeller is None or not model.surge_inertia > 0:
         return model, ""
@@ -197,14 +197,14 @@ def steady_revolutions(model: Model, u: float) -> float | None:
 
 
 def propeller_notes(model: Model, speeds: Any, turns: Any, steering: Steering | None) -> tuple[str, ...]:
-    """Note that the model's own revolutions are for another speed [m/s]; none where others are given or ordered."""
+    """Return a note if the model's own revolutions are for another speed [m/s]; none if others are given or ordered."""
     own = model.configuration.propeller
     ordered = steering is not None and any(one.name == PROPELLER.name for one in steering.law.ordered)
     if own is None or ordered or (turns is not None and np.any(np.asarray(turns) != own.revolutions)):
         return ()
     pairs = [(u, steady_revolutions(model, u)) for u in dict.fromkeys((float(np.min(speeds)), float(np.max(speeds))))]
-    said = [f"{steady:.3g} keep {u:.3g} m/s straight ahead" for u, steady in pairs if steady is not None]
-    if not said:
+    kept = [f"{steady:.3g} keep {u:.3g} m/s straight ahead" for u, steady in pairs if steady is not None]
+    if not kept:
         return ()
     first = f"The propeller's {own.revolutions:.3g} revolutions a second are for another speed"
-    return (f"{first}: {', '.join(said)} (--revolutions, in Python revolutions=).",)
+    return (f"{first}: {', '.join(kept)} (--revolutions, in Python revolutions=).",)

@@ -40,9 +40,9 @@ NAMED: dict[str, Callable[..., Any]] = {
     "u_P": propeller.inflow,  # Inflow to the propeller
     r"\tau_P": propeller.loading,  # Thrust over density and squared diameter
     "T": propeller.thrust,  # Thrust
-    "u_R": rudder.along,  # Inflow along the rudder
-    r"\beta_R": rudder.angle_to_rudder,  # Angle of the inflow to the rudder
-    "v_R": rudder.across,  # Inflow across the rudder
+    "u_R": rudder.axial_velocity,  # Inflow along the rudder
+    r"\beta_R": rudder.inflow_angle,  # Angle of the inflow to the rudder
+    "v_R": rudder.lateral_velocity,  # Inflow across the rudder
     "F_N": rudder.normal_force,  # Normal force of the rudder
     r"\delta_B": clearance.delta,  # Pressure parameter of the banks
 }

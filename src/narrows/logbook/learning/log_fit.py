@@ -304,7 +304,7 @@ class LogFit(LearnedAnswer):
             f"Estimated gusts: {self.gusts.sway:.2g} m/s2 in sway and {self.gusts.yaw:.2g} rad/s2 in yaw (standard "
             f"deviations), with a correlation time of {self.gusts.memory:.0f} s."
         )  # fmt: skip
-        taught = self._taught(size_of([record.duration for record in self.records], len(self.records)))
+        taught = self._learned_sentence(size_of([record.duration for record in self.records], len(self.records)))
         return "\n".join(filter(None, (*self._doubts, taught, self._prediction, gusty, ON_TWINS)))
 
     @property

@@ -105,7 +105,7 @@ class SteadyFit(LearnedAnswer):
             f"The legs {'contradict' if self.contradicted else 'agree with'} the model: a sum of squares of "
             f"{self.chi_square:.1f}, {self.freedom} expected."
         )
-        return "\n".join((self._taught(self.readings.summary()), agree, ON_TWINS))
+        return "\n".join((self._learned_sentence(self.readings.summary()), agree, ON_TWINS))
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name: part of what ``learn --steady --json`` prints."""
