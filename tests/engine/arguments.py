@@ -335,8 +335,8 @@ class Table:
             "learn": Entry(
                 {"model": kvlcc2(), "log": [zigzag()], "spread": 0.1, "sensors": "basin"},
                 {"model": kvlcc2().with_coefficients(N_v=-0.12), "log": [zigzag(10.0)], "free": ("N_v",),
-                 "sensors": "vdr", "spread": 0.2, "gusts": True, "waterway": bent_waterway(length=9000.0),
-                 "window": 100.0},
+                 "sensors": "vdr", "spread": 0.2, "gusts": True, "asymmetry": False,
+                 "waterway": bent_waterway(length=9000.0), "coriolis": True},
                 answer=lambda found: found.to_dict(),
             ),
             "learn_steady": Entry(

@@ -136,7 +136,8 @@ def test_the_plain_step_is_the_kernels(name: str, along: bool, law: str | None, 
     channel = along_waterway(way, model, ship.shape) if along else straight_channel(values, ship.shape)
     inputs = {
         **values, **system.constants(values), **channel.inputs, **(steering.parameters if steering else {}),
-        **dict.fromkeys(("X_in", "N_in"), 0.0), "Y_in": pushed.get("Y"), "push_end": pushed.get("push_end"),
+        **dict.fromkeys(("X_in", "N_in", "X_in_after", "Y_in_after", "N_in_after"), 0.0),
+        "Y_in": pushed.get("Y"), "push_end": pushed.get("push_end"),
         "step_length": dt, "share": 1.0,
     }  # fmt: skip
     given = [inputs[name] for name in system.scalar.STEP_INPUTS]

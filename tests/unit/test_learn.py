@@ -191,6 +191,7 @@ def test_a_long_record_is_taken_in_parts() -> None:
     [
         ({"spread": None}, "state a spread"), ({"spread": -1.0}, "is none"), ({"free": ("N_vv",)}, "did you mean"),
         ({"sensors": "gps"}, "sensors"), ({"spread": {"N_vv": 0.1}}, "did you mean"), ({"log": 3}, "is no log"),
+        ({"window": 3.0}, "no argument 'window'"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_learned_from_is_said(told: dict[str, Any], says: str) -> None:

@@ -315,8 +315,9 @@ def _by_filter(log: ShipLog, model: Model, sensors: str | SensorGrade, spread: S
     elif best := misreading(setup.problem, grids[: settings.MOST_REREAD]):
         gain, other = best
         better = f": with it changed, the log-likelihood rises by {gain / 2:.3g}" if np.isfinite(gain) else ""
-        check, evidence = " and ".join(other.signals[:2]), {"log_likelihood_ratio": gain / 2} if better else {}
-        yield Finding(check, where, other.sentence + better, other.remedy, evidence)
+        # The model may not follow a record at all that is in another unit.
+        evidence = {"log_likelihood_ratio": gain / 2} if better else {"factor": other.factor}
+        yield Finding(" and ".join(other.signals[:2]), where, other.sentence + better, other.remedy, evidence)
     else:
         gusty = setup.assumptions.gusts
         pushed = setup if gusty else log_problem(model, log, sensors, spread=spread, gusts=True)
