@@ -103,8 +103,8 @@ def sign_change() -> Iterator[str]:
     errors = fit.left_out["Y"].rmse, plain.left_out["Y"].rmse
     yield (
         f"\nBy `distance_depth` suction turns to repulsion at h/T = {1 - near / far:.2f} in the seven tests. But the "
-        f"interval of b_bank_depth, {low:.3f} to {high:.3f}, {told} 0, and on left-out tests the form errs by "
-        f"{errors[0]:.2f} N, `distance` by {errors[1]:.2f} N."
+        f"interval of b_bank_depth (the coefficient of y_B T/(h - T)), {low:.3f} to {high:.3f}, {told} 0, and on "
+        f"left-out tests the form errs by {errors[0]:.2f} N, `distance` by {errors[1]:.2f} N."
     )
     configuration = nw.Configuration(nw.Ship(4.01, 0.53, 0.18, 0.65), nw.Canal(6.33, 0.36))
     tank = nw.Tank(speeds=(0.458, 0.572), depths=(0.198, 0.216, 0.243, 0.36))
