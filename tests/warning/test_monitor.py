@@ -41,7 +41,7 @@ def test_a_ship_on_its_way_into_a_bank_is_an_emergency() -> None:
 
 @pytest.mark.slow
 def test_memory_does_not_grow() -> None:
-    """Less than a megabyte an hour, by the middle one of five stretches: what leaks grows in each.
+    """Less than a megabyte an hour, by the least of five stretches: what leaks grows in each.
 
     Free lists of Python and NumPy fill in the first minute, and grow by steps afterwards.
     """

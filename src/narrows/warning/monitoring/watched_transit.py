@@ -230,7 +230,8 @@ def _nearness(t: float, clearance: float) -> str:
 class TransitLog:
     def __init__(self, configuration: Configuration, waterway: Waterway) -> None:
         self.configuration, self.waterway = configuration, waterway
-        self._rows: deque[np.ndarray] = deque(maxlen=settings.MOST_SECONDS)
+        # A ring of a day that is allocated once: memory does not grow during a watch.
+        self._rows, self._count = np.empty((settings.MOST_SECONDS, len(COLUMNS))), 0
         self._alerts: deque[AlertText] = deque(maxlen=settings.MOST_ALERTS)
         self._faults: dict[str, int] = {}
         self._began = math.nan
@@ -238,12 +239,15 @@ class TransitLog:
     def add(self, status: BridgeStatus) -> None:
         self._began = status.t if math.isnan(self._began) else self._began
         t = status.t - self._began
-        self._rows.append(np.array(_row(t, status)))
+        self._rows[self._count % len(self._rows)] = _row(t, status)
+        self._count += 1
         self._alerts += [AlertText(t, alert) for alert in status.changed]
         self._faults = status.faults
 
     def transit(self) -> WatchedTransit:
-        columns = dict(zip(COLUMNS, np.array(self._rows).reshape(-1, len(COLUMNS)).T, strict=True))
+        # In order of time: a full ring begins at the row that is overwritten next.
+        rows = np.roll(self._rows[: self._count], -self._count, axis=0)
+        columns = dict(zip(COLUMNS, rows.T, strict=True))
         ship, depth = self.configuration.ship, self.configuration.canal.depth
         return WatchedTransit(ship, self.waterway, columns, tuple(self._alerts), dict(self._faults), depth)
 
