@@ -21,7 +21,7 @@ from narrows.control.regulator import (
     regulator_gains,
     stacked_gains,
 )
-from narrows.control.steady_course import solved
+from narrows.control.steady_course import solve_courses
 from narrows.model.data_range import DataRange
 from narrows.safety.envelope import bounds_of, choose_pilot
 from narrows.safety.headline import AT_LENGTH, KNOWLEDGE, PILOT, RUDDER, cause
@@ -86,7 +86,7 @@ class TestGains:
 
     def test_many_at_once_are_the_regulators_one_by_one(self) -> None:
         ship, offsets, u = SimulatedShip(certain()), np.array([-30.0, 0.0, 45.0]), 5.0
-        v, rudder = solved(ship, {"y": offsets, "u": u}, 3, 1)
+        v, rudder = solve_courses(ship, {"y": offsets, "u": u}, 3, 1)
         course = {"y": offsets, "u": np.full(3, u), "v": v, "rudder": rudder}
         found = stacked_gains(ship, {}, course, DEFAULT_WEIGHTS)
         for y, gains in zip(offsets, found, strict=True):

@@ -27,11 +27,9 @@ if TYPE_CHECKING:
     from narrows.warning.monitoring.watched_transit import BridgeStatus, WatchedTransit
     from narrows.warning.page.bridge_page import BridgePage
 
-# Seconds between lines without changes.
-SAID_EVERY = 10
+STATUS_EVERY = 10  # Time between lines of status [s]
 COLOURS = {"caution": "yellow", "warning": "yellow", "alarm": "red", "emergency alarm": "magenta"}
-# Speed for compiling the kernels [m/s].
-USUAL_SPEED = 4.0
+USUAL_SPEED = 4.0  # Speed for compiling the kernels [m/s]
 
 
 @dataclass(frozen=True)
@@ -99,10 +97,10 @@ def monitor(
     with ExitStack() as stack:
         (publisher, senders), shown = _outputs(alerts, stack), _page(page, stack)
         if inputs.demo:
-            monitored, ticks = _demonstrated(pace, alerts, publisher)
+            monitored, ticks = _demo(pace, alerts, publisher)
         else:
             monitored, ticks = _monitor_of(model or "", waterway, inputs, y, publisher), _ticks_of(inputs, pace, stack)
-        transit = _watched(monitored, ticks, senders, shown, delivery.json)
+        transit = _watch(monitored, ticks, senders, shown, delivery.json)
     if inputs.replay and not len(transit.columns["t"]):
         raise InputError(f"{inputs.replay}: it has no valid sentence; give a recording of NMEA 0183")
     from narrows.report.transit_report import write_transit_report
@@ -172,9 +170,7 @@ def _replayed(path: Path, pace: float, mmsi: int | None) -> Iterator["Tick"]:
     return replay(path, pace, mmsi)
 
 
-def _demonstrated(
-    pace: float, alerts: AlertOptions, publisher: "AlertPublisher"
-) -> tuple["BridgeMonitor", Iterator["Tick"]]:
+def _demo(pace: float, alerts: AlertOptions, publisher: "AlertPublisher") -> tuple["BridgeMonitor", Iterator["Tick"]]:
     from narrows.warning.inputs.bridge_readings import paced
     from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
     from narrows.warning.monitoring.demonstration import LINE, demonstration
@@ -187,7 +183,7 @@ def _demonstrated(
     return monitored, paced(shown.ticks(), pace)
 
 
-def _watched(
+def _watch(
     monitored: "BridgeMonitor", ticks: Iterable["Tick"], senders: Iterable["SignalKSender"],
     page: "BridgePage | None", json: bool,
 ) -> "WatchedTransit":  # fmt: skip
@@ -208,7 +204,7 @@ def _watched(
                 page.publish(monitored, status, now)
             log.add(status)
             if not json:
-                _say(number, status)
+                _print_status(number, status)
     return log.transit()
 
 
@@ -218,12 +214,12 @@ def end_by_sigterm() -> None:
         signal.signal(signal.SIGTERM, signal.default_int_handler)
 
 
-def _say(number: int, status: "BridgeStatus") -> None:
+def _print_status(number: int, status: "BridgeStatus") -> None:
     for alert in status.changed:
-        said = f"{number:6d} s  {alert.priority.words}, {alert.state.value}: {alert.text}"
+        line = f"{number:6d} s  {alert.priority.words}, {alert.state.value}: {alert.text}"
         bell = "\a" if alert.sounds and sys.stdout.isatty() else ""
-        click.secho(bell + said, fg=COLOURS.get(alert.priority.words), bold=alert.sounds)
-    if number % SAID_EVERY == 0:
+        click.secho(bell + line, fg=COLOURS.get(alert.priority.words), bold=alert.sounds)
+    if number % STATUS_EVERY == 0:
         click.echo(f"{number:6d} s  {status.line()}")
 
 
@@ -241,8 +237,8 @@ def _outputs(alerts: AlertOptions, stack: ExitStack) -> "tuple[AlertPublisher, l
     sends = [stack.enter_context(sender_to(address)) for address in alerts.send or () if address not in servers]
 
     def send(sentence: str) -> None:
-        for each in sends:
-            each(sentence)
+        for send_to in sends:
+            send_to(sentence)
 
     return AlertPublisher(log, send), [stack.enter_context(SignalKSender(address)) for address in servers]
 

@@ -12,7 +12,7 @@ from narrows.codegen.free_motion import INPUTS, STATE, Surge
 from narrows.codegen.linearisation import LINEARISED
 from narrows.codegen.system import System
 from narrows.control.linear_system import LinearSystem
-from narrows.control.steady_course import check_inside, moving, solved
+from narrows.control.steady_course import check_inside, law_moving, solve_courses
 from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.quantities.names import FORCES, Number
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 Columns = dict[str, np.ndarray]
 MOVED = ("y", "psi", "u", "v", "r")
 WATER = ("current", "curvature")
-HOLDING = {"held": ("Y", "N"), "free": ("X", "Y", "N")}  # Forces on a ship whose speed is held or free
+HOLDING = {"held": ("Y", "N"), "free": ("X", "Y", "N")}  # External forces by surge: speed held or free
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class LocalMotion:
 
     @cached_property
     def _system(self) -> System:
-        return self.ship.system(law=moving(self.ship.actuators), pushed="until")
+        return self.ship.system(law=law_moving(self.ship.actuators), pushed="until")
 
     @cached_property
     def _constants(self) -> dict[str, Number]:
@@ -78,7 +78,7 @@ class LocalMotion:
         names = (*LINEARISED, *FORCES, *(actuator.name for actuator in self.ship.actuators))
         rows = [LINEARISED.index(name) for name in MOVED]
         columns = {name: matrix[..., rows, index] for index, name in enumerate(names)}
-        curvature, speed_along, radius_share = _along(at)
+        curvature, speed_along, radius_share = _line_motion(at)
         for name, slope in (("current", -curvature / radius_share), ("curvature", -speed_along / radius_share)):
             columns[name] = np.zeros((*matrix.shape[:-2], len(MOVED)))
             columns[name][..., MOVED.index("psi")] = slope
@@ -88,7 +88,7 @@ class LocalMotion:
 def along_line(matrix: np.ndarray, at: Mapping[str, Any]) -> np.ndarray:
     """Return derivatives of the rates in the frame of a curved line, (..., 6, n), from those in a straight frame."""
     # The line turns under the ship by its curvature times the speed along it.
-    curvature, speed_along, radius_share = _along(at)
+    curvature, speed_along, radius_share = _line_motion(at)
     if not np.any(curvature):
         return matrix
     x, y, psi = (LINEARISED.index(name) for name in ("x", "y", "psi"))
@@ -98,8 +98,8 @@ def along_line(matrix: np.ndarray, at: Mapping[str, Any]) -> np.ndarray:
     return matrix
 
 
-def _along(at: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Curvature of the line, speed along it, and the share of its radius between centre and ship."""
+def _line_motion(at: Mapping[str, Any]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Return the line's curvature [1/m], the speed along it [m/s], and the ship's radius over the line's [1]."""
     curvature, current = (np.asarray(at.get(name, 0.0), float) for name in WATER[::-1])
     radius_share = 1 - curvature * at["y"]
     return curvature, (at["u"] * np.cos(at["psi"]) - at["v"] * np.sin(at["psi"]) + current) / radius_share, radius_share
@@ -156,7 +156,7 @@ def linearize(
     Fossen (2021), Handbook of Marine Craft Hydrodynamics and Motion Control, 2nd ed., section 7.2, for the form.
     """
     water, ship = local_water(model, waterway, at), SimulatedShip(model, surge, surge_inertia)
-    given = _checked(ship, values)
+    given = _check_values(ship, values)
     asked = {"y": _column("y", y), "u": _column("u", u)}
     if not (asked["u"] > 0).all():
         raise InputError("a steady course needs a speed over 0; give u in m/s")
@@ -182,7 +182,7 @@ def _column(name: str, value: Any) -> np.ndarray:
     return column
 
 
-def _checked(ship: SimulatedShip, values: Mapping[str, float]) -> dict[str, float]:
+def _check_values(ship: SimulatedShip, values: Mapping[str, float]) -> dict[str, float]:
     terms = ship.model.terms
     known = {*ship.model.configuration.values(), *terms.names, "heave", "Y", "N", *(a.name for a in terms.actuators)}
     if "rudder" in values:
@@ -211,18 +211,18 @@ def steady_courses(
     fixed = {**ship.values(**movers), **water.sections, **{n: v for n, v in given.items() if n not in forces}}
     motion = LocalMotion(ship, water, fixed)
     bend = water.curvature / (1 - water.curvature * y)
-    turns, steered, v = _turns(ship.model, u, given), {}, np.zeros(len(y))
-    for _ in range(30):  # Newton's method; it takes four or five
+    turns, steered, v = _revolutions_ahead(ship.model, u, given), {}, np.zeros(len(y))
+    for _ in range(30):  # Newton's method for the revolutions; it takes four or five steps
         if is_steered:
             known = {**fixed, **forces, **turns, "path_curvature": bend, "current": water.current}
-            v, steered["rudder"] = solved(ship, {**known, "y": y - water.middle, "u": u}, len(y), 1)
+            v, steered["rudder"] = solve_courses(ship, {**known, "y": y - water.middle, "u": u}, len(y), 1)
         psi = 0.0 - np.arctan(v / u)
         speed_along = u * np.cos(psi) - v * np.sin(psi) + water.current
         course = {"y": y, "u": u, "psi": psi, "v": v, "r": bend * speed_along, **steered, **movers, **turns, **forces}
         course |= {"current": water.current, "curvature": water.curvature} | ({"X": 0.0} if is_free else {})
         course = {name: np.broadcast_to(np.asarray(value, float), y.shape) for name, value in course.items()}
-        change = _to_balance(motion, course) if is_steered and is_free and turns else np.zeros(1)
-        if not (np.abs(change) > 1e-11 * np.abs(course.get("revolutions", change))).any():
+        change = _revolutions_step(motion, course) if is_steered and is_free and turns else np.zeros(1)
+        if not (np.abs(change) > 1e-11 * np.abs(course.get("revolutions", change))).any():  # NaN: no course
             break
         turns = {"revolutions": turns["revolutions"] + np.nan_to_num(change)}
     else:
@@ -238,8 +238,8 @@ def steady_courses(
     return motion, course
 
 
-def _turns(model: Model, u: np.ndarray, given: Mapping[str, float]) -> Columns:
-    """Revolutions that keep the speed straight ahead, if the terms use any."""
+def _revolutions_ahead(model: Model, u: np.ndarray, given: Mapping[str, float]) -> Columns:
+    """Return the revolutions that keep the speed straight ahead, if the terms use any."""
     if not model.terms.propelled:
         return {}
     if "revolutions" in given:
@@ -248,8 +248,8 @@ def _turns(model: Model, u: np.ndarray, given: Mapping[str, float]) -> Columns:
     return {"revolutions": np.array([self_propulsion(model, float(speed)) for speed in speeds])[index]}
 
 
-def _to_balance(motion: LocalMotion, course: Mapping[str, Any]) -> np.ndarray:
-    """Newton's step of the revolutions towards a steady speed; drift, heading and rudder follow."""
+def _revolutions_step(motion: LocalMotion, course: Mapping[str, Any]) -> np.ndarray:
+    """Return Newton's step of the revolutions towards a steady speed, with drift and rudder free."""
     slopes, free = motion.slopes(course), [MOVED.index(name) for name in ("u", "v", "r")]
     u, v = course["u"], course["v"]
     # On a course there is no sway over the ground: psi = -arctan(v / u).

@@ -43,7 +43,7 @@ def steady_course(
     model : Model
         A model with terms of a rudder.
     samples : int
-        Number of coefficient samples from the fit's covariance: a dimension ``sample``.
+        Number of coefficient samples from the fit's covariance, along a dimension ``sample``.
     seed : int
         Seed of the samples.
     workers : int, optional
@@ -78,7 +78,7 @@ def steady_course(
     if not (grid.values["u"] > 0).all():
         raise InputError("a steady course needs a speed over 0; give u in m/s")
     values, shape = grid.flat(slice(0, grid.sizes[grid.axis]))
-    v, rudder = solved(ship, values, grid.vessels, workers)
+    v, rudder = solve_courses(ship, values, grid.vessels, workers)
     psi = -np.arctan(v / values["u"])
     columns = {"rudder": (rudder, "rad"), "psi": (psi, "rad"), "v": (v, "m/s")}
     data = {name: (list(grid.sizes), c.reshape(shape), {"units": unit}) for name, (c, unit) in columns.items()}
@@ -109,17 +109,17 @@ def check_inside(y: Any, width: Any, beam: Any) -> None:
         raise InputError(f"an offset of {far:g} m has the hull in the bank; stay within {room:.4g} m of the middle")
 
 
-def solved(
+def solve_courses(
     ship: SimulatedShip, values: Mapping[str, Any], count: int, workers: int | None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Solve for the sway velocity [m/s] and the rudder angle [rad] of many steady courses."""
-    # By Newton's method with exact derivatives, compiled. With ``path_curvature`` [1/m] and ``current`` [m/s] among the
-    # values the course is a steady turn along a bend.
+    # Newton's method with exact derivatives, compiled. With ``path_curvature`` [1/m] and ``current`` [m/s] the
+    # course is a steady turn along a bend.
     from narrows.codegen.addresses import entry
     from narrows.codegen.kernels import loops
 
     rudder = tuple(actuator for actuator in ship.actuators if actuator.name == RUDDER)
-    system = ship.system(law=moving(rudder), pushed="until")
+    system = ship.system(law=law_moving(rudder), pushed="until")
     module = generated("balance", system.key, lambda: _balance_text(system))
     balance = entry(module, "balance")
     inputs = {**dict.fromkeys((*INPUTS, "path_curvature", "current"), 0.0), **ship.values(), **values}
@@ -139,14 +139,14 @@ def solved(
 
 
 @lru_cache(maxsize=16)
-def moving(actuators: tuple[Actuated, ...]) -> Law:
-    """Return a law that makes actuators variable; its orders are not used."""
+def law_moving(actuators: tuple[Actuated, ...]) -> Law:
+    """Return a law that makes the positions of actuators variables; its orders are not used."""
     names = {actuator.name: actuator.name for actuator in actuators}
     return Law(trace_of(vars, names, "what moves"), (), actuators)
 
 
 def _balance_text(system: "System") -> str:
-    """Write the module of a ship's ``balance`` on a steady course; its ``COLUMNS`` names the columns of its table."""
+    """Write the module of a ship's ``balance`` on a steady course, with the names of its inputs in ``COLUMNS``."""
     import sympy
 
     from narrows.codegen.derivatives import with_tangents

@@ -1,4 +1,4 @@
-"""The answer of a fit: a sentence on the hull, one on the bank, one on the runs to make next."""
+"""Summary of a fit: a sentence on the hull, one on the bank, one on the next runs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -33,7 +33,7 @@ class BankSummary:
 
     @property
     def details(self) -> tuple[str, ...]:
-        """Bank coefficients with other hull terms, and the errors of a campaign that would change the answer."""
+        """Bank coefficients with other hull terms, and the campaign errors that would move them by a standard error."""
         return tuple(filter(None, (self._other_terms(), self._limits() if self.settled else "")))
 
     def to_dict(self) -> dict[str, object]:
@@ -43,8 +43,8 @@ class BankSummary:
 
     @property
     def settled(self) -> bool:
-        """Whether the bank's coefficients are identified, under the terms given and those preferred, and agree."""
-        certain = not any(_unsure(fit) for fit in (self.fit, self.preferred) if fit)
+        """Whether the bank coefficients are identified with the given and the preferred terms, and agree."""
+        certain = not any(_bank_doubts(fit) for fit in (self.fit, self.preferred) if fit)
         return bool(bank_names(self.fit)) and certain and not self.fit.implausible and not self._apart()
 
     def _hull(self) -> str:
@@ -59,10 +59,10 @@ class BankSummary:
             return f"The terms {self.fit.terms.name} have no bank."
         if self.fit.implausible:
             return f"Do not trust the bank's coefficients: {self.fit.implausible[0]}"
-        values = _values(self.fit)
+        values = _bank_values(self.fit)
         if self.settled:
             return f"The tests identify the bank: {values}."
-        if doubts := _unsure(self.fit):
+        if doubts := _bank_doubts(self.fit):
             return f"The tests do not determine the bank: {values}; {listed(doubts)}."
         other = self.preferred.terms.name if self.preferred else ""
         return f"The tests determine the bank with the terms {self.fit.terms.name} alone, not with {other}: {values}."
@@ -70,23 +70,23 @@ class BankSummary:
     def _other_terms(self) -> str:
         if self.preferred is None:
             return ""
-        pairs = [(f, self.preferred.left_out[f].rmse, self.fit.left_out[f].rmse) for f in _forces(self.fit)]
+        pairs = [(f, self.preferred.left_out[f].rmse, self.fit.left_out[f].rmse) for f in _bank_forces(self.fit)]
         errors = listed([f"{other:.3g} instead of {own:.3g} {FORCES[f].unit} in {f}" for f, other, own in pairs])
         first = f"The terms {self.preferred.terms.name} predict left-out motions better (rms error {errors})"
         apart = self._apart()
         differ = f"{listed(apart)} {'differ' if len(apart) > 1 else 'differs'} from the terms above" * bool(apart)
-        doubts = filter(None, (listed(_unsure(self.preferred)), differ))
-        return "; ".join((f"{first}: {_values(self.preferred)}", *doubts)) + "."
+        doubts = filter(None, (listed(_bank_doubts(self.preferred)), differ))
+        return "; ".join((f"{first}: {_bank_values(self.preferred)}", *doubts)) + "."
 
     def _limits(self) -> str:
-        """Errors of a campaign as large as the standard error of each bank coefficient."""
+        """Return the campaign errors that move each bank coefficient by its standard error."""
         limits = {name: self.fit.verdicts[name].limits[:2] for name in bank_names(self.fit)}
         parts = [f"{name} is off by a standard error with {' or '.join(most)}" for name, most in limits.items() if most]
         sentence = "; ".join(parts) or "No usual error of a campaign moves the bank's coefficients by a standard error"
         return f"{sentence}. No test shows a gain that all runs share."
 
     def _apart(self) -> list[str]:
-        """Coefficients whose intervals with the two tables of terms do not overlap."""
+        """Return the coefficients whose intervals with the two tables of terms do not overlap."""
         if self.preferred is None:
             return []
         pairs = ((n, self.fit.intervals[n], self.preferred.intervals[n]) for n in bank_names(self.fit))
@@ -109,21 +109,20 @@ def bank_names(fit: Fit) -> list[str]:
 
 
 def preferred_fit(fit: Fit) -> Fit | None:
-    """Return the fit of the hull's terms, with the same form of the bank, of least left-out error."""
-    # None if no other terms are better by more than 2 %. Others are the package's tables of a hull with the same
-    # additions.
+    """Return the fit with the hull terms of least left-out error and the same additions; None if this is best."""
     base, plus, additions = fit.terms.name.partition("+")
     known = base in BARE and fit.terms == table_named(fit.terms.name)
-    best, least = None, 0.98
-    for table in [table_named(f"{name}{plus}{additions}") for name in BARE if name != base and known]:
+    best, least = None, 0.98  # Others must be better by 2 %
+    for name in [name for name in BARE if known and name != base]:
+        table, balance = table_named(f"{name}{plus}{additions}"), fit.normal_equations.balance
         try:
-            balance = fit.normal_equations.balance
             other = identify(fit.tests, table, balance=balance, errors=fit.errors, pass_over="rudder")
         except InputError:
             continue
         # Errors on left-out tests over those of the fit, as a geometric mean over the forces of the bank.
-        rmse = np.array([[one.left_out[force].rmse for force in _forces(fit)] for one in (other, fit)])
-        ratio = float(np.exp(np.mean(np.log(np.maximum(rmse[0] / np.maximum(rmse[1], 1e-300), 1e-300)))))
+        rmse = np.array([[one.left_out[force].rmse for force in _bank_forces(fit)] for one in (other, fit)])
+        ratios = np.maximum(rmse[0] / np.maximum(rmse[1], 1e-300), 1e-300)  # 1e-300: errors may be 0
+        ratio = float(np.exp(np.mean(np.log(ratios))))
         if ratio < least:
             best, least = other, ratio
     return best
@@ -132,19 +131,19 @@ def preferred_fit(fit: Fit) -> Fit | None:
 def missing_runs(fit: Fit) -> list[str]:
     """Name the kinds of runs that separate bank and hull and are missing in the tests."""
     motions = fit.motions
-    # A straight run beyond a tenth of the canal's half width informs of a bank.
+    # Straight runs further off than a tenth of the canal's half width contain information on a bank.
     off = motions.steady & (motions.features["reach"] > 0.1 * fit.tests.configuration.canal.width / 2)
     fastest = f"{max(round(float(motions.features['speed'][group].mean()), 2) for group in motions.by_speed):g} m/s"
-    asks = []
+    missing = []
     if len(set(motions.level("side")[off].tolist())) < 2:
-        asks.append(f"straight runs off the centreline to both sides at {fastest}")
+        missing.append(f"straight runs off the centreline to both sides at {fastest}")
     period = np.where(motions.steady, -1, motions.level("period"))
     if max(len(set(period[group].tolist()) - {-1}) for group in motions.by_speed) < 2:
-        asks.append(f"harmonic yaw at two periods or more at {fastest}")
-    return asks
+        missing.append(f"harmonic yaw at two periods or more at {fastest}")
+    return missing
 
 
-def _forces(fit: Fit) -> list[str]:
+def _bank_forces(fit: Fit) -> list[str]:
     return [force for force, part in fit.terms.forces.items() if any(term.from_bank for term in part)]
 
 
@@ -152,7 +151,7 @@ def listed(parts: Sequence[str]) -> str:
     return " and ".join(filter(None, (", ".join(parts[:-1]), *parts[-1:])))
 
 
-def _values(fit: Fit) -> str:
+def _bank_values(fit: Fit) -> str:
     parts = []
     for name in bank_names(fit):
         value, std, ends = fit.coefficients[name], fit.std[name], fit.intervals[name]
@@ -161,7 +160,7 @@ def _values(fit: Fit) -> str:
     return listed(parts)
 
 
-def _unsure(fit: Fit) -> list[str]:
-    """Reasons why coefficients of the bank are not identified; empty where all are."""
+def _bank_doubts(fit: Fit) -> list[str]:
+    """Return why bank coefficients are not identified; empty if all are."""
     verdicts = {name: fit.verdicts[name] for name in bank_names(fit)}
     return [f"{name} is {verdict.words}" for name, verdict in verdicts.items() if verdict.status != IDENTIFIED]

@@ -1,4 +1,4 @@
-"""Cross-validation of tables of terms on the same tests and speeds; a model on tests, beside a fit to these."""
+"""Cross-validation of tables of terms on the same tests and speeds; a model on tests, compared with a fit to them."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -40,7 +40,7 @@ class Comparison(BaseResult):
     Parameters
     ----------
     fits : mapping of str to Fit
-        By the table's name.
+        Fits by the name of the table.
     left_out : mapping of str to str
         Tables that were not fitted, and why.
 
@@ -68,7 +68,7 @@ class Comparison(BaseResult):
 
     @property
     def forces(self) -> tuple[str, ...]:
-        """The forces that some table has terms for."""
+        """Forces with terms in at least one table."""
         return tuple(dict.fromkeys(force for fit in self.fits.values() for force in fit.scores))
 
     @property
@@ -123,7 +123,7 @@ def _row(table: str, fit: Fit, force: str) -> dict[str, Any]:
 
 
 def ready_tables() -> tuple[str, ...]:
-    """Return the names of the tables to compare where none are asked for, the last without any bank."""
+    """Return the names of the tables to compare by default, the last without any bank."""
     return (*BARE, *(f"paper+{form}" for form in FORMS if form != "delta"), f"paper+{OPEN_WATER}")
 
 
@@ -139,16 +139,16 @@ def compare(
     tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
         Tests of one condition, or of several for tables with the depth.
     tables : str, TermTable or a sequence of them
-        Tables, or names of them; those of ``ready_tables`` unless given.
+        Tables or their names; those of ``ready_tables`` unless given.
     balance : str
         As in ``identify``.
     ship : str, Path, Configuration or mapping, optional
-        Ship of a table that was not read yet, as of ``read_captive``.
+        Ship of tests that were not read yet, as in ``read_captive``.
 
     Raises
     ------
     InputError
-        Where no table could be fitted, or a table of tests has no ship.
+        If no table could be fitted, or the tests have no ship.
 
     Examples
     --------
@@ -173,7 +173,7 @@ def compare(
 
 @dataclass(frozen=True, repr=False)
 class Explanation(BaseResult):
-    """A model on a table of tests, that it was fitted on or not.
+    """A model on a table of tests, whether or not it was fitted on them.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ class Explanation(BaseResult):
     scores : mapping of str to Score
         Error of the model's own coefficients on these tests.
     by_test : mapping of str to mapping of str to Score
-        The same by test: test -> force -> score.
+        The same for each test: test -> force -> score.
     comparison : Comparison
         Other tables of terms on these tests.
     """
@@ -200,18 +200,16 @@ class Explanation(BaseResult):
 
     @cached_property
     def distance(self) -> dict[str, float]:
-        """Distance of the model's coefficients from those of these tests, in joint standard errors; NaN if unknown."""
+        """Difference of the model's coefficients from those of these tests [joint standard errors]; NaN if unknown."""
         names, covariance = self.fit.terms.names, self.model.covariance
-        own, fitted, std = (
-            np.array([part[name] for name in names])
-            for part in (self.model.coefficients, self.fit.coefficients, self.fit.std)
-        )
+        columns = self.model.coefficients, self.fit.coefficients, self.fit.std
+        own, fitted, std = (np.array([column[name] for name in names]) for column in columns)
         joint = np.sqrt(std**2 + (0.0 if covariance is None else np.diag(covariance)))
         return dict(zip(names, ((own - fitted) / np.where(joint > 0, joint, np.nan)).tolist(), strict=True))
 
     @property
     def fitted_on_these(self) -> bool:
-        """Whether the model came of this very table, at this depth."""
+        """Whether the model was fitted on this table, in this canal."""
         model, tests = self.model, self.fit.tests
         same_canal = model.configuration.canal == tests.configuration.canal
         return bool(model.source.sha256) and model.source.sha256 == tests.source.sha256 and same_canal
@@ -257,7 +255,7 @@ class Explanation(BaseResult):
         }
 
     def to_dataframe(self) -> "pd.DataFrame":
-        """Give the coefficients as a table: a row each, the model's, that of these tests, how far apart they are."""
+        """Give the coefficients as a table: a row each, with the model's value, that of these tests, the distance."""
         import pandas as pd
 
         columns = {"model": self.model.coefficients, "these_tests": self.fit.coefficients, "distance": self.distance}
@@ -267,7 +265,7 @@ class Explanation(BaseResult):
 
 @accept_aliases
 def explain(model: Model, tests: Any, tables: Sequence[str] = (), ship: ShipSource | None = None) -> Explanation:
-    """Put a model and a table of tests beside each other.
+    """Compare a model with a table of tests.
 
     Parameters
     ----------
@@ -276,19 +274,19 @@ def explain(model: Model, tests: Any, tables: Sequence[str] = (), ship: ShipSour
     tests : CaptiveTests, StreamedTests, str, Path, DataFrame or Dataset
         Tests of one condition.
     tables : sequence of str
-        Tables of terms to compare by what they say of tests left out; all that come with the package unless given.
+        Tables of terms to compare by their errors on left-out tests; those of ``ready_tables`` unless given.
     ship : str, Path, Configuration or mapping, optional
-        Ship of a table that was not read yet, as of ``read_captive``; the model's own unless given.
+        Ship of tests that were not read yet, as in ``read_captive``; the model's own unless given.
 
     Returns
     -------
     Explanation
-        Errors of the model, the fit to these tests with all that is known of it, other tables.
+        Errors of the model, the fit to these tests, and other tables.
 
     Raises
     ------
     InputError
-        Where the tests lack what the model's terms need, or are of several conditions.
+        If the tests lack a quantity of the model's terms, or are of several conditions.
 
     Examples
     --------

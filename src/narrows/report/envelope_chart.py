@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from narrows.quantities.names import KNOT
-from narrows.report.printed_tables import cells_of, console_of, everything, print_notes, print_result, table_of, thinned
+from narrows.report.printed_tables import cells_of, console_of, is_verbose, print_notes, print_result, table_of, thinned
 from narrows.report.style import (
     BLACK,
     BLUE,
@@ -249,7 +249,7 @@ def print_envelope(envelope: SafeEnvelope) -> None:
     tried = " to ".join(f"{u:.3g} m/s ({u / KNOT:.1f} knots)" for u in np.unique(envelope.data["u"][[0, -1]]))
     console.print(f"{envelope.description}; {envelope.weather}; {tried}, {envelope.samples} cases at each place.")
     console.print(table_of(OFFSET_COLUMNS, thinned(envelope.offset_rows()), left=("limited by",)))
-    if everything():
+    if is_verbose():
         speeds = [{**row, "mark": "" if row["keel_clear"] else " !"} for row in envelope.speed_rows()]
         console.print()
         console.print(table_of(SPEED_COLUMNS, speeds))

@@ -25,7 +25,7 @@ if TYPE_CHECKING:  # A verb that prints one of them does not wait for the packag
 
 Row = TypeVar("Row")
 
-# Least width [characters]: a narrower terminal wraps lines rather than losing digits.
+# Least width of the console [characters]: a narrower terminal wraps lines rather than losing digits.
 WIDTH = 110
 # Rows of a table and notes shown without --verbose.
 MOST_ROWS, MOST_NOTES = 9, 6
@@ -51,7 +51,7 @@ class _CellFormatter(Formatter):
 
 
 def cells_of(columns: Mapping[str, str], rows: Iterable[Mapping[Any, Any]]) -> list[list[str]]:
-    """Return the cells of rows; columns give the format of each head, ``{y:+.1f}``: ``-`` where it is not finite."""
+    """Return the cells of rows; ``columns`` maps heads to formats, as ``{y:+.1f}``; ``-`` for numbers not finite."""
     cells = _CellFormatter()
     return [[cells.vformat(form, (), row).replace("- to -", "-") for form in columns.values()] for row in rows]
 
@@ -80,38 +80,37 @@ def print_result(result: Any, *tables: Table | None) -> None:
 
 def print_notes(console: Console, notes: Iterable[str]) -> None:
     every = list(dict.fromkeys(notes))
-    shown = every if everything() else every[:MOST_NOTES]
+    shown = every if is_verbose() else every[:MOST_NOTES]
     for note in shown:
         console.print(f"- {note}", style="dim")
     if len(shown) < len(every):
         console.print(f"- {len(every) - len(shown)} more notes: add --verbose", style="dim")
 
 
-def everything() -> bool:
+def is_verbose() -> bool:
     """Return whether all rows and notes are requested: ``--verbose``, anywhere on the command line."""
     return "--verbose" in sys.argv
 
 
 def thinned(rows: Sequence[Row]) -> list[Row]:
-    """Return few rows, equally spaced, with the first and the last if possible; all with --verbose."""
-    if everything() or len(rows) <= MOST_ROWS:
+    """Return a few equally spaced rows, with the first and the last if possible; all with --verbose."""
+    if is_verbose() or len(rows) <= MOST_ROWS:
         return list(rows)
-    step = next(step for step in range(2, len(rows)) if (len(rows) - 1) // step < MOST_ROWS)
+    step = (len(rows) - 1) // MOST_ROWS + 1
     return list(rows[(len(rows) - 1) % step // 2 :: step])
 
 
 # Longest table of coefficients that is printed without --verbose.
 MOST_TERMS = 20
-# Column width [characters]; a narrow terminal wraps lines rather than losing digits.
-COLUMN = 14
-SHOWN = ("kind", "offset", "amplitude", "period", "speed", "drift_deg", "depth")
+COLUMN = 14  # Column width of a plan [characters]
+PLAN_FIELDS = ("kind", "offset", "amplitude", "period", "speed", "drift_deg", "depth")
 
 
 def print_plan(plan: "Plan") -> None:
     from narrows.experiment_design.plan import UNITS
 
     rows = plan.rows()
-    names = [name for name in SHOWN if any(row.get(name) is not None for row in rows)]
+    names = [name for name in PLAN_FIELDS if any(row.get(name) is not None for row in rows)]
     columns = {"run": "{run}"}
     for name in names:
         head = name.removesuffix("_deg") + (f" [{UNITS[name]}]" if name in UNITS else "")
@@ -124,25 +123,25 @@ def print_plan(plan: "Plan") -> None:
         console.print(f"- {sentence}")
 
 
-SCALED = {"": "{name}", "was": "{old:.4g}", "is": "{new:.4g}", "unit": "{unit}", "bis [1]": "{bis:.4g}"}
+SCALED_COLUMNS = {"": "{name}", "was": "{old:.4g}", "is": "{new:.4g}", "unit": "{unit}", "bis [1]": "{bis:.4g}"}
 
 
 def print_scaled(scaled: "Scaled") -> None:
     console, shown = console_of(), scaled.to_dict()
     rows = ({"name": n, **shown["coefficients"][n], "bis": shown["bis"][n]} for n in _main_terms(scaled.model))
-    console.print(table_of(SCALED, rows, left=("", "unit"), no_wrap=True))
-    _say_rest(console, scaled.model)
+    console.print(table_of(SCALED_COLUMNS, rows, left=("", "unit"), no_wrap=True))
+    _print_rest(console, scaled.model)
     console.print(shown["summary"])
     for note in scaled.notes:
         console.print(f"- {note}")
 
 
 # Columns of the list of ships that fit a terminal, and their heads.
-SHIPS = {
+SHIP_COLUMNS = {
     "name": "{name}", "ship": "{ship}", "L [m]": "{length:g}", "B [m]": "{beam:g}", "T [m]": "{draft:g}",
     "rudder": "{rudder}", "bank": "{banks}", "measured": "{measured}",
 }  # fmt: skip
-ESTIMATED = {"": "{index}", "estimate": "{value:.3g}", "std": "{std:.2g}", "unit": "{unit}"}
+ESTIMATE_COLUMNS = {"": "{index}", "estimate": "{value:.3g}", "std": "{std:.2g}", "unit": "{unit}"}
 
 
 def estimate_summary(model: "Model") -> dict[str, Any]:
@@ -162,17 +161,17 @@ def print_estimate(model: "Model") -> None:
         console.print(note, soft_wrap=True)
     if model.configuration.canal.depth is None:
         console.print("No depth is given: the estimate is for deep water; add --depth for a canal.", soft_wrap=True)
-    console.print(table_of(ESTIMATED, table.to_dict("records"), left=("", "unit"), no_wrap=True))
-    _say_rest(console, model)
+    console.print(table_of(ESTIMATE_COLUMNS, table.to_dict("records"), left=("", "unit"), no_wrap=True))
+    _print_rest(console, model)
 
 
 def _main_terms(model: "Model") -> list[str]:
     """Return the coefficients to print: those of the banks of a long table, or all."""
     banks = [term.name for term in model.terms.terms if term.from_bank]
-    return banks if banks and len(model.terms) > MOST_TERMS and not everything() else list(model.terms.names)
+    return banks if banks and len(model.terms) > MOST_TERMS and not is_verbose() else list(model.terms.names)
 
 
-def _say_rest(console: "Console", model: "Model") -> None:
+def _print_rest(console: "Console", model: "Model") -> None:
     if rest := len(model.terms) - len(_main_terms(model)):
         console.print(f"{rest} more coefficients: add --verbose")
 
@@ -180,12 +179,12 @@ def _say_rest(console: "Console", model: "Model") -> None:
 def print_ships(table: "pd.DataFrame") -> None:
     console = console_of(WIDTH)
     rows = table.rename_axis("name").reset_index().replace({True: "yes", False: "no"}).to_dict("records")
-    console.print(table_of(SHIPS, rows, left=("name", "ship", "rudder", "bank", "measured"), no_wrap=True))
+    console.print(table_of(SHIP_COLUMNS, rows, left=("name", "ship", "rudder", "bank", "measured"), no_wrap=True))
     console.print("Each name replaces a model file; --json gives the source of each.")
 
 
 NO_DEPTH = "No depth is given: voyages use that of the model; add --depth 16."
-STATIONS, CROSSINGS_SHOWN = 2001, 11
+STATIONS, STATIONS_SHOWN = 2001, 11  # Cross-sections that are searched for extremes, and that are printed
 # Share of the centreline below which a missing bank is not mentioned.
 NEGLIGIBLE = 0.002
 
@@ -194,9 +193,9 @@ def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, 
     """Return a waterway's dimensions as plain values: metres, degrees."""
     s = np.linspace(0, waterway.line.length, STATIONS)
     here = waterway.keel_section(s, draft)
-    shut = ~(here.width > 0) | (here.depth <= draft)
-    if shut.any():
-        index = int(shut.argmax())
+    closed = ~(here.width > 0) | (here.depth <= draft)
+    if closed.any():
+        index = int(closed.argmax())
         size = f"{here.width[index]:.4g} m wide and {here.depth[index]:.4g} m deep"
         raise InputError(
             f"{waterway.name}: no room for a draft of {draft:g} m at {s[index]:.0f} m along it, {size}; mend its banks "
@@ -225,7 +224,7 @@ def waterway_summary(waterway: "Waterway", draft: float = 0.0, more: tuple[str, 
 
 
 def _stations(waterway: "Waterway", draft: float) -> list[dict[str, float]]:
-    s = np.linspace(0, waterway.line.length, CROSSINGS_SHOWN)
+    s = np.linspace(0, waterway.line.length, STATIONS_SHOWN)
     here, heading = waterway.keel_section(s, draft), np.degrees(waterway.line.heading(s)) % 360
     columns = {
         "at": s, "heading": heading, "starboard": here.width / 2 + here.middle, "port": here.width / 2 - here.middle,
@@ -235,7 +234,7 @@ def _stations(waterway: "Waterway", draft: float) -> list[dict[str, float]]:
     return [dict(zip(columns, row, strict=True)) for row in rows]
 
 
-STATION = {
+STATION_COLUMNS = {
     "at [m]": "{at:.0f}", "heading [deg]": "{heading:.1f}", "to starboard [m]": "{starboard:.1f}",
     "to port [m]": "{port:.1f}", "width [m]": "{width:.1f}", "depth [m]": "{depth:.1f}",
 }  # fmt: skip
@@ -245,7 +244,7 @@ def print_waterway(waterway: "Waterway", draft: float = 0.0, notes: tuple[str, .
     console, summary = console_of(), waterway_summary(waterway, draft, notes)
     if waterway.place:
         console.print(f"{waterway.name}: {waterway.place_check}")
-    console.print(table_of(STATION, summary["stations"]))
+    console.print(table_of(STATION_COLUMNS, summary["stations"]))
     console.print(summary["summary"])
     print_notes(console, summary["notes"])
 
@@ -255,12 +254,12 @@ def _sentence(summary: dict[str, Any], waterway: "Waterway") -> str:
     return (
         f"{summary['name']}{place}: {summary['length']:.0f} m long; narrowest {narrowest['width']:.1f} m at "
         f"{narrowest['at']:.0f} m"
-        + _worst(summary["shallowest"], "depth", "shallowest")
-        + _worst(summary["sharpest"], "radius", "sharpest bend, radius")
+        + _extreme_text(summary["shallowest"], "depth", "shallowest")
+        + _extreme_text(summary["sharpest"], "radius", "sharpest bend, radius")
     )
 
 
-def _worst(extreme: dict[str, float] | None, name: str, word: str) -> str:
+def _extreme_text(extreme: dict[str, float] | None, name: str, word: str) -> str:
     if extreme is None:
         return ""
     over = f" over {extreme['over']:.3g} m" if "over" in extreme else ""
@@ -291,11 +290,11 @@ def print_fit(
         console.print(sentence, style="bold red")
     for sentence in answer.sentences:
         console.print(sentence)
-    if table or everything():
+    if table or is_verbose():
         console.print()
         known = (coefficient_row(fit, name) for name in best_known_first(fit))
         console.print(table_of(COLUMNS, known, left=("", "unit"), no_wrap=True))
-    if not everything():
+    if not is_verbose():
         failed = () if fit.solution.kkt.satisfied else (kkt_sentence(fit),)
         print_notes(console, (*failed, *answer.details, *fit.notes))
         return
@@ -306,7 +305,7 @@ def print_fit(
         if verdict.status != IDENTIFIED:
             console.print(f"- {verdict.sentence(name)}")
     rows = ({"force": force, "fit": score, "left_out": fit.left_out[force]} for force, score in fit.scores.items())
-    console.print(table_of(SCORES, rows, title="Fit, and on each distinct motion left out"))
+    console.print(table_of(SCORE_COLUMNS, rows, title="Fit, and on each distinct motion left out"))
     columns = {"": "{name}"} | {kind: f"{{{kind}:+.3f}}" for kind in KINDS}
     shares = share_rows({kind: fit.shapley(kind) for kind in KINDS})
     named = ({"name": name, **dict(zip(KINDS, own, strict=True))} for name, own in shares)
@@ -316,10 +315,10 @@ def print_fit(
 
 
 def best_known_first(fit: "Fit") -> list[str]:
-    """Coefficients by relative uncertainty, the smallest first."""
+    """Return the coefficients: identified, zero, others, undetermined; each group by relative uncertainty."""
     from narrows.identification.verdict import IDENTIFIED, ZERO
 
-    order = {name: i for i, name in enumerate((IDENTIFIED, ZERO))}
+    order = {IDENTIFIED: 0, ZERO: 1}
 
     def width(name: str) -> tuple[int, float]:
         verdict, (low, high) = fit.verdicts[name], fit.intervals[name]
@@ -360,7 +359,7 @@ def share_rows(shares: Mapping[str, Mapping[str, Mapping[str, float]]]) -> list[
     return [(name, [own[force][name] for own in shares.values()]) for force in first for name in first[force]]
 
 
-SCORES = {
+SCORE_COLUMNS = {
     "": "{force}", "R2": "{fit.r2:.3f}", "RMSE": "{fit.rmse:.3f}", "R2 left out": "{left_out.r2:.3f}",
     "RMSE left out": "{left_out.rmse:.3f}",
 }  # fmt: skip

@@ -37,7 +37,7 @@ def write_transit_report(transit: WatchedTransit, path: str | Path) -> None:
         margin=None if margin is None or not math.isfinite(margin) else f"{math.degrees(margin):.0f}",
         track=figure(transit_track_figure(transit), TRACK) if transit.located.any() else None,
         figure=figure(transit_figure(transit), HISTORY),
-        alerts=[(f"{said.t:.0f}", said.alert) for said in transit.alerts],
+        alerts=[(f"{sent.t:.0f}", sent.alert) for sent in transit.alerts],
         notes=transit.notes,
     )
 
@@ -46,7 +46,7 @@ def write_transit_report(transit: WatchedTransit, path: str | Path) -> None:
 SHADES = {
     Priority.CAUTION: "#F0E442", Priority.WARNING: "#E69F00", Priority.ALARM: ORANGE, Priority.EMERGENCY_ALARM: PURPLE,
 }  # fmt: skip
-BANK_POINTS = 400
+BANK_POINTS = 400  # Points of each drawn bank
 
 
 def transit_figure(transit: WatchedTransit) -> Figure:
@@ -67,8 +67,8 @@ def transit_figure(transit: WatchedTransit) -> Figure:
         )),
     )  # fmt: skip
     for panel, (label, lines) in zip(axes[:, 0], curves, strict=True):
-        for part, held in _levels(columns["level"]):
-            if shade := SHADES.get(held):
+        for part, level in _levels(columns["level"]):
+            if shade := SHADES.get(level):
                 panel.axvspan(t[part][0], t[part][-1], color=shade, alpha=0.35, lw=0)
         for values, colour, words in lines:
             panel.plot(t, np.where(np.isfinite(values), values, np.nan), color=colour, lw=1.2, label=words)
@@ -91,9 +91,9 @@ def transit_track_figure(transit: WatchedTransit) -> Figure:
     panel.plot(x, y, color=BLACK, lw=1.0, label="midship")
     first, last = np.nanmin(x) - ship.length, np.nanmax(x) + ship.length
     along = np.linspace(max(float(first), 0.0), min(float(last), transit.waterway.line.length), BANK_POINTS)
-    room = transit.waterway.keel_section(along, ship.draft)
+    section = transit.waterway.keel_section(along, ship.draft)
     for sign, words in ((-1, "banks"), (1, None)):
-        panel.plot(along, room.middle + sign * room.width / 2, color=BLUE, lw=1.8, label=words)
+        panel.plot(along, section.middle + sign * section.width / 2, color=BLUE, lw=1.8, label=words)
     panel.set(xlim=(first, last), xlabel="along the waterway [m]", ylabel="y, to starboard [m]")
     panel.invert_yaxis()
     panel.set_title("from above, starboard down; not to scale")

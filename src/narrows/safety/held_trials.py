@@ -11,7 +11,7 @@ import xarray as xr
 
 from narrows.codegen.choices import AFTER
 from narrows.control.regulator import FEEDBACK, RegulatorWeights, stacked_gains
-from narrows.control.steady_course import solved, with_propulsion
+from narrows.control.steady_course import solve_courses, with_propulsion
 from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.progress import bar
@@ -118,7 +118,7 @@ class _Trial:
 
     def sailed(self, values: Columns, count: int) -> dict[str, np.ndarray]:
         course = {n: v for n, v in values.items() if not n.startswith((OFF(""), BY(""), KNOWING("")))}
-        v, rudder = solved(self.ship, {**course, **self.bend.values(course["y"])}, count, self.workers)
+        v, rudder = solve_courses(self.ship, {**course, **self.bend.values(course["y"])}, count, self.workers)
         found = np.abs(rudder) <= self.ship.model.configuration.gear.limit  # false if there is none
         held = {"y": course["y"], "u": np.broadcast_to(course["u"], count), "v": np.where(found, v, 0.0)}
         held |= {"rudder": np.where(found, rudder, 0.0), "psi": -np.arctan(held["v"] / held["u"])}

@@ -11,25 +11,27 @@ import xarray as xr
 
 from narrows.control.regulator import DEFAULT_WEIGHTS, FEEDBACK, HeldLine, Regulator, RegulatorWeights, stacked_gains
 from narrows.control.settings import LEAD_TIME
-from narrows.control.steady_course import solved, with_propulsion
+from narrows.control.steady_course import solve_courses, with_propulsion
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import choice, clip
+from narrows.quantities.names import DEGREE
 from narrows.results import BaseSummary
 from narrows.safety.request import STRAIGHT, Bend
 from narrows.simulation.controllers import ORDER_TOLERANCE, ControlLaw, Named
 from narrows.simulation.grid import Grid, grid_of
 from narrows.simulation.ship import SimulatedShip
 
-# Numbers of a pilot by name: arrays over offsets and speeds, or columns of them.
+# Numbers of a pilot by name: arrays (offsets, speeds), or columns of them.
 Numbers = dict[str, np.ndarray]
 
-# Gains of manual steering: rudder [rad] for half a beam off, a heading deviation [rad] and a yaw rate in ship lengths.
-SENSIBLE = (0.56, 8.0, 7.7)
-# Times of a ship length in which manual trim reaches the size of the immediate order.
-TRIMMED = 10.0
+# Gains of manual steering: rudder [rad] per half a beam of offset, per heading [rad], and per yaw rate over speed and
+# length [rad].
+MANUAL_GAINS = (0.56, 8.0, 7.7)
+# Time after which the trim of a constant offset equals the immediate order [ship lengths].
+TRIM_TIME = 10.0
 
-# y [m] and u [m/s] of each trial, and what holds the drawn ship there: rudder, psi [rad], v [m/s], and the yaw rate of
-# its bend, r [rad/s]; arrays (n,).
+# Steady course of each trial: y [m], u [m/s], the drawn ship's rudder and psi [rad] and v [m/s], and the yaw rate r
+# [rad/s] of its bend; arrays (n,).
 Course = Mapping[str, Any]
 
 
@@ -78,9 +80,9 @@ class BestEstimateCourses:
         held = np.flatnonzero(known.any(axis=0))
         if not held.size or (len(held) < len(self.speeds) and not any(self.wind)):
             raise InputError("no pilot holds this ship on the centreline: its rudder has no effect")
-        # In a wind that leaves no course at a speed, that of the nearest speed with one stands in.
-        instead = held[np.abs(self.speeds[:, None] - self.speeds[held]).argmin(axis=1)]
-        table, known = table[:, instead], known[:, instead]
+        # In wind, a speed without any course takes that of the nearest speed with one.
+        nearest_speed = held[np.abs(self.speeds[:, None] - self.speeds[held]).argmin(axis=1)]
+        table, known = table[:, nearest_speed], known[:, nearest_speed]
         far = np.abs(self.places[:, None] - self.offsets[None, :])[:, :, None]
         nearest = np.where(known[:, None, :], far, np.inf).argmin(axis=0)
         return np.asarray(table[nearest, np.arange(len(self.speeds))])
@@ -88,7 +90,7 @@ class BestEstimateCourses:
 
 def limited_course(ship: SimulatedShip, values: Course, count: int, bend: Bend, workers: int | None) -> Numbers:
     """Return y [m], u, v [m/s], rudder [rad], other moving quantities; NaN if no rudder within its limit holds it."""
-    v, rudder = solved(ship, {**values, **bend.values(values["y"])}, count, workers)
+    v, rudder = solve_courses(ship, {**values, **bend.values(values["y"])}, count, workers)
     within = np.abs(rudder) <= ship.model.configuration.gear.limit
     course = {name: values[name] for name in ("y", *(a.name for a in ship.actuators)) if name in values}
     course |= {"u": np.broadcast_to(values["u"], count), "v": np.where(within, v, np.nan)}
@@ -118,29 +120,27 @@ def _regulator(ship: SimulatedShip, numbers: Numbers, course: Course) -> Control
     return regulator_of(ship, [numbers[f"by_{name}"] for name in FEEDBACK], {**numbers, "y": course["y"]}, course["u"])
 
 
-def _hand_numbers(courses: BestEstimateCourses, share: float) -> Numbers:
+def _helmsman_numbers(courses: BestEstimateCourses, share: float) -> Numbers:
     """A share of the manual gains, and rudder and heading of the best-estimate course."""
     hull, held = courses.ship.model.configuration.ship, courses.held()
     time = hull.length / np.broadcast_to(courses.speeds, held["rudder"].shape)
-    by_y, by_psi, by_r = (share * gain for gain in SENSIBLE)
-    gains = {"by_y": by_y / (hull.beam / 2) + 0 * time, "by_psi": by_psi + 0 * time, "by_r": by_r * time}
-    return {**gains, "by_trim": gains["by_y"] / (TRIMMED * time), "rudder": held["rudder"], "psi": held["psi"]}
+    by_y, by_psi, by_r = (share * gain for gain in MANUAL_GAINS)
+    constant = {"by_y": by_y / (hull.beam / 2), "by_psi": by_psi}
+    gains = {**{name: np.full(time.shape, gain) for name, gain in constant.items()}, "by_r": by_r * time}
+    return {**gains, "by_trim": gains["by_y"] / (TRIM_TIME * time), "rudder": held["rudder"], "psi": held["psi"]}
 
 
-def _hand(ship: SimulatedShip, numbers: Numbers, course: Course) -> ControlLaw:
+def _helmsman(ship: SimulatedShip, numbers: Numbers, course: Course) -> ControlLaw:
     """The helmsman; from the drawn ship it uses only y."""
     gains = numbers["by_y"], numbers["by_psi"], numbers["by_r"]
     rudder = numbers["rudder"] + numbers["by_r"] * course["r"]
     return Helmsman(course["y"], gains, numbers["by_trim"], rudder, numbers["psi"])
 
 
-# Regulators that rely on the best-estimate bank force, besides the default one.
+# Regulators that rely on the best-estimate bank force, in addition to the default one.
 TIGHTER = tuple(RegulatorWeights(offset, bank=1.0) for offset in (1 / 4, 1 / 8, 1 / 16))
-# A helmsman as a control law: observations become delayed orders, in whole degrees, up to a limit. Time between
-# observations, and from an order to its execution [s].
-DELAY = 3.0
-# Largest ordered rudder [deg].
-CAP_DEG = 20.0
+DELAY = 3.0  # Time between observations of a helmsman, and from an order to its execution [s]
+CAP_DEG = 20.0  # Largest rudder that a helmsman orders [deg]
 # Pilots by name, the default first.
 PILOTS = {
     "regulator": Pilot(
@@ -150,7 +150,7 @@ PILOTS = {
     "human": Pilot(
         f"a helmsman: a look every {DELAY:g} s, an order in whole degrees, executed {DELAY:g} s later, at most "
         f"{CAP_DEG:g} degrees",
-        (1.0, 0.5, 0.25, 0.125), _hand_numbers, _hand,
+        (1.0, 0.5, 0.25, 0.125), _helmsman_numbers, _helmsman,
     ),
 }  # fmt: skip
 
@@ -162,9 +162,7 @@ def regulator_of(ship: SimulatedShip, gains: list[Any], held: Mapping[str, Any],
     return Regulator((line,), made_for, LEAD_TIME * time, DEFAULT_WEIGHTS.unwinding_time * time)
 
 
-# Powers of two that make up whole degrees.
-BITS = (32, 16, 8, 4, 2, 1)
-DEGREE = math.pi / 180
+BITS = (32, 16, 8, 4, 2, 1)  # Powers of two that make up whole degrees, to 63
 
 
 @dataclass(frozen=True, repr=False)
@@ -222,9 +220,8 @@ class Helmsman(BaseSummary):
 
 
 def whole_degrees(angle: Any) -> Any:
-    """Return an angle in whole degrees, by arithmetic; halves are rounded away from zero [rad]."""
-    # angle [rad]
-    left, made = abs(angle) / DEGREE + 0.5, 0.0
-    for bit in BITS:
-        made = made + choice(left - made - bit + 1e-12, bit, 0.0)
-    return choice(angle, made, -made) * DEGREE
+    """Return an angle [rad] rounded to whole degrees, halves away from zero, by arithmetic that every engine has."""
+    wanted, degrees = abs(angle) / DEGREE + 0.5, 0.0
+    for bit in BITS:  # Binary digits of the integer part; 1e-12 deg is the rounding of the division
+        degrees = degrees + choice(wanted - degrees - bit + 1e-12, bit, 0.0)
+    return choice(angle, degrees, -degrees) * DEGREE

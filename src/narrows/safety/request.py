@@ -126,7 +126,7 @@ class Bend:
         return self.curvature / (1 - self.curvature * y)
 
     def values(self, y: Number) -> dict[str, Number]:
-        """Return the conditions of a steady turn at an offset [m], for ``solved``."""
+        """Return the conditions of a steady turn at an offset [m], for ``solve_courses``."""
         return {"path_curvature": self.path_curvature(y), "current": self.current}
 
     @property

@@ -1,4 +1,4 @@
-"""Result of learning from a log: coefficients, and what each record contributed and how well others predict it."""
+"""Result of learning from a log: coefficients, contributions of records, and prediction errors of left-out records."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -13,30 +13,30 @@ from narrows.logbook.filtering.record_grid import CURRENTS, HELM, OFFSET, RUDDER
 from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer
 from narrows.logbook.ship_log import size_of
 
-MOST_DRAWN = 4  # records whose forecasts are kept to be drawn
-AHEAD = 3.5  # times of a ship length that a forecast reaches
+MOST_DRAWN = 4  # Most records whose forecasts are kept for figures
+HORIZON = 3.5  # Length of a forecast [ship lengths]
 JUDGED = ("y", "psi", "r")  # States whose forecasts are judged
-MOST_COMPARED = 50  # records up to which whole records are predicted, and Nomoto models fitted
-# Standard deviations of a fitted start from the smoothed one: heading [rad], and speed, drift and turn over the ship's.
+MOST_COMPARED = 50  # Most records for predictions of whole records and Nomoto models
+# Standard deviations of a fitted start about the smoothed one: heading [rad]; u, v and r relative to the ship's scales.
 START_FREE = np.array([0.01, 0.05, 0.05, 0.05])
-# The yaw rate, in turns of one radian a ship length, that the largest rudder of a record turns the ship with, about.
+# Start of a Nomoto fit: yaw rate over speed and length, per rudder angle [1].
 USUAL_TURN = 0.5
-# Error of a heading [rad] and of the yaw rate at the start [rad/s], which only weigh the start.
+# Errors of a heading [rad] and of the yaw rate at the start [rad/s]: weights of a fitted start.
 READING, START_RATE = 0.01, 0.01
 
 
 @dataclass(frozen=True)
 class Forecast:
-    t: np.ndarray  # (n,) Nodes of all pieces, the end of one and the begin of the next at the same time [s]
-    states: np.ndarray  # (n, 6) x, y, psi, u, v, r as predicted
-    ends: np.ndarray  # (pieces,) Where each piece ends
-    likely: np.ndarray  # (pieces, 6) The smoothed state of the record there
-    rudder: np.ndarray  # (n,) As recorded, and its zero [rad]
+    t: np.ndarray  # (n,) Times of all pieces [s]; the end of one and the start of the next have the same time
+    states: np.ndarray  # (n, 6) Predicted x, y, psi, u, v, r
+    ends: np.ndarray  # (pieces,) Index of the end of each piece
+    likely: np.ndarray  # (pieces, 6) Smoothed states of the record at these ends
+    rudder: np.ndarray  # (n,) Recorded rudder plus its zero error [rad]
 
     @property
     def missed(self) -> dict[str, float]:
-        """Root mean square of the ends of pieces less the smoothed states there."""
-        with np.errstate(all="ignore"):  # What ran away is far off, and may be so without end.
+        """Root mean square error of the ends of pieces, against the smoothed states."""
+        with np.errstate(all="ignore"):  # A diverged forecast may be infinite.
             off = self.states[self.ends] - self.likely
             root = np.sqrt(np.mean(off**2, axis=0)) if len(off) else np.full(6, np.nan)
         return {name: float(root[STATES.index(name)]) for name in JUDGED}
@@ -45,27 +45,26 @@ class Forecast:
 @dataclass(frozen=True)
 class RecordAnswer:
     name: str  # Name of the record
-    duration: float  # How long [s]
+    duration: float  # Duration [s]
     steps: int  # Steps of the filter
-    met: int  # In how many of them another ship passed
+    met: int  # Steps with a passing ship
     zeros: dict[str, float]  # Constant errors and disturbances of the record, in SI; disturbances as accelerations
-    information: dict[str, float]  # Share of what is known of each coefficient that is gone without the record [1]
-    moved: dict[str, float]  # How far the record moves each coefficient
-    # Root mean square of what forecasts over 3.5 ship lengths miss of y [m], psi [rad] and r [rad/s]: by the model
-    # before, and by one that learned from all other records
+    information: dict[str, float]  # Share of each coefficient's information that comes from the record [1]
+    moved: dict[str, float]  # Change of each coefficient by the record
+    # Root mean square errors of forecasts over 3.5 ship lengths of y [m], psi [rad] and r [rad/s]: by the model before
+    # the log, and by the model learned from all other records
     missed: dict[str, tuple[float, float]]
-    # Root mean square of what predictions of the whole record under its recorded rudder miss of the heading [rad], the
-    # start fitted: by the model ``before``, ``after`` the other records, and a nonlinear ``nomoto`` model of those;
-    # empty where gusts act
+    # Root mean square heading errors [rad] of predictions of the whole record from its rudder, with a fitted start: by
+    # the model ``before``, ``after`` the other records, and a nonlinear ``nomoto`` model of those; empty with gusts
     whole: Mapping[str, float] = field(default_factory=dict)
-    forecasts: tuple[Forecast, Forecast] | None = None  # By those two models, where they are kept to be drawn
-    # (array, array) Times [s] and readings of x, y, psi and r, where forecasts are kept
+    forecasts: tuple[Forecast, Forecast] | None = None  # By these two models, if kept for figures
+    # Times [s] and readings of x, y, psi and r, if forecasts are kept
     measured: Mapping[str, tuple[np.ndarray, np.ndarray]] = field(default_factory=dict)
 
 
 def record_answers(found: SearchResult, grids: Iterable[RecordGrid]) -> tuple[RecordAnswer, ...]:
     whole, scales = not found.problem.model.gusts and not found.interrupted, found.problem.scales
-    nomoto = nomoto_missed(grids, scales[0] / scales[3]) if whole and len(found.records) <= MOST_COMPARED else []
+    nomoto = nomoto_errors(grids, scales[0] / scales[3]) if whole and len(found.records) <= MOST_COMPARED else []
     return tuple(
         _answer(found, grid, one, number < MOST_DRAWN, nomoto[number] if nomoto else None)
         for number, (grid, one) in enumerate(zip(grids, found.records, strict=False))
@@ -80,13 +79,13 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
     gone = np.clip(1 - np.diag(after) / np.diag(without), 0.0, 1.0)[:count]
     path = one.path or RecordLikelihood(problem, grid).smoothed(found.unknowns, None, FIRST_PASSES)
     assert path is not None
-    before_it = np.zeros(count)  # which is what is known without the only record, too
+    before_it = np.zeros(count)  # Prior mean; also the estimate without the only record
     without_it = found.scaled * prior.free - moved if len(found.records) > 1 else before_it
     model = problem.model_at(found.unknowns)
     both = forecast(problem, before_it, grid, path, model), forecast(problem, without_it, grid, path, model)
     before, later = (each.missed for each in both)
     ends = {"before": before_it, "after": without_it}
-    heading = {name: whole_missed(problem, at, grid, path) for name, at in ends.items() if nomoto is not None}
+    heading = {name: whole_record_error(problem, at, grid, path) for name, at in ends.items() if nomoto is not None}
     zeros = {
         process.name: float(path.processes[0, place]) for place, process in enumerate(model.processes)
         if np.isinf(process.memory) and not process.name.startswith(HELM)
@@ -106,7 +105,7 @@ def forecast(
     problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: RecordPath, model: StochasticModel
 ) -> Forecast:
     """Return forecasts of a record from smoothed states, without its gusts, at scaled coefficients (p,)."""
-    reach = AHEAD * problem.scales[0] / max(float(np.abs(path.states[:, 3]).mean()), 1e-3)
+    reach = HORIZON * problem.scales[0] / max(float(np.abs(path.states[:, 3]).mean()), 1e-3)
     every = max(1, min(round(reach / grid.step), (len(grid) - 1) // 2))
     begun = np.arange(0, len(grid), every)
     known = dict.fromkeys(INPUTS, 0.0)
@@ -129,8 +128,8 @@ def forecast(
     return Forecast(grid.times[nodes], states, ends, path.states[begun[1:]], rudder)
 
 
-def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: RecordPath) -> float:
-    """Return the root mean square of headings missed over a whole record, only its start fitted [rad]."""
+def whole_record_error(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: RecordPath) -> float:
+    """Return the root mean square heading error over a whole record, with a fitted start [rad]."""
     from scipy.optimize import least_squares
 
     if "psi" not in grid.readings:
@@ -138,8 +137,8 @@ def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path
     motion, read, scales = problem.at(scaled)[0], grid.readings["psi"], problem.scales
     ends, at, share = np.array([0, len(grid)]), read.step, read.share
 
-    def missed_at(start: np.ndarray) -> np.ndarray:
-        """Return headings missed, over READING, then the start over its standard deviations, (readings + 4,)."""
+    def residuals_at(start: np.ndarray) -> np.ndarray:
+        """Return heading errors over READING, then the start over its standard deviations, (readings + 4,)."""
         begun = path.states[0].copy()
         begun[2:] += START_FREE * scales[2:] * start
         with np.errstate(all="ignore"):
@@ -147,14 +146,14 @@ def whole_missed(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path
             off = ((1 - share) * heading[at] + share * heading[at + 1] - read.values) / READING
         return np.append(np.nan_to_num(off, nan=1e3, posinf=1e3, neginf=-1e3).clip(-1e3, 1e3), start)
 
-    found = least_squares(missed_at, np.zeros(4), max_nfev=15)
+    found = least_squares(residuals_at, np.zeros(4), max_nfev=15)
     return float(READING * np.sqrt(np.mean(found.fun[:-4] ** 2)))
 
 
-def _nomoto_off(
+def _nomoto_errors(
     start: np.ndarray, numbers: np.ndarray, step: float, rudder: list[float], heading: np.ndarray
 ) -> np.ndarray:
-    """Return the headings missed, over READING, by ``rdot = a rudder + b + c r + d |r| r + e r^3`` (Euler)."""
+    """Return the heading errors, over READING, of ``rdot = a rudder + b + c r + d |r| r + e r^3`` (Euler's method)."""
     # start (2,): heading and yaw rate off those recorded, in units of READING and START_RATE
     a, b, c, d, e = numbers
     few = min(10, len(heading) - 1)
@@ -169,10 +168,10 @@ def _nomoto_off(
     return np.asarray((path - heading) / READING)
 
 
-def nomoto_missed(grids: Iterable[RecordGrid], time: float) -> list[float]:
-    """Return the root mean square of headings missed by Nomoto models, each fitted to all other records [rad]."""
-    # time [s], of a ship length. The model of an only record is fitted to itself, and the start of each record too;
-    # without rudder or heading a record has NaN.
+def nomoto_errors(grids: Iterable[RecordGrid], time: float) -> list[float]:
+    """Return the root mean square heading error [rad] of each record by a Nomoto model fitted to all others."""
+    # time [s] of a ship length. The model of an only record is fitted to itself. Starts are fitted too. NaN without
+    # rudder or heading.
     from scipy.optimize import least_squares
 
     scale = np.array([1.0, 0.01, time, time**2, time**3]) / time**2
@@ -180,7 +179,9 @@ def nomoto_missed(grids: Iterable[RecordGrid], time: float) -> list[float]:
 
     def residuals(unknowns: np.ndarray, records: Sequence[Any]) -> np.ndarray:
         numbers, starts = unknowns[: len(first)] * scale, unknowns[len(first) :].reshape(-1, 2)
-        return np.concatenate([_nomoto_off(start, numbers, *own) for own, start in zip(records, starts, strict=True)])
+        return np.concatenate(
+            [_nomoto_errors(start, numbers, *own) for own, start in zip(records, starts, strict=True)]
+        )
 
     known = [
         (grid.step, grid.positions[RUDDER].tolist(), np.interp(grid.times, grid.times_of(read), read.values))
@@ -193,20 +194,20 @@ def nomoto_missed(grids: Iterable[RecordGrid], time: float) -> list[float]:
             others = [other for other in steered if other is not record] or [record]
             unknowns = np.append(first, np.zeros(2 * len(others)))
             numbers = scale * least_squares(residuals, unknowns, args=(others,), max_nfev=40).x[: len(first)]
-            left = least_squares(_nomoto_off, np.zeros(2), args=(numbers, *record), max_nfev=40).fun
+            left = least_squares(_nomoto_errors, np.zeros(2), args=(numbers, *record), max_nfev=40).fun
             missed[place] = np.sqrt(np.mean(left**2)) * READING
     return missed.tolist()
 
 
-IN_OPEN_WATER = "Learning in open water is tested against measured manoeuvres."  # Note for models without bank terms
+IN_OPEN_WATER = "Learning in open water is tested against measured manoeuvres."  # Note on models without bank terms
 INERTIA = "Motion determines only forces over inertia: inertia keeps its prior."
 CONTRADICTION_PROBABILITY = 1e-3  # Probability below which log and prior contradict each other
-# Disturbances over prior gusts that gusts do not explain: of twins in gusts alone 5 % exceed 5, and of twins that
-# another ship passes every ten minutes 90 % exceed 17.
+# Ratio of disturbances to prior gusts [1] that gusts do not explain: 5 % of twins with gusts alone exceed 5; 90 % of
+# twins that another ship passes every ten minutes exceed 17.
 UNEXPLAINED_GUST_RATIO = 8.0
 HEADING_LEFT = np.radians(0.5)  # Residual noise of headings that exceeds the error of a compass [rad]
-MOVED_STDS = 3.0  # Prior standard deviations by which a named coefficient moved
-# What ``to_dict`` gives of each record.
+MOVED_STDS = 3.0  # Change from which a contradiction names a coefficient [prior standard deviations]
+# Fields of each record in ``to_dict``.
 RECORD_FIELDS = ("name", "duration", "steps", "met", "zeros", "information", "moved", "whole")
 
 
@@ -220,7 +221,7 @@ class Gusts(NamedTuple):
 
 class SignalNoise(NamedTuple):
     size: float  # Standard deviation of a reading [unit of the signal]
-    beyond: float  # Share of readings that count less as outliers [1]
+    beyond: float  # Share of readings down-weighted as outliers [1]
 
 
 @dataclass(frozen=True, repr=False)

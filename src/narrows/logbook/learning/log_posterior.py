@@ -16,18 +16,18 @@ from narrows.simulation.ship import SimulatedShip
 from narrows.terms.additions import ASYMMETRY
 from narrows.terms.term import TermKind
 
-LEAST_REDUCTION = 1e-3  # [1] of the prior variance: below it a log does not count as informative on a combination
-EXPECTED_SCATTER = 10  # records that the expected scatter of scores counts for, against that of the records
-POINTS, SEED = 4096, 26  # of importance sampling
-DIFFERENCE = 1e-4  # of unknowns, for slopes at the mode
-WIDER = 1.1  # proposal over the Gaussian at the mode, for its tails
+LEAST_REDUCTION = 1e-3  # Least reduction of the prior variance [1] by which a log determines a combination
+EXPECTED_SCATTER = 10  # Weight of the expected scatter of scores [records]
+POINTS, SEED = 4096, 26  # Points and seed of importance sampling
+DIFFERENCE = 1e-4  # Step of finite differences at the mode [prior standard deviations]
+WIDER = 1.1  # Width of the proposal over that of the Gaussian at the mode, for its tails [1]
 
 # Standard deviations of coefficients: over their size, or each in its own unit.
 Spread = float | Mapping[str, float]
-# Standard deviation of an asymmetry, as the rudder angle that would hold it: ships steer straight with about a degree.
+# Standard deviation of an asymmetry, as the rudder angle that balances it [rad]: ships need about a degree.
 RUDDER_ZERO = np.radians(1.0)
 ACCELERATIONS = ("udot", "vdot", "rdot")
-# Share of the largest eigenvalue of a correlation, under which two coefficients are known as one.
+# Least eigenvalue of a correlation matrix over its largest [1]: a floor for coefficients that are fully correlated.
 RANK = 1e-9
 NO_PRIOR = (
     "this model has no covariance of its coefficients, so a record has no prior; identify it from tests, "
@@ -60,7 +60,7 @@ def with_spread(model: Model, spread: Spread | None) -> Model:
 
 
 def with_asymmetry(model: Model, u: float) -> Model:
-    """Return a model with an asymmetry, as uncertain as that of a turned rudder where its size is not known."""
+    """Return a model with an asymmetry; where it has no variance, that of a rudder turned by ``RUDDER_ZERO``."""
     # u [m/s]
     names = ASYMMETRY.names(model.terms)
     if names[0] not in model.terms.names:
@@ -75,12 +75,12 @@ def with_asymmetry(model: Model, u: float) -> Model:
 
 
 def coefficient_prior(model: Model, surge: str, free: Collection[str] = ()) -> CoefficientPrior:
-    """Return what is known of the coefficients that a motion can move; those of ``free``, or all, may change."""
+    """Return the prior of the coefficients that affect a motion; those of ``free``, or all, may change."""
     covariance = np.asarray(model.covariance)
     acting = [force for force in FORCES if force != "X" or surge == "free"]
     names = [term.name for force in acting for term in model.terms.forces[force]]
-    known = {name: covariance[i, i] > 0 for i, name in enumerate(model.terms.names)}
-    leader = {name: name for name in names if known[name]}
+    uncertain = {name for name, variance in zip(model.terms.names, np.diag(covariance), strict=True) if variance > 0}
+    leader = {name: name for name in names if name in uncertain}
     for first, second in model.terms.ties:
         if first in leader and second in leader:
             leader = {name: leader[first] if head == leader[second] else head for name, head in leader.items()}
@@ -93,13 +93,13 @@ def coefficient_prior(model: Model, surge: str, free: Collection[str] = ()) -> C
     bounds = np.array([(low.max(), high.min()) for low, high in ends]).reshape(len(groups), 2)
     mean = np.array([model.coefficients[group[0]] for group in groups])
     changes = np.array([not free or not set(free).isdisjoint(group) for group in groups])
-    sizes, axes = np.linalg.eigh(part / np.outer(scale, scale))  # Coefficients that are known as one stay so nearly.
+    sizes, axes = np.linalg.eigh(part / np.outer(scale, scale))
     precision = (axes / np.maximum(sizes, RANK * max(sizes[-1], 1.0))) @ axes.T
     return CoefficientPrior(model, groups, mean, scale, precision, bounds, changes)
 
 
 def push_inertia(prior: CoefficientPrior, u: float, surge_inertia: float | None = None) -> np.ndarray:
-    """Return what resists accelerations, by the terms, (3, 1 + p)."""
+    """Return the inertia in surge, sway and yaw: a constant, and slopes by the groups of coefficients, (3, 1 + p)."""
     # u [m/s]; surge_inertia [kg]
     model = prior.model
     names = {name: place for place, group in enumerate(prior.groups) for name in group}
@@ -117,14 +117,14 @@ def push_inertia(prior: CoefficientPrior, u: float, surge_inertia: float | None 
 
 @dataclass(frozen=True)
 class LogPosterior:
-    values: np.ndarray  # (n,) All of them, in the order of the table
+    values: np.ndarray  # (n,) All coefficients, in the order of the table
     covariance: np.ndarray  # (n, n)
-    disagreement: float  # Square of how far the log moved them, over what was expected of it [1]
-    freedom: int  # How many combinations of them the log determines
+    disagreement: float  # Sum of squared changes by the log, over their expected variances [1]
+    freedom: int  # Number of combinations of coefficients that the log determines
 
     @property
     def probability(self) -> float:
-        """Probability of at least such a disagreement where log and prior are of one ship."""
+        """Probability of at least this disagreement if log and prior are of one ship."""
         from scipy.stats import chi2
 
         return float(chi2.sf(self.disagreement, max(self.freedom, 1)))
@@ -135,7 +135,8 @@ def log_posterior(
     moments: tuple[np.ndarray, np.ndarray] | None = None,
 ) -> LogPosterior:  # fmt: skip
     """Return the posterior of all coefficients by the information (P, P), and scores of records (N, P)."""
-    # Its moments (P,), (P, P) are the unknowns, and the covariance of prior and information, unless given.
+    # ``moments``: mean (P,) and covariance (P, P) of all unknowns; default: the mode, and the inverse of prior and
+    # information.
     prior, count, model = problem.prior, problem.count, problem.prior.model
     mean, covariance = moments or (unknowns, problem.covariance(information))
     if scores is not None and len(scores) > 1:
@@ -143,8 +144,8 @@ def log_posterior(
     before = np.asarray(model.covariance)
     weights = prior.regression
     places = [model.terms.names.index(name) for name in prior.names]
-    known = covariance[:count, :count] * np.outer(prior.scale, prior.scale)
-    after = before + weights @ (known - before[np.ix_(places, places)]) @ weights.T
+    learned = covariance[:count, :count] * np.outer(prior.scale, prior.scale)
+    after = before + weights @ (learned - before[np.ix_(places, places)]) @ weights.T
     moved = weights @ (prior.scale * mean[:count])
     if not prior.free.all():
         # Schmidt's (1966) Kalman update: held coefficients keep mean and covariance, and their errors count in those of
@@ -169,13 +170,13 @@ def averaged(one: LogPosterior, other: LogPosterior) -> LogPosterior:
 
 
 def expected_std(problem: Unknowns, information: np.ndarray) -> dict[str, float]:
-    """Return the standard error of every coefficient that this information (P, P) leaves."""
+    """Return the expected standard error of every coefficient after this information (P, P)."""
     after = log_posterior(problem, np.zeros(len(information)), information)
     return dict(zip(problem.prior.model.terms.names, np.sqrt(np.diag(after.covariance)).tolist(), strict=True))
 
 
 def sandwich(covariance: np.ndarray, information: np.ndarray, scores: np.ndarray) -> np.ndarray:
-    """Return the covariance of all unknowns, wider where the scores of records scatter more than expected, (P, P)."""
+    """Return the covariance (P, P), widened where the scores of records scatter more than the information implies."""
     # White (1982), Econometrica 50, for the sandwich; Kauermann and Carroll (2001), J. Am. Stat. Assoc. 96, on its
     # small samples: below some ten records the expected scatter has the larger weight.
     count = len(scores)
@@ -189,7 +190,7 @@ def sandwich(covariance: np.ndarray, information: np.ndarray, scores: np.ndarray
 
 
 def _disagreement(problem: Unknowns, whole: np.ndarray, moved: np.ndarray) -> tuple[float, int]:
-    """Squares of how far the log moved combinations, over how far it was to move them."""
+    """Return the sum of squared changes of combinations over their expected variances, and their number."""
     count = problem.count
     nuisance = np.linalg.solve((whole + problem.precision)[count:, count:], whole[count:, :count])
     information = whole[:count, :count] - whole[:count, count:] @ nuisance
@@ -230,8 +231,8 @@ def posterior_mean(found: SearchResult) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _over_inertia(problem: LogProblem, unknowns: np.ndarray, mode: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    # Unknowns (..., P) with forces over inertia and one over inertia in place of both, which agree with them at the
-    # mode and in which accelerations are linear; and the inertia there over theirs, (..., 3).
+    # Return unknowns (..., P) with forces over inertia and 1 over inertia instead of forces and inertia, equal to these
+    # at the mode: accelerations are linear in them. Also return the inertia at the mode over theirs, (..., 3).
     prior = problem.prior
     axes_of = {
         term.name: axis
@@ -239,12 +240,12 @@ def _over_inertia(problem: LogProblem, unknowns: np.ndarray, mode: np.ndarray) -
         for term in terms
         if term.kind != TermKind.INERTIA
     }
-    # Coefficients of forces that one axis of motion alone takes, and these axes
-    alone = [k for k, name in enumerate(prior.names) if name in axes_of and not problem.inertia[:, 1 + k].any()]
-    places, axes = np.array(alone, int), np.array([axes_of[prior.names[k]] for k in alone], int)
+    # Coefficients of forces on one axis of motion, and these axes
+    single = [k for k, name in enumerate(prior.names) if name in axes_of and not problem.inertia[:, 1 + k].any()]
+    places, axes = np.array(single, int), np.array([axes_of[prior.names[k]] for k in single], int)
     at_mode, inertia = (
-        problem.inertia[:, 0] + (prior.mean + prior.scale * own[..., : problem.count]) @ problem.inertia[:, 1:].T
-        for own in (mode, unknowns)
+        problem.inertia[:, 0] + (prior.mean + prior.scale * each[..., : problem.count]) @ problem.inertia[:, 1:].T
+        for each in (mode, unknowns)
     )
     found, lighter, centre = unknowns.copy(), at_mode / inertia, (prior.mean / prior.scale)[places]
     found[..., places] = (centre + unknowns[..., places]) * lighter[..., axes] - centre

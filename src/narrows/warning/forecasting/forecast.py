@@ -9,15 +9,17 @@ import numpy as np
 from narrows.results import BaseSummary
 from narrows.warning.settings import ATTENDED_SHARE, CLEAR_SHARE, HORIZON, TAKEOVERS, WRONG_ORDER_TIME
 
+# Numbers of a forecast in ``to_dict``.
 NUMBERS = (
     "t", "last_chance", "failing", "nobody", "unattended", "as_is", "wrong_order", "rudder",
     "rudder_needed", "rudder_limit", "rudder_margin",
 )  # fmt: skip
+NEARLY_HARD = 0.9  # Share of the rudder's limit [1] from which an order reads "hard"
 
 
 @dataclass(frozen=True)
 class LikelyRun:
-    """The run of the mean state and the model's own coefficients."""
+    """The forecast from the mean state with the model's own coefficients."""
 
     contact: float  # Time until contact with the rudder unchanged; infinite without contact [s]
     side: str  # Side of that bank; empty without contact
@@ -35,12 +37,14 @@ class Escape:
     then: str  # Order after the first one
     order: float  # First order of the rudder [rad]
     limit: float  # Limit of the gear [rad]
-    clearance: float  # Least water beside the hull of the most likely ship [m]
+    clearance: float  # Least clearance of the most likely ship [m]
 
     def words(self) -> str:
         side = "starboard" if self.order > 0 else "port"
         angle = abs(self.order)
-        first = f"Hard to {side}" if angle > 0.9 * self.limit else f"{math.degrees(angle):.0f} degrees to {side}"
+        first = (
+            f"Hard to {side}" if angle > NEARLY_HARD * self.limit else f"{math.degrees(angle):.0f} degrees to {side}"
+        )
         return f"{first}, {self.then}"
 
 
@@ -48,24 +52,24 @@ class Tracks(NamedTuple):
     """Forecast tracks of a ship: each pose along the waterway and off its line [m], and the heading to it [rad]."""
 
     times: np.ndarray  # (times,) Times from now on [s]
-    fan: np.ndarray  # (samples, some of the times, 3) The rudder as it is; after contact a sample stays
-    as_is: np.ndarray  # (times, 3) Track of the most likely ship
+    fan: np.ndarray  # (samples, some of the times, 3) Tracks with the rudder unchanged; they stop at contact
+    as_is: np.ndarray  # (times, 3) Track of the most likely ship with the rudder unchanged
     escape: np.ndarray  # (times, 3) Track of the same ship with the escape
 
 
 @dataclass(frozen=True, repr=False)
 class BankForecast(BaseSummary):
-    t: float  # When it was made [s]
-    likely: LikelyRun  # The most likely run
+    t: float  # Time of the forecast [s]
+    likely: LikelyRun  # Most likely run
     last_chance: float  # Last chance of the 95 % ship: infinite beyond the horizon, negative where it has passed [s]
     failing: float  # Share of samples that meet a bank in spite of the best escape now [1]
     nobody: float  # Chance that a bank is met because nobody acts in time [1]
     unattended: float  # Chance that nobody is at the helm [1]
-    as_is: float  # Chance of contact within the horizon, the rudder as it is [1]
+    as_is: float  # Chance of contact within the horizon with the rudder unchanged [1]
     wrong_order: float  # Last chance of the likely ship after an order hard over to the worse side now [s]
     escape: Escape  # Best manoeuvre now
-    rudder: float  # Now [rad]
-    rudder_needed: float  # [rad] of the steady course here, by the estimated bank; infinite without one
+    rudder: float  # Present rudder angle [rad]
+    rudder_needed: float  # Rudder of the steady course here by the estimated bank [rad]; infinite if there is none
     rudder_limit: float  # Limit of the gear [rad]
     tracks: Tracks | None = None  # Tracks for the page
 
@@ -76,12 +80,12 @@ class BankForecast(BaseSummary):
 
     @property
     def level_time(self) -> float:
-        """Time that makes the level [s]: longer where somebody probably acts in time."""
+        """Time that determines the alert level [s]: longer if somebody probably acts in time."""
         return float(level_time(self.last_chance, self.nobody))
 
     @property
     def clear(self) -> bool:
-        """Whether no last chance is in sight, next to no sample meets a bank, and a wrong order would leave time."""
+        """Whether there is no last chance, hardly a sample meets a bank, and a wrong order would leave time."""
         calm = self.last_chance == math.inf and self.as_is <= CLEAR_SHARE
         return calm and self.wrong_order >= WRONG_ORDER_TIME
 
@@ -92,7 +96,7 @@ class BankForecast(BaseSummary):
 
     @property
     def rudder_margin(self) -> float:
-        """Rudder beyond what is needed [rad]; negative if the limit is exceeded."""
+        """Rudder left of the limit on the steady course [rad]; negative if it needs more."""
         return self.rudder_limit - abs(self.rudder_needed)
 
     @property
@@ -103,12 +107,12 @@ class BankForecast(BaseSummary):
         run = self.likely
         as_is = f"contact to {run.side} in {run.contact:.0f} s" if math.isfinite(run.contact) else "no contact"
         return (
-            f"As the rudder is: {as_is}; last chance {self.chance()}.\n"
+            f"As the rudder is: {as_is}; last chance {self.time_left()}.\n"
             f"{self.escape.words()}: leaves {self.escape.clearance:.0f} m. "
             f"Nobody acts in time: {100 * self.nobody:.0f} %."
         )
 
-    def chance(self) -> str:
+    def time_left(self) -> str:
         if self.gone:
             return "gone"
         return (
@@ -129,10 +133,10 @@ class BankForecast(BaseSummary):
         return f"{self.last_chance:.0f} s to act: bank{side}. {self.escape.words()}"
 
     def to_dict(self) -> dict[str, Any]:
-        own = {name: getattr(self, name) for name in NUMBERS}
+        numbers = {name: getattr(self, name) for name in NUMBERS}
         escape = {**vars(self.escape), "words": self.escape.words()}
         likely = {**vars(self.likely), "gone": self.likely.gone}
-        return {"summary": self.summary(), **own, "likely": likely, "escape": escape, "notes": [*self.notes]}
+        return {"summary": self.summary(), **numbers, "likely": likely, "escape": escape, "notes": [*self.notes]}
 
 
 def level_time(last_chance: np.ndarray | float, nobody: np.ndarray | float) -> np.ndarray:

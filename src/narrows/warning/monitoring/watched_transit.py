@@ -104,7 +104,7 @@ class BridgeStatus:
             parts.append(f"x {now['x']:6.0f} m  y {now['y']:+6.1f} m  heading {math.degrees(now['psi']):+5.1f} deg")
             parts.append(f"clearance {self.clearance:5.1f} m")
         if forecast := self.forecast:
-            parts.append(f"last chance {forecast.chance()}  helm {100 * forecast.unattended:3.0f} % unattended")
+            parts.append(f"last chance {forecast.time_left()}  helm {100 * forecast.unattended:3.0f} % unattended")
         return "  ".join(parts)
 
     def to_dict(self) -> dict[str, Any]:
