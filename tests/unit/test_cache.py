@@ -132,7 +132,7 @@ def twice(x):
 
 def twice() -> tuple[float, int]:
     """What a generated function says in a process that has not read it yet, and whether it was compiled before."""
-    function = cache.generated("twice", ["part"], lambda: TEXT).twice
+    function = cache.import_generated("twice", ["part"], lambda: TEXT).twice
     return function(21.0), sum(function.stats.cache_hits.values())
 
 
@@ -153,7 +153,7 @@ def test_signatures_that_two_processes_compile_at_once_have_two_files(tmp_path: 
     for i, value in enumerate((21.0, 21, 21.0)):
         monkeypatch.setenv("NARROWS_CACHE_DIR", str(tmp_path / str(i)))
         monkeypatch.setattr(cache, "_MODULES", {})
-        assert cache.generated("twice", ["part"], lambda: TEXT).twice(value) == 42
+        assert cache.import_generated("twice", ["part"], lambda: TEXT).twice(value) == 42
         names += [path.name for path in (tmp_path / str(i)).rglob("*.nbc")]
     assert names[0] == names[2] != names[1]
 
@@ -203,7 +203,7 @@ def test_a_folder_that_vanishes(folder: Path, anew) -> None:
 
 
 def test_a_folder_that_vanishes_before_the_function_compiles(folder: Path) -> None:
-    function = cache.generated("twice", ["part"], lambda: TEXT).twice
+    function = cache.import_generated("twice", ["part"], lambda: TEXT).twice
     shutil.rmtree(folder)
     folder.write_text("no folder can be made here now")
     assert function(21.0) == 42.0
@@ -213,7 +213,7 @@ FULL = """
 import resource, sys
 from narrows.codegen import cache
 resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), resource.RLIM_INFINITY))
-function = cache.generated("twice", ["part"], lambda: sys.argv[2]).twice
+function = cache.import_generated("twice", ["part"], lambda: sys.argv[2]).twice
 print(function(21.0), function.__code__.co_filename)
 """
 
@@ -233,5 +233,5 @@ def test_a_disk_without_room(room: int, tmp_path: Path) -> None:
 
 def test_a_mistake_in_what_is_generated_is_not_hidden(folder: Path) -> None:
     with pytest.raises(SyntaxError):
-        cache.generated("wrong", [], lambda: "def f(:")
+        cache.import_generated("wrong", [], lambda: "def f(:")
     assert not [name for name in sys.modules if name.startswith("narrows_wrong")]

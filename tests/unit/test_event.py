@@ -22,13 +22,13 @@ def ended(
 
     ``sane`` is asked for the end of a try and its length; ``bound`` is never over the room and asked first.
     """
-    book = [0.0] * event.PLACES
+    control = [0.0] * event.PLACES
     count = math.floor(duration / dt + 1e-9)
     rest = duration - count * dt
-    event.begin(book, dt, float(count), rest if rest > 1e-9 * dt else 0.0)
-    t, left, tries = 0.0, book[event.COUNT], 0
-    while book[event.COUNT] > 0:
-        tried, trying = book[event.NEXT], book[event.TRIES] > 0
+    event.begin_voyage(control, dt, float(count), rest if rest > 1e-9 * dt else 0.0)
+    t, left, tries = 0.0, control[event.COUNT], 0
+    while control[event.COUNT] > 0:
+        tried, trying = control[event.NEXT], control[event.TRIES] > 0
         after, tries, left = t + tried, tries + 1, left - 1
         well = sane(after, tried)
         ahead = (bound or room)(after) if well else math.nan
@@ -37,16 +37,16 @@ def ended(
         if well and ahead > 0 and left > 0 and not trying:
             t = after
             continue
-        outcome = event.accept_step(book, left, ahead, room(t), well, TOLERANCE, NEAR, 0.0)
+        outcome = event.accept_step(control, left, ahead, room(t), well, TOLERANCE, NEAR, 0.0)
         if outcome == event.LOST:
             return outcome, t, tries
         if outcome != event.BACK:
             t = after
             if trying or outcome != event.ON:
-                assert book[event.CLOCK] == pytest.approx(t, rel=1e-12, abs=1e-12)
+                assert control[event.CLOCK] == pytest.approx(t, rel=1e-12, abs=1e-12)
         if outcome in (event.CLOSED, event.FINISHED):
             return outcome, t, tries
-        left = book[event.COUNT]
+        left = control[event.COUNT]
     return event.FINISHED, t, tries
 
 

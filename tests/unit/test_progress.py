@@ -46,12 +46,12 @@ def test_a_first_compilation_says_that_it_compiles(tmp_path: Path, monkeypatch: 
     heard: list[str] = []
     with listening(heard.append):
         for name in ("first", "first", "second"):
-            made = cache.generated("kernel", [name, str(tmp_path)], lambda name=name: TEXT.format(repr(name)))
+            made = cache.import_generated("kernel", [name, str(tmp_path)], lambda name=name: TEXT.format(repr(name)))
             assert made.four(1) == made.four(2) - 1 == 4
-        cache.generated("plain", [str(tmp_path)], lambda: "lane = 3\n")
+        cache.import_generated("plain", [str(tmp_path)], lambda: "lane = 3\n")
         assert len(heard) == 2
         cache._MODULES.clear()
-        again = cache.generated("kernel", ["first", str(tmp_path)], lambda: "")
+        again = cache.import_generated("kernel", ["first", str(tmp_path)], lambda: "")
         assert again is not made
         assert again.four(1) == 4
     assert len(heard) == 2
@@ -72,7 +72,7 @@ def test_the_bar_of_a_compilation_is_full_at_its_end(tmp_path: Path, monkeypatch
 
     monkeypatch.setattr(rich.progress.Progress, "advance", counted)
     with bar(2, shown=True) as done:
-        module = cache.generated("kernel", ["full", str(tmp_path)], lambda: TEXT.format("'full'"))
+        module = cache.import_generated("kernel", ["full", str(tmp_path)], lambda: TEXT.format("'full'"))
         assert module.four(1) == 4
         done(1)
         done(1)

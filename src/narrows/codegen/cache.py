@@ -21,9 +21,8 @@ FOLDER_VARIABLE = "NARROWS_CACHE_DIR"
 SEAL = "# sha256 of all above: "
 LAST_LINE = "# end of a module made by narrows\n"
 
-# Modification time of every generated file [s]: the year 2000. Numba compares file times to decide whether its compiled
-# form is stale. The file name is a hash of the text, so two processes that write the same file must not seem to change
-# it.
+# Modification time of every generated file [s]: the year 2000. Numba takes a new time for a new text. But the file name
+# is a hash of the text: two processes that write the same file must not seem to change it.
 SAME_TIME = 946_684_800
 
 _LOCK = RLock()  # Reentrant: a kernel imports the shared functions
@@ -41,8 +40,8 @@ def versions() -> str:
         *sorted(Path(__file__).parent.rglob("*.py")),
         Path(__file__).parents[1] / "waterway" / "bank_clearance.py",
     ]
-    ours = hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
-    return "\n".join([*packages, sys.version, platform.machine(), ours])
+    source_hash = hashlib.sha256(b"".join(source.read_bytes() for source in sources)).hexdigest()
+    return "\n".join([*packages, sys.version, platform.machine(), source_hash])
 
 
 def key_of(parts: Iterable[object]) -> str:
@@ -54,7 +53,7 @@ def cache_folder() -> Path:
     """Return the folder of generated modules: the user's cache folder, or a temporary one if that is read-only."""
     # The environment variable ``NARROWS_CACHE_DIR`` overrides it.
     chosen = os.environ.get(FOLDER_VARIABLE)
-    return _usable((Path(chosen) if chosen else user_cache_folder()) / "compiled")
+    return _writable_folder((Path(chosen) if chosen else user_cache_folder()) / "compiled")
 
 
 def user_cache_folder() -> Path:
@@ -67,7 +66,7 @@ def user_cache_folder() -> Path:
 
 
 @lru_cache(maxsize=8)
-def _usable(folder: Path) -> Path:
+def _writable_folder(folder: Path) -> Path:
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
@@ -82,15 +81,14 @@ def _temporary_folder() -> tempfile.TemporaryDirectory[str]:
     return tempfile.TemporaryDirectory(prefix="narrows-")
 
 
-def generated(name: str, parts: Iterable[object], make: Callable[[], str]) -> ModuleType:
+def import_generated(name: str, parts: Iterable[object], make: Callable[[], str]) -> ModuleType:
     """Import a generated module; make it if no process has made it before."""
-    # A damaged file is made again. If the folder is read-only, a temporary one serves; without one the module stays in
-    # memory.
+    # A damaged file is made again. A read-only folder is replaced by a temporary one, or else by memory.
     path = cache_folder() / f"{name}_{key_of(parts)}.py"
     with _LOCK:
         if path not in _MODULES:
             text = _read(path)
-            _MODULES[path] = _made(path, make()) if text is None else _imported(path, text)
+            _MODULES[path] = _make_module(path, make()) if text is None else _execute(path, text)
         return _MODULES[path]
 
 
@@ -108,18 +106,18 @@ def _sealed(text: str) -> str:
     return f"{text}{SEAL}{hashlib.sha256(text.encode()).hexdigest()}\n{LAST_LINE}"
 
 
-def _made(path: Path, text: str) -> ModuleType:
+def _make_module(path: Path, text: str) -> ModuleType:
     text = _sealed(text)
     # Numba raises RuntimeError if it cannot store compiled code next to a file.
     with suppress(OSError, RuntimeError):
-        return _imported(_written(path, text), text)
+        return _execute(_write(path, text), text)
     with suppress(OSError, RuntimeError):
-        return _imported(_written(Path(_temporary_folder().name) / path.name, text), text)
-    return _imported(path, text.replace("cache=True", "cache=False"))
+        return _execute(_write(Path(_temporary_folder().name) / path.name, text), text)
+    return _execute(path, text.replace("cache=True", "cache=False"))
 
 
-def _imported(path: Path, text: str) -> ModuleType:
-    """Execute a module's text without Python's own bytecode cache, which nobody checks."""
+def _execute(path: Path, text: str) -> ModuleType:
+    """Execute a module's text, without Python's bytecode cache, whose content has no checksum."""
     module = ModuleType(f"narrows_{path.stem}")
     code = compile(text, path, "exec")
     module.__file__ = str(path)
@@ -138,7 +136,7 @@ def _imported(path: Path, text: str) -> ModuleType:
     return module
 
 
-def _written(path: Path, text: str) -> Path:
+def _write(path: Path, text: str) -> Path:
     """Write a temporary file, set its time, then rename it: no reader sees an incomplete file."""
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.")
@@ -153,7 +151,7 @@ def _written(path: Path, text: str) -> Path:
     return path
 
 
-# Modules of Python loops that Numba compiles unchanged, function by function.
+# Header of a compiled copy of a module of Python loops.
 HEADER = '''"""Made by narrows from {name}: made again where it is missing, so do not edit."""
 import numba
 
@@ -177,10 +175,11 @@ def compiled_loops(module: ModuleType) -> ModuleType:
         return module
     text = inspect.getsource(module)
     name = module.__name__.rpartition(".")[2]
-    # The module docstring must not stand between the imports of the header and the functions.
+    # Without the module's docstring, which would follow the header's imports.
     decorated = re.sub(r"^def ", "@cached\ndef ", text.split('"""\n', 1)[1], flags=re.MULTILINE)
-    compiled = generated(name, [text, HEADER], lambda: HEADER.format(name=name) + decorated)
+    compiled = import_generated(name, [text, HEADER], lambda: HEADER.format(name=name) + decorated)
     for imported, function in list(vars(compiled).items()):
-        if inspect.isfunction(function) and function.__module__.startswith("narrows."):  # Compiled code calls it so
+        # Compiled code can call only compiled functions.
+        if inspect.isfunction(function) and function.__module__.startswith("narrows."):
             setattr(compiled, imported, getattr(compiled_loops(sys.modules[function.__module__]), imported))
     return compiled

@@ -1,7 +1,7 @@
-"""One whole step of one ship in one waterway under one law, as a straight-line program.
+"""One time step of a ship in a waterway under a control law, as a straight-line program.
 
-It holds control law, actuators, the section of the water at the ship's place, Runge-Kutta and contact. A straight canal
-is a waterway with a constant section. Every engine prints these lines.
+The program has the control law, actuators, the section of water at the ship, the Runge-Kutta stages and the clearance.
+A straight canal is a waterway with a constant section. Every engine prints these lines.
 """
 
 from collections.abc import Callable, Mapping
@@ -41,9 +41,8 @@ class Step:
 
     def with_whole_steps(self) -> "Step":
         """Return the step for engines that take whole steps only."""
-        whole = {real(SHARE): sympy.Integer(1)}
         lines = Lines()
-        where: dict[Expr, Expr] = dict(whole)
+        where: dict[Expr, Expr] = {real(SHARE): sympy.Integer(1)}
         for line in self.lines.program:
             if line is None:
                 lines.cut()
@@ -63,7 +62,7 @@ def step_of(rates: Rates, choices: Choices) -> Step:
         values = {**{name: at[name] for name in STATE}, **controls(NODES[node]), **pushes}
         return rate_here(lines, rates, choices, values, str(node))
 
-    # Only the arguments of the rates are moved to each stage.
+    # A stage needs only the states that the rates depend on.
     along = ("x", "y") if choices.waterway else ()
     after = _runge_kutta(lines, z, h, rate, tuple(name for name in STATE if name in along or rates.depend_on(name)))
     if TIME in z:
@@ -74,7 +73,7 @@ def step_of(rates: Rates, choices: Choices) -> Step:
 
 
 def section_at(lines: Lines, choices: Choices, x: Expr, columns: tuple[str, ...], tag: str) -> dict[str, Expr]:
-    """Write the water at a place from the table, linear between its nodes, with the slope of the current across."""
+    """Write columns of the table of sections at x, linear between its nodes; for the current across also its slope."""
     position = lines.put(f"position_{tag}", FUNCTIONS["maximum"]((x - real("x_first")) * real("cells_a_metre"), 0))
     cell = lines.put(f"cell_{tag}", FUNCTIONS["whole"](FUNCTIONS["minimum"](position, real("last_cell"))))
     part = lines.put(f"part_{tag}", FUNCTIONS["minimum"](position - cell, 1))
@@ -89,7 +88,7 @@ def section_at(lines: Lines, choices: Choices, x: Expr, columns: tuple[str, ...]
 
 
 def _water(lines: Lines, choices: Choices, column: str, x: Expr) -> Expr:
-    """Write the water quantities of a control law at a place; a straight canal is the same everywhere."""
+    """Write a water quantity that a control law reads at x; a straight canal is the same everywhere."""
     if choices.waterway:
         return section_at(lines, choices, lines.put("seen", x), (column,), f"{column}_seen")[column]
     walls = {"keel_starboard": real("wall_starboard"), "keel_port": real("wall_port")}
@@ -97,16 +96,16 @@ def _water(lines: Lines, choices: Choices, column: str, x: Expr) -> Expr:
 
 
 def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict[str, Expr], dict[str, Expr]]:
-    """Write the law's orders: how far each actuator moves in the step, and the new memory."""
+    """Write the law's orders: the change of each actuator's position in the step, and the new memory."""
     if choices.law is None:
         return {}, {}
-    asked = {**z, "dt": real(LENGTH), "current": sympy.Integer(0)}
+    known = {**z, "dt": real(LENGTH), "current": sympy.Integer(0)}
     if choices.waterway and "current" in choices.law.trace.inputs:
         along = real("current") * _water(lines, choices, "flow", z["x"])
         if choices.across == "field":
             along += _water(lines, choices, "shear", z["x"]) * z["y"]
-        asked["current"] = lines.put("current_seen", along)
-    inputs = {name: asked.get(name, real(name)) for name in choices.law.trace.inputs}
+        known["current"] = lines.put("current_seen", along)
+    inputs = {name: known.get(name, real(name)) for name in choices.law.trace.inputs}
     water = {name: partial(_water, lines, choices, column) for name, column in WATER.items()}
     results = choices.law.trace.replay(inputs, exact_number, {**FUNCTIONS, **water})
     moves: dict[str, Expr] = {}
@@ -115,10 +114,10 @@ def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict
         name = actuator.name
         wanted = lines.put(f"{name}_order", clipped(results[name], real(f"{name}_limit")))
         if actuator.late:
-            gear = {of: real(f"{name}_{of}") for of in ("dead_time", "lag", "dead_band", "rate")}
+            gear = {part: real(f"{name}_{part}") for part in ("dead_time", "lag", "dead_band", "rate")}
             whole, after = gear_motion(
                 wanted, z[name], [z[stage] for stage in actuator.stages], gear, real(LENGTH),
-                {**FUNCTIONS, "exp": sympy.exp}, partial(lambda own, of, value: lines.put(f"{own}_{of}", value), name),
+                {**FUNCTIONS, "exp": sympy.exp}, partial(lambda own, part, of: lines.put(f"{own}_{part}", of), name),
             )  # fmt: skip
             out.update(zip(actuator.stages, after, strict=True))
         else:
@@ -132,6 +131,7 @@ def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict
 def _controls(
     lines: Lines, choices: Choices, z: Mapping[str, Expr], moves: Mapping[str, Expr]
 ) -> Callable[[Expr], dict[str, Expr]]:
+    """Return a function that writes the actuators at a node of the step, once: positions, or cosine and sine."""
     known: dict[Expr, dict[str, Expr]] = {}
 
     def at(node: Expr) -> dict[str, Expr]:
@@ -151,7 +151,7 @@ def _controls(
 
 
 def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, Expr]:
-    """External forces of the step: the next piece once the middle of the step is past the end of this one."""
+    """Write the external forces of the step: those of the next piece if the middle of the step lies in it."""
     if choices.pushed != "until":
         return {name: real(name) for name in INPUTS.values() if choices.pushed == "always" and name in choices.moving}
     left = lines.put("push_left", real("push_end") - (z[TIME] + real(LENGTH) / 2))
@@ -164,7 +164,7 @@ def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, 
 def section_here(
     lines: Lines, rates: Rates, choices: Choices, values: Mapping[str, Expr], tag: str
 ) -> tuple[dict[str, Expr], dict[str, Expr]]:
-    """Write the local straight canal at a ship's place, and the waterway there by column."""
+    """Write the local straight canal at the ship, and the waterway there by column."""
     columns = ("starboard", "port", *(("depth",) if rates.depend_on("depth") else ()), "curvature", "flow")
     columns += FIELD * (choices.across == "field")
     now = section_at(lines, choices, values["x"], columns, f"stage{tag}")
@@ -179,13 +179,13 @@ def section_here(
 
 
 def _in_gradient(lines: Lines, values: Mapping[str, Expr], now: Mapping[str, Expr], tag: str) -> dict[str, Expr]:
-    """Write the yaw rate through the water, and the forces on a floating ship's mass in a current that varies."""
+    """Write the yaw rate through the water, and the inertial forces on a floating ship in a current that varies."""
     slope = lines.put(f"across_rise_{tag}", now["across_slope"] / (1 - now["curvature"] * values["y"]))
     c, s, u, v = (values[name] for name in TURNED[:4])
-    turn, *lost = current_gradient(c, s, u, v, slope, now["shear"])
+    turn, *accelerations = current_gradient(c, s, u, v, slope, now["shear"])
     mass = sympy.Mul(*(real(name) for name in ("density", "block_coefficient", "length", "beam", "draft")))
     forces = {name: values.get(name, sympy.Integer(0)) for name in INPUTS.values()}
-    for name, acceleration in zip(forces, lost, strict=False):
+    for name, acceleration in zip(forces, accelerations, strict=False):
         forces[name] = lines.put(f"{name}_{tag}", forces[name] - mass * acceleration)
     return {**forces, "r": lines.put(f"r_water_{tag}", values["r"] - turn)}
 
@@ -237,7 +237,7 @@ def _runge_kutta(lines: Lines, z: Mapping[str, Expr], h: Expr, rate: Rate, moved
             lines.cut()
     sixth, after = lines.put("sixth", h * sympy.Rational(1, 6)), {}
     for name in integrated:
-        # Additions, for processors limited by their multipliers.
+        # A sum instead of a product with 2: multipliers are the bottleneck of many processors.
         total = (k[0][name] + k[3][name]) + (middle[name] + middle[name])
         after[name] = lines.put(f"{name}_new", z[name] + sixth * total) if k[3][name] != 0 else z[name]
     size = after["cos_psi"] * after["cos_psi"] + after["sin_psi"] * after["sin_psi"]
@@ -263,7 +263,7 @@ def least_clearance(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tu
 
 
 def ends_left(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, Expr]:
-    """Write the margins to every end but a bank, as ``event.cause`` takes them: a cosine, [m], [m], [m/s]."""
+    """Write the margins to all ends except the bank, in the order of ``event.cause``: heading [1], [m], [m], [m/s]."""
     left = {"heading": lines.put("heading_left", z["cos_psi"] - real("least_cos"))}
     if choices.waterway:
         left["ahead"] = lines.put("left_ahead", real("x_last") - z["x"])

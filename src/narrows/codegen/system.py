@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.codegen.cache import generated
+from narrows.codegen.cache import import_generated
 from narrows.codegen.trace import Trace, trace_of_terms
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import COLUMNS
@@ -110,7 +110,7 @@ class System:
         return self._module("tangent", moving)
 
     def _module(self, name: str, *parts: Any) -> ModuleType:
-        return generated(name, (*self.key, *parts), lambda: self._written(name, *parts))
+        return import_generated(name, (*self.key, *parts), lambda: self._written(name, *parts))
 
     def _executed(self, name: str, functions: Mapping[str, Callable[..., Any]], *parts: Any) -> dict[str, Any]:
         """Execute a generated text with the elementary functions that it calls; return its definitions."""

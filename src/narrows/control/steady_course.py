@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from narrows.aliases import accept_aliases
-from narrows.codegen.cache import compiled_loops, generated
+from narrows.codegen.cache import compiled_loops, import_generated
 from narrows.codegen.choices import Actuated, Law
 from narrows.codegen.free_motion import INPUTS as FORCES
 from narrows.codegen.trace import trace_of
@@ -120,7 +120,7 @@ def solve_courses(
 
     rudder = tuple(actuator for actuator in ship.actuators if actuator.name == RUDDER)
     system = ship.system(law=law_moving(rudder), pushed="until")
-    module = generated("balance", system.key, lambda: _balance_text(system))
+    module = import_generated("balance", system.key, lambda: _balance_text(system))
     balance = entry(module, "balance")
     inputs = {**dict.fromkeys((*INPUTS, "path_curvature", "current"), 0.0), **ship.values(), **values}
     inputs |= {FORCES[name]: inputs[name] for name in INPUTS}

@@ -127,26 +127,26 @@ class VoyageIntegrator:
     def integrate(self, rows: list[Row], stop: float, dt: float) -> End | None:
         """Integrate to a time, or to an earlier end of the voyage; return None if the time was reached."""
         begun, state, *_ = rows.pop()
-        book, within, leaves = [0.0] * event.PLACES, False, self.choices.leaves
-        single.schedule(book, dt, stop - begun)
-        left, done, before = book[event.COUNT], 0, self.clearance(state, exact=False)[0]
-        while book[event.COUNT] > 0:
+        control, within, leaves = [0.0] * event.PLACES, False, self.choices.leaves
+        single.schedule(control, dt, stop - begun)
+        left, done, before = control[event.COUNT], 0, self.clearance(state, exact=False)[0]
+        while control[event.COUNT] > 0:
             # Equal steps while they are clear; the first that is not needs a decision.
-            trying, length = book[event.TRIES] > 0, book[event.NEXT]
-            t, left, done = begun + book[event.CLOCK] + done * length, left - 1, done + 1
+            trying, length = control[event.TRIES] > 0, control[event.NEXT]
+            t, left, done = begun + control[event.CLOCK] + done * length, left - 1, done + 1
             self._ask(t, state)
             after, clearance, side = self.stepped(state, length)
             row, sane = Row(t, state, length, self._step_inputs[self._order], not within), self.sane(after, clearance)
             if self._exact and sane and (clearance <= 0 or trying):
                 clearance, side = self._from_banks(after)
-            clear = sane and event.cleared(clearance, before, leaves) > 0
+            clear = sane and event.clearance_left(clearance, before, leaves) > 0
             if clear and left > 0 and not trying:
                 rows.append(row)
                 state, before = after, clearance
                 continue
             if self._exact and (trying or not clear):
                 before = self._from_banks(state)[0]
-            outcome = event.accept_step(book, left, clearance, before, sane, CONTACT_TOLERANCE, self.near, leaves)
+            outcome = event.accept_step(control, left, clearance, before, sane, CONTACT_TOLERANCE, self.near, leaves)
             if outcome == event.LOST:
                 rows.append(Row(t, state))
                 return End(event.CLOSED if before <= self.near else outcome, self.clearance(state)[1])
@@ -154,12 +154,12 @@ class VoyageIntegrator:
                 rows.append(row)
                 state = after
             if outcome == event.CLOSED:
-                rows.append(Row(begun + book[event.CLOCK], state))
+                rows.append(Row(begun + control[event.CLOCK], state))
                 return End(outcome, side)
-            within = book[event.TRIES] > 0 and (within or outcome == event.ON)
+            within = control[event.TRIES] > 0 and (within or outcome == event.ON)
             if outcome == event.FINISHED:
                 break
-            left, done, before = book[event.COUNT], 0, self.clearance(state, exact=False)[0]
+            left, done, before = control[event.COUNT], 0, self.clearance(state, exact=False)[0]
         rows.append(Row(stop, state))
         return None
 

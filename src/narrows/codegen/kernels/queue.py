@@ -23,9 +23,9 @@ from narrows.codegen.kernels.event import (
     NEXT,
     TRIES,
     accept_step,
-    begin,
+    begin_voyage,
     cause,
-    cleared,
+    clearance_left,
 )
 from narrows.waterway.bank_clearance import exact_clearance
 
@@ -100,20 +100,20 @@ def cause_of(program: LaneProgram, block: Array, lane: int, water: SharedInputs,
     return cause(ends[0], ends[1], ends[2], ends[3], tolerance)
 
 
-def handle_event(program: LaneProgram, block: Array, lane: int, book: Array, water: SharedInputs) -> int:
+def handle_event(program: LaneProgram, block: Array, lane: int, control: Array, water: SharedInputs) -> int:
     """Handle a lane that a step has flagged: return an outcome, or RUNNING with the next step set up."""
     clearance, before = block[CLEARANCE * LANES + lane], block[CLEARANCE_BEFORE * LANES + lane]
     left = block[LEFT * LANES + lane]
     tolerance, near, leaves = water.limits[TOLERANCE], water.limits[NEAR], program.leaves
     sane = is_sane(program, block, lane, clearance, water, near)
-    if program.exact and sane and (clearance <= 0.0 or book[TRIES] > 0.0):
+    if program.exact and sane and (clearance <= 0.0 or control[TRIES] > 0.0):
         # The lanes' own clearance is a lower bound: compute the exact one.
         clearance, block[NEARER_SIDE * LANES + lane] = true_clearance(program, block, lane, NOW, water)
-    if sane and cleared(clearance, before, leaves) > 0.0 and book[TRIES] == 0.0 and left > 0.0:
+    if sane and clearance_left(clearance, before, leaves) > 0.0 and control[TRIES] == 0.0 and left > 0.0:
         return RUNNING
-    if program.exact and (book[TRIES] > 0.0 or not (sane and clearance > 0.0)):
+    if program.exact and (control[TRIES] > 0.0 or not (sane and clearance > 0.0)):
         before = true_clearance(program, block, lane, program.kept, water)[0]
-    outcome = accept_step(book, left, clearance, before, sane, tolerance, near, leaves)
+    outcome = accept_step(control, left, clearance, before, sane, tolerance, near, leaves)
     if outcome == CLOSED:
         return cause_of(program, block, lane, water, near if clearance > tolerance else tolerance)
     if outcome == FINISHED:
@@ -124,7 +124,7 @@ def handle_event(program: LaneProgram, block: Array, lane: int, book: Array, wat
         block[CLEARANCE * LANES + lane] = before
     if outcome == LOST:
         return cause_of(program, block, lane, water, near) if before <= near else DIVERGED
-    block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[NEXT], book[COUNT]
+    block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = control[NEXT], control[COUNT]
     return RUNNING
 
 
@@ -132,7 +132,7 @@ def load_lane(
     program: LaneProgram,
     block: Array,
     lane: int,
-    book: Array,
+    control: Array,
     water: SharedInputs,
     start: Array,
     times: Array,
@@ -150,8 +150,8 @@ def load_lane(
     if program.exact and clearance <= 0.0:
         clearance, side = true_clearance(program, block, lane, NOW, water)
     block[CLEARANCE * LANES + lane], block[NEARER_SIDE * LANES + lane] = clearance, side
-    begin(book, times[0], times[1], times[2])
-    block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = book[NEXT], book[COUNT]
+    begin_voyage(control, times[0], times[1], times[2])
+    block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = control[NEXT], control[COUNT]
     if not is_sane(program, block, lane, clearance, water, 0.0):
         return DIVERGED
     if not clearance > 0.0:
@@ -170,12 +170,12 @@ def idle_lane(block: Array, lane: int) -> None:
 
 
 def unload_lane(
-    block: Array, lane: int, book: Array, vessel: int, outcome: int, end: Array, time: Array, codes: Array
+    block: Array, lane: int, control: Array, vessel: int, outcome: int, end: Array, time: Array, codes: Array
 ) -> None:
     """Write place, time and outcome of a voyage's end, and leave the lane empty."""
     for number in range(end.shape[1]):
         end[vessel, number] = block[(STATE + number) * LANES + lane]
-    time[vessel] = book[CLOCK]
+    time[vessel] = control[CLOCK]
     side = block[NEARER_SIDE * LANES + lane]
     codes[vessel, OUTCOME] = outcome
     codes[vessel, SIDE] = (side > 0.0) - (side < 0.0) if outcome == GROUNDED else 0

@@ -20,9 +20,9 @@ from narrows.codegen.kernels.event import (
     TRIES,
     StepState,
     accept_step,
-    begin,
+    begin_voyage,
     cause,
-    cleared,
+    clearance_left,
 )  # fmt: skip
 from narrows.waterway.bank_clearance import exact_clearance
 
@@ -119,11 +119,11 @@ def can_integrate(state: Array, constants: Constants, waterway: Place, length: f
     return min(length, duration) * abs(state[U]) <= constants.hull_length  # type: ignore[no-any-return]
 
 
-def schedule(book: StepState, length: float, duration: float) -> None:
+def schedule(control: StepState, length: float, duration: float) -> None:
     """Plan whole steps and, if the time is no multiple of them, a shorter last one."""
     count = 1.0 * floor(duration / length + 1e-9)
     rest = duration - count * length
-    begin(book, length, count, rest if rest > 1e-9 * length else 0.0)
+    begin_voyage(control, length, count, rest if rest > 1e-9 * length else 0.0)
 
 
 def ended(outcome: int, state: Array, before: float, now: float, constants: Constants, waterway: Place) -> int:
@@ -144,25 +144,25 @@ def integrate(
     if not can_integrate(state, constants, waterway, length, duration):
         end[0], end[1] = 0.0, 0.0
         return REFUSED
-    book = [0.0] * PLACES
+    control = [0.0] * PLACES
     after = [0.0] * (KEPT + 2)
     closeness = [0.0] * 2
-    schedule(book, length, duration)
+    schedule(control, length, duration)
     outcome = begun(state, closeness, constants, waterway)
     end[0], end[1] = 0.0, closeness[1]
     if outcome != AFLOAT:
         return outcome
-    left, before = book[COUNT], closeness[0]
-    while book[COUNT] > 0.0:
-        trying = book[TRIES] > 0.0
-        step(state, after, book[NEXT], inputs, constants, waterway)
+    left, before = control[COUNT], closeness[0]
+    while control[COUNT] > 0.0:
+        trying = control[TRIES] > 0.0
+        step(state, after, control[NEXT], inputs, constants, waterway)
         left -= 1.0
         closeness[0], closeness[1] = after[KEPT], after[KEPT + 1]
         sane = is_sane(after, closeness[0], constants)
         if EXACT and sane and (closeness[0] <= 0.0 or trying):
             true_clearance(after, closeness, constants, waterway)
         now, side = closeness[0], closeness[1]
-        clear = sane and cleared(now, before, LEAVES) > 0.0
+        clear = sane and clearance_left(now, before, LEAVES) > 0.0
         if clear and left > 0.0 and not trying:
             for number in range(KEPT):
                 state[number] = after[number]
@@ -171,8 +171,8 @@ def integrate(
         if EXACT and (trying or not clear):
             true_clearance(state, closeness, constants, waterway)
             before = closeness[0]
-        outcome = accept_step(book, left, now, before, sane, TOLERANCE, constants.near_bank, LEAVES)
-        end[0] = book[CLOCK]
+        outcome = accept_step(control, left, now, before, sane, TOLERANCE, constants.near_bank, LEAVES)
+        end[0] = control[CLOCK]
         if outcome != LOST and outcome != BACK:
             for number in range(KEPT):
                 state[number] = after[number]
@@ -180,5 +180,5 @@ def integrate(
         if outcome >= FINISHED:
             return ended(outcome, state, before, now, constants, waterway)
         least_clearance(state, closeness, constants, waterway)
-        left, before = book[COUNT], closeness[0]
+        left, before = control[COUNT], closeness[0]
     return AFLOAT
