@@ -201,7 +201,7 @@ class LinearSystem(BaseResult):
         }
         modes = {"growth": values.real, "angular_frequency": values.imag}
         data |= {name: ((*lead, "mode"), part, {"units": "1/s"}) for name, part in modes.items()}
-        labels: dict[str, Any] = {"state": list(self.states)} | {name: list(own) for name, own in columns.items()}
+        labels: dict[str, Any] = {"state": list(self.states)} | {name: list(names) for name, names in columns.items()}
         for axis, name in enumerate(lead):
             column = np.moveaxis(self.course[name], axis, 0)
             labels[name] = (name, column.reshape(len(column), -1)[:, 0], {"units": UNITS[name]})
@@ -225,7 +225,7 @@ class LinearSystem(BaseResult):
         return self.length / float(self.course["u"])
 
     def _scales(self) -> np.ndarray:
-        """Scale of each state, by the ship's length and speed."""
+        """Return the scale of each state, by the ship's length and speed."""
         speed = float(self.course["u"])
         sizes = {"y": self.length, "u": speed, "v": speed, "r": speed / self.length}
         return np.array([sizes.get(name, 1.0) for name in self.states])

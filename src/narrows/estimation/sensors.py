@@ -296,7 +296,7 @@ def split_sensors(sensors: Sequence[Any]) -> tuple[dict[str, Sensor], RudderIndi
     for sensor in sensors:
         if isinstance(sensor, type) or not isinstance(sensor, Sensor | RudderIndicator):
             what = sensor.__name__ if isinstance(sensor, type) else type(sensor).__name__
-            known = ", ".join(f"{own.__name__}()" for own in SENSORS.values())
+            known = ", ".join(f"{kind.__name__}()" for kind in SENSORS.values())
             raise InputError(f"{what} is no sensor; give objects such as {known}, or of your own that keep to Sensor")
         if sensor.name in found:
             raise InputError(f"two sensors are called {sensor.name!r}; give one another name, as Gnss(name='gnss_aft')")

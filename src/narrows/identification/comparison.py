@@ -78,10 +78,11 @@ class Comparison(BaseResult):
 
     def summary(self) -> str:
         """Best table for each force on left-out tests, compared with the first table: a line each."""
-        (first, own), sentences = next(iter(self.fits.items())), []
+        (first, reference), sentences = next(iter(self.fits.items())), []
         for force in self.forces:
             best = self.best(force)
-            against = f"; {first}: {own.left_out[force].rmse:.3g}" if best != first and force in own.left_out else ""
+            known = best != first and force in reference.left_out
+            against = f"; {first}: {reference.left_out[force].rmse:.3g}" if known else ""
             error = f"{self.fits[best].left_out[force].rmse:.3g} {FORCES[force].unit}{against}"
             sentences.append(f"{force}: {best} has the least error on left-out tests, {error}.")
         return "\n".join(sentences)
@@ -247,7 +248,9 @@ class Explanation(BaseResult):
             "summary": self.summary(),
             "notes": list(self.notes),
             "model": {force: errors._asdict() for force, errors in self.scores.items()},
-            "by_test": {test: {f: own.rmse for f, own in scores.items()} for test, scores in self.by_test.items()},
+            "by_test": {
+                test: {f: errors.rmse for f, errors in scores.items()} for test, scores in self.by_test.items()
+            },
             "distance": dict(self.distance),
             "these_tests": self.fit.to_dict(),
             "tables": self.comparison.rows(),

@@ -114,20 +114,20 @@ class MixedModel:
         self, z: np.ndarray, scale: np.ndarray, beta: np.ndarray, inverse: np.ndarray, roots: list[np.ndarray],
         white: list[np.ndarray],
     ) -> np.ndarray:  # fmt: skip
-        """Gradient of the log posterior by each coordinate: the identities of restricted maximum likelihood."""
+        """Return the gradient of the log posterior, by the identities of restricted maximum likelihood."""
         from scipy import stats
 
         p, errors = self.fixed, self.shared.shape[1]
         moment = (beta[p:] ** 2 + np.diag(inverse)[p:]) / scale[self.group] ** 2 - 1
         slope = np.bincount(self.group, moment, len(scale))[:-1].astype(float)  # By the logarithm of each scale
-        for (_, shared, apart, _), root, own in zip(self._blocks, roots, white, strict=True):
+        for (_, shared, apart, _), root, block in zip(self._blocks, roots, white, strict=True):
             back = root.swapaxes(1, 2)
-            solved = back @ own
+            solved = back @ block
             solved[..., -1] -= solved[..., :-1] @ beta  # Residuals
             # One product of two large matrices, not one for each block.
-            rows = solved.reshape(-1, own.shape[2])
+            rows = solved.reshape(-1, block.shape[2])
             spread = np.column_stack([rows[:, :-1] @ inverse, rows[:, -1]])
-            excess = spread.reshape(own.shape) @ solved.swapaxes(1, 2) - back @ root
+            excess = spread.reshape(block.shape) @ solved.swapaxes(1, 2) - back @ root
             alone = np.diagonal(excess, axis1=1, axis2=2)
             slope[:errors] += scale[:errors] ** 2 * (
                 ((excess @ shared) * shared).sum(axis=(0, 1)) + np.tensordot(alone, apart, 2)
@@ -155,14 +155,14 @@ class MixedModel:
 
 
 def _whitening(variances: np.ndarray, shared: np.ndarray, apart: np.ndarray, noise: np.ndarray) -> np.ndarray:
-    """Inverse of the Cholesky factor of the covariance of blocks, (blocks, rows, rows)."""
+    """Return the inverse Cholesky factors of the covariances of blocks, (blocks, rows, rows)."""
     v, places = (shared * variances) @ shared.swapaxes(1, 2), np.arange(noise.shape[1])
     v[:, places, places] += noise + apart @ variances
     return np.linalg.inv(np.linalg.cholesky(v))
 
 
 def _inverse(m: np.ndarray) -> tuple[np.ndarray, float]:
-    """Inverse of a matrix of unit diagonal, and half the logarithm of the inverse's determinant."""
+    """Return the inverse of a matrix of unit diagonal, and half the logarithm of the inverse's determinant."""
     from scipy.linalg import lapack
 
     try:
@@ -307,7 +307,7 @@ class ScaleMixture:
 
     @cached_property
     def _combined(self) -> np.ndarray:
-        """Coefficients of the best-fitting terms by coefficients and effects, (p, p + q)."""
+        """Matrix from coefficients and effects to the coefficients of the best-fitting terms, (p, p + q)."""
         return np.hstack([np.eye(self.model.fixed), self.model.taken])
 
     @cached_property

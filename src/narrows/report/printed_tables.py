@@ -308,7 +308,7 @@ def print_fit(
     console.print(table_of(SCORE_COLUMNS, rows, title="Fit, and on each distinct motion left out"))
     columns = {"": "{name}"} | {kind: f"{{{kind}:+.3f}}" for kind in KINDS}
     shares = share_rows({kind: fit.shapley(kind) for kind in KINDS})
-    named = ({"name": name, **dict(zip(KINDS, own, strict=True))} for name, own in shares)
+    named = ({"name": name, **dict(zip(KINDS, row, strict=True))} for name, row in shares)
     console.print(table_of(columns, named, title="Shapley shares"))
     for note in (*fit.notes, kkt_sentence(fit)):
         console.print(note, style="dim")
@@ -356,7 +356,7 @@ def coefficient_row(fit: "Fit", name: str) -> dict[str, str]:
 
 def share_rows(shares: Mapping[str, Mapping[str, Mapping[str, float]]]) -> list[tuple[str, list[float]]]:
     first = next(iter(shares.values()))
-    return [(name, [own[force][name] for own in shares.values()]) for force in first for name in first[force]]
+    return [(name, [share[force][name] for share in shares.values()]) for force in first for name in first[force]]
 
 
 SCORE_COLUMNS = {

@@ -88,12 +88,7 @@ CHANNEL_RULES = (
         REMEMBERED,
         lambda ship: [(0.0, math.inf, 3.0)],
     ),
-    ChannelRule(
-        "UFC 4-150-06, rudder",
-        "5 degrees of rudder at most, for long",
-        UFC_SOURCE,
-        rudder_deg=5.0,
-    ),
+    ChannelRule("UFC 4-150-06, rudder", "5 degrees of rudder at most, for long", UFC_SOURCE, rudder_deg=5.0),
     ChannelRule(
         "Suez, tanker or bulk carrier",
         "14 km/h for loaded tankers and bulk carriers of more than 44 ft, and for gas carriers",

@@ -53,7 +53,7 @@ class BestEstimateCourses:
 
     @cached_property
     def values(self) -> dict[str, Any]:
-        """Numbers of the ship; those that vary as columns, places by speeds, row by row."""
+        """Numbers of the ship; those that vary are columns (places x speeds,), place by place."""
         offset = xr.DataArray(self.places, dims="place")
         asked = {"y": offset, "u": self.speeds, "heave": xr.DataArray(self.heave, dims="u")}
         grid = grid_of(self.ship.model, with_propulsion(self.ship.model, asked), 0, 0)

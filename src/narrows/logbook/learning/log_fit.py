@@ -97,7 +97,7 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
         dict(zip(prior.names, (moved * prior.scale).tolist(), strict=True)),
         {name: (before[name], later[name]) for name in JUDGED},
         heading if nomoto is None else heading | {"nomoto": nomoto}, both if drawn else None,
-        {name: (grid.times_of(own), own.values) for name, own in read.items()},
+        {name: (grid.times_of(signal), signal.values) for name, signal in read.items()},
     )  # fmt: skip
 
 
@@ -327,7 +327,7 @@ class LogFit(LearnedAnswer):
 
     @property
     def whole_missed(self) -> dict[str, float]:
-        """Root mean square over whole records of the heading missed [rad], by model; empty where gusts act."""
+        """Root mean square heading error over whole records [rad], by model; empty with gusts."""
         rows = [record.whole for record in self.records if np.isfinite(record.whole.get("after", np.nan))]
         if len(rows) < 2:
             return {}

@@ -22,7 +22,7 @@ POINTS, SEED = 4096, 26  # Points and seed of importance sampling
 DIFFERENCE = 1e-4  # Step of finite differences at the mode [prior standard deviations]
 WIDER = 1.1  # Width of the proposal over that of the Gaussian at the mode, for its tails [1]
 
-# Standard deviations of coefficients: over their size, or each in its own unit.
+# Standard deviations of coefficients: relative to their size [1], or by name in the coefficient's unit.
 Spread = float | Mapping[str, float]
 # Standard deviation of an asymmetry, as the rudder angle that balances it [rad]: ships need about a degree.
 RUDDER_ZERO = np.radians(1.0)
@@ -85,7 +85,7 @@ def coefficient_prior(model: Model, surge: str, free: Collection[str] = ()) -> C
         if first in leader and second in leader:
             leader = {name: leader[first] if head == leader[second] else head for name, head in leader.items()}
     heads = dict.fromkeys(leader.values())
-    groups = tuple(tuple(name for name, own in leader.items() if own == head) for head in heads)
+    groups = tuple(tuple(name for name, first in leader.items() if first == head) for head in heads)
     places = [model.terms.names.index(group[0]) for group in groups]
     part = covariance[np.ix_(places, places)]
     scale = np.sqrt(np.diag(part))
