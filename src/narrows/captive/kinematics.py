@@ -11,9 +11,9 @@ from narrows.captive import settings
 from narrows.captive.columns import COLUMNS
 from narrows.captive.tests import cuts
 from narrows.errors import InputError
+from narrows.quantities.names import DEGREE
 from narrows.readers.headers import Column
 
-DEGREE = math.pi / 180
 # Columns that determine the rate of each column.
 RATES = {
     "x": ("u", "v", "psi"), "y": ("u", "v", "psi"), "psi": ("r",), "u": ("udot",), "v": ("vdot",), "r": ("rdot",),

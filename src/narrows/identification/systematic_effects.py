@@ -10,10 +10,9 @@ from narrows.errors import InputError
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.mixed_model import MixedModel
 from narrows.identification.normal_equations import ONE
-from narrows.quantities.names import FORCES
+from narrows.quantities.names import DEGREE, FORCES
 from narrows.ship.particulars import Configuration
 
-DEGREE = np.pi / 180
 # Groups of effects; those of a group share one learned scale, so that rival explanations count alike.
 DAMPING, INERTIA, HULL, BANK, SHAPE = "damping", "inertia", "hull form", "bank form", "bank shape"
 WITH_OFFSET = "with offset"
