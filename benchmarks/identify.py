@@ -13,7 +13,7 @@ from common import installed, median_seconds, show, sizes
 from scipy.optimize import lsq_linear
 
 import narrows as nw
-from narrows.identification.least_squares import reduced, solve
+from narrows.identification.least_squares import bounded_problem, solve
 from narrows.identification.normal_equations import DesignMatrix, NormalEquations, accumulate, products
 
 
@@ -42,14 +42,14 @@ def from_motions(tests: nw.CaptiveTests) -> dict[str, float]:
 
 def fitted(equations: NormalEquations) -> dict[str, float]:
     """Sums to coefficients."""
-    problem = reduced(equations, nw.PAPER)
+    problem = bounded_problem(equations, nw.PAPER)
     solution = solve(*problem.normal(equations.total), problem.lower, problem.upper)
     return dict(zip(nw.PAPER.names, problem.coefficients(solution.z), strict=True))
 
 
 def stacked(layout: DesignMatrix, design: np.ndarray) -> tuple[list[np.ndarray], list[np.ndarray], np.ndarray]:
     """The three regressor matrices over the 16 parameters, the forces, and the lower bounds."""
-    slots = reduced(sums_of(layout, design), nw.PAPER).slot
+    slots = bounded_problem(sums_of(layout, design), nw.PAPER).slot
     size, lower = max(slots.values()) + 1, np.full(max(slots.values()) + 1, -np.inf)
     matrices, forces = [], []
     for force, terms in nw.PAPER.forces.items():
