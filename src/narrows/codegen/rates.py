@@ -35,7 +35,7 @@ class Rates:
     @property
     def parameters(self) -> dict[str, Expr]:
         """Symbols that the constants are computed from, by the names of the vocabulary."""
-        used = set().union(*(expression.free_symbols for expression in self.constants.table))
+        used = set().union(*map(symbols_of, self.constants.table))
         return {name: symbol for name, symbol in self.motion.names.items() if symbol in used}
 
     @property

@@ -15,7 +15,7 @@ from narrows.codegen.choices import AFLOAT_SPEED, COUNTED, LENGTH, TIME, Actuate
 from narrows.codegen.derivatives import coefficient_slopes, linear_slopes
 from narrows.codegen.free_motion import INPUTS, MIDSHIP, OPEN, STATE, SURGE_INERTIA, Expr, exact_number
 from narrows.codegen.linearisation import LINEARISED
-from narrows.codegen.lines import FUNCTIONS, Lines, Program, real, straight_lines
+from narrows.codegen.lines import FUNCTIONS, Lines, Program, names_in, real, straight_lines
 from narrows.codegen.rates import Rates
 from narrows.codegen.step import Step, least_clearance, rate_here, section_at, section_here, step_of
 from narrows.codegen.system import DEFAULTS
@@ -192,7 +192,7 @@ class ExportedShip:
     def meanings(self) -> dict[str, str]:
         """Return the formula of each constant of the equations, or its terms where the formula is long."""
         table, terms = self.rates.constants.table, self.ship.model.terms.names
-        asked = {formula: set(map(str, formula.free_symbols)) for formula in table}
+        asked = {formula: names_in(formula) for formula in table}
         return {
             str(constant): text if len(text := str(formula)) <= LONGEST_FORMULA else
             ", ".join(name for name in terms if name in asked[formula])

@@ -18,9 +18,9 @@ from narrows.errors import InputError, did_you_mean
 from narrows.model.model import Model
 from narrows.results import BaseResult
 from narrows.ship.checks import check_angles
-from narrows.simulation.initial_state import initial_state
+from narrows.simulation.initial_state import check_positions, initial_state
 from narrows.simulation.inputs import INPUTS as PUSHED
-from narrows.simulation.inputs import START, finite_numbers, segments_of
+from narrows.simulation.inputs import START, STEADY, finite_numbers, segments_of
 from narrows.simulation.integrator import VoyageIntegrator
 from narrows.simulation.ship import PARAMETER, SimulatedShip, Steering, steering_of
 from narrows.simulation.voyage import Voyage, simulate
@@ -216,6 +216,7 @@ class TangentIntegrator:
                 "`parameters`, `memory` and `orders`)"
             )
         schedules = {name: rest.pop(name, 0.0) for name in PUSHED}
+        check_positions({name: rest[name] for name in rest if name not in {*START, *STEADY}}, ship)
         numbers = {**START, "rudder": 0.0, **finite_numbers(**rest)}
         check_angles(numbers)
         pushed = any(name in by or np.any(schedule) for name, schedule in schedules.items())

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.errors import InputError, did_you_mean
+from narrows.errors import InputError
 from narrows.logbook.filtering.log_problem import (
     SPREAD_OF_STRENGTH,
     SWAY,
@@ -196,17 +196,11 @@ class LogSetup:
         return grid_of(record, self.assumptions.step(speed_of(record)), usual, self.assumptions.pilot)
 
 
-CHOICES = ("surge", "surge_inertia", "coriolis")  # What a voyage needs besides the record
-
-
 def log_problem(
     model: Model, log: Any, sensors: str | SensorGrade, *, free: Sequence[str] = (), spread: Spread | None = None,
     gusts: bool | None = None, asymmetry: bool | None = None, waterway: "Waterway | None" = None, pilot: bool = False,
     **choices: Any,
 ) -> LogSetup:  # fmt: skip
-    for name in choices:
-        if name not in CHOICES:
-            raise InputError(f"learning has no argument {name!r}{did_you_mean(name, CHOICES)}")
     records = log_records(log, waterway)
     grade = sensor_grade(sensors, {**GRADES, BASIN.name: BASIN})
     gusty = grade.name != BASIN.name if gusts is None else gusts
