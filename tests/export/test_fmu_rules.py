@@ -96,8 +96,11 @@ def test_every_derivative_is_that_of_differences(fmus: Fmus, name: str, curved: 
                     fmu.fmu.enterEventMode()
         seed = np.linspace(-1, 1, sum(map(len, by.values())))
         every = [name for names in by.values() for name in names]
-        alone = sum(weight * fmu.slope(asked, [name], [1.0]) for weight, name in zip(seed, every, strict=True))
-        np.testing.assert_allclose(fmu.slope(asked, every, seed), alone, rtol=1e-9, atol=1e-9)
+        alone = np.array([weight * fmu.slope(asked, [name], [1.0]) for weight, name in zip(seed, every, strict=True)])
+        # Slopes are exact but for the clearance from curved banks, a central difference.
+        differenced = np.array([curved and name.startswith("clearance") for name in asked])
+        most = np.where(differenced, 1e-8, 1e-14) * np.abs(alone).sum(axis=0)
+        assert (np.abs(fmu.slope(asked, every, seed) - alone.sum(axis=0)) <= most).all()
 
 
 def test_the_adjoint_is_the_transpose(fmus: Fmus) -> None:
