@@ -33,13 +33,7 @@ class TowedRun:
         return self.duration * self.speed
 
     def columns(self, rate: float) -> Columns:
-        """Return time, motion and accelerations at each sample.
-
-        Parameters
-        ----------
-        rate : float [Hz]
-            Sampling rate.
-        """
+        """Return time, motion and accelerations at each sample, by the sampling ``rate`` [Hz]."""
         t = np.arange(round(self.duration * rate)) / rate
         motion = {"t": t, **self._motion(t)}
         return {name: motion.get(name, 0.0) + np.zeros(len(t)) for name in COLUMNS}

@@ -183,17 +183,9 @@ class CaptiveTests(Configured, Tabulated):
         return self.where([name == key for name in self.names])
 
     def of_rows(self, keep: Any) -> "CaptiveTests":
-        """Return some of the rows with their tests; tests without rows are left out.
+        """Return the rows that ``keep`` marks, (rows,) of bool; tests without rows are left out.
 
-        Parameters
-        ----------
-        keep : array (rows,) of bool
-            Rows to keep.
-
-        Raises
-        ------
-        InputError
-            If the mask has the wrong length, or no row is kept.
+        Raises an InputError if the mask has the wrong length, or no row is kept.
         """
         mask = np.asarray(keep)
         if mask.dtype != bool or mask.shape != (self.rows,):
@@ -214,17 +206,9 @@ class CaptiveTests(Configured, Tabulated):
         )
 
     def query(self, where: str) -> "CaptiveTests":
-        """Return the rows for which an expression on the columns holds.
+        """Return the rows for which ``where`` holds, as in ``"abs(y) < 0.5 and psi > 0"``; SI and radians.
 
-        Parameters
-        ----------
-        where : str
-            Expression, as in ``"abs(y) < 0.5 and psi > 0"``; SI and radians.
-
-        Raises
-        ------
-        InputError
-            If the expression is invalid, or no row is left.
+        Raises an InputError if the expression is invalid, or no row is left.
         """
         frame = self.to_dataframe()
         try:
@@ -236,53 +220,20 @@ class CaptiveTests(Configured, Tabulated):
         return self.of_rows(chosen)
 
     def test(self, name: str) -> dict[str, np.ndarray]:
-        """Return the columns of one test.
-
-        Parameters
-        ----------
-        name : str
-            One of ``names``.
-
-        Raises
-        ------
-        InputError
-            If there is no such test.
-        """
+        """Return the columns of one test by its ``name``; an InputError if there is no such test."""
         if name not in self.names:
             raise InputError(f"no test is called {name!r}{did_you_mean(name, self.names)}")
         return self.rows_of(self.names.index(name))
 
     def where(self, keep: list[bool] | np.ndarray) -> "CaptiveTests":
-        """Return some of the tests.
-
-        Parameters
-        ----------
-        keep : array (tests,) of bool
-            Tests to keep.
-
-        Raises
-        ------
-        InputError
-            If none is kept.
-        """
+        """Return the tests that ``keep`` marks, (tests,) of bool; an InputError if none is kept."""
         kept = np.asarray(keep, dtype=bool)
         if not kept.any():
             raise InputError("no test is left after the selection; widen it")
         return self.of_rows(np.repeat(kept, np.diff(self.starts)))
 
     def drop(self, *names: str) -> "CaptiveTests":
-        """Return all tests but some.
-
-        Parameters
-        ----------
-        *names : str
-            Names of the tests to leave out.
-
-        Raises
-        ------
-        InputError
-            If there is no such test, or none is left.
-        """
+        """Return all tests but those of some ``names``; an InputError if one is unknown, or none is left."""
         for name in names:
             check_choice("test", name, self.names)
         return self.where([name not in names for name in self.names])
@@ -305,13 +256,7 @@ class CaptiveTests(Configured, Tabulated):
         return replace(self, configuration=replace(self.configuration, canal=canal, depths={}))
 
     def blocks(self, pieces: int = 1) -> Iterator[Block]:
-        """Yield every row once, in blocks.
-
-        Parameters
-        ----------
-        pieces : int
-            Number of consecutive stretches of each test.
-        """
+        """Yield every row once, in blocks; ``pieces`` is the number of consecutive stretches of each test."""
         pieces_of_tests = [
             (test, piece, int(a), int(b))
             for test, start, stop in zip(self.names, self.starts, self.starts[1:], strict=False)
@@ -329,13 +274,7 @@ class CaptiveTests(Configured, Tabulated):
             yield Block({**particulars, **columns}, stop - start, spans, self.headers)
 
     def rows_of(self, i: int) -> dict[str, np.ndarray]:
-        """Return the columns of one test by its number.
-
-        Parameters
-        ----------
-        i : int
-            Index in ``names``.
-        """
+        """Return the columns of one test by its index ``i`` in ``names``."""
         rows = slice(int(self.starts[i]), int(self.starts[i + 1]))
         return {name: column[rows] for name, column in self.columns.items()}
 

@@ -129,24 +129,13 @@ class Estimator(BaseSummary):
         return f"{', '.join(filter.states.names)} of {ship.name} by {', '.join(filter.sensors)}"
 
     def update(self, t: float, readings: Mapping[str, Any] | None = None, **named: Reading) -> Estimate:
-        """Use the readings of a time, and return the estimate at that time: finite for any input.
+        """Use the readings of a time ``t`` [s], and return the estimate at that time: finite for any input.
 
-        A late reading is inserted at its time, and later updates are repeated. NaN means no reading. Rudder angle and
-        propeller revolutions keep their value until the next reading. ``notes`` of the estimate name invalid readings.
-
-        Parameters
-        ----------
-        t : float [s]
-            Current time.
-        readings : mapping of str to float or sequence of float, optional
-            By the names of sensors and actuators: ``{"gnss": (x, y), "gyro": psi, "rudder": angle}``, SI and rad.
-        **named : float or sequence of float
-            The same by keyword.
-
-        Raises
-        ------
-        InputError
-            If the time is invalid, or a reading has no sensor or the wrong number of components.
+        Readings are given by the names of sensors and actuators, as a mapping or by keyword: ``{"gnss": (x, y),
+        "gyro": psi, "rudder": angle}``, SI and rad. A late reading is inserted at its time, and later updates are
+        repeated. NaN means no reading. Rudder angle and propeller revolutions keep their value until the next reading.
+        ``notes`` of the estimate name invalid readings; one without a sensor, or with the wrong number of components,
+        raises an InputError.
         """
         if not is_finite(t):
             raise InputError(f"t = {t} is no time; give seconds, then the readings")
@@ -164,11 +153,8 @@ class Estimator(BaseSummary):
     def run(self, records: Any) -> EstimatedTrack:
         """Estimate a whole record as in real time, after a restart, from the first time with enough readings to start.
 
-        Parameters
-        ----------
-        records : DataFrame, Dataset or mapping of str to array
-            One row per time: ``t`` [s], the fields of the sensors (``gnss_x``, ``gnss_y``, ``gyro`` ...) and positions
-            of actuators (``rudder`` [rad], ``revolutions`` [1/s]); NaN for no reading.
+        ``records`` has a row for each time: ``t`` [s], the fields of the sensors (``gnss_x``, ``gnss_y``, ``gyro`` ...)
+        and positions of actuators (``rudder`` [rad], ``revolutions`` [1/s]); NaN for no reading.
         """
         recorded = records_of(records, self.filter.sensors, self.filter.actuators)
         self.forget()

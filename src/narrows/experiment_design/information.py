@@ -231,13 +231,7 @@ class Tank:
                     raise InputError(f"tank: {name} = {value} must be positive, and of a tank's size")
 
     def length_for(self, configuration: Configuration) -> float:
-        """Return the length of steady motion in a run [m].
-
-        Parameters
-        ----------
-        configuration : Configuration
-            Configuration with the ship's length.
-        """
+        """Return the length of steady motion in a run [m], for the ship of a ``configuration``."""
         return RUN_LENGTHS * configuration.ship.length if self.run_length is None else self.run_length
 
 

@@ -61,19 +61,9 @@ class Turning(BaseResult):
 
     @classmethod
     def of(cls, voyage: Voyage, notes: tuple[str, ...] = ()) -> "Turning":
-        """Read a turning circle from a voyage that starts with the order, x along the first course.
+        """Read a turning circle from a ``voyage`` that begins with the order, x along the first course; add ``notes``.
 
-        Parameters
-        ----------
-        voyage : Voyage
-            A voyage in open water under a constant rudder.
-        notes : tuple of str
-            Assumptions.
-
-        Raises
-        ------
-        InputError
-            If the ship has not turned by 180 degrees.
+        Raises an InputError if the ship has not turned by 180 degrees.
         """
         turned = np.abs(voyage.psi - voyage.psi[0])
         if turned.max() < HALF:

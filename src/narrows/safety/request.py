@@ -84,17 +84,7 @@ class Disturbance:
     def drawn(self, samples: int, seed: int) -> dict[str, xr.DataArray]:
         """Draw disturbances along a dimension ``sample``: psi [rad], y [m], Y [N], N [N m] and the wind's side [1].
 
-        Parameters
-        ----------
-        samples : int
-            Number of samples.
-        seed : int
-            Seed of the samples.
-
-        Raises
-        ------
-        InputError
-            If there is no sample, or the seed is negative.
+        Raises an InputError if the number of ``samples`` is under 1, or the ``seed`` is negative.
         """
         if samples < 1 or seed < 0:
             raise InputError(f"samples = {samples} and seed = {seed}: give one sample at least, and a seed from 0")

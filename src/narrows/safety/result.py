@@ -121,10 +121,7 @@ class SafeEnvelope(BaseResult):
     def safe(self, share: float = SURE_SHARE) -> xr.DataArray:
         """Return where it is safe, (y, u): by the model, within the tested range, and in a tested section.
 
-        Parameters
-        ----------
-        share : float [1]
-            Least share of the samples.
+        ``share`` is the least share of the samples [1].
         """
         return (self.data["held"] >= share) & self.data["clear"] & self._covered
 
@@ -135,12 +132,8 @@ class SafeEnvelope(BaseResult):
     def highest_speed(self, y: float | None = None) -> xr.DataArray:
         """Return the highest safe speed at each offset [m/s], NaN if there is none.
 
-        It is the top of the lowest range of safe speeds, without a gap.
-
-        Parameters
-        ----------
-        y : float [m], optional
-            Only this offset, linearly between its neighbours; NaN if one of them has no safe speed.
+        It is the top of the lowest range of safe speeds, without a gap; with ``y`` [m] that of one offset, linearly
+        between its neighbours.
         """
         speeds = self._speeds(self.safe(), 1)
         return speeds if y is None else speeds.interp(y=y)

@@ -119,13 +119,7 @@ class Waterway(BaseSummary):
                 raise InputError(f"{self.name}: a depth of {wet.max():.6g} m is deeper than any sea; give it in metres")
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw its banks on a map.
-
-        Parameters
-        ----------
-        ax : matplotlib Axes, optional
-            Axes to draw on; a new figure unless given.
-        """
+        """Draw its banks on a map, on Matplotlib axes ``ax`` or in a new figure."""
         return narrows.report.figure_of(self, ax)
 
     @property
@@ -162,12 +156,9 @@ class Waterway(BaseSummary):
         return self._current
 
     def flow(self, s: np.ndarray | float) -> np.ndarray:
-        """Return the current at places over ``reference_current`` [1]; by continuity it is inverse to the section.
+        """Return the current at places ``s`` [m] over ``reference_current`` [1].
 
-        Parameters
-        ----------
-        s : array or float [m]
-            Along the line.
+        By continuity it is inverse to the section.
         """
         if self.current_pairs:
             return np.asarray(np.interp(s, *np.transpose(self.current_pairs)) / (self.reference_current or 1.0))
@@ -181,15 +172,7 @@ class Waterway(BaseSummary):
         return bool(np.any(self.current_across) or np.any(self.current_shear))
 
     def current_at(self, s: np.ndarray | float, y: np.ndarray | float = 0.0) -> np.ndarray:
-        """Return the speed of the water along the line at places [m/s].
-
-        Parameters
-        ----------
-        s : array or float [m]
-            Along the line.
-        y : array or float [m]
-            To starboard of the line.
-        """
+        """Return the speed of the water along the line [m/s] at places ``s``, and ``y`` to starboard of it [m]."""
         return np.asarray(self.reference_current * self.flow(s) + profile_at(self.current_shear, s) * y)
 
     def summary(self) -> str:
@@ -211,25 +194,14 @@ class Waterway(BaseSummary):
         return (1 / bend, at, length) if bend * self.line.length > STRAIGHT else None
 
     def section(self, s: np.ndarray | float) -> Section:
-        """Return the waterway at places along its line.
-
-        Parameters
-        ----------
-        s : array or float [m]
-            Along the line.
-        """
+        """Return the waterway at places ``s`` along its line [m]."""
         depth = self.depth(s)
         return self._section(s, self.starboard.wall(s, depth), self.port.wall(s, depth), depth)
 
     def keel_section(self, s: np.ndarray | float, draft: float) -> Section:
-        """Return the waterway at places with the width available to a keel; equal to ``section`` at vertical banks.
+        """Return the waterway at places ``s`` [m] with the width available to a keel of a ``draft`` [m].
 
-        Parameters
-        ----------
-        s : array or float [m]
-            Along the line.
-        draft : float [m]
-            Draft of the ship.
+        It equals ``section`` at vertical banks.
         """
         depth = self.depth(s)
         starboard, port = (
@@ -238,13 +210,7 @@ class Waterway(BaseSummary):
         return self._section(s, starboard, port, depth)
 
     def depth(self, s: np.ndarray | float) -> np.ndarray:
-        """Return the depth of the water at places [m], NaN if unknown.
-
-        Parameters
-        ----------
-        s : array or float [m]
-            Along the line.
-        """
+        """Return the depth of the water at places ``s`` along the line [m], NaN if unknown."""
         if self.depths is None:
             return np.full(np.shape(s), np.nan)
         return np.asarray(np.interp(s, *self.depths) + self.level)
@@ -253,13 +219,7 @@ class Waterway(BaseSummary):
         return Section(starboard + port, (starboard - port) / 2, depth, self.line.curvature(s))
 
     def canal(self, s: float) -> Canal:
-        """Return the local straight canal at a place.
-
-        Parameters
-        ----------
-        s : float [m]
-            Along the line.
-        """
+        """Return the local straight canal at a place ``s`` along the line [m]."""
         here = self.section(s)
         depth = float(here.depth)
         return Canal(float(here.width), None if np.isnan(depth) else depth)
@@ -267,14 +227,9 @@ class Waterway(BaseSummary):
     def to_channel(
         self, positions: np.ndarray, heading: np.ndarray | float
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Convert positions and headings from the map: place along and off the line [m], heading to it [rad].
+        """Convert ``positions`` (..., 2), east and north [m], and a ``heading`` from north [rad] of a map.
 
-        Parameters
-        ----------
-        positions : array (..., 2) [m]
-            East and north.
-        heading : array or float [rad]
-            Clockwise from north.
+        Return the place along and off the line [m], and the heading to it [rad].
         """
         s, n, along = self.line.placed(positions)
         return s, n, _turned(np.asarray(heading) - along)
@@ -282,34 +237,17 @@ class Waterway(BaseSummary):
     def to_map(
         self, s: np.ndarray | float, n: np.ndarray | float, psi: np.ndarray | float = 0.0
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Convert places and headings to the map: east and north (..., 2) [m], heading [rad].
+        """Convert places ``s``, offsets to starboard ``n`` [m] and headings ``psi`` to the line [rad].
 
-        Parameters
-        ----------
-        s : array or float [m]
-            Along the line.
-        n : array or float [m]
-            Offset to starboard of the line.
-        psi : array or float [rad]
-            Heading to the line, positive to starboard.
+        Return east and north (..., 2) [m], and the heading [rad].
         """
         positions, along = self.line.pose(s, n)
         return positions, _turned(np.asarray(psi) + along)
 
     def check_fits(self, ship: Ship, at: float | None = None) -> None:
-        """Raise if a ship does not fit.
+        """Raise an InputError that names the place if the waterway is narrower or shallower than a ``ship``.
 
-        Parameters
-        ----------
-        ship : Ship
-            The ship.
-        at : float [m], optional
-            Place along the line; the whole of it unless given.
-
-        Raises
-        ------
-        InputError
-            If the waterway is narrower or shallower than the ship; the sentence names the place.
+        Only the place ``at`` [m] along the line is checked if it is given.
         """
         s = self._stations if at is None else np.array([at])
         here = self.keel_section(s, ship.draft)
@@ -326,16 +264,9 @@ class Waterway(BaseSummary):
         self, current: Profile | None = None, level: float | None = None, current_across: Profile | None = None,
         current_shear: Profile | None = None,
     ) -> "Waterway":  # fmt: skip
-        """Return the waterway with another current or level.
+        """Return the waterway with another ``current``, ``level``, ``current_across`` or ``current_shear``.
 
-        Parameters
-        ----------
-        current : float [m/s] or pairs, optional
-            Along the line at its beginning, or (place [m], speed [m/s]) pairs; its own unless given.
-        level : float [m], optional
-            Level above that of the depths; its own unless given.
-        current_across, current_shear : float or pairs, optional
-            Current to starboard [m/s], and rise of that along the line to starboard [1/s]; its own unless given.
+        Units and forms are those of the waterway; what is not given stays.
         """
         own = {"current": current, "level": level, "current_across": current_across, "current_shear": current_shear}
         return replace(self, **{name: value for name, value in own.items() if value is not None})  # type: ignore[arg-type]
