@@ -171,8 +171,6 @@ class Body:
                 return builder.select(chosen, self._as(self.value(over), kind), self._as(self.value(under), kind))
             case ast.Subscript(value=array, slice=place):
                 own, at = self.value(array), self.value(place)
-                if isinstance(own, tuple):
-                    return own[at]
                 of_lanes = any(isinstance(one, ast.Name) and one.id == self.lane for one in ast.walk(place))
                 kind = VECTOR if of_lanes else DOUBLE
                 return builder.load(self._place(own, at), align=SIZE, typ=kind)

@@ -15,7 +15,7 @@ from narrows.codegen.linearisation import LINEARISED, arguments, controlled
 from narrows.codegen.lines import FUNCTIONS, Assignment, Lines, asked_by, real, straight_lines
 from narrows.codegen.printers.python import constants_text, function_text, module_text, plain
 from narrows.codegen.rates import Rates
-from narrows.codegen.step import Step
+from narrows.codegen.step import step_of
 from narrows.quantities.names import FORCES
 
 positive = FUNCTIONS["positive"]
@@ -152,10 +152,9 @@ def coefficient_slopes(lines: Lines, rates: Rates, names: Sequence[str], values:
 SLOPE = "d_{}".format
 
 
-def tangent_text(step: Step, choices: Choices, moving: Sequence[str]) -> str:
+def tangent_text(choices: Choices, rates: Rates, moving: Sequence[str]) -> str:
     """Write the module of the function ``step(z, block, inputs, table)``, in place."""
-    kept, fields = choices.kept, (*choices.kept, *moving)
-    whole = step.with_whole_steps()
+    kept, fields, whole = choices.kept, (*choices.kept, *moving), step_of(rates, choices, whole=True)
     out, seeds = [whole.out[name] for name in kept], {real(name): [real(SLOPE(name))] for name in fields}
     lines, slopes_of = with_tangents(whole.lines.needed_for(out), seeds, 1)
     slopes = [slopes_of(value)[0] for value in out]

@@ -12,8 +12,8 @@ import sympy
 from narrows.codegen.choices import BOOK, LANES, SHARED, Choices
 from narrows.codegen.free_motion import MIDSHIP, OPEN, STATE, Expr
 from narrows.codegen.lines import LaneFields, Lines, asked_by, real, rounds
-from narrows.codegen.printers.python import Arithmetic, constants_text, function_text, module_text
-from narrows.codegen.rates import ITEM, RATES, CalledRates, Rates
+from narrows.codegen.printers.python import constants_text, function_text, module_text, plain
+from narrows.codegen.rates import Rates
 from narrows.codegen.step import Step, ends_left, least_clearance, step_of
 
 SPEED_LIMITS = {"u": "most_speed", "v": "most_speed", "r": "most_rate"}
@@ -22,12 +22,12 @@ UNREACHED = sympy.Integer(10) ** 9
 ENDS = ("heading", "ahead", "astern", "afloat")
 
 
-def plain_text(choices: Choices, rates: Rates, step: Step) -> str:
+def plain_text(choices: Choices, rates: Rates) -> str:
     """Write constants, rates, step and clearance of a system as functions of floats or columns."""
     kept, lines, ends, state = choices.kept, Lines(), Lines(), {name: real(name) for name in STATE}
     clearance, side = least_clearance(lines, choices, state)
     left = dict(zip(ENDS, ends_of(ends, choices, state), strict=True))
-    program, derivatives = rates.program()
+    step, (program, derivatives) = step_of(rates, choices), rates.program()
     parts = [
         '"""Made by narrows from a table of terms: made again where it is missing, so do not edit."""\n',
         constants_text(rates.parameters, rates.constants),
@@ -53,13 +53,10 @@ def ends_of(lines: Lines, choices: Choices, state: Mapping[str, Expr]) -> tuple[
 
 
 def kernel_text(choices: Choices, rates: Rates) -> str:
-    called = CalledRates(rates.motion, rates.moving, rates.pushed)
-    step, (lines, derivatives) = step_of(called, choices).with_whole_steps(), called.program()
-    results = [derivatives[name] for name in STATE]
-    program, out = lines.needed_for(results).assignments, tuple(step.out.values())
+    step = step_of(rates, choices, whole=True)
+    out = tuple(step.out.values())
     needed = step.lines.needed_for(out)
-    own = sorted({*asked_by(program, results)} - {*called.arguments})
-    inputs = {*asked_by(needed.assignments, out), *SPEED_LIMITS.values(), *own} - {*choices.kept, *BOOK}
+    inputs = {*asked_by(needed.assignments, out), *SPEED_LIMITS.values()} - {*choices.kept, *BOOK}
     vessel_inputs = tuple(sorted(inputs - {*SHARED}))
     fields = (*BOOK, *choices.kept, *(f"old {name}" for name in choices.kept), *vessel_inputs)
     lanes = Lanes(step, choices, tuple(sorted(inputs & {*SHARED})), LaneFields(rounds(needed), out, fields))
@@ -67,31 +64,15 @@ def kernel_text(choices: Choices, rates: Rates) -> str:
         "LANES": LANES, "FIELDS": lanes.layout.size, "KEPT_NAMES": choices.kept, "VESSEL_INPUTS": vessel_inputs,
         "EXACT": choices.waterway and choices.contact not in (MIDSHIP, OPEN), "LEAVES": choices.leaves,
     }  # fmt: skip
-    arguments = ("block", "lane", *called.arguments)
-    of_rates = function_text("rates", arguments, program, results, [f"{name} = {lanes.place(name)}" for name in own])
     names = "\n".join(f"{name} = {value!r}" for name, value in numbers.items())
-    return module_text(choices.row, names, *lanes.end_texts(), of_rates, lanes.text())
-
-
-class LaneArithmetic(Arithmetic):
-    """Arithmetic of one lane, which calls the rates of the same lane."""
-
-    def _print_Function(self, value: Expr) -> str:
-        if value.func == RATES:
-            return self.called("rates", "block", "lane", *map(self._print, value.args))
-        if value.func == ITEM:
-            return f"{self._print(value.args[0])}[{value.args[1]}]"
-        return str(super()._print_Function(value))
-
-
-printed = LaneArithmetic().doprint
+    return module_text(choices.row, names, *lanes.end_texts(), lanes.text())
 
 
 @dataclass(frozen=True)
 class Lanes:
     """A block of vessels, field after field in one flat array."""
 
-    step: Step  # The program, which calls the rates
+    step: Step  # The program
     choices: Choices
     shared: tuple[str, ...]  # Inputs that all vessels share
     layout: LaneFields
@@ -124,14 +105,14 @@ class Lanes:
         last = number == len(self.layout.parts) - 1
         read = self.layout.read(number) | (set(self.choices.kept) if last else set())
         yield from (f"{name} = {self.place(name)}" for name in sorted(read - {*self.shared}))
-        yield from (f"{target} = {printed(value)}" for target, value in part)
+        yield from (f"{target} = {plain.doprint(value)}" for target, value in part)
         yield from (f"{self.place(name)} = {name}" for name in self.layout.stored(number))
         if last:
             yield from self._close()
 
     def _close(self) -> Iterator[str]:
         """Store the state before the step and after it, and whether the lane continues."""
-        out = {name: printed(sympy.sympify(value)) for name, value in self.step.out.items()}
+        out = {name: plain.doprint(sympy.sympify(value)) for name, value in self.step.out.items()}
         yield from (f"{self.place(f'old {name}')} = {name}" for name in self.choices.kept)
         yield f"clearance_before = {self.place('clearance')}"
         yield f"{self.place('clearance_before')} = clearance_before"

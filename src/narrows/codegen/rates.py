@@ -38,43 +38,18 @@ class Rates:
         used = set().union(*map(symbols_of, self.constants.table))
         return {name: symbol for name, symbol in self.motion.names.items() if symbol in used}
 
-    @property
-    def derivatives(self) -> tuple[Expr, ...]:
-        return self._parts[1]
-
     def depend_on(self, name: str) -> bool:
-        return any(symbol(name) in symbols_of(rate) for rate in self.derivatives)
+        return any(symbol(name) in symbols_of(rate) for rate in self._parts[1])
 
-    def inlined(self, lines: Lines, tag: str, values: Mapping[str, Expr]) -> dict[str, Expr]:
+    def written(self, lines: Lines, tag: str, values: Mapping[str, Expr]) -> dict[str, Expr]:
         where = {symbol(name): value for name, value in values.items()}
         results = lines.inline(f"e{tag}_", *self._parts[2], where)
         return {name: lines.put(f"d{tag}_{name}", rate) for name, rate in zip(STATE, results, strict=True)}
 
-    # How a stage of a step gets its rates.
-    written = inlined
-
     def program(self) -> tuple[Lines, dict[str, Expr]]:
         lines = Lines()
         names = {*STATE, *self.moving}
-        return lines, self.inlined(lines, "", {name: real(name) for name in names})
-
-
-# The call of a function of the rates, which its printer writes, and one of its results.
-RATES, ITEM = (sympy.Function(name, real=True) for name in ("rates", "item"))
-
-
-class CalledRates(Rates):
-    """Rates as a function that the stages of a step call: a compiler then reads their lines once."""
-
-    @cached_property
-    def arguments(self) -> tuple[str, ...]:
-        return tuple(name for name in (*STATE, *self.moving) if self.depend_on(name))
-
-    def written(self, lines: Lines, tag: str, values: Mapping[str, Expr]) -> dict[str, Expr]:
-        call = lines.put(f"rates_{tag}", RATES(*(values[name] for name in self.arguments)))
-        rates = zip(STATE, self.derivatives, strict=True)
-        items = {name: ITEM(call, place) if rate else rate for place, (name, rate) in enumerate(rates)}
-        return {name: lines.put(f"d{tag}_{name}", item) for name, item in items.items()}
+        return lines, self.written(lines, "", {name: real(name) for name in names})
 
 
 @lru_cache(maxsize=32)

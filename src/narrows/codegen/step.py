@@ -39,22 +39,13 @@ class Step:
     # heading; ``side`` [m], positive if the starboard bank is nearer
     out: Mapping[str, Expr]
 
-    def with_whole_steps(self) -> "Step":
-        """Return the step for engines that take whole steps only."""
-        lines = Lines()
-        where: dict[Expr, Expr] = {real(SHARE): sympy.Integer(1)}
-        for line in self.lines.program:
-            if line is None:
-                lines.cut()
-            else:
-                where[line[0]] = lines.put(str(line[0]), line[1].xreplace(where))
-        return Step(lines, {name: sympy.sympify(value).xreplace(where) for name, value in self.out.items()})
 
-
-def step_of(rates: Rates, choices: Choices) -> Step:
+def step_of(rates: Rates, choices: Choices, whole: bool = False) -> Step:
+    """Write a step, or a share of it; ``whole`` is for engines that take whole steps only."""
     lines, z = Lines(), {name: real(name) for name in choices.kept}
-    h = lines.put("h", real(LENGTH) * real(SHARE))
-    moves, out = _orders(lines, choices, z)
+    share = sympy.Integer(1) if whole else real(SHARE)
+    h = lines.put("h", real(LENGTH) * share)
+    moves, out = _orders(lines, choices, z, share)
     controls = _controls(lines, choices, z, moves)
     pushes = _pushes(lines, choices, z)
 
@@ -95,7 +86,9 @@ def _water(lines: Lines, choices: Choices, column: str, x: Expr) -> Expr:
     return walls.get(column, sympy.Integer(0))
 
 
-def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict[str, Expr], dict[str, Expr]]:
+def _orders(
+    lines: Lines, choices: Choices, z: Mapping[str, Expr], share: Expr
+) -> tuple[dict[str, Expr], dict[str, Expr]]:
     """Write the law's orders: the change of each actuator's position in the step, and the new memory."""
     if choices.law is None:
         return {}, {}
@@ -123,7 +116,7 @@ def _orders(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> tuple[dict
         else:
             furthest = lines.put(f"{name}_reach", real(f"{name}_rate") * real(LENGTH))
             whole = lines.put(f"{name}_whole", clipped(wanted - z[name], furthest))
-        moves[name] = lines.put(f"{name}_move", real(SHARE) * whole)
+        moves[name] = lines.put(f"{name}_move", share * whole)
         out[name] = lines.put(f"{name}_new", z[name] + moves[name])
     return moves, out | {name: lines.put(f"{name}_new", results[name]) for name in choices.law.memory}
 

@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from narrows.codegen.free_motion import Surge
     from narrows.codegen.linearisation import Linearisation
     from narrows.codegen.rates import Rates
-    from narrows.codegen.step import Step
 
 # Values of the numbers that a caller may omit.
 DEFAULTS = dict.fromkeys(("X_in", "Y_in", "N_in", "heave", "surge_inertia"), 0.0)
@@ -61,12 +60,6 @@ class System:
         motion = solve_motion(self.trace, self._forces, self.surge, self.coriolis)
         choices = self.choices
         return Rates(motion, choices.moving, choices.pushed != "never" or choices.across == "field")
-
-    @cached_property
-    def step(self) -> "Step":
-        from narrows.codegen.step import step_of
-
-        return step_of(self.rates, self.choices)
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -124,11 +117,11 @@ class System:
 
         match name:
             case "plain":
-                return kernel.plain_text(self.choices, self.rates, self.step)
+                return kernel.plain_text(self.choices, self.rates)
             case "kernel":
                 return kernel.kernel_text(self.choices, self.rates)
             case "tangent":
-                return derivatives.tangent_text(self.step, self.choices, *parts)
+                return derivatives.tangent_text(self.choices, self.rates, *parts)
         return derivatives.jacobian_text(self.rates.motion, self.table.names, *parts)
 
     def constants_slopes(

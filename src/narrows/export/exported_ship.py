@@ -113,7 +113,7 @@ class ExportedShip:
     @cached_property
     def step(self) -> Step:
         """A whole step, with the places where a loop over vessels may be split."""
-        return step_of(self.rates, self.choices).with_whole_steps()
+        return step_of(self.rates, self.choices, whole=True)
 
     @property
     def _symbols(self) -> dict[str, Expr]:
