@@ -283,7 +283,7 @@ def score(read: dict[str, Any], truth: nw.Model, kind: Kind) -> Score:
     true = np.nan_to_num(nw.steady_course(truth, **at)["rudder"].to_numpy(), nan=np.inf)
     c_bank = fit.coefficients["c_bank"]
     return Score(
-        inside, tuple(((low <= true) & (true <= high)).tolist()), c_bank.std, c_bank.word == "learned",
+        inside, tuple(((low <= true) & (true <= high)).tolist()), c_bank.std, c_bank.status == "learned",
         fit.contradicted, not c_bank.unresolved,
     )  # fmt: skip
 

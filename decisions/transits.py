@@ -143,8 +143,9 @@ def figures(kind: Kind, seed: int) -> dict[str, Any]:
         return {"refused": True}
     known = _alike(truth, _other_form(truth)) if kind.truth == "distance" else truth
     off = {name: (fit.model[name] - known[name]) / fit.std[name] for name in BANKS}
-    told = {"off": off, "std": {name: fit.std[name] for name in BANKS}, "settled": fit.settled}
-    return told | {"unresolved": fit.coefficients["c_bank"].unresolved, "disagrees": fit.disagrees or fit.pushed}
+    told = {"off": off, "std": {name: fit.std[name] for name in BANKS}, "settled": fit.converged}
+    disagrees = fit.disagrees or fit.has_unexplained_disturbance
+    return told | {"unresolved": fit.coefficients["c_bank"].unresolved, "disagrees": disagrees}
 
 
 def kept_figures(kind: Kind, count: int, folder: Path | None) -> Iterator[dict[str, Any]]:

@@ -61,7 +61,7 @@ def test_states_are_measured_alike_one_by_one_and_together(make: type[Measuring]
 @every_sensor
 def test_what_is_said_to_be_linear_is(make: type[Measuring]) -> None:
     sensor, (one, other) = make(), states(2)
-    if sensor.straight:
+    if sensor.is_linear:
         both = measured(sensor, np.stack([0.3 * one + 0.7 * other, one, other]))
         np.testing.assert_allclose(both[0], 0.3 * both[1] + 0.7 * both[2], rtol=1e-12)
 
@@ -116,7 +116,7 @@ def test_what_a_twin_reads_is_what_the_filter_expects(make: type[Measuring]) -> 
 
 @every_sensor
 def test_a_late_reading_is_of_the_time_when_it_was_measured(make: type[Measuring]) -> None:
-    sensor = accurate(make, late=0.6)
+    sensor = accurate(make, delay=0.6)
     table, twins = sailed(estimator(sensor), 3.0)
     own = np.stack([table[field] for field in sensor.fields], axis=1)
     assert np.isnan(own[twins.t < 0.6 - 1e-9]).all()
@@ -147,7 +147,7 @@ def test_its_errors_become_states_that_are_as_large_as_declared(make: type[Measu
 
 
 @every_sensor
-@pytest.mark.parametrize("told", [{"noise": 0.0}, {"noise": np.nan}, {"period": 0.0}, {"late": -1.0}])
+@pytest.mark.parametrize("told", [{"noise": 0.0}, {"noise": np.nan}, {"period": 0.0}, {"delay": -1.0}])
 def test_numbers_that_are_none_are_refused(make: type[Measuring], told: dict[str, float]) -> None:
     with pytest.raises(nw.InputError):
         replace(make(), **told)

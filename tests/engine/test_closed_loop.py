@@ -145,7 +145,7 @@ def test_declared_errors_of_sensors_are_drawn() -> None:
 
 
 def test_late_readings_are_of_the_past() -> None:
-    late = [Gnss(1.5, late=3.0), *SENSORS[1:]]
+    late = [Gnss(1.5, delay=3.0), *SENSORS[1:]]
     assert np.abs(loop(sensors=late).simulate(300.0, 1).y - HOLD).max() < 4.0
 
 

@@ -163,7 +163,7 @@ def test_late_and_seldom_sensors_come_when_they_are_due() -> None:
     from narrows.estimation import Estimator
     from narrows.estimation.consistency import sail_twins
 
-    one = Estimator(steered(), [*SENSORS[1:], Gnss(0.02, period=0.6, late=0.4, coloured=None), RudderIndicator()])
+    one = Estimator(steered(), [*SENSORS[1:], Gnss(0.02, period=0.6, delay=0.4, coloured=None), RudderIndicator()])
     pilot = nw.control.regulator(steered(), 0.4, 1.0)
     twins = sail_twins(one.filter, pilot, (0.0, 0.4, 1.0, 0.0), 40, 6.0, False, 0.0, 1)
     told = twins.readings["gnss"]

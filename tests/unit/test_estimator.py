@@ -181,7 +181,7 @@ def test_a_late_reading_is_put_where_it_belongs() -> None:
     table, _ = record()
     fixes = np.stack([table["gnss_x"], table["gnss_y"]], axis=1) + 0.01
     late, punctual = (
-        estimator(*SENSORS, Gnss(0.03, period=0.2, late=age, name="aft"), refusing=0.0) for age in (0.4, 0.0)
+        estimator(*SENSORS, Gnss(0.03, period=0.2, delay=age, name="aft"), refusing=0.0) for age in (0.4, 0.0)
     )
     for number, t in enumerate(table["t"].tolist()):
         told = {name: float(table[name][number]) for name in ("gyro", "rate_of_turn", "log", "rudder")}
@@ -436,7 +436,7 @@ REFUSED = {
     "negative bias": lambda: Gyro(bias=-0.1),
     "no correlation time": lambda: GaussMarkov(1.0, 0.0),
     "no size of an error": lambda: GaussMarkov((1.0, math.nan)),
-    "early": lambda: Log(late=-1.0),
+    "early": lambda: Log(delay=-1.0),
     "no place": lambda: CourseOverGround(forward=math.nan),
     "process noise": lambda: ProcessNoise(sway=-1.0),
     "prior": lambda: Prior(bank=math.inf),
@@ -476,7 +476,7 @@ def test_every_option_changes_the_estimate() -> None:
 SENSED: dict[str, Any] = {
     "noise of the fix": (Gnss(0.03, period=0.2), *SENSORS[1:]),
     "forward": (Gnss(0.02, forward=1.0, period=0.2), *SENSORS[1:]),
-    "starboard": (Gnss(0.02, starboard=0.3, period=0.2), *SENSORS[1:]), "late": (Gnss(0.02, late=0.2), *SENSORS[1:]),
+    "starboard": (Gnss(0.02, starboard=0.3, period=0.2), *SENSORS[1:]), "late": (Gnss(0.02, delay=0.2), *SENSORS[1:]),
     "noise of the gyro": (SENSORS[0], Gyro(0.01), *SENSORS[2:]),
     "its bias": (SENSORS[0], Gyro(bias=0.01), *SENSORS[2:]),
     "white fixes": (Gnss(0.02, period=0.2, coloured=None), *SENSORS[1:]),

@@ -27,7 +27,7 @@ def test_the_models_errors_are_its_own(found: nw.Explanation) -> None:
 
 
 def test_a_true_model_agrees_with_its_tests(found: nw.Explanation) -> None:
-    far = [abs(own) for own in found.distance.values() if np.isfinite(own)]
+    far = [abs(own) for own in found.z_scores.values() if np.isfinite(own)]
     assert max(far) < 4.5
     assert np.sqrt(np.mean(np.square(far))) < 2
     assert not found.fitted_on_these
@@ -35,7 +35,7 @@ def test_a_true_model_agrees_with_its_tests(found: nw.Explanation) -> None:
 
 def test_a_wrong_model_does_not(found: nw.Explanation) -> None:
     wrong = nw.explain(found.model.with_coefficients(b_bank=1.5), found.fit.tests, ("speed",))
-    assert wrong.distance["b_bank"] > 5
+    assert wrong.z_scores["b_bank"] > 5
     assert any("More than 3 standard errors" in said and "b_bank" in said for said in wrong.summary().splitlines())
 
 

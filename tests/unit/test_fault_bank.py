@@ -74,7 +74,7 @@ def test_the_right_sensor_is_named_and_the_truth_kept(what: str) -> None:
 
 
 def test_equal_readings_of_a_late_sensor_are_counted() -> None:
-    one = estimator(SENSORS[0], Gyro(period=0.2, late=0.4), *SENSORS[2:])
+    one = estimator(SENSORS[0], Gyro(period=0.2, delay=0.4), *SENSORS[2:])
     for k, across in enumerate(np.random.default_rng(1).standard_normal(STUCK_READINGS + 5)):
         t = 0.2 * k
         one.update(

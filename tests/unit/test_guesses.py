@@ -425,10 +425,12 @@ assert nw.linearization is nw.control.linearize
 same = nw.simulate(model=pub, y=0.5, Y_ext=0.0, N_ext=0.0, V=1.0, duration=1.0)
 assert same == nw.simulate(vessel=pub, y=0.5, u=1.0, tf=1.0)
 assert nw.wind_force(speed=10.0, windage=5.0, Cd=0.9) == nw.wind_force(10.0, 5.0, 0.9)
-assert nw.squat(kcs, V=4.0, where="bow") == nw.squat(kcs, 4.0, "bow") and nw.GPS(1.0, delay=0.5).late == 0.5
+assert nw.squat(kcs, V=4.0, where="bow") == nw.squat(kcs, 4.0, "bow") and nw.GPS(1.0, late=0.5).delay == 0.5
 env = nw.safe_envelope(kcs, ys=[0.0], speeds=[4.0], ukc=1.0, rudder_reserve=0.2, verbose=False)
 assert env.data.attrs["reserve"] == 0.2
 nw.to_c(pub, "dtc.h", language="c"); assert nw.load(name="mikkelsen2025_dtc") == pub
+assert nw.Gnss(latency=0.4).late == 0.4 and nw.Gnss().straight and nw.Canal(300.0, 16.0).water_depth == 16.0
+assert pub.data_range.shown("speed") and pub.canal.W == pub.canal.width and voyage.outcome.reason == voyage.outcome.kind
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""

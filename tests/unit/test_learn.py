@@ -64,7 +64,7 @@ def test_a_ship_that_is_known_is_found_again() -> None:
     assert max(map(abs, off.values())) < 3.5
     for name, factor in WRONG.items():
         assert abs(found.model[name] / kvlcc2()[name] - 1) < 0.5 * abs(factor - 1)
-    assert found.settled
+    assert found.converged
     assert found.informative
     assert found.verdicts["N_v"] == "learned"
     assert found.verdicts["Y_rrr"] == "from the prior"
@@ -72,7 +72,7 @@ def test_a_ship_that_is_known_is_found_again() -> None:
 
 
 def test_what_was_left_out_is_predicted_better() -> None:
-    before, after = learned().missed("psi")
+    before, after = learned().forecast_rmse("psi")
     assert after < 0.5 * before
     assert [record.name for record in learned().records] == ["zigzag +20", "zigzag -20", "circle"]
     shares = [record.information["N_v"] for record in learned().records]

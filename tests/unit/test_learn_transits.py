@@ -69,7 +69,7 @@ def test_a_compass_in_whole_degrees_is_not_taken_for_gusts() -> None:
     assert found.gusts is not None
     assert fine.gusts is not None
     assert found.gusts.yaw < 1.5 * fine.gusts.yaw
-    assert not found.pushed
+    assert not found.has_unexplained_disturbance
     assert abs(found.model["c_bank"] - truth["c_bank"]) < 3.5 * found.coefficients["c_bank"].std
 
 
@@ -154,7 +154,7 @@ def passed(marked: bool) -> nw.LogFit:
 
 def test_a_ship_that_passes_is_no_gust_where_the_log_marks_it() -> None:
     found = passed(marked=True)
-    assert not found.pushed
+    assert not found.has_unexplained_disturbance
     assert found.records[0].met > 0
     assert any(f"Another ship passed in {found.records[0].met} steps" in note for note in found.notes)
     assert abs(found.coefficients["c_bank"].value - twin()[0]["c_bank"]) < 3.5 * found.std["c_bank"]
@@ -162,7 +162,7 @@ def test_a_ship_that_passes_is_no_gust_where_the_log_marks_it() -> None:
 
 def test_a_ship_that_passes_unmarked_is_said() -> None:
     found = passed(marked=False)
-    assert found.pushed
+    assert found.has_unexplained_disturbance
     assert found.records[0].met == 0
     assert "mark these times in the log (`meeting`)" in found.summary()
 

@@ -23,7 +23,7 @@ def after(prior: float, prior_std: float, read: float, read_std: float, from_ban
 
 @given(number, size, number, size)
 def test_what_the_record_says_by_itself_is_the_reading(prior: float, prior_std: float, read: float, std: float) -> None:
-    low, high = after(prior, prior_std, read, std).by_record
+    low, high = after(prior, prior_std, read, std).likelihood_interval
     assert low == pytest.approx(read - WIDE * std, abs=1e-9)
     assert high == pytest.approx(read + WIDE * std, abs=1e-9)
 
@@ -31,7 +31,7 @@ def test_what_the_record_says_by_itself_is_the_reading(prior: float, prior_std: 
 def test_what_only_the_prior_keeps_off_zero_is_unresolved() -> None:
     """A reading 1.9 standard errors from 0, drawn farther off by a prior beyond it."""
     found = after(0.5, 0.25, 0.19, 0.1)
-    assert found.word == LEARNED
+    assert found.status == LEARNED
     assert found.interval[0] > 0
     assert found.verdict == "learned, unresolved"
     assert found.sentence().endswith("unresolved, for by the record alone it is -0.006 to 0.386")
@@ -54,5 +54,5 @@ def test_what_was_known_well_before_is_not_unresolved_by_a_record_that_tells_lit
 @pytest.mark.parametrize(("prior_std", "std"), [(0.0, 0.0), (0.1, 0.1), (0.1, 0.2)])
 def test_a_record_that_tells_nothing_leaves_all_open(prior_std: float, std: float) -> None:
     told = LearnedCoefficient("c_bank", "1", 1.0, prior_std, 1.0, std, True)
-    assert told.by_record == (-math.inf, math.inf)
+    assert told.likelihood_interval == (-math.inf, math.inf)
     assert told.verdict == PRIOR

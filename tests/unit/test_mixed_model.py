@@ -144,7 +144,7 @@ def test_measured_motions_that_were_left_out_are_inside_their_intervals(kcs: nw.
 class TwoHills:
     """A density of two normal hills, half each, of which the search finds the first."""
 
-    prior, rivals = np.ones(2), ()
+    prior, confounding_scales = np.ones(2), ()
     centres, widths = np.array([[-1.0, 0.0], [0.6, 0.9]]), np.array([0.5, 0.4])
 
     def conditional(self, z: np.ndarray, gradient: bool = False) -> Conditional:
@@ -179,10 +179,12 @@ def test_a_shift_is_what_an_effect_of_known_size_takes_from_the_estimates(fit: n
         i = names.index(name)
         column = model.x[:, model.fixed + i]
         x, group = np.delete(model.x, model.fixed + i, axis=1), np.delete(model.group, i)
-        taken = np.zeros((model.fixed, len(group)))
-        absent, present = (replace(model, x=x, group=group, y=model.y - size * column, taken=taken) for size in (0, 1))
+        absorbed = np.zeros((model.fixed, len(group)))
+        other = replace(model, x=x, group=group, absorbed=absorbed)
+        absent, present = (replace(other, y=model.y - size * column) for size in (0, 1))
         expected = (present.conditional(at).mean - absent.conditional(at).mean)[: model.fixed]
-        part = ScaleMixture(replace(model, taken=0 * model.taken), at, at[None], np.ones(1), [model.conditional(at)])
+        free = replace(model, absorbed=0 * model.absorbed)
+        part = ScaleMixture(free, at, at[None], np.ones(1), [model.conditional(at)])
         np.testing.assert_allclose(part.shifts[:, i], expected, rtol=1e-4, atol=1e-6 * np.abs(expected).max())
 
 

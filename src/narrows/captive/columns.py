@@ -65,7 +65,7 @@ def _others(names: Iterable[str], movers: Iterable[Actuator]) -> str:
 
 
 def _places(movers: Iterable[Actuator]) -> dict[str, str]:
-    sections = {"ship": Ship, "canal": Canal, "water": Water}
+    sections: dict[str, type] = {"ship": Ship, "canal": Canal, "water": Water}
     own = {field.name: f"[{section}] {field.name}" for section, part in sections.items() for field in fields(part)}
     return own | places_of(movers)
 

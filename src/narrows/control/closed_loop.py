@@ -319,7 +319,7 @@ class SensedHelm:
         self._past: list[tuple[float, VoyageState]] = []
         self._ahead = water_ahead(loop.model, loop.waterway)
         measuring, self._indicator = estimation.sensors.split_sensors(loop.sensors)
-        self._longest = max(sensor.late for sensor in measuring.values())
+        self._longest = max(sensor.delay for sensor in measuring.values())
         self._errors = {n: estimation.sensors.ErrorProcess(one, random) for n, one in measuring.items()}
         self._due = dict.fromkeys(measuring, -math.inf)
         self._bias, self._random = self._indicator.bias * random.standard_normal(), random
@@ -339,11 +339,11 @@ class SensedHelm:
     def _readings(self, t: float) -> Iterator[tuple[str, Any]]:
         times, states = zip(*self._past, strict=True)
         for name, errors in self._errors.items():
-            if t < max(self._due[name] - ORDER_TOLERANCE * self.loop.dt, errors.sensor.late):
+            if t < max(self._due[name] - ORDER_TOLERANCE * self.loop.dt, errors.sensor.delay):
                 continue
             self._due[name] = t + errors.sensor.period
             # The state when measured, linear between stored ones, with further quantities for sensors.
-            then = VoyageState(*(np.interp(t - errors.sensor.late, times, one) for one in zip(*states, strict=True)))
+            then = VoyageState(*(np.interp(t - errors.sensor.delay, times, one) for one in zip(*states, strict=True)))
             water = {name: float(one[0]) for name, one in self._ahead.at(np.array([then.x])).items()}
             calm = {"current_across": 0.0, "rudder_bias": 0.0, "bank": 1.0}
             yield name, errors.reading(SimpleNamespace(**then._asdict(), **calm, **water))

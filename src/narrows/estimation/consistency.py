@@ -286,9 +286,9 @@ def _readings(
     """Readings of a sensor by time of arrival, from the state when measured, linear between the times."""
     readings, dt = np.full((*states.shape[:2], len(sensor.fields)), np.nan), times[1] - times[0]
     for number in range(0, len(times), max(1, round(sensor.period / dt))):
-        if times[number] < sensor.late:
+        if times[number] < sensor.delay:
             continue
-        measured = (times[number] - sensor.late) / dt
+        measured = (times[number] - sensor.delay) / dt
         before = min(int(measured), len(times) - 2)
         then = states[before] + (measured - before) * (states[before + 1] - states[before])
         at = Columns(then, filter.states, lanes.bend(float(then[0, 0])))

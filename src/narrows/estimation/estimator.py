@@ -188,7 +188,7 @@ class Estimator(BaseSummary):
         start = self._start
         for name in self._silences(t):
             start.readings.pop(name, None)  # Too old for a start
-        late = max((self.filter.sensors[name].late for name in measured), default=0.0)
+        late = max((self.filter.sensors[name].delay for name in measured), default=0.0)
         start.add(t - late, measured)
         self._last_reading.update(dict.fromkeys(measured, t))
         if start.missing:
@@ -309,7 +309,7 @@ def _events(filter: ShipFilter, records: "pd.DataFrame") -> list[tuple[float, Re
     for row, (t, measured) in enumerate(rows_of(records, filter.sensors, ())):
         found[t] = (*found.get(t, ({}, {}))[:2], row)
         for name, reading in measured.items():
-            readings, rows, _ = found.setdefault(t - filter.sensors[name].late, ({}, {}, -1))
+            readings, rows, _ = found.setdefault(t - filter.sensors[name].delay, ({}, {}, -1))
             readings[name], rows[name] = reading, row
     return [(t, *found[t]) for t in sorted(found)]
 

@@ -72,7 +72,7 @@ class FaultBank:
     _watched: float | None = None
 
     def __post_init__(self) -> None:
-        self.horizon = max(sensor.late for sensor in self.filter.sensors.values())  # Largest delay of a reading [s]
+        self.horizon = max(sensor.delay for sensor in self.filter.sensors.values())  # Largest delay of a reading [s]
         self.scale = self.filter.time_scale
         self.wait, self.window = settings.JUDGE_WAIT * self.scale, settings.REPLAY_TIME * self.scale
         self.kept = max(self.horizon, self.window)

@@ -55,7 +55,7 @@ class FilterRun:
         self.results, now = [], max(t, self.last.t)
         groups: dict[float, Readings] = {now: {}}
         for name, reading in measured.items():
-            groups.setdefault(t - self.filter.sensors[name].late, {})[name] = reading
+            groups.setdefault(t - self.filter.sensors[name].delay, {})[name] = reading
         afloat = all(self._insert(time, groups[time], at, now, notes) for time in sorted(groups))
         while len(self.history) > 1 and self.history[1].t <= now - self.kept + SAME_TIME:
             del self.history[0]

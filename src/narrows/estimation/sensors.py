@@ -16,6 +16,7 @@ from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.estimation.settings import FAULT_STD, FAULT_WALK
 from narrows.estimation.states import Columns, MarkovProcess
+from narrows.results import Aliased
 from narrows.ship.checks import check_sizes
 from narrows.simulation.inputs import finite_numbers
 
@@ -34,18 +35,18 @@ class Sensor(Protocol):
     """The interface of a sensor.
 
     ``name`` is the name of its readings, ``fields`` the names of its components in a table, ``sigma`` the standard
-    deviations of their white errors, ``angles`` marks angles [rad], ``straight`` is True if the components are linear
-    in the states. ``period`` [s] is the time between readings, ``late`` [s] the delay of a reading. Optional ``errors``
-    is a sequence of ``GaussMarkov``; each becomes a state of the estimate.
+    deviations of their white errors, ``angles`` marks angles [rad], ``is_linear`` is True if the components are linear
+    in the states. ``period`` [s] is the time between readings, ``delay`` [s] its delay. Optional ``errors`` is a
+    sequence of ``GaussMarkov``; each becomes a state of the estimate.
     """
 
     name: str
     period: float
-    late: float
+    delay: float
     fields: tuple[str, ...]
     sigma: tuple[float, ...]
     angles: tuple[bool, ...]
-    straight: bool
+    is_linear: bool
 
     def measured(self, at: Columns) -> Values:
         """Return its components without errors, from states."""
@@ -81,23 +82,23 @@ class GaussMarkov:
 
 
 @dataclass(frozen=True)
-class Measuring:
+class Measuring(Aliased):
     """Base of the package's own sensors: equal noise of all components; by default one component, which is a state."""
 
     noise: float  # Standard deviation of the white error of each component [SI]
     _: KW_ONLY
     period: float = 1.0  # Time between readings [s]
-    late: float = 0.0  # Delay of a reading [s]
+    delay: float = 0.0  # Delay of a reading [s]
     name: str = ""  # Name of its readings
     bias: float = 0.0  # Standard deviation of a constant error [SI]
     coloured: GaussMarkov | None = None  # Error correlated in time
     angles: ClassVar[tuple[bool, ...]] = (False,)
-    straight: ClassVar[bool] = True
+    is_linear: ClassVar[bool] = True
     suffixes: ClassVar[tuple[str, ...]] = ("",)  # Ends of the names of the components
     state: ClassVar[str]  # Name of the state that it measures
 
     def __post_init__(self) -> None:
-        check_sizes(self, ("noise", "period"), ("noise", "period", "late", "bias"))
+        check_sizes(self, ("noise", "period"), ("noise", "period", "delay", "bias"))
 
     @cached_property
     def fields(self) -> tuple[str, ...]:
@@ -131,7 +132,7 @@ class Gyro(Measuring):
 
     ``noise`` [rad], the standard deviation of the white error, is by default that of a gyrocompass within IMO
     A.424(XI). Its slow error, of 0.2 degrees, is ``coloured`` (a ``GaussMarkov``) or ``bias`` [rad], the standard
-    deviation of a constant error; each becomes a state of the estimate. ``period`` and ``late`` [s] are the time
+    deviation of a constant error; each becomes a state of the estimate. ``period`` and ``delay`` [s] are the time
     between readings and the delay of a reading, ``name`` is the name of its readings.
     """
 
@@ -222,11 +223,11 @@ class Gnss(Antenna):
         return super(Gnss, usual).errors
 
     @property
-    def straight(self) -> bool:  # type: ignore[override]
+    def is_linear(self) -> bool:  # type: ignore[override]
         return not (self.forward or self.starboard)
 
     def measured(self, at: Columns) -> Values:
-        if self.straight:
+        if self.is_linear:
             return at.x, at.y
         cosine, sine = np.cos(at.psi), np.sin(at.psi)
         ahead = self.forward * cosine - self.starboard * sine
@@ -255,7 +256,7 @@ class CourseOverGround(Antenna):
     _: KW_ONLY
     name: str = "course"
     suffixes: ClassVar[tuple[str, ...]] = ("_over_ground", "_speed")
-    straight: ClassVar[bool] = False
+    is_linear: ClassVar[bool] = False
 
     def numbers(self, reading: Sequence[float]) -> Values:
         course, speed = reading

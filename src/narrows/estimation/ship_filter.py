@@ -305,7 +305,7 @@ class ShipFilter:
                 for state, (place, _, _) in error_states(self.sensors[name], name in self.faults).items()
             )
             layout = NumberLayout(parts, tests, noise, angles, errors, None)
-            if all(sensor.straight for sensor in sensors):
+            if all(sensor.is_linear for sensor in sensors):
                 layout = layout._replace(seen=self.measured(np.eye(len(self.disturbances.walks)), layout).T.copy())
             self._layouts[names] = layout
         return self._layouts[names]

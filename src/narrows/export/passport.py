@@ -47,7 +47,7 @@ def passport(model: Model, covariance: bool = True) -> Iterator[str]:
     ranges = model.data_range.unknown_note(model.has_bank)
     yield from (note for note in model.notes if note != ranges)
     covered = [
-        f"{measure.words} {measure.shown(*pair)}"
+        f"{measure.words} {measure.describe(*pair)}"
         for name, measure in MEASURES.items()
         if (pair := getattr(model.data_range, name)) is not None
     ]

@@ -200,7 +200,7 @@ class Explanation(BaseResult):
         return f"<Explanation of a model of {self.model.configuration.ship.name or 'a ship'}: {self.fit!r}>"
 
     @cached_property
-    def distance(self) -> dict[str, float]:
+    def z_scores(self) -> dict[str, float]:
         """Difference of the model's coefficients from those of these tests [joint standard errors]; NaN if unknown."""
         names, covariance = self.fit.terms.names, self.model.covariance
         columns = self.model.coefficients, self.fit.coefficients, self.fit.std
@@ -236,7 +236,7 @@ class Explanation(BaseResult):
                 f"{force}: RMS error {fitted.rmse:.3g} {unit} (R2 {fitted.r2:.3f}); {self.fit.scores[force].rmse:.3g} "
                 f"for a fit to these tests. It is largest on {worst}, {self.by_test[worst][force].rmse:.3g}."
             )
-        apart = ", ".join(name for name, far in self.distance.items() if abs(far) > APART_ERRORS)
+        apart = ", ".join(name for name, far in self.z_scores.items() if abs(far) > APART_ERRORS)
         if apart and not self.fitted_on_these:
             sentences.append(f"More than {APART_ERRORS:.0f} standard errors from a fit to these tests: {apart}.")
         return "\n".join(sentences)
@@ -251,7 +251,7 @@ class Explanation(BaseResult):
             "by_test": {
                 test: {f: errors.rmse for f, errors in scores.items()} for test, scores in self.by_test.items()
             },
-            "distance": dict(self.distance),
+            "distance": dict(self.z_scores),
             "these_tests": self.fit.to_dict(),
             "tables": self.comparison.rows(),
             "tables_left_out": dict(self.comparison.left_out),
@@ -261,7 +261,7 @@ class Explanation(BaseResult):
         """Give the coefficients as a table: a row each, with the model's value, that of these tests, the distance."""
         import pandas as pd
 
-        columns = {"model": self.model.coefficients, "these_tests": self.fit.coefficients, "distance": self.distance}
+        columns = {"model": self.model.coefficients, "these_tests": self.fit.coefficients, "distance": self.z_scores}
         frame = pd.DataFrame({name: pd.Series(dict(values)) for name, values in columns.items()})
         return frame.loc[list(self.model.coefficients)].rename_axis("coefficient")
 

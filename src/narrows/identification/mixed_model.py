@@ -72,23 +72,23 @@ class MixedModel:
     starts: np.ndarray  # (blocks,) First row of each block
     noise: np.ndarray  # (rows,) Variance of the noise within runs
     shared: np.ndarray  # (rows, errors) Error, at scale 1, of the part that all rows of a block share
-    apart: np.ndarray  # (rows, errors) Variance, at scale 1, of the part that is independent from row to row
+    independent: np.ndarray  # (rows, errors) Variance, at scale 1, of the part that is independent from row to row
     group: np.ndarray  # (q,) Index of each effect's scale; the number of scales where the scale is not learned
     prior: np.ndarray  # (scales,) Scale of each half-t prior
     freedom: np.ndarray  # (scales,) Degrees of freedom of each prior; with many it is half-normal
-    taken: np.ndarray  # (p, q) Part of each effect that a coefficient of the best-fitting terms absorbs
-    rivals: tuple[int, ...] = ()  # Scales of effects that may alone explain the data instead of a coefficient
+    absorbed: np.ndarray  # (p, q) Part of each effect that a coefficient of the best-fitting terms absorbs
+    confounding_scales: tuple[int, ...] = ()  # Scales of effects that may replace a coefficient
 
     @property
     def fixed(self) -> int:
-        return int(self.taken.shape[0])
+        return int(self.absorbed.shape[0])
 
     @cached_property
     def _blocks(self) -> list[tuple[np.ndarray, ...]]:
-        """Columns and measured values, ``shared``, ``apart``, ``noise``, (blocks, size, ...) for each size of block."""
+        """Columns and measured values, ``shared``, ``independent``, ``noise``, (blocks, size, ...), for each size."""
         sizes, parts = np.diff(self.starts, append=len(self.y)), (np.column_stack([self.x, self.y]), self.shared)
         indices = [self.starts[sizes == size, None] + np.arange(size) for size in np.unique(sizes)]
-        return [tuple(part[rows] for part in (*parts, self.apart, self.noise)) for rows in indices]
+        return [tuple(part[rows] for part in (*parts, self.independent, self.noise)) for rows in indices]
 
     def conditional(self, z: np.ndarray, gradient: bool = False) -> Conditional:
         """Solve for coefficients and effects at given scales: generalised least squares."""
@@ -141,7 +141,7 @@ class MixedModel:
         block, shared = np.searchsorted(self.starts, rows, side="right"), self.shared[rows]
         same = block[:, None] == block
         return np.asarray(
-            same * ((shared * variances) @ shared.T) + np.diag(self.noise[rows] + self.apart[rows] @ variances)
+            same * ((shared * variances) @ shared.T) + np.diag(self.noise[rows] + self.independent[rows] @ variances)
         )
 
     def scales(self, z: np.ndarray) -> np.ndarray:
@@ -246,7 +246,7 @@ def _sample_modes(
 def search(model: MixedModel) -> list[tuple[np.ndarray, float]]:
     """Find modes of the scales and their log densities, from small effects and from each rival explanation."""
     small = np.full(len(model.prior), SMALL)
-    starts = [small, *(np.where(np.arange(len(small)) == scale, LARGE, small) for scale in model.rivals)]
+    starts = [small, *(np.where(np.arange(len(small)) == scale, LARGE, small) for scale in model.confounding_scales)]
     return _distinct(sorted((_find_mode(model, start) for start in starts), key=lambda one: -one[1]))
 
 
@@ -308,7 +308,7 @@ class ScaleMixture:
     @cached_property
     def _combined(self) -> np.ndarray:
         """Matrix from coefficients and effects to the coefficients of the best-fitting terms, (p, p + q)."""
-        return np.hstack([np.eye(self.model.fixed), self.model.taken])
+        return np.hstack([np.eye(self.model.fixed), self.model.absorbed])
 
     @cached_property
     def means(self) -> np.ndarray:

@@ -11,6 +11,7 @@ from narrows.identification.force_rows import ForceRows
 from narrows.identification.mixed_model import MixedModel
 from narrows.identification.normal_equations import ONE
 from narrows.quantities.names import DEGREE, FORCES
+from narrows.results import Aliased
 from narrows.ship.particulars import Configuration
 
 # Groups of effects; those of a group share one learned scale, so that rival explanations count alike.
@@ -62,7 +63,7 @@ class Effect:
 
 
 @dataclass(frozen=True)
-class RunErrors:
+class RunErrors(Aliased):
     """Prior scales of the errors that rows share; the tests then determine the size of each.
 
     Each is the scale of a half-t prior, which admits larger errors. The defaults of gain, zero and form are the scatter
@@ -291,12 +292,12 @@ def assemble(
         starts=np.concatenate([rows.starts + f * rows.each for f in range(rows.count)]),
         noise=np.outer(rows.noise, 1 / np.repeat(rows.runs, rows.sizes)).ravel(),
         shared=np.reshape([shared for _, shared, _ in runs.values()], (len(runs), len(x))).T,
-        apart=np.reshape([apart for _, _, apart in runs.values()], (len(runs), len(x))).T,
+        independent=np.reshape([apart for _, _, apart in runs.values()], (len(runs), len(x))).T,
         group=np.array([places[effect.group] for effect in effects], int),
         prior=np.array(list(priors.values())),
         freedom=np.array([FREEDOM.get(name, 3.0) for name in priors]),
-        taken=_taken(rows, x, effects),
-        rivals=tuple(places[name] for name in RIVALS if name in places),
+        absorbed=_absorbed(rows, x, effects),
+        confounding_scales=tuple(places[name] for name in RIVALS if name in places),
     )  # fmt: skip
     return model, effects, unit
 
@@ -326,16 +327,17 @@ def _run_errors(rows: ForceRows, errors: RunErrors) -> dict[str, tuple[float, np
     }
 
 
-def _taken(rows: ForceRows, x: np.ndarray, effects: list[Effect]) -> np.ndarray:
+def _absorbed(rows: ForceRows, x: np.ndarray, effects: list[Effect]) -> np.ndarray:
     """Regression of the effects on the hull terms, with equal weight of each motion: (coefficients, effects)."""
     # A hull coefficient is the one that fits the forces on the hull best; a bank's is the slope at the centreline.
     p = len(rows.free_parameters)
     hull = np.array(sorted({rows.place(term) for _, term in rows.terms if not term.from_bank}), int)
     changes = np.array([effect.group.split(" by ")[0] in (DAMPING, INERTIA, HULL) for effect in effects], bool)
-    taken = np.zeros((p, len(effects)))
+    absorbed = np.zeros((p, len(effects)))
     scaled = x * rows.weights()[:, None]
     a = scaled[:, hull]
     size = np.sqrt((a**2).sum(axis=0))
     size = np.where(size > COLLINEAR * size.max(initial=0.0), size, np.inf)
-    taken[np.ix_(hull, changes)] = np.linalg.pinv(a / size, rcond=COLLINEAR) @ scaled[:, p:][:, changes] / size[:, None]
-    return taken
+    inverse = np.linalg.pinv(a / size, rcond=COLLINEAR)
+    absorbed[np.ix_(hull, changes)] = inverse @ scaled[:, p:][:, changes] / size[:, None]
+    return absorbed

@@ -12,7 +12,7 @@ from narrows.identification.verdict import IDENTIFIED
 from narrows.logbook.settings import LEARNED_TO, SHARPENED_TO
 from narrows.model.data_range import DataRange, Range
 from narrows.model.model import Model
-from narrows.results import BaseResult
+from narrows.results import Aliased, BaseResult
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,7 +22,7 @@ QUANTILE_95 = 1.959964  # Half-width of the central 95 % of a normal distributio
 
 
 @dataclass(frozen=True)
-class LearnedCoefficient:
+class LearnedCoefficient(Aliased):
     """A coefficient before a record and after it."""
 
     name: str
@@ -34,7 +34,7 @@ class LearnedCoefficient:
     from_bank: bool  # Whether its term is one of the bank
 
     @property
-    def left(self) -> float:
+    def std_ratio(self) -> float:
         """Standard error over the one before; 1 where that was 0."""
         return self.std / self.prior_std if self.prior_std > 0 else 1.0
 
@@ -44,7 +44,7 @@ class LearnedCoefficient:
         return self.value - QUANTILE_95 * self.std, self.value + QUANTILE_95 * self.std
 
     @property
-    def by_record(self) -> tuple[float, float]:
+    def likelihood_interval(self) -> tuple[float, float]:
         """95 % interval by the record alone, the prior of this coefficient removed; infinite without information."""
         before, after = (1 / std**2 if std > 0 else math.inf for std in (self.prior_std, self.std))  # Precisions
         if not before < after < math.inf:
@@ -56,18 +56,18 @@ class LearnedCoefficient:
     @property
     def unresolved(self) -> bool:
         """True if the interval contains 0; for a learned coefficient also if that of the record alone does."""
-        intervals = (self.interval, self.by_record) if self.word == LEARNED else (self.interval,)
+        intervals = (self.interval, self.likelihood_interval) if self.status == LEARNED else (self.interval,)
         return any(low <= 0 <= high for low, high in intervals)
 
     @property
-    def word(self) -> str:
+    def status(self) -> str:
         """``learned``, ``sharpened`` or ``from the prior``."""
-        return LEARNED if self.left <= LEARNED_TO else SHARPENED if self.left <= SHARPENED_TO else PRIOR
+        return LEARNED if self.std_ratio <= LEARNED_TO else SHARPENED if self.std_ratio <= SHARPENED_TO else PRIOR
 
     @property
     def verdict(self) -> str:
-        """The word; for a bank coefficient that may be 0 also ``unresolved``."""
-        return f"{self.word}, {UNRESOLVED}" if self.from_bank and self.unresolved else self.word
+        """The status; for a bank coefficient that may be 0 also ``unresolved``."""
+        return f"{self.status}, {UNRESOLVED}" if self.from_bank and self.unresolved else self.status
 
     def to_dict(self) -> dict[str, Any]:
         known = {"prior": self.prior, "prior_std": self.prior_std, "value": self.value, "std": self.std}
@@ -78,7 +78,7 @@ class LearnedCoefficient:
         words = f"{self.name} is {low:.3g} to {high:.3g} (standard error {self.std:.2g}, {self.prior_std:.2g} before)"
         if not (self.from_bank and self.unresolved):
             return words
-        own_low, own_high = self.by_record
+        own_low, own_high = self.likelihood_interval
         among = "0 is among it" if low <= 0 <= high else f"by the record alone it is {own_low:.3g} to {own_high:.3g}"
         return f"{words}: unresolved, for {among}"
 
@@ -109,17 +109,19 @@ class LearnedAnswer(BaseResult):
         import pandas as pd
 
         known = self.coefficients
-        rows = [(c.prior, c.prior_std, c.value, c.std, *c.interval, c.left, c.unit, c.verdict) for c in known.values()]
+        rows = [
+            (c.prior, c.prior_std, c.value, c.std, *c.interval, c.std_ratio, c.unit, c.verdict) for c in known.values()
+        ]
         columns = ["prior", "prior_std", "value", "std", "low", "high", "std_left", "unit", "verdict"]
         return pd.DataFrame(rows, columns=columns, index=pd.Index(list(known), name="coefficient"))
 
     def _learned_sentence(self, source: str) -> str:
         """Return a sentence on learned and unchanged coefficients."""
         known = [c for c in self.coefficients.values() if c.prior_std > 0]
-        sentences = [c.sentence() for c in known if c.from_bank and c.word != PRIOR]
-        learned = [c.name for c in known if c.word == LEARNED and not c.from_bank]
+        sentences = [c.sentence() for c in known if c.from_bank and c.status != PRIOR]
+        learned = [c.name for c in known if c.status == LEARNED and not c.from_bank]
         sentences += [f"learned: {', '.join(learned)}"] * bool(learned)
-        unchanged = ", ".join(c.name for c in known if c.word == PRIOR)
+        unchanged = ", ".join(c.name for c in known if c.status == PRIOR)
         rest = f" Unchanged from the prior: {unchanged}." if unchanged else ""
         return f"Learned from {source}: {'; '.join(sentences) or 'nothing'}.{rest}"
 
@@ -157,7 +159,7 @@ def learned_model(
     by_record = {True: f"{UNRESOLVED} by the ship's own record", False: IDENTIFIED}
     verdicts = {
         name: "contradicted by the ship's own record" if contradicted else by_record[UNRESOLVED in c.verdict]
-        for name, c in learned.items() if c.word == LEARNED
+        for name, c in learned.items() if c.status == LEARNED
     }  # fmt: skip
     model = replace(
         prior,

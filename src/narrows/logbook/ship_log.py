@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.errors import InputError, did_you_mean
 from narrows.quantities.names import Quantity
-from narrows.results import BaseResult
+from narrows.results import Aliased, BaseResult
 from narrows.waterway import Waterway
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ class Signal:
 
 
 @dataclass(frozen=True, eq=False)
-class ShipRecord:
+class ShipRecord(Aliased):
     """One manoeuvre or transit: signals in SI and rad, in the package's axes and signs (see ``SIGNALS``).
 
     Parameters

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from narrows.quantities.names import Number
+from narrows.results import Aliased
 
 Range = tuple[float, float]
 # Tolerance relative to an end of a range [1]: the accuracy of a depth or a speed.
@@ -21,7 +22,7 @@ class Measure(NamedTuple):
     short: str = ""  # Short name in lists of untested quantities
     bit: int = 0  # Bit of the quantity in ``sum_beyond``
 
-    def shown(self, low: float, high: float) -> str:
+    def describe(self, low: float, high: float) -> str:
         ends = dict.fromkeys(f"{self.scale * end:.3g}" for end in (low, high))
         return " ".join([" to ".join(ends), self.unit]).rstrip()
 
@@ -40,7 +41,7 @@ AHEAD = (0.0, 1000.0)
 
 
 @dataclass(frozen=True)
-class DataRange:
+class DataRange(Aliased):
     """Ranges covered by the data; None if unknown.
 
     Parameters
@@ -82,7 +83,7 @@ class DataRange:
         known: Range | None = getattr(self, name)
         return AHEAD if known is None and name == "speed" else known
 
-    def shown(self, name: str, measures: Mapping[str, Measure] = MEASURES) -> str:
+    def describe(self, name: str, measures: Mapping[str, Measure] = MEASURES) -> str:
         """Return a range in words.
 
         Parameters
@@ -93,7 +94,7 @@ class DataRange:
             Words and units by name.
         """
         covered = self.range_of(name) or (-math.inf, math.inf)
-        return "ahead alone" if covered == AHEAD else measures[name].shown(*covered)
+        return "ahead alone" if covered == AHEAD else measures[name].describe(*covered)
 
     def outside(self, name: str, values: Number) -> Number:
         """Return whether each value lies outside the range of the data; False if the range is unknown.
@@ -174,6 +175,7 @@ def extrapolation(
                 f"Not known whether tested: the model gives no range of {measure.words} that its data covered."
             )
         elif np.any(known.outside(name, values)):
-            found = measure.shown(float(np.min(values)), float(np.max(values)))
-            sentences.append(f"Beyond the data: {measure.words} {found}; they covered {known.shown(name, measures)}.")
+            found = measure.describe(float(np.min(values)), float(np.max(values)))
+            covered = known.describe(name, measures)
+            sentences.append(f"Beyond the data: {measure.words} {found}; they covered {covered}.")
     return tuple(sentences)

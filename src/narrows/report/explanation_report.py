@@ -38,7 +38,7 @@ def write_explanation(explanation: Explanation, path: str | Path, title: str) ->
 
 
 def _row(explanation: Explanation, name: str) -> dict[str, Any]:
-    own = {"model": f"{explanation.model.coefficients[name]:.4g}", "apart": explanation.distance[name]}
+    own = {"model": f"{explanation.model.coefficients[name]:.4g}", "apart": explanation.z_scores[name]}
     return coefficient_row(explanation.fit, name) | own
 
 

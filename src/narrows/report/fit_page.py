@@ -71,7 +71,7 @@ def section(label: str, fit: Fit, number: int, answer: BankSummary | None = None
         "setting": {"width": fit.tests.configuration.canal.width, "depth": fit.tests.configuration.canal.depth,
                     "density": fit.tests.configuration.water.density},
         "envelope": [
-            f"{measure.words}: {measure.shown(*pair)}"
+            f"{measure.words}: {measure.describe(*pair)}"
             for name, measure in MEASURES.items() if (pair := getattr(fit.data_range, name)) is not None
         ],
         "equations": equations(fit),

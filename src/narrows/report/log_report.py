@@ -47,7 +47,7 @@ def _informed(fit: LogFit) -> tuple[str, ...]:
     """Coefficients whose records are compared: those of the bank, or those with the best information."""
     known = [c for c in fit.coefficients.values() if c.name in fit.records[0].information]
     bank = [c.name for c in known if c.from_bank]
-    return tuple(bank or [c.name for c in sorted(known, key=lambda c: c.left)[:3]])
+    return tuple(bank or [c.name for c in sorted(known, key=lambda c: c.std_ratio)[:3]])
 
 
 def _row(fit: LogFit, number: int) -> dict[str, object]:
@@ -56,7 +56,7 @@ def _row(fit: LogFit, number: int) -> dict[str, object]:
         "name": record.name,
         "minutes": f"{record.duration / 60:.3g}",
         "missed": [f"{factor * old:.2g} to {factor * new:.2g}" for name, _, factor in MISSED
-                   for old, new in (record.missed[name],)],
+                   for old, new in (record.forecast_rmse[name],)],
         "information": [f"{100 * record.information[name]:.0f} %" for name in _informed(fit)],
     }  # fmt: skip
 
@@ -67,7 +67,7 @@ BY = ((ORANGE, "by the model before"), (BLUE, "by one that learned from the othe
 
 
 def log_fit_figure(fit: LogFit) -> Figure:
-    known = sorted((c for c in fit.coefficients.values() if c.prior_std > 0), key=lambda c: c.left)[:MOST_ROWS]
+    known = sorted((c for c in fit.coefficients.values() if c.prior_std > 0), key=lambda c: c.std_ratio)[:MOST_ROWS]
     height = max(2.8, 0.9 + 0.2 * len(known))
     figure, axes = panels(1, 2, height, Margins(left=0.9, bottom=0.75, top=0.2, across=0.9))
     left, right = axes[0]
@@ -75,10 +75,10 @@ def log_fit_figure(fit: LogFit) -> Figure:
     left.axvline(0, color=BLACK, lw=0.6)
     for place, c in enumerate(known[::-1]):
         moved = (c.value - c.prior) / c.prior_std
-        left.errorbar([moved], [place], xerr=[QUANTILE_95 * c.left], fmt="o", color=BLUE, capsize=3, ms=4)
+        left.errorbar([moved], [place], xerr=[QUANTILE_95 * c.std_ratio], fmt="o", color=BLUE, capsize=3, ms=4)
     left.set(xlabel="change, in prior standard deviations (grey: 95 % before)")
     left.set_yticks(range(len(known)), [c.name for c in known[::-1]])
-    missed, places = np.degrees([record.missed["psi"] for record in fit.records]), range(len(fit.records))
+    missed, places = np.degrees([record.forecast_rmse["psi"] for record in fit.records]), range(len(fit.records))
     for column, (colour, words) in enumerate(BY):
         right.plot(missed[:, column], places, "o", color=colour, label=words, ms=4)
     names = [record.name if len(places) <= MOST_ROWS else "" for record in fit.records]

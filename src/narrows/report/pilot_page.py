@@ -118,7 +118,7 @@ LEARNED = {
 def learned_rows(
     coefficients: Mapping[str, LearnedCoefficient], truth: Mapping[str, float] | None = None
 ) -> list[dict[str, Any]]:
-    learned = sorted((c for c in coefficients.values() if c.word != PRIOR), key=lambda c: c.left)
+    learned = sorted((c for c in coefficients.values() if c.status != PRIOR), key=lambda c: c.std_ratio)
     return [
         {
             "name": c.name, "before": with_error(c.prior, c.prior_std), "after": with_error(c.value, c.std),

@@ -1,5 +1,6 @@
 """Results: summary, files, plots, and names of other libraries."""
 
+from narrows.results.base_results import Aliased as Aliased
 from narrows.results.base_results import BaseResult as BaseResult
 from narrows.results.base_results import BaseSummary as BaseSummary
 from narrows.results.base_results import Result as Result

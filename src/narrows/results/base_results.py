@@ -80,14 +80,18 @@ def _known(thing: Any) -> set[str]:
 def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
     """Return an object's value under another library's name."""
     known = {*_known(thing), *columns}
-    for ours, theirs in aliases("attributes").items():
-        called = name + CALL in theirs
+    for row, theirs in aliases("attributes").items():
+        # A voyage's ``outcome.time`` is an outcome's ``time``.
+        ours, called = row.removeprefix(f"{type(thing).__name__.lower()}."), name + CALL in theirs
         attribute, is_method = ours.removesuffix(CALL), isfunction(getattr(type(thing), _head(ours), None))
         if _head(ours) in known and (called or name in theirs) and not ("." in ours and is_method):
             value = attrgetter(attribute)(thing)
             if called == ours.endswith(CALL):
                 return value
             return partial(attrgetter(attribute), thing) if called else value()
+    fields = getattr(type(thing), "__dataclass_fields__", ())
+    if field := name_here(name, "arguments", fields.__contains__):
+        return getattr(thing, field)
     ours = name_here(name, "functions") or name
     function = getattr(narrows, ours) if ours in dir(narrows) else None
     if isfunction(function) and next(iter(signature(function).parameters), "") in aliases("first").get(
@@ -103,7 +107,6 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
         remedy = f"{type(thing).__name__.lower()}[{name!r}]"
     why = f": {reason}" if (reason := name_here(name, "why")) else ""
     kinds = (kind for kind in type(thing).__mro__ if kind.__module__.startswith("narrows"))
-    fields = getattr(type(thing), "__dataclass_fields__", ())
     own = {*columns, *fields, *(it for kind in kinds for it in vars(kind))}
     other = f"; write {remedy}" if remedy else did_you_mean(name, {word for word in own if word[0] != "_"}, cutoff=0.75)
     raise AttributeError(f"{type(thing).__name__} has no {name!r}{why}{other}", name=None, obj=None)
@@ -119,8 +122,22 @@ class Answering(type):
         raise AttributeError(f"{cls.__name__} has no {name!r}" + (f"; write {made}" if made else ""))
 
 
-class BaseSummary(metaclass=Answering):
-    """An object with a one-line summary, a longer one in a notebook, and names of other libraries.
+class Aliased(metaclass=Answering):
+    """An object that answers to the names of other libraries."""
+
+    def __dir__(self) -> list[str]:
+        known, rows = _known(self), aliases("attributes").items()
+        theirs = (name.removesuffix(CALL) for ours, names in rows if _head(ours) in known for name in names)
+        return sorted({*super().__dir__(), *theirs})
+
+    if not TYPE_CHECKING:  # Type checkers see the real attributes only
+
+        def __getattr__(self, name: str) -> Any:
+            return answer(self, name)
+
+
+class BaseSummary(Aliased):
+    """An object with a one-line summary, and a longer one in a notebook.
 
     It has ``summary()``, and ``to_dataframe()`` and ``notes`` if applicable.
     """
@@ -129,22 +146,12 @@ class BaseSummary(metaclass=Answering):
         said: Any = self
         return f"<{type(self).__name__}: {shortened(said.summary())}>"
 
-    def __dir__(self) -> list[str]:
-        known, rows = _known(self), aliases("attributes").items()
-        theirs = (name.removesuffix(CALL) for ours, names in rows if _head(ours) in known for name in names)
-        return sorted({*super().__dir__(), *theirs})
-
     def _repr_html_(self) -> str:
         said: Any = self
         lines = "<br>".join(escape(line) for line in said.summary().splitlines())
         notes = "".join(f"<li>{escape(note)}</li>" for note in getattr(said, "notes", ()))
         table = said.to_dataframe().to_html(max_rows=30) if hasattr(said, "to_dataframe") else ""
         return f"<p>{lines}</p>{table}" + (f"<ul>{notes}</ul>" if notes else "")
-
-    if not TYPE_CHECKING:  # Type checkers see the real attributes only
-
-        def __getattr__(self, name: str) -> Any:
-            return answer(self, name)
 
 
 class BaseResult(BaseSummary):

@@ -149,8 +149,7 @@ def untested_reasons(model: Model) -> str:
     if model.configuration.canal.depth is None:
         words.append("the depth of the canal is not known")
     there = [
-        f"{IN_KNOTS[name].words} {IN_KNOTS[name].shown(value, value)} ({IN_KNOTS[name].shown(*getattr(known, name))} "
-        "was tested)"
+        f"{(of := IN_KNOTS[name]).words} {of.describe(value, value)} ({of.describe(*getattr(known, name))} was tested)"
         for name, value in _section(model).items()
         if known.outside(name, value)
     ]

@@ -13,6 +13,7 @@ from narrows.errors import InputError
 from narrows.model.model import Model
 from narrows.model.squat import choke_speed, squat
 from narrows.quantities.names import AIR_DENSITY, Number
+from narrows.results import Aliased
 from narrows.safety.settings import FASTEST, KEEL_SHARE, OFFSETS, RESERVE, SLOWEST, SPEEDS
 from narrows.simulation.grid import labelled
 
@@ -21,7 +22,7 @@ Walls = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class Disturbance:
+class Disturbance(Aliased):
     """Disturbances of a ship on its course, and the steady wind on that course.
 
     Parameters

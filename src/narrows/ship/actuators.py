@@ -10,11 +10,12 @@ import numpy as np
 from narrows.errors import InputError
 from narrows.quantities.dimensions import Dimension, dimension_of
 from narrows.quantities.names import FORCES, PARTICULARS, REGRESSOR_INPUTS, Number, Quantity
+from narrows.results import Aliased
 from narrows.ship.checks import check_fields
 
 
 @dataclass(frozen=True)
-class Part:
+class Part(Aliased):
     """A section of a ship file for an actuator; subclasses are frozen dataclasses of its numbers."""
 
     # Name of the section, and prefix of the names of its numbers.

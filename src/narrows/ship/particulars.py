@@ -9,7 +9,7 @@ import numpy as np
 
 from narrows.aliases import accept_aliases
 from narrows.errors import InputError, shown
-from narrows.results import BaseSummary
+from narrows.results import Aliased, BaseSummary
 from narrows.ship.actuators import STANDARD, Part, Propeller, Rudder, SteeringGear, free
 from narrows.ship.checks import check_fields, check_particulars
 
@@ -83,7 +83,7 @@ class Ship(BaseSummary):
 
 @accept_aliases
 @dataclass(frozen=True)
-class Canal:
+class Canal(Aliased):
     """A straight canal between two vertical walls.
 
     Parameters
@@ -122,7 +122,7 @@ def _metres(length: float) -> str:
 
 
 @dataclass(frozen=True)
-class Water:
+class Water(Aliased):
     """The water; the default is fresh.
 
     Parameters

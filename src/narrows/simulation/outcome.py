@@ -14,6 +14,7 @@ import numpy as np
 from narrows.model.data_range import ASTERN, MEASURES, DataRange, Measure, extrapolation
 from narrows.model.model import Model
 from narrows.quantities.names import GRAVITY, Number
+from narrows.results import Aliased
 from narrows.simulation.settings import MOST_FROUDE
 
 if TYPE_CHECKING:
@@ -52,7 +53,7 @@ SIDES = {Code.GROUNDED: {1: "starboard", -1: "port"}, Code.TOUCHED: {1: "bow", -
 
 
 @dataclass(frozen=True)
-class Outcome:
+class Outcome(Aliased):
     """Outcome of a voyage.
 
     Parameters
@@ -215,7 +216,7 @@ def outside_notes(known: DataRange, moments: Sequence[Mapping[str, Any]], senten
         backwards = reduce(np.logical_or, [moment[name] < 0 for moment in moments]) & (name == "speed")
         for measure, where in ((MEASURES[name], outside & np.logical_not(backwards)), (ASTERN, outside & backwards)):
             if np.any(where):
-                yield sentence(measure, known.shown(name), where, values)
+                yield sentence(measure, known.describe(name), where, values)
 
 
 def froude_notes(u: np.ndarray, length: float) -> tuple[str, ...]:

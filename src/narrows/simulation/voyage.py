@@ -380,7 +380,7 @@ class _Log:
         def beyond(measure: Measure, covered: str, outside: Any, values: Any) -> str:
             first = int(np.argmax(np.broadcast_to(outside, columns["t"].shape)))
             there = float(np.broadcast_to(values, columns["t"].shape)[first])
-            start = f"From {columns['t'][first]:.2f} s its {measure.words} of {measure.shown(there, there)}"
+            start = f"From {columns['t'][first]:.2f} s its {measure.words} of {measure.describe(there, there)}"
             return f"{start} is outside the data ({covered})."
 
         seen = measured(columns, {**model.configuration.values(), **section}, self.ship.shape != OPEN)

@@ -12,6 +12,7 @@ from narrows.logbook.filtering.log_problem import CURRENT, INPUTS, PUSHES, LogPr
 from narrows.logbook.filtering.record_grid import CURRENTS, HELM, OFFSET, RUDDER, STATES, RecordGrid
 from narrows.logbook.learned_coefficient import LEARNED, ON_TWINS, LearnedAnswer
 from narrows.logbook.ship_log import size_of
+from narrows.results import Aliased
 
 MOST_DRAWN = 4  # Most records whose forecasts are kept for figures
 HORIZON = 3.5  # Length of a forecast [ship lengths]
@@ -34,7 +35,7 @@ class Forecast:
     rudder: np.ndarray  # (n,) Recorded rudder plus its zero error [rad]
 
     @property
-    def missed(self) -> dict[str, float]:
+    def rmse(self) -> dict[str, float]:
         """Root mean square error of the ends of pieces, against the smoothed states."""
         with np.errstate(all="ignore"):  # A diverged forecast may be infinite.
             off = self.states[self.ends] - self.likely
@@ -43,7 +44,7 @@ class Forecast:
 
 
 @dataclass(frozen=True)
-class RecordAnswer:
+class RecordAnswer(Aliased):
     name: str  # Name of the record
     duration: float  # Duration [s]
     steps: int  # Steps of the filter
@@ -53,7 +54,7 @@ class RecordAnswer:
     moved: dict[str, float]  # Change of each coefficient by the record
     # Root mean square errors of forecasts over 3.5 ship lengths of y [m], psi [rad] and r [rad/s]: by the model before
     # the log, and by the model learned from all other records
-    missed: dict[str, tuple[float, float]]
+    forecast_rmse: dict[str, tuple[float, float]]
     # Root mean square heading errors [rad] of predictions of the whole record from its rudder, with a fitted start: by
     # the model ``before``, ``after`` the other records, and a nonlinear ``nomoto`` model of those; empty with gusts
     whole: Mapping[str, float] = field(default_factory=dict)
@@ -83,7 +84,7 @@ def _answer(found: SearchResult, grid: RecordGrid, one: RecordScore, drawn: bool
     without_it = found.scaled * prior.free - moved if len(found.records) > 1 else before_it
     model = problem.model_at(found.unknowns)
     both = forecast(problem, before_it, grid, path, model), forecast(problem, without_it, grid, path, model)
-    before, later = (each.missed for each in both)
+    before, later = (each.rmse for each in both)
     ends = {"before": before_it, "after": without_it}
     heading = {name: whole_record_error(problem, at, grid, path) for name, at in ends.items() if nomoto is not None}
     zeros = {
@@ -243,7 +244,7 @@ class LogFit(LearnedAnswer):
         that the log determines, and probability of at least this sum if log and prior belong to one ship.
     about : tuple of str
         Assumptions, and records that were left out.
-    settled : bool
+    converged : bool
         Whether the search converged.
     """
 
@@ -254,13 +255,13 @@ class LogFit(LearnedAnswer):
     freedom: int
     probability: float
     about: tuple[str, ...]
-    settled: bool
+    converged: bool
 
     @property
     def informative(self) -> bool:
         """True where the log determined a coefficient: one of the bank, where the model has one."""
         asked = [c for c in self.coefficients.values() if c.from_bank or not self.prior.has_bank]
-        return any(c.word == LEARNED for c in asked)
+        return any(c.status == LEARNED for c in asked)
 
     @property
     def disagrees(self) -> bool:
@@ -268,7 +269,7 @@ class LogFit(LearnedAnswer):
         return self.probability < CONTRADICTION_PROBABILITY
 
     @property
-    def pushed(self) -> bool:
+    def has_unexplained_disturbance(self) -> bool:
         """True where disturbances are too strong for gusts, as with passing ships that the log lacks."""
         return self.gusts is not None and self.gusts.strength > UNEXPLAINED_GUST_RATIO
 
@@ -285,17 +286,18 @@ class LogFit(LearnedAnswer):
         named = f", mainly in {', '.join(far)}" if far else ""
         left = self.noise["psi"].size if "psi" in self.noise else 0.0
         strength, whole = self.gusts.strength if self.gusts else 0.0, self.whole_missed
+        disturbed = self.has_unexplained_disturbance
         doubts = {
             f"Log and prior contradict each other{named}: the sum of squares is {self.disagreement:.0f}, the expected "
             f"value {self.freedom}. Check the signs of rudder and yaw rate, and whether the log is from another ship "
             "or draft. Otherwise one of the stated errors is too small.": self.disagrees,
-            "The search did not converge: do not rely on these numbers.": not self.settled,
+            "The search did not converge: do not rely on these numbers.": not self.converged,
             "This model predicts the heading of left-out records less well than a nonlinear Nomoto model of the same "
             "records. Do not rely on it for manoeuvres like these.": bool(whole) and whole["after"] > whole["nomoto"],
             f"The learned model misses the heading by {np.degrees(left):.1f} deg, more than the error of a compass. "
             "Its terms do not fit this log. Check whether the log is from another ship or draft.": left >= HEADING_LEFT,
             f"Disturbances are {strength:.0f} times as strong as the prior gusts. Other ships may have passed: mark "
-            "these times in the log (`meeting`). Otherwise the intervals are too narrow.": self.pushed,
+            "these times in the log (`meeting`). Otherwise the intervals are too narrow.": disturbed,
         }
         return tuple(sentence for sentence, holds in doubts.items() if holds)
 
@@ -310,7 +312,7 @@ class LogFit(LearnedAnswer):
 
     @property
     def _prediction(self) -> str:
-        before, after = np.degrees(self.missed("psi"))
+        before, after = np.degrees(self.forecast_rmse("psi"))
         if len(self.records) < 2 or not np.isfinite([before, after]).all():
             return ""
         if self.whole_missed:
@@ -333,7 +335,7 @@ class LogFit(LearnedAnswer):
             return {}
         return {name: float(np.sqrt(np.mean([row[name] ** 2 for row in rows]))) for name in rows[0]}
 
-    def missed(self, state: str) -> tuple[float, float]:
+    def forecast_rmse(self, state: str) -> tuple[float, float]:
         """Return the forecast errors of prior and learned model over all left-out records.
 
         Parameters
@@ -341,7 +343,7 @@ class LogFit(LearnedAnswer):
         state : {"y", "psi", "r"}
             Quantity, in SI.
         """
-        rows = np.array([record.missed[state] for record in self.records]).reshape(-1, 2)
+        rows = np.array([record.forecast_rmse[state] for record in self.records]).reshape(-1, 2)
         rows = rows[np.isfinite(rows).all(axis=1)]
         before, after = np.sqrt(np.mean(rows**2, axis=0)).tolist() if len(rows) else (np.nan, np.nan)
         return before, after
@@ -357,9 +359,9 @@ class LogFit(LearnedAnswer):
             "noise": {name: {"size": left.size, "outliers": left.beyond} for name, left in self.noise.items()},
             "records": [
                 {name: getattr(r, name) for name in RECORD_FIELDS}
-                | {"missed": {name: {"before": old, "after": new} for name, (old, new) in r.missed.items()}}
+                | {"missed": {name: {"before": old, "after": new} for name, (old, new) in r.forecast_rmse.items()}}
                 for r in self.records
             ],
-            "settled": self.settled,
+            "settled": self.converged,
             "notes": list(self.notes),
         }  # fmt: skip

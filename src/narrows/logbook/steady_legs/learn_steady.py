@@ -84,7 +84,7 @@ class SteadyFit(LearnedAnswer):
     @property
     def informative(self) -> bool:
         """True where a coefficient of the bank was learned, and nothing contradicts it."""
-        learned = any(c.word == LEARNED for c in self.coefficients.values() if c.from_bank)
+        learned = any(c.status == LEARNED for c in self.coefficients.values() if c.from_bank)
         return learned and not self.contradicted
 
     @property
