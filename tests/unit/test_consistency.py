@@ -110,7 +110,7 @@ def test_a_sensor_of_ones_own_is_a_sensor() -> None:
     """A receiver that tells but the offset, written by a user."""
 
     class Across:
-        name, period, late, fields, sigma, angles, straight = "laser", 0.2, 0.0, ("laser",), (0.05,), (False,), True
+        name, period, delay, fields, sigma, angles, is_linear = "laser", 0.2, 0.0, ("laser",), (0.05,), (False,), True
 
         def measured(self, at: Any) -> Any:
             return (at.y,)
