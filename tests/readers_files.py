@@ -8,7 +8,7 @@ import numpy as np
 
 import narrows as nw
 from narrows.captive.measured import measured_files
-from narrows.logbook import sensor_grade
+from narrows.logbook.sensor_grades import sensor_grade
 from narrows.logbook.transits.transit_twins import TransitTwin, transits_of
 from narrows.terms.tables import table_named
 from narrows.waterway.map_lines import unprojected

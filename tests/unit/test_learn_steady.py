@@ -15,7 +15,7 @@ from engine_models import mmg, steered
 from narrows.logbook.learned_coefficient import covered_range
 from narrows.logbook.learning.log_posterior import coefficient_prior
 from narrows.logbook.steady_legs.learn_steady import LATENT, LegProblem
-from narrows.logbook.steady_legs.steady_readings import UNKNOWN, reading_error, shared_errors
+from narrows.logbook.steady_legs.steady_readings import UNKNOWN, reading_error, shared_errors, steady_readings
 
 CALM = nw.SteadyConditions(wind=0.5, wind_change=0.0, y_zero=0.0, yaw_rate_deg=0.0, yaw_change_deg=0.0, sway_change=0.0)
 HELD = {"y": [0.5, -0.5, 0.3], "u": [0.8, 0.8, 0.9]}
@@ -203,7 +203,7 @@ def test_the_range_in_a_section_that_no_test_had_is_that_of_the_legs() -> None:
 def test_files_and_mappings_are_read_alike(tmp_path: Path) -> None:
     frame = legs().assign(leg=["a", "b", "c"], remark="fine")
     frame.to_csv(tmp_path / "held.csv", index=False)
-    first, other = nw.logbook.steady_readings(tmp_path / "held.csv"), nw.logbook.steady_readings(frame.to_dict("list"))
+    first, other = steady_readings(tmp_path / "held.csv"), steady_readings(frame.to_dict("list"))
     pd.testing.assert_frame_equal(first.to_dataframe(), other.to_dataframe())
     assert first.legs == ("a", "b", "c")
     assert first.source == "held.csv"

@@ -8,9 +8,9 @@ import pytest
 
 import narrows as nw
 from engine_models import steered
-from narrows.logbook import GRADES
 from narrows.logbook.learning.log_posterior import expected_std
 from narrows.logbook.learning.log_setup import LogSetup, log_problem
+from narrows.logbook.sensor_grades import GRADES
 from narrows.logbook.transits.predict_information import expected_information
 from narrows.logbook.transits.transit_twins import TransitTwin, gust_push, recorded
 from pictures import assert_readable

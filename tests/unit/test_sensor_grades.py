@@ -5,7 +5,7 @@ from itertools import pairwise
 import pytest
 
 from narrows.errors import InputError
-from narrows.logbook import GRADES, SensorGrade, SignalGrade, sensor_grade
+from narrows.logbook.sensor_grades import GRADES, SensorGrade, SignalGrade, sensor_grade
 
 
 @pytest.mark.parametrize("grade", GRADES.values(), ids=GRADES)

@@ -26,7 +26,7 @@ from narrows.errors import InputError
 from narrows.progress import LARGE_FILE
 
 if TYPE_CHECKING:
-    from narrows.logbook import StreamedLog
+    from narrows.logbook.reading.read_log import StreamedLog
 
 # Parts of the JSON output; null if not requested.
 PARTS = ("log", "truth", "steady", "plan", "information")
@@ -90,7 +90,7 @@ def learn(
     """
     _check(model, logs, logged, legs, ahead, delivery)
     if logged.demo:
-        from narrows.logbook import sensor_grade
+        from narrows.logbook.sensor_grades import sensor_grade
         from narrows.logbook.transits.transit_twins import demonstrated_log
 
         prior, truth, log = demonstrated_log(sensor_grade(logged.sensors))

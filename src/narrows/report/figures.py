@@ -15,7 +15,11 @@ from narrows.estimation import Consistency, EstimatedTrack
 from narrows.estimation.states import described
 from narrows.experiment_design import Plan
 from narrows.identification import Comparison, Explanation, Fit
-from narrows.logbook import InformationForecast, LogFindings, ShipLog, SteadyFit, SteadyPlan
+from narrows.logbook.checking.check_log import LogFindings
+from narrows.logbook.ship_log import ShipLog
+from narrows.logbook.steady_legs.learn_steady import SteadyFit
+from narrows.logbook.steady_legs.plan_steady import SteadyPlan
+from narrows.logbook.transits.predict_information import InformationForecast
 from narrows.manoeuvres import Trials, Turning, ZigzagTest
 from narrows.model.derived_models import DepthCorrected
 from narrows.model.froude import Scaled

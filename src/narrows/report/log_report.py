@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from narrows.logbook import LogFindings, LogFit, ShipLog, Signal
+from narrows.logbook.checking.check_log import LogFindings
 from narrows.logbook.learned_coefficient import ON_TWINS, QUANTILE_95
-from narrows.logbook.learning.log_fit import RecordAnswer
+from narrows.logbook.learning.log_fit import LogFit, RecordAnswer
+from narrows.logbook.ship_log import ShipLog, Signal
 from narrows.report.fit_page import figure, write_page
 from narrows.report.pilot_page import LEARNED, learned_rows
 from narrows.report.printed_tables import print_result, table_of

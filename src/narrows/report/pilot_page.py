@@ -10,11 +10,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from narrows.control import steady_course
+from narrows.control.steady_course import steady_course
 from narrows.errors import InputError
-from narrows.logbook import InformationForecast, SteadyFit, SteadyPlan
 from narrows.logbook.learned_coefficient import ON_TWINS, PRIOR, QUANTILE_95, LearnedCoefficient
+from narrows.logbook.steady_legs.learn_steady import SteadyFit
+from narrows.logbook.steady_legs.plan_steady import SteadyPlan
 from narrows.logbook.steady_legs.steady_readings import SHARED
+from narrows.logbook.transits.predict_information import InformationForecast
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.report.fit_page import figure, write_page
