@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.simulation import kernel_run
 from narrows.simulation.outcome import KINDS
 from narrows.waterway import Bank, Centreline, Waterway
 
@@ -50,18 +49,29 @@ def test_what_works_where_numba_and_threads_do_not() -> None:
     assert re.match(r"compiled simulation .* needs numba: .* -m pip install 'numba", refusal)
 
 
-@pytest.mark.parametrize("contact", ["corners", "midship"])
-def test_columns_end_as_single_voyages_do(contact: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    model = nw.published("mikkelsen2025_dtc")
-    monkeypatch.setattr(kernel_run, "lacks_compiler", lambda: True)
+BESIDE = """
+import sys
+sys.modules["numba"] = None
+from engine import test_no_compiler as own
+own.{}
+"""
+
+
+@pytest.mark.parametrize("work", ["sails_to('corners')", "sails_to('midship')", "feels_gear_law_and_waterway()"])
+def test_columns_end_as_single_voyages_do(work: str) -> None:
+    done = subprocess.run([sys.executable, "-c", BESIDE.format(work)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+
+
+def sails_to(contact: Any) -> None:
     offsets, options = [-2.3, -0.2, 0.0, 0.6, 2.4], {"contact": contact, "duration": 20.01, "dt": 0.05}
+    model = nw.published("mikkelsen2025_dtc")
     held(nw.ensemble(model, y=offsets, u=[0.5, 1.0], **options), model, options)
 
 
-def test_columns_feel_gear_law_and_waterway(monkeypatch: pytest.MonkeyPatch) -> None:
+def feels_gear_law_and_waterway() -> None:
     """A pilot with a gear, in bends: the table is read in columns, the banks themselves by whoever is near."""
     model = nw.published("yasukawa2015_kvlcc2")
-    monkeypatch.setattr(kernel_run, "lacks_compiler", lambda: True)
     north = np.linspace(0.0, 200.0, 101)
     line = Centreline(np.stack([6.0 * np.sin(north / 40.0), north], axis=1))
     banks = (Bank(side, line.length * np.array([0.0, 1.0]), np.array([8.0, 7.0])) for side in ("starboard", "port"))

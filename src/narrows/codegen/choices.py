@@ -39,6 +39,7 @@ BOOK = ("step_length", "share", "left", "flag", "clearance", "side", "clearance_
 
 # Lanes of a block of vessels; those of a block of derivatives, where more directions need more passes.
 LANES, DIRECTIONS = 64, 32
+CACHE_LINE = 8  # numbers: 64 bytes
 
 # An external force from ``push_end`` on, by its name before it.
 AFTER = "{}_after".format

@@ -111,7 +111,7 @@ class Body:
                 case ast.Return():
                     return self.value(statement.value) if statement.value else None
                 case ast.Assign(targets=[ast.Subscript(value=array, slice=place)]):
-                    self.store(self.value(array), self.value(place), self.value(statement.value))
+                    self.store(self.value(array), self._index(place), self.value(statement.value))
                 case ast.Assign(targets=[ast.Tuple(elts=names)]):
                     self.scope.update(zip((one.id for one in names), self.value(statement.value), strict=True))  # type: ignore[attr-defined]
                 case ast.Assign(targets=[ast.Name(id=name)]):
@@ -155,9 +155,6 @@ class Body:
                 return self.scope[name] if name in self.scope else self.compiler.constants[name]
             case ast.Tuple(elts=parts):
                 return tuple(map(self.value, parts))
-            case ast.UnaryOp(op=ast.Not(), operand=operand):  # True if the flag of any lane is not set
-                flags = builder.bitcast(builder.not_(self.value(operand)), ir.IntType(WIDTH))
-                return builder.zext(builder.icmp_unsigned("!=", flags, ir.Constant(flags.type, 0)), INTEGER)
             case ast.UnaryOp(operand=operand):
                 value = self.value(operand)
                 return builder.fneg(value, FAST) if isinstance(value, ir.Value) else -value
@@ -170,7 +167,7 @@ class Body:
                 kind = VECTOR if _is_vector(chosen) else DOUBLE
                 return builder.select(chosen, self._as(self.value(over), kind), self._as(self.value(under), kind))
             case ast.Subscript(value=array, slice=place):
-                own, at = self.value(array), self.value(place)
+                own, at = self.value(array), self._index(place)
                 of_lanes = any(isinstance(one, ast.Name) and one.id == self.lane for one in ast.walk(place))
                 kind = VECTOR if of_lanes else DOUBLE
                 return builder.load(self._place(own, at), align=SIZE, typ=kind)
@@ -184,6 +181,14 @@ class Body:
                 value = self.value(number)
                 return value if isinstance(_element(value), ir.IntType) else self._cast(value, INTEGER, "fptosi")
         raise TypeError(f"no straight line: {ast.unparse(node)}")
+
+    def _index(self, place: ast.expr) -> Value:
+        """Write a place in an array; a field of a lane is one in the rows of a block."""
+        at = self.value(place)
+        if not isinstance(at, tuple):
+            return at
+        row = self._arithmetic(ast.Mult(), at[0], self.compiler.constants["LANES"])
+        return self._arithmetic(ast.Add(), row, at[1])
 
     def _arithmetic(self, operator: ast.operator, left: Value, right: Value) -> Value:
         if not isinstance(left, ir.Value) and not isinstance(right, ir.Value):  # places in an array
@@ -205,6 +210,9 @@ class Body:
             first, second = self._alike(*given)
             is_second = self.builder.fcmp_ordered("<" if name == "min" else ">", second, first)
             return self.builder.select(is_second, second, first)
+        if name == "any_false":
+            flags = self.builder.bitcast(self.builder.not_(given[0]), ir.IntType(WIDTH))
+            return self.builder.zext(self.builder.icmp_unsigned("!=", flags, ir.Constant(flags.type, 0)), INTEGER)
         if name == "real":
             whole = isinstance(given[0], ir.Value) and isinstance(_element(given[0]), ir.IntType)
             return self._cast(given[0], DOUBLE, "sitofp") if whole else given[0]

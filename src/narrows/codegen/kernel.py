@@ -70,7 +70,7 @@ def kernel_text(choices: Choices, rates: Rates) -> str:
 
 @dataclass(frozen=True)
 class Lanes:
-    """A block of vessels, field after field in one flat array."""
+    """A block of vessels, (fields, lanes)."""
 
     step: Step  # The program
     choices: Choices
@@ -80,7 +80,7 @@ class Lanes:
     def place(self, name: str, first: str = "") -> str:
         if name in SHARED:
             return f"shared[{SHARED.index(name)}]"
-        return f"block[{first * (name in self.choices.kept)}{self.layout.fields[name] * LANES} + lane]"
+        return f"block[{first * (name in self.choices.kept)}{self.layout.fields[name]}, lane]"
 
     def end_texts(self) -> Iterator[str]:
         """Write the clearance of one lane and its margins to every end but a bank."""
@@ -90,7 +90,7 @@ class Lanes:
             ("ends_of", ends, ends_of(ends, self.choices, state), "first"),
         ):
             arguments = ("block", "lane", *filter(None, [first]), "table", "shared")
-            head = [f"{one} = {self.place(one, f'{first} * LANES + ' * bool(first))}" for one in lines.inputs]
+            head = [f"{one} = {self.place(one, f'{first} + ' * bool(first))}" for one in lines.inputs]
             yield function_text(name, arguments, lines.assignments, results, head)
 
     def text(self) -> str:
@@ -99,7 +99,7 @@ class Lanes:
         for number, part in enumerate(self.layout.parts):
             body.append(f"for lane in range({LANES}):")
             body += [f"    {line}" for line in self._round(number, part)]
-        return "\n    ".join(["def step(block, table, shared):", *body, "return not all_well"]) + "\n"
+        return "\n    ".join(["def step(block, table, shared):", *body, "return any_false(all_well)"]) + "\n"
 
     def _round(self, number: int, part: Sequence[tuple[Expr, Expr]]) -> Iterator[str]:
         last = number == len(self.layout.parts) - 1
@@ -123,5 +123,5 @@ class Lanes:
         must = f"{self.choices.leaves!r} * clearance_before" if self.choices.leaves else "0.0"
         sane = " & ".join(f"(abs({out[name]}) < {most})" for name, most in SPEED_LIMITS.items())
         yield f"well = (left > 0.0) & ({out['clearance']} > {must}) & {sane}"
-        yield f"{self.place('flag')} = 0.0 if well else 1.0"
+        yield f"{self.place('flag')} = where(well, 0.0, 1.0)"
         yield "all_well = all_well & well"

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from narrows.codegen.cache import import_generated
+from narrows.codegen.cache import import_generated, lacks_compiler
 from narrows.codegen.trace import Trace, trace_of_terms
 from narrows.errors import InputError
 from narrows.quantities.arithmetic import COLUMNS
@@ -96,8 +96,13 @@ class System:
         compiled = self._module("jacobian", *parts)
         return Linearisation(scope, constants, self.table.names, parts[0], compiled, section)
 
-    def kernel(self) -> ModuleType:
-        return self._module("kernel")
+    def kernel(self, lanes: int) -> Any:
+        """Return the kernel; without a compiler its loops are operations on so many lanes at once."""
+        if not lacks_compiler():
+            return self._module("kernel")
+        every = {"range": lambda _: [np.arange(lanes)], "any_false": lambda flags: not np.all(flags), "where": np.where}
+        own = self._executed("kernel", column_functions(self.choices.row) | every)
+        return SimpleNamespace(**own | {"LANES": lanes})
 
     def tangent(self, moving: tuple[str, ...]) -> ModuleType:
         return self._module("tangent", moving)

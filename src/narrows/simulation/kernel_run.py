@@ -7,13 +7,12 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cached_property, partial
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from narrows.codegen.cache import compiled_loops, lacks_compiler
-from narrows.codegen.choices import AFTER, COUNTED, CURRENT_ACROSS, LENGTH, SHARE, SHARED, Across, Pushed
+from narrows.codegen.choices import AFTER, CACHE_LINE, COUNTED, CURRENT_ACROSS, SHARED, Across, Pushed
 from narrows.codegen.free_motion import INPUTS
 from narrows.codegen.kernels import event
 from narrows.codegen.system import System
@@ -23,7 +22,6 @@ from narrows.simulation.channel import Channel, WaterTable, across_of
 from narrows.simulation.initial_state import complete_state
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START, counted_heading
-from narrows.simulation.integrator import Row, VoyageIntegrator, near_the_bank
 from narrows.simulation.outcome import Code
 from narrows.simulation.settings import CONTACT_TOLERANCE, NEAR_THE_BANK
 from narrows.simulation.ship import SimulatedShip, Steering
@@ -43,13 +41,15 @@ Result = dict[str, np.ndarray]
 
 # Vessels per slice of a thread: few enough to share the work evenly, enough to make call overhead small.
 LARGEST_SLICE, SMALLEST_SLICE, SLICES_PER_WORKER = 16_384, 1024, 4
+# Most vessels that take a step at once without a compiler.
+MOST_LANES = 4096
 
 
 @dataclass
 class PreparedRun:
     """Vessels in arrays of a kernel; a call integrates them all from the current ``start``."""
 
-    kernel: ModuleType  # The generated kernel
+    kernel: Any  # The generated kernel
     start: np.ndarray  # (n, kept) State at the start
     times: np.ndarray  # (n, 3) Length of a step, whole steps, length of the last and shorter one [s]
     vessel_inputs: np.ndarray  # (n, vessel inputs) Inputs of each vessel; (1, vessel inputs) if none varies
@@ -75,7 +75,7 @@ class PreparedRun:
             )
             for part in parts
         ]  # fmt: skip
-        lanes, size = self.kernel.LANES, (self.kernel.FIELDS + 1) * self.kernel.LANES
+        lanes, size = self.kernel.LANES, self.kernel.FIELDS * self.kernel.LANES + CACHE_LINE
         self._memories = [
             (np.zeros(size, self.start.dtype), np.zeros((lanes, event.PLACES)), np.zeros(lanes, np.int64))
             for _ in range(min(self.workers, len(parts)))
@@ -133,87 +133,6 @@ def slices(vessels: int, workers: int) -> list[slice]:
     return [slice(first, min(first + size, vessels)) for first in range(0, vessels, size)]
 
 
-@dataclass
-class ColumnRun:
-    """Vessels in columns; a call integrates them all from the current ``start``."""
-
-    # Without a compiler, as in a browser, all vessels take a step at once. A vessel that met an end or has unphysical
-    # numbers repeats that step alone, as in a single voyage.
-
-    system: System  # The traced system
-    inputs: Mapping[str, Any]  # (n,) Inputs of its step, by name
-    start: np.ndarray  # (n, kept) State at the start
-    times: np.ndarray  # (n, 3) Length of a step, whole steps, length of the last and shorter one [s]
-    channel: Channel  # The water
-    end: np.ndarray = field(init=False)
-    time: np.ndarray = field(init=False)
-    codes: np.ndarray = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.end, self.time = self.start.copy(), np.zeros(len(self.start))
-        self.codes = np.zeros((len(self.start), 2), np.int64)
-
-    def __call__(self) -> int:
-        self.end, self.time, taken = self.start.copy(), np.zeros(len(self.start)), 0
-        under_way = np.arange(len(self.start))
-        step, count, rest = self.times.T
-        left, length = count + (rest > 0), step.copy()
-        while len(under_way := under_way[left[under_way] > 0]):
-            last = (left[under_way] == 1) & (rest[under_way] > 0)
-            length[under_way[last]] = rest[under_way[last]]
-            under_way = self._stepped(under_way, length[under_way])
-            left[under_way] -= 1
-            taken += len(under_way)
-        return taken
-
-    def _stepped(self, vessels: np.ndarray, length: np.ndarray) -> np.ndarray:
-        functions, before = self.system.columns, self.end[vessels].T
-        asked = {**self.inputs, LENGTH: length, SHARE: 1.0}
-        table, leaves = self.channel.water.table, self.system.choices.leaves
-        with np.errstate(all="ignore"):
-            inputs = [self._own(name, asked[name], vessels) for name in functions.STEP_INPUTS]
-            *state, left, _ = functions.step(table, *before, *inputs)
-            after = np.array([np.broadcast_to(one, len(vessels)) for one in state])
-            if leaves:
-                inputs = [self._own(name, self.inputs[name], vessels) for name in functions.LEAST_CLEARANCE_INPUTS]
-                left = left - leaves * functions.least_clearance(table, *before[:5], *inputs)[0]
-            # Far from every contact, the end of a step needs no check.
-            most = np.array([self.inputs[name] for name in ("most_speed", "most_speed", "most_rate")])
-            clear = (np.abs(after[4:7]) < most[:, None]).all(axis=0) & (np.asarray(left) > 0)
-        went = vessels[clear]
-        self.end[went] = after[:, clear].T
-        self.time[went] += length[clear]
-        near = zip(vessels[~clear], length[~clear], strict=True)
-        judged = [vessel for vessel, duration in near if self._judged(vessel, duration)]
-        return np.sort(np.concatenate([went, np.array(judged, int)]))
-
-    @staticmethod
-    def _own(name: str, value: Any, vessels: np.ndarray) -> Any:
-        whole = np.asarray(value, float)
-        if name == LENGTH or whole.size == 1:
-            return whole if whole.ndim else float(whole)
-        return whole[vessels]
-
-    def _judged(self, vessel: int, length: float) -> bool:
-        """Take one step of one vessel as in a single voyage, and return whether it continues."""
-        one, begun = np.array([vessel]), tuple(self.end[vessel].tolist())
-        inputs = {name: float(np.ravel(self._own(name, value, one))[0]) for name, value in self.inputs.items()
-                  if isinstance(value, int | float | np.ndarray | np.number)}  # fmt: skip
-        near = near_the_bank({"width": inputs.get("width", 1.0)})
-        integrator = VoyageIntegrator(self.system.scalar, self.system.choices, inputs, self.channel, near)
-        (clearance, side), outcome, rows = integrator.clearance(begun), event.CLOSED, [Row(0.0, begun)]
-        if clearance > 0 or begun[0] == self.channel.start:
-            ended = integrator.integrate(rows, length, length)
-            self.end[vessel] = rows[-1].state
-            self.time[vessel] += rows[-1].t
-            if ended is None:
-                return True
-            outcome, side = ended
-        code = integrator.cause(outcome, rows[-1].state)
-        self.codes[vessel] = code, np.sign(side) if code == Code.GROUNDED else 0
-        return False
-
-
 @dataclass(frozen=True)
 class KernelRun:
     ship: SimulatedShip  # The model and the choices of simulation
@@ -232,23 +151,16 @@ class KernelRun:
 
     def run(self, values: Mapping[str, Any], vessels: int, workers: int | None = None) -> Result:
         """Run voyages; without Numba in columns of NumPy."""
-        columns = lacks_compiler()
-        if columns and vessels > 1:
+        if lacks_compiler() and vessels > 1:
             install = installing(libraries_of("compiled") or ["numba"])
             logging.getLogger("narrows").info("without Numba many voyages take longer; to add it: %s", install)
-        prepared: PreparedRun | ColumnRun
-        if columns:
-            system, start = self._system(values), self._start(values)
-            kept = [np.broadcast_to(np.asarray(start[name], float), vessels) for name in system.choices.kept]
-            inputs, channel = self._inputs(system, values)
-            prepared = ColumnRun(system, inputs, np.stack(kept, axis=1), self._times(vessels), channel)
-        else:
-            prepared = self.prepared(values, vessels, workers)
-        prepared()
+        prepared = self._laid_out(values, vessels, 1 if lacks_compiler() else workers)
+        with np.errstate(all="ignore"):
+            prepared()
         ended = self.ended(prepared, values)
         return {name: ended[name] for name in OUTPUTS}
 
-    def ended(self, prepared: PreparedRun | ColumnRun, values: Mapping[str, Any]) -> Result:
+    def ended(self, prepared: PreparedRun, values: Mapping[str, Any]) -> Result:
         """Return the ends of voyages: ``OUTPUTS``, positions of actuators and the controller's memory."""
         system = self._system(values)
         ends = dict(zip(system.choices.kept, np.asarray(prepared.end, float).T, strict=True))
@@ -263,12 +175,15 @@ class KernelRun:
         return {**kept, **{f"{name}_end": ends[name] for name in ends if name not in ("x", "cos_psi", "sin_psi")}}
 
     def prepared(self, values: Mapping[str, Any], vessels: int, workers: int | None = None) -> PreparedRun:
+        with needs("compiled", "compiled simulation (safe envelopes, estimation, predictive helms, the monitor)"):
+            import numba  # noqa: F401  # Their many calls would take minutes in NumPy.
+        return self._laid_out(values, vessels, workers)
+
+    def _laid_out(self, values: Mapping[str, Any], vessels: int, workers: int | None) -> PreparedRun:
         system = self._system(values)
         inputs, channel = self._inputs(system, values)
         start, times = self._start(values), self._times(vessels)
-        with needs("compiled", "compiled simulation (safe envelopes, estimation, predictive helms, the monitor)"):
-            import numba  # noqa: F401  # Its kernels would take minutes to run as plain Python.
-        kernel = system.kernel()
+        kernel = system.kernel(min(vessels, MOST_LANES))
         limits = np.array([CONTACT_TOLERANCE, NEAR_THE_BANK * float(np.min(inputs.get("width", 1.0)))])
 
         def table(names: tuple[str, ...], numbers: Mapping[str, Any], rows: int) -> np.ndarray:

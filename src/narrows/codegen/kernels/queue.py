@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from narrows.codegen.addresses import call, call_into
-from narrows.codegen.choices import BOOK, LANES, SHARED
+from narrows.codegen.choices import BOOK, CACHE_LINE, SHARED
 from narrows.codegen.kernels.event import (
     ASTERN,
     BACK,
@@ -44,7 +44,6 @@ TOLERANCE, NEAR = 0, 1
 # Numba compiles a function once more for an argument that is a Python integer in the source.
 NOW: Any = np.int64(0)
 FIRST_LANE: Any = np.int64(0)
-CACHE_LINE = 8  # numbers: 64 bytes
 
 
 class LaneProgram(NamedTuple):
@@ -71,8 +70,8 @@ class SharedInputs(NamedTuple):
 
 def true_clearance(program: LaneProgram, block: Array, lane: int, first: int, water: SharedInputs) -> Any:
     """Return the clearance of a lane by the banks themselves and by the other ends of a voyage, and its side [m]."""
-    x, y = block[(first + X) * LANES + lane], block[(first + Y) * LANES + lane]
-    cosine, sine = block[(first + COS) * LANES + lane], block[(first + SIN) * LANES + lane]
+    x, y = block[first + X, lane], block[first + Y, lane]
+    cosine, sine = block[first + COS, lane], block[first + SIN, lane]
     clearance, side = exact_clearance(water.track, 1.0 / water.shared[CELLS_A_METRE], x, y, cosine, sine, water.outline)
     ends = ends_of(program, block, lane, first, water)
     return min(clearance, ends[0], ends[1], ends[2], ends[3]), side
@@ -90,8 +89,8 @@ def is_sane(program: LaneProgram, block: Array, lane: int, clearance: float, wat
     if program.leaves > 0.0 and clearance <= near:
         return True
     most = water.shared[MOST_SPEED]
-    slow = abs(block[U * LANES + lane]) < most and abs(block[V * LANES + lane]) < most
-    return slow and abs(block[R * LANES + lane]) < water.shared[MOST_RATE] and clearance == clearance  # not NaN
+    slow = abs(block[U, lane]) < most and abs(block[V, lane]) < most
+    return slow and abs(block[R, lane]) < water.shared[MOST_RATE] and clearance == clearance  # not NaN
 
 
 def cause_of(program: LaneProgram, block: Array, lane: int, water: SharedInputs, tolerance: float) -> int:
@@ -102,13 +101,13 @@ def cause_of(program: LaneProgram, block: Array, lane: int, water: SharedInputs,
 
 def handle_event(program: LaneProgram, block: Array, lane: int, control: Array, water: SharedInputs) -> int:
     """Handle a lane that a step has flagged: return an outcome, or RUNNING with the next step set up."""
-    clearance, before = block[CLEARANCE * LANES + lane], block[CLEARANCE_BEFORE * LANES + lane]
-    left = block[LEFT * LANES + lane]
+    clearance, before = block[CLEARANCE, lane], block[CLEARANCE_BEFORE, lane]
+    left = block[LEFT, lane]
     tolerance, near, leaves = water.limits[TOLERANCE], water.limits[NEAR], program.leaves
     sane = is_sane(program, block, lane, clearance, water, near)
     if program.exact and sane and (clearance <= 0.0 or control[TRIES] > 0.0):
         # The lanes' own clearance is a lower bound: compute the exact one.
-        clearance, block[NEARER_SIDE * LANES + lane] = true_clearance(program, block, lane, NOW, water)
+        clearance, block[NEARER_SIDE, lane] = true_clearance(program, block, lane, NOW, water)
     if sane and clearance_left(clearance, before, leaves) > 0.0 and control[TRIES] == 0.0 and left > 0.0:
         return RUNNING
     if program.exact and (control[TRIES] > 0.0 or not (sane and clearance > 0.0)):
@@ -120,11 +119,11 @@ def handle_event(program: LaneProgram, block: Array, lane: int, control: Array, 
         return AFLOAT
     if outcome in (LOST, BACK):
         for field in range(STATE, STATE + program.kept):
-            block[field * LANES + lane] = block[(program.kept + field) * LANES + lane]
-        block[CLEARANCE * LANES + lane] = before
+            block[field, lane] = block[program.kept + field, lane]
+        block[CLEARANCE, lane] = before
     if outcome == LOST:
         return cause_of(program, block, lane, water, near) if before <= near else DIVERGED
-    block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = control[NEXT], control[COUNT]
+    block[STEP_LENGTH, lane], block[LEFT, lane] = control[NEXT], control[COUNT]
     return RUNNING
 
 
@@ -140,33 +139,33 @@ def load_lane(
 ) -> int:
     """Put a vessel into a lane; return its outcome if the voyage ends where it begins, else RUNNING."""
     for number in range(program.kept):
-        block[(STATE + number) * LANES + lane] = start[number]
-        block[(STATE + program.kept + number) * LANES + lane] = start[number]
+        block[STATE + number, lane] = start[number]
+        block[STATE + program.kept + number, lane] = start[number]
     for number in range(len(inputs)):
-        block[(STATE + 2 * program.kept + number) * LANES + lane] = inputs[number]
+        block[STATE + 2 * program.kept + number, lane] = inputs[number]
     own = np.empty(2, block.dtype)
     call_into(program.clearance_of, own, (block, lane, water.table, water.shared))
     clearance, side = own[0], own[1]
     if program.exact and clearance <= 0.0:
         clearance, side = true_clearance(program, block, lane, NOW, water)
-    block[CLEARANCE * LANES + lane], block[NEARER_SIDE * LANES + lane] = clearance, side
+    block[CLEARANCE, lane], block[NEARER_SIDE, lane] = clearance, side
     begin_voyage(control, times[0], times[1], times[2])
-    block[STEP_LENGTH * LANES + lane], block[LEFT * LANES + lane] = control[NEXT], control[COUNT]
+    block[STEP_LENGTH, lane], block[LEFT, lane] = control[NEXT], control[COUNT]
     if not is_sane(program, block, lane, clearance, water, 0.0):
         return DIVERGED
     if not clearance > 0.0:
         outcome = cause_of(program, block, lane, water, 0.0)
         if clearance < 0.0 or outcome != ASTERN:  # The first point of a waterway belongs to it
             return outcome
-    return RUNNING if block[LEFT * LANES + lane] > 0.0 else AFLOAT
+    return RUNNING if block[LEFT, lane] > 0.0 else AFLOAT
 
 
 def idle_lane(block: Array, lane: int) -> None:
     """Put an empty lane on the line, with steps of no length."""
     for field in (Y, SIN, V, R, STEP_LENGTH):
-        block[field * LANES + lane] = 0.0
-    block[COS * LANES + lane] = 1.0
-    block[LEFT * LANES + lane] = np.inf
+        block[field, lane] = 0.0
+    block[COS, lane] = 1.0
+    block[LEFT, lane] = np.inf
 
 
 def unload_lane(
@@ -174,11 +173,11 @@ def unload_lane(
 ) -> None:
     """Write place, time and outcome of a voyage's end, and leave the lane empty."""
     for number in range(end.shape[1]):
-        end[vessel, number] = block[(STATE + number) * LANES + lane]
+        end[vessel, number] = block[STATE + number, lane]
     time[vessel] = control[CLOCK]
-    side = block[NEARER_SIDE * LANES + lane]
+    side = block[NEARER_SIDE, lane]
     codes[vessel, OUTCOME] = outcome
-    codes[vessel, SIDE] = (side > 0.0) - (side < 0.0) if outcome == GROUNDED else 0
+    codes[vessel, SIDE] = int(side > 0.0) - int(side < 0.0) if outcome == GROUNDED else 0
     idle_lane(block, lane)
 
 
@@ -192,19 +191,20 @@ def integrate_fleet(
     program = LaneProgram(sizes[0], sizes[1], sizes[2], sizes[3], sizes[4], sizes[5] != 0, leaves)
     water = SharedInputs(table, shared, track, outline, limits)
     first = -(memory.ctypes.data // memory.itemsize) % CACHE_LINE
-    block = memory[first : first + program.fields * LANES]  # a vector that straddles two cache lines costs twice
+    lanes, size = len(who), program.fields * len(who)
+    block = memory[first : first + size].reshape(program.fields, lanes)  # a vector on two cache lines costs twice
     rows = vessel_inputs.shape[0]  # One row serves all if nothing varies
     active, lane_steps, queue, vessels = 0, 0, 0, len(codes)
     load_lane(program, block, FIRST_LANE, books[0], water, start[0], times[0], vessel_inputs[0])
     idle_lane(block, FIRST_LANE)
-    block[FLAG * LANES] = 1.0
+    block[FLAG, 0] = 1.0
     for field in range(program.fields):
-        block[field * LANES : (field + 1) * LANES] = block[field * LANES]
+        block[field] = block[field, 0]
     who[:] = -1
     flagged = True
     while True:
-        for lane in range(LANES if flagged else 0):
-            if block[FLAG * LANES + lane] == 0.0:
+        for lane in range(lanes if flagged else 0):
+            if block[FLAG, lane] == 0.0:
                 continue
             if who[lane] >= 0:
                 outcome = handle_event(program, block, lane, books[lane], water)
@@ -223,4 +223,4 @@ def integrate_fleet(
         if active == 0:
             return lane_steps
         flagged = call(program.step, (block, water.table, water.shared)) != 0
-        lane_steps += LANES
+        lane_steps += lanes

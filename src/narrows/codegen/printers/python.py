@@ -230,6 +230,10 @@ def choice(test, over, under):
     return over if test > 0.0 else under
 
 
+def where(flag, over, under):
+    return over if flag else under
+
+
 def positive(test):
     return 1.0 if test > 0.0 else 0.0
 
