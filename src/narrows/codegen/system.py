@@ -100,8 +100,10 @@ class System:
         """Return the kernel; without a compiler its loops are operations on so many lanes at once."""
         if not lacks_compiler():
             return self._module("kernel")
-        every = {"range": lambda _: [np.arange(lanes)], "any_false": lambda flags: not np.all(flags), "where": np.where}
-        own = self._executed("kernel", column_functions(self.choices.row) | every)
+        functions = column_functions(self.choices.row) | {
+            "range": lambda _: [np.arange(lanes)], "where": np.where, "any_false": lambda flags: not np.all(flags),
+        }  # fmt: skip
+        own = self._executed("kernel", functions)
         return SimpleNamespace(**own | {"LANES": lanes})
 
     def tangent(self, moving: tuple[str, ...]) -> ModuleType:

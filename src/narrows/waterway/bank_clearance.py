@@ -17,8 +17,8 @@ def advanced_along(bend: float, change: float, along: float) -> tuple[float, flo
     """Return the displacement ahead and across [m] and the turn [rad] along a line of linear curvature."""
     # bend [1/m]; change [1/m^2]; along [m]
     ahead, across = 0.0, 0.0
-    for node, weight in ((1.0 - GAUSS, 5.0), (1.0, 8.0), (1.0 + GAUSS, 5.0)):
-        d = 0.5 * along * node
+    for node in range(-1, 2):
+        d, weight = 0.5 * along * (1.0 + node * GAUSS), 8.0 if node == 0 else 5.0
         turned = d * (bend + 0.5 * d * change)
         ahead += weight * cos(turned)
         across += weight * sin(turned)
@@ -29,10 +29,10 @@ def advanced_along(bend: float, change: float, along: float) -> tuple[float, flo
 def line_pose(track: Sequence[float], step: float, s: float) -> tuple[float, float, float, float, int]:
     """Return the line at a place in the table's own frame: forward, starboard [m], cosine, sine, and the cell."""
     # track (n * ROW,); step [m]; s [m]
-    last = len(track) // ROW - 4
-    cell = int(min(max(0.0, s / step), float(last)))
+    last: int = len(track) // ROW - 4
+    cell: int = int(min(max(0.0, s / step), float(last)))
     along = min(max(0.0, s - cell * step), step)
-    row = (cell + 1) * ROW
+    row: int = (cell + 1) * ROW
     bend, change = track[row + 4], (track[row + ROW + 4] - track[row + 4]) / step
     ahead, across, turned = advanced_along(bend, change, along)
     beyond = s - cell * step - along
@@ -70,7 +70,7 @@ def side_clearance(
 ) -> float:  # fmt: skip
     """Return the least transverse clearance between a hull and one bank [m]."""
     # track (n * ROW,); x, y [m]; outline (2 * points,) [m]
-    column = STARBOARD_BANK if sign > 0.0 else PORT_BANK
+    column: int = STARBOARD_BANK if sign > 0.0 else PORT_BANK
     stern, bow, breadth, across, least = 0.0, 0.0, 0.0, 0.0, inf
     aft, fore = 0.0, 0.0
     for point in range(0, len(outline), 2):
@@ -80,9 +80,9 @@ def side_clearance(
             breadth, aft, fore = out, forward, forward
         elif out == breadth:
             aft, fore = min(aft, forward), max(fore, forward)
-    for direction in (-1, 1):
+    for direction in range(-1, 2, 2):
         end = bow if direction > 0 else -stern
-        row = (cell + 1) * ROW
+        row: int = (cell + 1) * ROW
         dx, dy = track[row + column] - x, track[row + column + 1] - y
         a, b = dx * c + dy * si, sign * (dy * c - dx * si)
         while True:
@@ -115,6 +115,7 @@ def exact_clearance(
     # node against the hull, every hull point against the edges.
     if not hypot(s, n) + hypot(cos_psi, sin_psi) < inf:
         return nan, nan
+    cell: int
     x, y, c, si, cell = line_pose(track, step, s)
     x, y = x - n * si, y + n * c
     c, si = c * cos_psi - si * sin_psi, si * cos_psi + c * sin_psi

@@ -24,12 +24,12 @@ def fill_cells(sections: Array, count: int, nodes: int, table: Filled) -> float:
     """Fill the cells from sections, linear in between, in order along the line; return the cell length [m]."""
     discharge = (sections[1] + sections[2]) * sections[3]
     spacing = (sections[SECTION * (count - 1)] - sections[0]) / (nodes - 1)
-    before = 0
+    before: int = 0
     for node in range(nodes):
         s = sections[0] + node * spacing
         while before < count - 2 and sections[SECTION * (before + 1)] < s:
             before += 1
-        row = SECTION * before
+        row: int = SECTION * before
         share = (s - sections[row]) / (sections[row + SECTION] - sections[row])
         for column in range(1, SECTION):
             value = sections[row + column] + share * (sections[row + SECTION + column] - sections[row + column])
@@ -44,7 +44,7 @@ def fill_cells(sections: Array, count: int, nodes: int, table: Filled) -> float:
 
 def put_value(table: Filled, nodes: int, node: int, column: int, value: float) -> None:
     """Write a column's value at a node: the start of its cell, and the rise of the one before."""
-    entry = CELL_ENTRIES * node + column
+    entry: int = CELL_ENTRIES * node + column
     if node < nodes - 1:
         table[entry] = value
     if node > 0:
@@ -55,7 +55,7 @@ def node_value(table: Array, nodes: int, node: int, column: int) -> float:
     """Return a column's value at a node; the last node is the end of the last cell."""
     if node < nodes - 1:
         return table[CELL_ENTRIES * node + column]  # type: ignore[no-any-return]
-    last = CELL_ENTRIES * (nodes - 2) + column
+    last: int = CELL_ENTRIES * (nodes - 2) + column
     return table[last] + table[last + 1]  # type: ignore[no-any-return]
 
 
@@ -63,7 +63,8 @@ def put_node(
     track: Array, node: int, x: float, y: float, heading: float, bend: float, right: float, left: float
 ) -> None:
     """Write a node of the track: the line, and both banks perpendicular to it."""
-    row, c, si = ROW * node, cos(heading), sin(heading)
+    row: int = ROW * node
+    c, si = cos(heading), sin(heading)
     track[row], track[row + 1], track[row + 2], track[row + 3], track[row + 4] = x, y, c, si, bend
     track[row + 5], track[row + 6] = x - right * si, y + right * c
     track[row + 7], track[row + 8] = x + left * si, y - left * c
@@ -96,7 +97,7 @@ def can_fill(sections: Array, count: int, nodes: int) -> bool:
     if not (count >= 2 and nodes >= 2):
         return False
     for number in range(count):
-        row = SECTION * number
+        row: int = SECTION * number
         if number > 0 and not sections[row] > sections[row - SECTION]:
             return False
         right, left, bend = sections[row + 1], sections[row + 2], sections[row + 4]

@@ -83,7 +83,7 @@ def is_sane(state: Array, closeness: float, constants: Constants) -> bool:
     """Return whether the numbers are physical; a ship drawn to a bank that ends its voyage may have any speed."""
     if LEAVES > 0.0 and closeness <= constants.near_bank:
         return True
-    slow = abs(state[U]) < MOST_SPEED and abs(state[V]) < MOST_SPEED
+    slow: bool = abs(state[U]) < MOST_SPEED and abs(state[V]) < MOST_SPEED
     return slow and abs(state[R]) < MOST_RATE and closeness == closeness  # not NaN
 
 
@@ -104,7 +104,7 @@ def begun(state: Array, closeness: Array, constants: Constants, waterway: Place)
         return DIVERGED
     if closeness[0] > 0.0:
         return AFLOAT
-    outcome = cause_of(state, constants, waterway, 0.0)
+    outcome: int = cause_of(state, constants, waterway, 0.0)
     return (
         AFLOAT if closeness[0] == 0.0 and outcome == ASTERN else outcome
     )  # The first point of a waterway belongs to it
@@ -132,7 +132,7 @@ def ended(outcome: int, state: Array, before: float, now: float, constants: Cons
         return AFLOAT
     if outcome == LOST and before > constants.near_bank:
         return DIVERGED
-    drawn = outcome == LOST or now > TOLERANCE
+    drawn: bool = outcome == LOST or now > TOLERANCE
     return cause_of(state, constants, waterway, constants.near_bank if drawn else TOLERANCE)
 
 
@@ -148,21 +148,21 @@ def integrate(
     after = [0.0] * (KEPT + 2)
     closeness = [0.0] * 2
     schedule(control, length, duration)
-    outcome = begun(state, closeness, constants, waterway)
+    outcome: int = begun(state, closeness, constants, waterway)
     end[0], end[1] = 0.0, closeness[1]
     if outcome != AFLOAT:
         return outcome
     left, before = control[COUNT], closeness[0]
     while control[COUNT] > 0.0:
-        trying = control[TRIES] > 0.0
+        trying: bool = control[TRIES] > 0.0
         step(state, after, control[NEXT], inputs, constants, waterway)
         left -= 1.0
         closeness[0], closeness[1] = after[KEPT], after[KEPT + 1]
-        sane = is_sane(after, closeness[0], constants)
+        sane: bool = is_sane(after, closeness[0], constants)
         if EXACT and sane and (closeness[0] <= 0.0 or trying):
             true_clearance(after, closeness, constants, waterway)
         now, side = closeness[0], closeness[1]
-        clear = sane and clearance_left(now, before, LEAVES) > 0.0
+        clear: bool = sane and clearance_left(now, before, LEAVES) > 0.0
         if clear and left > 0.0 and not trying:
             for number in range(KEPT):
                 state[number] = after[number]

@@ -12,7 +12,7 @@ import sympy
 from narrows.codegen.free_motion import Expr
 from narrows.codegen.lines import LaneFields, Lines, asked_by, rounds
 from narrows.codegen.printers.python import EXPONENTIAL_DEGREE, SINE_TERMS
-from narrows.codegen.printers.translation import Language, Translation, parts_of
+from narrows.codegen.printers.translation import Language, Translation
 
 WIDTH, TIED = 108, "\0=\0"
 
@@ -103,69 +103,27 @@ class CTranslation(Translation):
 
     def declarations(self) -> list[str]:
         names = {one.arg for one in self.parameters()}
-        variables = {name: values for name, values in self.assigned().items() if name not in names}
-        whole = self._whole(variables)
-        truths = {name for name, values in variables.items() if all(_is_truth(value) for value in values)}
         unused = names - {one.id for one in ast.walk(self.function) if isinstance(one, ast.Name)}
-        kinds = {name: "int" if name in whole else "bool" if name in truths else "double" for name in variables}
+        kinds = {name: kind for name, kind in self.assigned().items() if name not in names}
         return [f"(void){name};" for name in sorted(unused)] + [
-            f"{kind} {', '.join(own)};"
-            for kind in ("int", "bool", "double")
-            if (own := [name for name in variables if kinds[name] == kind])
+            f"{kind.replace('float', 'double')} {', '.join(own)};"
+            for kind in ("int", "bool", "float")
+            if (own := [name for name in kinds if kinds[name] == kind])
         ]
-
-    def _whole(self, variables: Mapping[str, Sequence[ast.expr | None]]) -> set[str]:
-        parameters = {one.arg for one in self.parameters() if one.annotation and ast.unparse(one.annotation) == "int"}
-        kept, whole = set(variables), set[str]()
-        while kept != whole:
-            whole = kept
-            kept = {
-                name for name in whole if all(self._is_whole(value, whole | parameters) for value in variables[name])
-            }
-        return whole
-
-    def _is_whole(self, value: ast.expr | None, whole: set[str]) -> bool:
-        match value:
-            case ast.Constant(value=number):
-                return type(number) is int
-            case ast.Name(id=name):
-                return name in whole or type(self.source.constants.get(name)) is int
-            case ast.UnaryOp(operand=one):
-                parts = [one]
-            case ast.BinOp(left=one, right=other) | ast.IfExp(body=one, orelse=other):
-                parts = [one, other]
-            case ast.Tuple(elts=parts):
-                pass
-            case ast.Call(func=ast.Name(id=name)):
-                returned = self.source.functions[name].returns if name in self.source.functions else None
-                return name in ("int", "len", "range") or (isinstance(returned, ast.Name) and returned.id == "int")
-            case _:
-                return False
-        return all(self._is_whole(one, whole) for one in parts)
 
     def from_call(self, targets: Sequence[ast.expr], call: ast.Call) -> Iterator[str]:
         assert isinstance(call.func, ast.Name)
         name, self.held_numbers = f"held_{self.held_numbers}", self.held_numbers + 1
         yield self.ARRAY.format(name, len(targets))
         yield f"{self._call_of(call.func.id, self.arguments(call), name)};"
-        for number, (target, whole) in enumerate(zip(targets, self.whole_results(call), strict=True)):
-            yield f"{self.expression(target)} = {'(int)' if whole else ''}{name}[{number}];"
+        kinds = self.assigned()
+        for number, target in enumerate(map(self.expression, targets)):
+            yield f"{target} = {'(int)' if kinds.get(target) == 'int' else ''}{name}[{number}];"
 
     def returned(self, values: Sequence[ast.expr]) -> Iterator[str]:
         for number, value in enumerate(values):
             yield f"result[{number}] = {self.expression(value)};"
         yield "return;"
-
-    def over_tuple(self, target: ast.expr, values: ast.expr) -> Iterator[str]:
-        name, self.held_numbers = f"turn_{self.held_numbers}", self.held_numbers + 1
-        columns = [*zip(*map(parts_of, parts_of(values)), strict=True)]
-        for number, column in enumerate(columns):
-            texts = [self.expression(one) for one in column]
-            kind = "int" if all(text.lstrip("-").isdigit() for text in texts) else "double"
-            yield f"const {kind} {name}_{number}[] = {{{', '.join(texts)}}};"
-        yield f"for (int {name} = 0; {name} < {len(parts_of(values))}; ++{name}) {{"
-        for number, one in enumerate(parts_of(target)):
-            yield f"    {self.expression(one)} = {name}_{number}[{name}];"
 
     def called(self, name: str, arguments: Sequence[ast.expr]) -> str:
         if name == "len":
@@ -187,19 +145,6 @@ class CTranslation(Translation):
             if kind is not None and ast.unparse(kind).startswith("Sequence"):
                 texts.append(f"{texts[-1]}_length")
         return f"{self.prefix}_{name}({', '.join([*texts, *results])})"
-
-
-# Plain functions that return a truth value.
-TRUTHS = ("is_sane", "can_integrate", "can_fill")
-
-
-def _is_truth(value: ast.expr | None) -> bool:
-    match value:
-        case ast.Constant(value=known):
-            return isinstance(known, bool)
-        case ast.Call(func=ast.Name(id=name)):
-            return name in TRUTHS
-    return isinstance(value, ast.Compare | ast.BoolOp)
 
 
 # A step in C over a block of vessels: the lines of one vessel in loops over lanes, which compilers vectorise. Functions

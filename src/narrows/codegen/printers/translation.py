@@ -1,7 +1,7 @@
 """Other languages: lines as statements, and plain functions (the rule of contact, the banks of a waterway).
 
-It supports a part of Python: floats, whole numbers, arrays of floats, returned tuples, loops over ranges and short
-tuples.
+It supports a part of Python: floats, annotated whole numbers and truth values, arrays of floats, returned tuples, loops
+over ranges.
 """
 
 import ast
@@ -136,37 +136,18 @@ class Translation:
     def parameters(self) -> list[ast.arg]:
         return [one for one in self.function.args.args if one.arg not in self.source.absent]
 
-    def assigned(self) -> dict[str, list[ast.expr | None]]:
-        """Variables of the function with their assignments; None for a part of a tuple."""
-        known: dict[str, list[ast.expr | None]] = {}
+    def assigned(self) -> dict[str, str]:
+        """Variables of the function by their type: ``float`` unless annotated or counted by a loop."""
+        known, stated = dict[str, str](), dict[str, str]()
         for node in ast.walk(self.function):
-            for target, value in self._pairs(node):
-                if isinstance(target, ast.Name):
-                    known.setdefault(target.id, []).append(value)
-        return {
-            name: values
-            for name, values in known.items()
-            if not any(isinstance(value, ast.BinOp) and isinstance(value.left, ast.List) for value in values)
-        }
-
-    def _pairs(self, node: ast.AST) -> Iterator[tuple[ast.expr, ast.expr | None]]:
-        match node:
-            case ast.For(target=target, iter=values):
-                yield from ((one, values) for one in parts_of(target))
-            case ast.Assign(targets=[ast.Tuple(elts=targets)], value=ast.Tuple(elts=values)):
-                yield from zip(targets, values, strict=True)
-            case ast.Assign(targets=[ast.Tuple(elts=targets)], value=ast.Call() as call):
-                whole = [ast.Constant(0) if one else None for one in self.whole_results(call)]
-                yield from zip(targets, whole, strict=True)
-            case ast.Assign(targets=[target], value=value):
-                yield target, value
-
-    def whole_results(self, call: ast.Call) -> list[bool]:
-        """Return whether each number of a call's tuple is a whole one."""
-        assert isinstance(call.func, ast.Name)
-        returned = self.source.functions[call.func.id].returns
-        assert isinstance(returned, ast.Subscript)
-        return [ast.unparse(one) == "int" for one in parts_of(returned.slice)]
+            match node:
+                case ast.AnnAssign(target=ast.Name(id=name), annotation=kind):
+                    stated[name] = ast.unparse(kind)
+                case ast.For(target=ast.Name(id=name)):
+                    stated[name] = "int"
+                case ast.Assign(targets=[target], value=value) if not _is_new_array(value):
+                    known |= {one.id: "float" for one in parts_of(target) if isinstance(one, ast.Name)}
+        return known | stated
 
     def expression(self, node: ast.expr, tight: bool = False) -> str:
         text = self._written(node)
@@ -230,9 +211,12 @@ class Translation:
                 yield "}"
             case ast.While(test=test, body=body):
                 yield from (f"while ({self.expression(test)}) {{", *self.block(body), "}")
-            case ast.For(body=body):
-                yield from self.loop(node)
-                yield from (*self.block(body), "}")
+            case ast.For(target=target, iter=ast.Call(args=ends), body=body):
+                texts, name = [self.expression(one) for one in ends], self.expression(target)
+                first, last, step = ["0", *texts, "1"] if len(texts) == 1 else [*texts, "1"][:3]
+                yield from (f"for ({name} = {first}; {name} < {last}; {name} += {step}) {{", *self.block(body), "}")
+            case ast.AnnAssign(value=None):
+                pass
             case ast.Return(value=ast.Tuple(elts=values)):
                 yield from self.returned(values)
             case ast.Return(value=value):
@@ -255,27 +239,15 @@ class Translation:
             texts = held
         yield from (f"{name} = {text};" for name, text in zip(names, texts, strict=True))
 
-    def loop(self, node: ast.For) -> Iterator[str]:
-        """Lines that begin a loop over a range, or over a tuple of numbers or of tuples of them."""
-        if isinstance(node.iter, ast.Call):
-            texts = [self.expression(one) for one in node.iter.args]
-            first, last, step = ["0", *texts, "1"] if len(texts) == 1 else [*texts, "1"][:3]
-            name = self.expression(node.target)
-            yield f"for ({name} = {first}; {name} < {last}; {name} += {step}) {{"
-        else:
-            yield from self.over_tuple(node.target, node.iter)
-
-    def over_tuple(self, target: ast.expr, values: ast.expr) -> Iterator[str]:
-        yield f"for ({self._listed(target)} of {self._listed(values)}) {{"
-
-    def _listed(self, node: ast.expr) -> str:
-        return f"[{', '.join(map(self._listed, node.elts))}]" if isinstance(node, ast.Tuple) else self.expression(node)
-
     def from_call(self, targets: Sequence[ast.expr], call: ast.Call) -> Iterator[str]:
         yield f"[{', '.join(map(self.expression, targets))}] = {self.expression(call)};"
 
     def returned(self, values: Sequence[ast.expr]) -> Iterator[str]:
         yield f"return [{', '.join(map(self.expression, values))}];"
+
+
+def _is_new_array(value: ast.expr) -> bool:
+    return isinstance(value, ast.BinOp) and isinstance(value.left, ast.List)
 
 
 def parts_of(node: ast.expr) -> list[ast.expr]:
