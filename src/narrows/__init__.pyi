@@ -142,6 +142,7 @@ from .terms.term import NONNEGATIVE as NONNEGATIVE
 from .terms.term import Term as Term
 from .terms.term import TermKind as TermKind
 from .terms.term import TermTable as TermTable
+from .warning.monitoring.monitor import Monitor as Monitor
 from .waterway import Waterway as Waterway
 from .waterway import read_waterway as read_waterway
 from .waterway import straight_waterway as straight_waterway

@@ -50,7 +50,9 @@ def accept_aliases(function: Function) -> Function:
         function.__init__ = accept_aliases(function.__init__)  # type: ignore[misc]
         return function
     parameters = inspect.signature(function).parameters
-    has_model = next(iter(parameters)) == "model"
+    # Place of a model that heads the arguments, of a method or an ``__init__`` after the object.
+    head = [name for name in parameters if name != "self"][:1]
+    place = [*parameters].index("model") if head == ["model"] else None
     more = next((own.name for own in parameters.values() if own.kind is own.VAR_KEYWORD), "")
     own = function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
 
@@ -75,9 +77,9 @@ def accept_aliases(function: Function) -> Function:
                 raise InputError(f"{name} and {ours} are one argument; give {ours}")
             elif meant := name_here(name, "other_arguments", names_own):
                 raise InputError(f"{own} has no argument {name!r}; write {meant}")
-        if has_model and values:
-            values = (_model_of(values[0]), *values[1:])
-        elif has_model and "model" in given:
+        if place is not None and len(values) > place:
+            values = (*values[:place], _model_of(values[place]), *values[place + 1 :])
+        elif place is not None and "model" in given:
             given["model"] = _model_of(given["model"])
         try:
             return function(*values, **given)

@@ -214,7 +214,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.identify(method=)": (lambda: nw.identify(short_twin(), method="ols"), "mixed model of errors"),
     "nw.Autopilot(kp=)": (lambda: nw.Autopilot(kp=1.0), "Autopilot has no argument 'kp'; write gains="),  # type: ignore[call-arg]
     "nw.control.regulatr": (lambda: nw.control.regulatr, "did you mean 'regulator'"),
-    "nw.warn": (lambda: nw.warn, "write `narrows monitor`"),  # type: ignore[attr-defined]
+    "nw.warn": (lambda: nw.warn, "or `narrows monitor` in a terminal"),  # type: ignore[attr-defined]
     "model.set(b_v=1)": (lambda: DTC.set(b_v=1.0), r"write with_coefficients\("),  # type: ignore[attr-defined]
     "model.to_simulink()": (lambda: DTC.to_simulink(), r"write export\(path\), with .c"),  # type: ignore[attr-defined]
     "fit.condition_number": (lambda: fit().condition_number, "write diagnostics.overall"),  # type: ignore[attr-defined]
@@ -431,6 +431,8 @@ assert env.data.attrs["reserve"] == 0.2
 nw.to_c(pub, "dtc.h", language="c"); assert nw.load(name="mikkelsen2025_dtc") == pub
 assert nw.Gnss(latency=0.4).late == 0.4 and nw.Gnss().straight and nw.Canal(300.0, 16.0).water_depth == 16.0
 assert pub.data_range.shown("speed") and pub.canal.W == pub.canal.width and voyage.outcome.reason == voyage.outcome.kind
+nw.export(pub, "dtc.py"); nw.export(fit, path="fit.h"); assert nw.WarningMonitor is nw.Monitor and nw.export.write
+assert nw.estimation.Estimator("estimated_kcs", [nw.Gnss(), nw.Gyro()]).filter.model == nw.load("estimated_kcs")
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""

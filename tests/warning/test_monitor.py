@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from transit import canal, ship
-from watch import BEGAN, calm, monitor, monitored, ticks
+from watch import BEGAN, calm, forecaster, indicated, monitor, monitored, ticks
 
 import narrows as nw
 from narrows.readers.nmea.nmea_sentences import with_checksum
@@ -17,6 +17,7 @@ from narrows.warning.alerts.alert import BANKS, NO_FORECAST, AlertLog, AlertStat
 from narrows.warning.forecasting.forecast import BankForecast
 from narrows.warning.inputs.bridge_readings import Tick
 from narrows.warning.monitoring.alert_publisher import AlertPublisher, sender_to
+from narrows.warning.monitoring.demonstration import bridge_sentences
 from narrows.warning.monitoring.watched_transit import NOT_AVAILABLE, TransitLog
 
 BANK = BANKS["starboard"]
@@ -146,3 +147,28 @@ def test_a_disk_that_does_not_answer_is_a_caution_and_mutes_nothing(tmp_path: Pa
 def test_alerts_go_out_by_udp_alone(address: str) -> None:
     with pytest.raises(nw.InputError, match="write the address as in udp://"):
         sender_to(address).__enter__()
+
+
+def test_a_monitor_in_python_takes_sentences_or_readings() -> None:
+    one, other = (nw.Monitor(ship(), canal(), members=20) for _ in range(2))
+    one.engine.forecaster = other.engine.forecaster = forecaster()
+    for t in range(5):
+        now = indicated(float(t), y=105.0)
+        by_sentences = one.update(t, bridge_sentences(canal(), now, BEGAN + t))
+        by_readings = other.update(t, {name: now[name] for name in ("x", "y", "psi", "u", "r", "rudder")})
+    assert by_sentences.word == by_readings.word != NOT_AVAILABLE
+    assert by_readings.clearance == pytest.approx(by_sentences.clearance, abs=1.0)
+
+
+def test_a_monitor_in_python_warns_and_names_what_it_takes() -> None:
+    one = nw.Monitor("estimated_kcs", members=20)
+    for t in range(6):
+        one.update(t, x=1000.0 + 4.0 * t, y=100.0, psi=0.2, u=4.0, r=0.0, rudder=0.0)
+    assert one.alarms == one.alerts
+    assert "bank to starboard" in one.alerts[0].text
+    with pytest.raises(nw.InputError, match="no sensor of this estimator is called 'speed'"):
+        one.update(6.0, speed=4.0)
+    with pytest.raises(nw.InputError, match="give both"):
+        one.update(6.0, y=4.0)
+    with pytest.raises(nw.InputError, match="give a waterway with its origin"):
+        one.update(6.0, "$HEHDT,10.0,T*1E")

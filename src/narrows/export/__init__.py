@@ -1,5 +1,10 @@
-"""Export: a model in other languages, printed from the lines that simulation uses."""
+"""Export: a model in other languages, printed from the lines that simulation uses.
 
+``nw.export(model, path)`` is ``nw.export.write``.
+"""
+
+import sys
+from types import ModuleType
 from typing import Any
 
 from narrows.aliases import name_here, public_name
@@ -12,3 +17,10 @@ def __getattr__(name: str) -> Any:
     if (same := name_here(name, "parts")) in __all__:
         return globals()[same]
     raise AttributeError(f"nw.export has no {name!r}{public_name(name, __all__)}")
+
+
+class _Export(ModuleType):
+    __call__ = staticmethod(write)
+
+
+sys.modules[__name__].__class__ = _Export

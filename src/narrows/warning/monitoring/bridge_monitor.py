@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -86,8 +86,11 @@ class BridgeMonitor:
         self.estimator.forget()
 
     def update(self, tick: Tick, since_1970: float) -> BridgeStatus:
-        messages = self.bridge.convert(tick)
-        self._began = tick.t if self._began is None else self._began
+        return self.watch(self.bridge.convert(tick), since_1970, tick.commands)
+
+    def watch(self, messages: Messages, since_1970: float, commands: Sequence[bytes] = ()) -> BridgeStatus:
+        t = messages.t
+        self._began = t if self._began is None else self._began
         actuators = self.estimator.filter.actuators
         known = {n: one for n, one in messages.readings.items() if n in (*self.estimator.filter.sensors, *actuators)}
         self._positions |= {name: value for name, value in known.items() if name in actuators}  # type: ignore[misc]
@@ -100,19 +103,17 @@ class BridgeMonitor:
         forecast, why = self._forecast(messages, estimate)
         conditions = self._conditions(messages, estimate, forecast, why)
         changed = []
-        for command in filter(None, map(command_of, tick.commands)):
-            if alert := self.desk.command(tick.t, *command):
+        for command in filter(None, map(command_of, commands)):
+            if alert := self.desk.command(t, *command):
                 changed.append(alert)
             else:
                 self.publisher.send(arc(command, since_1970))
-        changed += self.desk.update(tick.t, conditions)
+        changed += self.desk.update(t, conditions)
         self.publisher.publish(changed, since_1970)
-        self.publisher.beat(tick.t, self.desk.alerts, forecast is not None)
+        self.publisher.beat(t, self.desk.alerts, forecast is not None)
         room = clearances(self.model.configuration.ship, self.waterway, estimate)
         limits = extrapolations(self.model, self.waterway, estimate) if estimate.ready else ()
-        return BridgeStatus(
-            tick.t, estimate, forecast, self.desk.alerts, tuple(changed), room, messages.faults, why, limits
-        )
+        return BridgeStatus(t, estimate, forecast, self.desk.alerts, tuple(changed), room, messages.faults, why, limits)
 
     def _forecast(self, messages: Messages, estimate: Estimate) -> tuple[BankForecast | None, str]:
         """Return the forecast, or the reason why there is none."""

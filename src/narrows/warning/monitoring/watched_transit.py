@@ -10,7 +10,7 @@ import numpy as np
 
 from narrows.errors import InputError
 from narrows.estimation.states import Estimate
-from narrows.results import BaseResult, BaseSummary
+from narrows.results import Aliased, BaseResult, BaseSummary
 from narrows.ship.particulars import Configuration, Ship, half_swept
 from narrows.simulation.outcome import water_notes
 from narrows.warning import settings
@@ -55,7 +55,7 @@ class Clearances(NamedTuple):
 
 
 @dataclass(frozen=True)
-class BridgeStatus:
+class BridgeStatus(Aliased):
     t: float  # When [s]
     estimate: Estimate  # Estimate of the ship
     forecast: BankForecast | None  # Forecast; none where inputs are missing
