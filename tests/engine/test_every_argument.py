@@ -18,7 +18,7 @@ import narrows as nw
 def functions() -> dict[str, Any]:
     """Every public function, by name."""
     found = {name: getattr(nw, name) for name in nw.__all__}
-    return {name: own for name, own in found.items() if callable(own) and not inspect.isclass(own)}
+    return {name: own for name, own in found.items() if inspect.isfunction(own)}
 
 
 def arguments() -> Iterator[tuple[str, str]]:

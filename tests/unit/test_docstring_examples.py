@@ -13,7 +13,7 @@ import pytest
 
 import narrows as nw
 
-PUBLIC = {name: getattr(nw, name) for name in sorted(nw.__all__) if callable(getattr(nw, name))}
+PUBLIC = {name: own for name in sorted(nw.__all__) if callable(own := getattr(nw, name)) and not inspect.ismodule(own)}
 WITH_EXAMPLE = [name for name, thing in PUBLIC.items() if ">>>" in (inspect.getdoc(thing) or "")]
 # Public names without an example.
 MOST_WITHOUT = 46

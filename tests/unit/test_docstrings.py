@@ -14,7 +14,8 @@ import docstring_parser
 import narrows as nw
 from narrows.quantities.names import MOTION, PARTICULARS
 
-PUBLIC = {name: getattr(nw, name) for name in nw.__all__ if callable(getattr(nw, name))}
+# The package ``nw.export`` is callable too, as its function ``write``.
+PUBLIC = {name: own for name in nw.__all__ if callable(own := getattr(nw, name)) and not inspect.ismodule(own)}
 
 
 def methods(name: str, thing: Any) -> Iterator[tuple[str, Any]]:
