@@ -13,6 +13,7 @@ from pages import markdown, publish
 import narrows as nw
 from narrows.captive.formats.lataire import BANKS, WALL
 from narrows.captive.measured import measured_files
+from narrows.model.squat import limits_left, sinkage_by
 
 Run = tuple[nw.Configuration, float, dict[str, float]]
 DEPTHS = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
@@ -49,9 +50,9 @@ def cell(formula: nw.SquatFormula, runs: list[Run]) -> str:
     seen = [(s, u, m[formula.gives]) for s, u, m in runs if formula.gives in m and u < nw.choke_speed(s)]
     if not seen:
         return ""
-    told = np.array([formula.sinkage(s, u) for s, u, _ in seen])
+    told = np.array([sinkage_by(formula, s, u) for s, u, _ in seen])
     measured = np.array([m for _, _, m in seen])
-    inside = sum(not formula.outside(s, u) for s, u, _ in seen)
+    inside = sum(not limits_left(formula, s, u) for s, u, _ in seen)
     bias, spread = 100 * np.median(told / measured - 1), 1e3 * np.sqrt(np.mean((told - measured) ** 2))
     noted = "" if inside == len(seen) else f", {inside} of {len(seen)} within its limits"
     return f"{bias:+.0f} %, {spread:.2f} mm{noted}"

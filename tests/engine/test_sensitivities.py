@@ -1,7 +1,7 @@
 """Sensitivities: against numbers that carry their own derivatives, against differences, against the voyage itself."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import Any
 
@@ -251,27 +251,6 @@ def test_the_mirrored_voyage_has_the_mirrored_slopes(y: float, psi: float) -> No
     np.testing.assert_allclose(one.of("y", "b_bank"), -other.of("y", "b_bank"), rtol=1e-12, atol=1e-15)
 
 
-def test_standard_deviations_are_those_of_drawn_voyages() -> None:
-    """To first order: coefficients drawn close by, sailed one by one."""
-    names = ("b_bank", "c_bank")
-    table = paper().terms.names
-    variance = np.zeros((len(table), len(table)))
-    for name in names:
-        variance[table.index(name), table.index(name)] = (1e-3 * paper().coefficients[name]) ** 2
-    model = replace(paper(), covariance=variance)
-    found = nw.sensitivities(model, y=0.8, duration=4.0, dt=0.05).standard_deviations()
-    draws = np.random.default_rng(1).normal(size=(400, 2)) * 1e-3 + 1
-    ends = [
-        nw.simulate(
-            model.with_coefficients(**{n: model.coefficients[n] * f for n, f in zip(names, row, strict=True)}), 0.8,
-            duration=4.0, dt=0.05,
-        ).y[-1]
-        for row in draws
-    ]  # fmt: skip
-    assert float(found.y[-1]) == pytest.approx(np.std(ends), rel=0.12)
-    assert float(found.y[0]) == 0.0
-
-
 def test_more_directions_than_lanes_are_the_same_one_by_one() -> None:
     names = (*mmg().terms.names, "x", "y", "psi", "u", "v", "r")
     assert len(names) > 32
@@ -299,8 +278,3 @@ class Drifter:
 def test_what_cannot_be_differentiated_is_said(by: tuple[str, ...], told: dict[str, Any], says: str) -> None:
     with pytest.raises(nw.InputError, match=says):
         nw.sensitivities(steered(), by, duration=1.0, dt=0.1, **told)
-
-
-def test_a_model_without_covariance_has_no_spread() -> None:
-    with pytest.raises(nw.InputError, match="no covariance"):
-        nw.sensitivities(paper(), duration=1.0, dt=0.1).standard_deviations()

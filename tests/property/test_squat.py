@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from strategies import numbers
 
 import narrows as nw
-from narrows.model.squat import GIVES
+from narrows.model.squat import GIVES, sinkage_by
 from narrows.physics import squat_and_depth as formulas
 
 DTC = nw.Configuration(nw.Ship(355.0, 51.0, 14.5, 0.661), nw.Canal(205.0, 24.0), nw.Water(1025.0))
@@ -19,7 +19,7 @@ KNOT = 1852 / 3600
 @pytest.mark.parametrize(("name", "value"), [("huuska", 0.458), ("barrass", 0.566), ("tuck_midship", 0.144)])
 def test_the_dtc_at_eight_knots(name: str, value: float) -> None:
     """Worked by hand for a canal 205 m wide and 24 m deep: S = 0.1473, F = 0.2682."""
-    assert nw.SQUAT[name].sinkage(DTC, 8 * KNOT) == pytest.approx(value, abs=6e-4)
+    assert sinkage_by(nw.SQUAT[name], DTC, 8 * KNOT) == pytest.approx(value, abs=6e-4)
 
 
 def test_ratios_by_hand() -> None:
@@ -62,11 +62,11 @@ def test_a_large_ship_in_the_suez_canal_close_to_choking() -> None:
 @pytest.mark.parametrize("name", nw.SQUAT)
 def test_sinkage_grows_with_speed_and_in_shallow_water(name: str) -> None:
     formula = nw.SQUAT[name]
-    speeds = [formula.sinkage(DTC, u) for u in (0.0, 2.0, 4.0, 6.0)]
+    speeds = [sinkage_by(formula, DTC, u) for u in (0.0, 2.0, 4.0, 6.0)]
     assert speeds[0] == 0
     assert np.all(np.diff(speeds) > 0)
     deep = nw.Configuration(DTC.ship, nw.Canal(205.0, 40.0), DTC.water)
-    assert formula.sinkage(deep, 4.0) < formula.sinkage(DTC, 4.0)
+    assert sinkage_by(formula, deep, 4.0) < sinkage_by(formula, DTC, 4.0)
 
 
 @pytest.mark.parametrize("gives", GIVES)

@@ -13,6 +13,7 @@ from narrows.physics import clearance
 from narrows.physics.squat_and_depth import return_flow
 from narrows.ship.particulars import equivalent_wall
 from narrows.terms.tables import BASES, table_named
+from narrows.terms.term import without
 
 PLACE = {"cos_psi": 1.0, "width": 7.0, "beam": 0.572, "draft": 0.163, "depth": 0.4, "u": 1.0}
 OFFSETS = st.floats(-2.8, 2.8)
@@ -164,7 +165,7 @@ def test_every_door_says_that_a_model_feels_no_bank(door: str, dtc: nw.Model, cl
 def test_bank_terms_are_called_as_the_tables_others() -> None:
     assert {"Y_bank", "N_bank"} < set(table_named("mmg+delta").names)
     assert {"Y_bank_depth", "N_bank_depth"} < set(table_named("mmg+delta_depth").names)
-    assert table_named("mmg+delta").without("mmg", lambda term: term.from_bank) == nw.MMG
+    assert without(table_named("mmg+delta"), "mmg", lambda term: term.from_bank) == nw.MMG
     assert nw.with_bank(nw.TAPERED, "tuck") == table_named("paper+tuck")
 
 

@@ -10,7 +10,7 @@ from textwrap import wrap
 import numpy as np
 
 from narrows.model.bank_force import ALONG
-from narrows.model.data_range import MEASURES, DataRange, tolerated
+from narrows.model.data_range import MEASURES, DataRange, range_of, tolerated, unknown_note, unknown_ranges
 from narrows.model.model import Model
 
 # Quantities of a voyage, by their bit in the sum ``beyond``.
@@ -44,7 +44,7 @@ def passport(model: Model, covariance: bool = True) -> Iterator[str]:
     yield f"Model {model_hash(model)}, written by narrows {version('narrows')}. {LICENCE}"
     if model.source.text:
         yield f"Source: {model.source.text}."
-    ranges = model.data_range.unknown_note(model.has_bank)
+    ranges = unknown_note(model.data_range, model.has_bank)
     yield from (note for note in model.notes if note != ranges)
     covered = [
         f"{measure.words} {measure.describe(*pair)}"
@@ -54,7 +54,7 @@ def passport(model: Model, covariance: bool = True) -> Iterator[str]:
     whose = "The other ships'" if model.source.estimate else "Its"
     if covered:
         yield f"{whose} tests covered: {'; '.join(covered)}."
-    unknown = unknown_ranges(model) if covered else []
+    unknown = _unknown(model) if covered else []
     yield from [f"The model gives no tested range of {', '.join(unknown)}."] * bool(unknown)
     yield from ["What its tests covered is not known."] * (not covered)
     if not model.verdicts and not model.unknown_note:
@@ -78,19 +78,19 @@ def _coefficients(model: Model) -> Iterator[str]:
         yield f"  {name} = {value:.4g} ({low:.4g} to {high:.4g}) {term.dimension.unit}{verdict}"
 
 
-def unknown_ranges(model: Model, asked: Mapping[str, str] = ASKED_OF_VOYAGE) -> list[str]:
+def _unknown(model: Model, asked: Mapping[str, str] = ASKED_OF_VOYAGE) -> list[str]:
     """Return the quantities whose tested range the model does not give; astern counts as not tested."""
-    return [MEASURES[name].short + asked[name] for name in model.data_range.unknown(asked)]
+    return [MEASURES[name].short + asked[name] for name in unknown_ranges(model.data_range, asked)]
 
 
 def bits_in_words(model: Model, asked: Mapping[str, str] = ASKED_OF_VOYAGE) -> str:
     """Return the bits of ``beyond`` for some quantities, and which of them set none."""
     bits = ", ".join(f"{bit} {words}" for name, (bit, words) in RANGE_BITS.items() if name in asked)
-    unknown = unknown_ranges(model, asked)
+    unknown = _unknown(model, asked)
     return bits + (f" (not known, sets no bit: {', '.join(unknown)})" if unknown else "")
 
 
 def ends_of_data(known: DataRange, names: Container[str]) -> dict[str, tuple[int, float, float]]:
     """Return for each measure its bit and the limits of the data."""
-    pairs = {name: known.range_of(name) for name in MEASURES if name in names}
+    pairs = {name: range_of(known, name) for name in MEASURES if name in names}
     return {name: (MEASURES[name].bit, *tolerated(pair)) for name, pair in pairs.items() if pair is not None}

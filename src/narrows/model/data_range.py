@@ -72,17 +72,6 @@ class DataRange(Aliased):
     depth_to_draft: Range | None = None
     width_to_beam: Range | None = None
 
-    def range_of(self, name: str) -> Range | None:
-        """Return a range; None if it is unknown. An unknown range of speeds is that of all speeds ahead.
-
-        Parameters
-        ----------
-        name : str
-            As for ``outside``.
-        """
-        known: Range | None = getattr(self, name)
-        return AHEAD if known is None and name == "speed" else known
-
     def describe(self, name: str, measures: Mapping[str, Measure] = MEASURES) -> str:
         """Return a range in words.
 
@@ -93,7 +82,7 @@ class DataRange(Aliased):
         measures : mapping, optional
             Words and units by name.
         """
-        covered = self.range_of(name) or (-math.inf, math.inf)
+        covered = range_of(self, name) or (-math.inf, math.inf)
         return "ahead alone" if covered == AHEAD else measures[name].describe(*covered)
 
     def outside(self, name: str, values: Number) -> Number:
@@ -106,42 +95,25 @@ class DataRange(Aliased):
         values : number
             Values in its unit.
         """
-        low, high = tolerated(self.range_of(name) or (-np.inf, np.inf))
+        low, high = tolerated(range_of(self, name) or (-np.inf, np.inf))
         return np.logical_or(values < low, values > high)
 
-    def covers(self, name: str, values: Number) -> Number:
-        """Return whether the data covered each value; False if the range is unknown.
 
-        Parameters
-        ----------
-        name : str
-            As for ``outside``.
-        values : number
-            Values in its unit.
-        """
-        return np.logical_and(getattr(self, name) is not None, np.logical_not(self.outside(name, values)))
+def range_of(known: DataRange, name: str) -> Range | None:
+    """Return a range; None if it is unknown. An unknown range of speeds is that of all speeds ahead."""
+    covered: Range | None = getattr(known, name)
+    return AHEAD if covered is None and name == "speed" else covered
 
-    def unknown(self, names: Iterable[str]) -> list[str]:
-        """Return the measures, among some, whose range is unknown.
 
-        Parameters
-        ----------
-        names : iterable of str
-            As for ``outside``.
-        """
-        return [name for name in names if getattr(self, name) is None]
+def unknown_ranges(known: DataRange, names: Iterable[str]) -> list[str]:
+    return [name for name in names if getattr(known, name) is None]
 
-    def unknown_note(self, has_bank: bool) -> str:
-        """Return a note on the tested ranges that are not known; empty if all are.
 
-        Parameters
-        ----------
-        has_bank : bool
-            Whether offset and width matter.
-        """
-        asked = ("speed", "depth_to_draft", *(("abs_y", "width_to_beam") if has_bank else ()))
-        missing = [MEASURES[name].short for name in self.unknown(asked)]
-        return f"The model gives no tested range of {', '.join(missing)}." if missing else ""
+def unknown_note(known: DataRange, has_bank: bool) -> str:
+    """Return a note on the tested ranges that are not known; empty if all are."""
+    asked = ("speed", "depth_to_draft", *(("abs_y", "width_to_beam") if has_bank else ()))
+    missing = [MEASURES[name].short for name in unknown_ranges(known, asked)]
+    return f"The model gives no tested range of {', '.join(missing)}." if missing else ""
 
 
 def tolerated(covered: Range) -> Range:

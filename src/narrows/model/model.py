@@ -13,7 +13,7 @@ import numpy as np
 import narrows
 from narrows.aliases import accept_aliases
 from narrows.errors import InputError, check_choice, did_you_mean, shown
-from narrows.model.data_range import DataRange
+from narrows.model.data_range import DataRange, unknown_note
 from narrows.model.sections import Source, fields_of, sections_of
 from narrows.quantities.names import MOTION, Number
 from narrows.results import BaseResult
@@ -178,19 +178,6 @@ class Model(Configured, Operations):
         return pd.DataFrame(columns, index=pd.Index(names, name="coefficient"))
 
     @classmethod
-    def load(cls, path: str | Path, terms: TermTable | None = None) -> "Model":
-        """Read a model file, as ``load_model`` does.
-
-        Parameters
-        ----------
-        path : str or Path
-            The file.
-        terms : TermTable, optional
-            The user's own table, if the file was made with one.
-        """
-        return narrows.load_model(path, terms)
-
-    @classmethod
     def from_dict(cls, tables: Mapping[str, Any], terms: TermTable | None = None) -> "Model":
         """Return the model from the result of ``to_dict``.
 
@@ -328,7 +315,7 @@ class Model(Configured, Operations):
     @property
     def bank_notes(self) -> tuple[str, ...]:
         """Notes on the banks: no force, uncertain or unknown coefficients, unknown ranges, assumed values."""
-        trust = self.bank_note, self.trust_note, self.unknown_note, self.data_range.unknown_note(self.has_bank)
+        trust = self.bank_note, self.trust_note, self.unknown_note, unknown_note(self.data_range, self.has_bank)
         return tuple(filter(None, (*trust, *self.configuration.notes)))
 
     @property

@@ -56,36 +56,6 @@ class SquatFormula:
         text = inspect.cleandoc(self.function.__doc__ or "").partition("Source:")[2]
         return " ".join(text.partition("\n\n")[0].split()).rstrip(".")
 
-    def sinkage(self, configuration: Configuration, speed: float) -> float:
-        """Evaluate the formula [m].
-
-        Parameters
-        ----------
-        configuration : Configuration
-            Ship and canal; the depth must be given.
-        speed : float [m/s]
-            Speed through the water.
-        """
-        values = {**configuration.values(), "u": speed}
-        return float(self.function(*[values[name] for name in argument_names(self.function)]))
-
-    def outside(self, configuration: Configuration, speed: float) -> tuple[str, ...]:
-        """Describe where a ship is outside the formula's range.
-
-        Parameters
-        ----------
-        configuration : Configuration
-            Ship and canal; the depth must be given.
-        speed : float [m/s]
-            Speed through the water.
-        """
-        values = ratios(configuration, speed)
-        return tuple(
-            f"{name.replace('_', ' ')} {values[name]:.3g} is outside {low:g} to {high:g}"
-            for name, (low, high) in self.limits.items()
-            if not low <= values[name] <= high
-        )
-
 
 SUBCRITICAL = {"froude": (0.0, 0.7)}
 # The formulas by name, the preferred first.
@@ -155,6 +125,22 @@ def ratios(configuration: Configuration, speed: float) -> dict[str, float]:
         "depth_to_draft": canal.depth / ship.draft,
         "block_coefficient": ship.block_coefficient,
     }
+
+
+def sinkage_by(formula: SquatFormula, configuration: Configuration, speed: float) -> float:
+    """Evaluate a formula for a ship in a canal of known depth, at a speed through the water [m/s]: sinkage [m]."""
+    values = {**configuration.values(), "u": speed}
+    return float(formula.function(*[values[name] for name in argument_names(formula.function)]))
+
+
+def limits_left(formula: SquatFormula, configuration: Configuration, speed: float) -> tuple[str, ...]:
+    """Describe where a ship is outside the formula's range."""
+    values = ratios(configuration, speed)
+    return tuple(
+        f"{name.replace('_', ' ')} {values[name]:.3g} is outside {low:g} to {high:g}"
+        for name, (low, high) in formula.limits.items()
+        if not low <= values[name] <= high
+    )
 
 
 def choke_speed(ship: Configured | Configuration) -> float:
@@ -233,12 +219,12 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
     if not 0 <= u < critical:
         raise InputError(f"{u:.4g} m/s is not between 0 and the critical speed of this canal, {critical:.4g} m/s")
     offered = [formula] if formula else [name for name, chosen in SQUAT.items() if chosen.gives == gives]
-    holding = [name for name in offered if not SQUAT[name].outside(configuration, u)]
+    holding = [name for name in offered if not limits_left(SQUAT[name], configuration, u)]
     name = (holding or offered)[0]
     chosen = SQUAT[name]
     doubts = [f"{name} is {chosen.status}"] if chosen.status == UNVERIFIED else []
-    notes = (*doubts, *chosen.outside(configuration, u))
-    sinkage = chosen.sinkage(configuration, u)
+    notes = (*doubts, *limits_left(chosen, configuration, u))
+    sinkage = sinkage_by(chosen, configuration, u)
     if formula is None and (narrow := float(_of_voyages(configuration, u)[gives])) > sinkage:
         less = f"{name} gives less"
         return Squat(narrow, "continuity", gives, critical, (less,))

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from narrows.model.data_range import MEASURES, DataRange, Measure, extrapolation
+from narrows.model.data_range import MEASURES, DataRange, Measure, extrapolation, unknown_ranges
 from narrows.model.model import Model
 from narrows.quantities.names import KNOT
 from narrows.safety.channel_rules import READ, OutsideRules, outside_rules
@@ -120,9 +120,10 @@ def data_coverage(model: Model, offsets: np.ndarray, speeds: np.ndarray) -> np.n
     """Return which offsets and speeds the tests covered, (offsets, speeds); none in a section that is not known."""
     # offsets (n,) [m]; speeds (m,) [m/s]. A place nearer to the middle than the tests counts as covered.
     known = _to_the_middle(model)
-    near, fast = known.covers("abs_y", np.abs(offsets)), known.covers("speed", speeds)
-    section = model.configuration.canal.depth and known.width_to_beam and known.depth_to_draft
-    return np.asarray(bool(model.has_bank and section) & np.asarray(near)[:, None] & np.asarray(fast)[None])
+    near, fast = known.outside("abs_y", np.abs(offsets)), known.outside("speed", speeds)
+    given = known.abs_y and known.speed and known.width_to_beam and known.depth_to_draft
+    section = model.has_bank and model.configuration.canal.depth and given
+    return np.asarray(bool(section) & ~np.asarray(near)[:, None] & ~np.asarray(fast)[None])
 
 
 def _to_the_middle(model: Model) -> DataRange:
@@ -143,7 +144,7 @@ def untested_reasons(model: Model) -> str:
         words.append(
             "this model has no bank term (fit tests near a bank with --terms paper, or take a model that has one)"
         )
-    unknown = known.unknown(("speed", "abs_y", *_section(model)))
+    unknown = unknown_ranges(known, ("speed", "abs_y", *_section(model)))
     if unknown:
         words.append(f"the file does not give the tested ranges of {', '.join(SPOKEN[name] for name in unknown)}")
     if model.configuration.canal.depth is None:

@@ -135,7 +135,9 @@ def ensemble(
         voyages = xr.Dataset(data, coords=grid.coordinates(), attrs={"complete": int(complete)})
     grounded = (voyages["outcome"] == Code.GROUNDED).assign_attrs(long_name="whether it grounded")
     voyages = voyages.assign(grounded=grounded).assign_attrs(notes="\n".join(notes_of(run, grid, voyages)))
-    return Fleet.of(voyages, model, waterway)
+    fleet = Fleet(voyages.data_vars, coords=voyages.coords, attrs=voyages.attrs)
+    fleet._model, fleet._waterway = model, waterway
+    return fleet
 
 
 def _check_waterway(run: KernelRun, grid: Grid, vary: Mapping[str, Any]) -> None:
@@ -313,23 +315,6 @@ class Fleet(xr.Dataset):  # type: ignore[misc]
     """
 
     __slots__ = ("_model", "_waterway")
-
-    @classmethod
-    def of(cls, voyages: xr.Dataset, model: Model, waterway: "Waterway | None" = None) -> "Fleet":
-        """Return voyages as a fleet of a model.
-
-        Parameters
-        ----------
-        voyages : xarray.Dataset
-            One entry per voyage.
-        model : Model
-            The ship and its tested range.
-        waterway : Waterway, optional
-            Waterway instead of the model's own canal.
-        """
-        fleet = cls(voyages.data_vars, coords=voyages.coords, attrs=voyages.attrs)
-        fleet._model, fleet._waterway = model, waterway
-        return fleet
 
     if not TYPE_CHECKING:
 

@@ -89,27 +89,6 @@ class Sensitivities(BaseResult):
         slope: np.ndarray = self.slopes[:, tuple(STATES).index(state), self.by.index(by)]
         return slope
 
-    def standard_deviations(self) -> "xarray.Dataset":
-        """Return the standard deviation of the state due to the coefficients in ``by``, to first order.
-
-        Raises
-        ------
-        InputError
-            If the model has no covariance.
-        """
-        import xarray
-
-        if self.model.covariance is None:
-            raise InputError("no covariance of the coefficients is known; fit the model, or load one that was fitted")
-        names = self.model.terms.names
-        places = [(names.index(name), column) for column, name in enumerate(self.by) if name in names]
-        rows, columns = (list(part) for part in zip(*places, strict=True)) if places else ([], [])
-        covariance, slopes = self.model.covariance[np.ix_(rows, rows)], self.slopes[:, :, columns]
-        variance = np.einsum("tsi,ij,tsj->ts", slopes, covariance, slopes)
-        spread = np.sqrt(np.maximum(variance, 0.0)).T
-        data = {name: ("t", column, {"units": STATES[name]}) for name, column in zip(STATES, spread, strict=True)}
-        return xarray.Dataset(data, coords={"t": ("t", self.voyage.t, {"units": "s"})})
-
     def for_one_percent(self) -> dict[str, float]:
         """Return the change of y at the end [m] per 1 % increase of each quantity, the largest first."""
         moved = {name: 0.01 * self.values[name] * float(self.of("y", name)[-1]) for name in self.by}

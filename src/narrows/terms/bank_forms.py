@@ -12,7 +12,7 @@ from narrows.quantities import dimensions as dim
 from narrows.quantities.names import Number, argument_names, name_of
 from narrows.results import BaseSummary
 from narrows.terms.additions import ADDED
-from narrows.terms.term import LETTERS, ScaleEffect, Term, TermKind, TermTable
+from narrows.terms.term import LETTERS, ScaleEffect, Term, TermKind, TermTable, without
 
 
 @dataclass(frozen=True)
@@ -96,30 +96,22 @@ class BankForm(BaseSummary):
     @property
     def sway(self) -> tuple[Term, ...]:
         """Terms of the sway force, with the paper's names."""
-        return self.terms(LETTERS[1], suction)
+        return _bank_terms(self, LETTERS[1], suction)
 
     @property
     def yaw(self) -> tuple[Term, ...]:
         """Terms of the yaw moment, with the paper's names."""
-        return self.terms(LETTERS[2], cushion)
+        return _bank_terms(self, LETTERS[2], cushion)
 
-    def terms(self, letter: str, law: Callable[..., Number]) -> tuple[Term, ...]:
-        """Return the terms of a force.
 
-        Parameters
-        ----------
-        letter : str
-            First letter of the names of its coefficients.
-        law : callable
-            ``suction`` or ``cushion``.
-        """
-        return tuple(
-            Term(
-                f"{letter}_{ending}", rf"{letter}_{{{ending.replace('_', ',')}}}", Composed(law, parameter), dim.NUMBER,
-                kind=TermKind.BANK, source=self.source, scale_effect=ScaleEffect.BANK_SHAPE,
-            )
-            for ending, parameter in self.parameters.items()
-        )  # fmt: skip
+def _bank_terms(form: BankForm, letter: str, law: Callable[..., Number]) -> tuple[Term, ...]:
+    return tuple(
+        Term(
+            f"{letter}_{ending}", rf"{letter}_{{{ending.replace('_', ',')}}}", Composed(law, parameter), dim.NUMBER,
+            kind=TermKind.BANK, source=form.source, scale_effect=ScaleEffect.BANK_SHAPE,
+        )
+        for ending, parameter in form.parameters.items()
+    )  # fmt: skip
 
 
 PAPER_TEXT = "Mikkelsen et al. (2025)"
@@ -171,13 +163,13 @@ def with_bank(table: TermTable, form: str | BankForm, name: str = "") -> TermTab
     True
     """
     form = _form(form)
-    kept = table.without(name or f"{_base(table)}+{form.name}", lambda term: term.from_bank)
+    kept = without(table, name or f"{_base(table)}+{form.name}", lambda term: term.from_bank)
     _, sway, yaw = table.letters
-    return kept.with_terms(kept.name, sway=form.terms(sway, suction), yaw=form.terms(yaw, cushion))
+    return kept.with_terms(kept.name, sway=_bank_terms(form, sway, suction), yaw=_bank_terms(form, yaw, cushion))
 
 
 def without_bank(table: TermTable) -> TermTable:
-    return table.without(f"{_base(table)}+{OPEN_WATER}", lambda term: term.from_bank)
+    return without(table, f"{_base(table)}+{OPEN_WATER}", lambda term: term.from_bank)
 
 
 def _base(table: TermTable) -> str:

@@ -23,6 +23,7 @@ from narrows.terms.term import (
     Term,
     TermKind,
     TermTable,
+    without,
 )
 
 __all__ = ["BARE", "BASES", "CROSSFLOW", "MIXED", "MMG", "PAPER", "SPEED", "STEERED", "TAPERED", "table_named"]
@@ -82,7 +83,7 @@ MIXED = PAPER.with_terms(
 )
 
 # The paper's terms with u v and u r in place of v and r: the same at one speed, the hull's lift at several.
-SPEED = MIXED.without("speed", lambda term: term.scale_effect is TEST_SPEED)
+SPEED = without(MIXED, "speed", lambda term: term.scale_effect is TEST_SPEED)
 
 # Terms of the usual 3-DOF models: those of ``speed``, mixed crossflow terms, and v v, v r and r r in surge.
 CROSSFLOW = SPEED.with_terms(

@@ -354,20 +354,13 @@ class TermTable(BaseSummary):
             yaw=_merged(self.yaw, yaw),
         )
 
-    def without(self, name: str, leave: Callable[[Term], bool]) -> "TermTable":
-        """Return the table without some terms and their ties.
 
-        Parameters
-        ----------
-        name : str
-            Name of the new table.
-        leave : callable
-            Returns True for a term to leave out.
-        """
-        surge, sway, yaw = (tuple(term for term in terms if not leave(term)) for terms in self.forces.values())
-        kept = {term.name for term in (*surge, *sway, *yaw)}
-        ties = tuple(tie for tie in self.ties if set(tie) <= kept)
-        return replace(self, name=name, surge=surge, sway=sway, yaw=yaw, ties=ties)
+def without(table: TermTable, name: str, leave: Callable[[Term], bool]) -> TermTable:
+    """Return a table without some terms and their ties."""
+    surge, sway, yaw = (tuple(term for term in terms if not leave(term)) for terms in table.forces.values())
+    kept = {term.name for term in (*surge, *sway, *yaw)}
+    ties = tuple(tie for tie in table.ties if set(tie) <= kept)
+    return replace(table, name=name, surge=surge, sway=sway, yaw=yaw, ties=ties)
 
 
 def uncompiled(term: Term, error: Exception) -> InputError:
