@@ -103,11 +103,10 @@ def rolling(record: nw.ShipRecord) -> nw.ShipRecord:
     return record.with_signals(r=nw.Signal(t, 0.01 * np.sin(2 * np.pi * t / 13.0)))
 
 
-def cut(record: nw.ShipRecord) -> nw.ShipRecord:
-    kept = {name: (own.t < 300.0) | (own.t > 380.0) for name, own in record.signals.items()}
-    return record.with_signals(
-        **{name: nw.Signal(own.t[kept[name]], own.values[kept[name]]) for name, own in record.signals.items()}
-    )
+def seldom(record: nw.ShipRecord) -> nw.ShipRecord:
+    """A rudder that is recorded each 0.3 ship lengths of a tanker of 320 m."""
+    rudder, every = record["rudder"], round(0.3 * 320.0 / 7.0)
+    return record.with_signals(rudder=nw.Signal(rudder.t[::every], rudder.values[::every]))
 
 
 FAULTS: dict[str, tuple[Spoil, str, str]] = {

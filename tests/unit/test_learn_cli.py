@@ -9,7 +9,7 @@ from jsonschema import Draft202012Validator
 from test_learn import mistaken, records
 
 import narrows as nw
-from faults import cut
+from faults import seldom
 from logs import kvlcc2
 
 SCHEMA = json.loads((Path(nw.__file__).parent / "schemas" / "learn.json").read_text())
@@ -22,7 +22,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("learn")
     mistaken().save(folder / "ship.toml")
     nw.ShipLog(tuple(records()[:2])).to_csv(folder / "zigzags.csv")
-    nw.ShipLog(tuple(cut(record) for record in records()[:2])).to_csv(folder / "gaps.csv")
+    nw.ShipLog(tuple(seldom(record) for record in records()[:2])).to_csv(folder / "seldom.csv")
     t = np.arange(0.0, 900.0, 2.0)
     speed = 7.0 + 0.0 * t
     told = {"x": 7.0 * t, "y": 0 * t, "psi": 0 * t, "r": 0 * t, "u": speed, "rudder": 0 * t}
@@ -58,7 +58,7 @@ def test_a_log_makes_a_model_and_a_page(cli, folder: Path) -> None:
 def test_what_is_printed_as_json_keeps_to_the_schema(cli, folder: Path) -> None:
     free = "N_v,N_r"
     code, out, err = cli(
-        "learn", folder / "ship.toml", folder / "gaps.csv", *BASIN, "--free", free, "--json", "--unchecked"
+        "learn", folder / "ship.toml", folder / "seldom.csv", *BASIN, "--free", free, "--json", "--unchecked"
     )
     assert code == 0, err
     told = json.loads(out)
@@ -70,8 +70,8 @@ def test_what_is_printed_as_json_keeps_to_the_schema(cli, folder: Path) -> None:
 
 
 def test_what_is_doubtful_in_a_log_is_among_the_notes_of_what_it_taught(cli, folder: Path) -> None:
-    out = cli("learn", folder / "ship.toml", folder / "gaps.csv", *BASIN, "--free", "N_r", "--json")[1]
-    assert any(note.startswith("gaps (doubtful)") for note in json.loads(out)["log"]["notes"])
+    out = cli("learn", folder / "ship.toml", folder / "seldom.csv", *BASIN, "--free", "N_r", "--json")[1]
+    assert any(note.startswith("sampling (doubtful)") for note in json.loads(out)["log"]["notes"])
 
 
 def test_a_log_that_does_not_tell_is_exit_1(cli, folder: Path) -> None:

@@ -114,13 +114,6 @@ def test_a_straight_waterway_is_its_canal() -> None:
     assert along.std["c_bank"] == pytest.approx(predicted(**told).std["c_bank"], rel=1e-3)
 
 
-def test_without_the_rudder_nothing_is_predicted() -> None:
-    found = nw.predict_information(ship(), sensors="ais", u=SPEED)
-    assert found.std == {}
-    assert "record the rudder" in found.summary()
-    assert found.rows() == []
-
-
 def test_sensors_of_a_ship_are_too_coarse_for_a_model() -> None:
     """Places to a metre in a canal of seven, in a sentence."""
     with pytest.raises(nw.InputError, match="too coarse to locate a ship of this size"):
@@ -140,6 +133,7 @@ def test_one_number_of_transits_may_be_asked() -> None:
     ("told", "said"),
     [
         ({"sensors": "radar"}, "sensors = 'radar' is unknown"),
+        ({"sensors": "ais"}, "record the rudder"),
         ({"transits": (0,)}, "whole number from 1"),
         ({"transits": ()}, "transits is empty"),
         ({"transits": "1, 5"}, "whole number from 1"),

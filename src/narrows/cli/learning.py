@@ -191,7 +191,7 @@ def _predict_information(model: "nw.Model", ahead: InformationOptions, speed: st
     u = None if speed is None else read_speed("--speed", speed)
     found = nw.predict_information(model, way, ahead.predict_information or "", u=u)
     Delivery(json=json).show(lambda: _told(found, information=found.to_dict()), lambda: print_information(found))
-    return bool(found.std)
+    return True
 
 
 def _told(result: "nw.LogFit | nw.SteadyFit | nw.SteadyPlan | nw.InformationForecast", **parts: Any) -> dict[str, Any]:

@@ -93,7 +93,7 @@ def _rows(places: list[float], beam: float) -> list[float]:
 
 def print_information(information: InformationForecast) -> None:
     columns = {"transits": "{transits}"} | {f"std {name}": f"{{std {name}:.2g}}" for name in information.std}
-    print_result(information, table_of(columns, information.rows()) if information.std else None)
+    print_result(information, table_of(columns, information.rows()))
 
 
 def information_figure(information: InformationForecast) -> Figure:
@@ -101,8 +101,7 @@ def information_figure(information: InformationForecast) -> Figure:
     figure, axes = panels(1, len(targets), 3.6, Margins(bottom=1.0, top=0.25, across=0.75))
     for panel, name in zip(axes[0], targets, strict=True):
         panel.axhline(information.prior_std[name], color=GREY, ls="--", label="now")
-        if name in information.std:
-            panel.plot(information.transits, information.std[name], color=BLUE, marker="o", ms=3, label="after them")
+        panel.plot(information.transits, information.std[name], color=BLUE, marker="o", ms=3, label="after them")
         panel.set(xscale="log", xlabel="transits", ylabel=f"standard error of {name}")
         panel.set_xticks(information.transits, [str(count) for count in information.transits])
         panel.minorticks_off()

@@ -1,4 +1,4 @@
-"""Faults of a ship's own log: by the filter that learns from it, and by checks that need none: clocks, gaps, sizes."""
+"""Faults of a ship's own log: by the filter that learns from it, and by checks that need none: clocks, sizes."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -140,22 +140,6 @@ def check_clock(at: Checked) -> Iterator[Finding]:
             return
 
 
-def check_gaps(at: Checked) -> Iterator[Finding]:
-    """Find times without readings."""
-    longest = {
-        name: float(np.diff(own.t).max())
-        for name, own in at.record.signals.items()
-        if len(own) > 1 and np.diff(own.t).max() > max(settings.GAP_STEPS * own.step, settings.GAP_LENGTHS * at.pace)
-    }
-    if longest:
-        name = max(longest, key=lambda own: longest[own])
-        yield at.finding(
-            "gaps", f"nothing came of {' and '.join(longest)} for up to {longest[name]:.4g} s, where "
-            f"{at.record[name].step:.3g} s is usual",
-            "nothing, if the fit need not join over them; else cut the record there", False, longest=longest[name],
-        )  # fmt: skip
-
-
 def check_repeats(at: Checked) -> Iterator[Finding]:
     """Find signals that are written more often than they are measured."""
     for name, signal in at.record.signals.items():
@@ -242,7 +226,7 @@ def check_place(at: Checked) -> Iterator[Finding]:
     )  # fmt: skip
 
 
-RECORD_CHECKS = (check_clock, check_gaps, check_repeats, check_speed, check_rudder, check_place)
+RECORD_CHECKS = (check_clock, check_repeats, check_speed, check_rudder, check_place)
 ALL = "all records"
 
 
@@ -253,7 +237,7 @@ def check_log(
 ) -> LogFindings:  # fmt: skip
     """Find what is wrong with a ship's log: signs, units, zeros, gains, delays, the antenna's place, steps.
 
-    Clocks, gaps and sizes are checked in each record. Then the model is fitted to the first 20 records as ``learn``
+    Clocks and sizes are checked in each record. Then the model is fitted to the first 20 records as ``learn``
     does, and each fault is one parameter of the same filter, tested by its score (Lagrange multiplier test). Signs,
     units and axes are compared by their likelihood. The strongest fault is named with its size and its effect on
     the coefficients; mend it and check again. A quiet record has little information: a clean log is no proof.

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -63,10 +63,8 @@ class SteadyPlan(Tabulated):
         The ship, errors of the readings, and wind, zeros and what is left of motion.
     reserve, clearance : float [1], [m]
         Rudder, and clearance from the hull's side to a bank, that every leg leaves.
-    considered : int
-        Number of candidate pairs of legs.
-    farthest : tuple of float [m]
-        Largest allowed offset of legs now, and probably after these.
+    farthest : float [m]
+        Largest allowed offset of legs.
     notes : tuple of str
         Rejected legs and why, and assumptions.
     """
@@ -79,8 +77,7 @@ class SteadyPlan(Tabulated):
     conditions: SteadyConditions
     reserve: float
     clearance: float
-    considered: int
-    farthest: tuple[float, float]
+    farthest: float
     notes: tuple[str, ...]
 
     @property
@@ -96,15 +93,13 @@ class SteadyPlan(Tabulated):
 
     def summary(self) -> str:
         """Expected information of the legs, and their largest allowed offset."""
-        now, then = self.farthest
         if not self.legs:
             return "No leg off the middle is allowed: what the tests leave open of the rudder is more than its reserve."
         gains = "; ".join(
             f"{name}: standard error {self.std[name][0]:.2g} now, {self.std[name][-1]:.2g} after"
             for name in self.targets
         )
-        later = f", and probably to {then:.3g} m after these." if then > now else "."
-        reach = f"Legs are allowed to {now:.3g} m off the middle now{later}"
+        reach = f"Legs are allowed to {self.farthest:.3g} m off the middle."
         return f"{len(self.legs)} legs of {self.conditions.leg_time:g} s: {gains}.\n{reach}\n{ON_TWINS}"
 
     def rows(self) -> list[dict[str, Any]]:
@@ -125,8 +120,7 @@ class SteadyPlan(Tabulated):
             "targets": {n: {"std": float(std[0]), "std_after": float(std[-1])} for n, std in self.std.items()},
             "break_off_rudder": float(np.degrees(self.most_rudder)),
             "clearance": self.clearance,
-            "considered": self.considered,
-            "farthest": list(self.farthest),
+            "farthest": self.farthest,
             "notes": list(self.notes),
         }  # fmt: skip
 
@@ -193,9 +187,6 @@ def plan_steady(
     information = np.cumsum([np.zeros(problem.precision.shape), *(pairs[i, int(sign < 0)] for i, sign in held)], axis=0)
     known = [log_posterior(problem, np.zeros(size), one).covariance for one in information]
     std = dict(zip(model.terms.names, np.sqrt(np.diagonal(known, axis1=1, axis2=2)).T, strict=True))
-    later = replace(model, covariance=known[-1])
-    then = candidates(later, beside, ahead, reserve, side, samples, seed) if order else found
-    now, after = (max((place.offset for place in places if place.allowed), default=0.0) for places in (found, then))
     notes = (
         *model.notes, *water_notes(None, model.configuration.canal.depth), *_refused(found, reserve, side),
         f"Assumed: {errors.summary()}; {conditions.summary()}.",
@@ -204,7 +195,7 @@ def plan_steady(
     )  # fmt: skip
     return SteadyPlan(
         tuple(allowed[i].leg(sign) for i, sign in held), names, {name: std[name] for name in names}, model, errors,
-        conditions, reserve, side, len(allowed), (now, max(now, after)), notes,
+        conditions, reserve, side, max((place.offset for place in allowed), default=0.0), notes,
     )  # fmt: skip
 
 

@@ -29,10 +29,6 @@ if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
 
 TRANSITS = (1, 5, 20)
-NO_RUDDER = (
-    "Nothing is predicted: without the rudder angle, the information depends on the assumed pilot and not on the bank; "
-    "record the rudder."
-)
 LEAST_GUST_SHARE = 0.01  # Least assumed strength of gusts over the usual one [1]
 
 
@@ -45,7 +41,7 @@ class InformationForecast(Tabulated):
     transits, targets : tuple of int, tuple of str
         How many transits are sailed; the coefficients.
     std, prior_std : mapping of str to array (transits,), mapping of str to float
-        Their standard errors after so many transits, empty where nothing is predicted, and now.
+        Their standard errors after so many transits, and now.
     model, grade, conditions : Model, SensorGrade, TransitConditions
         The ship, its sensors, and wind, gusts and wander of the aim.
     u, duration : float [m/s], [s]
@@ -64,12 +60,12 @@ class InformationForecast(Tabulated):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Reason for a missing forecast, and assumptions."""
+        """Assumptions."""
         taken = (
             f"Assumptions: {self.conditions.summary()}; sensors {self.grade.summary()}; the terms of the model; "
             "the banks of the chart, with an unknown zero; each transit has its own wind and zeros; no other ship."
         )
-        return (*self._reasons, *self.model.notes, taken, ON_TWINS)
+        return (*self.model.notes, taken, ON_TWINS)
 
     def summary(self) -> str:
         """Expected error of each target after the transits."""
@@ -78,20 +74,15 @@ class InformationForecast(Tabulated):
             for name, std in self.std.items()
         )
         after = " and ".join(map(str, self.transits))
-        line = (
+        return (
             f"Standard errors after {after} routine transits of {self.duration / 60:.0f} minutes at "
-            f"{self.u / KNOT:.3g} knots, sensors {self.grade.name}: {gains}."
+            f"{self.u / KNOT:.3g} knots, sensors {self.grade.name}: {gains}.\n{ON_TWINS}"
         )
-        return "\n".join((*self._reasons, *(line,) * bool(self.std), ON_TWINS))
-
-    @property
-    def _reasons(self) -> tuple[str, ...]:
-        return () if self.std else (NO_RUDDER,)
 
     def rows(self) -> list[dict[str, Any]]:
         """Give a row for each number of transits, with the standard error of each target."""
         columns = {"transits": self.transits} | {f"std {name}": std.tolist() for name, std in self.std.items()}
-        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)] if self.std else []
+        return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
     def to_dict(self) -> dict[str, Any]:
         """Give everything by name."""
@@ -131,7 +122,8 @@ def predict_information(
     Raises
     ------
     InputError
-        Where the model has no rudder or no covariance, a number is out of range, or the ship does not come through.
+        Where the model or the sensors have no rudder, the model no covariance, a number is out of range, or the ship
+        does not come through.
     """
     check_rudder(model)
     check_covariance(model)
@@ -142,19 +134,24 @@ def predict_information(
     for count in counts:
         check_count("transits", count, 1)
     names, grade, conditions = learnable(model, targets), sensor_grade(sensors), conditions or TransitConditions()
+    if "rudder" not in grade.signals:
+        raise InputError(
+            f"sensors {grade.name!r} have no rudder angle: what transits tell of the bank then depends on the assumed "
+            "pilot; record the rudder"
+        )
     plan = _plan(model, waterway, u, duration, conditions)
     sizes, push = model.to_dataframe()["std"], gust_push(conditions, model)
     now = {name: float(sizes[name]) for name in names}
     std, seeds = list[list[list[float]]](), range(seed, seed + settings.SIMULATED_TRANSITS)
     with bar(len(seeds), is_shown(), "transits") as done:
-        for number in seeds if "rudder" in grade.signals else ():
+        for number in seeds:
             record = recorded(f"transit {number}", plan.sailed(number), grade, number, current=0.0)
             setup = log_problem(model, ShipLog((record,), waterway), grade, gusts=True)
             one = expected_information(setup, push @ push.T, conditions.gust_time)
             after = [expected_std(setup.problem, count * one) for count in counts]
             std.append([[each[name] for each in after] for name in names])
             done(1)
-    found = dict(zip(names, np.median(std, axis=0), strict=True)) if std else {}
+    found = dict(zip(names, np.median(std, axis=0), strict=True))
     return InformationForecast(counts, names, found, now, model, grade, conditions, plan.u, plan.duration)
 
 
