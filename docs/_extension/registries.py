@@ -34,7 +34,7 @@ def _parts() -> Iterator[tuple[str, tuple[str, ...], Iterable[tuple[str, ...]]]]
     yield "Pilots of the safe envelope", ("`--controller`", "who it is"), pilots
     sensors = [(f"`nw.estimation.{own.__name__}`", f"`{name}`", _said(own)) for name, own in SENSORS.items()]
     yield "Sensors", ("class", "name of its readings", "what it measures"), sensors
-    layouts = [(f"`{own.__name__.rpartition('.')[-1]}`", _said(own)) for own in LAYOUTS]
+    layouts = [(f"`{own.__name__}`", _said(own)) for own in LAYOUTS]
     yield "Layouts of tables", ("layout", "whose tables"), layouts
     exporters = [(f"`{kind}`", ", ".join(own.suffixes), own.words) for kind, own in EXPORTERS.items()]
     yield "Exporters", ("`narrows export`", "file", "what it is"), exporters

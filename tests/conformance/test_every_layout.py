@@ -1,4 +1,4 @@
-"""Every layout of ``captive/formats``: its sample is its own and no other's, and becomes tests in SI."""
+"""Every layout of ``captive/formats.py``: its sample is its own and no other's, and becomes tests in SI."""
 
 from pathlib import Path
 
@@ -13,22 +13,22 @@ from narrows.quantities.names import PARTICULARS
 from narrows.ship.actuators import STANDARD
 from tables import frame_of
 
-every_layout = pytest.mark.parametrize("layout", LAYOUTS, ids=lambda own: own.__name__.rpartition(".")[-1])
+every_layout = pytest.mark.parametrize("layout", LAYOUTS, ids=lambda own: own.__name__)
 
 
 @every_layout
-def test_its_sample_is_recognised_by_it_and_by_no_other(layout: Layout) -> None:
+def test_its_sample_is_recognised_by_it_and_by_no_other(layout: type[Layout]) -> None:
     assert [own.__name__ for own in LAYOUTS if own.recognises(layout.sample())] == [layout.__name__]
 
 
 @every_layout
-def test_it_leaves_the_documented_columns_alone(layout: Layout, short: nw.CaptiveTests) -> None:
+def test_it_leaves_the_documented_columns_alone(layout: type[Layout], short: nw.CaptiveTests) -> None:
     assert not layout.recognises(frame_of(short))
     assert not layout.recognises(pd.DataFrame())
 
 
 @every_layout
-def test_its_sample_becomes_tests(layout: Layout, ship_file: Path, tmp_path: Path) -> None:
+def test_its_sample_becomes_tests(layout: type[Layout], ship_file: Path, tmp_path: Path) -> None:
     """Read from a file as any table is: finite numbers in SI, every force measured, and a word on what was done."""
     layout.sample().to_csv(tmp_path / "sample.csv", index=False)
     tests = nw.read_captive(tmp_path / "sample.csv", ship_file)
@@ -40,7 +40,7 @@ def test_its_sample_becomes_tests(layout: Layout, ship_file: Path, tmp_path: Pat
 
 
 @every_layout
-def test_translating_changes_no_table(layout: Layout) -> None:
+def test_translating_changes_no_table(layout: type[Layout]) -> None:
     """What was measured stays as it was, and a second reading is the first."""
     frame = layout.sample()
     once, said = translated(frame, "", "table")
@@ -51,5 +51,5 @@ def test_translating_changes_no_table(layout: Layout) -> None:
 
 
 @every_layout
-def test_it_says_whose_tables_they_are(layout: Layout) -> None:
+def test_it_says_whose_tables_they_are(layout: type[Layout]) -> None:
     assert (layout.__doc__ or "").partition("\n")[0].endswith(".")
