@@ -74,7 +74,7 @@ OTHERS: dict[str, Any] = {
     "y": 0.2, "u": 0.9, "twins": 11, "duration": 30.0, "drawn": True, "seed": 5, "x": 2.0, "excitation": 0.0,
     "controller": nw.ConstantRudder(0.0), "fault": lambda t, readings: {},
     "waterway": nw.straight_waterway(nw.Canal(7.5), 500.0), "noise": ProcessNoise(sway=0.01), "coefficients": "certain",
-    "memory": 5.0, "refusing": 0.3, "step": 0.05, "coriolis": True,
+    "memory": 5.0, "refusing": 0.3, "step": 0.05,
 }  # fmt: skip
 
 
@@ -82,9 +82,6 @@ OTHERS: dict[str, Any] = {
 def test_every_argument_changes_the_answer(name: str) -> None:
     short = {"y": 0.4, "u": 1.0, "twins": 3, "duration": 4.0}
     model = steered()
-    if name == "coriolis":
-        ship = replace(model.configuration.ship, mass=260.0)
-        model = replace(model, configuration=replace(model.configuration, ship=ship))
     first = consistency(model, ALL, **short)
     other = consistency(model, ALL, **{**short, name: OTHERS[name]})
     assert first.std.tobytes() != other.std.tobytes() or first.error.tobytes() != other.error.tobytes()

@@ -460,9 +460,7 @@ def test_what_is_wrong_is_refused_in_one_sentence(call: Any) -> None:
 OTHERS: dict[str, dict[str, Any]] = {
     "waterway": {"waterway": nw.straight_waterway(nw.Canal(3.0), 500.0)}, "noise": {"noise": ProcessNoise(sway=0.01)},
     "prior": {"prior": Prior(bank=0.6)}, "coefficients": {"coefficients": "certain"}, "refusing": {"refusing": 0.5},
-    "step": {"step": 0.05}, "surge": {"surge": "free", "surge_inertia": 300.0},
-    "surge_inertia": {"surge": "free", "surge_inertia": 500.0},
-    "memory": {"memory": 20.0},
+    "step": {"step": 0.05}, "memory": {"memory": 20.0},
 }  # fmt: skip
 
 

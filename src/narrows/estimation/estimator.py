@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 
 from narrows.aliases import accept_aliases
-from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice
 from narrows.estimation import settings
 from narrows.estimation.fault_bank import FaultBank
@@ -71,12 +70,6 @@ class Estimator(BaseSummary):
         Probability that a gate refuses a valid reading; 0 for no gates.
     step : float [s], optional
         Longest step of the motion; a quarter of the root of length over gravity unless given.
-    surge : {"held", "free"}
-        ``held``: the speed is a random walk; ``free``: it follows the model too.
-    surge_inertia : float [kg], optional
-        Mass in surge with its added mass, for ``free`` if a_udot was not identifiable.
-    coriolis : bool
-        Add the rigid body's Coriolis force.
 
     Raises
     ------
@@ -92,7 +85,6 @@ class Estimator(BaseSummary):
         self, model: Model, sensors: Sequence[Any], *, waterway: "Waterway | None" = None,
         noise: ProcessNoise | None = None, prior: Prior | None = None, coefficients: Coefficients = "estimated",
         memory: float = settings.COEFFICIENT_MEMORY, refusing: float = 1e-5, step: float | None = None,
-        surge: Surge = "held", surge_inertia: float | None = None, coriolis: bool = False,
     ) -> None:  # fmt: skip
         check_choice("coefficients", coefficients, get_args(Coefficients))
         length = model.configuration.ship.length
@@ -100,8 +92,7 @@ class Estimator(BaseSummary):
         longest = math.sqrt(length / GRAVITY) / settings.STEPS_A_PERIOD if step is None else float(step)
         self.filter = ShipFilter(
             model, by_name, indicator, waterway, noise or ProcessNoise.of_length(length),
-            prior or Prior.of_length(length), coefficients, refusing, longest, float(memory), surge, surge_inertia,
-            coriolis,
+            prior or Prior.of_length(length), coefficients, refusing, longest, float(memory),
         )  # fmt: skip
         self.forget()
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 import numpy as np
 from scipy.special import chdtri
 
-from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError
 from narrows.estimation import settings
 from narrows.estimation.sensors import RudderIndicator, Sensor, error_states, with_slow_error
@@ -76,9 +75,6 @@ class ShipFilter:
     refusing: float  # Probability that a gate refuses a valid reading [1]
     step: float  # Longest step of the motion [s]
     memory: float = math.inf  # Time in which corrections of the coefficients fade [s]
-    surge: Surge = "held"  # Whether the speed follows the model
-    surge_inertia: float | None = None  # Mass in surge with its added mass [kg]
-    coriolis: bool = False  # Add the rigid body's Coriolis force
     faults: frozenset[str] = frozenset()  # Sensors, "rudder" or "model" that count as faulty
     _others: dict[tuple[frozenset[str], frozenset[str]], "ShipFilter"] = field(default_factory=dict, init=False)
     _layouts: dict[tuple[str, ...], NumberLayout] = field(default_factory=dict, init=False)
@@ -92,8 +88,8 @@ class ShipFilter:
 
     @cached_property
     def ship(self) -> SimulatedShip:
-        options, banks = (self.surge, self.surge_inertia, self.coriolis), self.waterway or self.model.terms.has_bank
-        return SimulatedShip(self.model, *options, "corners" if banks else "none")
+        banks = self.waterway or self.model.terms.has_bank
+        return SimulatedShip(self.model, contact="corners" if banks else "none")
 
     @cached_property
     def actuators(self) -> tuple[str, ...]:
@@ -158,8 +154,7 @@ class ShipFilter:
         terms, covariance = self.model.terms, self.model.covariance
         if self.coefficients == "certain" or covariance is None:
             return np.zeros((len(terms.names), 0))
-        solved = [force for force in terms.forces if force != "X" or self.surge == "free"]
-        acting = {term.name for force in solved for term in terms.forces[force]}
+        acting = {term.name for force in terms.forces if force != "X" for term in terms.forces[force]}
         counts = np.array([name in acting for name in terms.names])
         size = np.where(counts & (covariance.diagonal() > 0.0), np.sqrt(covariance.diagonal()), np.inf)
         scale = np.where(np.isfinite(size), size, 1.0)

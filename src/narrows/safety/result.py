@@ -21,6 +21,11 @@ if TYPE_CHECKING:
 MEDIAN = 0.5
 
 
+def _attribute(name: str, meaning: str) -> Any:
+    """Return a property that reads an attribute of the data."""
+    return property(lambda envelope: envelope.data.attrs.get(name, ""), doc=meaning)
+
+
 @dataclass(frozen=True, repr=False)
 class SafeEnvelope(BaseResult):
     """The safe area of a ship, with its assumptions.
@@ -65,35 +70,14 @@ class SafeEnvelope(BaseResult):
             "speeds": self.speed_rows(), "rules": self.rules.rows(), "notes": list(self.notes),
         }  # fmt: skip
 
-    @property
-    def description(self) -> str:
-        """Ship and canal in words."""
-        return str(self.data.attrs["setting"])
-
-    @property
-    def weather(self) -> str:
-        """Disturbances in words."""
-        return str(self.data.attrs["weather"])
-
-    @property
-    def untested(self) -> str:
-        """Reasons why the result is extrapolated: no bank, unknown ranges, an untested section; else empty."""
-        return str(self.data.attrs["untested"])
-
-    @property
-    def trust(self) -> str:
-        """Uncertainties that the result does not include, in sentences; empty if there are none."""
-        return str(self.data.attrs.get("trust", ""))
-
-    @property
-    def pilot(self) -> str:
-        """The pilot in words."""
-        return str(self.data.attrs["pilot_words"])
-
-    @property
-    def samples(self) -> int:
-        """Number of cases at each offset and speed."""
-        return int(self.data.attrs["samples"])
+    description = _attribute("setting", "Ship and canal in words.")
+    weather = _attribute("weather", "Disturbances in words.")
+    untested = _attribute("untested", "Reasons why the result is extrapolated; empty if it is not.")
+    trust = _attribute(
+        "trust", "Uncertainties that the result does not include, in sentences; empty if there are none."
+    )
+    pilot = _attribute("pilot_words", "The pilot in words.")
+    samples = _attribute("samples", "Number of cases at each offset and speed.")
 
     @property
     def notes(self) -> tuple[str, ...]:
