@@ -42,9 +42,16 @@ def parsed(thing: Any) -> docstring_parser.Docstring:
     return docstring_parser.parse(inspect.getdoc(thing) or "", docstring_parser.DocstringStyle.NUMPYDOC)
 
 
+def at_fields(thing: Any) -> dict[str, str]:
+    """The description of each field of a result, in a comment that Sphinx reads: before it or behind it."""
+    source = inspect.getsource(thing) if inspect.isclass(thing) else ""
+    found = re.findall(r"((?:^    #: .*\n)*)^    (\w+): [^#\n]*(?:#: (.*))?$", source, re.MULTILINE)
+    return {name: before or behind for before, name, behind in found if before or behind}
+
+
 def documented(thing: Any) -> dict[str, str]:
     """Each parameter of a docstring with its description; ``x, y`` are two."""
-    return {
+    return at_fields(thing) or {
         name.strip().lstrip("*"): f"{parameter.type_name} {parameter.description}"
         for parameter in parsed(thing).params
         if parameter.args[0] == "param"

@@ -25,7 +25,6 @@ from narrows.warning.page.bridge_page import (
     NO_HOST,
     NO_ORIGIN,
     NO_TOKEN,
-    SIGNAL_K,
     UPDATES,
     BridgePage,
     address_of,
@@ -193,14 +192,13 @@ def refused(host: str, path: str, more: str = "", named: str = "") -> str:
     return answer.decode()
 
 
-@pytest.mark.parametrize("path", [UPDATES, SIGNAL_K])
-def test_a_websocket_is_refused_with_a_sentence(host: str, path: str) -> None:
+def test_a_websocket_is_refused_with_a_sentence(host: str) -> None:
     elsewhere = "Origin: https://elsewhere.example\r\n"
     for answer, sentence in {
-        refused(host, path): NO_TOKEN,
-        refused(host, f"{path}?token=wrong"): NO_TOKEN,
-        refused(host, f"{path}?token=secret", elsewhere): NO_ORIGIN,
-        refused(host, f"{path}?token=secret", named="rebound.example"): NO_HOST,
+        refused(host, UPDATES): NO_TOKEN,
+        refused(host, f"{UPDATES}?token=wrong"): NO_TOKEN,
+        refused(host, f"{UPDATES}?token=secret", elsewhere): NO_ORIGIN,
+        refused(host, f"{UPDATES}?token=secret", named="rebound.example"): NO_HOST,
     }.items():
         assert " 403 " in answer.splitlines()[0]
         assert answer.endswith(sentence)
@@ -263,18 +261,6 @@ def test_an_acknowledgement_on_the_page_is_that_of_the_bridge(page: BridgePage, 
                 soon(lambda: not page.requests._waiting.empty())
             assert asked(page, monitored) == []
             assert json.loads(line.recv(5.0)) == {"kind": "refused", "sentence": sentence}
-
-
-def test_notifications_are_told_when_they_change(page: BridgePage, host: str) -> None:
-    from websockets.sync.client import connect
-
-    monitored, before = Watched(), page.notices.number
-    for conditions in ({BANK: Condition(Priority.WARNING, "Bank")}, {}, ALARM):
-        page.publish(monitored, monitored.status(forecast(), conditions=conditions), 1.7e9)
-    assert page.notices.number == before + 2
-    with connect(f"ws://{host}{SIGNAL_K}?token=secret") as line:
-        line.send("whatever")
-        assert json.loads(line.recv(5.0))["updates"][0]["values"][1]["value"]["state"] == "alarm"
 
 
 def test_a_page_that_cannot_be_served_says_so(page: BridgePage, host: str) -> None:

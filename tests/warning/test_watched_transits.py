@@ -40,8 +40,6 @@ def test_recorded_transits_are_scored() -> None:
     assert scores.to_dataframe().loc["caution", "in_time"] == (left["caution"] >= NEEDED_TIME)
     assert "1 transit with a contact" in scores.summary()
     assert any("mute" in note for note in scores.notes)
-    with pytest.raises(nw.InputError, match="does not separate contacts"):
-        score_transits(transits, limit=25.0)
 
 
 def transit_of(said: list[BridgeStatus]) -> WatchedTransit:

@@ -39,7 +39,6 @@ class InputOptions:
     ] = None
     replay: Annotated[Path | None, "A recording of NMEA 0183 to replay."] = None
     score: Annotated[list[Path] | None, "A recording, each a transit, to score; again."] = None
-    limit: Annotated[float, "With --score: clearance that counts as contact [m]."] = 5.0
     demo: Annotated[bool, "A simulated bridge with a steering error near a bank."] = False
     pace: Annotated[
         float | None,
@@ -158,7 +157,7 @@ def _score(inputs: InputOptions, model: str, waterway: Path | None, y: float, de
             for tick in _replayed(path, math.inf, inputs.mmsi):
                 log.add(monitored.update(tick, tick.t))
         transits[str(path)] = log.transit()
-    scores = score_transits(transits, inputs.limit)
+    scores = score_transits(transits)
     delivery.show(scores.to_dict, lambda: click.echo("\n".join([scores.summary(), *scores.notes])))
 
 

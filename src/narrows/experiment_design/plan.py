@@ -49,22 +49,6 @@ SEPARATING = 4
 class Plan(Tabulated):
     """Planned runs and their expected information.
 
-    Parameters
-    ----------
-    runs : tuple of Run
-        Runs in the order of their benefit.
-    targets : tuple of str
-        Target coefficients.
-    std : mapping of str to array (runs,)
-        Predicted standard error of each of them after each run, in the coefficient's unit; infinite before it is
-        determined.
-    usual : mapping of str to float
-        Predicted standard errors of the best plan of as many harmonic runs about the centreline.
-    considered : int
-        Number of candidate runs.
-    notes : tuple of str
-        Assumed noise and length of a run.
-
     Examples
     --------
     >>> plan = nw.plan_tests(model.configuration, 4)
@@ -72,12 +56,15 @@ class Plan(Tabulated):
     4
     """
 
-    runs: tuple[Run, ...]
-    targets: tuple[str, ...]
+    runs: tuple[Run, ...]  #: Runs in the order of their benefit
+    targets: tuple[str, ...]  #: Target coefficients
+    #: (runs,) Predicted standard error of each of them after each run, in the coefficient's unit; infinite before it
+    #: is determined
     std: Mapping[str, np.ndarray]
+    #: Predicted standard errors of the best plan of as many harmonic runs about the centreline
     usual: Mapping[str, float]
-    considered: int
-    notes: tuple[str, ...]
+    considered: int  #: Number of candidate runs
+    notes: tuple[str, ...]  #: Assumed noise and length of a run
 
     def __repr__(self) -> str:
         return f"<Plan of {len(self.runs)} runs of {self.considered} for {', '.join(self.targets)}>"

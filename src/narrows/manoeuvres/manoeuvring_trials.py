@@ -37,27 +37,13 @@ QUARTER, HALF = np.pi / 2, np.pi
 
 @dataclass(frozen=True, repr=False)
 class Turning(BaseResult):
-    """A turning circle, measured from the rudder order; the result of ``turning_circle``.
+    """A turning circle, measured from the rudder order; the result of ``turning_circle``."""
 
-    Parameters
-    ----------
-    advance : float [m]
-        Distance along the first course at a heading change of 90 degrees.
-    transfer : float [m]
-        Distance across it, then.
-    tactical_diameter : float [m]
-        Distance across it at a heading change of 180 degrees.
-    voyage : Voyage
-        The circle itself.
-    notes : tuple of str
-        Assumptions.
-    """
-
-    advance: float
-    transfer: float
-    tactical_diameter: float
-    voyage: Voyage
-    notes: tuple[str, ...] = ()
+    advance: float  #: Distance along the first course at a heading change of 90 degrees [m]
+    transfer: float  #: Distance across it, then [m]
+    tactical_diameter: float  #: Distance across it at a heading change of 180 degrees [m]
+    voyage: Voyage  #: The circle itself
+    notes: tuple[str, ...] = ()  #: Assumptions
 
     @classmethod
     def of(cls, voyage: Voyage, notes: tuple[str, ...] = ()) -> "Turning":
@@ -97,21 +83,11 @@ class Turning(BaseResult):
 
 @dataclass(frozen=True, repr=False)
 class ZigzagTest(BaseResult):
-    """A zigzag and its overshoots; the result of ``zigzag``.
+    """A zigzag and its overshoots; the result of ``zigzag``."""
 
-    Parameters
-    ----------
-    overshoots_deg : tuple of float [deg]
-        Further heading change after each order that reversed the rudder.
-    voyage : Voyage
-        The zigzag itself.
-    notes : tuple of str
-        Assumptions.
-    """
-
-    overshoots_deg: tuple[float, ...]
-    voyage: Voyage
-    notes: tuple[str, ...] = ()
+    overshoots_deg: tuple[float, ...]  #: Further heading change after each order that reversed the rudder [deg]
+    voyage: Voyage  #: The zigzag itself
+    notes: tuple[str, ...] = ()  #: Assumptions
 
     def summary(self) -> str:
         """Return the overshoots in words."""
@@ -124,27 +100,13 @@ class ZigzagTest(BaseResult):
 
 @dataclass(frozen=True, repr=False)
 class Trials(BaseResult):
-    """Trials of one ship.
+    """Trials of one ship."""
 
-    Parameters
-    ----------
-    model : Model
-        Model in open water.
-    speed : float [m/s]
-        Speed of the approach.
-    turning : dict of str to Turning
-        Turning circles by order, as in ``+35``.
-    zigzags : dict of str to ZigzagTest
-        Zigzags by rudder and heading, as in ``+10/10``.
-    notes : tuple of str
-        Assumptions.
-    """
-
-    model: Model
-    speed: float
-    turning: dict[str, Turning]
-    zigzags: dict[str, ZigzagTest]
-    notes: tuple[str, ...]
+    model: Model  #: Model in open water
+    speed: float  #: Speed of the approach [m/s]
+    turning: dict[str, Turning]  #: Turning circles by order, as in ``+35``
+    zigzags: dict[str, ZigzagTest]  #: Zigzags by rudder and heading, as in ``+10/10``
+    notes: tuple[str, ...]  #: Assumptions
 
     def __repr__(self) -> str:
         return f"<Trials of {self.model.configuration.ship.name or 'a ship'} at {self.speed:g} m/s>"

@@ -53,33 +53,18 @@ class EngineReversal:
 class StoppingTest(BaseResult):
     """A stopping test, measured from the order; the result of ``crash_stop``.
 
-    Parameters
-    ----------
-    track_reach : float [m]
-        Distance along the track.
-    head_reach : float [m]
-        Distance along the first course.
-    side_reach : float [m]
-        Distance across it, to starboard.
-    time : float [s]
-        Time until the ship lies still.
-    voyage : Voyage
-        The test itself, until the first step astern.
-    notes : tuple of str
-        Assumptions.
-
     Examples
     --------
     >>> nw.crash_stop(nw.published("yasukawa2015_kvlcc2")).track_reach > 0
     True
     """
 
-    track_reach: float
-    head_reach: float
-    side_reach: float
-    time: float
-    voyage: Voyage
-    notes: tuple[str, ...] = ()
+    track_reach: float  #: Distance along the track [m]
+    head_reach: float  #: Distance along the first course [m]
+    side_reach: float  #: Distance across it, to starboard [m]
+    time: float  #: Time until the ship lies still [s]
+    voyage: Voyage  #: The test itself, until the first step astern
+    notes: tuple[str, ...] = ()  #: Assumptions
 
     def summary(self) -> str:
         """Describe the stop in metres, ship lengths and seconds, beside the limit of IMO."""

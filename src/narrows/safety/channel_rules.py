@@ -115,33 +115,20 @@ CHANNEL_RULES = (
 class OutsideRules(Tabulated):
     """Limits from outside rules for a ship in a section of water.
 
-    Parameters
-    ----------
-    length, beam, draft : float [m]
-        The ship.
-    depth : float [m]
-        Depth of the water; NaN if unknown.
-    bank : str
-        Kind of bank: gentle, sloping or steep.
-    wall_port, wall_starboard : float [m]
-        Distances from the middle to where the keel meets the banks.
-    choke : float [m/s]
-        Speed at which the canal is choked; infinite if the depth is unknown.
-
     Examples
     --------
     >>> nw.outside_rules(kcs.configuration).to_dataframe().empty
     False
     """
 
-    length: float
-    beam: float
-    draft: float
-    depth: float
-    bank: str
-    wall_port: float
-    wall_starboard: float
-    choke: float
+    length: float  #: Length of the ship [m]
+    beam: float  #: Its beam [m]
+    draft: float  #: Its draft [m]
+    depth: float  #: Depth of the water; NaN if unknown [m]
+    bank: str  #: Kind of bank: gentle, sloping or steep
+    wall_port: float  #: Distance from the middle to where the keel meets the bank [m]
+    wall_starboard: float  #: The same to starboard [m]
+    choke: float  #: Speed at which the canal is choked; infinite if the depth is unknown [m/s]
 
     def summary(self) -> str:
         """Return the limits of each rule, one line each."""

@@ -95,7 +95,5 @@ SEND_INTERVAL = 0.05  # [s] between looks for messages to one client
 ANSWER_QUEUE = 16  # answers that wait for one client
 MOST_CLIENTS = 32  # clients at a time
 # Scores
-SCORED_CONTACT = 5.0  # [m] clearance that counts as a contact: an estimate is no surer
-QUIET_CLEARANCE = 20.0  # [m] the largest clearance that can count as a contact
 NEEDED_TIME = 10.0  # [s] to act, that a person needs: the median of reactions
 BEFORE_CONTACT = 300.0  # [s] an alert that no contact follows in this time is false

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from narrows.errors import InputError
 from narrows.estimation.states import Estimate
 from narrows.results import Aliased, BaseResult, BaseSummary
 from narrows.ship.particulars import Configuration, Ship, half_swept
@@ -285,7 +284,6 @@ class TransitScores(BaseSummary):
     contacts: int  # Transits with a contact
     clear: int  # Transits without one
     hours: float  # That were watched with a forecast [h]
-    limit: float  # Clearance that counts as contact [m]
     rows: tuple[PredictorScore, ...]  # A predictor each
     left: dict[str, tuple[float, ...]]  # By transit with a contact: time left to act when each predictor was raised [s]
     unknown: tuple[str, ...]  # Transits without a forecast
@@ -293,9 +291,9 @@ class TransitScores(BaseSummary):
     @property
     def notes(self) -> tuple[str, ...]:
         rule = (
-            f"A contact is a clearance below {self.limit:g} m by the estimate; in time is an alert with "
-            f"{settings.NEEDED_TIME:g} s left to act by the monitor's own forecast; false is one without a contact in "
-            f"{settings.BEFORE_CONTACT:g} s."
+            f"A contact is a clearance below {settings.CONTACT_CLEARANCE:g} m by the estimate; in time is an alert "
+            f"with {settings.NEEDED_TIME:g} s left to act by the monitor's own forecast; false is one without a "
+            f"contact in {settings.BEFORE_CONTACT:g} s."
         )
         few = ("A few transits determine these numbers poorly: see the intervals in docs/benchmarks.md.",)
         return (rule, *few, *(f"There was no forecast for {name}: it is left out." for name in self.unknown))
@@ -310,7 +308,12 @@ class TransitScores(BaseSummary):
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        counts = {"contacts": self.contacts, "clear": self.clear, "hours": self.hours, "limit": self.limit}
+        counts = {
+            "contacts": self.contacts,
+            "clear": self.clear,
+            "hours": self.hours,
+            "limit": settings.CONTACT_CLEARANCE,
+        }
         left = {name: dict(zip(PREDICTORS, row, strict=True)) for name, row in self.left.items()}
         rows = [vars(row) for row in self.rows]
         return {"summary": self.summary(), **counts, "predictors": rows, "left": left, "notes": [*self.notes]}
@@ -321,17 +324,12 @@ class TransitScores(BaseSummary):
         return pd.DataFrame([vars(row) for row in self.rows]).set_index("predictor")
 
 
-def score_transits(transits: Mapping[str, WatchedTransit], limit: float = settings.SCORED_CONTACT) -> TransitScores:
-    if not 0.0 <= limit < settings.QUIET_CLEARANCE:
-        raise InputError(
-            f"a clearance of {limit:g} m does not separate contacts from quiet sailing; give 0 to "
-            f"{settings.QUIET_CLEARANCE:g} m"
-        )
+def score_transits(transits: Mapping[str, WatchedTransit]) -> TransitScores:
     known = {name: one for name, one in transits.items() if one.known.any()}
     left: dict[str, tuple[float, ...]] = {}
     false, hours = np.zeros(len(PREDICTORS)), 0.0
     for name, one in known.items():
-        t, below = one.columns["t"], one.columns["clearance"] < limit
+        t, below = one.columns["t"], one.columns["clearance"] < settings.CONTACT_CLEARANCE
         met = float(t[below.argmax()]) if below.any() else math.inf
         hours += (min(met, float(t[-1])) - float(t[0])) / 3600.0
         spells = [alert_spells(t, urgency) for urgency in _urgencies(one)]
@@ -344,7 +342,7 @@ def score_transits(transits: Mapping[str, WatchedTransit], limit: float = settin
     often = 100.0 * false / hours if hours else np.full(len(PREDICTORS), math.nan)
     rows = tuple(map(PredictorScore, PREDICTORS, in_time.tolist(), median.tolist(), often.tolist()))
     unknown = tuple(name for name in transits if name not in known)
-    return TransitScores(len(left), len(known) - len(left), hours, limit, rows, left, unknown)
+    return TransitScores(len(left), len(known) - len(left), hours, rows, left, unknown)
 
 
 def _urgencies(one: WatchedTransit) -> list[np.ndarray]:

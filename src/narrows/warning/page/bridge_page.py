@@ -25,7 +25,7 @@ from narrows.results import plain
 from narrows.warning import settings
 from narrows.warning.alerts.alert import SITUATIONS, AlertDesk, AlertState, Command
 from narrows.warning.inputs.bridge_readings import Tick
-from narrows.warning.monitoring.alert_publisher import acn, notifications
+from narrows.warning.monitoring.alert_publisher import acn
 from narrows.warning.monitoring.bridge_monitor import BridgeMonitor
 from narrows.warning.monitoring.watched_transit import BridgeStatus, alert_to_dict
 from narrows.waterway.waterway import Section
@@ -125,7 +125,7 @@ class Clients:
             self.count -= 1
 
 
-UPDATES, SIGNAL_K = "/updates", "/signalk/v1/stream"
+UPDATES = "/updates"
 ENDED = "The watch has ended: nothing on this page is kept up to date."
 LOOPBACK = "127.0.0.1"
 SHARED = ("canal.js", "palette.css")
@@ -163,14 +163,7 @@ Answer = Callable[[str], None]
 class BridgePage:
     def __init__(self, token: str = "") -> None:
         self.token = token or secrets.token_urlsafe(TOKEN_BYTES)
-        self.updates, self.notices, self.requests = Clients(settings.OLDEST_UPDATE), Clients(), PageRequests()
-        self._noticed: list[Any] = []
-
-        def take(text: str, answer: Answer) -> None:
-            self.requests.take(text, lambda why: answer(packed({"kind": "refused", "sentence": why})))
-
-        # Who receive updates, and what receives their commands and answers; clients of Signal K only listen here.
-        self._streams = {UPDATES: (self.updates, take), SIGNAL_K: (self.notices, lambda text, answer: None)}
+        self.updates, self.requests = Clients(settings.OLDEST_UPDATE), PageRequests()
         folder = files(__package__).joinpath("assets")
         self._texts = {f"/assets/{path.name}": path.read_text(encoding="utf-8") for path in folder.iterdir()}
         self._texts |= {f"/assets/{name}": asset(name) for name in SHARED}
@@ -213,36 +206,31 @@ class BridgePage:
 
     def publish(self, monitored: BridgeMonitor, status: BridgeStatus, since_1970: float) -> None:
         self.updates.publish(packed(update_of(monitored, status, since_1970)))
-        notice = notifications(monitored.desk, since_1970)
-        if (values := notice["updates"][0]["values"]) != self._noticed:
-            self._noticed = values
-            self.notices.publish(packed(notice))
 
     def _respond(self, connection: Any, request: Any) -> Any:
         """Answer what asks for no updates, or for none that it may have."""
         asked, heads = urlsplit(request.path), request.headers
         if asked.path in self._texts:  # The package's own files are no secret: they need no token.
             return _response(connection, 200, self._texts[asked.path], asked.path[asked.path.rindex(".") :])
-        if asked.path != "/" and asked.path not in self._streams:
+        if asked.path not in ("/", UPDATES):
             return _response(connection, MISSING, "There is no such file.")
         token = parse_qs(asked.query).get("token", [""])[0]
         if why := refusal(self.token, token, heads.get("Host", ""), heads.get("Origin")):
             return _response(connection, FORBIDDEN, why)
         if asked.path == "/":
             return _response(connection, 200, self._index, ".html")
-        return _response(connection, TOO_MANY, CROWDED) if self._streams[asked.path][0].full else None
+        return _response(connection, TOO_MANY, CROWDED) if self.updates.full else None
 
     async def _attend(self, connection: Any) -> None:
-        clients, take = self._streams[urlsplit(connection.request.path).path]
         answers = deque[str](maxlen=settings.ANSWER_QUEUE)
 
         async def hear() -> None:
             async for text in connection:
-                take(text, answers.append)
+                self.requests.take(text, lambda why: answers.append(packed({"kind": "refused", "sentence": why})))
                 # Who talks without pause waits: the monitor needs the machine.
                 await asyncio.sleep(settings.SEND_INTERVAL)
 
-        tasks = [asyncio.create_task(work) for work in (clients.serve(answers, connection.send), hear())]
+        tasks = [asyncio.create_task(work) for work in (self.updates.serve(answers, connection.send), hear())]
         await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
         for task in tasks:
             task.cancel()
