@@ -14,10 +14,10 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
+from bank_evidence import BANK_EVIDENCE, bank_effects
 from pages import markdown, publish
 
 import narrows as nw
-from narrows.empirical.calibration import BANK_EVIDENCE, bank_effects
 from narrows.empirical.formulas import FORMULAS, depth_factor
 from narrows.empirical.main_dimensions import hull_of
 from narrows.logbook.sensor_grades import VDR

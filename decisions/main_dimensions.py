@@ -11,20 +11,12 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+from bank_evidence import BANK_EVIDENCE, BankEvidence, bank_effects, left_out, left_out_banks
 from manoeuvres import APPROACH, CIRCLES, OVERSHOOTS
 from pages import Rows, markdown, part, publish, records
 
 import narrows as nw
-from narrows.empirical.calibration import (
-    BANK_EVIDENCE,
-    SIGNED,
-    BankEvidence,
-    Calibration,
-    bank_effects,
-    bank_prior,
-    left_out,
-    left_out_banks,
-)
+from narrows.empirical.calibration import BANK_PRIOR, SIGNED, Calibration
 from narrows.empirical.formulas import FORMULAS, KNOWN_SHIPS, depth_factor
 from narrows.empirical.main_dimensions import estimated
 from narrows.quantities.names import KNOT
@@ -151,7 +143,7 @@ def bank_table() -> str:
          _spans([(row.cushion, row.cushion_error) for row in group]))
         for (ship, tests), group in groups.items()
     ]  # fmt: skip
-    effects, prior = bank_effects(), bank_prior()
+    effects, prior = bank_effects(), BANK_PRIOR
     pair = (effects["Y_bank"], effects["N_bank"])
     rows += [
         ("all", "mean", "", *(f"{one.mean:.2f} ± {one.mean_error:.2f}" for one in pair)),

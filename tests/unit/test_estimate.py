@@ -2,6 +2,7 @@
 
 import importlib
 import math
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,17 +11,14 @@ import pytest
 
 import narrows as nw
 from narrows.cli.app import main
-from narrows.empirical.calibration import (
-    BANK_EVIDENCE,
-    Calibration,
-    bank_prior,
-    left_out,
-    left_out_banks,
-    random_effects,
-)
+from narrows.empirical import calibration
+from narrows.empirical.calibration import BANK_PRIOR, Calibration
 from narrows.empirical.formulas import FORMULAS, KCS, KNOWN_SHIPS, KVLCC2, Hull, depth_factor
 from narrows.empirical.propulsion import balanced_revolutions, resistance_prime
 from narrows.physics.clearance import bank_distance, suction
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "decisions"))
+from bank_evidence import BANK_EVIDENCE, bank_effects, left_out, left_out_banks, random_effects
 
 PANAMAX = nw.Ship(length=366, beam=51, draft=15, block_coefficient=0.65)
 CANAL = nw.Canal(300, 24)
@@ -145,9 +143,13 @@ def test_circle_of_kvlcc2_from_dimensions_by_the_other_ships(monkeypatch: pytest
 def test_the_bank_prior_is_that_of_a_further_ship() -> None:
     """Wider than the scatter of the rows about the mean, as one more ship and the mean's own error are in it."""
     for name, column in (("Y_bank", "suction"), ("N_bank", "cushion")):
+        prior, found = BANK_PRIOR[name], bank_effects()[name].spread
+        assert (prior.value, prior.std) == pytest.approx((found.value, found.std), rel=1e-4)
         exact = [getattr(row, column) for row in BANK_EVIDENCE if row.source.startswith("steady test ")]
-        scatter = np.std([value for value in exact if value is not None], ddof=1)
-        assert bank_prior()[name].std > 0.9 * scatter
+        assert prior.std > 0.9 * np.std([value for value in exact if value is not None], ddof=1)
+    widths = [row.width_to_beam for row in BANK_EVIDENCE]
+    assert (min(widths), max(widths)) == calibration.EVIDENCE_WIDTHS
+    assert min(row.clearance_to_beam for row in BANK_EVIDENCE) == calibration.LEAST_CLEARANCE
 
 
 class TestModel:

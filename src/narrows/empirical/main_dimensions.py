@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from narrows.aliases import accept_aliases
-from narrows.empirical.calibration import COEFFICIENTS, FORM, SIGNED, Calibration, Uncertain, bank_prior, tested_places
+from narrows.empirical.calibration import BANK_PRIOR, COEFFICIENTS, FORM, SIGNED, Calibration, Uncertain, tested_places
 from narrows.empirical.formulas import RANGES, Hull
 from narrows.empirical.propulsion import (
     INCREASE_PLACE,
@@ -121,7 +121,7 @@ def estimated(
     steered = rudder or estimated_rudder(known, hull, usual, driven)
     depth_to_draft = canal.depth / known.draft if canal.depth else math.inf
     spreads = {name: calibration.estimate(name, hull, depth_to_draft) for name in COEFFICIENTS}
-    spreads |= bank_prior()
+    spreads |= BANK_PRIOR
     spreads["R_0"] = Uncertain(resistance, RESISTANCE_SHARE * resistance)
     coefficients, covariance = _assembled(spreads, hull, calibration.correlation)
     missing = [name for name in ("propeller", "rudder") if parts[name] is None]
@@ -139,7 +139,7 @@ def estimated(
             text="formulas of the literature, calibrated on ships whose derivatives are known",
             estimate=" ".join(_sentences(known, filled, missing, usual_words, service, hull, depth_to_draft)),
         ),
-        verdicts=dict.fromkeys(bank_prior(), "estimated from other ships"),
+        verdicts=dict.fromkeys(BANK_PRIOR, "estimated from other ships"),
     )
 
 
