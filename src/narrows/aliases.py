@@ -3,8 +3,9 @@
 import inspect
 import re
 import tomllib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from functools import cache, wraps
+from importlib import import_module
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -28,11 +29,10 @@ def name_here(name: str, kind: str, fits: Callable[[str], bool] = lambda ours: T
     return next((ours for ours, theirs in aliases(kind).items() if name in theirs and fits(ours)), None)
 
 
-def part_named(name: str, room: str, parts: Mapping[str, Any]) -> Any:
+def part_named(name: str, room: str, parts: Iterable[str]) -> Any:
     """Return a part of a subpackage by another library's name; raise if there is none."""
-    same = name_here(name, "parts")
-    if same and same in parts:
-        return parts[same]
+    if same := name_here(name, "parts", frozenset(parts).__contains__):
+        return getattr(import_module(f"narrows.{room}"), same)
     meant = name_here(name, room)
     raise AttributeError(f"nw.{room} has no {name!r}" + (f"; write {meant}" if meant else near_miss(name, parts)))
 
@@ -60,6 +60,9 @@ def accept_aliases(function: Function) -> Function:
         # A fleet varies any quantity; positions are those of actuators alone.
         return ours in parameters or (bool(more) and (more != "positions" or ours == "rudder"))
 
+    def is_own(row: str) -> bool:
+        return row.startswith(f"{own}.")
+
     def names_own(row: str) -> bool:
         named = set(re.findall(r"\b(\w+)=", row))
         return named <= parameters.keys() | (aliases("arguments").keys() if more else set())
@@ -70,7 +73,8 @@ def accept_aliases(function: Function) -> Function:
             if more and name in aliases("arguments"):
                 continue
             # A name can be that of two arguments (h: a step or a depth): the function has one of them.
-            ours = name_here(name, "arguments", takes) or name_here(name, "objects", parameters.__contains__)
+            ours = name_here(name, "own_arguments", is_own) or name_here(name, "arguments", takes)
+            ours = (ours or name_here(name, "objects", parameters.__contains__) or "").rpartition(".")[2]
             if ours and ours not in given:
                 given[ours] = given.pop(name)
             elif ours:

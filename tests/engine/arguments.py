@@ -247,11 +247,12 @@ class Table:
                 {"configuration": paper().configuration}, {"configuration": mmg().configuration}
             ),
             "turning_circle": Entry(
-                {"model": steered(), "rudder": 20.0, "speed": 1.0}, {"model": mmg(), "rudder": 15.0, "speed": 1.1}
+                {"model": steered(), "rudder": 20.0, "speed": 1.0},
+                {"model": mmg(), "rudder": 15.0, "speed": 1.1, "dt": 0.2, "duration": 200.0},
             ),
             "zigzag": Entry(
                 {"model": steered(), "rudder": 10.0, "heading": 10.0, "speed": 1.0},
-                {"model": mmg(), "rudder": 15.0, "heading": 8.0, "speed": 1.1},
+                {"model": mmg(), "rudder": 15.0, "heading": 8.0, "speed": 1.1, "dt": 0.2, "duration": 90.0},
             ),
             "crash_stop": Entry(
                 {"model": mmg(), "speed": 1.0, "revolutions": -8.0},

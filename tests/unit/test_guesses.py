@@ -182,7 +182,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: DTC.export("c", "dtc.h"),
         "too many positional arguments; its arguments: path",
     ),  # type: ignore[call-arg]
-    "nw.KalmanFilter": (lambda: nw.KalmanFilter, "write estimation.Estimator"),  # type: ignore[attr-defined]
     "nw.Tests": (lambda: nw.Tests, "write read_captive"),  # type: ignore[attr-defined]
     "nw.read_table(path)": (lambda: nw.read_table("tests.csv"), "give ship='ship.toml'"),  # type: ignore[attr-defined]
     "model.b_bank": (lambda: DTC.b_bank, r"write model\['b_bank'\]"),  # type: ignore[attr-defined]
@@ -210,7 +209,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "model.info()": (lambda: DTC.info(), r"write summary\(\)"),  # type: ignore[attr-defined]
     "nw.simulate(..., wind=5)": (lambda: nw.simulate(DTC, y=0.5, wind=5.0), "nw.wind_force"),
     "nw.safe_speed(model)": (lambda: nw.safe_speed(DTC), "write safe_envelope"),  # type: ignore[attr-defined]
-    "nw.turning_circle(rudder_angle=)": (lambda: nw.turning_circle(STEERED, rudder_angle=35), "in degrees for turning"),
+    "nw.simulate(rudder_angle=)": (lambda: nw.simulate(STEERED, rudder_angle=0.1), "in degrees for turning"),
     "nw.identify(method=)": (lambda: nw.identify(short_twin(), method="ols"), "mixed model of errors"),
     "nw.Autopilot(kp=)": (lambda: nw.Autopilot(kp=1.0), "Autopilot has no argument 'kp'; write gains="),  # type: ignore[call-arg]
     "nw.control.regulatr": (lambda: nw.control.regulatr, "did you mean 'regulator'"),
@@ -234,7 +233,14 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: nw.safe_envelope(STEERED, width=200.0),  # type: ignore[call-arg]
         r"write model.with_canal\(",
     ),
-    "Gnss(std=)": (lambda: nw.estimation.Gnss(std=0.5), "Gnss has no argument 'std'; write noise="),  # type: ignore[call-arg]
+    "nw.Canal(bank_slope=)": (lambda: nw.Canal(300.0, 16.0, bank_slope=0.3), "nw.equivalent_wall the wall of one"),  # type: ignore[call-arg]
+    "canal.blockage": (lambda: nw.Canal(300.0, 16.0).blockage, "under beam . draft of the ship"),  # type: ignore[attr-defined]
+    "nw.lqr(model, speed=)": (lambda: nw.lqr(KCS, Q=1, R=1, speed=1.0), r"write linear=model.linearize\(y, u\)"),  # type: ignore[attr-defined]
+    "nw.MPC(model, dt=)": (lambda: nw.MPC(KCS, dt=0.5), "write horizon=... .s. and intervals="),  # type: ignore[attr-defined]
+    "nw.rts_smoother": (lambda: nw.rts_smoother, r"smooth\(records\)"),  # type: ignore[attr-defined]
+    "nw.report.write_raport": (lambda: nw.report.write_raport, "did you mean 'write_report'"),
+    "voyage.plot(path)": (lambda: voyage().plot("v.png"), r"save\(path\) writes a file"),  # type: ignore[arg-type]
+    "outcome.success": (lambda: voyage().outcome.success, "write kind"),  # type: ignore[attr-defined]
     "loop.step()": (
         lambda: nw.control.closed_loop(KCS, nw.control.regulator(KCS, 0.0, 4.0)).step(),  # type: ignore[attr-defined]
         r"write state_space\(\) for python-control",
@@ -255,7 +261,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.turning_circle(speed_knots=)": (lambda: nw.turning_circle(KCS, speed_knots=8), "write speed=... in m/s"),  # type: ignore[call-arg]
     "nw.turning_circle(wind_speed=)": (lambda: nw.turning_circle(KCS, wind_speed=8), "its arguments: model, rudder"),  # type: ignore[call-arg]
     "nw.wind_force(wind_speed=)": (lambda: nw.wind_force(wind_speed=8.0, area=1e3), "write speed=..., of the wind"),  # type: ignore[call-arg]
-    "nw.turning_circle(rudder_deg=)": (lambda: nw.turning_circle(KCS, rudder_deg=35), "in degrees for turning"),  # type: ignore[call-arg]
     "nw.scale(scale_factor=)": (lambda: nw.scale(DTC, scale_factor=89.11), "write length=... of the other ship"),  # type: ignore[attr-defined]
     "model.to_full_scale": (lambda: DTC.to_full_scale(89.11), r"write scale\(length\)"),  # type: ignore[attr-defined]
     "model.ukc": (lambda: DTC.ukc, "write canal.depth - ship.draft"),  # type: ignore[attr-defined]
@@ -433,6 +438,10 @@ assert nw.Gnss(latency=0.4).late == 0.4 and nw.Gnss().straight and nw.Canal(300.
 assert pub.data_range.shown("speed") and pub.canal.W == pub.canal.width and voyage.outcome.reason == voyage.outcome.kind
 nw.export(pub, "dtc.py"); nw.export(fit, path="fit.h"); assert nw.WarningMonitor is nw.Monitor and nw.export.write
 assert nw.estimation.Estimator("estimated_kcs", [nw.Gnss(), nw.Gyro()]).filter.model == nw.load("estimated_kcs")
+assert nw.zigzag(kcs, rudder_deg=20, heading_deg=20, duration=600.0, dt=1.0).voyage.t[-1] <= 600.0
+assert nw.turning_circle(kcs, rudder_angle=35, time_step=1.0).advance > 0 and nw.Gnss(std=0.5).noise == 0.5
+assert nw.KalmanFilter is nw.estimation.Estimator and nw.report.make_report is nw.report.write_report
+assert fit.cov_params().loc["b_v", "b_v"] == fit.covariance[5, 5]
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""

@@ -47,6 +47,7 @@ class TowedRun:
                 raise InputError(f"run {self.name}: {name} = {getattr(self, name)} must be positive")
 
 
+@accept_aliases
 @dataclass(frozen=True)
 class HarmonicRun(TowedRun):
     """A harmonic captive test at constant speed.
@@ -116,6 +117,7 @@ class HarmonicRun(TowedRun):
         return {"x": x, "y": y, "psi": np.arcsin(slope), "u": speed, "r": bend / cosine, "rdot": rdot}
 
 
+@accept_aliases
 @dataclass(frozen=True)
 class StraightRun(TowedRun):
     """A straight captive test at constant speed, parallel to the banks.

@@ -31,6 +31,7 @@ FEEDBACK = ("y", "psi", "v", "r", "rudder", "integral")
 SCALED_WEIGHTS = np.diag([1.0, 1.0, 0.0, 0.0, 1.0, 1.0])
 
 
+@accept_aliases
 @dataclass(frozen=True)
 class RegulatorWeights:
     """Weights of a regulator by Bryson's rule, and its use of the bank force.

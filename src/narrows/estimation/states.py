@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.estimation.settings import REFERENCE_LENGTH
 from narrows.estimation.unscented import Gaussian
 from narrows.results import BaseSummary, Tabulated
@@ -127,6 +128,7 @@ class ScaledNoise:
         return cls(**{name: getattr(cls, name) * scale**power for name, power in cls.POWERS.items()})
 
 
+@accept_aliases
 @dataclass(frozen=True)
 class ProcessNoise(ScaledNoise):
     """Random walks added to the model: standard deviations after one second.
@@ -160,6 +162,7 @@ class ProcessNoise(ScaledNoise):
         return {"x": 0.0, "y": 0.0, "psi": 0.0, **walks}
 
 
+@accept_aliases
 @dataclass(frozen=True)
 class Prior(ScaledNoise):
     """Uncertainty before any measurement: standard deviations about the defaults and the model.

@@ -6,6 +6,7 @@ from itertools import product
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.captive.synthetic import HarmonicRun, Run, StraightRun, motion_of, twin
 from narrows.errors import InputError
 from narrows.identification.estimates import joint_forces
@@ -184,6 +185,7 @@ RUN_LENGTHS, MOST = 10.0, 1e5
 MOST_FROUDE, MOST_SAMPLES = 0.4, 100_000
 
 
+@accept_aliases
 @dataclass(frozen=True)
 class Tank:
     """Limits of a towing tank.

@@ -86,6 +86,12 @@ class Prediction(BaseResult):
         with np.errstate(divide="ignore", invalid="ignore"):
             return pd.DataFrame(self.covariance / np.outer(std, std), self.terms.names, self.terms.names)
 
+    def cov(self: Any) -> "pd.DataFrame":
+        """Give the covariance as a table."""
+        import pandas as pd
+
+        return pd.DataFrame(self.covariance, self.terms.names, self.terms.names)
+
     @property
     def rsquared(self: Any) -> dict[str, float]:
         """R2 of each force on the rows of the fit [1]."""

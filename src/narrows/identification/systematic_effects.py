@@ -6,6 +6,7 @@ from itertools import chain
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.errors import InputError
 from narrows.identification.force_rows import ForceRows
 from narrows.identification.mixed_model import MixedModel
@@ -62,6 +63,7 @@ class Effect:
     linear: float = np.inf  # size up to which forces follow it in proportion
 
 
+@accept_aliases
 @dataclass(frozen=True)
 class RunErrors(Aliased):
     """Prior scales of the errors that rows share; the tests then determine the size of each.

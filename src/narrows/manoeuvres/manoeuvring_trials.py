@@ -152,7 +152,10 @@ class Trials(BaseResult):
 
 
 @accept_aliases
-def turning_circle(model: Model, rudder: float = 35.0, speed: float | None = None) -> Turning:
+def turning_circle(
+    model: Model, rudder: float = 35.0, speed: float | None = None, dt: float | None = None,
+    duration: float | None = None,
+) -> Turning:  # fmt: skip
     """Simulate a turning circle in open water.
 
     Parameters
@@ -163,6 +166,10 @@ def turning_circle(model: Model, rudder: float = 35.0, speed: float | None = Non
         Angle, positive if it turns the bow to starboard.
     speed : float [m/s], optional
         Speed of the approach; default: one that suits the ship.
+    dt : float [s], optional
+        Step; default: as in ``sail_trials``.
+    duration : float [s], optional
+        Time from the order; default: 40 ship lengths at the approach speed.
 
     Raises
     ------
@@ -173,11 +180,14 @@ def turning_circle(model: Model, rudder: float = 35.0, speed: float | None = Non
     ----------
     IMO (2002), resolution MSC.137(76), Standards for ship manoeuvrability.
     """
-    return TrialShip.of(model, speed).turn(rudder)
+    return TrialShip.of(model, speed, dt, duration).turn(rudder)
 
 
 @accept_aliases
-def zigzag(model: Model, rudder: float = 10.0, heading: float = 10.0, speed: float | None = None) -> ZigzagTest:
+def zigzag(
+    model: Model, rudder: float = 10.0, heading: float = 10.0, speed: float | None = None, dt: float | None = None,
+    duration: float | None = None,
+) -> ZigzagTest:  # fmt: skip
     """Simulate a zigzag in open water.
 
     Parameters
@@ -190,6 +200,8 @@ def zigzag(model: Model, rudder: float = 10.0, heading: float = 10.0, speed: flo
         Heading change at which the rudder is reversed.
     speed : float [m/s], optional
         Speed of the approach; default: one that suits the ship.
+    dt, duration : float [s], optional
+        As for ``turning_circle``.
 
     Raises
     ------
@@ -200,7 +212,7 @@ def zigzag(model: Model, rudder: float = 10.0, heading: float = 10.0, speed: flo
     ----------
     IMO (2002), resolution MSC.137(76), Standards for ship manoeuvrability.
     """
-    return TrialShip.of(model, speed).zigzag(rudder, heading)
+    return TrialShip.of(model, speed, dt, duration).zigzag(rudder, heading)
 
 
 @accept_aliases
@@ -253,9 +265,12 @@ class TrialShip:
     speed: float
     dt: float
     notes: tuple[str, ...]
+    duration: float | None = None
 
     @classmethod
-    def of(cls, model: Model, speed: float | None, dt: float | None = None) -> "TrialShip":
+    def of(
+        cls, model: Model, speed: float | None, dt: float | None = None, duration: float | None = None
+    ) -> "TrialShip":
         u = voyage_defaults(model).speed if speed is None else finite_numbers(speed=speed)["speed"]
         if not u > 0:
             raise InputError(f"speed = {u} m/s of the approach must be over 0; give it in m/s")
@@ -270,7 +285,7 @@ class TrialShip:
             notes.append("the gear is as slow as a ship's, and this is a model's size: give [steering] its rate")
         if model.terms.has_bank:
             notes.append("the terms of the banks are left out: open water, and the depth that the others hold for")
-        return cls(ship, u, hull.length / u / STEPS_A_LENGTH if dt is None else dt, tuple(notes))
+        return cls(ship, u, hull.length / u / STEPS_A_LENGTH if dt is None else dt, tuple(notes), duration)
 
     def check(self, **angles: float) -> None:
         limit = self.model.configuration.gear.limit_deg
@@ -293,7 +308,8 @@ class TrialShip:
         return ZigzagTest(tuple(math.degrees(angle) for angle in overshoots(voyage, law)), voyage, self.notes)
 
     def sail(self, law: ControlLaw, lengths: float) -> Voyage:
-        longest = lengths * self.model.configuration.ship.length / self.speed
+        usual = lengths * self.model.configuration.ship.length / self.speed
+        longest = usual if self.duration is None else self.duration
         surge: Any = "free" if self.model.surge_inertia > 0 else "held"
         return simulate(
             self.model, u=self.speed, duration=longest, dt=self.dt, contact="none", surge=surge, controller=law

@@ -51,7 +51,7 @@ TOP = 16.0
 def figure_of(result: Any, axes: Axes | None = None) -> Figure:
     """Draw a result."""
     if axes is not None and not isinstance(axes, Axes):
-        raise InputError(f"ax = {shown(axes)} is no Axes of Matplotlib; give one, as plt.subplots() makes")
+        raise InputError(f"ax = {shown(axes)} is no Axes of Matplotlib; save(path) writes a file")
     with drawing_on(axes):
         draw = next((draw for kind, draw in FIGURES.items() if isinstance(result, kind)), None)
         if draw is None:

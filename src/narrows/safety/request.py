@@ -21,6 +21,7 @@ from narrows.simulation.grid import labelled
 Walls = tuple[float, float]
 
 
+@accept_aliases
 @dataclass(frozen=True)
 class Disturbance(Aliased):
     """Disturbances of a ship on its course, and the steady wind on that course.

@@ -121,6 +121,7 @@ def _metres(length: float) -> str:
     return f"{length:.{max(4, len(str(int(length))))}g} m"  # At least four digits, and no power of ten
 
 
+@accept_aliases
 @dataclass(frozen=True)
 class Water(Aliased):
     """The water; the default is fresh.
@@ -155,6 +156,7 @@ class Water(Aliased):
 RULE_GEAR = SteeringGear()
 
 
+@accept_aliases
 @dataclass(frozen=True, repr=False)
 class Configuration(BaseSummary):
     """A ship in its canal and water: all data of a test except the motion.

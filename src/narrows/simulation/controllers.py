@@ -92,6 +92,7 @@ class _WithoutMemory(_Law):
         return {}
 
 
+@accept_aliases
 @dataclass(frozen=True, repr=False)
 class ConstantRudder(_WithoutMemory):
     """One rudder angle, ordered at the start: a turning circle.
@@ -125,6 +126,7 @@ class ConstantRudder(_WithoutMemory):
         return {"rudder": at.angle}, {}
 
 
+@accept_aliases
 @dataclass(frozen=True, repr=False)
 class RudderSchedule(_WithoutMemory):
     """Rudder angles by time: each is ordered from its time until the next; amidships before the first.
@@ -168,6 +170,7 @@ class RudderSchedule(_WithoutMemory):
         return {"rudder": order}, {}
 
 
+@accept_aliases
 @dataclass(frozen=True, repr=False)
 class Zigzag(_Law):
     """The zigzag test: the rudder is reversed each time the heading has changed as far to the other side.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from narrows.aliases import accept_aliases
 from narrows.codegen.choices import STAGES
 from narrows.control.predictive.course_ahead import (
     FORCED,
@@ -170,6 +171,7 @@ class VoyageOrders:
         return float(plan.rates[0])
 
 
+@accept_aliases
 @dataclass(frozen=True, repr=False)
 class PredictiveHelm(BaseSummary):
     """A helm that holds an offset by linear time-varying predictive control.
