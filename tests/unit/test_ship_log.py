@@ -37,10 +37,9 @@ def test_what_is_wrong_is_said(make: object, told: str) -> None:
         make()
 
 
-def test_a_log_selects_counts_and_shows_itself() -> None:
+def test_a_log_counts_and_shows_itself() -> None:
     log = nw.ShipLog((record("A"), record("B"), record("C")))
     assert [own.name for own in log] == ["A", "B", "C"]
-    assert log.select("A", "C").names == ("A", "C")
     assert log.counts == {"x": 15, "y": 9}
     assert log.summary() == "3 records, 0.2 min together, with x, y."
     assert log[-1] is log["C"]

@@ -3,9 +3,10 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.identification.verdict import IDENTIFIED
@@ -13,9 +14,6 @@ from narrows.logbook.settings import LEARNED_TO, SHARPENED_TO
 from narrows.model.data_range import DataRange, Range
 from narrows.model.model import Model
 from narrows.results import Aliased, BaseResult
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 LEARNED, SHARPENED, PRIOR, UNRESOLVED = "learned", "sharpened", "from the prior", "unresolved"
 QUANTILE_95 = 1.959964  # Half-width of the central 95 % of a normal distribution [standard errors]
@@ -104,10 +102,8 @@ class LearnedAnswer(BaseResult):
         """Verdict on each coefficient, in a word or two."""
         return {name: c.verdict for name, c in self.coefficients.items()}
 
-    def to_dataframe(self) -> "pd.DataFrame":
+    def to_dataframe(self) -> pd.DataFrame:
         """Give the coefficients as a table: a row each, before and after."""
-        import pandas as pd
-
         known = self.coefficients
         rows = [
             (c.prior, c.prior_std, c.value, c.std, *c.interval, c.std_ratio, c.unit, c.verdict) for c in known.values()

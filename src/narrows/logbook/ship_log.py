@@ -269,16 +269,6 @@ class ShipLog(BaseResult):
             raise InputError(f"there is no record {key}: they count from 0 to {len(self) - 1}; choose another")
         return self.records[key]
 
-    def select(self, *names: str) -> "ShipLog":
-        """Return some of the records, in the order given.
-
-        Parameters
-        ----------
-        *names : str
-            Names of the records to keep.
-        """
-        return replace(self, records=tuple(self[name] for name in names))
-
     @property
     def counts(self) -> dict[str, int]:
         """Values of each signal in all records."""

@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from narrows.aliases import accept_aliases
 from narrows.errors import InputError
@@ -22,9 +23,6 @@ from narrows.quantities.names import GRAVITY
 from narrows.results import BaseResult
 from narrows.results.base_results import with_error
 from narrows.waterway import Waterway
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -105,10 +103,8 @@ class LogFindings(BaseResult):
             "summary": self.summary(), "notes": list(self.notes),
         }  # fmt: skip
 
-    def to_dataframe(self) -> "pd.DataFrame":
+    def to_dataframe(self) -> pd.DataFrame:
         """Give a row for each finding: record, check, whether it is wrong, sentence, remedy."""
-        import pandas as pd
-
         return pd.DataFrame(map(vars, self.findings), columns=["record", "check", "wrong", "sentence", "remedy"])
 
 

@@ -11,6 +11,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from scipy import special
 
 from narrows.logbook.filtering.likelihood import (
     DIFFERENCE,
@@ -201,8 +202,6 @@ class FaultTests:
 
     def tested(self, known: Sequence[int] = ()) -> list[FaultTest]:
         """Test each fault where known ones are estimated with the unknowns."""
-        from scipy.stats import t
-
         problem, count = self.found.problem, len(self.found.unknowns)
         fitted = np.array([*range(count), *known])
         whole, score = self.information, self.scores.sum(axis=0)
@@ -218,22 +217,20 @@ class FaultTests:
             size = float(score @ direction / left)
             variance, freedom = self._variance(place, direction, size, left)
             error = np.sqrt(variance) / left
-            probability = min(1.0, 2 * float(t.sf(abs(size / error), freedom)) * fault.tries)
+            probability = min(1.0, 2 * float(special.stdtr(freedom, -abs(size / error))) * fault.tries)
             tests.append(FaultTest(place, fault, record, size, float(error), probability))
         return tests
 
     def mended(self, test: FaultTest) -> tuple[np.ndarray, float]:
         """Return how far the coefficients move where a fault is mended, and how likely they are by their prior."""
         # (p,) in standard errors after the log; the probability of coefficients as far from their prior
-        from scipy.stats import chi2
-
         problem, count = self.found.problem, len(self.found.unknowns)
         kinds = [(*fault[:2], record) for fault, record in self.faults]
         place = count + kinds.index((*test.fault[:2], test.record))  # The test may be of another filter.
         covariance = np.linalg.inv(self.information[:count, :count])
         shift = (-test.size * covariance @ self.information[:count, place])[: problem.count]
         after = self.found.scaled + shift
-        probability = float(chi2.sf(after @ problem.prior.precision @ after, problem.count))
+        probability = float(special.chdtrc(problem.count, after @ problem.prior.precision @ after))
         return shift / np.sqrt(np.diag(covariance))[: problem.count], probability
 
     def _variance(self, place: int, direction: np.ndarray, size: float, left: float) -> tuple[float, float]:

@@ -3,15 +3,13 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from narrows.errors import InputError
 from narrows.logbook.ship_log import MEETING, TURNING, ShipRecord, Signal
-
-if TYPE_CHECKING:
-    from narrows.waterway.waterway import Waterway
+from narrows.waterway import Waterway
 
 CURRENTS = ("current_x", "current_y")  # The current along the axes [m/s], which enters signals over ground
 # How much an actuator's position is truly above what is recorded or usual: [rad] to starboard, [1/s].
@@ -218,7 +216,7 @@ def _readings(name: str, signal: Signal, times: np.ndarray, whole: np.ndarray) -
     return Readings(values[kept], before[kept], (position - before)[kept], counted[kept])
 
 
-def first_guess(grid: RecordGrid, waterway: "Waterway | None") -> np.ndarray:
+def first_guess(grid: RecordGrid, waterway: Waterway | None) -> np.ndarray:
     """Return the states at the start of each step, smoothed from the readings alone, (n, 6)."""
     from scipy.ndimage import median_filter
     from scipy.signal import savgol_filter

@@ -7,7 +7,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -25,9 +25,7 @@ from narrows.logbook.ship_log import ShipLog, ShipRecord
 from narrows.model.model import Model
 from narrows.model.sections import Source
 from narrows.progress import stage
-
-if TYPE_CHECKING:
-    from narrows.waterway import Waterway
+from narrows.waterway import Waterway
 
 RUNS_AWAY = (
     "the model cannot follow this log at all: its motion goes to infinity; look at signs and axes with `check_log`"
@@ -43,7 +41,7 @@ A_DATE = 1e8  # Times after this one count from 1970 [s]
 def learn(
     model: Model, log: Any, *, free: Sequence[str] = (), sensors: str | SensorGrade = "vdr",
     spread: Spread | None = None, gusts: bool | None = None, asymmetry: bool | None = None,
-    waterway: "Waterway | None" = None, **choices: Any,
+    waterway: Waterway | None = None, **choices: Any,
 ) -> LogFit:  # fmt: skip
     """Learn from what a ship did under its own helm: zigzags, turning circles, transits of a canal.
 

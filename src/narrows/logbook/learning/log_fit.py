@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.optimize import least_squares
 
 from narrows.logbook.filtering.likelihood import FIRST_PASSES, RecordLikelihood, RecordPath, RecordScore, SearchResult
 from narrows.logbook.filtering.log_problem import CURRENT, INPUTS, PUSHES, LogProblem, StochasticModel
@@ -131,8 +132,6 @@ def forecast(
 
 def whole_record_error(problem: LogProblem, scaled: np.ndarray, grid: RecordGrid, path: RecordPath) -> float:
     """Return the root mean square heading error over a whole record, with a fitted start [rad]."""
-    from scipy.optimize import least_squares
-
     if "psi" not in grid.readings:
         return np.nan
     motion, read, scales = problem.at(scaled)[0], grid.readings["psi"], problem.scales
@@ -173,8 +172,6 @@ def nomoto_errors(grids: Iterable[RecordGrid], time: float) -> list[float]:
     """Return the root mean square heading error [rad] of each record by a Nomoto model fitted to all others."""
     # time [s] of a ship length. The model of an only record is fitted to itself. Starts are fitted too. NaN without
     # rudder or heading.
-    from scipy.optimize import least_squares
-
     scale = np.array([1.0, 0.01, time, time**2, time**3]) / time**2
     first = np.array([USUAL_TURN, 0.0, -1.0, 0.0, -4.0])
 

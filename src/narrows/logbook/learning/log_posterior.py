@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy import special
 
 from narrows.errors import InputError, did_you_mean
 from narrows.logbook.filtering.likelihood import SearchResult
@@ -125,9 +126,7 @@ class LogPosterior:
     @property
     def probability(self) -> float:
         """Probability of at least this disagreement if log and prior are of one ship."""
-        from scipy.stats import chi2
-
-        return float(chi2.sf(self.disagreement, max(self.freedom, 1)))
+        return float(special.chdtrc(max(self.freedom, 1), self.disagreement))
 
 
 def log_posterior(
@@ -206,13 +205,13 @@ def posterior_mean(found: SearchResult) -> tuple[np.ndarray, np.ndarray]:
     # integration; Owen, Zhou (2000), Safe and effective importance sampling: fixed points of low discrepancy. Motion
     # determines forces over inertia. In these the likelihood is nearly quadratic, in forces and inertias it is not:
     # under a wide prior the mode lies below the mean in all of them.
-    from scipy import special, stats
+    from scipy.stats import qmc
 
     problem, mode, information = found.problem, found.unknowns, found.information
     covariance = problem.covariance(information)
     if not problem.inertia[:, 1:].any():
         return mode, covariance
-    sobol = stats.qmc.Sobol(len(mode), seed=SEED).random(POINTS)
+    sobol = qmc.Sobol(len(mode), seed=SEED).random(POINTS)
     normal = WIDER * special.ndtri(np.clip(sobol, 1e-9, 1 - 1e-9))
     drawn = mode + normal @ np.linalg.cholesky(covariance).T
     (over, lighter), aside = _over_inertia(problem, drawn, mode), DIFFERENCE * np.eye(len(mode))

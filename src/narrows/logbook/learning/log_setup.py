@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice, pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -30,10 +30,8 @@ from narrows.logbook.ship_log import ShipLog, ShipRecord, Signal
 from narrows.model.model import Model
 from narrows.quantities.names import DEGREE
 from narrows.simulation.initial_state import steady_revolutions
+from narrows.waterway import Waterway
 from narrows.waterway.centreline import check_along_only
-
-if TYPE_CHECKING:
-    from narrows.waterway import Waterway
 
 # Length of a step, in times of a ship length; in a basin, where the kinks of a rudder in a zigzag matter more.
 STEP, BASIN_STEP = 1 / 25, 1 / 40
@@ -198,7 +196,7 @@ class LogSetup:
 
 def log_problem(
     model: Model, log: Any, sensors: str | SensorGrade, *, free: Sequence[str] = (), spread: Spread | None = None,
-    gusts: bool | None = None, asymmetry: bool | None = None, waterway: "Waterway | None" = None, pilot: bool = False,
+    gusts: bool | None = None, asymmetry: bool | None = None, waterway: Waterway | None = None, pilot: bool = False,
     **choices: Any,
 ) -> LogSetup:  # fmt: skip
     records = log_records(log, waterway)
@@ -231,7 +229,7 @@ def log_problem(
     return LogSetup(assumptions.problem(motion, prior, inertia), records, assumptions)
 
 
-def log_records(log: Any, waterway: "Waterway | None") -> Iterable[ShipRecord]:
+def log_records(log: Any, waterway: Waterway | None) -> Iterable[ShipRecord]:
     """Return the records of a log, a path, a table, a voyage, or of what has records."""
     if isinstance(log, ShipLog | StreamedLog):
         return log

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +15,6 @@ from narrows.quantities.names import Quantity
 from narrows.results import BaseSummary
 from narrows.safety.request import wind_force
 from narrows.ship.checks import check_sizes
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 # Readings of a leg.
 READ = {
@@ -114,16 +111,6 @@ class SteadyReadings(BaseSummary):
         y, u = self.values["y"], self.values["u"]
         speeds = " to ".join(dict.fromkeys(f"{end:.3g}" for end in (u.min(), u.max())))
         return f"{len(self)} legs from {y.min():+.3g} to {y.max():+.3g} m off the middle at {speeds} m/s"
-
-    def to_dataframe(self) -> "pd.DataFrame":
-        """Give them as a table, angles in degrees."""
-        import pandas as pd
-
-        columns = {**self.values, **{f"{name}_error": value for name, value in self.errors.items()}}
-        table = pd.DataFrame(columns, index=pd.Index(self.legs, name=LABEL))
-        angles = [name for name in columns if COLUMNS[name].unit == "rad"]
-        table[angles] = np.degrees(table[angles])
-        return table.rename(columns={name: f"{name}_deg" for name in angles})
 
 
 def steady_readings(table: Any, errors: ReadingErrors | None = None) -> SteadyReadings:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -24,9 +24,7 @@ from narrows.progress import bar, is_shown
 from narrows.quantities.names import KNOT
 from narrows.results import Tabulated
 from narrows.simulation.inputs import check_waterway, finite_numbers
-
-if TYPE_CHECKING:
-    from narrows.waterway.waterway import Waterway
+from narrows.waterway import Waterway
 
 TRANSITS = (1, 5, 20)
 LEAST_GUST_SHARE = 0.01  # Least assumed strength of gusts over the usual one [1]
@@ -94,7 +92,7 @@ class InformationForecast(Tabulated):
 
 @accept_aliases
 def predict_information(
-    model: Model, waterway: "Waterway | None" = None, sensors: str | SensorGrade = "vdr",
+    model: Model, waterway: Waterway | None = None, sensors: str | SensorGrade = "vdr",
     transits: int | Sequence[int] = TRANSITS, *, u: float | None = None, duration: float | None = None,
     targets: Sequence[str] = (), conditions: TransitConditions | None = None, seed: int = 0,
 ) -> InformationForecast:  # fmt: skip
@@ -156,7 +154,7 @@ def predict_information(
 
 
 def _plan(
-    model: Model, waterway: "Waterway | None", u: float | None, duration: float | None, conditions: TransitConditions
+    model: Model, waterway: Waterway | None, u: float | None, duration: float | None, conditions: TransitConditions
 ) -> TransitTwin:
     speed = float(usual_speeds(model)[0]) if u is None else finite_numbers(u=u)["u"]
     if speed <= 0:

@@ -4,7 +4,7 @@ import math
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -24,9 +24,7 @@ from narrows.simulation.controllers import Order, VoyageState
 from narrows.simulation.grid import correlated
 from narrows.simulation.initial_state import self_propulsion
 from narrows.simulation.voyage import Voyage, simulate
-
-if TYPE_CHECKING:
-    from narrows.waterway.waterway import Waterway
+from narrows.waterway import Waterway
 
 
 @dataclass(frozen=True, repr=False)
@@ -100,7 +98,7 @@ class TransitPilot:
     u: float  # [m/s]
     times: np.ndarray  # (n,) [s]
     aims: np.ndarray  # (n,) Where it wants to be, straight between these times [m]
-    waterway: "Waterway | None" = None  # Whose bends it follows
+    waterway: Waterway | None = None  # Whose bends it follows
 
     @cached_property
     def courses(self) -> np.ndarray:
@@ -157,7 +155,7 @@ class TransitTwin:
     u: float  # Through the water [m/s]
     duration: float = 2400.0  # [s]
     conditions: TransitConditions = field(default_factory=TransitConditions)  # Wind, gusts, and wander of the aim
-    waterway: "Waterway | None" = None  # Instead of the model's own canal
+    waterway: Waterway | None = None  # Instead of the model's own canal
 
     def sailed(self, seed: int) -> Voyage:
         draw, conditions = np.random.default_rng((seed, 11)), self.conditions
