@@ -62,7 +62,6 @@ class Actuated:
 
     @property
     def controls(self) -> tuple[str, ...]:
-        """Names of its position in the terms."""
         return (f"cos_{self.name}", f"sin_{self.name}") if self.angle else (self.name,)
 
     @property

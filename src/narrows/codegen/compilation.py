@@ -105,7 +105,6 @@ class Body:
         self.compiler, self.builder, self.scope, self.lane = compiler, builder, scope, lane
 
     def run(self, statements: Sequence[ast.stmt]) -> Value:
-        """Write statements, and return what they return."""
         for statement in statements:
             match statement:
                 case ast.Return():
@@ -231,7 +230,6 @@ class Body:
         return self.builder.call(function, given, fastmath=FAST)
 
     def _entry(self, table: Value, column: int, cell: Value) -> Value:
-        """Read a column of the table of a waterway, lane by lane."""
         if not _is_vector(cell):
             return self._read(table, cell, column)
         out = ir.Constant(VECTOR, ir.Undefined)
@@ -297,7 +295,6 @@ class CompilationBar(event.Listener):  # type: ignore[misc]
         self.advance: Callable[[int], None] = lambda done: None
 
     def on_start(self, event: Any) -> None:
-        """Start the bar with the outermost function."""
         if (total := FUNCTIONS.get(_file(event))) is None:
             return
         if self.depth == 0:
@@ -310,7 +307,6 @@ class CompilationBar(event.Listener):  # type: ignore[misc]
         self.depth += 1
 
     def on_end(self, event: Any) -> None:
-        """Count a function; close the bar with the outermost."""
         if _file(event) in FUNCTIONS:
             self.advance(_file(event) == self.file)  # Shared functions belong to no file's count
             self.depth -= 1

@@ -91,7 +91,6 @@ def slope(value: Expr, by: Expr) -> Expr:
 def jacobian_text(
     motion: FreeMotion, names: Sequence[str], actuators: Sequence[Actuated], section: Sequence[str]
 ) -> str:
-    """Write the derivatives of the motion as functions of values and constants."""
     rates = Rates(motion, arguments(actuators, section)[len(STATE) :], pushed=True)
     lines = Lines()
     values = {name: real(name) for name in (*STATE, *rates.moving)}

@@ -40,7 +40,6 @@ def plain_text(choices: Choices, rates: Rates) -> str:
 
 
 def _function(name: str, lines: Lines, out: Mapping[str, Expr], first: tuple[str, ...], *table: str) -> str:
-    """Return a function and the names of its arguments after the first ones."""
     program, results = lines.needed_for(list(out.values())).assignments, [*out.values()]
     rest = tuple(sorted({*asked_by(program, results)} - {*first}))
     text = function_text(name, (*table, *first, *rest), program, results)
@@ -83,7 +82,6 @@ class Lanes:
         return f"block[{first * (name in self.choices.kept)}{self.layout.fields[name]}, lane]"
 
     def end_texts(self) -> Iterator[str]:
-        """Write the clearance of one lane and its margins to every end but a bank."""
         state, own, ends = {name: real(name) for name in STATE}, Lines(), Lines()
         for name, lines, results, first in (
             ("clearance_of", own, least_clearance(own, self.choices, state), ""),
@@ -111,7 +109,6 @@ class Lanes:
             yield from self._close()
 
     def _close(self) -> Iterator[str]:
-        """Store the state before the step and after it, and whether the lane continues."""
         out = {name: plain.doprint(sympy.sympify(value)) for name, value in self.step.out.items()}
         yield from (f"{self.place(f'old {name}')} = {name}" for name in self.choices.kept)
         yield f"clearance_before = {self.place('clearance')}"

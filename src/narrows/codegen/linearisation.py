@@ -17,12 +17,10 @@ LINEARISED = ("x", "y", "psi", "u", "v", "r")
 
 
 def controlled(actuators: Sequence[Actuated]) -> tuple[str, ...]:
-    """Return the inputs of a linearised model: external forces and positions of actuators."""
     return (*INPUTS.values(), *(actuator.name for actuator in actuators))
 
 
 def arguments(actuators: Sequence[Actuated], section: Sequence[str] = ()) -> tuple[str, ...]:
-    """Return the arguments of the generated functions before the constants: state, external forces, controls."""
     return (*STATE, *INPUTS.values(), *(name for actuator in actuators for name in actuator.controls), *section)
 
 
@@ -64,7 +62,6 @@ class Linearisation:
         return derivatives
 
     def state(self, at: Mapping[str, Number]) -> np.ndarray:
-        """Differentiate the rates of x, y, psi, u, v, r by x, y, psi, u, v, r: (..., 6, 6)."""
         return self.linear(at)[..., : len(LINEARISED)]
 
     def coefficients(self, at: Mapping[str, Number]) -> np.ndarray:

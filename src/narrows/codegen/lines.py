@@ -74,7 +74,6 @@ class Lines:
 
     @property
     def assignments(self) -> list[Assignment]:
-        """Return the lines without the cuts."""
         return [line for line in self.program if line is not None]
 
     def needed_for(self, results: Sequence[Expr]) -> "Lines":
@@ -196,7 +195,6 @@ class LaneFields:
 
     @cached_property
     def _last_use(self) -> dict[str, int]:
-        """The last round in which each number is read."""
         last = {name: number for number, part in enumerate(self.parts) for _, value in part for name in names_in(value)}
         return last | {name: len(self.parts) - 1 for value in self.results for name in names_in(value)}
 
@@ -224,6 +222,5 @@ class LaneFields:
         return set(asked_by(self.parts[number], self.results if number == len(self.parts) - 1 else ()))
 
     def stored(self, number: int) -> list[str]:
-        """Return the numbers that later rounds need, in alphabetical order."""
         made = {str(target) for target, _ in self.parts[number]}
         return sorted(name for name in made if self._last_use.get(name, -1) > number)

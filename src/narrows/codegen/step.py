@@ -157,7 +157,6 @@ def _pushes(lines: Lines, choices: Choices, z: Mapping[str, Expr]) -> dict[str, 
 def section_here(
     lines: Lines, rates: Rates, choices: Choices, values: Mapping[str, Expr], tag: str
 ) -> tuple[dict[str, Expr], dict[str, Expr]]:
-    """Write the local straight canal at the ship, and the waterway there by column."""
     columns = ("starboard", "port", *(("depth",) if rates.depend_on("depth") else ()), "curvature", "flow")
     columns += FIELD * (choices.across == "field")
     now = section_at(lines, choices, values["x"], columns, f"stage{tag}")

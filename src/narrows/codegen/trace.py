@@ -106,7 +106,6 @@ class Trace:
 
     @cached_property
     def text(self) -> str:
-        """The whole trace as text, equal for equal functions."""
         body = [f"{number} = {' '.join(line)}" for number, line in enumerate(self.lines)]
         return "\n".join([*body, *(f"{name} = {line}" for name, line in self.results.items())])
 
@@ -141,7 +140,6 @@ class Trace:
 
 
 def trace_of_terms(table: TermTable) -> Trace:
-    """Record the regressors of a table, one result per term."""
     notes, _, results = notes_of_terms(table)
     return Trace(tuple(notes.lines), results)
 

@@ -27,8 +27,6 @@ LEAST_ERROR = 0.1  # Least error of a formula: limits its weight where few ships
 
 @dataclass(frozen=True)
 class Uncertain:
-    """An estimated number and its standard deviation."""
-
     value: float
     std: float
 
@@ -68,8 +66,6 @@ def tail_factor(degrees: float) -> float:
 
 @dataclass(frozen=True)
 class Calibration:
-    """Errors of the formulas on known ships."""
-
     ships: tuple[KnownShip, ...] = KNOWN_SHIPS
 
     @cached_property

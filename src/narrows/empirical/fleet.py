@@ -23,8 +23,6 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class EstimatedShip:
-    """A ship with printed particulars for an estimate."""
-
     ship: Ship
     canal: Canal
     kind: str

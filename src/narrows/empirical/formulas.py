@@ -21,8 +21,6 @@ from narrows.quantities.names import Number
 
 @dataclass(frozen=True)
 class Hull:
-    """Ratios of a hull for the formulas."""
-
     length_to_beam: Number  # L/B
     beam_to_draft: Number  # B/T
     block_coefficient: Number  # C_B
@@ -57,8 +55,6 @@ AGREE, ALONE = "independent transcriptions agree", "unverified: one transcriptio
 
 @dataclass(frozen=True)
 class Formula:
-    """One formula for one coefficient."""
-
     coefficient: str  # Name in the table of terms, or a particular of propeller or rudder
     source: str
     law: Callable[[Hull], Number]
@@ -209,7 +205,6 @@ class KnownShip:
     errors: Mapping[float, Mapping[str, float]] = field(default_factory=dict)
 
     def relative_error(self, name: str, ratio: float) -> float:
-        """Relative standard error of a prime [1]."""
         return self.errors.get(ratio, {}).get(name, 0.0)
 
 

@@ -152,7 +152,6 @@ def _depths_of(depth_to_draft: float) -> tuple[float, float]:
 
 
 def hull_of(ship: Ship) -> Hull:
-    """Return the ratios of a hull for the formulas."""
     return Hull(
         ship.length / ship.beam, ship.beam / ship.draft, ship.block_coefficient, (ship.x_g or 0.0) / ship.length
     )
@@ -233,7 +232,6 @@ def _assembled(
 def _sentences(
     ship: Ship, filled: list[str], parts: list[str], usual: str, service: float, hull: Hull, depth_to_draft: float
 ) -> list[str]:
-    """Describe the basis of the estimate and the assumed values."""
     sentences = [
         f"The model is estimated from main dimensions ({ship.length:.4g} x {ship.beam:.4g} x {ship.draft:.4g} m, block "
         f"coefficient {ship.block_coefficient:.3g}), not from tests of this ship."
@@ -263,7 +261,6 @@ SHAPES = {"L/B": (2.5, 15.0), "B/T": (1.2, 15.0), "block coefficient": (0.3, 0.9
 
 
 def check_types(ship: object, canal: object, water: object, **parts: object) -> None:
-    """Raise if an argument is of another type; parts may be missing."""
     if not isinstance(ship, Ship | Mapping):
         raise InputError(f"ship = {shown(ship)} is no ship; give nw.Ship(length, beam, draft, block_coefficient)")
     types = {"canal": Canal, "water": Water, "propeller": Propeller, "rudder": Rudder, "steering": SteeringGear}
@@ -291,7 +288,6 @@ def check_shape(ship: Ship) -> None:
 
 
 def check_speed(speed: Any, ship: Ship, kind: ShipType) -> None:
-    """Raise if the service speed is none, or in knots."""
     if not is_finite(speed):
         remedy = speed_hint(speed) or "; give it in m/s"
         raise InputError(f"a service speed of {shown(speed)} is not a finite number{remedy}")

@@ -20,8 +20,6 @@ LARGEST_FROUDE = 0.35  # Beyond it wave resistance dominates, which is not estim
 
 @dataclass(frozen=True)
 class ShipType:
-    """Usual values of a type of ship."""
-
     words: str
     block_coefficient: float
     length_to_beam: float
@@ -152,7 +150,6 @@ def with_astern_thrust(propeller: Propeller) -> Propeller:
 
 
 def balanced_revolutions(ship: Ship, hull: Hull, propeller: Propeller, speed: float) -> float:
-    """Return the revolutions at which thrust balances resistance straight ahead [1/s]."""
     needed = resistance_prime(ship, speed) * 0.5 * ship.length * ship.draft * speed**2 / (1 - thrust_deduction(hull))
     inflow, size = speed * (1 - propeller.wake), propeller.diameter
     # thrust/rho = D^4 k_0 n^2 + D^3 k_1 u n + D^2 k_2 u^2

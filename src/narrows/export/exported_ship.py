@@ -263,7 +263,6 @@ class ExportedShip:
 
     @cached_property
     def inputs(self) -> tuple[ExportedNumber, ...]:
-        """Inputs that a caller may change from step to step."""
         return tuple(self._input(name) for name in self.input_names)
 
     def _input(self, name: str) -> ExportedNumber:

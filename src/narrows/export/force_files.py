@@ -39,7 +39,6 @@ RESULTS = ("Y", "N", "Y_variance", "N_variance")
 
 
 def force_program(model: Model) -> Program:
-    """Return the lines of sway force, yaw moment and their variances, by ``ASKED``."""
     if not model.has_bank:
         raise InputError(model.bank_note)
     trace, values = trace_of_terms(model.terms), {**model.configuration.values(), **dict.fromkeys(MOTION, 0.0)}

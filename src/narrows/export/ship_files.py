@@ -230,7 +230,6 @@ def python_text(exported: ExportedShip) -> str:
 
 
 def matlab_text(exported: ExportedShip) -> str:
-    """Return the rates of a ship as a function of MATLAB, with the states in the order of MSS."""
     language = Matlab()
     order = [one.name for one in _states_of_mss(exported)]
     where = {name: f"x({number})" for number, name in enumerate(order, 1)}
@@ -263,7 +262,6 @@ def matlab_text(exported: ExportedShip) -> str:
 
 
 def _orders_first(exported: ExportedShip) -> list[tuple[str, ExportedNumber]]:
-    """Return the inputs in the order of MSS, each with its name in the lines."""
     pairs = zip(exported.input_names, exported.inputs, strict=True)
     return sorted(pairs, key=lambda pair: pair[0] in INPUTS.values())
 

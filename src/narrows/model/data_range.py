@@ -123,7 +123,6 @@ def tolerated(covered: Range) -> Range:
 
 
 def measure_of(name: str, values: Number, measures: Mapping[str, Measure] = MEASURES) -> Measure:
-    """Return the measure of a quantity; for speeds below 0 that of motion astern."""
     return ASTERN if name == "speed" and np.any(np.asarray(values) < 0) else measures[name]
 
 

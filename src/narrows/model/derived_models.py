@@ -206,7 +206,6 @@ def borrow_rudder(model: Model, lender: Model) -> Model:
 
 
 def _helm(terms: TermTable) -> list[str]:
-    """Names of a rudder's terms in a table."""
     return [term.name for helm in additions.helm_terms(terms).values() for term in helm]
 
 

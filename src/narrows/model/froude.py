@@ -291,7 +291,6 @@ SYSTEMS = get_args(System)
 
 
 def units_of(configuration: Configuration, system: System, speed: float | None = None) -> Units:
-    """Return the units of a nondimensional system."""
     # SNAME (1950), Nomenclature for treating the motion of a submerged body through a fluid; Norrbin (1970) for bis.
     ship, density = configuration.ship, configuration.water.density
     if system not in SYSTEMS:

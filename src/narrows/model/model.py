@@ -140,7 +140,6 @@ class Model(Configured, Operations):
         return f"<Model of {self.ship.name}: {len(self.coefficients)} coefficients of the terms {self.terms.name}>"
 
     def __eq__(self, other: object) -> bool:
-        """Return whether another model has the same ship, terms, numbers and source."""
         if not isinstance(other, Model):
             return NotImplemented
         return all(np.array_equal(getattr(self, own.name), getattr(other, own.name)) for own in fields(self))

@@ -44,7 +44,6 @@ def sections_of(
     configuration: Configuration, terms: TermTable, coefficients: Mapping[str, float], covariance: np.ndarray | None,
     data_range: DataRange, source: Source, verdicts: Mapping[str, str],
 ) -> dict[str, Any]:  # fmt: skip
-    """Return the sections of a model file from the model's fields."""
     parts = {**{name: getattr(configuration, name) for name in PARTS}, **configuration.parts}
     tables: dict[str, Any] = {name: _without_none(asdict(part)) for name, part in parts.items()}
     for (section, key), note in assumptions(configuration.water).items():

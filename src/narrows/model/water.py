@@ -46,7 +46,6 @@ def water_under_way(values: Mapping[str, Number], speed: Number) -> WaterUnderWa
 
 
 def speeds_afloat(values: Mapping[str, Number]) -> SpeedsAfloat:
-    """Return the speeds through the water that end the voyage of a ship by its particulars and section."""
     length, beam, draft, block = (values[name] for name in ("length", "beam", "draft", "block_coefficient"))
     width, depth = values["width"], values["depth"]
     mean = maximum(depth - draft, 0.0) / formulas.deeper_end(block)
@@ -64,7 +63,6 @@ def is_full(block_coefficient: Number) -> Number:
 
 
 def displacement(configuration: Configuration) -> float:
-    """Return the mass of the water that a ship displaces at rest [kg]."""
     ship = configuration.ship
     return configuration.water.density * ship.length * ship.beam * ship.draft * ship.block_coefficient
 
@@ -75,7 +73,6 @@ def wetted_surface(ship: Ship) -> float:
 
 
 def ship_mass(configuration: Configuration) -> float:
-    """Return the mass of a ship, estimated from its displacement if not given [kg]."""
     return configuration.ship.mass or displacement(configuration)
 
 

@@ -12,8 +12,6 @@ Number = Any
 
 
 class Quantity(NamedTuple):
-    """Unit and meaning of a name."""
-
     unit: str  # SI unit
     meaning: str  # Meaning in words
 
@@ -59,7 +57,6 @@ REGRESSOR_INPUTS = MOTION | PARTICULARS
 
 
 def argument_names(function: Callable[..., Number]) -> tuple[str, ...]:
-    """Return the names of a function's arguments, in order."""
     stated: tuple[str, ...] | None = getattr(function, "inputs", None)
     if stated is not None:
         return stated
@@ -72,7 +69,6 @@ def _parameters(function: Callable[..., Number]) -> tuple[str, ...]:
 
 
 def name_of(function: Callable[..., Number]) -> str:
-    """Return the printed name of a function."""
     return str(getattr(function, "name", "") or getattr(function, "__name__", type(function).__name__))
 
 

@@ -49,7 +49,6 @@ TOP = 16.0
 
 
 def figure_of(result: Any, axes: Axes | None = None) -> Figure:
-    """Draw a result."""
     if axes is not None and not isinstance(axes, Axes):
         raise InputError(f"ax = {shown(axes)} is no Axes of Matplotlib; save(path) writes a file")
     with drawing_on(axes):
@@ -60,7 +59,6 @@ def figure_of(result: Any, axes: Axes | None = None) -> Figure:
 
 
 def residuals_figure(fit: Fit, axes: Axes | None = None, force: str | None = None) -> Figure:
-    """Draw the residuals of a fit over its estimates."""
     fitted = [name for name, terms in fit.terms.forces.items() if terms]
     if force is not None:
         check_choice("force", force, fitted)

@@ -63,7 +63,6 @@ def force_residuals_figure(fit: Fit, forces: list[str]) -> Figure:
 
 
 def left_out_figure(fit: Fit, tests: CaptiveTests) -> Figure:
-    """Draw measured forces against predictions from the other motions."""
     values = {**tests.configuration.values(), **tests.columns}
     without = fit.problem.fits(fit.motions.without)
     motion = {name: i for i, members in enumerate(fit.motions.members) for name in members}
@@ -270,6 +269,5 @@ def motions_figure(tests: CaptiveTests) -> Figure:
 
 
 def boundaries(panel, tests: CaptiveTests) -> None:  # type: ignore[no-untyped-def]
-    """Draw where one test ends and the next begins."""
     across = {"transform": panel.get_xaxis_transform(), "color": GREY, "linestyles": "--", "linewidth": 0.4}
     panel.vlines(tests.starts[1:-1], 0, 1, **across)

@@ -32,7 +32,6 @@ MOST_ROWS, MOST_NOTES = 9, 6
 
 
 def console_of(least: int = 0) -> Console:
-    """Return a console with a least width in characters, however narrow the terminal is."""
     console = Console(highlight=False, markup=False)
     if least:
         console.width = max(console.width, least)
@@ -145,7 +144,6 @@ ESTIMATE_COLUMNS = {"": "{index}", "estimate": "{value:.3g}", "std": "{std:.2g}"
 
 
 def estimate_summary(model: "Model") -> dict[str, Any]:
-    """Return estimated coefficients with their standard deviations as plain values."""
     table = model.to_dataframe()
     return {
         "coefficients": table[["value", "std", "unit"]].to_dict("index"),
@@ -336,7 +334,6 @@ def heading(fit: "Fit", label: str) -> str:
 
 
 def kkt_sentence(fit: "Fit") -> str:
-    """Return whether the solution is optimal, in words."""
     kkt = fit.solution.kkt
     worst = max(kkt)
     verb = "hold" if kkt.satisfied else "FAIL"

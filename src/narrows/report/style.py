@@ -53,7 +53,6 @@ _GIVEN: ContextVar[Axes | None] = ContextVar("given axes", default=None)
 
 @contextmanager
 def drawing_on(axes: Axes | None) -> Iterator[None]:
-    """Draw figures of one panel on the caller's axes."""
     token = _GIVEN.set(axes)
     try:
         yield

@@ -55,7 +55,6 @@ class Result(Protocol):
 
 
 def table_has(name: str) -> bool:
-    """Return whether data frames have a method of this name."""
     import pandas as pd
 
     return hasattr(pd.DataFrame, name)
@@ -250,7 +249,6 @@ def same_content(result: Any, other: Any) -> bool:
 
 
 def shortened(text: str, most: int = 120) -> str:
-    """Return the first line of a text, shortened if it is long."""
     line = text.partition("\n")[0].rstrip(".")
     return line if len(line) <= most else f"{line[: most - 3]}..."
 
@@ -307,5 +305,4 @@ def with_error(value: float, error: float) -> str:
 
 
 def interval(ends: tuple[float, float], std: float) -> str:
-    """Write an interval to the second digit of a standard error."""
     return f"{readable(ends[0], std)} to {readable(ends[1], std)}"

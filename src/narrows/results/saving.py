@@ -103,7 +103,6 @@ def csv_of(frame: Any, **options: Any) -> str:
 
 # The one conversion of results to JSON.
 def plain(value: Any) -> Any:
-    """Return a value that JSON supports: None for NaN and infinity, lists for arrays."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if value is None or isinstance(value, str | bool | int):

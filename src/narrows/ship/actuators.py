@@ -302,7 +302,6 @@ class Actuator:
 
     @property
     def particulars(self) -> dict[str, Quantity]:
-        """Particulars of the terms from its sections of a ship file."""
         return {
             part.known_as(number): quantity
             for part in self.parts
@@ -313,11 +312,9 @@ class Actuator:
 
     @property
     def quantities(self) -> dict[str, Quantity]:
-        """All its quantities for terms."""
         return self.controls | self.particulars
 
     def placed(self, position: Number) -> dict[str, Number]:
-        """Return a position as quantities of the terms."""
         if not self.angle:
             return {self.name: position}
         return {f"cos_{self.name}": np.cos(position), f"sin_{self.name}": np.sin(position)}
@@ -339,7 +336,6 @@ STANDARD = (RUDDER, PROPELLER)
 
 
 def particulars_with(actuators: Iterable[Actuator] = ()) -> dict[str, Quantity]:
-    """Return unit and meaning of every particular of ship, canal, water and actuators."""
     return {
         **PARTICULARS,
         **{name: quantity for actuator in (*STANDARD, *actuators) for name, quantity in actuator.particulars.items()},

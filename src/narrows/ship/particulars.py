@@ -334,7 +334,6 @@ def equivalent_wall(profile: Sequence[Point], depth: float) -> float:
 
 
 def keel_wall(profile: Sequence[Point], clearance: float) -> float:
-    """Return the distance at which a keel meets a bank [m]: the bank is as high as the clearance there."""
     # profile (m, m); clearance [m]
     for (start, low), (stop, high) in pairwise(profile):
         if high >= clearance:

@@ -23,7 +23,6 @@ ShipSource = str | Path | Configuration | Mapping[str, Any]
 
 
 def ship_from(source: ShipSource, actuators: Iterable[Actuator] = ()) -> Configuration:
-    """Return ship, canal and water from any of these sources."""
     if isinstance(source, Configuration):
         return source
     if isinstance(source, Mapping):

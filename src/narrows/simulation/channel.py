@@ -58,7 +58,6 @@ class Channel:
         return {"width": starboard + port, "depth": depth}
 
     def codes(self, ends: Any, x: Any) -> np.ndarray:
-        """Return the codes of ends, by what the ship met and where [m]."""
         ends = np.asarray(ends)
         choked = self.chokes
         if math.isfinite(self.length):

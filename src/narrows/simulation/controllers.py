@@ -80,7 +80,6 @@ class _Law(BaseSummary):
     parameters, memory, orders = ControlLaw.parameters, ControlLaw.memory, ControlLaw.orders
 
     def summary(self) -> str:
-        """Describe its numbers."""
         numbers = {
             name: f"{v:.4g}" if isinstance(v, float) else " ".join(str(v).split()) for name, v in vars(self).items()
         }

@@ -209,7 +209,6 @@ def _picked(value: xr.DataArray, grid: Grid, places: np.ndarray) -> Any:
 
 
 def _beyond(run: KernelRun, grid: Grid, voyages: xr.Dataset) -> Iterator[str]:
-    """Return the share of voyages that begin or end outside the tested range."""
     start, ship, every = grid.values, {**run.ship.values(), **grid.values}, xr.zeros_like(voyages["outcome"], bool)
     end = {"x": start["x"] + voyages["distance"], **{name: voyages[f"{name}_end"] for name in ("y", "psi", "u", "r")}}
     channel = None if run.waterway is None else run.channel({})

@@ -193,7 +193,6 @@ def sampled(model: Model, samples: int, seed: int) -> dict[str, xr.DataArray]:
 
 
 def correlated(covariance: np.ndarray, samples: int, seed: int | Sequence[int]) -> np.ndarray:
-    """Draw correlated normal errors."""
     return np.asarray(
         np.random.default_rng(seed).standard_normal((samples, len(covariance))) @ symmetric_root(covariance)
     )

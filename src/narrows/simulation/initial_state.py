@@ -188,7 +188,6 @@ def steady_ahead(model: Model, u: float) -> tuple[Model, str]:
 
 
 def steady_revolutions(model: Model, u: float) -> float | None:
-    """Return the revolutions that keep a speed straight ahead, if the model's own are for another speed [1/s]."""
     own = model.configuration.propeller.revolutions if model.configuration.propeller else 0.0
     if not (model.terms.propelled and own > 0 and u > 0):
         return None

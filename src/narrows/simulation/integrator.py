@@ -187,7 +187,6 @@ class VoyageIntegrator:
 
 
 def near_the_bank(values: Mapping[str, Any]) -> float:
-    """Return the distance at which a diverging motion counts as contact [m]."""
     return NEAR_THE_BANK * float(values["width"])
 
 

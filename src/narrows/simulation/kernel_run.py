@@ -83,7 +83,6 @@ class PreparedRun:
 
     @cached_property
     def _integrate(self) -> Callable[..., int]:
-        """The loop over vessels with the model's functions and the water."""
         from narrows.codegen.addresses import entry
         from narrows.codegen.kernels import queue
 

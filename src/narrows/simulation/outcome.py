@@ -196,21 +196,18 @@ def measured(at: Mapping[str, Any], ship: Mapping[str, Any], banks: bool) -> dic
 
 
 def section_ratios(values: Mapping[str, Number], banks: bool) -> dict[str, Number]:
-    """Return h/T if the depth is known, and W/B between banks."""
     depth = values.get("depth")
     ratios = {} if depth is None else {"depth_to_draft": depth / values["draft"]}
     return {**ratios, "width_to_beam": values["width"] / values["beam"]} if banks else ratios
 
 
 def section_notes(model: Model, values: Mapping[str, Number], banks: bool = True) -> tuple[str, ...]:
-    """Return notes on a section outside the tested range and on motion astern, for results that are no voyage."""
     astern = np.minimum(np.asarray(values.get("u", 0.0)), 0.0)
     backwards = {"speed": astern} if astern.any() else {}
     return extrapolation(model.data_range, {**section_ratios(values, banks), **backwards})
 
 
 def outside_notes(known: DataRange, moments: Sequence[Mapping[str, Any]], sentence: Sentence) -> Iterator[str]:
-    """Yield a sentence for each measure that leaves the tested range."""
     for name, values in moments[0].items():
         outside = reduce(np.logical_or, [known.outside(name, moment[name]) for moment in moments])
         backwards = reduce(np.logical_or, [moment[name] < 0 for moment in moments]) & (name == "speed")

@@ -170,8 +170,6 @@ def sensitivities(
 
 @dataclass(frozen=True)
 class TangentIntegrator:
-    """An integrator, and the derivatives of its start and of its inputs."""
-
     ship: SimulatedShip  # The ship
     steering: Steering | None  # Controller
     integrator: VoyageIntegrator  # Inputs of the lines
@@ -326,7 +324,6 @@ class TangentIntegrator:
 
     @cached_property
     def _integrate(self) -> Callable[..., None]:
-        """The loop over segments with this voyage's step."""
         from narrows.codegen.addresses import entry
         from narrows.codegen.kernels import loops
 

@@ -69,7 +69,6 @@ class SimulatedShip:
     def system(
         self, waterway: bool = False, law: Law | None = None, pushed: Pushed = "never", across: Across = "none"
     ) -> System:
-        """Return the traced system, shared by all ships with the same terms."""
         contact = self.shape if isinstance(self.shape, str) else len(self.shape)
         choices = Choices(contact, waterway, law, pushed, self.bottom, across)
         return _system(self.model.terms, self.surge, self.coriolis, choices)
@@ -87,7 +86,6 @@ class SimulatedShip:
         return {**ship, "heave": 0.0, "surge_inertia": added}
 
     def channel(self, waterway: "Waterway | None", values: Mapping[str, Number]) -> Channel:
-        """Return the water: a waterway, or the straight canal of the values."""
         if waterway is None:
             return straight_channel(values, self.shape, self.bottom)
         return along_waterway(waterway, self.model, self.shape, self.bottom)

@@ -59,8 +59,6 @@ class LaneProgram(NamedTuple):
 
 
 class SharedInputs(NamedTuple):
-    """Inputs that all vessels share."""
-
     table: Array  # Cells of the waterway
     shared: Array  # Inputs
     track: Array  # Nodes of line and banks
@@ -94,7 +92,6 @@ def is_sane(program: LaneProgram, block: Array, lane: int, clearance: float, wat
 
 
 def cause_of(program: LaneProgram, block: Array, lane: int, water: SharedInputs, tolerance: float) -> int:
-    """Return which end is met when the clearance is zero."""
     ends = ends_of(program, block, lane, NOW, water)
     return cause(ends[0], ends[1], ends[2], ends[3], tolerance)
 
@@ -161,7 +158,6 @@ def load_lane(
 
 
 def idle_lane(block: Array, lane: int) -> None:
-    """Put an empty lane on the line, with steps of no length."""
     for field in (Y, SIN, V, R, STEP_LENGTH):
         block[field, lane] = 0.0
     block[COS, lane] = 1.0

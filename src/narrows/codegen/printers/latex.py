@@ -93,8 +93,6 @@ def environment(name: str, lines: Sequence[str]) -> str:
 
 @dataclass
 class Equations:
-    """The terms of a table as symbolic expressions, and the definitions of their symbols."""
-
     table: TermTable
     symbols: dict[Expr, str] = field(default_factory=dict)  # Symbols as written
     meanings: dict[str, Expr] = field(default_factory=dict)  # Definitions of the symbols, in order
@@ -170,7 +168,6 @@ class Equations:
         return lines
 
     def _term(self, term: Any, coefficients: Mapping[str, float] | None) -> tuple[str, float]:
-        """Return a term with its sign, and its width."""
         expression = self.regressors[term.name]
         self.used |= expression.free_symbols
         minus = expression.could_extract_minus_sign()

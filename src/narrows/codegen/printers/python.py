@@ -92,8 +92,6 @@ def constants_text(parameters: Mapping[str, Expr], constants: Constants) -> str:
 # Source of plain Python functions: find calls, and fold constants before translation.
 @dataclass
 class PlainSource:
-    """Functions for translation, with the constants that they use."""
-
     texts: tuple[str, ...]  # Modules; a function of an earlier one may be called in a later
     numbers: Mapping[str, Any] = field(default_factory=dict)  # Constants that replace those of the modules
     absent: frozenset[str] = frozenset()  # Omitted arguments

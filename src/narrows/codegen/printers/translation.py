@@ -47,7 +47,6 @@ class Language(Arithmetic):
         return self.named(value.name)
 
     def unpacked(self, names: Iterable[str], places: Mapping[str, str]) -> list[str]:
-        """Write the declaration of numbers by where they are found."""
         return [self.DECLARED.format(self.named(name), places[name]) for name in names if name != places[name]]
 
     def body(self, program: Program, targets: Sequence[str], places: Mapping[str, str]) -> list[str]:
@@ -90,8 +89,6 @@ class CSharp(Language):
 
 
 class Matlab(Language):
-    """MATLAB and Octave, with arrays element by element."""
-
     TAKEN = frozenset({
         "x", "ui", "xdot", "U", "beyond", "i", "j", "pi", "eps", "end", "for", "if", "while", "function", "otherwise",
     })  # fmt: skip

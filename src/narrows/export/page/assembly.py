@@ -114,7 +114,6 @@ DISPENSABLE = re.compile(r"^[ \t]*(?:(?://.*|/\*\*.*?\*/)[ \t]*\n)?", re.MULTILI
 
 
 def bundled(entry: str, given: Mapping[str, str], known: set[str]) -> str:
-    """Return a script with all that it imports, in order."""
     return DISPENSABLE.sub("", "".join(_modules(entry, given, known)))
 
 
