@@ -131,7 +131,6 @@ class CaptiveTests(Configured, Tabulated):
         return {name: known.get(name, "1" if _is_part(name, self.columns) else "") for name in self.columns}
 
     def summary(self) -> str:
-        """Describe the number of tests and rows, the ship, the water, and the measured quantities."""
         labels = list(dict.fromkeys(self.conditions))
         several = f" in {len(labels)} conditions" if len(labels) > 1 else ""
         tests = f"{len(self.names)} test{'s' * (len(self.names) > 1)}{several}, {int(self.starts[-1])} rows"
@@ -139,7 +138,6 @@ class CaptiveTests(Configured, Tabulated):
         return f"{tests}, with {forces}: {self.configuration.summary()}."
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything by name."""
         return {
             "tests": list(self.names), "conditions": list(self.conditions), "starts": self.starts,
             "columns": dict(self.columns), "units": self.units, "configuration": self.configuration.to_dict(),

@@ -216,7 +216,6 @@ class ClosedLoop(BaseSummary):
         return float(late.max()) if voyage.outcome.kind == "afloat" else math.inf
 
     def summary(self) -> str:
-        """Describe the controller, the gear and the sensors."""
         gear = self.model.configuration.gear
         slow = f", {gear.dead_time:g} s of dead time, {gear.lag:g} s of lag" if gear.delay else ""
         sees = f" by {', '.join(sensor.name for sensor in self.sensors)}" if self.sensors else ""

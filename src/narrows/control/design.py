@@ -205,7 +205,6 @@ class RegulatorDesign(BaseSummary):
         return pd.DataFrame.from_dict({name: dict(row) for name, row in self.judged.items()}, orient="index")
 
     def summary(self) -> str:
-        """Return the shares of lost ships, also with the default weights."""
         parts = [f"{name} {1000 * row['lost']:.0f} ({1000 * row['usual']:.0f})" for name, row in self.judged.items()]
         lost = f"Ships lost per 1000 test ships (default weights in brackets): {', '.join(parts)}."
         return " ".join([lost, *self.model.notes])

@@ -167,7 +167,6 @@ class LinearSystem(BaseResult):
         return state, inputs
 
     def summary(self) -> str:
-        """Describe the course and the growth rates of deviations from it."""
         if self.A.ndim > 2:
             known = np.isfinite(self.A).all(axis=(-2, -1))
             growth = self.eigenvalues().real.max(axis=-1)[known]
@@ -181,7 +180,6 @@ class LinearSystem(BaseResult):
         return f"Motion about the steady course {where}: {held}; the largest growth rate is {growth:.3g} 1/s."
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the matrices, their names and the course."""
         values = self.eigenvalues()
         names = {name: getattr(self, name) for name in ("states", "controls", "disturbances", "units", "A", "B", "G")}
         poles = np.stack([values.real, values.imag], axis=-1)

@@ -120,7 +120,6 @@ class Regulator(BaseSummary):
                 raise InputError(f"a regulator with {name} = {getattr(self, name)} steers nothing; give {remedy}")
 
     def summary(self) -> str:
-        """Describe the lines."""
         more = f", {len(self.lines)} lines one after the other" if len(self.lines) > 1 else ""
         return f"y = {self.lines[0].y} at u = {self.u}{more}"
 

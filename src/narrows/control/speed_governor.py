@@ -45,7 +45,6 @@ class SpeedGovernor(BaseSummary):
             raise InputError(f"a {type(self.helm).__name__} is no control law in arithmetic, which a governor needs")
 
     def summary(self) -> str:
-        """Describe the slowest and the fastest speed, and the helm."""
         return f"{min(self.u):.3g} to {max(self.u):.3g} m/s along the way, {type(self.helm).__name__} at the rudder"
 
     def parameters(self) -> Mapping[str, Any]:

@@ -102,7 +102,6 @@ class Consistency(BaseResult):
         return dict(zip(self.states, shares.tolist(), strict=True))
 
     def summary(self) -> str:
-        """Compare the errors with the estimate's own covariance."""
         low, high = self.bounds()
         count, n = len(self.nees), len(self.states)
         nis = ", ".join(f"{name} {value:.2f}" for name, value in self.mean_nis.items())
@@ -119,7 +118,6 @@ class Consistency(BaseResult):
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the measures by name."""
         names = ("mean_nees", "median_nees", "within", "mean_nis", "rmse", "covered", "settled", "aground", "states")
         more = {"bounds": self.bounds(), "twins": len(self.nees), "summary": self.summary(), "notes": list(self.notes)}
         return {name: getattr(self, name) for name in names} | more

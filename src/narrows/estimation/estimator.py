@@ -115,7 +115,6 @@ class Estimator(BaseSummary):
         return (*model.bank_notes, *((why,) if model.covariance is None else ()))
 
     def summary(self) -> str:
-        """Describe the states and the sensors."""
         ship, filter = self.filter.model.configuration.ship, self.filter
         return f"{', '.join(filter.states.names)} of {ship.name} by {', '.join(filter.sensors)}"
 

@@ -236,7 +236,6 @@ class Estimate(BaseSummary):
         return self.values[name]
 
     def summary(self) -> str:
-        """Describe place, heading and speed, their uncertainty, and the verdict on the readings."""
         if self.normal is None:
             return f"t = {self.t:g} s: nothing to start from yet."
         values, std = self.values, self.std
@@ -269,7 +268,6 @@ class EstimatedTrack(Tabulated):
         return np.asarray(self.mean[:, self.states.index(name)])
 
     def summary(self) -> str:
-        """Describe its duration, the uncertainty of the place, and which sensors were refused or suspected."""
         std = dict(zip(self.states, np.median(self.std, axis=0).tolist(), strict=True))
         by = "all readings" if self.smoothed else "the readings until then"
         lines = [
@@ -282,7 +280,6 @@ class EstimatedTrack(Tabulated):
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return counts and the median standard deviations by name."""
         std = dict(zip(self.states, np.median(self.std, axis=0).tolist(), strict=True))
         counts = {"times": len(self.t), "ready": int(self.ready.sum()), "smoothed": self.smoothed}
         flags = {"refused": self.refused, "suspected": self.suspected}

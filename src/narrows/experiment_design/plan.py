@@ -80,7 +80,6 @@ class Plan(Tabulated):
         return bool(np.isfinite(list(self.reach.values())).all())
 
     def summary(self) -> str:
-        """Return the gain for each target, one line each."""
         reach, lost = self.reach, [name for name in self.targets if not np.isfinite(self.std[name][-1])]
         lines = [
             f"{name}: standard error {self.std[name][-1]:.2g}, interval +- {reach[name]:.2g} with these runs; "
@@ -92,7 +91,6 @@ class Plan(Tabulated):
         return "\n".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything by name, as ``plan --json`` prints it."""
         return {
             "runs": self.rows(),
             "targets": {

@@ -77,7 +77,6 @@ class Comparison(BaseResult):
         return tuple(f"{name} was not fitted: {reason}." for name, reason in self.left_out.items())
 
     def summary(self) -> str:
-        """Best table for each force on left-out tests, compared with the first table: a line each."""
         (first, reference), sentences = next(iter(self.fits.items())), []
         for force in self.forces:
             best = self.best(force)
@@ -92,7 +91,6 @@ class Comparison(BaseResult):
         return [_row(name, fit, force) for name, fit in self.fits.items() for force in fit.scores]
 
     def to_dict(self) -> dict[str, Any]:
-        """Give the tables and their errors by name."""
         return {
             "tables": self.rows(),
             "tables_left_out": dict(self.left_out),
@@ -222,7 +220,6 @@ class Explanation(BaseResult):
         return extrapolation(self.model.data_range, covered)
 
     def summary(self) -> str:
-        """Error of the model on these tests, where it is largest, and which coefficients differ: a line each."""
         sentences = []
         known, tested = self.model.ship, self.fit.tests.configuration.ship
         if self.fitted_on_these:
@@ -242,7 +239,6 @@ class Explanation(BaseResult):
         return "\n".join(sentences)
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name: what ``explain --json`` prints."""
         return {
             "fitted_on_this_table": self.fitted_on_these,
             "summary": self.summary(),

@@ -253,7 +253,6 @@ class Fit(Prediction):
             super().save(path)
 
     def summary(self) -> str:
-        """Return the errors of the forces and the coefficients that are not identified, one line each."""
         scores = [
             f"{force}: R2 {fitted.r2:.3f}, RMSE {fitted.rmse:.3g}; on left-out tests "
             f"R2 {self.left_out[force].r2:.3f}, RMSE {self.left_out[force].rmse:.3g}."
@@ -264,7 +263,6 @@ class Fit(Prediction):
         return "\n".join([title, *self.implausible, *scores, *doubts])
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything by name, as ``identify --json`` prints it."""
         return {
             "coefficients": {name: self._coefficient(name) for name in self.terms.names},
             "fit": {

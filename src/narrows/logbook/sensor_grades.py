@@ -74,7 +74,6 @@ class SensorGrade(BaseSummary):
         check_signals(self.signals)
 
     def summary(self) -> str:
-        """Meaning of the grade, and the signals it measures."""
         return f"{self.name}: {self.words}; measures {', '.join(self.signals)}"
 
 

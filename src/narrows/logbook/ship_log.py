@@ -276,13 +276,11 @@ class ShipLog(BaseResult):
         return {name: count for name, count in counts.items() if count}
 
     def summary(self) -> str:
-        """Number of records, their duration and their signals."""
         size = size_of([record.duration for record in self.records if np.isfinite(record.duration)], len(self))
         where = f" along {self.waterway.name}" if self.waterway else ""
         return f"{size} together{where}, with {', '.join(self.counts) or 'no signal'}."
 
     def to_dict(self) -> dict[str, Any]:
-        """Give what each record holds by name: from when to when, values of each signal, antenna and condition."""
         return {
             "records": {
                 record.name: {

@@ -61,7 +61,6 @@ class Turning(BaseResult):
         return cls(float(along[0]), float(across[0]), float(across[1]), voyage, notes)
 
     def summary(self) -> str:
-        """Describe advance, transfer and tactical diameter in ship lengths and metres."""
         measures = self.to_dict()
         parts = (
             f"{name.replace('_', ' ')} {measures[f'{name}_over_length']:.2f} L ({measures[name]:.4g} m)"
@@ -70,7 +69,6 @@ class Turning(BaseResult):
         return f"Rudder {math.degrees(self.voyage.rudder[-1]):+.3g} degrees: {', '.join(parts)}."
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the measures by name, in metres and over the ship's length."""
         metres = {name: getattr(self, name) for name in MEASURES}
         return {**metres, **self.over_length()}
 
@@ -90,11 +88,9 @@ class ZigzagTest(BaseResult):
     notes: tuple[str, ...] = ()  #: Assumptions
 
     def summary(self) -> str:
-        """Return the overshoots in words."""
         return f"Zigzag: overshoots {', '.join(f'{angle:.1f}' for angle in self.overshoots_deg)} degrees."
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the overshoots by name."""
         return {"overshoots_deg": list(self.overshoots_deg)}
 
 
@@ -112,7 +108,6 @@ class Trials(BaseResult):
         return f"<Trials of {self.model.configuration.ship.name or 'a ship'} at {self.speed:g} m/s>"
 
     def summary(self) -> str:
-        """Return the measures of each manoeuvre, one line each."""
         circles = [
             f"Rudder {order} degrees: advance {measures['advance_over_length']:.2f} L, tactical diameter "
             f"{measures['tactical_diameter_over_length']:.2f} L."
@@ -122,7 +117,6 @@ class Trials(BaseResult):
         return "\n".join(circles + zigzags)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the results by name, as ``trials --json`` prints them: lengths over the ship's, degrees."""
         return {
             "speed": self.speed,
             "turning": self._circles(),

@@ -67,7 +67,6 @@ class StoppingTest(BaseResult):
     notes: tuple[str, ...] = ()  #: Assumptions
 
     def summary(self) -> str:
-        """Describe the stop in metres, ship lengths and seconds, beside the limit of IMO."""
         lengths = self.track_reach / self.voyage.configuration.ship.length
         return (
             f"The ship stops in {self.time:.0f} s on {self.track_reach:.4g} m ({lengths:.1f} L; IMO allows "
@@ -75,7 +74,6 @@ class StoppingTest(BaseResult):
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the measures by name [m, s], and the track reach over the ship's length [1]."""
         names = ("track_reach", "head_reach", "side_reach", "time")
         over = self.track_reach / self.voyage.configuration.ship.length
         return {**{name: getattr(self, name) for name in names}, "track_reach_over_length": over}

@@ -60,7 +60,6 @@ class BankForce(BaseResult):
         return {name: getattr(self, name) for name in ("Y", "N", "Y_deviation", "N_deviation", "beyond")}
 
     def summary(self) -> str:
-        """Describe force and moment with their deviations."""
         parts = [("Y", self.Y, self.Y_deviation, "N"), ("N", self.N, self.N_deviation, "N m")]
         lines = [f"{name} {_shown(value)} {unit}, {_doubt(deviation, unit)}." for name, value, deviation, unit in parts]
         return "\n".join([*lines, *self.notes])
@@ -72,7 +71,6 @@ class BankForce(BaseResult):
         return pd.DataFrame({name: np.ravel(value) for name, value in self._numbers.items()})
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything by name."""
         rows = {name: np.asarray(value).tolist() for name, value in self._numbers.items()}
         return {**rows, "notes": list(self.notes), "summary": self.summary()}
 

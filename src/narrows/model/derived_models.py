@@ -52,14 +52,12 @@ class DepthCorrected(BaseResult):
         return f"<Model taken to another depth: {self.summary()}>"
 
     def summary(self) -> str:
-        """List the factors."""
         configuration = self.model.configuration
         grown = ", ".join(f"{name} times {factor:.3g}" for name, factor in self.factors.items())
         ratio = (configuration.canal.depth or DEEP) / configuration.ship.draft
         return f"Taken to h/T = {ratio:.3g}: {grown or 'nothing was corrected'}."
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything by name."""
         return {
             "depth": self.model.configuration.canal.depth,
             "factors": dict(self.factors),

@@ -63,11 +63,9 @@ class Scaled(BaseResult):
         return float(speed * self.ratio**0.5)
 
     def summary(self) -> str:
-        """Return the factors of lengths, speeds and times."""
         return f"Lengths times {self.ratio:.4g}, speeds and times times {self.speed(1.0):.4g} (Froude)."
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything by name, as ``scale --json`` prints it."""
         old, terms = self.original.coefficients, self.original.terms
         return {
             "ratio": self.ratio,

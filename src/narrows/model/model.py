@@ -158,7 +158,6 @@ class Model(Configured, Operations):
         return tuple(filter(None, (self.source.estimate, *self.bank_notes)))
 
     def summary(self) -> str:
-        """Describe the ship, the terms and the origin of the numbers."""
         table = f"{len(self.terms)} coefficients of the terms {self.terms.name}"
         return f"{self.configuration.summary()}.\n{table}{self.source.text and f'; {self.source.text}'}."
 
@@ -190,7 +189,6 @@ class Model(Configured, Operations):
         return cls(**fields_of(tables, terms))
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything by name: the sections of the model file."""
         return sections_of(**{own.name: getattr(self, own.name) for own in fields(self)})
 
     def save(self, path: str | Path) -> None:

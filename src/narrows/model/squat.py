@@ -103,14 +103,12 @@ class Squat(BaseResult):
         return pd.DataFrame([row | {"critical_speed": self.critical_speed}]).set_index("formula")
 
     def summary(self) -> str:
-        """Describe the sinkage, its formula and the critical speed."""
         return (
             f"The {self.gives} sinkage is {self.sinkage:.3g} m by {self.formula}; the canal chokes at "
             f"{self.critical_speed:.3g} m/s."
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything by name."""
         return {**asdict(self), "notes": list(self.notes), "summary": self.summary()}
 
 

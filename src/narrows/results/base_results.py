@@ -141,9 +141,12 @@ class BaseSummary(Aliased):
     It has ``summary()``, and ``to_dataframe()`` and ``notes`` if applicable.
     """
 
+    def summary(self) -> str:
+        """Describe it in words, its main result first."""
+        raise NotImplementedError
+
     def __repr__(self) -> str:
-        said: Any = self
-        return f"<{type(self).__name__}: {shortened(said.summary())}>"
+        return f"<{type(self).__name__}: {shortened(self.summary())}>"
 
     def _repr_html_(self) -> str:
         said: Any = self
@@ -155,6 +158,10 @@ class BaseSummary(Aliased):
 
 class BaseResult(BaseSummary):
     """A result with a plot, files and a notebook view."""
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return everything by name, in plain values."""
+        raise NotImplementedError
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
         """Draw it, as a Matplotlib figure.
@@ -219,8 +226,7 @@ class BaseResult(BaseSummary):
         InputError
             If the file cannot be written.
         """
-        result: Any = self
-        return _given_or_written(to_json(result.to_dict()), path)
+        return _given_or_written(to_json(self.to_dict()), path)
 
     def to_xarray(self) -> "xarray.Dataset":
         """Return the data as an xarray Dataset."""

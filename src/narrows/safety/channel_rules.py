@@ -131,7 +131,6 @@ class OutsideRules(Tabulated):
     choke: float  #: Speed at which the canal is choked; infinite if the depth is unknown [m/s]
 
     def summary(self) -> str:
-        """Return the limits of each rule, one line each."""
         return "\n".join(map(_line, self.rows()))
 
     @property
@@ -157,7 +156,6 @@ class OutsideRules(Tabulated):
         ]  # fmt: skip
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything by name."""
         return {"summary": self.summary(), "bank": self.bank, "rules": self.rows(), "notes": list(self.notes)}
 
     def _limits(self, rule: ChannelRule) -> list[dict[str, Any]]:

@@ -86,7 +86,6 @@ class EnvelopeAlong(BaseResult):
         return found.assign_attrs(summary=self.summary(), notes="\n".join(self.notes))
 
     def summary(self) -> str:
-        """Describe the slowest and the fastest place, and where the tests cover them."""
         rows, top = self.rows(), "highest_speed"
         tested = {row["distance"]: row[top] for row in rows if not math.isnan(row[top])}
         others = {row["distance"]: row[f"{top}_by_model"] for row in rows if row["distance"] not in tested}
@@ -117,7 +116,6 @@ class EnvelopeAlong(BaseResult):
         return f"With {self.envelopes[0].samples} cases the edges are uncertain {where}; {MORE}." if unsure else ""
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything by name, as ``envelope --along --json`` prints it."""
         first = self.envelopes[0]
         return {
             "summary": self.summary(), "waterway": self.waterway.name, "weather": first.weather, "pilot": first.pilot,

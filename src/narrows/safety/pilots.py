@@ -191,7 +191,6 @@ class Helmsman(BaseSummary):
             )
 
     def summary(self) -> str:
-        """Describe the offset and the gains."""
         return f"y = {self.y}, a look every {self.delay:g} s, whole degrees to {self.cap_deg:g}"
 
     def parameters(self) -> Mapping[str, Any]:

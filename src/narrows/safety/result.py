@@ -63,7 +63,6 @@ class SafeEnvelope(BaseResult):
         return pd.DataFrame(self.offset_rows()).set_index("offset")
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the whole result in metres, knots and degrees, as ``envelope --json`` prints it."""
         return {
             "summary": self.summary(), "setting": self.description, "weather": self.weather, "pilot": self.pilot,
             "untested": self.untested, "samples": self.samples, "offsets": self.offset_rows(),
@@ -155,7 +154,6 @@ class SafeEnvelope(BaseResult):
         return rudder.shape[1] > 1 and len(telling) > 0 and bool(np.ptp(telling, axis=1).max() < SAME_ANGLE)
 
     def summary(self) -> str:
-        """Describe the safe range, its limits, and uncertain bank coefficients."""
         return " ".join(filter(None, (self.answer, *self.limits, self.trust)))
 
     @cached_property

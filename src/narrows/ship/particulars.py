@@ -68,7 +68,6 @@ class Ship(BaseSummary):
             raise InputError(f"[ship] name = {shown(self.name)} must be a word; put it in quotes")
 
     def summary(self) -> str:
-        """Describe name, size and fullness."""
         return f"{self.in_words}, block coefficient {self.block_coefficient:.4g}"
 
     def to_dict(self) -> dict[str, Any]:
@@ -215,7 +214,6 @@ class Configuration(BaseSummary):
             check_particulars({"draft": draft, "depth": depth}, {"depth": f"[depths] {label}"})
 
     def summary(self) -> str:
-        """Describe ship, canal, propeller, rudder and gear."""
         driven = f"; with {', '.join(self.parts)}" if self.parts else ""
         return f"{self.ship.in_words}, in {self.canal.in_words}{driven}"
 

@@ -179,12 +179,10 @@ class Jacobian(BaseResult):
         return np.asarray(found[np.argsort(-found.real, kind="stable")])
 
     def summary(self) -> str:
-        """Describe the state and the growth rates of deviations from it."""
         where = ", ".join(f"{name} = {float(value):.3g}" for name, value in self.state.items() if value)
         return f"Motion about {where or 'rest'}: the largest growth rate is {self.poles()[0].real:.3g} 1/s."
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the matrices and their names."""
         poles = [[float(pole.real), float(pole.imag)] for pole in self.poles()]
         names = {name: getattr(self, name) for name in ("state", "states", "inputs", "coefficients", "A", "B", "G")}
         return {**names, "poles": poles, "summary": self.summary(), "notes": list(self.notes)}

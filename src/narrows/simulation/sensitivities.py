@@ -95,13 +95,11 @@ class Sensitivities(BaseResult):
         return dict(sorted(moved.items(), key=lambda item: -abs(item[1])))
 
     def summary(self) -> str:
-        """Describe the end of the voyage and its largest sensitivities."""
         most = [f"{name} {moved:+.3g} m" for name, moved in self.for_one_percent().items() if moved][:3]
         sentence = f"One percent more of each moves it by then to starboard by: {', '.join(most)}." if most else ""
         return "\n".join(filter(None, (self.voyage.summary(), sentence)))
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the derivatives at the end by name, and the outcome of the voyage."""
         end = dict(zip(STATES, self.slopes[-1], strict=True))
         slopes = {name: dict(zip(self.by, row.tolist(), strict=True)) for name, row in end.items()}
         return {"voyage": self.voyage.to_dict(), "at_end": slopes, "summary": self.summary(), "notes": list(self.notes)}

@@ -136,11 +136,9 @@ class Voyage(Tabulated):
         return self.outcome.notes
 
     def summary(self) -> str:
-        """Return its end in words."""
         return self.outcome.sentence
 
     def to_dict(self) -> dict[str, Any]:
-        """Return its outcome by name, as ``simulate --json`` prints it."""
         return self.outcome.to_dict()
 
     def to_dataframe(self) -> "pd.DataFrame":

@@ -103,12 +103,10 @@ class Reproduction(BaseResult):
         return bank_stiffness(self.truth.configuration)
 
     def summary(self) -> str:
-        """Describe from which start the ship grounds on the near bank, one line per reading."""
         where = {name: "nowhere" if y is None else f"from y(0) = {y:.2f} m" for name, y in self.switches.items()}
         return "\n".join(f"grounds on the near bank {at}: {name}" for name, at in where.items())
 
     def to_dict(self) -> dict[str, Any]:
-        """Return every number of the comparison by name, the paper's under ``printed``."""
         return {
             "coefficients": [self._coefficient(name) for name in self.truth.terms.names],
             "shapley": [{"name": n, "printed": PRINTED_SHARES[n], "ours": ours} for n, ours in self.shares.items()],

@@ -90,7 +90,6 @@ class BankForm(BaseSummary):
     status: str
 
     def summary(self) -> str:
-        """Describe its name, status and source."""
         return f"{self.name}, {self.status}: {self.source}"
 
     @property

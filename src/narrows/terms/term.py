@@ -147,7 +147,6 @@ class Term(BaseSummary):
             raise InputError(f"term {self.name}: it needs the canal's {BANKS}; give it kind=TermKind.BANK")
 
     def summary(self) -> str:
-        """Describe the name, kind, unit and inputs."""
         return f"{self.name} [{self.dimension.unit}], {self.kind.value}, of {', '.join(self.inputs)}"
 
     @cached_property
@@ -252,7 +251,6 @@ class TermTable(BaseSummary):
         return f"<TermTable {self.name}: {len(self.names)} terms>"
 
     def summary(self) -> str:
-        """Describe the number of terms of each force, and their inputs."""
         counts = ", ".join(f"{len(terms)} of {force}" for force, terms in self.forces.items())
         return f"The terms {self.name}: {counts}; they need {', '.join(self.inputs)}."
 

@@ -176,7 +176,6 @@ class Waterway(BaseSummary):
         return np.asarray(self.reference_current * self.flow(s) + profile_at(self.current_shear, s) * y)
 
     def summary(self) -> str:
-        """Describe its length, width, depth, sharpest bend and current."""
         there, sharpest, s = self.section(self._stations), self.sharpest_bend, self._stations
         parts = [
             f"{self.line.length:.4g} m long", f"{extent(there.width)} m wide",

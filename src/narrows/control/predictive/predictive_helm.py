@@ -229,7 +229,6 @@ class PredictiveHelm(BaseSummary):
         return horizon_of(passing, self.horizon, self.intervals)
 
     def summary(self) -> str:
-        """Describe the offset, the horizon and the period."""
         horizon, where = self._horizon(), "" if self.waterway is None else f" of {self.waterway.name}"
         plans = f"plans {horizon.time:.3g} s ahead every {horizon.period:.2g} s"
         return f"holds y = {self.y:g} m{where} at {self.u:g} m/s, {plans}"

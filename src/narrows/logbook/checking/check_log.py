@@ -89,7 +89,6 @@ class LogFindings(BaseResult):
         return ("no finding is no proof: a quiet record has little information on the sign of its rudder",)
 
     def summary(self) -> str:
-        """Each fault once for all records that have it, with the numbers of the first."""
         looked = f"{self.records} record{'s' * (self.records > 1)} looked at"
         if not self.findings:
             return f"Nothing is wrong: {looked}."
@@ -97,7 +96,6 @@ class LogFindings(BaseResult):
         return "\n".join([f"{len(lines)} finding{'s' * (len(lines) > 1)}, {looked}.", *lines])
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name."""
         return {
             "records": self.records, "clean": self.clean, "findings": [own.to_dict() for own in self.findings],
             "summary": self.summary(), "notes": list(self.notes),

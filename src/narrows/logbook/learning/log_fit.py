@@ -299,7 +299,6 @@ class LogFit(LearnedAnswer):
         return tuple(sentence for sentence, holds in doubts.items() if holds)
 
     def summary(self) -> str:
-        """Warnings, learned coefficients, coefficients from the prior, and prediction errors."""
         gusty = "" if self.gusts is None else (
             f"Estimated gusts: {self.gusts.sway:.2g} m/s2 in sway and {self.gusts.yaw:.2g} rad/s2 in yaw (standard "
             f"deviations), with a correlation time of {self.gusts.memory:.0f} s."
@@ -346,7 +345,6 @@ class LogFit(LearnedAnswer):
         return before, after
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name: part of what ``learn --json`` prints."""
         return {
             "summary": self.summary(),
             "informative": self.informative,

@@ -100,7 +100,6 @@ class SteadyFit(LearnedAnswer):
         return (*notes, ON_TWINS)
 
     def summary(self) -> str:
-        """What was learned, what still comes from the tests, and whether the legs agree."""
         agree = (
             f"The legs {'contradict' if self.contradicted else 'agree with'} the model: a sum of squares of "
             f"{self.chi_square:.1f}, {self.freedom} expected."
@@ -108,7 +107,6 @@ class SteadyFit(LearnedAnswer):
         return "\n".join((self._learned_sentence(self.readings.summary()), agree, ON_TWINS))
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name: part of what ``learn --steady --json`` prints."""
         prior, read = shared_errors(self.conditions, self.prior), self.readings.values
         y, _, rudder, heading = self.latent.T
         columns = {

@@ -92,7 +92,6 @@ class SteadyPlan(Tabulated):
         return settings.SETTLING * self.model.configuration.ship.length / slowest
 
     def summary(self) -> str:
-        """Expected information of the legs, and their largest allowed offset."""
         if not self.legs:
             return "No leg off the middle is allowed: what the tests leave open of the rudder is more than its reserve."
         gains = "; ".join(
@@ -113,7 +112,6 @@ class SteadyPlan(Tabulated):
         ]  # fmt: skip
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name."""
         return {
             "summary": self.summary(),
             "legs": self.rows(),

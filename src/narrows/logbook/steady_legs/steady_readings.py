@@ -66,7 +66,6 @@ class ReadingErrors(BaseSummary):
         check_sizes(self, over=("rudder_deg", "drift_deg", "heading_deg"))
 
     def summary(self) -> str:
-        """The standard deviations."""
         return (
             f"offset to {self.y:g} m, speed to {self.u:g} m/s, rudder to {self.rudder_deg:g} deg, drift to "
             f"{self.drift_deg:g} deg, heading to {self.heading_deg:g} deg (standard deviations of a leg's mean)"
@@ -107,7 +106,6 @@ class SteadyReadings(BaseSummary):
         return tuple(name for name in ("drift", "heading") if name in self.values)
 
     def summary(self) -> str:
-        """Number of legs, range of offsets, and speeds."""
         y, u = self.values["y"], self.values["u"]
         speeds = " to ".join(dict.fromkeys(f"{end:.3g}" for end in (u.min(), u.max())))
         return f"{len(self)} legs from {y.min():+.3g} to {y.max():+.3g} m off the middle at {speeds} m/s"
@@ -236,7 +234,6 @@ class SteadyConditions(BeamWind):
     leg_time: float = 120.0
 
     def summary(self) -> str:
-        """The standard deviations."""
         aside = f"{self.y_zero:g} m" if self.y_zero is not None else f"{MISPLACED:.2f} beams"
         return (
             f"beam wind {self.wind:g} m/s, its force changing by {100 * self.wind_change:.0f} % from leg to leg; zeros "

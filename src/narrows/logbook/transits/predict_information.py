@@ -66,7 +66,6 @@ class InformationForecast(Tabulated):
         return (*self.model.notes, taken, ON_TWINS)
 
     def summary(self) -> str:
-        """Expected error of each target after the transits."""
         gains = "; ".join(
             f"{name} from {self.prior_std[name]:.2g} to {', '.join(f'{size:.2g}' for size in std)}"
             for name, std in self.std.items()
@@ -83,7 +82,6 @@ class InformationForecast(Tabulated):
         return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
 
     def to_dict(self) -> dict[str, Any]:
-        """Give everything by name."""
         return {
             "summary": self.summary(), "speed": self.u / KNOT, "duration": self.duration, "sensors": self.grade.name,
             "targets": dict(self.prior_std), "after": self.rows(), "notes": list(self.notes),

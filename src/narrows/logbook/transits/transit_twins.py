@@ -67,7 +67,6 @@ class TransitConditions(BeamWind):
             raise InputError(f"gust_correlation = {shown(self.gust_correlation)}: a correlation is 1 at most")
 
     def summary(self) -> str:
-        """The conditions."""
         return (
             f"beam wind {self.wind:g} m/s, gusts of {100 * self.gust:.0f} % of its force that stay {self.gust_time:g} s"
             f", an aim that wanders by {self.wander:g} m in {self.wander_time:g} s (standard deviations)"
