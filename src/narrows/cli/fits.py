@@ -10,30 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import click
 
 import narrows as nw
-from narrows.cli.options import (
-    SHIP_FILE,
-    Argument,
-    AsJson,
-    Delivery,
-    ModelDelivery,
-    ModelFile,
-    Numbers,
-    Option,
-    ReportDelivery,
-    RunErrors,
-    SelectionOptions,
-    ShipFile,
-    Speeds,
-    Table,
-    TableDelivery,
-    Terms,
-    Words,
-    folder,
-    output_of,
-    print_json,
-    print_written,
-    verb,
-)
+from narrows.cli import options as cli
 from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
 from narrows.progress import stage
@@ -49,24 +26,24 @@ SIMULATED_SPEEDS = (0.7, 1.0)  # [m/s]
 @dataclass(frozen=True)
 class FittingOptions:
     balance: Annotated[str, "Units of equal weight: 'tests' of any length, or 'rows'."] = "tests"
-    terms: Terms = "paper"
+    terms: cli.Terms = "paper"
     accelerations: Annotated[
         str, "'checked': from the motion if the measured ones contradict it; 'motion'; 'measured'."
     ] = "checked"
-    errors: RunErrors = "0.02,0.02,0.02"
+    errors: cli.RunErrors = "0.02,0.02,0.02"
     pass_over: Annotated[
-        Words, "'rudder': fit although it moves without a rudder term; other terms absorb its force."
+        cli.Words, "'rudder': fit although it moves without a rudder term; other terms absorb its force."
     ] = ""
     pool: Annotated[str | None, "'depth': separate hull coefficients at each depth, one bank."] = None
 
 
-@verb("narrows identify kcs.csv --ship kcs.toml -o kcs.model.toml --report report.html")
+@cli.verb("narrows identify kcs.csv --ship kcs.toml -o kcs.model.toml --report report.html")
 def identify(
-    table: Table,
-    ship: ShipFile,
+    table: cli.Table,
+    ship: cli.ShipFile,
     fitting: FittingOptions,
-    selection: SelectionOptions,
-    delivery: ModelDelivery,
+    selection: cli.SelectionOptions,
+    delivery: cli.ModelDelivery,
     stream: Annotated[bool, "Read block by block: for tables larger than memory."] = False,
 ) -> None:
     """Identify coefficients from captive tests, with their verdicts.
@@ -111,18 +88,18 @@ def _drafted(table: Path, ship: Path) -> str:
     return f"; {path} is drafted, {draft.summary()}: check it, and type {command}"
 
 
-@verb("narrows demo -o out")
+@cli.verb("narrows demo -o out")
 def demo(
-    out: Annotated[Path, Option("--out", "-o", help="Folder for the report and the models.")] = Path("out"),
-    json: AsJson = False,
+    out: Annotated[Path, cli.Option("--out", "-o", help="Folder for the report and the models.")] = Path("out"),
+    json: cli.AsJson = False,
 ) -> None:
     """Identify the bundled tests, and write a report.
 
     The first are simulated tests of the DTC with a known bank; then measured ones of the KCS at three depths.
     """
-    folder(out)
+    cli.folder(out)
     fits = nw.identify_conditions(nw.measured_tests("kcs"))
-    delivery = Delivery(out / "kcs.toml", json, report=out / "report.html")
+    delivery = cli.Delivery(out / "kcs.toml", json, report=out / "report.html")
     publish(fits, "simulated and measured tests", delivery, {"simulated tests": _simulated()})
 
 
@@ -137,14 +114,14 @@ def _simulated() -> "nw.Fit":
     return nw.identify(nw.twin(runs=[*harmonic, *straight], rate=5.0))
 
 
-@verb("narrows explain out/kcs-C0101A01.toml kcs.csv --condition C0101A01 --report explained.html")
+@cli.verb("narrows explain out/kcs-C0101A01.toml kcs.csv --condition C0101A01 --report explained.html")
 def explain(
-    model: ModelFile,
-    table: Table,
-    selection: SelectionOptions,
-    delivery: ReportDelivery,
+    model: cli.ModelFile,
+    table: cli.Table,
+    selection: cli.SelectionOptions,
+    delivery: cli.ReportDelivery,
     ship: Annotated[Path | None, "Ship file of the tests; the model's own ship unless given."] = None,
-    compare: Annotated[Words, "Tables of terms to compare, a,b,c; all unless given."] = "",
+    compare: Annotated[cli.Words, "Tables of terms to compare, a,b,c; all unless given."] = "",
 ) -> None:
     """Evaluate a model on any table of tests.
 
@@ -165,7 +142,10 @@ def explain(
 
 
 def publish(
-    fits: dict[str, "nw.Fit"], title: str, delivery: ModelDelivery, first: Mapping[str, "nw.Fit"] = MappingProxyType({})
+    fits: dict[str, "nw.Fit"],
+    title: str,
+    delivery: cli.ModelDelivery,
+    first: Mapping[str, "nw.Fit"] = MappingProxyType({}),
 ) -> None:
     """Save, report and print fits; earlier ones are not saved."""
     from narrows.identification.bank_summary import summarise_bank
@@ -175,29 +155,29 @@ def publish(
     written = []
     for label, fit in fits.items() if delivery.output else ():
         assert delivery.output
-        written.append(output_of(delivery.output, label) if len(fits) > 1 else delivery.output)
+        written.append(cli.output_of(delivery.output, label) if len(fits) > 1 else delivery.output)
         fit.model.save(written[-1])
     if delivery.report:
         with stage("drawing the report"):
             nw.report.write_report(every, delivery.report, title, answers)
     if delivery.json:
         shown = {label: {"answer": answers[label].to_dict(), **fit.to_dict()} for label, fit in every.items()}
-        print_json(next(iter(shown.values())) if len(shown) == 1 else {"conditions": shown})
+        cli.print_json(next(iter(shown.values())) if len(shown) == 1 else {"conditions": shown})
     else:
         from narrows.report.printed_tables import print_fit
 
         for label, fit in every.items():
             print_fit(fit, label, answer=answers[label], table=len(every) == 1)
         click.echo("Scores, Shapley shares and every coefficient: add --verbose, or read the report (--report).")
-        print_written([*written, delivery.report])
+        cli.print_written([*written, delivery.report])
     if any(fit.implausible or not fit.solution.kkt.satisfied for fit in fits.values()):
         raise SystemExit(1)
 
 
-@verb("narrows reproduce -o paper")
+@cli.verb("narrows reproduce -o paper")
 def reproduce(
-    out: Annotated[Path, Option("--out", "-o", help="Folder for report.html.")] = Path("out"),
-    json: AsJson = False,
+    out: Annotated[Path, cli.Option("--out", "-o", help="Folder for report.html.")] = Path("out"),
+    json: cli.AsJson = False,
 ) -> None:
     """Reproduce every table and figure of the 2025 paper.
 
@@ -206,11 +186,11 @@ def reproduce(
     from narrows.report.explanation_report import write_reproduction
     from narrows.studies.mikkelsen2025 import reproduce as made
 
-    folder(out)
+    cli.folder(out)
     result = made(lambda doing: click.echo(f"{doing} ...", err=True))
     click.echo("figures ...", err=True)
     write_reproduction(result, out / "report.html")
-    Delivery(json=json, report=out / "report.html").show(result.to_dict, lambda: click.echo(result.summary()))
+    cli.Delivery(json=json, report=out / "report.html").show(result.to_dict, lambda: click.echo(result.summary()))
 
 
 @dataclass(frozen=True)
@@ -219,9 +199,9 @@ class RunOptions:
     run_length: Annotated[float | None, "Steady motion in one run [m]; 10 ship lengths."] = None
     clearance: Annotated[float, "Least distance from the hull's side to a wall, in beams."] = 1.5
     speed: Annotated[
-        Speeds | None, "Speeds: 0.6m/s,0.9m/s or from:to:count; default: those tested before, or three slow ones."
+        cli.Speeds | None, "Speeds: 0.6m/s,0.9m/s or from:to:count; default: those tested before, or three slow ones."
     ] = None
-    depths: Annotated[Numbers | None, "Depths [m]: a,b,c or from:to:count; for terms with depth."] = None
+    depths: Annotated[cli.Numbers | None, "Depths [m]: a,b,c or from:to:count; for terms with depth."] = None
     reach: Annotated[float | None, "Largest offset from the centreline [m]; default: the tested range."] = None
 
     def tank(self) -> "nw.Tank":
@@ -231,19 +211,19 @@ class RunOptions:
 
 @dataclass(frozen=True)
 class AimOptions:
-    errors: RunErrors = "0.02,0.02,0.02"
-    terms: Terms = "paper"
-    targets: Annotated[Words, "Target coefficients, a,b,c; default: the bank's."] = ""
+    errors: cli.RunErrors = "0.02,0.02,0.02"
+    terms: cli.Terms = "paper"
+    targets: Annotated[cli.Words, "Target coefficients, a,b,c; default: the bank's."] = ""
     criterion: Annotated[str, "'c': sum of the variances; 'd': determinant."] = "c"
 
 
-@verb("narrows plan ship.toml --runs 12 --speed 0.6m/s,0.9m/s -o runs.csv")
+@cli.verb("narrows plan ship.toml --runs 12 --speed 0.6m/s,0.9m/s -o runs.csv")
 def plan(
-    ship: Annotated[Path, Argument(help=SHIP_FILE)],
+    ship: Annotated[Path, cli.Argument(help=cli.SHIP_FILE)],
     runs: RunOptions,
     aim: AimOptions,
-    selection: SelectionOptions,
-    delivery: TableDelivery,
+    selection: cli.SelectionOptions,
+    delivery: cli.TableDelivery,
     after: Annotated[Path | None, "Earlier captive tests."] = None,
 ) -> None:
     """Choose captive tests that identify the bank."""
@@ -257,11 +237,11 @@ def plan(
     raise SystemExit(int(not result.determined))
 
 
-def _made(after: Path | None, ship: Path, selection: SelectionOptions, terms: "TermTable") -> "Tests | None":
+def _made(after: Path | None, ship: Path, selection: cli.SelectionOptions, terms: "TermTable") -> "Tests | None":
     from narrows.identification.fitting import the_condition
 
     if after is None:
-        if selection != SelectionOptions():
+        if selection != cli.SelectionOptions():
             raise InputError("--where, --mapping and --condition are of tests that were made; give those by --after")
         return None
     read = nw.read_captive(after, ship, selection.where, terms.actuators, selection.mapping_of(after))

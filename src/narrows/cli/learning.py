@@ -6,21 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import narrows as nw
-from narrows.cli.options import (
-    PAGES,
-    Argument,
-    Delivery,
-    ModelDelivery,
-    Numbers,
-    Option,
-    Speed,
-    WaterwayFile,
-    Words,
-    named,
-    speeds,
-    verb,
-)
-from narrows.cli.options import speed as read_speed
+from narrows.cli import options as cli
 from narrows.empirical.fleet import model_named
 from narrows.errors import InputError
 from narrows.progress import LARGE_FILE
@@ -34,13 +20,13 @@ PARTS = ("log", "truth", "steady", "plan", "information")
 
 Logs = Annotated[
     list[Path] | None,
-    Argument(help="The ship's own logs: CSV, Parquet, NMEA 0183.", metavar="[LOG]..."),
+    cli.Argument(help="The ship's own logs: CSV, Parquet, NMEA 0183.", metavar="[LOG]..."),
 ]
 
 
 @dataclass(frozen=True)
 class LogOptions:
-    free: Annotated[Words, "Free coefficients: b_bank,c_bank; default: all."] = ""
+    free: Annotated[cli.Words, "Free coefficients: b_bank,c_bank; default: all."] = ""
     sensors: Annotated[str, "Measurement quality of a log: rtk, vdr, ais, or basin."] = "vdr"
     spread: Annotated[float | None, "Relative standard deviation of coefficients without a fit."] = None
     mapping: Annotated[Path | None, "TOML of the log's own names, units, signs and delays; see docs/ship-log.md."] = (
@@ -57,11 +43,11 @@ class LegOptions:
     ] = None
     plan_steady: Annotated[
         Path | None,
-        Option(help="Plan steady legs and write the pilot's page: .html.", callback=named(PAGES)),
+        cli.Option(help="Plan steady legs and write the pilot's page: .html.", callback=cli.named(cli.PAGES)),
     ] = None
     legs: Annotated[int, "Number of legs to plan, even."] = 4
-    y: Annotated[Numbers | None, "Allowed offsets [m] to either side: a,b,c or from:to:count."] = None
-    wind: Annotated[Speed, "Standard deviation of beam wind: 8m/s, 16kn."] = "8m/s"
+    y: Annotated[cli.Numbers | None, "Allowed offsets [m] to either side: a,b,c or from:to:count."] = None
+    wind: Annotated[cli.Speed, "Standard deviation of beam wind: 8m/s, 16kn."] = "8m/s"
 
 
 @dataclass(frozen=True)
@@ -69,17 +55,17 @@ class InformationOptions:
     predict_information: Annotated[
         str | None, "Predict the information of transits on the bank coefficients; give the sensors: rtk or vdr."
     ] = None
-    waterway: WaterwayFile = None
+    waterway: cli.WaterwayFile = None
 
 
-@verb("narrows learn full.toml bridge.csv --waterway canal.geojson -o learned.toml --report learned.html")
+@cli.verb("narrows learn full.toml bridge.csv --waterway canal.geojson -o learned.toml --report learned.html")
 def learn(
     logged: LogOptions,
     legs: LegOptions,
     ahead: InformationOptions,
-    delivery: ModelDelivery,
+    delivery: cli.ModelDelivery,
     speed: Annotated[str | None, "Allowed speeds, or that of transits: 8kn, 4.1m/s."] = None,
-    model: Annotated[str | None, Argument(help="Model file; none for --demo.", metavar="[MODEL]")] = None,
+    model: Annotated[str | None, cli.Argument(help="Model file; none for --demo.", metavar="[MODEL]")] = None,
     logs: Logs = None,
 ) -> None:
     """Learn coefficients from a ship's log or steady legs.
@@ -110,7 +96,7 @@ def learn(
 
 def _check(
     model: str | None, logs: list[Path] | None, logged: LogOptions, legs: LegOptions, ahead: InformationOptions,
-    delivery: ModelDelivery,
+    delivery: cli.ModelDelivery,
 ) -> None:  # fmt: skip
     asked = (logs, logged.demo or None, legs.steady, legs.plan_steady, ahead.predict_information)
     if sum(one is not None for one in asked) != 1:
@@ -127,7 +113,7 @@ def _check(
 
 
 def _learn(
-    model: "nw.Model", logs: list[Path], logged: LogOptions, ahead: InformationOptions, delivery: ModelDelivery
+    model: "nw.Model", logs: list[Path], logged: LogOptions, ahead: InformationOptions, delivery: cli.ModelDelivery
 ) -> bool:
     """Learn from logs; return whether they carry information."""
     log = _read(logs, logged, ahead)
@@ -153,7 +139,7 @@ def _read(logs: list[Path], logged: LogOptions, ahead: InformationOptions) -> "n
     return nw.read_log(logs, way, logged.mapping)
 
 
-def _deliver(fit: "nw.LogFit", delivery: ModelDelivery, truth: Mapping[str, float] | None = None) -> bool:
+def _deliver(fit: "nw.LogFit", delivery: cli.ModelDelivery, truth: Mapping[str, float] | None = None) -> bool:
     from narrows.report.log_report import print_log_fit, write_log_report
 
     delivery.write(fit.model.save, report=lambda path: write_log_report(fit, path, truth))
@@ -162,7 +148,7 @@ def _deliver(fit: "nw.LogFit", delivery: ModelDelivery, truth: Mapping[str, floa
     return fit.informative
 
 
-def _learn_steady(model: "nw.Model", legs: LegOptions, table: Path, delivery: ModelDelivery) -> bool:
+def _learn_steady(model: "nw.Model", legs: LegOptions, table: Path, delivery: cli.ModelDelivery) -> bool:
     from narrows.report.pilot_page import print_steady_fit, write_steady_report
 
     fit = nw.learn_steady(model, table, conditions=nw.SteadyConditions(wind=legs.wind))
@@ -175,11 +161,11 @@ def _learn_steady(model: "nw.Model", legs: LegOptions, table: Path, delivery: Mo
 def _plan(model: "nw.Model", legs: LegOptions, page: Path, speed: str | None, json: bool) -> bool:
     from narrows.report.pilot_page import print_steady_plan, write_pilot_page
 
-    ahead = None if speed is None else speeds("--speed", speed)
+    ahead = None if speed is None else cli.speeds("--speed", speed)
     plan = nw.plan_steady(model, legs.y, ahead, legs=legs.legs, conditions=nw.SteadyConditions(wind=legs.wind))
     if plan.legs:
         write_pilot_page(plan, page)
-    shown = Delivery(page if plan.legs else None, json)
+    shown = cli.Delivery(page if plan.legs else None, json)
     shown.show(lambda: _told(plan, plan=plan.to_dict()), lambda: print_steady_plan(plan))
     return bool(plan.legs)
 
@@ -188,9 +174,9 @@ def _predict_information(model: "nw.Model", ahead: InformationOptions, speed: st
     from narrows.report.pilot_page import print_information
 
     way = None if ahead.waterway is None else nw.read_waterway(ahead.waterway)
-    u = None if speed is None else read_speed("--speed", speed)
+    u = None if speed is None else cli.speed("--speed", speed)
     found = nw.predict_information(model, way, ahead.predict_information or "", u=u)
-    Delivery(json=json).show(lambda: _told(found, information=found.to_dict()), lambda: print_information(found))
+    cli.Delivery(json=json).show(lambda: _told(found, information=found.to_dict()), lambda: print_information(found))
     return True
 
 

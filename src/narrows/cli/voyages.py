@@ -12,23 +12,7 @@ import click
 import numpy as np
 
 import narrows as nw
-from narrows.cli.options import (
-    Argument,
-    ChartDelivery,
-    DatasetDelivery,
-    Delivery,
-    ModelFile,
-    Numbers,
-    Option,
-    Speed,
-    Speeds,
-    TrackDelivery,
-    WaterwayDelivery,
-    WaterwayFile,
-    numbers,
-    verb,
-)
-from narrows.cli.options import speed as read_speed
+from narrows.cli import options as cli
 from narrows.empirical.fleet import model_named
 from narrows.errors import InputError, check_choice
 from narrows.results import save_dataset
@@ -45,10 +29,10 @@ ContactKind = Annotated[str, "Contact with the bank: hull 'corners', 'midship' c
 class StartOptions:
     y: Annotated[float, "Start to starboard of the centreline [m]."] = 0.0
     speed: Annotated[
-        Speed | None, "Surge velocity: 1.2m/s, 8kn; m/s without a unit; default: one that suits the ship."
+        cli.Speed | None, "Surge velocity: 1.2m/s, 8kn; m/s without a unit; default: one that suits the ship."
     ] = None
     psi_deg: Annotated[float, "Heading at the start [deg]."] = 0.0
-    v: Annotated[Speed, "Sway velocity at the start, likewise."] = "0m/s"
+    v: Annotated[cli.Speed, "Sway velocity at the start, likewise."] = "0m/s"
     r_deg: Annotated[float, "Yaw rate at the start [deg/s]."] = 0.0
     x: Annotated[float, "Start along the canal [m]."] = 0.0
     revolutions: Annotated[float | None, "Propeller revolutions [1/s]; default: those of the model."] = None
@@ -104,7 +88,7 @@ class PhysicsOptions:
 
 
 def read_current(
-    option: str, text: str, read: Callable[[str, str], float] = read_speed
+    option: str, text: str, read: Callable[[str, str], float] = cli.speed
 ) -> "float | list[tuple[float, float]]":
     """Read the speed of a current [m/s], or pairs of a place [m] and the speed there: ``0:0.4m/s,2000:1m/s``."""
     if ":" not in text:
@@ -114,7 +98,7 @@ def read_current(
 
 
 def _number(option: str, text: str) -> float:
-    return float(numbers(option, text)[0])
+    return float(cli.numbers(option, text)[0])
 
 
 Current = Annotated[Any, read_current]
@@ -124,7 +108,7 @@ CurrentText = Annotated[Current, "Current along the waterway at its beginning: 0
 
 @dataclass(frozen=True)
 class WaterOptions:
-    waterway: WaterwayFile = None
+    waterway: cli.WaterwayFile = None
     current: CurrentText = None
     level: Annotated[float | None, "Water level above that of the waterway's depths [m]."] = None
     current_across: Annotated[Current, "Current to starboard of the line, likewise."] = None
@@ -147,14 +131,15 @@ class WaterOptions:
 @dataclass(frozen=True)
 class VariedOptions:
     y: Annotated[
-        Numbers | None, "Start to starboard [m]: a number, a,b,c or from:to:count; bank to bank unless given."
+        cli.Numbers | None, "Start to starboard [m]: a number, a,b,c or from:to:count; bank to bank unless given."
     ] = None
     speed: Annotated[
-        Speeds | None, "Surge velocity: 8kn, 4kn:8kn:5, 1.2m/s; m/s without a unit; default: one that suits the ship."
+        cli.Speeds | None,
+        "Surge velocity: 8kn, 4kn:8kn:5, 1.2m/s; m/s without a unit; default: one that suits the ship.",
     ] = None
-    psi_deg: Annotated[Numbers, "Heading at the start [deg], likewise."] = "0"
-    width: Annotated[Numbers | None, "Canal width [m], likewise; default: the model's own."] = None
-    x: Annotated[Numbers, "Start along the waterway [m], likewise."] = "0"
+    psi_deg: Annotated[cli.Numbers, "Heading at the start [deg], likewise."] = "0"
+    width: Annotated[cli.Numbers | None, "Canal width [m], likewise; default: the model's own."] = None
+    x: Annotated[cli.Numbers, "Start along the waterway [m], likewise."] = "0"
 
     def values(self, defaults: "VoyageDefaults", offsets: int) -> dict[str, Any]:
         aside = np.linspace(-defaults.offset, defaults.offset, offsets)
@@ -185,18 +170,19 @@ SAME_PLACE = 0.05
 OFFSETS = 101
 
 
-@verb("narrows simulate mikkelsen2025_dtc --y 0.5 --speed 1m/s -o voyage.nc --plot voyage.png")
+@cli.verb("narrows simulate mikkelsen2025_dtc --y 0.5 --speed 1m/s -o voyage.nc --plot voyage.png")
 def simulate(
-    model: ModelFile,
+    model: cli.ModelFile,
     start: StartOptions,
     push: PushOptions,
     helm: HelmOptions,
     time: TimeOptions,
     physics: PhysicsOptions,
     water: WaterOptions,
-    delivery: TrackDelivery,
+    delivery: cli.TrackDelivery,
     bottom: Annotated[
-        bool, Option("--bottom/--no-bottom", help="End the voyage if the ship touches bottom or chokes the section.")
+        bool,
+        cli.Option("--bottom/--no-bottom", help="End the voyage if the ship touches bottom or chokes the section."),
     ] = True,
 ) -> None:
     """Simulate one voyage, to where the ship grounds.
@@ -221,14 +207,14 @@ def simulate(
     raise SystemExit(int(voyage.outcome.kind == "diverged"))
 
 
-@verb("narrows map mikkelsen2025_dtc --y -2.5:2.5:101 --speed 0.6:1.2:61 --plot map.png", name="map")
+@cli.verb("narrows map mikkelsen2025_dtc --y -2.5:2.5:101 --speed 0.6:1.2:61 --plot map.png", name="map")
 def map_(
-    model: ModelFile,
+    model: cli.ModelFile,
     varied: VariedOptions,
     samples: SampleOptions,
     time: TimeOptions,
     water: WaterOptions,
-    delivery: DatasetDelivery,
+    delivery: cli.DatasetDelivery,
     contact: ContactKind = "corners",
 ) -> None:
     """Map where the ship grounds, over one or two variables.
@@ -264,11 +250,11 @@ def _zigzags(option: str, text: str) -> tuple[tuple[float, float], ...]:
 Zigzags = Annotated[Any, _zigzags]
 
 
-@verb("narrows trials yasukawa2015_kvlcc2 --speed 1.179m/s --plot tracks.png")
+@cli.verb("narrows trials yasukawa2015_kvlcc2 --speed 1.179m/s --plot tracks.png")
 def trials(
-    model: ModelFile,
-    speed: Annotated[Speed, "Approach speed: 1.2m/s, 8kn; m/s without a unit."],
-    delivery: ChartDelivery,
+    model: cli.ModelFile,
+    speed: Annotated[cli.Speed, "Approach speed: 1.2m/s, 8kn; m/s without a unit."],
+    delivery: cli.ChartDelivery,
     turn_deg: Annotated[float, "Rudder angle of the turning circles, to either side [deg]."] = 35.0,
     zigzags: Annotated[Zigzags, "Rudder/heading of the zigzags [deg], a/b,c/d."] = "10/10,20/20",
     dt: Annotated[float | None, "Time step [s]; default: a 120th of the time of a ship length."] = None,
@@ -290,11 +276,11 @@ def trials(
 REACH = 1000.0
 
 
-@verb("narrows waterway --line axis.geojson --width 300 --depth 16 -o canal.geojson")
+@cli.verb("narrows waterway --line axis.geojson --width 300 --depth 16 -o canal.geojson")
 def waterway(
     file: Annotated[
         Path | None,
-        Argument(help="GeoJSON, KML, shapefile, or a cell of an electronic chart (.000); none with --width."),
+        cli.Argument(help="GeoJSON, KML, shapefile, or a cell of an electronic chart (.000); none with --width."),
     ] = None,
     line: Annotated[
         Path | None, "Centreline, through a chart or an area, or with --width: a map with one line, as it is sailed."
@@ -303,7 +289,7 @@ def waterway(
     depth: Annotated[float | None, "Water depth [m], if the file gives none."] = None,
     reach: Annotated[float, "Search distance for a bank in a chart [m]."] = REACH,
     draft: Annotated[float, "Draft of a ship [m]: the width is then that available to the keel."] = 0.0,
-    delivery: WaterwayDelivery = Delivery(),
+    delivery: cli.WaterwayDelivery = cli.Delivery(),
 ) -> None:
     """Make or check a waterway file.
 

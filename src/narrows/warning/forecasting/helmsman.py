@@ -26,29 +26,7 @@ from narrows.simulation.inputs import INPUTS, START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.outcome import Code
 from narrows.simulation.ship import CURRENT, PARAMETER, SimulatedShip, steering_of
-from narrows.warning.settings import (
-    CONTACT_TOLERANCE,
-    DEVIATION_TIME,
-    ENGINE_KICK,
-    ESCAPE_ANGLE,
-    ESCAPE_HEADING_GAIN,
-    ESCAPE_TURN_GAIN,
-    HELM_DELAYS,
-    HELM_FREEDOM,
-    HELM_GAINS,
-    HELM_GAINS_SIGMA,
-    HELM_MEMORY,
-    LAPSE_INTERVAL,
-    LEAST_HELM_LIMIT,
-    LEAST_HELM_SCATTER,
-    ORDER_INTERVAL,
-    REACH_LENGTHS,
-    RETURN_TIME,
-    RUDDER_MOVES,
-    UNATTENDED_BOUNDS,
-    UNATTENDED_MOVES,
-    UNATTENDED_SCATTER,
-)
+from narrows.warning import settings
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -59,15 +37,17 @@ class Helmsmen:
 
     def __init__(self, count: int, length: float) -> None:
         self.count, self.length = count, length
-        shape = count, len(HELM_DELAYS), 4
-        self.gains = np.broadcast_to(np.array(HELM_GAINS), shape).copy()  # Gains of 1, offset, heading, yaw rate
-        self._walk = np.diag(np.array(HELM_GAINS_SIGMA) ** 2) / HELM_MEMORY
-        self._covariance = np.broadcast_to(np.diag(np.array(HELM_GAINS_SIGMA) ** 2), (*shape, 4)).copy()
-        self._squares = np.full(shape[:2], (2 * LEAST_HELM_SCATTER) ** 2)  # Squared deviations from the law
-        self._past: deque[np.ndarray] = deque(maxlen=max(HELM_DELAYS) + 1)
+        shape = count, len(settings.HELM_DELAYS), 4
+        self.gains = np.broadcast_to(
+            np.array(settings.HELM_GAINS), shape
+        ).copy()  # Gains of 1, offset, heading, yaw rate
+        self._walk = np.diag(np.array(settings.HELM_GAINS_SIGMA) ** 2) / settings.HELM_MEMORY
+        self._covariance = np.broadcast_to(np.diag(np.array(settings.HELM_GAINS_SIGMA) ** 2), (*shape, 4)).copy()
+        self._squares = np.full(shape[:2], (2 * settings.LEAST_HELM_SCATTER) ** 2)  # Squared deviations from the law
+        self._past: deque[np.ndarray] = deque(maxlen=max(settings.HELM_DELAYS) + 1)
         self.unattended = np.full(count, 0.02)  # Chance that nobody steers [1]
         self.off = np.zeros(count)  # The rudder from the law's [rad]
-        self.limit = np.full(count, LEAST_HELM_LIMIT)  # The largest angle that is used [rad]
+        self.limit = np.full(count, settings.LEAST_HELM_LIMIT)  # The largest angle that is used [rad]
         self._held: np.ndarray | None = None  # Angle of the rudder since it last moved [rad]
 
     @property
@@ -78,56 +58,70 @@ class Helmsmen:
         """Take in a second: offset [m], heading [rad] and yaw rate [rad/s] to the waterway, speed [m/s], rudder."""
         pace = self.length / np.maximum(u, 0.1)
         self._past.append(np.stack([np.ones_like(y), -y / self.length, -psi, -turn * pace], axis=-1))
-        seen = np.stack([self._past[max(len(self._past) - 1 - delay, 0)] for delay in HELM_DELAYS], axis=1)
+        seen = np.stack([self._past[max(len(self._past) - 1 - delay, 0)] for delay in settings.HELM_DELAYS], axis=1)
         off = rudder[:, None] - (self.gains * seen).sum(axis=-1)
         here = np.arange(self.count), self._best
         self.off = off[here]
         self._judge(rudder)
         self._learn(seen, off, 1.0 - self.unattended)
         self.limit = np.maximum.reduce(
-            [self.limit * math.exp(-1.0 / HELM_MEMORY), np.abs(rudder), np.full(self.count, LEAST_HELM_LIMIT)]
+            [
+                self.limit * math.exp(-1.0 / settings.HELM_MEMORY),
+                np.abs(rudder),
+                np.full(self.count, settings.LEAST_HELM_LIMIT),
+            ]
         )
 
     def _judge(self, rudder: np.ndarray) -> None:
         """One step of the filter of the hidden state."""
         self._held = rudder.copy() if self._held is None else self._held
         step = rudder - self._held
-        moved = np.abs(step) > RUDDER_MOVES
+        moved = np.abs(step) > settings.RUDDER_MOVES
         # Only a move that brings the rudder nearer to the law shows a hand at work: a wrong order does not.
         steered = moved & (np.abs(self.off) < np.abs(self.off - step))
         self._held = np.where(moved, rudder, self._held)
-        before = self.unattended + (1.0 - self.unattended) / LAPSE_INTERVAL - self.unattended / RETURN_TIME
+        before = (
+            self.unattended + (1.0 - self.unattended) / settings.LAPSE_INTERVAL - self.unattended / settings.RETURN_TIME
+        )
         scatter = np.sqrt(self._squares[np.arange(self.count), self._best])
-        evidence = (log_student(self.off, UNATTENDED_SCATTER) - log_student(self.off, scatter)) / DEVIATION_TIME
-        odds = np.log(before / (1.0 - before)) + evidence + steered * math.log(UNATTENDED_MOVES * ORDER_INTERVAL)
-        self.unattended = np.clip(1.0 / (1.0 + np.exp(-odds)), *UNATTENDED_BOUNDS)
+        evidence = (
+            log_student(self.off, settings.UNATTENDED_SCATTER) - log_student(self.off, scatter)
+        ) / settings.DEVIATION_TIME
+        odds = (
+            np.log(before / (1.0 - before))
+            + evidence
+            + steered * math.log(settings.UNATTENDED_MOVES * settings.ORDER_INTERVAL)
+        )
+        self.unattended = np.clip(1.0 / (1.0 + np.exp(-odds)), *settings.UNATTENDED_BOUNDS)
 
     def _learn(self, seen: np.ndarray, off: np.ndarray, weight: np.ndarray) -> None:
         """One step of the Kalman filters; steps without a helmsman change nothing."""
         self._covariance += self._walk
-        noise = self._squares * ORDER_INTERVAL / np.maximum(weight, 1e-3)[:, None]
+        noise = self._squares * settings.ORDER_INTERVAL / np.maximum(weight, 1e-3)[:, None]
         shared = (self._covariance @ seen[..., None])[..., 0]
         gain = shared / ((shared * seen).sum(axis=-1) + noise)[..., None]
         self.gains += gain * off[..., None]
         self.gains[..., 1:] = np.maximum(self.gains[..., 1:], 0.0)
         self._covariance -= gain[..., None] * shared[..., None, :]
-        share = weight[:, None] / HELM_MEMORY
-        self._squares += share * (np.maximum(off**2, LEAST_HELM_SCATTER**2) - self._squares)
+        share = weight[:, None] / settings.HELM_MEMORY
+        self._squares += share * (np.maximum(off**2, settings.LEAST_HELM_SCATTER**2) - self._squares)
 
     def law(self, u: np.ndarray) -> dict[str, np.ndarray]:
         """Return the numbers of the law for a lane of each ship (``LineOfSight``)."""
         trim, by_y, by_psi, by_r = np.moveaxis(self.gains[np.arange(self.count), self._best], -1, 0)
         heading = np.maximum(by_psi, 0.05)
         return {
-            "since": np.array(HELM_DELAYS)[self._best] + 0.5 * ORDER_INTERVAL, "trim": trim, "by_psi": heading,
-            "line": np.zeros(self.count), "reach": by_y / self.length / heading,
+            "since": np.array(settings.HELM_DELAYS)[self._best] + 0.5 * settings.ORDER_INTERVAL, "trim": trim,
+            "by_psi": heading, "line": np.zeros(self.count), "reach": by_y / self.length / heading,
             "by_r": by_r * self.length / np.maximum(u, 0.1), "most": self.limit,
         }  # fmt: skip
 
 
 def log_student(off: np.ndarray, scale: float | np.ndarray) -> np.ndarray:
     """Log density of Student's t with ``HELM_FREEDOM`` degrees of freedom, less its constant."""
-    return np.asarray(-np.log(scale) - 0.5 * (HELM_FREEDOM + 1.0) * np.log1p((off / scale) ** 2 / HELM_FREEDOM))
+    return np.asarray(
+        -np.log(scale) - 0.5 * (settings.HELM_FREEDOM + 1.0) * np.log1p((off / scale) ** 2 / settings.HELM_FREEDOM)
+    )
 
 
 REVOLUTIONS = "revolutions"
@@ -141,7 +135,7 @@ class Manoeuvre(NamedTuple):
 # The best of 37 manoeuvres (angles back to the line, gains, counter rudder alone) in each case saves less than half a
 # percent of the contacts more than the first one here: decisions/warning_scores.py.
 STEADY = Manoeuvre("then steady parallel to the bank")
-KICK = Manoeuvre("kick ahead, then steady parallel to the bank", ENGINE_KICK)
+KICK = Manoeuvre("kick ahead, then steady parallel to the bank", settings.ENGINE_KICK)
 
 
 @dataclass(frozen=True, repr=False)
@@ -182,8 +176,8 @@ class LineOfSight(BaseSummary):
 def escape_numbers(line: float, length: float, limit: float) -> dict[str, float]:
     """Return the law's numbers of an escape: hard over, and checked in time; ``by_r`` is divided by the speed [m/s]."""
     return {
-        "line": line, "reach": 1.0 / (REACH_LENGTHS * length), "approach": ESCAPE_ANGLE, "trim": 0.0, "most": limit,
-        "by_psi": ESCAPE_HEADING_GAIN, "by_r": ESCAPE_TURN_GAIN * length,
+        "line": line, "reach": 1.0 / (settings.REACH_LENGTHS * length), "approach": settings.ESCAPE_ANGLE, "trim": 0.0,
+        "most": limit, "by_psi": settings.ESCAPE_HEADING_GAIN, "by_r": settings.ESCAPE_TURN_GAIN * length,
     }  # fmt: skip
 
 
@@ -242,7 +236,7 @@ class FutureLanes:
         many |= {name: np.full(lanes, value) for name, value in steering.parameters.items()}
         still = dict.fromkeys((*START, *INPUTS, CURRENT_ACROSS), 0.0)
         self._prepared = run.prepared({**still, "u": 1.0, **many}, lanes, workers=1)
-        self._prepared.limits[0] = CONTACT_TOLERANCE * ship.model.configuration.ship.beam
+        self._prepared.limits[0] = settings.CONTACT_TOLERANCE * ship.model.configuration.ship.beam
         self._constants = ship.system(waterway is not None, steering.law).constants
         self._ship_values = ship.values()
         kernel = self._prepared.kernel
