@@ -115,36 +115,23 @@ def check_inside(table: CheckedColumns) -> None:
 
 def check_units(table: CheckedColumns) -> None:
     """Raise if a column without a unit has a size that only another unit explains."""
-    ship = table.configuration.ship
-    most = {
-        "rudder": (math.pi / 2, "rudder [deg]"), "draft": (3 * ship.draft, "draft [mm]"),
-        "depth": (settings.DEEPEST * ship.draft, "depth [mm]"), "width": (settings.WIDEST * ship.beam, "width [mm]"),
-    }  # fmt: skip
-    for name, (largest, header) in most.items():
-        if table.is_bare(name) and (large := np.abs(table.columns[name]) > largest).any():
-            value, unit = table.columns[name][int(np.argmax(large))], COLUMNS[name].unit
-            raise InputError(
-                f"{table.place(name, large)} = {value:g} {unit} is too large for this ship; "
-                f"head it {header!r} if that is its unit, or '{name} [{unit}]'"
-            )
-
-
-def check_speed(table: CheckedColumns) -> None:
-    """Raise if a speed without a unit is more than the section lets pass, or than any displacement hull reaches."""
-    if not table.is_bare("u"):
-        return
-    values, u = {**table.configuration.values(), **table.columns}, table.columns["u"]
-    most = np.full(u.shape, settings.FASTEST * math.sqrt(GRAVITY * table.configuration.ship.length))
+    ship, values = table.configuration.ship, {**table.configuration.values(), **table.columns}
+    fastest = settings.FASTEST * math.sqrt(GRAVITY * ship.length)
     if values.get("depth") is not None:
         section = {name: values[name] for name in ("beam", "draft", "width", "depth")}
-        most = np.minimum(most, settings.PAST_CHOKING * critical_speed(**section))
-    fast = np.abs(u) > most
-    if fast.any():
-        i = int(np.argmax(fast))
-        raise InputError(
-            f"{table.place('u', fast)} = {u[i]:g} m/s is over {most[i]:.3g} m/s, where this ship chokes the canal or "
-            "rides its own wave; head it 'u [kn]' if that is its unit, or 'u [m/s]'"
-        )
+        fastest = np.minimum(fastest, settings.PAST_CHOKING * critical_speed(**section))
+    most = {
+        "rudder": (math.pi / 2, "deg"), "draft": (3 * ship.draft, "mm"), "depth": (settings.DEEPEST * ship.draft, "mm"),
+        "width": (settings.WIDEST * ship.beam, "mm"), "u": (fastest, "kn"),
+    }  # fmt: skip
+    for name, (largest, other) in most.items():
+        if table.is_bare(name) and (large := np.abs(table.columns[name]) > largest).any():
+            value, unit = table.columns[name][int(np.argmax(large))], COLUMNS[name].unit
+            then = ", which then chokes the canal or rides its own wave" * (name == "u")
+            raise InputError(
+                f"{table.place(name, large)} = {value:g} {unit} is too large for this ship{then}; "
+                f"head it '{name} [{other}]' if that is its unit, or '{name} [{unit}]'"
+            )
 
 
 def check_mass(configuration: Configuration, table: str) -> tuple[str, ...]:

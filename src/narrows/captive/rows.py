@@ -117,7 +117,6 @@ def checked(
     columns.setdefault("heave", np.zeros(len(frame)))
     condition = _conditions(frame, columns, configuration, table)
     check.check_inside(found)
-    check.check_speed(found)
     plausibility = _check_plausible(found, test)
     notes = assumed + ([] if "test" in frame else ["column 'test' is absent: all rows are taken as one test"])
     unread = tuple(header for header in headers if header not in {*LABELS, *(c.header for c in recognised)})
