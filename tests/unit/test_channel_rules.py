@@ -139,7 +139,7 @@ def test_what_was_not_read_is_not_shown_as_published() -> None:
 def test_a_rule_without_a_source_is_none() -> None:
     for rule in CHANNEL_RULES:
         assert all((rule.source, rule.content))
-        assert (rule.widths is not None) + (rule.speed is not None) + (rule.rudder_deg is not None) == 1
+        assert bool(rule.widths) + bool(rule.speeds) + (rule.rudder_deg is not None) == 1
 
 
 def test_a_bank_of_no_known_kind_is_refused() -> None:

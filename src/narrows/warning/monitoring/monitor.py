@@ -70,22 +70,11 @@ class Monitor(Aliased):
         return self.status.alerts if self.status else ()
 
     def update(self, t: float, readings: Any = None, **named: Any) -> BridgeStatus:
-        """Use the readings of a second; return estimate, forecast and alerts.
+        """Use the ``readings`` of a second ending at ``t`` [s]; return estimate, forecast and alerts.
 
-        Parameters
-        ----------
-        t : float [s]
-            Current time; a second after the previous one.
-        readings : mapping of str to float, or NMEA 0183 sentences, optional
-            Readings along the waterway by the names of sensors, as for ``Estimator.update``, or of states: x, y [m],
-            psi, rudder [rad], u [m/s] through the water, r [rad/s].
-        **named : float
-            The same by keyword.
-
-        Raises
-        ------
-        InputError
-            If a name is unknown, or a sentence is given and the waterway has no place on earth.
+        They are NMEA 0183 sentences, or numbers along the waterway by the names of sensors, as for
+        ``Estimator.update``, or of states: x, y [m], psi, rudder [rad], u [m/s] through the water, r [rad/s]; also by
+        keyword (``named``). Raises an InputError for an unknown name, and for a sentence without a place on earth.
         """
         if isinstance(readings, str | bytes) or (isinstance(readings, Sequence) and not named):
             messages = self._decoded(t, [readings] if isinstance(readings, str | bytes) else readings)
