@@ -81,6 +81,8 @@ def accept_aliases(function: Function) -> Function:
                 raise InputError(f"{name} and {ours} are one argument; give {ours}")
             elif meant := name_here(name, "other_arguments", names_own):
                 raise InputError(f"{own} has no argument {name!r}; write {meant}")
+        values = (*map(_in_si, parameters, values), *values[len(parameters) :])
+        given = {name: _in_si(name, value) for name, value in given.items()}
         if place is not None and len(values) > place:
             values = (*values[:place], _model_of(values[place]), *values[place + 1 :])
         elif place is not None and "model" in given:
@@ -92,6 +94,12 @@ def accept_aliases(function: Function) -> Function:
             raise
 
     return called  # type: ignore[return-value]
+
+
+def _in_si(name: str, value: Any) -> Any:
+    """Return a speed that is written with its unit in m/s."""
+    is_written = isinstance(value, str) and name in ("u", "speed")
+    return import_module("narrows.quantities.names").metres_per_second(value) if is_written else value
 
 
 def _check_fits(own: str, function: Callable[..., Any], values: Any, given: Any) -> None:

@@ -194,9 +194,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.simulate(..., T=20)": (lambda: nw.simulate(DTC, y=0.5, T=20), "write duration"),
     "nw.simulate(..., hold=0)": (lambda: nw.simulate(DTC, y=0.5, hold=0), "write controller=nw.control.regulator"),
     "nw.cross_validate(tests)": (lambda: nw.cross_validate(TESTS()), "write identify"),  # type: ignore[attr-defined]
-    'nw.simulate(u="8 kn")': (lambda: nw.simulate(DTC, u="8 kn"), "8 kn is 4.12 m/s"),  # type: ignore[arg-type]
-    'nw.ensemble(u="8 kn")': (lambda: nw.ensemble(DTC, u="8 kn"), "8 kn is 4.12 m/s"),
-    'nw.safe_envelope(u="8 kn")': (lambda: nw.safe_envelope(STEERED, u="8 kn"), "8 kn is 4.12 m/s"),  # type: ignore[arg-type]
     "nw.simulate(x0=[...])": (lambda: nw.simulate(DTC, x0=[0.0, 0.5, 0.0, 1.0, 0.0, 0.0]), "x is the place along"),
     "fit.pvalues": (lambda: fit().pvalues, "write verdicts"),  # type: ignore[attr-defined]
     "nw.simulate(..., t_span=)": (lambda: nw.simulate(DTC, y=0.5, t_span=(0, 9)), "write duration"),
@@ -257,7 +254,10 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "model.nondimensional()": (lambda: DTC.nondimensional(), "give a positive one, speed="),  # type: ignore[attr-defined]
     "nw.crash_stop(model)": (lambda: nw.crash_stop(DTC), r"nw.published\('estimated_kcs'\)"),
     'nw.squat(formula="barrass")': (lambda: nw.squat(KCS, 4.0, formula="barrass"), "give gives='largest'"),
-    "nw.simulate(speed_knots=)": (lambda: nw.simulate(DTC, speed_knots=8), "write u=... in m/s, as 8 [*] 0.514444"),
+    "nw.simulate(speed_knots=)": (
+        lambda: nw.simulate(DTC, speed_knots=8),
+        "write u=... in m/s, or with its unit, as 8 kn",
+    ),
     "nw.turning_circle(speed_knots=)": (lambda: nw.turning_circle(KCS, speed_knots=8), "write speed=... in m/s"),  # type: ignore[call-arg]
     "nw.turning_circle(wind_speed=)": (lambda: nw.turning_circle(KCS, wind_speed=8), "its arguments: model, rudder"),  # type: ignore[call-arg]
     "nw.wind_force(wind_speed=)": (lambda: nw.wind_force(wind_speed=8.0, area=1e3), "write speed=..., of the wind"),  # type: ignore[call-arg]
@@ -442,6 +442,8 @@ assert nw.zigzag(kcs, rudder_deg=20, heading_deg=20, duration=600.0, dt=1.0).voy
 assert nw.turning_circle(kcs, rudder_angle=35, time_step=1.0).advance > 0 and nw.Gnss(std=0.5).noise == 0.5
 assert nw.KalmanFilter is nw.estimation.Estimator and nw.report.make_report is nw.report.write_report
 assert fit.cov_params().loc["b_v", "b_v"] == fit.covariance[5, 5]
+assert nw.squat(kcs, "8 kn") == nw.squat(kcs, speed=8 * 1852 / 3600) and nw.simulate(pub, u="3.6 km/h").u[0] == 1.0
+assert nw.ensemble(pub, u="1 m/s").equals(nw.ensemble(pub, u=1.0)) and nw.safe_envelope(kcs, u="8 kn", y=[0.0]).speeds.item() > 4.1
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""

@@ -15,7 +15,7 @@ import numpy as np
 from narrows.cli.app import app
 from narrows.errors import InputError, shown
 from narrows.files import PICTURES, form_of, is_stream, save_figure
-from narrows.quantities.names import KNOT
+from narrows.quantities.names import SPEED_UNITS
 from narrows.results import to_json
 
 if TYPE_CHECKING:
@@ -203,11 +203,6 @@ def verb(example: str, name: str | None = None) -> Callable[[Function], Function
     return registered
 
 
-# Units of a written speed, in m/s.
-SPEED_UNITS = {
-    "": 1.0, "m/s": 1.0, "mps": 1.0, **dict.fromkeys(("kn", "kt", "kts", "knot", "knots"), KNOT),
-    **dict.fromkeys(("km/h", "kmh", "kph"), 1 / 3.6),
-}  # fmt: skip
 # Largest number of values in a range.
 LARGEST_RANGE = 1_000_000
 UNIT = re.compile(rf"(?:{'|'.join(sorted(filter(None, SPEED_UNITS), key=len, reverse=True))})?\s*$", re.IGNORECASE)

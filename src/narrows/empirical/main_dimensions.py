@@ -29,7 +29,7 @@ from narrows.model.model import Model
 from narrows.model.sections import Source
 from narrows.quantities.names import GRAVITY, KNOT
 from narrows.ship.actuators import Part, Propeller, Rudder, SteeringGear
-from narrows.ship.checks import check_number, is_finite, speed_hint
+from narrows.ship.checks import check_number, is_finite
 from narrows.ship.particulars import Canal, Configuration, Ship, Water
 from narrows.terms.tables import table_named
 
@@ -289,8 +289,7 @@ def check_shape(ship: Ship) -> None:
 
 def check_speed(speed: Any, ship: Ship, kind: ShipType) -> None:
     if not is_finite(speed):
-        remedy = speed_hint(speed) or "; give it in m/s"
-        raise InputError(f"a service speed of {shown(speed)} is not a finite number{remedy}")
+        raise InputError(f"a service speed of {shown(speed)} is not a finite number; give it in m/s")
     ordinary = service_speed(ship, kind)
     if speed > 1.8 * ordinary:  # A speed in knots is 1.94 times that in m/s
         raise InputError(

@@ -13,7 +13,7 @@ from narrows.model.water import water_under_way
 from narrows.physics import squat_and_depth as formulas
 from narrows.quantities.names import Number, argument_names
 from narrows.results import BaseResult
-from narrows.ship.checks import is_finite, speed_hint
+from narrows.ship.checks import is_finite
 from narrows.ship.particulars import Configuration, Configured
 
 if TYPE_CHECKING:
@@ -212,8 +212,7 @@ def squat(ship: Configured | Configuration, u: float, gives: Sinkage = "midship"
         raise InputError(f"{formula} gives the {SQUAT[formula].gives} sinkage, not the {gives} one; {remedy}")
     configuration, critical = configuration_of(ship), choke_speed(ship)
     if not is_finite(u):
-        remedy = speed_hint(u) or "; call squat for each of several"
-        raise InputError(f"u = {shown(u)} is not one speed in m/s{remedy}")
+        raise InputError(f"u = {shown(u)} is not one speed in m/s; call squat for each of several")
     if not 0 <= u < critical:
         raise InputError(f"{u:.4g} m/s is not between 0 and the critical speed of this canal, {critical:.4g} m/s")
     offered = [formula] if formula else [name for name, chosen in SQUAT.items() if chosen.gives == gives]

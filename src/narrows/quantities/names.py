@@ -2,6 +2,7 @@
 
 import inspect
 import math
+import re
 from collections.abc import Callable
 from functools import lru_cache
 from types import FunctionType
@@ -78,6 +79,19 @@ GRAVITY = 9.81
 # One nautical mile an hour [m/s].
 KNOT = 1852 / 3600
 DEGREE = math.pi / 180  # [rad]
+# Units of a written speed [m/s].
+SPEED_UNITS = {
+    "": 1.0, "m/s": 1.0, "mps": 1.0, **dict.fromkeys(("kn", "kt", "kts", "knot", "knots"), KNOT),
+    **dict.fromkeys(("km/h", "kmh", "kph"), 1 / 3.6),
+}  # fmt: skip
+
+
+def metres_per_second(text: str) -> float | str:
+    """Return a speed with its unit, such as ``8 kn``, in m/s; any other text unchanged."""
+    found = re.fullmatch(r"\s*([-+]?\d+(?:\.\d+)?)\s*([a-z/]+)\s*", text, re.IGNORECASE)
+    unit = SPEED_UNITS.get(found[2].lower()) if found else None
+    return float(found[1]) * unit if found and unit else text
+
 
 # Mass density of the air at 15 degrees Celsius [kg/m3].
 AIR_DENSITY = 1.225

@@ -2,7 +2,6 @@
 
 import math
 import operator
-import re
 from collections.abc import Callable, Collection, Iterable, Mapping
 from numbers import Real
 from typing import Any, NamedTuple
@@ -10,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from narrows.errors import InputError, shown
-from narrows.quantities.names import KNOT, Number
+from narrows.quantities.names import Number
 
 # Range of every size of a ship, its water and its parts; products of them stay finite.
 SMALLEST, LARGEST = 1e-12, 1e20
@@ -110,12 +109,6 @@ def check_angles(values: Mapping[str, Any]) -> None:
             )
 
 
-def speed_hint(value: object) -> str:
-    """Return what a speed in knots is in m/s, as the end of a sentence."""
-    found = re.fullmatch(r"\s*(\d+(?:\.\d+)?)\s*(?:kn|kts?|knots?)\s*", value) if isinstance(value, str) else None
-    return f"; numbers are m/s: {value} is {float(found[1]) * KNOT:.3g} m/s" if found else ""
-
-
 def check_rule(rule: Rule, values: Mapping[str, Number], places: Mapping[str, str]) -> None:
     asked = {name: values[name] for name in rule.asks}
     _check(rule.right(*asked.values()), rule.sentence, asked, places)
@@ -140,7 +133,7 @@ def check_sizes(thing: object, over: Collection[str] = (), names: Iterable[str] 
     """Raise if a number of a dataclass, of all or these, is negative or not finite, or 0 if it must be over 0."""
     for name in names or vars(thing):
         value = getattr(thing, name)
-        if isinstance(value, str) or value is None is getattr(type(thing), name, ""):
+        if (isinstance(value, str) and not names) or value is None is getattr(type(thing), name, ""):
             continue
         if not is_finite(value) or value < 0 or (name in over and value == 0):
             least = "over 0" if name in over else "from 0"

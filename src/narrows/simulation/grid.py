@@ -12,7 +12,7 @@ from narrows.errors import InputError, check_count, did_you_mean, reason, shown
 from narrows.model.model import Model
 from narrows.quantities.names import PARTICULARS
 from narrows.ship.actuators import STANDARD, Actuator, particulars_with, places_of
-from narrows.ship.checks import Rule, check_angles, check_number, check_particulars, check_rule, place_of, speed_hint
+from narrows.ship.checks import Rule, check_angles, check_number, check_particulars, check_rule, place_of
 from narrows.simulation.inputs import INPUTS, START, STEADY
 from narrows.simulation.settings import MOST_SAMPLES
 from narrows.terms.term import TermTable
@@ -143,7 +143,7 @@ def _floats(name: str, values: np.ndarray) -> np.ndarray:
     except (TypeError, ValueError, OverflowError):
         pass
     given = values.tolist()
-    raise InputError(f"{name} = {shown(given)} is not a finite number{speed_hint(given) or '; give it in SI units'}")
+    raise InputError(f"{name} = {shown(given)} is not a finite number; give it in SI units")
 
 
 def sizes_of(values: Columns) -> dict[str, int]:

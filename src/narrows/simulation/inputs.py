@@ -9,7 +9,7 @@ import numpy as np
 from narrows.codegen.free_motion import Surge
 from narrows.errors import InputError, check_choice, check_count, shown
 from narrows.quantities.names import Number
-from narrows.ship.checks import LARGEST, speed_hint
+from narrows.ship.checks import LARGEST
 from narrows.simulation.settings import MOST_EXTENT, MOST_POINTS, MOST_WORKERS
 
 # Default state at the start.
@@ -72,7 +72,7 @@ def _finite(name: str, value: Any) -> float:
         state = name == "x" and isinstance(value, list | tuple | np.ndarray)
         hint = "; x is the place along the canal [m], and a state is given by name: y=0.5, u=1.0, psi=0.0" * state
         several = "; nw.ensemble takes several" * isinstance(value, list | tuple | np.ndarray)
-        raise InputError(f"{name} = {shown(value)} must be a finite number{hint or several or speed_hint(value)}")
+        raise InputError(f"{name} = {shown(value)} must be a finite number{hint or several}")
     if not abs(number) < LARGEST:
         raise InputError(f"{name} = {shown(value)} is beyond all measure; check its unit")
     return number
