@@ -147,9 +147,7 @@ def test_its_errors_become_states_that_are_as_large_as_declared(make: type[Measu
 
 
 @every_sensor
-@pytest.mark.parametrize(
-    "told", [{"noise": 0.0}, {"noise": np.nan}, {"period": 0.0}, {"delay": -1.0}, {"noise": "0.5 deg"}]
-)
+@pytest.mark.parametrize("told", [{"noise": 0.0}, {"noise": np.nan}, {"period": 0.0}, {"delay": -1.0}, {"noise": "1"}])
 def test_numbers_that_are_none_are_refused(make: type[Measuring], told: dict[str, float]) -> None:
     with pytest.raises(nw.InputError):
         replace(make(), **told)
