@@ -29,7 +29,7 @@ from narrows.quantities.arithmetic import minimum
 from narrows.quantities.names import FORCES, REGRESSOR_INPUTS, Quantity
 from narrows.simulation.channel import Channel, limits_of
 from narrows.simulation.settings import NEAR_THE_BANK
-from narrows.simulation.ship import MEMORY, PARAMETER, SimulatedShip, Steering
+from narrows.simulation.ship import SimulatedShip, Steering
 
 if TYPE_CHECKING:
     from narrows.waterway.waterway import Waterway
@@ -46,8 +46,12 @@ WALLS = ("wall_starboard", "wall_port")
 FORCES_FROM_OUTSIDE = {
     INPUTS[force]: Quantity(quantity.unit, f"{quantity.meaning}, from outside") for force, quantity in FORCES.items()
 }
-CURRENT = Quantity("m/s", "current along the line of the waterway where its flow is 1")
-OF_LAW = "{} of the controller, in SI units".format
+OTHERS = {
+    "current": Quantity("m/s", "current along the line of the waterway where its flow is 1"),
+    "counted_psi": Quantity("rad", "heading that counts whole turns"), TIME: Quantity("s", "time"),
+    SURGE_INERTIA: Quantity("kg", "added to the mass in surge"),
+}  # fmt: skip
+OF_HULL = Quantity("m", "of the hull that meets a bank")
 # Unit and meaning of an actuator's limits, by the ending of the name.
 GEAR = {
     "limit": ("{}", "largest size"), "rate": ("{}/s", "fastest change"), "dead_time": ("s", "dead time"),
@@ -229,29 +233,28 @@ class ExportedShip:
             if self._values.get(name) is None:
                 raise InputError(f"the equations of motion need {name}; give it in the ship or the model file")
         return tuple(
-            ExportedNumber(name, float(np.ravel(self._values[own])[0]), *self._quantity(own))
+            ExportedNumber(name, float(np.ravel(self._values[own])[0]), *self._quantities.get(own, OF_HULL))
             for name, own in known.items()
         )
 
-    def _quantity(self, name: str) -> Quantity:
-        terms, actuators = self.ship.model.terms, self.ship.model.terms.actuators
-        if name in terms.names:
-            term = terms[name]
-            limits = (
-                f", at {word} {end:g}"
-                for word, end in zip(("least", "most"), term.bound, strict=True)
-                if np.isfinite(end)
-            )
-            return Quantity(term.dimension.unit, f"coefficient {name}, {term.kind.value}{''.join(limits)}")
-        of_gear = {
-            f"{one.name}_{of}": Quantity(unit.format(one.unit), f"{meaning} of the {one.name}")
-            for one in actuators
-            for of, (unit, meaning) in GEAR.items()
-        }
-        known = {**REGRESSOR_INPUTS, **of_gear, SURGE_INERTIA: Quantity("kg", "added to the mass in surge")}
-        for actuator in actuators:
-            known |= actuator.quantities
-        return known.get(name, Quantity("m", "of the hull that meets a bank"))
+    @cached_property
+    def _quantities(self) -> dict[str, Quantity]:
+        """Unit and meaning of every number, by its name in the lines."""
+        terms, steering = self.ship.model.terms, self.steering
+        known = {**REGRESSOR_INPUTS, **FORCES_FROM_OUTSIDE, **OTHERS}
+        for one, traced in zip(terms.actuators, self.ship.actuators, strict=True):
+            order = Quantity(one.unit, f"ordered {one.meaning}")
+            known |= {**one.quantities, one.name: Quantity(one.unit, one.meaning), ORDERED(one.name): order}
+            known |= dict.fromkeys(traced.stages, Quantity(one.unit, DELAYED.format(one.name)))
+            for of, (unit, meaning) in GEAR.items():
+                known[f"{one.name}_{of}"] = Quantity(unit.format(one.unit), f"{meaning} of the {one.name}")
+        for term in terms.terms:
+            ends = zip(("least", "most"), term.bound, strict=True)
+            limits = "".join(f", at {word} {end:g}" for word, end in ends if np.isfinite(end))
+            known[term.name] = Quantity(term.dimension.unit, f"coefficient {term.name}, {term.kind.value}{limits}")
+        for name in (*steering.parameters, *steering.law.memory) if steering else ():
+            known[name] = Quantity("1", f"{name.partition('_')[2]} of the controller, in SI units")
+        return known
 
     @cached_property
     def input_names(self) -> tuple[str, ...]:
@@ -263,35 +266,20 @@ class ExportedShip:
 
     @cached_property
     def inputs(self) -> tuple[ExportedNumber, ...]:
-        return tuple(self._input(name) for name in self.input_names)
-
-    def _input(self, name: str) -> ExportedNumber:
-        if name in FORCES_FROM_OUTSIDE:
-            return ExportedNumber(name, 0.0, *FORCES_FROM_OUTSIDE[name])
-        if name == "current" and self.waterway is not None:
-            return ExportedNumber(name, self.waterway.reference_current, *CURRENT)
-        if self.steering and name in self.steering.parameters:
-            plain = name.removeprefix(PARAMETER(""))
-            return ExportedNumber(name, float(self.steering.parameters[name]) + 0.0, "1", OF_LAW(plain))
-        for one in self.ship.model.terms.actuators:
-            if name == ORDERED(one.name):
-                return ExportedNumber(f"{one.name}_order", 0.0, one.unit, f"ordered {one.meaning}")
-            if name == one.name:
-                return ExportedNumber(name, float(self._values.get(name) or 0.0), one.unit, one.meaning)
-        raise AssertionError(name)
+        given: dict[str, Any] = {one.name: self._values.get(one.name) or 0.0 for one in self.ship.actuators}
+        given |= self.steering.parameters if self.steering else {}
+        given |= {"current": self.waterway.reference_current} if self.waterway else {}
+        called = {ORDERED(one.name): f"{one.name}_order" for one in self.geared}
+        return tuple(
+            ExportedNumber(called.get(name, name), float(given.get(name, 0.0)) + 0.0, *self._quantities[name])
+            for name in self.input_names
+        )
 
     @cached_property
     def state(self) -> tuple[ExportedNumber, ...]:
-        known = {one.name: Quantity(one.unit, one.meaning) for one in self.ship.model.terms.actuators}
-        known |= {**REGRESSOR_INPUTS, "counted_psi": Quantity("rad", "heading that counts whole turns")}
-        for actuator in self.ship.actuators:
-            known |= dict.fromkeys(actuator.stages, Quantity(known[actuator.name].unit, DELAYED.format(actuator.name)))
         start = {**dict.fromkeys(self.kept, 0.0), "cos_psi": 1.0}
-        if self.steering:
-            start |= {name: float(value) for name, value in self.steering.memory(start).items()}
-            known |= {name: Quantity("1", OF_LAW(name.removeprefix(MEMORY("")))) for name in self.steering.law.memory}
-        known |= {TIME: Quantity("s", "time")}
-        return tuple(ExportedNumber(name, start[name], *known[name]) for name in self.kept)
+        start |= self.steering.memory(start) if self.steering else {}
+        return tuple(ExportedNumber(name, float(start[name]), *self._quantities[name]) for name in self.kept)
 
     @property
     def controls(self) -> tuple[str, ...]:
