@@ -26,6 +26,7 @@ from narrows.simulation.inputs import START
 from narrows.simulation.kernel_run import KernelRun
 from narrows.simulation.sensitivities import TangentIntegrator
 from narrows.simulation.ship import SimulatedShip, steering_of
+from narrows.terms.tables import table_named
 from narrows.waterway import Bank, Centreline, Waterway
 
 PAPER, KVLCC2 = nw.published("mikkelsen2025_dtc"), nw.published("yasukawa2015_kvlcc2")
@@ -37,7 +38,7 @@ PILOTED = "type in ('PMMY2', 'PMMPSI2', 'STATX0', 'MULTI0') and u_mps > 0.2 and 
 
 def container_ship() -> nw.Model:
     """The KCS at 50 % clearance, 230 m long in a canal 370 m wide, with its rudder."""
-    terms = nw.with_helm(nw.SPEED)
+    terms = table_named("speed+helm")
     tests = nw.read_captive(*measured_files("kcs"), PILOTED).by_condition()["C0101A02"]
     return nw.scale_model(nw.identify(tests, terms).model, 230.0, 1025.0, width=370.0, depth=16.2).model
 

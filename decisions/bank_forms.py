@@ -26,6 +26,11 @@ COLOURS = (BLUE, ORANGE, GREEN, PURPLE, GREY, BLACK)
 KCS = {"C0101A01": "100 %", "C0101A02": "50 %", "C0101A03": "20 %"}
 
 
+def bank_only(form: str) -> nw.TermTable:
+    """Return a table of a bank form alone, for steady tests along a bank without drift or yaw."""
+    return nw.TermTable(f"bank only: {form}", (), nw.FORMS[form].sway, nw.FORMS[form].yaw)
+
+
 def steady(names: str) -> nw.CaptiveTests:
     """Return some of the ten bank tests."""
     tests = nw.measured_tests("lataire2009")
@@ -36,7 +41,7 @@ def sets() -> dict[str, nw.Comparison]:
     """Fit every form to every set of tests."""
     kcs = nw.measured_tests("kcs").by_condition()
     named = [*(nw.with_bank(nw.CROSSFLOW, form, form) for form in nw.FORMS), without_bank(nw.CROSSFLOW)]
-    alone = [nw.bank_only(form) for form in nw.FORMS]
+    alone = [bank_only(form) for form in nw.FORMS]
     found = {f"KCS, {clearance}": nw.compare(kcs[label], named) for label, clearance in KCS.items()}
     for names, said in (
         (NO_DRIFT, "seven tests"),
@@ -97,7 +102,7 @@ def tables(found: dict[str, nw.Comparison]) -> Iterator[str]:
 
 def sign_change() -> Iterator[str]:
     """Yield what the seven tests say of the depth at which suction turns to repulsion, and which tests would tell."""
-    fit, plain = (nw.identify(steady(NO_DRIFT), nw.bank_only(form)) for form in ("distance_depth", "distance"))
+    fit, plain = (nw.identify(steady(NO_DRIFT), bank_only(form)) for form in ("distance_depth", "distance"))
     (low, high), near, far = fit.intervals["b_bank_depth"], fit.coefficients["b_bank_depth"], fit.coefficients["b_bank"]
     told = "excludes" if not low <= 0 <= high else "contains"
     errors = fit.left_out["Y"].rmse, plain.left_out["Y"].rmse
@@ -126,7 +131,7 @@ def signs() -> Iterator[str]:
     for name in "DFH":
         predicted = []
         for form in nw.FORMS:
-            table = nw.bank_only(form)
+            table = bank_only(form)
             model = nw.identify(steady(NO_DRIFT.replace(name, "")), table).model
             row = steady(name)
             values = {**row.configuration.values(), **{key: float(column[0]) for key, column in row.columns.items()}}

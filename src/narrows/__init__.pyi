@@ -113,7 +113,6 @@ from .simulation import RudderSchedule as RudderSchedule
 from .simulation import Sensitivities as Sensitivities
 from .simulation import Voyage as Voyage
 from .simulation import Zigzag as Zigzag
-from .simulation import bank_stiffness as bank_stiffness
 from .simulation import controllers as controllers
 from .simulation import derivative as derivative
 from .simulation import eigenvalues as eigenvalues
@@ -125,10 +124,8 @@ from .simulation import sensitivities as sensitivities
 from .simulation import simulate as simulate
 from .simulation import stability as stability
 from .simulation import step as step
-from .terms.additions import with_helm as with_helm
 from .terms.bank_forms import FORMS as FORMS
 from .terms.bank_forms import BankForm as BankForm
-from .terms.bank_forms import bank_only as bank_only
 from .terms.bank_forms import with_bank as with_bank
 from .terms.tables import CROSSFLOW as CROSSFLOW
 from .terms.tables import MIXED as MIXED

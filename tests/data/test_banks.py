@@ -5,6 +5,10 @@ import pytest
 import narrows as nw
 
 
+def bank_only(form: str) -> nw.TermTable:
+    return nw.TermTable(form, (), nw.FORMS[form].sway, nw.FORMS[form].yaw)
+
+
 @pytest.mark.parametrize("form", nw.FORMS)
 @pytest.mark.parametrize("clean", ["D", "F", "H"])
 def test_the_bow_turns_away_from_the_bank(form: str, clean: str) -> None:
@@ -12,7 +16,7 @@ def test_the_bow_turns_away_from_the_bank(form: str, clean: str) -> None:
     tests = nw.measured_tests("lataire2009")
     others = tests.where([name in "BCDFHIJ" and name != clean for name in tests.names])
     row = tests.where([name == clean for name in tests.names])
-    fit = nw.identify(others, nw.bank_only(form))
+    fit = nw.identify(others, bank_only(form))
     values = {**row.configuration.values(), **row.columns}
     predicted = sum(fit.coefficients[term.name] * term.column(values) for term in fit.terms.yaw)
     assert row.columns["y"][0] > 0
@@ -22,7 +26,7 @@ def test_the_bow_turns_away_from_the_bank(form: str, clean: str) -> None:
 
 def test_seven_tests_do_not_establish_a_change_of_sign() -> None:
     tests = nw.measured_tests("lataire2009")
-    fit = nw.identify(tests.where([name in "BCDFHIJ" for name in tests.names]), nw.bank_only("distance_depth"))
+    fit = nw.identify(tests.where([name in "BCDFHIJ" for name in tests.names]), bank_only("distance_depth"))
     assert fit.coefficients["b_bank_depth"] < 0 < fit.coefficients["b_bank"]
     assert fit.verdicts["b_bank_depth"].status != "identified"
 

@@ -243,9 +243,6 @@ class Table:
                 {"voyages": fleet(), "distance": 8.0, "over": "sample"},
                 {"voyages": fleet(-0.1), "distance": 8.3, "over": "y"},
             ),
-            "bank_stiffness": Entry(
-                {"configuration": paper().configuration}, {"configuration": mmg().configuration}
-            ),
             "turning_circle": Entry(
                 {"model": steered(), "rudder": 20.0, "speed": 1.0},
                 {"model": mmg(), "rudder": 15.0, "speed": 1.1, "dt": 0.2, "duration": 200.0},
@@ -391,11 +388,9 @@ class Table:
                 {"profile": [(10.0, 0.0), (20.0, 8.0)], "depth": 5.0},
                 {"profile": [(10.0, 0.0), (25.0, 8.0)], "depth": 6.0},
             ),
-            "bank_only": Entry({"form": "delta"}, {"form": "tuck"}),
             "with_bank": Entry(
                 {"table": nw.PAPER, "form": "tuck"}, {"table": nw.SPEED, "form": "delta", "name": "other"}
             ),
-            "with_helm": Entry({"table": nw.PAPER}, {"table": nw.SPEED, "name": "other"}),
             "straight_waterway": Entry(
                 {"canal": nw.Canal(7.0), "length": 50.0},
                 {"canal": nw.Canal(8.0), "length": 60.0, "heading": 1.0},

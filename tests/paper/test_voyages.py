@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
+from narrows.studies.mikkelsen2025 import Reproduction
 
 
 def test_the_bank_makes_the_pair_unstable(dtc: nw.Model) -> None:
@@ -19,7 +20,8 @@ def test_the_hull_is_course_unstable_without_a_bank(dtc: nw.Model) -> None:
 
 
 def test_bank_stiffness(dtc: nw.Model) -> None:
-    assert nw.bank_stiffness(dtc.configuration) == pytest.approx(0.120603, abs=5e-7)
+    paper = Reproduction(dtc, None, {}, {})  # type: ignore[arg-type]
+    assert paper.stiffness == pytest.approx(0.120603, abs=5e-7)
 
 
 def switch(model: nw.Model, **options) -> float:

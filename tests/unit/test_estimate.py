@@ -11,8 +11,7 @@ import pytest
 
 import narrows as nw
 from narrows.cli.app import main
-from narrows.empirical import calibration
-from narrows.empirical.calibration import BANK_PRIOR, Calibration
+from narrows.empirical.calibration import BANK_PRIOR, EVIDENCE_WIDTHS, LEAST_CLEARANCE, Calibration
 from narrows.empirical.formulas import FORMULAS, KCS, KNOWN_SHIPS, KVLCC2, Hull, depth_factor
 from narrows.empirical.propulsion import resistance_prime
 from narrows.physics.clearance import bank_distance, suction
@@ -148,8 +147,8 @@ def test_the_bank_prior_is_that_of_a_further_ship() -> None:
         exact = [getattr(row, column) for row in BANK_EVIDENCE if row.source.startswith("steady test ")]
         assert prior.std > 0.9 * np.std([value for value in exact if value is not None], ddof=1)
     widths = [row.width_to_beam for row in BANK_EVIDENCE]
-    assert (min(widths), max(widths)) == calibration.EVIDENCE_WIDTHS
-    assert min(row.clearance_to_beam for row in BANK_EVIDENCE) == calibration.LEAST_CLEARANCE
+    assert (min(widths), max(widths)) == EVIDENCE_WIDTHS
+    assert min(row.clearance_to_beam for row in BANK_EVIDENCE) == LEAST_CLEARANCE
 
 
 class TestModel:

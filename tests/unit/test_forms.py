@@ -88,7 +88,7 @@ def test_return_flow_nearly_doubles_the_squared_speed_in_suez_at_13_knots_and_a_
 @pytest.mark.parametrize("form", nw.FORMS)
 def test_the_bank_turns_the_leading_end_away_astern_as_ahead(form: str, dtc: nw.Model) -> None:
     """Mirror symmetry of bow and stern: the same force, the opposite moment."""
-    table = nw.bank_only(form)
+    table = nw.TermTable(form, (), nw.FORMS[form].sway, nw.FORMS[form].yaw)
     model = nw.Model(replace(dtc.configuration, canal=nw.Canal(7.0, 0.4)), table, dict.fromkeys(table.names, 0.1))
     ahead, astern = (model.forces(nw.Motion.at(y=1.0, u=u)) for u in (0.8, -0.8))
     assert ahead["N"] < 0 < ahead["Y"]
@@ -137,7 +137,7 @@ def steered(dtc: nw.Model) -> nw.Model:
     canal = replace(dtc.configuration.canal, depth=0.4)
     configuration = replace(dtc.configuration, ship=hull, canal=canal, steering=nw.SteeringGear(35.0, 20.0))
     helm = {"a_helm": 5.0, "b_helm": 6.0, "c_helm": 2.9}
-    return nw.Model(configuration, nw.with_helm(nw.PAPER), {**dtc.coefficients, **helm})
+    return nw.Model(configuration, table_named("paper+helm"), {**dtc.coefficients, **helm})
 
 
 DOORS = {

@@ -18,7 +18,7 @@ KVLCC2 = nw.published("yasukawa2015_kvlcc2")
         (lambda: nw.read_captive(frame_of(short_twin()), 3), "is no path"),
         (lambda: short_twin().drop("yawn"), "'yaw'"),
         (lambda: DTC.with_canal(widht=3.0), "'width'"),
-        (lambda: nw.bank_only("tcuk"), "did you mean 'tuck'"),
+        (lambda: nw.with_bank(nw.PAPER, "tcuk"), "did you mean 'tuck'"),
         (lambda: nw.equivalent_wall([], 1.0), "two points"),
         (lambda: nw.equivalent_wall([(1.0, 0.0), (2.0, -1.0)], 1.0), "below the bottom"),
         (lambda: nw.identify(short_twin(), "sped"), "did you mean 'speed'"),

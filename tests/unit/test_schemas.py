@@ -13,6 +13,7 @@ import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.cli import app
 from narrows.results import plain, to_json
+from narrows.terms.tables import table_named
 from narrows.warning.monitoring.demonstration import bridge_sentences
 
 pytest.importorskip("jsonschema", reason="of the group test")
@@ -52,7 +53,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """A model with a rudder at full size, that of the tests, and a waterway."""
     folder = tmp_path_factory.mktemp("schemas")
     table, ship = measured_files("kcs")
-    terms = nw.with_helm(nw.SPEED)
+    terms = table_named("speed+helm")
     tests = nw.read_captive(table, ship, TURNED).by_condition()["C0101A02"]
     tank = nw.identify(tests, terms).model
     nw.save_model(tank, folder / "tank.toml")

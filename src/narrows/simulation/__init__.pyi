@@ -7,7 +7,6 @@ from .controllers import RudderSchedule as RudderSchedule
 from .controllers import VoyageState as VoyageState
 from .controllers import Zigzag as Zigzag
 from .derivative import Jacobian as Jacobian
-from .derivative import bank_stiffness as bank_stiffness
 from .derivative import derivative as derivative
 from .derivative import eigenvalues as eigenvalues
 from .derivative import jacobian as jacobian

@@ -16,7 +16,6 @@ from narrows.model.model import Model
 from narrows.quantities.names import FORCES, Number
 from narrows.results import BaseResult
 from narrows.ship.checks import check_angles
-from narrows.ship.particulars import Configuration
 from narrows.simulation.grid import grid_of
 from narrows.simulation.initial_state import POSE, check_irrelevant, check_positions, initial_state
 from narrows.simulation.inputs import INPUTS as PUSHED
@@ -242,27 +241,6 @@ def jacobian(
     a, b = matrix[:, : len(LINEARISED)], matrix[:, len(LINEARISED) :]
     inputs = (*FORCES, *(own.name for own in ship.actuators))
     return Jacobian(a, b, linear.coefficients(at), LINEARISED, inputs, linear.names, state, model.bank_notes)
-
-
-def bank_stiffness(configuration: Configuration) -> float:
-    """Return the slope of delta across the centreline [1/m], 8 B W / (W - B)^3.
-
-    Parameters
-    ----------
-    configuration : Configuration
-        Ship and canal.
-
-    References
-    ----------
-    The derivative of Mikkelsen et al. (2025), eq. (Delta_1).
-
-    Examples
-    --------
-    >>> round(float(nw.bank_stiffness(model.configuration)), 3)
-    0.121
-    """
-    beam, width = configuration.ship.beam, configuration.canal.width
-    return 8 * beam * width / (width - beam) ** 3
 
 
 def eigenvalues(model: Model, bank: bool = True, **state: Any) -> np.ndarray:

@@ -13,7 +13,7 @@ from narrows.identification import Fit, identify
 from narrows.identification.prediction import KINDS
 from narrows.model.model import Model
 from narrows.results import BaseResult
-from narrows.simulation.derivative import bank_stiffness, eigenvalues
+from narrows.simulation.derivative import eigenvalues
 from narrows.simulation.ensemble import ensemble
 from narrows.simulation.voyage import Voyage, simulate
 
@@ -99,8 +99,9 @@ class Reproduction(BaseResult):
 
     @property
     def stiffness(self) -> float:
-        """Slope of the pressure difference across the centreline [1/m]."""
-        return bank_stiffness(self.truth.configuration)
+        """Slope of the pressure difference across the centreline [1/m], 8 B W / (W - B)^3: of eq. (Delta_1)."""
+        beam, width = self.truth.ship.beam, self.truth.canal.width
+        return 8 * beam * width / (width - beam) ** 3
 
     def summary(self) -> str:
         where = {name: "nowhere" if y is None else f"from y(0) = {y:.2f} m" for name, y in self.switches.items()}

@@ -26,25 +26,7 @@ def helm_terms(table: TermTable) -> dict[str, tuple[Term, ...]]:
 
 
 def with_helm(table: TermTable, name: str = "") -> TermTable:
-    """Return a table with the terms of a rudder.
-
-    Parameters
-    ----------
-    table : TermTable
-        The table.
-    name : str
-        Name of the new table; ``table+helm`` unless given.
-
-    Raises
-    ------
-    InputError
-        If the table has a rudder.
-
-    Examples
-    --------
-    >>> nw.with_helm(nw.PAPER).actuators[0].name
-    'rudder'
-    """
+    """Return a table with the terms of a rudder, ``table+helm`` unless it gets another name."""
     if any(term.kind == TermKind.RUDDER for term in table.terms):
         raise InputError(f"the terms {table.name!r} have a rudder; leave +{WITH_HELM} out")
     return table.with_terms(name or f"{table.name}+{WITH_HELM}", **helm_terms(table))

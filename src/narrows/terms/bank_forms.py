@@ -181,25 +181,3 @@ def _form(form: str | BankForm) -> BankForm:
     if isinstance(form, str) and form not in FORMS:
         raise InputError(f"unknown form {form!r} of the bank term{did_you_mean(form, FORMS)}")
     return FORMS[form] if isinstance(form, str) else form
-
-
-def bank_only(form: str | BankForm) -> TermTable:
-    """Return a table of a bank form alone, for steady tests along a bank without drift or yaw.
-
-    Parameters
-    ----------
-    form : str or BankForm
-        One of ``FORMS``, or your own.
-
-    Raises
-    ------
-    InputError
-        If there is no such form.
-
-    Examples
-    --------
-    >>> nw.bank_only("delta").names
-    ('b_bank', 'c_bank')
-    """
-    chosen = _form(form)
-    return TermTable(f"bank only: {chosen.name}", (), chosen.sway, chosen.yaw)
