@@ -2,12 +2,12 @@
 
 import re
 from collections.abc import Sequence
-from io import StringIO
 from typing import ClassVar
 
 import numpy as np
 import pandas as pd
 
+from narrows.captive.measured import measured_files
 from narrows.captive.settings import SHORTEST_RECORD
 from narrows.errors import InputError
 from narrows.readers import cells
@@ -20,7 +20,7 @@ class Layout:
     """A layout of tables; the first line of a docstring names the laboratory."""
 
     HEADERS: ClassVar[Sequence[str]]  # Headers that no other layout has together
-    SAMPLE: ClassVar[str]  # Some rows of its tables, as CSV
+    MEASURED: ClassVar[tuple[str, str]]  # A bundled table of it, and the column whose values make a sample
 
     @classmethod
     def recognises(cls, frame: pd.DataFrame) -> bool:
@@ -29,7 +29,8 @@ class Layout:
     @classmethod
     def sample(cls) -> pd.DataFrame:
         """Return a few rows in its format."""
-        return pd.read_csv(StringIO(cls.SAMPLE))
+        table, column = cls.MEASURED
+        return pd.read_csv(measured_files(table)[0]).groupby(column).head(1)
 
     @classmethod
     def translated(cls, frame: pd.DataFrame, chosen: str, table: str) -> Translated:
@@ -102,6 +103,7 @@ class Fhr(Layout):
     """
 
     HEADERS = ("env", "type", "psi_deg", "rud_given_deg")
+    MEASURED = "kcs", "type"
     # Harmonic sway and harmonic yaw: the tests covered by the paper's terms.
     HARMONIC = ("PMMY2", "PMMPSI2")
     RENAMED: ClassVar = {
@@ -111,13 +113,6 @@ class Fhr(Layout):
     TURNED = (
         "rudder is rud_given_deg with its sign turned, as it counts the other way there: positive turns the bow to port"
     )
-    # Rows of the KCS tests: a steady run, harmonic sway and harmonic yaw.
-    SAMPLE = """\
-ship,env,test,type,x_m,y_m,psi_deg,u_mps,v_mps,r_degps,udot_mps2,vdot_mps2,rdot_degps2,X_N,Y_N,N_Nm,sinkage_mm,rud_given_deg
-KCS,C0101A01,C0101A01_C20100,STATX0,41.8736,0.0001,0.0,0.248,0.0,0.0,0,0.0,0.0,-0.5675,0.2894,-0.571,0.1672,10.0
-KCS,C0101A01,C0101A01_F60000,PMMY2,0.0062,0.2,0.0,0.62,0.0,0.0,0,-0.0031,0.0,0.0201,2.7625,-1.88,3.0767,0.0
-KCS,C0101A01,C0101A01_G20000,PMMPSI2,0.0024,-0.0006,-15.0,0.248,0.0,0.0035,0,0.0,0.3491,-0.5042,-0.1645,-5.7464,0.3652,0.0
-"""
 
     @classmethod
     def translated(cls, frame: pd.DataFrame, chosen: str, table: str) -> Translated:
@@ -154,6 +149,7 @@ class Lataire(Layout):
     """
 
     HEADERS = ("lateral position", "psi", "sinkage fore", "sinkage aft", "bank name")
+    MEASURED = "lataire2009", "bank name"
     RENAMED: ClassVar = {
         "short name test": "test", "draught": "draft [m]", "water depth": "depth [m]",
         "forward component of speed vector": "u [m/s]", "transversal component of speed vector": "v [m/s]",
@@ -161,14 +157,6 @@ class Lataire(Layout):
         "longitudinal force": "X [N]", "transversal force": "Y [N]", "yaw moment": "N [Nm]",
         "bank name": "bank", "rudder angle": "rudder [deg]",
     }  # fmt: skip
-    # Rows of the published data: slopes with and without a platform.
-    SAMPLE = """\
-short name test,draught,water depth,forward component of speed vector,transversal component of speed vector,\
-lateral position,psi,longitudinal force,transversal force,yaw moment,sinkage fore,sinkage aft,bank name
-A,0.18,0.36,0.6842,-0.0599,0.265,5.0,-4.13,5.139,8.939,5.068,3.672,V
-B,0.18,0.198,0.3434,0.0,0.265,0.0,2.132,2.951,-4.99,2.196,3.304,IV
-C,0.18,0.198,0.4578,0.0,0.265,0.0,-2.618,-0.962,-4.3,3.902,4.558,III
-"""
 
     @classmethod
     def translated(cls, frame: pd.DataFrame, chosen: str, table: str) -> Translated:
