@@ -42,6 +42,8 @@ def read_captive(
 
     The result does not depend on the terms fitted later: a missing column is reported only when terms need it.
 
+    Raises an InputError of one sentence with file, row, column and remedy.
+
     Parameters
     ----------
     table : str, Path, DataFrame or Dataset
@@ -63,11 +65,6 @@ def read_captive(
     -------
     CaptiveTests
         Checked, in SI.
-
-    Raises
-    ------
-    InputError
-        In one sentence with file, row, column and remedy.
 
     Examples
     --------
@@ -95,6 +92,8 @@ def read_captive(
 def concat(tests: Sequence[CaptiveTests]) -> CaptiveTests:
     """Join tests of one ship in one water, in their order.
 
+    Raises an InputError if there are none, or their ships, canals or waters differ.
+
     Parameters
     ----------
     tests : sequence of CaptiveTests
@@ -104,11 +103,6 @@ def concat(tests: Sequence[CaptiveTests]) -> CaptiveTests:
     -------
     CaptiveTests
         ``notes`` lists omitted columns and renamed tests.
-
-    Raises
-    ------
-    InputError
-        If there are none, or their ships, canals or waters differ.
 
     Examples
     --------
@@ -255,6 +249,8 @@ def stream_captive(
 ) -> StreamedTests:  # fmt: skip
     """Open a table of captive tests that is read block by block at each use.
 
+    Raises an InputError if the file is absent; rows are checked as they are read.
+
     Parameters
     ----------
     path : str or Path
@@ -272,11 +268,6 @@ def stream_captive(
     -------
     StreamedTests
         Tests for ``identify``; figures need the rows in memory.
-
-    Raises
-    ------
-    InputError
-        If the file is absent; rows are checked as they are read.
     """
     path = path_of("path", path)
     if not path.is_file():

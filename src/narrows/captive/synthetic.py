@@ -52,6 +52,9 @@ class TowedRun:
 class HarmonicRun(TowedRun):
     """A harmonic captive test at constant speed.
 
+    Raises an InputError if the kind is unknown, a number is not positive, or a yaw path is steeper than the speed
+    allows.
+
     Parameters
     ----------
     name : str
@@ -70,11 +73,6 @@ class HarmonicRun(TowedRun):
         Offset of the path's mean line to starboard of the centreline.
     depth : float [m], optional
         Depth of the water; the canal's own unless given.
-
-    Raises
-    ------
-    InputError
-        If the kind is unknown, a number is not positive, or a yaw path is steeper than the speed allows.
 
     Examples
     --------
@@ -122,6 +120,8 @@ class HarmonicRun(TowedRun):
 class StraightRun(TowedRun):
     """A straight captive test at constant speed, parallel to the banks.
 
+    Raises an InputError if speed or duration are not positive, or it is towed sideways.
+
     Parameters
     ----------
     name : str
@@ -136,11 +136,6 @@ class StraightRun(TowedRun):
         Angle from the path to the bow, positive to starboard; equal to the heading, as the path is along the canal.
     depth : float [m], optional
         Depth of the water; the canal's own unless given.
-
-    Raises
-    ------
-    InputError
-        If speed or duration are not positive, or it is towed sideways.
 
     Examples
     --------
@@ -187,6 +182,8 @@ def twin(
 ) -> CaptiveTests:
     """Run synthetic captive tests on a known model.
 
+    Raises an InputError if there are no runs, or they are sampled too slowly.
+
     Parameters
     ----------
     truth : Model, optional
@@ -206,11 +203,6 @@ def twin(
     -------
     CaptiveTests
         The truth's forces with added noise.
-
-    Raises
-    ------
-    InputError
-        If there are no runs, or they are sampled too slowly.
 
     Examples
     --------

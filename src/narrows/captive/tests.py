@@ -77,39 +77,21 @@ def cuts(rows: int, pieces: int) -> np.ndarray:
 class CaptiveTests(Configured, Tabulated):
     """Captive tests in memory, in SI and radians.
 
-    Parameters
-    ----------
-    columns : mapping of str to array (rows,)
-        Motion, forces, and particulars that change from row to row; ``cos_psi`` and ``sin_psi`` for psi.
-    names : tuple of str
-        The tests, in the order of their rows.
-    starts : array (tests + 1,) of int
-        First row of each test, and the number of rows.
-    configuration : Configuration
-        Ship, canal and water.
-    conditions : tuple of str
-        The condition (a water depth, say) of each test.
-    source : Source
-        Origin of the rows.
-    notes : tuple of str
-        Notes of the reader: rows left out, columns assumed.
-    headers : Headers
-        Headers of their table.
-
     Examples
     --------
     >>> tests["v"].shape == (tests.rows,)
     True
     """
 
+    #: (rows,) Motion, forces, and particulars that change from row to row; ``cos_psi`` and ``sin_psi`` for psi
     columns: Mapping[str, np.ndarray]
-    names: tuple[str, ...]
-    starts: np.ndarray
-    configuration: Configuration
-    conditions: tuple[str, ...] = ()
-    source: Source = field(default_factory=Source)
-    notes: tuple[str, ...] = ()
-    headers: Headers = NO_TABLE
+    names: tuple[str, ...]  #: The tests, in the order of their rows
+    starts: np.ndarray  #: First row of each test, and the number of rows
+    configuration: Configuration  #: Ship, canal and water
+    conditions: tuple[str, ...] = ()  #: The condition (a water depth, say) of each test
+    source: Source = field(default_factory=Source)  #: Origin of the rows
+    notes: tuple[str, ...] = ()  #: Notes of the reader: rows left out, columns assumed
+    headers: Headers = NO_TABLE  #: Headers of their table
     __eq__ = same_content
 
     @property

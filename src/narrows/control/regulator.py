@@ -124,7 +124,6 @@ class Regulator(BaseSummary):
         return f"y = {self.lines[0].y} at u = {self.u}{more}"
 
     def parameters(self) -> Mapping[str, Any]:
-        """Return the numbers of its lines, the speed, and the times for bends and for the integral."""
         numbers = {"made_for": self.u, "lead": self.lead, "unwinding": self.unwinding}
         for index, line in enumerate(self.lines):
             numbers |= {f"{name}_{index}": value for name, value in line.numbers().items()}
@@ -132,11 +131,9 @@ class Regulator(BaseSummary):
         return numbers
 
     def memory(self, start: Named) -> Named:
-        """Return the integral of the offset and the last order, at the start."""
         return {"integral": self.integral, LAST_ORDER: start["rudder"]}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the rudder's angle a step ahead, the integral, and that order."""
         speed = maximum(at.u, settings.SLOWEST * at.made_for)
         pace, share = at.u + at.current, speed / at.made_for
         turn = at.water("curvature", at.x + at.lead * pace) * pace

@@ -48,7 +48,6 @@ class SpeedGovernor(BaseSummary):
         return f"{min(self.u):.3g} to {max(self.u):.3g} m/s along the way, {type(self.helm).__name__} at the rudder"
 
     def parameters(self) -> Mapping[str, Any]:
-        """Return the numbers of the helm and of the plan."""
         plan = {"plan_u": self.u[0], "plan_revolutions": self.revolutions[0]}
         plan |= {f"plan_x_{i}": x for i, x in enumerate(self.x)}
         for name, values in (("u", self.u), ("revolutions", self.revolutions)):
@@ -57,11 +56,9 @@ class SpeedGovernor(BaseSummary):
         return {**self.helm.parameters(), **plan, **gains, "most_revolutions": self.most_revolutions}
 
     def memory(self, start: Named) -> Named:
-        """Return the helm's memory, and a zero integral."""
         return {**self.helm.memory(start), SHORTFALL: 0.0}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the helm's orders and revolutions, and the new memory."""
         orders, kept = self.helm.orders(at)
         speed, rate, revolutions = at.plan_u, 0.0, at.plan_revolutions
         for i in range(len(self.x) - 1):

@@ -38,6 +38,8 @@ def steady_course(
     The speed is constant; a propeller turns as it must straight ahead. If no angle below 69 degrees holds the ship,
     there is no such course: the result is NaN.
 
+    Raises an InputError if the model has no terms of a rudder, a value does not fit, or an unknown is given.
+
     Parameters
     ----------
     model : Model
@@ -56,11 +58,6 @@ def steady_course(
     xarray.Dataset
         ``rudder`` [rad], ``psi`` [rad] and ``v`` [m/s] over the dimensions of what varies; ``notes`` names models
         without a bank force and sections outside the tested range.
-
-    Raises
-    ------
-    InputError
-        If the model has no terms of a rudder, a value does not fit, or an unknown is given.
 
     Examples
     --------

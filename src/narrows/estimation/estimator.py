@@ -48,6 +48,8 @@ class Estimator(BaseSummary):
     By default it also corrects the model's coefficients, starting from the covariance of the fit: a filter with fixed
     coefficients may have consistent innovations and yet wrong states. The corrections fade.
 
+    Raises an InputError if a sensor is invalid, two share a name, or a number is invalid.
+
     Parameters
     ----------
     model : Model
@@ -70,11 +72,6 @@ class Estimator(BaseSummary):
         Probability that a gate refuses a valid reading; 0 for no gates.
     step : float [s], optional
         Longest step of the motion; a quarter of the root of length over gravity unless given.
-
-    Raises
-    ------
-    InputError
-        If a sensor is invalid, two share a name, or a number is invalid.
 
     References
     ----------

@@ -190,6 +190,8 @@ MOST_FROUDE, MOST_SAMPLES = 0.4, 100_000
 class Tank:
     """Limits of a towing tank.
 
+    Raises an InputError if a number is not positive.
+
     Parameters
     ----------
     run_length : float [m], optional
@@ -206,11 +208,6 @@ class Tank:
     reach : float, optional
         Largest offset of midship from the centreline [m]; default: three quarters of the limit by the clearance, since
         every form of the bank errs most close to a wall.
-
-    Raises
-    ------
-    InputError
-        If a number is not positive.
 
     Examples
     --------

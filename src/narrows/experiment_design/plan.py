@@ -133,6 +133,9 @@ def plan_tests(
     best under the worst of several forms of the bank. A plan for the bank begins with straight runs, mirrored to both
     sides: a hull force that changes with the period or the speed cannot imitate them.
 
+    Raises an InputError if there is no candidate run, a target is unknown, or the terms need a quantity that the ship
+    file lacks.
+
     Parameters
     ----------
     configuration : str, Path, Configuration or mapping
@@ -156,11 +159,6 @@ def plan_tests(
         Earlier tests; speeds and offsets stay within theirs unless the tank sets others.
     errors : RunErrors, optional
         Differences between runs beyond their noise; those of ``identify`` unless given.
-
-    Raises
-    ------
-    InputError
-        If there is no candidate run, a target is unknown, or the terms need a quantity that the ship file lacks.
 
     Examples
     --------

@@ -152,6 +152,8 @@ def turning_circle(
 ) -> Turning:  # fmt: skip
     """Simulate a turning circle in open water.
 
+    Raises an InputError as ``sail_trials`` does.
+
     Parameters
     ----------
     model : Model
@@ -164,15 +166,6 @@ def turning_circle(
         Step; default: as in ``sail_trials``.
     duration : float [s], optional
         Time from the order; default: 40 ship lengths at the approach speed.
-
-    Raises
-    ------
-    InputError
-        As ``sail_trials``.
-
-    References
-    ----------
-    IMO (2002), resolution MSC.137(76), Standards for ship manoeuvrability.
     """
     return TrialShip.of(model, speed, dt, duration).turn(rudder)
 
@@ -183,6 +176,8 @@ def zigzag(
     duration: float | None = None,
 ) -> ZigzagTest:  # fmt: skip
     """Simulate a zigzag in open water.
+
+    Raises an InputError as ``sail_trials`` does.
 
     Parameters
     ----------
@@ -196,15 +191,6 @@ def zigzag(
         Speed of the approach; default: one that suits the ship.
     dt, duration : float [s], optional
         As for ``turning_circle``.
-
-    Raises
-    ------
-    InputError
-        As ``sail_trials``.
-
-    References
-    ----------
-    IMO (2002), resolution MSC.137(76), Standards for ship manoeuvrability.
     """
     return TrialShip.of(model, speed, dt, duration).zigzag(rudder, heading)
 
@@ -214,10 +200,13 @@ def sail_trials(
     model: Model, speed: float | None = None, turn_deg: float = 35.0,
     zigzags: tuple[tuple[float, float], ...] = ((10, 10), (20, 20)), dt: float | None = None,
 ) -> Trials:  # fmt: skip
-    """Simulate turning circles and zigzags in open water, each to either side.
+    """Simulate turning circles and zigzags in open water, each to either side (IMO resolution MSC.137(76), 2002).
 
     The speed is free if the model has a surge inertia, and constant otherwise. If the model's own revolutions are for
     another speed than the approach, those that keep it are used.
+
+    Raises an InputError if the model has no rudder or the gear does not reach an angle, the speed or the step is not
+    positive, or the ship does not turn far enough.
 
     Parameters
     ----------
@@ -231,12 +220,6 @@ def sail_trials(
         Rudder angle and heading change.
     dt : float [s], optional
         Step; default: a hundred and twentieth of the time for a ship length.
-
-    Raises
-    ------
-    InputError
-        If the model has no rudder or the gear does not reach an angle, the speed or the step is not positive, or the
-        ship does not turn far enough.
     """
     ship = TrialShip.of(model, speed, dt)
     ship.check(rudder=turn_deg)
@@ -313,21 +296,14 @@ class TrialShip:
 def overshoots(voyage: Voyage, zigzag: Zigzag) -> tuple[float, ...]:
     """Return the further heading change after each order that reversed the rudder [rad].
 
+    Raises an InputError if the voyage ends before the first overshoot does.
+
     Parameters
     ----------
     voyage : Voyage
         A voyage in open water under the zigzag.
     zigzag : Zigzag
         The zigzag's order.
-
-    Raises
-    ------
-    InputError
-        If the voyage ends before the first overshoot does.
-
-    References
-    ----------
-    IMO (2002), resolution MSC.137(76), Standards for ship manoeuvrability.
     """
     heading = np.sign(zigzag.rudder) * (voyage.psi - voyage.psi[0])
     angles, side, row = [], 1.0, 0

@@ -88,6 +88,9 @@ def crash_stop(
 
     Its side reach is that of the transverse thrust, which ``with_transverse_thrust`` adds to a model.
 
+    Raises an InputError if the thrust astern is unknown, the model has no free surge motion, a time is negative, or the
+    ship does not stop.
+
     Parameters
     ----------
     model : Model
@@ -100,12 +103,6 @@ def crash_stop(
         Time from the order until the revolutions begin to change.
     reversal : float [s]
         Time of that change.
-
-    Raises
-    ------
-    InputError
-        If the thrust astern is unknown, the model has no free surge motion, a time is negative, or the ship does not
-        stop.
 
     References
     ----------

@@ -111,6 +111,8 @@ def outside_rules(
 
     No rule states a largest offset: it follows from the water that lane and required clearances leave.
 
+    Raises an InputError if there is no such kind of bank.
+
     Parameters
     ----------
     configuration : Configuration
@@ -119,11 +121,6 @@ def outside_rules(
         Kind of bank: ``gentle``, ``sloping`` or ``steep``; the walls of a canal are steep.
     walls : pair of float [m], optional
         Distances from the middle to where the keel meets the banks, port and starboard; default: the canal's walls.
-
-    Raises
-    ------
-    InputError
-        If there is no such kind of bank.
 
     Examples
     --------

@@ -38,6 +38,9 @@ def safe_envelope(
     it against disturbances, the keel is clear and the canal is not choked. The result also shows where a pilot with the
     true coefficients holds it. Coefficients are drawn from the covariance of the fit.
 
+    Raises an InputError if the model has no rudder, no speed is known, a number is out of range, or a bank or pilot is
+    unknown.
+
     Parameters
     ----------
     model : Model
@@ -74,11 +77,6 @@ def safe_envelope(
         Threads; all cores unless given.
     progress : bool
         Show a bar.
-
-    Raises
-    ------
-    InputError
-        If the model has no rudder, no speed is known, a number is out of range, or a bank or pilot is unknown.
     """
     check_rudder(model)
     check_workers(workers)

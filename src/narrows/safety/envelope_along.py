@@ -131,6 +131,9 @@ def envelope_along(model: Model, waterway: "Waterway", places: Sequence[float], 
     that reach: least free width (less what the hull sweeps in a bend) times water under the keel. By default
     it has nine offsets, nine speeds and those where the tests end, with 400 samples.
 
+    Raises an InputError if a place is not on the waterway or they do not rise, the ship does not fit, or an option is
+    impossible.
+
     Parameters
     ----------
     model : Model
@@ -141,11 +144,6 @@ def envelope_along(model: Model, waterway: "Waterway", places: Sequence[float], 
         Places along it, rising.
     **envelope : Any
         Options of ``safe_envelope``; offsets are from the middle of each section.
-
-    Raises
-    ------
-    InputError
-        If a place is not on the waterway or they do not rise, the ship does not fit, or an option is impossible.
     """
     check_waterway(waterway)
     along = np.atleast_1d(np.asarray(places, float))
@@ -273,6 +271,8 @@ def speed_limits(
 ) -> list[tuple[float, float]]:  # fmt: skip
     """Find the highest safe speed of some sections of a waterway, for a speed governor.
 
+    Raises an InputError if no speed is safe at a place, or there is none.
+
     Parameters
     ----------
     model : Model
@@ -292,11 +292,6 @@ def speed_limits(
     -------
     list of pairs (x [m], speed [m/s])
         Speeds through the water.
-
-    Raises
-    ------
-    InputError
-        If no speed is safe at a place, or there is none.
     """
     check_waterway(waterway)
     if waterway is None:

@@ -194,7 +194,6 @@ class Helmsman(BaseSummary):
         return f"y = {self.y}, a look every {self.delay:g} s, whole degrees to {self.cap_deg:g}"
 
     def parameters(self) -> Mapping[str, Any]:
-        """Return the offset, the gains, the delay and the limit."""
         held = {"held_y": self.y, "held_psi": self.psi, "held_rudder": self.rudder, "by_trim": self.trim}
         gains = dict(zip(("by_y", "by_psi", "by_r"), self.gains, strict=True))
         return {**held, **gains, "delay": self.delay, "cap": self.cap_deg * DEGREE}
@@ -204,7 +203,6 @@ class Helmsman(BaseSummary):
         return {"trimmed": 0.0, "next_look": 0.0, "given": start["rudder"], "executed": start["rudder"]}
 
     def orders(self, at: Any) -> tuple[Named, Named]:
-        """Return the executed order, and the new memory."""
         off = at.y - at.held_y
         wanted = at.held_rudder + at.trimmed - (at.by_y * off + at.by_psi * (at.psi - at.held_psi) + at.by_r * at.r)
         looks = at.t + ORDER_TOLERANCE * at.dt - at.next_look

@@ -26,6 +26,8 @@ Walls = tuple[float, float]
 class Disturbance(Aliased):
     """Disturbances of a ship on its course, and the steady wind on that course.
 
+    Raises an InputError if a number is negative (except the lever), or not finite.
+
     Parameters
     ----------
     heading_deg : float [deg]
@@ -42,11 +44,6 @@ class Disturbance(Aliased):
         Wind behind the forces, for the description only.
     steady : float [N]
         Sway force of a steady wind, with the same lever and from the same side as the gust, which adds to it.
-
-    Raises
-    ------
-    InputError
-        If a number is negative (except the lever), or not finite.
 
     Examples
     --------
@@ -250,6 +247,8 @@ def keel_at(model: Model, speeds: np.ndarray) -> Keel:
 def wind_force(speed: float, area: float, coefficient: float = 1.0) -> float:
     """Return the sway force of a beam wind [N], C 1/2 rho A V^2 (the drag law).
 
+    Raises an InputError if a number is negative or not finite.
+
     Parameters
     ----------
     speed : float [m/s]
@@ -258,11 +257,6 @@ def wind_force(speed: float, area: float, coefficient: float = 1.0) -> float:
         Lateral area above the water.
     coefficient : float [1]
         Drag coefficient of the side.
-
-    Raises
-    ------
-    InputError
-        If a number is negative or not finite.
 
     Examples
     --------

@@ -207,6 +207,9 @@ PROFILE_REACH = 1e4
 class Bank:
     """Distance of a bank from the centreline, and its shape.
 
+    Raises an InputError if the bank crosses the line, is too far away, or its places do not rise; if its profile is
+    invalid.
+
     Parameters
     ----------
     side : str
@@ -221,11 +224,6 @@ class Bank:
     drawn : BankLine, optional
         Its own line on a map, if known: it gives the distance at every place, and ``s`` and ``distance`` are its
         corners.
-
-    Raises
-    ------
-    InputError
-        If the bank crosses the line, is too far away, or its places do not rise; if its profile is invalid.
     """
 
     side: str

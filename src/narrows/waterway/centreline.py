@@ -40,15 +40,12 @@ class Centreline:
     apart on a bend of radius R give its curvature to 0.71 (h / R)^2 of it at the ends and to 0.14 (h / R)^2 between,
     its heading to 0.2 (h / R)^3. Beyond its ends the line is straight.
 
+    Raises an InputError if there are fewer than two points, two successive points coincide, or one is not finite.
+
     Parameters
     ----------
     points : array (n, 2) [m]
         East and north, in the order of the voyage; at least two.
-
-    Raises
-    ------
-    InputError
-        If there are fewer than two points, two successive points coincide, or one is not finite.
     """
 
     points: np.ndarray

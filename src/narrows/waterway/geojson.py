@@ -51,16 +51,13 @@ def read_waterway(path: str | Path) -> Waterway:
     place. From two banks the centreline is computed; its direction is that of the first, or has the bank ``left`` to
     port.
 
+    Raises an InputError if the file is no such collection, a role is missing, coordinates are not longitude and
+    latitude, or the geometry is impossible; the sentence names the place.
+
     Parameters
     ----------
     path : str or Path
         GeoJSON, longitude before latitude or UTM; or KML, a shapefile, GeoPackage or GML with the extra ``charts``.
-
-    Raises
-    ------
-    InputError
-        If the file is no such collection, a role is missing, coordinates are not longitude and latitude, or the
-        geometry is impossible; the sentence names the place.
     """
     found = _lines(read_features(Path(path)), str(path))
     points = [coordinates(one, f"{path}: the {one.role or 'line'}") for one in found]
@@ -125,17 +122,14 @@ def with_depth(waterway: Waterway, depth: float) -> Waterway:
 def write_waterway(waterway: Waterway, path: str | Path) -> None:
     """Write a waterway as GeoJSON that ``read_waterway`` reads.
 
+    Raises an InputError if its origin is unknown, or the file cannot be written.
+
     Parameters
     ----------
     waterway : Waterway
         A waterway with a place on earth.
     path : str or Path
         Output file.
-
-    Raises
-    ------
-    InputError
-        If its origin is unknown, or the file cannot be written.
     """
     form_of(path, (".geojson", ".json"))
     if waterway.origin is None:

@@ -41,6 +41,9 @@ class Section(NamedTuple):
 class Waterway(BaseSummary):
     """A waterway.
 
+    Raises an InputError if a sloped bank has no depth, the line's radius is smaller than the banks' distance, or a
+    depth is missing or not positive; the sentence names the place.
+
     Parameters
     ----------
     line : Centreline
@@ -65,12 +68,6 @@ class Waterway(BaseSummary):
         Speed of the water to starboard of the line, everywhere or as pairs.
     current_shear : float [1/s] or pairs
         Rise of the speed along the line for each metre to starboard of it, likewise.
-
-    Raises
-    ------
-    InputError
-        If a sloped bank has no depth, the line's radius is smaller than the banks' distance, or a depth is missing or
-        not positive; the sentence names the place.
 
     Examples
     --------
@@ -279,6 +276,8 @@ def _turned(angle: np.ndarray) -> np.ndarray:
 def straight_waterway(canal: Canal, length: float, heading: float = 0.0) -> Waterway:
     """Return a straight canal as a waterway.
 
+    Raises an InputError if the length is not positive.
+
     Parameters
     ----------
     canal : Canal
@@ -287,11 +286,6 @@ def straight_waterway(canal: Canal, length: float, heading: float = 0.0) -> Wate
         Length from end to end.
     heading : float [rad]
         Clockwise from north.
-
-    Raises
-    ------
-    InputError
-        If the length is not positive.
 
     Examples
     --------

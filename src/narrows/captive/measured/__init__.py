@@ -41,6 +41,8 @@ def measured_squat() -> "pd.DataFrame":
 def measured_tests(name: str = "kcs", where: str | None = None) -> "CaptiveTests":
     """Read some bundled tests.
 
+    Raises an InputError if there are no such tests.
+
     Parameters
     ----------
     name : str
@@ -48,11 +50,6 @@ def measured_tests(name: str = "kcs", where: str | None = None) -> "CaptiveTests
         tests along sloped banks.
     where : str, optional
         Which rows to take, as in ``read_captive``.
-
-    Raises
-    ------
-    InputError
-        If there are no such tests.
 
     Examples
     --------

@@ -26,6 +26,8 @@ SENSOR_OF = {"psi": "gyro", "u": "log", "r": "rate_of_turn"}
 class Monitor(Aliased):
     """Bank warnings for a ship: the engine of ``narrows monitor``; decision support, not type-approved equipment.
 
+    Raises an InputError if the model has no rudder, or the compiler (the extra ``compiled``) is missing.
+
     Parameters
     ----------
     model : Model
@@ -36,11 +38,6 @@ class Monitor(Aliased):
         Offset to which a pilot who takes over steers.
     members : int
         Number of samples of a forecast.
-
-    Raises
-    ------
-    InputError
-        If the model has no rudder, or the compiler (the extra ``compiled``) is missing.
 
     Examples
     --------
