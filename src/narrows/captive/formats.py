@@ -2,12 +2,12 @@
 
 import re
 from collections.abc import Sequence
+from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 import pandas as pd
 
-from narrows.captive.measured import measured_files
 from narrows.captive.settings import SHORTEST_RECORD
 from narrows.errors import InputError
 from narrows.readers import cells
@@ -30,7 +30,7 @@ class Layout:
     def sample(cls) -> pd.DataFrame:
         """Return a few rows in its format."""
         table, column = cls.MEASURED
-        return pd.read_csv(measured_files(table)[0]).groupby(column).head(1)
+        return pd.read_csv(Path(__file__).with_name("measured") / table).groupby(column).head(1)
 
     @classmethod
     def translated(cls, frame: pd.DataFrame, chosen: str, table: str) -> Translated:
@@ -103,7 +103,7 @@ class Fhr(Layout):
     """
 
     HEADERS = ("env", "type", "psi_deg", "rud_given_deg")
-    MEASURED = "kcs", "type"
+    MEASURED = "kcs_pmm_shallow.csv", "type"
     # Harmonic sway and harmonic yaw: the tests covered by the paper's terms.
     HARMONIC = ("PMMY2", "PMMPSI2")
     RENAMED: ClassVar = {
@@ -149,7 +149,7 @@ class Lataire(Layout):
     """
 
     HEADERS = ("lateral position", "psi", "sinkage fore", "sinkage aft", "bank name")
-    MEASURED = "lataire2009", "bank name"
+    MEASURED = "lataire2009.csv", "bank name"
     RENAMED: ClassVar = {
         "short name test": "test", "draught": "draft [m]", "water depth": "depth [m]",
         "forward component of speed vector": "u [m/s]", "transversal component of speed vector": "v [m/s]",
