@@ -91,7 +91,9 @@ def rates(t: np.ndarray, position: np.ndarray, cutoff: float) -> tuple[np.ndarra
         raise InputError(f"a cutoff of {cutoff:g} Hz is not below half the sampling rate {rate:g} Hz; lower it")
     # The filter's transient lasts some periods of its cutoff; SciPy's own padding is shorter and spoils a moving end.
     padding = min(len(position) - 1, round(3 * rate / cutoff))
-    velocity = np.gradient(sosfiltfilt(butter(4, cutoff, fs=rate, output="sos"), position, padlen=padding), t)
+    # From its begin: the filter makes rounding of a constant, which would count as motion.
+    moved = position - position[0]
+    velocity = np.gradient(sosfiltfilt(butter(4, cutoff, fs=rate, output="sos"), moved, padlen=padding), t)
     return velocity, np.gradient(velocity, t)
 
 

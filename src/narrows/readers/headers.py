@@ -131,7 +131,7 @@ def unit_named(text: str) -> Unit | None:
 
 
 def _product(text: str) -> Unit | None:
-    products = re.sub(r"(?<=[A-Za-z])-(?=[A-Za-z])", "*", text.strip())
+    products = re.sub(r"(?<=[A-Za-z])[-.](?=[A-Za-z])", "*", text.strip())
     signs = products.replace("**", "^").translate({ord("²"): "^2", ord("³"): "^3", ord("·"): "*", ord("・"): "*"})
     parts = re.split(r"\s*([*/])\s*|\s+", signs)
     scale, powers = 1.0, (0, 0, 0, 0, 0)
