@@ -38,7 +38,7 @@ def read_captive(
     table: Any, ship: ShipSource | None = None, where: str | None = None, actuators: Iterable[Actuator] = (),
     mapping: str | Path | Mapping[str, Any] | ColumnMapping | None = None,
 ) -> CaptiveTests:  # fmt: skip
-    """Read a table of captive tests into memory.
+    """Read a table of captive tests into memory, checked and in SI.
 
     The result does not depend on the terms fitted later: a missing column is reported only when terms need it.
 
@@ -60,11 +60,6 @@ def read_captive(
     mapping : str, Path, mapping or ColumnMapping, optional
         A laboratory's own names, units and signs: TOML with ``[columns]``, ``[units]`` and ``[positive]``, or the same
         as mappings.
-
-    Returns
-    -------
-    CaptiveTests
-        Checked, in SI.
 
     Examples
     --------
@@ -92,17 +87,13 @@ def read_captive(
 def concat(tests: Sequence[CaptiveTests]) -> CaptiveTests:
     """Join tests of one ship in one water, in their order.
 
-    Raises an InputError if there are none, or their ships, canals or waters differ.
+    ``notes`` of the result lists omitted columns and renamed tests. Raises an InputError if there are none, or their
+    ships, canals or waters differ.
 
     Parameters
     ----------
     tests : sequence of CaptiveTests
         Only columns that all of them have are kept; tests that share a name are numbered.
-
-    Returns
-    -------
-    CaptiveTests
-        ``notes`` lists omitted columns and renamed tests.
 
     Examples
     --------
@@ -247,7 +238,7 @@ def stream_captive(
     path: str | Path, ship: ShipSource, where: str | None = None, actuators: Iterable[Actuator] = (),
     mapping: str | Path | Mapping[str, Any] | ColumnMapping | None = None,
 ) -> StreamedTests:  # fmt: skip
-    """Open a table of captive tests that is read block by block at each use.
+    """Open a table of captive tests for ``identify`` that is read block by block at each use.
 
     Raises an InputError if the file is absent; rows are checked as they are read.
 
@@ -263,11 +254,6 @@ def stream_captive(
         Additional actuators, whose columns the table and whose sections the ship file may have.
     mapping : str, Path, mapping or ColumnMapping, optional
         A laboratory's own names, units and signs, as in ``read_captive``.
-
-    Returns
-    -------
-    StreamedTests
-        Tests for ``identify``; figures need the rows in memory.
     """
     path = path_of("path", path)
     if not path.is_file():

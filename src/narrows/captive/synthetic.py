@@ -180,7 +180,7 @@ def twin(
     rate: float = 20.0,
     seed: int = 0,
 ) -> CaptiveTests:
-    """Run synthetic captive tests on a known model.
+    """Run synthetic captive tests on a known model: its forces with added noise.
 
     Raises an InputError if there are no runs, or they are sampled too slowly.
 
@@ -198,11 +198,6 @@ def twin(
         Sampling rate.
     seed : int
         Seed of the noise.
-
-    Returns
-    -------
-    CaptiveTests
-        The truth's forces with added noise.
 
     Examples
     --------

@@ -222,6 +222,8 @@ def design(
     The objective is the share of lost ships, plus small shares for the late offset and the rudder travel. The result is
     tested on other ships.
 
+    Source: Nelder and Mead (1965), A simplex method for function minimization, The Computer Journal 7(4), 308-313.
+
     Parameters
     ----------
     model : Model
@@ -237,10 +239,6 @@ def design(
         each, seed of all random numbers.
     progress : bool
         Show a bar on stderr.
-
-    References
-    ----------
-    Nelder and Mead (1965), A simplex method for function minimization, The Computer Journal 7(4), 308-313.
     """
     check_rudder(model)
     if model.covariance is None:

@@ -133,6 +133,9 @@ def linearize(
     A ship without a rudder is held on the line, along it, by external forces, which the course gives. In a bend the
     course is the steady turn along it. The section of a waterway is assumed constant at the place.
 
+    Source: Fossen (2021), Handbook of Marine Craft Hydrodynamics and Motion Control, 2nd ed., section 7.2, for the
+    form.
+
     Parameters
     ----------
     model : Model
@@ -150,10 +153,6 @@ def linearize(
     **values : float [SI]
         External forces Y [N] and N [N m], heave [m], revolutions [1/s], particulars and coefficients other than the
         model's, as in ``ensemble``.
-
-    References
-    ----------
-    Fossen (2021), Handbook of Marine Craft Hydrodynamics and Motion Control, 2nd ed., section 7.2, for the form.
     """
     water, ship = local_water(model, waterway, at), SimulatedShip(model, surge, surge_inertia)
     given = _check_values(ship, values)

@@ -173,6 +173,9 @@ def regulator(
 
     The law needs the sway velocity, as a track pilot with a good position fix has it.
 
+    Source: Anderson and Moore (1990), Optimal Control: Linear Quadratic Methods, for weights and integrals; Åström and
+    Hägglund (2006), Advanced PID Control, for the back-calculation.
+
     Parameters
     ----------
     model : Model
@@ -188,11 +191,6 @@ def regulator(
         Weights of the cost: defaults tuned by simulated voyages, or those of ``design``.
     **values : float [SI]
         As for ``linearize``.
-
-    References
-    ----------
-    Anderson and Moore (1990), Optimal Control: Linear Quadratic Methods, for weights and integrals; Åström and Hägglund
-    (2006), Advanced PID Control, for the back-calculation.
     """
     check_rudder(model)
     about = partial(linearize, model, u=u, waterway=waterway, surge="held", **values)
@@ -311,7 +309,10 @@ def riccati_solutions(motion: np.ndarray, effect: np.ndarray, weights: np.ndarra
 def lqr(linear: Any, Q: Any, R: Any, *controls: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the gains that minimise the integral of x'Qx + u'Ru, as python-control's ``lqr`` does.
 
-    This is the textbook regulator; ``regulator`` makes a whole helm with gear, integral and tuned weights.
+    They are K (controls, states) of u = -K x, with the solution of the Riccati equation (states, states) and the poles
+    of the closed loop [1/s]. ``regulator`` makes a whole helm with gear, integral and tuned weights.
+
+    Source: Anderson and Moore (1990), Optimal Control: Linear Quadratic Methods.
 
     Parameters
     ----------
@@ -321,16 +322,6 @@ def lqr(linear: Any, Q: Any, R: Any, *controls: str) -> tuple[np.ndarray, np.nda
         Weights of ``linear.states`` and of the controls: matrices, their diagonals, or a number for each.
     *controls : str
         Controls to use, such as ``"rudder"``; those of ``linear.controls`` unless given.
-
-    Returns
-    -------
-    tuple of arrays
-        Gains K (controls, states) of u = -K x, the solution of the Riccati equation (states, states), and the poles of
-        the closed loop [1/s].
-
-    References
-    ----------
-    Anderson and Moore (1990), Optimal Control: Linear Quadratic Methods.
     """
     system: LinearSystem = linear if isinstance(linear, LinearSystem) else linear.linearize()
     A, B = system.matrices(*controls)

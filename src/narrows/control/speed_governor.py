@@ -88,6 +88,8 @@ def speed_governor(
     resistance of a section, a bend or a rudder. The distance for braking is that of still water: with a current from
     astern begin earlier.
 
+    Source: Åström and Hägglund (2006), Advanced PID Control, for pole placement and conditional integration.
+
     Parameters
     ----------
     model : Model
@@ -100,10 +102,6 @@ def speed_governor(
         Rate of speed changes; half of that at the slowest limit with the propeller stopped, unless given.
     most_revolutions : float [1/s], optional
         Limit of the engine; half again those that keep the fastest limit, unless given.
-
-    References
-    ----------
-    Åström and Hägglund (2006), Advanced PID Control, for pole placement and conditional integration.
     """
     places, speeds = _checked(limits)
     revolutions = [self_propulsion(model, speed) for speed in speeds]

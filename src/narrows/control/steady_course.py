@@ -36,7 +36,8 @@ def steady_course(
     """Find the rudder, heading and drift that hold a ship steady on a straight course along the canal.
 
     The speed is constant; a propeller turns as it must straight ahead. If no angle below 69 degrees holds the ship,
-    there is no such course: the result is NaN.
+    there is no such course: the result is NaN. It has ``rudder``, ``psi`` [rad] and ``v`` [m/s] over the dimensions of
+    what varies; ``notes`` names models without a bank force and sections outside the tested range.
 
     Raises an InputError if the model has no terms of a rudder, a value does not fit, or an unknown is given.
 
@@ -52,12 +53,6 @@ def steady_course(
         Threads; all cores unless given.
     **vary : number, sequence or DataArray
         As in ``ensemble``: y [m], u [m/s], heave [m], Y [N], N [N m], particulars, coefficients.
-
-    Returns
-    -------
-    xarray.Dataset
-        ``rudder`` [rad], ``psi`` [rad] and ``v`` [m/s] over the dimensions of what varies; ``notes`` names models
-        without a bank force and sections outside the tested range.
 
     Examples
     --------

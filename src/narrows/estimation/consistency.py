@@ -1,8 +1,6 @@
 """Consistency of an estimator: its errors compared with its own covariance, on simulated twins with known truth.
 
-References
-----------
-Bar-Shalom, Li and Kirubarajan (2001), Estimation with applications to tracking and navigation, section 5.4.
+Source: Bar-Shalom, Li and Kirubarajan (2001), Estimation with applications to tracking and navigation, section 5.4.
 """
 
 import math

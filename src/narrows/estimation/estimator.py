@@ -50,6 +50,8 @@ class Estimator(BaseSummary):
 
     Raises an InputError if a sensor is invalid, two share a name, or a number is invalid.
 
+    Source: van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter estimation.
+
     Parameters
     ----------
     model : Model
@@ -72,10 +74,6 @@ class Estimator(BaseSummary):
         Probability that a gate refuses a valid reading; 0 for no gates.
     step : float [s], optional
         Longest step of the motion; a quarter of the root of length over gravity unless given.
-
-    References
-    ----------
-    van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter estimation.
     """
 
     def __init__(

@@ -3,10 +3,9 @@
 All filters explain the same readings; the most likely one names the faulty sensor, which is then left out. In its
 filter the error is a state: a small drift from one of several onsets, or a recent step.
 
-References
-----------
-Willsky and Jones (1976), A generalized likelihood ratio approach to the detection and estimation of jumps in linear
-systems, IEEE Transactions on Automatic Control 21. Time-outs, and a restart after lasting refusal, follow PX4's EKF2.
+Source: Willsky and Jones (1976), A generalized likelihood ratio approach to the detection and estimation of jumps in
+linear systems, IEEE Transactions on Automatic Control 21. Time-outs, and a restart after lasting refusal, follow PX4's
+EKF2.
 """
 
 import math

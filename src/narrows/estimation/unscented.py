@@ -2,9 +2,7 @@
 
 A distribution is a mean and a lower triangular root of its covariance.
 
-References
-----------
-van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter estimation.
+Source: van der Merwe and Wan (2001), The square-root unscented Kalman filter for state and parameter estimation.
 """
 
 import math

@@ -91,6 +91,8 @@ def crash_stop(
     Raises an InputError if the thrust astern is unknown, the model has no free surge motion, a time is negative, or the
     ship does not stop.
 
+    Source: IMO (2002), resolution MSC.137(76), Standards for ship manoeuvrability.
+
     Parameters
     ----------
     model : Model
@@ -103,10 +105,6 @@ def crash_stop(
         Time from the order until the revolutions begin to change.
     reversal : float [s]
         Time of that change.
-
-    References
-    ----------
-    IMO (2002), resolution MSC.137(76), Standards for ship manoeuvrability.
 
     Examples
     --------

@@ -269,7 +269,7 @@ def speed_limits(
     model: Model, waterway: "Waterway", places: Sequence[float], *, y: float = 0.0, reserve: float = settings.RESERVE,
     **envelope: Any,
 ) -> list[tuple[float, float]]:  # fmt: skip
-    """Find the highest safe speed of some sections of a waterway, for a speed governor.
+    """Find the highest safe speed of some sections of a waterway, for a speed governor: pairs of x [m], speed [m/s].
 
     Raises an InputError if no speed is safe at a place, or there is none.
 
@@ -287,11 +287,6 @@ def speed_limits(
         Rudder in reserve on the steady course (in a bend on the steady turn), for 95 % of the samples.
     **envelope : Any
         Options of ``safe_envelope``.
-
-    Returns
-    -------
-    list of pairs (x [m], speed [m/s])
-        Speeds through the water.
     """
     check_waterway(waterway)
     if waterway is None:

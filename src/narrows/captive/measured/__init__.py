@@ -23,10 +23,7 @@ def measured_files(name: str) -> tuple[Path, Path]:
 def measured_squat() -> "pd.DataFrame":
     """Read the fifteen squat runs of Lataire, Vantorre and Eloot (2009): bank V, draft 0.180 m, depth 0.243 m.
 
-    Returns
-    -------
-    DataFrame
-        Columns ``u [m/s]``, ``y [m]`` from the tank's centreline, ``sinkage fore [mm]``, ``sinkage aft [mm]``.
+    Columns are ``u [m/s]``, ``y [m]`` from the tank's centreline, ``sinkage fore [mm]``, ``sinkage aft [mm]``.
 
     Examples
     --------

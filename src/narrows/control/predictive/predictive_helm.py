@@ -182,10 +182,8 @@ class PredictiveHelm(BaseSummary):
     has no solution in time, the best linear helm about the same course steers. It is for single voyages:
     ``simulate(model, ..., controller=helm)``.
 
-    References
-    ----------
-    Diehl, Bock and Schloeder (2005), A real-time iteration scheme for nonlinear optimization in optimal feedback
-    control, SIAM Journal on Control and Optimization 43(5), 1714-1736.
+    Source: Diehl, Bock and Schloeder (2005), A real-time iteration scheme for nonlinear optimization in optimal
+    feedback control, SIAM Journal on Control and Optimization 43(5), 1714-1736.
     """
 
     model: Model  # Has terms of a rudder; the covariance of its coefficients widens the margin to the banks

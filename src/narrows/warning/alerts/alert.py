@@ -4,9 +4,7 @@ They are on disk before they are published, each row bound to the one before, an
 thread writes, and who publishes waits for it no longer than a deadline: a disk that is stuck or full delays an alert by
 that, and mutes none. What could not be written is kept, in order, and written as soon as it can be.
 
-References
-----------
-IEC 62923-1:2018, Bridge alert management, for priorities, states and the 30 s of a silence.
+Source: IEC 62923-1:2018, Bridge alert management, for priorities, states and the 30 s of a silence.
 """
 
 import hashlib

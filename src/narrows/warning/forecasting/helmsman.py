@@ -5,9 +5,7 @@ gains. The helm is attended or not: a hidden Markov model of two states. The rud
 widely as is learned; a rudder that nobody holds has any angle, and moves less often. All futures of all samples are one
 call of the package's kernel: every one a lane, laid out once.
 
-References
-----------
-Rabiner (1989), Proceedings of the IEEE 77, A tutorial on hidden Markov models.
+Source: Rabiner (1989), Proceedings of the IEEE 77, A tutorial on hidden Markov models.
 """
 
 import math
@@ -144,9 +142,7 @@ class LineOfSight(BaseSummary):
 
     Its heading to the line is less by ``crab``, the angle that a current across needs.
 
-    References
-    ----------
-    Fossen (2011), Handbook of Marine Craft Hydrodynamics and Motion Control, for guidance by line of sight.
+    Source: Fossen (2011), Handbook of Marine Craft Hydrodynamics and Motion Control, for guidance by line of sight.
     """
 
     driven: bool = False  # True where it also orders revolutions

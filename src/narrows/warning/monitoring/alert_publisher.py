@@ -1,9 +1,7 @@
 """Alerts on their way out: into the log first, then to the bridge as sentences ALF, ALC, HBT and ARC; ACN comes in.
 
-References
-----------
-Fields as printed in makers' manuals, after IEC 61162-1: JRC JLN-900 (2018), 3.1, and JFE-680, 4, for ALF, ALC, HBT, ARC
-and ACN.
+Source: Fields as printed in makers' manuals, after IEC 61162-1: JRC JLN-900 (2018), 3.1, and JFE-680, 4, for ALF, ALC,
+HBT, ARC and ACN.
 """
 
 import re
