@@ -21,8 +21,6 @@ Columns = Mapping[str, np.ndarray]
 
 
 class CheckedColumns(NamedTuple):
-    """A table in SI."""
-
     frame: pd.DataFrame  # As it was read
     columns: Columns  # (rows,) Columns in SI
     by_name: Mapping[str, Column]  # Headers by quantity

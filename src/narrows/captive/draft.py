@@ -48,7 +48,6 @@ class Draft:
             self.columns[name] = values * _scale(name, entry.unit) * (-1.0 if entry.way else 1.0)
 
     def toml(self, table: str, command: str) -> str:
-        """Return the file, each line with its origin."""
         lines = [
             f"# Columns of {table}, drafted. Check the lines with GUESSED, then type:",
             f"#   {command}",
@@ -69,7 +68,6 @@ class Draft:
         return "\n".join([*lines, ""])
 
     def summary(self) -> str:
-        """Return what is sure and what is guessed."""
         parts = []
         for sure, word in ((True, "sure are"), (False, "guessed are")):
             said = [f"{name} = {entry.header!r}" for name, entry in self.entries.items() if entry.sure is sure]

@@ -21,8 +21,6 @@ COLUMNS = ("t", "x", "y", "psi", "u", "v", "r", "udot", "vdot", "rdot", "heave")
 
 
 class TowedRun:
-    """A run at constant speed, harmonic or straight."""
-
     name: str
     speed: float
     duration: float

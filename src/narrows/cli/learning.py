@@ -115,7 +115,6 @@ def _check(
 def _learn(
     model: "nw.Model", logs: list[Path], logged: LogOptions, ahead: InformationOptions, delivery: cli.ModelDelivery
 ) -> bool:
-    """Learn from logs; return whether they carry information."""
     log = _read(logs, logged, ahead)
     doubts: tuple[str, ...] = ()
     if not logged.unchecked:

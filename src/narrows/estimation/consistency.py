@@ -130,8 +130,6 @@ class Consistency(BaseResult):
 
 
 class Twins(NamedTuple):
-    """True states of ships, and their readings."""
-
     t: np.ndarray  # (times,) Time [s]
     states: np.ndarray  # (times, twins, states) The truth
     indicated: np.ndarray  # (times, twins, actuators) Indicated positions of the actuators
@@ -139,7 +137,6 @@ class Twins(NamedTuple):
     aground: np.ndarray  # (twins,) True if a twin met a bank
 
     def rows(self, twin: int, actuators: Sequence[str]) -> Iterator[tuple[float, Readings]]:
-        """Yield each time with the readings of a twin."""
         for number, t in enumerate(self.t.tolist()):
             due = {name: columns[number, twin] for name, columns in self.readings.items()}
             positions = dict(zip(actuators, self.indicated[number, twin], strict=True))

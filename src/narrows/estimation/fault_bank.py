@@ -108,7 +108,6 @@ class FaultBank:
         return self._switched_to(run, best, t)
 
     def _switched_to(self, run: FilterRun, best: Hypothesis, t: float) -> tuple[FilterRun, str]:
-        """Return the run without the faulty sensors."""
         own, (first, *later) = self.filter.with_errors(best.faults & {RUDDER, MODEL}, best.slow), best.run.history
         first = first._replace(state=own.adopt(first.state, best.run.filter), monitor=own.monitor())
         after = replay(own, first, later, self.horizon, self.kept, best.faults)
@@ -244,12 +243,10 @@ def _still_refused(run: FilterRun) -> bool:
 
 
 def _likelihood(run: FilterRun, since: float = -math.inf) -> float:
-    """Log-likelihood of the readings after a time."""
     return math.fsum(result.log_likelihood for result in run.results if result.t > since + settings.SAME_TIME)
 
 
 def _penalty_of_faults(faults: Faults, known: Faults = frozenset()) -> float:
-    """Return the penalty of faults without other evidence."""
     return settings.FAULT_PRIOR * len(faults - known) * len(faults)
 
 

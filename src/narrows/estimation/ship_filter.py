@@ -50,8 +50,6 @@ class UpdateResult(NamedTuple):
 
 
 class NumberLayout(NamedTuple):
-    """The components of the sensors that read at once."""
-
     parts: dict[str, slice]  # Components of each sensor
     # End of the components, largest NIS and source of each sensor; places of the components among those of all sensors.
     tests: tuple[np.ndarray, ...]

@@ -48,8 +48,6 @@ RESTING = {"bank": 1.0}  # Default values of states that are omitted or unknown;
 
 @dataclass(frozen=True)
 class StateNames:
-    """The states of one estimator, in order."""
-
     names: tuple[str, ...]  # States of the motion first, then some of ``STATES`` and errors of sensors
 
     def __len__(self) -> int:

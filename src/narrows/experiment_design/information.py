@@ -280,6 +280,5 @@ def _at(depth: float | None) -> str:
 
 
 def _reach(run: Run, ship: Ship) -> float:
-    """Largest distance of the hull's corners from the centreline."""
     columns = run.columns(100 / run.duration)
     return float((np.abs(columns["y"]) + half_swept(ship, columns["psi"])).max())

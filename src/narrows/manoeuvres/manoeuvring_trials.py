@@ -236,8 +236,6 @@ def sail_trials(
 
 @dataclass(frozen=True)
 class TrialShip:
-    """A ship in open water on its approach."""
-
     model: Model
     speed: float
     dt: float

@@ -36,8 +36,6 @@ CONFIRMED = "confirmed"  # Key of a drafted file, true once its lines are checke
 
 @dataclass(frozen=True)
 class ColumnMapping:
-    """Conversion of a laboratory's columns to the documented ones."""
-
     # Headers of the table by the documented names; empty to ignore a column of that name
     columns: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)  # Units of columns whose headers lack them

@@ -46,7 +46,6 @@ class EnvelopeAlong(BaseResult):
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """Notes of the envelopes."""
         reach = "each place stands for the reach midway to its neighbours, computed at its tightest section"
         return tuple(dict.fromkeys((reach, *(note for one in self.envelopes for note in one.notes))))
 

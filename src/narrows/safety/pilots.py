@@ -37,8 +37,6 @@ Course = Mapping[str, Any]
 
 @dataclass(frozen=True)
 class BestEstimateCourses:
-    """Courses at offsets and speeds, and on the middle."""
-
     ship: SimulatedShip  # Ship with the best estimate of the coefficients
     offsets: np.ndarray  # (offsets,) Offsets to starboard of the middle [m]
     speeds: np.ndarray  # (speeds,) Speeds through the water [m/s]

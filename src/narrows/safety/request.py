@@ -68,7 +68,6 @@ class Disturbance(Aliased):
 
     @property
     def words(self) -> str:
-        """Description for a pilot."""
         parts = [f"heading off by {self.heading_deg:g} deg"] if self.heading_deg else []
         parts += [f"offset by {self.offset:g} m"] if self.offset else []
         begin = f" at the start {' and '.join(parts)} (standard deviation)" if parts else " nothing off at the start"

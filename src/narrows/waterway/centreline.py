@@ -196,7 +196,6 @@ class Centreline:
         return s.reshape(shape), n.reshape(shape), heading.reshape(shape)
 
     def _placed(self, t: np.ndarray, positions: np.ndarray) -> tuple[np.ndarray, ...]:
-        """Search the nearest places from nearby ones."""
         left = np.arange(len(t))
         for _ in range(ROUNDS if len(self.points) > 2 else 1):
             step = self._step(t[left], positions[left])

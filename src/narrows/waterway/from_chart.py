@@ -34,7 +34,6 @@ class Chart:
 
 
 def waterway_from_chart(chart: Chart, centreline: np.ndarray, reach: float = REACH) -> Waterway:
-    """Extract a waterway from a chart along a centreline."""
     # centreline (n, 2) [deg]; reach [m]. On either side the bank is the first of the chart's lines that the normals
     # meet, by exact intersection. The depth is the least of the shallowest area that contains the line. Banks are
     # vertical walls at the chart's lines.

@@ -57,7 +57,6 @@ class WaterwayTable:
 
     @cached_property
     def track(self) -> np.ndarray:
-        """The nodes, flat, for ``exact_clearance``."""
         return np.ascontiguousarray(self.nodes).reshape(-1)
 
 
@@ -134,7 +133,6 @@ STEPS_A_BEAM = 4
 
 
 def tabulate(waterway: Waterway, draft: float, step: float) -> WaterwayTable:
-    """Return a waterway as a table of equal cells."""
     length = waterway.line.length
     if not (0 < step < np.inf and 0 < draft < np.inf):
         raise InputError(f"{waterway.name}: a step of {step} m and a draft of {draft} m; give lengths over 0")

@@ -93,8 +93,6 @@ class QuadraticProgram(NamedTuple):
 
 @dataclass(frozen=True)
 class Horizon:
-    """Equal intervals ahead, each with one rudder rate."""
-
     intervals: int  # Number of intervals
     interval: float  # Length of each [s]
 

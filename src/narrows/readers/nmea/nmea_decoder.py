@@ -58,8 +58,6 @@ Key = tuple[bytes, bytes, bytes, bytes]
 
 
 class Waiting(NamedTuple):
-    """An incomplete message."""
-
     t: float  # Time of the last part [s]
     parts: tuple[bytes, ...]  # Parts so far; empty if two ships used one number at once
 

@@ -58,8 +58,6 @@ def escapes(manoeuvres: tuple[Manoeuvre, ...], takeovers: np.ndarray) -> list[Ca
 
 
 class Forecaster:
-    """Forecasts of one ship, or of ``ships`` abreast."""
-
     def __init__(
         self, estimator: Estimator, line: float = 0.0, *, members: int = settings.MEMBERS,
         escaping: int = settings.ESCAPING_MEMBERS, ships: int = 1, seed: int = 0,

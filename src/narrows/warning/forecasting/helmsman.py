@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
 
 class Helmsmen:
-    """Helmsmen of one ship, or of many ships abreast."""
-
     def __init__(self, count: int, length: float) -> None:
         self.count, self.length = count, length
         shape = count, len(settings.HELM_DELAYS), 4
@@ -216,8 +214,6 @@ class Outcomes(NamedTuple):
 
 
 class FutureLanes:
-    """Lanes of one kind of ship in many futures."""
-
     def __init__(
         self, ship: SimulatedShip, waterway: "Waterway | None", line: float, blocks: Sequence[FutureBlock], step: float
     ) -> None:

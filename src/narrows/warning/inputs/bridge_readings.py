@@ -73,7 +73,6 @@ class BridgeReadings:
         return Messages(tick.t, readings, ages, faults, self._draft, depth)
 
     def _latest(self, entries: Sequence[Entry]) -> dict[str, Values]:
-        """Last values of each group, from its selected source."""
         values: dict[str, Values] = {}
         for entry in entries:
             for about, columns in entry.message.values.items():

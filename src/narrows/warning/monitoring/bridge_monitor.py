@@ -191,8 +191,6 @@ MEASURES = {
 
 
 class SensorHealth:
-    """Silences, rejected jumps and drifts of the sensors."""
-
     def __init__(self) -> None:
         self._doubted: dict[tuple[str, str], float] = {}
 
