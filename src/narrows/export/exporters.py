@@ -44,30 +44,16 @@ def write(model: "Model", path: str | Path, kind: str = "", **options: Any) -> A
     The files have rates, steps, clearance, voyages to contact and exact derivatives, printed from the lines that
     simulation in Python uses. Their names begin with the name of the file.
 
-    ============ ============================= ================================================================
-    kind         suffix                        file
-    ============ ============================= ================================================================
-    c            ``.h``, ``.hpp``              header of C99 and C++ without dependencies; with a C++ class
-    js           ``.mjs``, ``.js``, ``.tgz``   ES module with types as JSDoc; npm package with types for TypeScript
-    python       ``.py``                       Python file that needs NumPy alone, also for columns of ships
-    matlab       ``.m``, ``.c``                ``xdot = ship(x, ui)`` in the form of the Marine Systems Simulator;
-                                               S-function for Simulink
-    fmu          ``.fmu``                      FMU of co-simulation and model exchange, compiled with ziglang (the
-                                               extra ``fmu``) for Linux, Windows and macOS, else for this machine
-    page         ``.html``                     page that simulates fleets in a browser, by WebAssembly with ziglang
-    latex        ``.tex``                      equations of the forces with symbols and with numbers
-    bank-force   ``.h``, ``.cs``, ``.mjs``,    the bank's force as one function of offset, heading, speed and
-                 ``.m``, ``.fmu``              section, for a simulator with its own hull model
-    ============ ============================= ================================================================
+    The kinds are c, js, python, matlab, fmu, page, latex and bank-force, each with suffixes of its own (``EXPORTERS``).
 
     Parameters
     ----------
     model : Model
         The ship in its canal.
     path : str or Path
-        Path with a suffix of the table.
+        Path with a suffix of an export.
     kind : str
-        Name in the table; only ``bank-force`` cannot be found from the suffix.
+        Its kind; only ``bank-force`` cannot be found from the suffix.
     **options : Any
         ``surge``, ``surge_inertia``, ``coriolis``, ``contact``: as for ``simulate``. ``waterway``: instead of the
         model's own canal; its table goes into the file, and a caller may give another. ``controller``: control law in

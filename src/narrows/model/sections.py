@@ -9,8 +9,8 @@ import numpy as np
 
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.data_range import DataRange, Range
-from narrows.ship.particulars import Configuration
-from narrows.ship.ship_file import actuator_sections, assumptions, check_table, configuration_from
+from narrows.ship.particulars import Configuration, given_values
+from narrows.ship.ship_file import actuator_sections, assumptions, check_table, configuration_from, section_of
 from narrows.terms.tables import table_named
 from narrows.terms.term import TermTable
 
@@ -45,7 +45,7 @@ def sections_of(
     data_range: DataRange, source: Source, verdicts: Mapping[str, str],
 ) -> dict[str, Any]:  # fmt: skip
     parts = {**{name: getattr(configuration, name) for name in PARTS}, **configuration.parts}
-    tables: dict[str, Any] = {name: _without_none(asdict(part)) for name, part in parts.items()}
+    tables: dict[str, Any] = {name: given_values(part) for name, part in parts.items()}
     for (section, key), note in assumptions(configuration.water).items():
         if note in configuration.notes:  # Who reads the file assumes it too
             tables[section].pop(key)
@@ -54,15 +54,11 @@ def sections_of(
     tables["coefficients"] = {name: float(coefficients[name]) for name in terms.names}
     if covariance is not None:
         tables["covariance"] = {"names": list(terms.names), "matrix": covariance.tolist()}
-    tables["data_range"] = {name: list(pair) for name, pair in _without_none(asdict(data_range)).items()}
+    tables["data_range"] = {name: list(pair) for name, pair in given_values(data_range).items()}
     tables["source"] = asdict(source)
     if verdicts:
         tables["verdicts"] = dict(verdicts)
     return tables
-
-
-def _without_none(values: dict[str, Any]) -> dict[str, Any]:
-    return {name: value for name, value in values.items() if value is not None}
 
 
 def fields_of(tables: Mapping[str, Any], terms: TermTable | None) -> dict[str, Any]:
@@ -81,9 +77,9 @@ def fields_of(tables: Mapping[str, Any], terms: TermTable | None) -> dict[str, A
         "terms": terms,
         "coefficients": tables["coefficients"],
         "covariance": _covariance(tables.get("covariance"), terms),
-        "data_range": _of("data_range", DataRange, covered),
+        "data_range": section_of(DataRange, "data_range", covered),
         "verdicts": tables.get("verdicts", {}),
-        "source": _of("source", Source, cited),
+        "source": section_of(Source, "source", cited),
     }
 
 
@@ -136,11 +132,3 @@ def _pair(name: str, pair: Any) -> Range:
     if not -math.inf < low <= high < math.inf:
         raise InputError(f"[data_range] {name} = {shown(pair)} is not a pair of numbers; give lowest and highest")
     return low, high
-
-
-def _of(section: str, cls: type, values: dict[str, Any]) -> Any:
-    known = cls.__annotations__
-    for name in values:
-        if name not in known:
-            raise InputError(f"[{section}] unknown key {name!r}{did_you_mean(name, known)}")
-    return cls(**values)

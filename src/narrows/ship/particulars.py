@@ -72,7 +72,7 @@ class Ship(BaseSummary):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the known values by name, as in a ship file."""
-        return _known(self)
+        return given_values(self)
 
     @property
     def in_words(self) -> str:
@@ -221,7 +221,7 @@ class Configuration(BaseSummary):
         """Return the known values by section and name, as in a ship file."""
         depths = {"depths": dict(self.depths)} if self.depths else {}
         sections = {"ship": self.ship, "canal": self.canal, "water": self.water, **self.parts}
-        return {name: _known(part) for name, part in sections.items()} | depths
+        return {name: given_values(part) for name, part in sections.items()} | depths
 
     @property
     def gear(self) -> SteeringGear:
@@ -267,7 +267,7 @@ class Configuration(BaseSummary):
         return {name: value for name, value in named.items() if value is not None}
 
 
-def _known(part: Any) -> dict[str, Any]:
+def given_values(part: Any) -> dict[str, Any]:
     return {name: value for name, value in asdict(part).items() if value is not None}
 
 

@@ -86,8 +86,8 @@ def configuration_from(tables: Mapping[str, Any], file: str, actuators: Iterable
             raise InputError(f"{file}: unknown section [{name}]{did_you_mean(name, known)}")
         check_table(name, table, file)
     try:
-        main = {name: _section(cls, name, tables.get(name, {})) for name, cls in NEEDED.items()}
-        parts = [_section(cls, name, tables[name]) for name, cls in sections.items() if name in tables]
+        main = {name: section_of(cls, name, tables.get(name, {})) for name, cls in NEEDED.items()}
+        parts = [section_of(cls, name, tables[name]) for name, cls in sections.items() if name in tables]
         assumed = assumptions(main["water"])
         given = {**{name: {} for name in NEEDED}, **tables}
         notes = [note for (name, key), note in assumed.items() if name in given and key not in given[name]]
@@ -110,7 +110,7 @@ def check_table(name: str, table: object, file: str) -> None:
         raise InputError(f"{file}: {name} = {shown(table)} must be a section; write [{name}] and its keys under it")
 
 
-def _section(cls: type, name: str, values: Mapping[str, Any]) -> Any:
+def section_of(cls: type, name: str, values: Mapping[str, Any]) -> Any:
     known = {f.name: f for f in fields(cls)}
     for old, new in RENAMED.get(name, {}).items():
         if old in values and new in values:

@@ -21,13 +21,14 @@ from narrows.simulation.channel import across_of
 from narrows.simulation.controllers import Controller
 from narrows.simulation.inputs import INPUTS as PUSHED
 from narrows.simulation.inputs import START
-from narrows.simulation.integrator import VoyageIntegrator, near_the_bank
+from narrows.simulation.integrator import VoyageIntegrator
 from narrows.simulation.settings import (
     DEFAULT_FROUDE,
     DEFAULT_LENGTHS,
     DEFAULT_OFFSET,
     DEFAULT_SHARE_OF_CHOKING,
     DEFAULT_STEPS_A_LENGTH,
+    NEAR_THE_BANK,
     OWN_REVOLUTIONS,
 )
 from narrows.simulation.ship import SimulatedShip, Steering
@@ -65,7 +66,8 @@ def initial_state(
     inputs |= {**dict.fromkeys((*INPUTS.values(), *map(AFTER, INPUTS.values())), 0.0), "push_end": math.inf}
     order = steering.asked if steering else None
     order = order.begin() if isinstance(order, Controller) else order
-    integrator = VoyageIntegrator(system.scalar, system.choices, inputs, channel, near_the_bank(values), order)
+    near = NEAR_THE_BANK * float(values["width"])
+    integrator = VoyageIntegrator(system.scalar, system.choices, inputs, channel, near, order)
     psi = numbers["psi"]
     pose = {**numbers, "cos_psi": math.cos(psi), "sin_psi": math.sin(psi), COUNTED: psi}
     state = complete_state(ship, steering, pose, numbers)

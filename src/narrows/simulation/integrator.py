@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from narrows.codegen.choices import LENGTH, SHARE, Choices
 from narrows.codegen.free_motion import MIDSHIP, OPEN
@@ -17,7 +17,6 @@ from narrows.simulation.settings import (
     CLEARANCE_ROWS,
     CONTACT_CLOSENESS,
     CONTACT_TOLERANCE,
-    NEAR_THE_BANK,
     STEP_CHECK_STEPS,
 )
 from narrows.simulation.ship import PARAMETER
@@ -184,10 +183,6 @@ class VoyageIntegrator:
             self._step_inputs[self._order] = row.order if self.order else self._step_inputs[self._order]
             interpolated.append(Row(time, self.stepped(row.state, row.ahead, (time - row.t) / row.ahead)[0]))
         return interpolated
-
-
-def near_the_bank(values: Mapping[str, Any]) -> float:
-    return NEAR_THE_BANK * float(values["width"])
 
 
 def track_error(integrator: VoyageIntegrator, rows: Sequence[Row], dt: float) -> float:

@@ -155,12 +155,15 @@ class Track:
 
     def geojson(self) -> str:
         """Return the track as a LineString with its times and headings, and its end as a Point."""
-        line = {"type": "LineString", "coordinates": self._points()}
         times = {"t": self.t.round(3).tolist(), "heading_deg": self.heading_deg.round(3).tolist()}
+        points = self._points()
         features = [
-            _feature(line, {"name": self.name, "summary": self.summary, **times}),
-            _feature({"type": "Point", "coordinates": self._points()[-1]}, {"name": "end", "summary": self.summary}),
-        ]
+            {
+                "type": "Feature", "properties": {"name": name, "summary": self.summary, **more},
+                "geometry": {"type": kind, "coordinates": some},
+            }
+            for name, kind, some, more in ((self.name, "LineString", points, times), ("end", "Point", points[-1], {}))
+        ]  # fmt: skip
         return json.dumps({"type": "FeatureCollection", "features": features}, indent=1)
 
     def kml(self) -> str:
@@ -179,10 +182,6 @@ class Track:
     def _points(self) -> list[list[float]]:
         points: list[list[float]] = np.stack([self.longitude, self.latitude], axis=1).round(9).tolist()
         return points
-
-
-def _feature(geometry: Mapping[str, object], properties: Mapping[str, object]) -> dict[str, object]:
-    return {"type": "Feature", "properties": properties, "geometry": geometry}
 
 
 # A sentence on a measure: its words, the range of the data in words, a mask of values outside, the values.
