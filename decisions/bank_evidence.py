@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from known_ships import KNOWN_SHIPS, KnownShip, calibrated
 from scipy.optimize import minimize
 from scipy.stats import norm
 
-from narrows.empirical.calibration import Calibration, Uncertain, tail_factor
-from narrows.empirical.formulas import KNOWN_SHIPS, KnownShip
+from narrows.empirical.calibration import Uncertain, tail_factor
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ def left_out(ships: Sequence[KnownShip] = KNOWN_SHIPS) -> list[LeftOut]:
     """Estimate each known ship from the others."""
     rows = []
     for ship in ships:
-        others = Calibration(tuple(other for other in ships if other is not ship))
+        others = calibrated(tuple(other for other in ships if other is not ship))
         for ratio, primes in ship.primes.items():
             for name, known in primes.items():
                 error = ship.relative_error(name, ratio) * abs(known)

@@ -12,12 +12,13 @@ from functools import cache
 
 import numpy as np
 from bank_evidence import BANK_EVIDENCE, BankEvidence, bank_effects, left_out, left_out_banks
+from known_ships import KNOWN_SHIPS, calibrated
 from manoeuvres import APPROACH, CIRCLES, OVERSHOOTS
 from pages import Rows, markdown, part, publish, records
 
 import narrows as nw
-from narrows.empirical.calibration import BANK_PRIOR, SIGNED, Calibration
-from narrows.empirical.formulas import FORMULAS, KNOWN_SHIPS, depth_factor
+from narrows.empirical.calibration import BANK_PRIOR, SIGNED
+from narrows.empirical.formulas import FORMULAS, depth_factor
 from narrows.empirical.main_dimensions import estimated
 from narrows.quantities.names import KNOT
 from narrows.simulation.grid import sampled
@@ -45,7 +46,7 @@ def clarke_table() -> str:
     laws = {one.coefficient: one.law for one in FORMULAS if one.source.startswith("Clarke")}
     rows = []
     for ship in (ship for ship in KNOWN_SHIPS if ship.name in ("KVLCC2", "KCS")):
-        others, ratio = Calibration(tuple(other for other in KNOWN_SHIPS if other is not ship)), max(ship.primes)
+        others, ratio = calibrated(tuple(other for other in KNOWN_SHIPS if other is not ship)), max(ship.primes)
         for name in LINEAR:
             value = ship.primes[ratio][name] / depth_factor(name, ship.hull, ratio)
             alone, own = float(laws[name](ship.hull)), others.estimate(name, ship.hull)
@@ -77,7 +78,7 @@ def _missed(group: list) -> list[str]:
 @cache
 def kvlcc2() -> nw.Model:
     """KVLCC2's 7 m model from its dimensions, by the other ships."""
-    others = Calibration(tuple(ship for ship in KNOWN_SHIPS if ship.name != "KVLCC2"))
+    others = calibrated(tuple(ship for ship in KNOWN_SHIPS if ship.name != "KVLCC2"))
     ship = {"length": 7.0, "beam": 1.27, "draft": 0.46, "block_coefficient": 0.81}
     gear = nw.SteeringGear(35.0, 15.8)
     return estimated(ship, nw.Canal(700.0), nw.Water(1000.0), "tanker", APPROACH, None, None, gear, others)

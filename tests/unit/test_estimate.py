@@ -11,13 +11,14 @@ import pytest
 
 import narrows as nw
 from narrows.cli.app import main
-from narrows.empirical.calibration import BANK_PRIOR, EVIDENCE_WIDTHS, LEAST_CLEARANCE, Calibration
-from narrows.empirical.formulas import FORMULAS, KCS, KNOWN_SHIPS, KVLCC2, Hull, depth_factor
+from narrows.empirical.calibration import BANK_PRIOR, EVIDENCE_WIDTHS, LEAST_CLEARANCE, read_calibration
+from narrows.empirical.formulas import FORMULAS, Hull, depth_factor
 from narrows.empirical.propulsion import resistance_prime
 from narrows.physics.clearance import bank_distance, suction
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "decisions"))
 from bank_evidence import BANK_EVIDENCE, bank_effects, left_out, left_out_banks, random_effects
+from known_ships import KCS, KNOWN_SHIPS, KVLCC2, calibrated
 
 PANAMAX = nw.Ship(length=366, beam=51, draft=15, block_coefficient=0.65)
 CANAL = nw.Canal(300, 24)
@@ -115,16 +116,26 @@ def test_intervals_hold_ships_left_out(rows: list) -> None:
     assert 0.90 <= sum(row.held for row in rows) / len(rows) <= 0.98
 
 
+def test_the_calibration_is_that_of_the_known_ships() -> None:
+    """``python decisions/known_ships.py --write`` after a change of a formula or a ship."""
+    kept, found = read_calibration(), calibrated()
+    assert kept.errors.keys() == found.errors.keys()
+    for name, errors in found.errors.items():
+        for key, number in vars(errors).items():
+            assert getattr(kept.errors[name], key) == pytest.approx(number, rel=1e-9), f"{name}: {key}"
+    np.testing.assert_allclose(kept.correlation, found.correlation, rtol=0, atol=1e-9)
+
+
 def test_an_estimate_takes_every_ship_and_each_changes_it() -> None:
-    usual = Calibration().estimate("Y_v", KVLCC2.hull)
+    usual = read_calibration().estimate("Y_v", KVLCC2.hull)
     for ship in KNOWN_SHIPS:
-        others = Calibration(tuple(other for other in KNOWN_SHIPS if other is not ship))
+        others = calibrated(tuple(other for other in KNOWN_SHIPS if other is not ship))
         changed = others.estimate("Y_v", KVLCC2.hull)
         assert (changed.value == usual.value) == ("Y_v" not in ship.primes[max(ship.primes)])
 
 
 def test_spread_grows_in_shallow_water() -> None:
-    calibration = Calibration()
+    calibration = read_calibration()
     deep, shallow = (calibration.estimate("Y_v", KVLCC2.hull, ratio) for ratio in (math.inf, 1.2))
     assert shallow.std / abs(shallow.value) > deep.std / abs(deep.value)
 

@@ -8,7 +8,16 @@ from typing import Any
 import numpy as np
 
 from narrows.aliases import accept_aliases
-from narrows.empirical.calibration import BANK_PRIOR, COEFFICIENTS, FORM, SIGNED, Calibration, Uncertain, tested_places
+from narrows.empirical.calibration import (
+    BANK_PRIOR,
+    COEFFICIENTS,
+    FORM,
+    SIGNED,
+    Calibration,
+    Uncertain,
+    read_calibration,
+    tested_places,
+)
 from narrows.empirical.formulas import RANGES, Hull
 from narrows.empirical.propulsion import (
     INCREASE_PLACE,
@@ -35,7 +44,7 @@ from narrows.terms.tables import table_named
 
 TABLE = f"mmg+{FORM}"
 SEA = Water(1025.0)
-ALL_SHIPS = Calibration()
+ALL_SHIPS = read_calibration()
 
 # Relative standard deviations of parts that no known ship calibrates, from the differences between the formulas, KVLCC2
 # and S-175.
