@@ -2,7 +2,6 @@
 
 import json
 import math
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import partial
@@ -79,7 +78,7 @@ def draft_columns(frame: pd.DataFrame) -> Draft:
     """Return a draft of the columns of a table of tests."""
     draft = Draft(unread=[str(header) for header in frame.columns])
     for header in list(draft.unread):
-        unit = _bracketed(header)
+        unit = unit_of(header)
         known = parse_header(header, COLUMNS) if not unit or unit_named(unit) is not None else None
         if known:
             draft.columns[known.quantity] = floats(frame[header]) * known.scale
@@ -211,14 +210,8 @@ def _share_of_sway(force: np.ndarray, v: np.ndarray) -> float:
     return float(1 - rest.var() / force.var())
 
 
-def _bracketed(header: str) -> str:
-    match = re.search(r"\[(.*)\]|\((.*)\)", header)
-    return (match[1] or match[2] or "").strip() if match else ""
-
-
 def _unit_of(header: str) -> str:
-    unit = _bracketed(header)
-    return unit if unit and unit_named(unit) else ""
+    return unit if (unit := unit_of(header)) and unit_named(unit) else ""
 
 
 def _scale(name: str, unit: str) -> float:

@@ -137,7 +137,9 @@ def _monitor_of(
 
 def _ticks_of(inputs: InputOptions, pace: float, stack: ExitStack) -> Iterator["Tick"]:
     if inputs.replay:
-        return _replayed(inputs.replay, pace, inputs.mmsi)
+        from narrows.warning.inputs.bridge_readings import replay
+
+        return replay(inputs.replay, pace, inputs.mmsi)
     from narrows.warning.inputs.listening import Listening, connection_of
 
     connections = [*map(connection_of, inputs.listen or ())]
@@ -145,6 +147,7 @@ def _ticks_of(inputs: InputOptions, pace: float, stack: ExitStack) -> Iterator["
 
 
 def _score(inputs: InputOptions, model: str, waterway: Path | None, y: float, delivery: ReportDelivery) -> None:
+    from narrows.warning.inputs.bridge_readings import replay
     from narrows.warning.monitoring.alert_publisher import AlertPublisher
     from narrows.warning.monitoring.watched_transit import TransitLog, score_transits
 
@@ -154,19 +157,11 @@ def _score(inputs: InputOptions, model: str, waterway: Path | None, y: float, de
         log = TransitLog(monitored.model.configuration, monitored.waterway)
         with stage(f"{path.name}, {number} of {len(inputs.score or ())}"):
             monitored.prepare(USUAL_SPEED)
-            for tick in _replayed(path, math.inf, inputs.mmsi):
+            for tick in replay(path, mmsi=inputs.mmsi):
                 log.add(monitored.update(tick, tick.t))
         transits[str(path)] = log.transit()
     scores = score_transits(transits)
     delivery.show(scores.to_dict, lambda: click.echo("\n".join([scores.summary(), *scores.notes])))
-
-
-def _replayed(path: Path, pace: float, mmsi: int | None) -> Iterator["Tick"]:
-    from narrows.warning.inputs.bridge_readings import replay
-
-    if not path.is_file():
-        raise InputError(f"{path}: there is no such file; check the path")
-    return replay(path, pace, mmsi)
 
 
 def _demo(pace: float, alerts: AlertOptions, publisher: "AlertPublisher") -> tuple["BridgeMonitor", Iterator["Tick"]]:

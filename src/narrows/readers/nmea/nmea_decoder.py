@@ -177,6 +177,8 @@ def is_nmea(path: Path) -> bool:
 
 class Recording:
     def __init__(self, path: Path, mmsi: int | None = None) -> None:
+        if not path.is_file():
+            raise InputError(f"{path}: there is no such file; check the path")
         self.path, self.decoder = path, NmeaDecoder(mmsi)
         self.sources, self.clock = Sources(), Clock(logged=False)
 

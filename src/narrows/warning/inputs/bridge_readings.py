@@ -132,11 +132,10 @@ class BridgeReadings:
 
 
 def replay(path: Path, speed: float = math.inf, mmsi: int | None = None) -> Iterator[Tick]:
-    """Yield the messages of a recording second by second; times count from 1970 if it has dates."""
+    """Return the messages of a recording second by second; times count from 1970 if it has dates."""
     recording = Recording(path, mmsi)
     entries = (entry._replace(t=entry.t + (recording.clock.begin or 0.0)) for entry in recording.entries())
-    for tick in paced(by_second(in_order(entries)), speed):
-        yield tick._replace(faults=dict(recording.faults))
+    return (tick._replace(faults=dict(recording.faults)) for tick in paced(by_second(in_order(entries)), speed))
 
 
 def in_order(entries: Iterable[Entry]) -> Iterator[Entry]:
