@@ -63,18 +63,11 @@ class Sensor(Protocol):
 
 @dataclass(frozen=True)
 class GaussMarkov:
-    """An error of a sensor correlated in time: a first-order Gauss-Markov process, or a constant bias.
+    """An error of a sensor correlated in time: a first-order Gauss-Markov process, or a constant bias."""
 
-    Parameters
-    ----------
-    std : float or tuple of float [unit of the sensor's numbers]
-        Standard deviation, of all components of the sensor or of each of them; 0 for none.
-    time : float [s]
-        Correlation time; ``math.inf`` for a constant bias.
-    """
-
+    #: Standard deviation, of all components of the sensor or of each of them, in their unit; 0 for none
     std: float | tuple[float, ...]
-    time: float = math.inf
+    time: float = math.inf  #: Correlation time; ``math.inf`` for a constant bias [s]
 
     def __post_init__(self) -> None:
         if not (self.time > 0.0 and np.isfinite(self.std).all() and np.greater_equal(self.std, 0.0).all()):

@@ -129,27 +129,15 @@ class ScaledNoise:
 @accept_aliases
 @dataclass(frozen=True)
 class ProcessNoise(ScaledNoise):
-    """Random walks added to the model: standard deviations after one second.
+    """Random walks added to the model: standard deviations after one second."""
 
-    Parameters
-    ----------
-    surge, sway, yaw : float [m/s, m/s, rad/s per root s]
-        Walks of the velocities: gusts, waves, squat, effects that the terms ignore.
-    bank : float [1 per root s]
-        Walk of the bank's strength: real banks differ from the drawn ones.
-    current, current_across : float [m/s per root s]
-        Walks of the current; across, 0 with a prior of 0 omits that state.
-    rudder_bias : float [rad per root s]
-        Walk of the bias of the rudder's indicator.
-    """
-
-    surge: float = 0.005
-    sway: float = 0.003
-    yaw: float = 1.5e-5
-    bank: float = 0.01
-    current: float = 0.002
-    current_across: float = 0.003
-    rudder_bias: float = 1e-5
+    surge: float = 0.005  #: Walk of the surge velocity: gusts, waves, squat, effects that the terms ignore [m/s]
+    sway: float = 0.003  #: Walk of the sway velocity [m/s]
+    yaw: float = 1.5e-5  #: Walk of the yaw rate [rad/s]
+    bank: float = 0.01  #: Walk of the bank's strength: real banks differ from the drawn ones [1]
+    current: float = 0.002  #: Walk of the current along [m/s]
+    current_across: float = 0.003  #: Walk of that across; 0 with a prior of 0 omits that state [m/s]
+    rudder_bias: float = 1e-5  #: Walk of the bias of the rudder's indicator [rad]
     POWERS: ClassVar = {
         "surge": 0.25, "sway": 0.25, "yaw": -0.75, "bank": -0.25, "current": 0.25, "current_across": 0.25,
         "rudder_bias": -0.25,
@@ -166,24 +154,13 @@ class Prior(ScaledNoise):
     """Uncertainty before any measurement: standard deviations about the defaults and the model.
 
     Position, heading and speed come from the first readings; biases of sensors are defined with the sensors.
-
-    Parameters
-    ----------
-    sway : float [m/s]
-        Sway velocity about 0.
-    yaw_rate : float [rad/s]
-        Yaw rate about 0, if no sensor measures it.
-    bank : float [1]
-        The bank's strength about 1, the model's.
-    current, current_across : float [m/s]
-        Current, about the waterway's and about 0.
     """
 
-    sway: float = 0.15
-    yaw_rate: float = 5e-4
-    bank: float = 0.2
-    current: float = 0.3
-    current_across: float = 0.05
+    sway: float = 0.15  #: Sway velocity about 0 [m/s]
+    yaw_rate: float = 5e-4  #: Yaw rate about 0, if no sensor measures it [rad/s]
+    bank: float = 0.2  #: The bank's strength about 1, the model's [1]
+    current: float = 0.3  #: Current along, about the waterway's [m/s]
+    current_across: float = 0.05  #: Current across, about 0 [m/s]
     POWERS: ClassVar = {"sway": 0.5, "yaw_rate": -0.5, "bank": 0.0, "current": 0.5, "current_across": 0.5}
 
 

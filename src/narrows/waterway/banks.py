@@ -209,27 +209,17 @@ class Bank:
 
     Raises an InputError if the bank crosses the line, is too far away, or its places do not rise; if its profile is
     invalid.
-
-    Parameters
-    ----------
-    side : str
-        ``starboard`` or ``port``, looking along the line.
-    s : array (n,) [m]
-        Along the line, rising.
-    distance : array (n,) [m]
-        Distance from the line to the bank, perpendicular to the line: to its wall, or to the origin of its profile.
-    profile : sequence of (m, m)
-        Points of a slope or of steps: distance beyond the bank's line, and height above the bottom, outward from the
-        toe. Default: a vertical wall.
-    drawn : BankLine, optional
-        Its own line on a map, if known: it gives the distance at every place, and ``s`` and ``distance`` are its
-        corners.
     """
 
-    side: str
-    s: np.ndarray
+    side: str  #: ``starboard`` or ``port``, looking along the line
+    s: np.ndarray  #: (n,) Along the line, rising [m]
+    #: (n,) Distance from the line to the bank, perpendicular to it: to its wall, or to the origin of its profile [m]
     distance: np.ndarray
+    #: Points of a slope or of steps: distance beyond the bank's line, and height above the bottom, outward from the
+    #: toe [m]; default: a vertical wall
     profile: tuple[Point, ...] = ()
+    #: Its own line on a map, if known: it gives the distance at every place, and ``s`` and ``distance`` are its
+    #: corners
     drawn: BankLine | None = None
 
     def __post_init__(self) -> None:
