@@ -51,8 +51,8 @@ def accept_aliases(function: Function) -> Function:
         return function
     parameters = inspect.signature(function).parameters
     # Place of a model that heads the arguments, of a method or an ``__init__`` after the object.
-    head = [name for name in parameters if name != "self"][:1]
-    place = [*parameters].index("model") if head == ["model"] else None
+    names = [*parameters] if not function.__qualname__.startswith("Model.") else ["model"]
+    place = names.index("model") if [name for name in names if name != "self"][:1] == ["model"] else None
     more = next((own.name for own in parameters.values() if own.kind is own.VAR_KEYWORD), "")
     own = function.__qualname__.removesuffix(".__init__").rpartition(".")[2]
 
@@ -120,5 +120,7 @@ def _model_of(given: Any) -> Any:
 
     if isinstance(given, str | Path):
         return narrows.load_model(given)
+    if isinstance(given, narrows.Model):
+        return given
     known = {*dir(type(given)), *getattr(type(given), "__dataclass_fields__", ())}
-    return given if isinstance(given, narrows.Model) or "model" not in known else given.model
+    return given.model if "model" in known else given

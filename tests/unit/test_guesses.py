@@ -237,6 +237,8 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.rts_smoother": (lambda: nw.rts_smoother, r"smooth\(records\)"),  # type: ignore[attr-defined]
     "nw.report.write_raport": (lambda: nw.report.write_raport, "did you mean 'write_report'"),
     "voyage.plot(path)": (lambda: voyage().plot("v.png"), r"save\(path\) writes a file"),  # type: ignore[arg-type]
+    'nw.forces(delta="10deg")': (lambda: nw.forces(STEERED, u=1.0, delta="10deg"), "give radians, as np.radians"),  # type: ignore[attr-defined]
+    "model.coefficients.b_banck": (lambda: DTC.coefficients.b_banck, "did you mean 'b_bank'"),  # type: ignore[attr-defined]
     "outcome.success": (lambda: voyage().outcome.success, "write kind"),  # type: ignore[attr-defined]
     "loop.step()": (
         lambda: nw.control.closed_loop(KCS, nw.control.regulator(KCS, 0.0, 4.0)).step(),  # type: ignore[attr-defined]
@@ -445,12 +447,15 @@ assert fit.cov_params().loc["b_v", "b_v"] == fit.covariance[5, 5]
 assert nw.squat(kcs, "8 kn") == nw.squat(kcs, speed=8 * 1852 / 3600) and nw.simulate(pub, u="3.6 km/h").u[0] == 1.0
 assert nw.ensemble(pub, u="1 m/s").equals(nw.ensemble(pub, u=1.0))
 assert nw.safe_envelope(kcs, u="8 kn", y=[0.0]).speeds.item() > 4.1
+F = nw.forces(pub, u=1.0, offset=np.linspace(-1.0, 1.0, 5)); assert F.Y is F["Y"] and F.N.shape == (5,)
+assert pub.coefficients.to_pandas().loc["b_v"] == pub.coefficients.b_v == pub["b_v"]
+fit.params.sort_values(); fit.bse.round(3); fit.coefficients.to_frame()
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""
 LATER_MISSED = {
     "pd.DataFrame(tests)": "they are several tables: tests.to_dataframe()", "fit.conf_int(0.95)": "only the 95 % ones",
-    "fit.coefficients.to_frame()": "a dict", "model(u=1.0, y=0.5)": "model.forces(...)",
+    "model(u=1.0, y=0.5)": "model.forces(...)",
     "nw.simulate(pub, y=0.5, heading=0.1)": "psi, in radians",
     "nw.datasets.load_kcs()": "measured_tests",
     'nw.published("dtc")': "its name in full",

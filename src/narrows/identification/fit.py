@@ -27,7 +27,7 @@ from narrows.identification.systematic_effects import Effect, RunErrors
 from narrows.identification.verdict import IDENTIFIED, Diagnostics, Verdict, implausible, unmodelled_rudder, verdicts
 from narrows.model.data_range import DataRange
 from narrows.model.model import Model
-from narrows.results import same_content
+from narrows.results import Named, same_content
 from narrows.ship.particulars import Configuration
 from narrows.terms.additions import AT
 from narrows.terms.term import TermTable
@@ -84,7 +84,7 @@ class Fit(Prediction):
     @cached_property
     def coefficients(self) -> dict[str, float]:
         """Estimates of the mixed model within the bounds, each in its term's SI unit: the model's values."""
-        return dict(zip(self.terms.names, self.estimates.values.tolist(), strict=True))
+        return Named(zip(self.terms.names, self.estimates.values.tolist(), strict=True))
 
     @cached_property
     def motions(self) -> DistinctMotions:
@@ -161,7 +161,7 @@ class Fit(Prediction):
     def std(self) -> dict[str, float]:
         """Standard error of each coefficient, errors of runs included; NaN where the tests do not determine it."""
         sizes = zip(self.terms.names, self.estimates.std.tolist(), strict=True)
-        return {name: size if self.diagnostics.determined(name) else float("nan") for name, size in sizes}
+        return Named({name: size if self.diagnostics.determined(name) else float("nan") for name, size in sizes})
 
     @cached_property
     def intervals(self) -> dict[str, tuple[float, float]]:

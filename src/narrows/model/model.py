@@ -16,7 +16,7 @@ from narrows.errors import InputError, check_choice, did_you_mean, shown
 from narrows.model.data_range import DataRange, unknown_note
 from narrows.model.sections import Source, fields_of, sections_of
 from narrows.quantities.names import MOTION, Number
-from narrows.results import BaseResult
+from narrows.results import BaseResult, Named
 from narrows.ship.checks import check_ahead, check_angles, is_finite
 from narrows.ship.motion import Motion
 from narrows.ship.particulars import Configuration, Configured
@@ -218,8 +218,9 @@ class Model(Configured, Operations):
         """
         values = {**changes, **values}
         verdicts = {name: verdict for name, verdict in self.verdicts.items() if name not in values}
-        return replace(self, coefficients={**self.coefficients, **values}, verdicts=verdicts)
+        return replace(self, coefficients=Named({**self.coefficients, **values}), verdicts=verdicts)
 
+    @accept_aliases
     def forces(
         self, motion: Motion | None = None, rudder: Number | None = None, revolutions: Number | None = None,
         **others: Number,
@@ -253,7 +254,7 @@ class Model(Configured, Operations):
         positions = {"rudder": rudder, "revolutions": revolutions, **others}
         values = self._values(motion, {name: value for name, value in positions.items() if value is not None})
         try:
-            return {force: self._sum(terms, values) for force, terms in self.terms.forces.items()}
+            return Named({force: self._sum(terms, values) for force, terms in self.terms.forces.items()})
         except ZeroDivisionError:
             raise InputError("terms of this model divide by the speed; give u over 0") from None
 

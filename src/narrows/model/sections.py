@@ -9,6 +9,7 @@ import numpy as np
 
 from narrows.errors import InputError, did_you_mean, shown
 from narrows.model.data_range import DataRange, Range
+from narrows.results import Named
 from narrows.ship.particulars import Configuration, given_values
 from narrows.ship.ship_file import actuator_sections, assumptions, check_table, configuration_from, section_of
 from narrows.terms.tables import table_named
@@ -75,7 +76,7 @@ def fields_of(tables: Mapping[str, Any], terms: TermTable | None) -> dict[str, A
     return {
         "configuration": configuration_from(sections, "its setting", actuators),
         "terms": terms,
-        "coefficients": tables["coefficients"],
+        "coefficients": Named(tables["coefficients"]),
         "covariance": _covariance(tables.get("covariance"), terms),
         "data_range": section_of(DataRange, "data_range", covered),
         "verdicts": tables.get("verdicts", {}),

@@ -3,6 +3,7 @@
 from narrows.results.base_results import Aliased as Aliased
 from narrows.results.base_results import BaseResult as BaseResult
 from narrows.results.base_results import BaseSummary as BaseSummary
+from narrows.results.base_results import Named as Named
 from narrows.results.base_results import Result as Result
 from narrows.results.base_results import Tabulated as Tabulated
 from narrows.results.base_results import same_content as same_content

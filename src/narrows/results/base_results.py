@@ -135,6 +135,23 @@ class Aliased(metaclass=Answering):
             return answer(self, name)
 
 
+class Named(dict[str, Any]):
+    """Values by name, which are attributes too; otherwise it answers as a pandas Series."""
+
+    if not TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any:
+            if name in self:
+                return self[name]
+            import pandas as pd
+
+            if name in ("to_pandas", "to_series"):
+                return partial(pd.Series, self)
+            if name.startswith("_") or not hasattr(pd.Series, name):
+                raise AttributeError(f"there is no {name!r} here{did_you_mean(name, self)}")
+            return getattr(pd.Series(self), name)
+
+
 class BaseSummary(Aliased):
     """An object with a one-line summary, and a longer one in a notebook.
 

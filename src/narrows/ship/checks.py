@@ -100,7 +100,10 @@ LARGEST_ANGLES = {"psi": math.pi, "rudder": math.pi / 2}
 def check_angles(values: Mapping[str, Any]) -> None:
     """Raise if a heading or a rudder angle, or one of a column, is in degrees."""
     for name in LARGEST_ANGLES.keys() & values.keys():
-        angles = np.ravel(np.asarray(values[name], float))
+        try:
+            angles = np.ravel(np.asarray(values[name], float))
+        except (TypeError, ValueError):
+            raise InputError(f"{name} = {shown(values[name])} is no angle; give radians, as np.radians(10)") from None
         largest = float(angles[np.argmax(np.abs(angles))]) if angles.size else 0.0
         if abs(largest) > LARGEST_ANGLES[name] * (1 + 1e-9):  # pi of a file or of single precision is allowed
             raise InputError(
