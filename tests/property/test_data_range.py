@@ -74,7 +74,7 @@ def test_a_voyage_the_envelope_and_a_table_agree(speed: float) -> None:
 
 
 def test_an_envelope_asked_at_the_tests_own_speed_is_inside(dtc: nw.Model) -> None:
-    from narrows.safety.caveats import beyond_tests
+    from narrows.safety.result import beyond_tests
 
     known = replace(dtc, data_range=DataRange(speed=(0.4, 1.0), abs_y=(0.5, 0.9), width_to_beam=(7 / 0.572,) * 2))
     assert beyond_tests(known, np.array([-0.2, 0.9]), np.array([0.4, 1.0])) == ()

@@ -8,9 +8,9 @@ import pytest
 import xarray as xr
 
 from narrows.safety import headline
-from narrows.safety.caveats import IN_KNOTS
 from narrows.safety.headline import cause, crossing, largest_block, runs
 from narrows.safety.request import wind_force
+from narrows.safety.result import IN_KNOTS
 
 
 def test_the_first_run_ends_before_the_first_gap() -> None:

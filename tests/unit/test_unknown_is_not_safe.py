@@ -9,7 +9,7 @@ import pytest
 import narrows as nw
 from narrows.cli.envelopes import SectionOptions
 from narrows.model.data_range import DataRange
-from narrows.safety.caveats import data_coverage, left_out, untested_reasons
+from narrows.safety.result import data_coverage, left_out, untested_reasons
 from narrows.warning.monitoring import bridge_monitor
 from narrows.warning.monitoring.watched_transit import TransitLog
 

@@ -14,12 +14,11 @@ from narrows.control.steady_course import check_rudder, with_propulsion
 from narrows.errors import InputError, check_choice
 from narrows.model.model import Model
 from narrows.safety import settings
-from narrows.safety.caveats import data_coverage, with_caveats
 from narrows.safety.channel_rules import BANKS
 from narrows.safety.held_trials import trials
 from narrows.safety.pilots import PILOTS, Pilot
 from narrows.safety.request import Bend, Disturbance, EnvelopeRequest, Keel, Walls, envelope_request, keel_at
-from narrows.safety.result import MEDIAN, SafeEnvelope
+from narrows.safety.result import MEDIAN, SafeEnvelope, data_coverage, with_caveats
 from narrows.simulation.inputs import check_workers, finite_numbers
 
 
