@@ -60,22 +60,13 @@ def published(name: str) -> Model: ...
 def published(name: str | None = None) -> "Model | list[str]":
     """Load an available ship, or list their names.
 
-    The names begin with the paper of their coefficients, or with ``estimated``.
+    The names begin with the paper of their coefficients, or with ``estimated``. A model has its citation in ``source``.
+    Raises an InputError if no such ship is known.
 
     Parameters
     ----------
     name : str, optional
         Name of the ship, as ``mikkelsen2025_dtc``; the names of all ships unless given.
-
-    Returns
-    -------
-    Model or list of str
-        The model, with its citation in ``source``; or the names.
-
-    Raises
-    ------
-    InputError
-        If no such ship is known.
 
     Examples
     --------
@@ -101,12 +92,7 @@ def model_named(name: str, width: float | None = None, depth: float | None = Non
 
 
 def ready_ships() -> "pd.DataFrame":
-    """List the available ships: dimensions, source, and measured parts.
-
-    Returns
-    -------
-    DataFrame
-        One row per ship, with the name for ``published``.
+    """List the available ships, a row each by the name for ``published``: dimensions, source, and measured parts.
 
     Examples
     --------

@@ -71,7 +71,8 @@ def estimate_model(
 
     The terms are those of the MMG standard method with the bank term of Vantorre et al. (2003). The covariance contains
     the errors of the formulas on ships with known derivatives, and their disagreement; the bank's coefficients are
-    those of ships tested along banks. ``model.notes`` lists the assumed values.
+    those of ships tested along banks. ``model.notes`` lists the assumed values. Raises an InputError if
+    a value is missing, unrealistic or of another unit, or the ship does not fit in the canal.
 
     Parameters
     ----------
@@ -88,16 +89,6 @@ def estimate_model(
         Service speed for the propeller's revolutions; usual for the kind unless given.
     propeller, rudder, steering : Propeller, Rudder, SteeringGear, optional
         Estimated if not given; the default gear is that of the rules.
-
-    Returns
-    -------
-    Model
-        With covariance.
-
-    Raises
-    ------
-    InputError
-        If a value is missing, unrealistic or of another unit, or the ship does not fit in the canal.
 
     Examples
     --------

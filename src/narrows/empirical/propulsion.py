@@ -124,20 +124,13 @@ def with_astern_thrust(propeller: Propeller) -> Propeller:
     The pitch ratio is that at which the series has the same K_T without advance; beyond 0.6 and 1.2 the nearest counts.
     For advances J from -1.5 to 0 the fit is within 0.06 of the series' K_T.
 
+    Source: Roddy, Hess and Faller (2006), Neural network predictions of the 4-quadrant Wageningen propeller series,
+    NSWCCD-50-TR-2006/004.
+
     Parameters
     ----------
     propeller : Propeller
         A propeller whose thrust ahead is known.
-
-    Returns
-    -------
-    Propeller
-        The same with ``astern_0``, ``astern_1`` and ``astern_2``.
-
-    References
-    ----------
-    Roddy, Hess and Faller (2006), Neural network predictions of the 4-quadrant Wageningen propeller series,
-    NSWCCD-50-TR-2006/004.
 
     Examples
     --------

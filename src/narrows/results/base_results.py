@@ -181,67 +181,33 @@ class BaseResult(BaseSummary):
         raise NotImplementedError
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw it, as a Matplotlib figure.
+        """Draw it, as a Matplotlib figure: one panel, or its main one, on Axes ``ax`` if given.
 
-        Parameters
-        ----------
-        ax : matplotlib Axes, optional
-            Axes for a figure of one panel, or for its main one; a new figure unless given.
-
-        Raises
-        ------
-        InputError
-            If its kind has no figure, or axes are given and it has several panels without a main one.
+        Raises an InputError if its kind has no figure, or axes are given and it has several panels without a main one.
         """
         return narrows.report.figure_of(self, ax)
 
     def save(self, path: str | Path) -> None:
-        """Write it in the format of the suffix, whole or not at all.
+        """Write it to a ``path`` in the format of its suffix, whole or not at all.
 
-        Parameters
-        ----------
-        path : str or Path
-            Output file: ``.json``, ``.png``, ``.svg`` or ``.pdf``; ``.csv``, ``.parquet`` and ``.mat`` for a table,
-            ``.nc`` and ``.zarr`` for several dimensions, ``.geojson`` and ``.kml`` for a track on the map. A device
-            without a suffix gets the dataset, or else the table.
-
-        Raises
-        ------
-        InputError
-            If there is no such format, or the file cannot be written.
+        These are ``.json``, ``.png``, ``.svg`` and ``.pdf``; ``.csv``, ``.parquet`` and ``.mat`` for a table, ``.nc``
+        and ``.zarr`` for several dimensions, ``.geojson`` and ``.kml`` for a track on the map. A device without a
+        suffix gets the dataset, or else the table. Raises an InputError for another format, or if it cannot be written.
         """
         write(forms_of(self, path), path)
 
     def to_csv(self, path: str | Path | None = None, **options: Any) -> str | None:
-        """Write the table as CSV, as pandas does.
+        """Write the table as CSV to a ``path``, with ``options`` as of pandas; return it as text without one.
 
-        Parameters
-        ----------
-        path : str or Path, optional
-            Output file; returned as text unless given.
-        **options : Any
-            Options of a data frame's ``to_csv``: ``sep``, ``index``, ``decimal`` ...
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written.
+        Raises an InputError if the file cannot be written.
         """
         result: Any = self
         return _given_or_written(csv_of(result.to_dataframe(), **options), path)
 
     def to_json(self, path: str | Path | None = None) -> str | None:
-        """Write everything by name as JSON.
+        """Write everything by name as JSON to a ``path``; return it as text without one.
 
-        Parameters
-        ----------
-        path : str or Path, optional
-            Output file; returned as text unless given.
-
-        Raises
-        ------
-        InputError
-            If the file cannot be written.
+        Raises an InputError if the file cannot be written.
         """
         return _given_or_written(to_json(self.to_dict()), path)
 
