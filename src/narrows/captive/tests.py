@@ -77,8 +77,6 @@ def cuts(rows: int, pieces: int) -> np.ndarray:
 class CaptiveTests(Configured, Tabulated):
     """Captive tests in memory, in SI and radians.
 
-    Examples
-    --------
     >>> tests["v"].shape == (tests.rows,)
     True
     """

@@ -94,8 +94,6 @@ def model_named(name: str, width: float | None = None, depth: float | None = Non
 def ready_ships() -> "pd.DataFrame":
     """List the available ships, a row each by the name for ``published``: dimensions, source, and measured parts.
 
-    Examples
-    --------
     >>> "estimated_kcs" in nw.ready_ships().index
     True
     """

@@ -164,16 +164,12 @@ class Log(Measuring):
 
 @dataclass(frozen=True)
 class RudderIndicator:
-    """The indicated rudder angle, an input of the model.
+    """The indicated rudder angle, an input of the model."""
 
-    Parameters
-    ----------
-    noise, bias : float [rad]
-        Standard deviations of a reading, and of a constant error, which becomes a state of the estimate; 0 for none.
-    """
-
-    noise: float = 0.0
-    bias: float = math.radians(1.0)
+    noise: float = 0.0  #: Standard deviation of a reading; 0 for none [rad]
+    bias: float = math.radians(
+        1.0
+    )  #: That of a constant error, which becomes a state of the estimate; 0 for none [rad]
     name: ClassVar[str] = "rudder"
 
     def __post_init__(self) -> None:

@@ -49,8 +49,6 @@ SEPARATING = 4
 class Plan(Tabulated):
     """Planned runs and their expected information.
 
-    Examples
-    --------
     >>> plan = nw.plan_tests(model.configuration, 4)
     >>> len(plan.runs)
     4

@@ -53,8 +53,6 @@ class EngineReversal:
 class StoppingTest(BaseResult):
     """A stopping test, measured from the order; the result of ``crash_stop``.
 
-    Examples
-    --------
     >>> nw.crash_stop(nw.published("yasukawa2015_kvlcc2")).track_reach > 0
     True
     """

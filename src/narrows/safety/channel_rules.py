@@ -42,8 +42,6 @@ CHANNEL_RULES = tuple(ChannelRule(**row) for row in _FILE["rule"])
 class OutsideRules(Tabulated):
     """Limits from outside rules for a ship in a section of water.
 
-    Examples
-    --------
     >>> nw.outside_rules(kcs.configuration).to_dataframe().empty
     False
     """

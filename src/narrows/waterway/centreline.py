@@ -41,14 +41,9 @@ class Centreline:
     its heading to 0.2 (h / R)^3. Beyond its ends the line is straight.
 
     Raises an InputError if there are fewer than two points, two successive points coincide, or one is not finite.
-
-    Parameters
-    ----------
-    points : array (n, 2) [m]
-        East and north, in the order of the voyage; at least two.
     """
 
-    points: np.ndarray
+    points: np.ndarray  #: (n, 2) East and north, in the order of the voyage; at least two [m]
 
     def __post_init__(self) -> None:
         points = self._points

@@ -25,8 +25,6 @@ def measured_squat() -> "pd.DataFrame":
 
     Columns are ``u [m/s]``, ``y [m]`` from the tank's centreline, ``sinkage fore [mm]``, ``sinkage aft [mm]``.
 
-    Examples
-    --------
     >>> len(nw.measured_squat()) > 10
     True
     """
