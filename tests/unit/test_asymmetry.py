@@ -14,7 +14,7 @@ def kvlcc2(sway: float = 0.0, yaw: float = 0.0) -> nw.Model:
     plain = nw.published("yasukawa2015_kvlcc2")
     numbers = {**plain.coefficients, "Y_0": sway, "N_0": yaw}
     table = table_named("mmg+asymmetry")
-    return replace(plain, terms=table, coefficients={name: numbers[name] for name in table.names})
+    return replace(plain, terms=table, coefficients={name: numbers.get(name, 0.0) for name in table.names})
 
 
 def test_force_and_moment_are_those_of_the_primes_by_hand() -> None:
@@ -42,6 +42,43 @@ def test_an_asymmetry_goes_with_any_table_and_another_bank_keeps_it(name: str) -
     assert {sway, yaw} <= set(table.names)
     assert {sway, yaw} <= set(nw.with_bank(table, "tuck").names)
     assert table_named(nw.with_bank(table, "tuck").name).names == nw.with_bank(table, "tuck").names
+
+
+def test_a_straightening_by_side_is_that_of_the_ships_numbers() -> None:
+    """gamma_R of 0.01 more to starboard and 0.01 less to port, by differences of the rudder's force."""
+    model, motion = kvlcc2(), nw.Motion.at(u=1.1, v=-0.15, r=0.04)
+    configuration, rudder = model.configuration, model.configuration.rudder
+    wide, narrow = (
+        replace(model, configuration=configuration.with_parts([
+            replace(rudder, straightening_starboard=0.64 + g, straightening_port=0.395 - g)
+        ])) for g in (1e-4, -1e-4)
+    )  # fmt: skip
+    slopes = {
+        name: float(wide.forces(motion, rudder=0.2)[name] - narrow.forces(motion, rudder=0.2)[name]) / 2e-4
+        for name in "YN"
+    }
+    for force in "YN":
+        one = model.with_coefficients(**{f"{force}_straightening": model[f"{force}_rudder"]})
+        more = one.forces(motion, rudder=0.2)[force] - model.forces(motion, rudder=0.2)[force]
+        # The flow across the rudder adds a little to the dynamic pressure, of which the term is free.
+        assert float(more) == pytest.approx(slopes[force], rel=0.15)
+
+
+def test_an_even_rudder_force_is_the_same_to_either_side() -> None:
+    """On a straight course sin^2 delta for sin delta: the rudder's own force times the sine of its angle."""
+    model = kvlcc2()
+    for force in "YN":
+        odd = model.with_coefficients(**{f"{force}_rudder_even": model[f"{force}_rudder"]})
+        for rudder in (0.5, -0.5):
+            at = {"u": 1.2, "rudder": rudder}
+            own = model.forces(**at)[force] - model.forces(u=1.2)[force]
+            more = odd.forces(**at)[force] - model.forces(**at)[force]
+            assert float(more) == pytest.approx(float(own) * np.sin(rudder), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["steered", "paper+helm", "crossflow"])
+def test_a_rudder_outside_a_slipstream_has_no_asymmetry_of_its_own(name: str) -> None:
+    assert len(table_named(f"{name}+asymmetry").names) == len(table_named(name).names) + 2
 
 
 def test_two_asymmetries_are_refused() -> None:

@@ -104,8 +104,12 @@ def inflow_angle(at: RudderQuantities) -> Number:
 def normal_force(at: RudderQuantities) -> Number:
     """Normal force of the rudder [N], F_N. Source: Yasukawa and Yoshimura (2015)."""
     forward, sideways = axial_velocity(at), lateral_velocity(at)
-    lift = 0.5 * at.density * at.rudder_area * at.rudder_lift * (forward * forward + sideways * sideways) ** 0.5
-    return lift * (forward * at.sin_rudder - sideways * at.cos_rudder)
+    return _lift(at, forward, sideways) * (forward * at.sin_rudder - sideways * at.cos_rudder)
+
+
+def _lift(at: RudderQuantities, forward: Number, sideways: Number) -> Number:
+    """Return the normal force per velocity across the rudder [N s/m], 1/2 rho A_R f_alpha U_R."""
+    return 0.5 * at.density * at.rudder_area * at.rudder_lift * (forward * forward + sideways * sideways) ** 0.5
 
 
 def rudder_surge(at: RudderQuantities) -> Number:
@@ -121,6 +125,35 @@ def rudder_sway(at: RudderQuantities) -> Number:
 def rudder_yaw(at: RudderQuantities) -> Number:
     """Yaw moment of the rudder per unit of -(x_R' + a_H x_H') [N m]. Source: Yasukawa and Yoshimura (2015)."""
     return at.length * normal_force(at) * at.cos_rudder
+
+
+def straightening_sway(at: RudderQuantities) -> Number:
+    """Sway force [N] of a flow straightening that differs by side, per unit of (1 + a_H) (gamma_R+ - gamma_R-)/2.
+
+    Source: F_N of Yasukawa and Yoshimura (2015), whose gamma_R of the KVLCC2 is 0.640 to one side, 0.395 to the other.
+    """
+    lift = _lift(at, axial_velocity(at), lateral_velocity(at))
+    return lift * speed(at.u, at.v) * abs(inflow_angle(at)) * at.cos_rudder * at.cos_rudder
+
+
+def straightening_yaw(at: RudderQuantities) -> Number:
+    """Yaw moment of that force per unit [N m]. Source: as for ``straightening_sway``."""
+    return -at.length * straightening_sway(at)
+
+
+def even_rudder_sway(at: RudderQuantities) -> Number:
+    """Sway force [N] of a rudder that is stronger to one side, per unit: as of F_N, with sin^2 delta for sin delta.
+
+    Source: the even power of the rudder angle, Y_deltadelta, of asymmetric polynomial models as in Abkowitz (1964).
+    """
+    forward = axial_velocity(at)
+    lift = _lift(at, forward, lateral_velocity(at))
+    return -lift * forward * at.sin_rudder * at.sin_rudder * at.cos_rudder
+
+
+def even_rudder_yaw(at: RudderQuantities) -> Number:
+    """Yaw moment of that force per unit [N m]. Source: as for ``even_rudder_sway``, N_deltadelta."""
+    return -at.length * even_rudder_sway(at)
 
 
 # Shortest time constant [s]; shorter ones count as zero. It keeps quotients of two times finite if both are 0.

@@ -1,15 +1,38 @@
 """Tables derived from others: with a rudder, asymmetry, transverse thrust, with hull coefficients for each depth."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any
 
 from narrows.errors import InputError
 from narrows.physics import propeller, rudder
 from narrows.physics.hull import HullPower
+from narrows.physics.rudder import RudderQuantities
 from narrows.quantities.arithmetic import maximum, minimum
 from narrows.quantities.dimensions import NUMBER
-from narrows.quantities.names import Number
+from narrows.quantities.names import Number, name_of
 from narrows.terms.term import DEPTH, NONNEGATIVE, Term, TermKind, TermTable
+
+
+@dataclass(frozen=True)
+class Grouped:
+    """A function of several quantities as one object."""
+
+    function: Callable[[Any], Number]  # Function of that object
+    quantities: type  # Dataclass whose fields are names of the vocabulary
+
+    @cached_property
+    def inputs(self) -> tuple[str, ...]:
+        return tuple(entry.name for entry in fields(self.quantities))
+
+    @property
+    def name(self) -> str:
+        return name_of(self.function)
+
+    def __call__(self, *values: Number) -> Number:
+        return self.function(self.quantities(*values))
+
 
 # Suffix of the name of a table with the terms of a rudder.
 WITH_HELM = "helm"
@@ -36,7 +59,7 @@ def with_helm(table: TermTable, name: str = "") -> TermTable:
 class SideTerms:
     """A sway force and a yaw moment more, for any table."""
 
-    word: str  # Suffix of the name of a table with them
+    word: str  # Suffix of the name of a table with them; none if another one stands for them
     what: str  # What they are, in a sentence
     ending: str  # Ending of the names of the coefficients
     subscript: str  # The same in the symbols
@@ -58,7 +81,7 @@ class SideTerms:
             [Term(name, f"{letter}_{self.subscript}", regressor, NUMBER, kind=self.kind, source=self.source)]
             for name, letter, regressor in zip(names, table.letters[1:], (self.sway, self.yaw), strict=True)
         )
-        return table.with_terms(f"{table.name}+{self.word}", sway=sway, yaw=yaw)
+        return table.with_terms(f"{table.name}+{self.word}" if self.word else table.name, sway=sway, yaw=yaw)
 
 
 # A constant force and moment, proportional to the speed squared.
@@ -66,6 +89,25 @@ ASYMMETRY = SideTerms(
     "asymmetry", "an asymmetry", "0", "0'", HullPower(0, 0), HullPower(0, 0, lever=1), TermKind.HULL,
     "Y_0' and N_0' of polynomial manoeuvring models, as in Abkowitz (1964)",
 )  # fmt: skip
+
+STRAIGHTENED = "rudder_straightening_port"  # Input of the rudder of the MMG standard method
+STRAIGHTENING = SideTerms(
+    "", "a flow straightening by side", "straightening", r"{\gamma}'",
+    Grouped(rudder.straightening_sway, RudderQuantities), Grouped(rudder.straightening_yaw, RudderQuantities),
+    TermKind.RUDDER, "gamma_R by side of Yasukawa and Yoshimura (2015)",
+)  # fmt: skip
+RUDDER_EVEN = SideTerms(
+    "", "a rudder that is stronger to one side", "rudder_even", r"{\delta\delta}'",
+    Grouped(rudder.even_rudder_sway, RudderQuantities), Grouped(rudder.even_rudder_yaw, RudderQuantities),
+    TermKind.RUDDER, "Y_deltadelta and N_deltadelta of polynomial manoeuvring models, as in Abkowitz (1964)",
+)  # fmt: skip
+
+
+def asymmetric(table: TermTable) -> TermTable:
+    """Return a table with an asymmetry; in the slipstream of a propeller also with those of the rudder."""
+    added = ASYMMETRY(table)
+    return RUDDER_EVEN(STRAIGHTENING(added)) if STRAIGHTENED in table.inputs else added
+
 
 # The push of a propeller that turns astern, relative to the Esso Osaka's.
 TRANSVERSE_THRUST = SideTerms(
@@ -75,7 +117,7 @@ TRANSVERSE_THRUST = SideTerms(
 
 # Additions to a table besides a form of the bank.
 ADDED: dict[str, Callable[[TermTable], TermTable]] = {
-    WITH_HELM: with_helm, ASYMMETRY.word: ASYMMETRY, TRANSVERSE_THRUST.word: TRANSVERSE_THRUST,
+    WITH_HELM: with_helm, ASYMMETRY.word: asymmetric, TRANSVERSE_THRUST.word: TRANSVERSE_THRUST,
 }  # fmt: skip
 
 # Separator between a name and a depth in metres: ``b_v@0.41``, ``paper@0.246,0.41``.

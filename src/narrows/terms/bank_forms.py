@@ -1,9 +1,8 @@
 """Forms of the bank term, each with its source, range of validity and status, and composed regressors."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 from narrows.errors import InputError, did_you_mean
 from narrows.physics import clearance
@@ -34,25 +33,6 @@ class Composed:
         at = dict(zip(self.inputs, values, strict=True))
         result = self.parameter(*[at[name] for name in argument_names(self.parameter)])
         return self.law(result, *[at[name] for name in argument_names(self.law)[1:]])
-
-
-@dataclass(frozen=True)
-class Grouped:
-    """A function of several quantities as one object."""
-
-    function: Callable[[Any], Number]  # Function of that object
-    quantities: type  # Dataclass whose fields are names of the vocabulary
-
-    @cached_property
-    def inputs(self) -> tuple[str, ...]:
-        return tuple(entry.name for entry in fields(self.quantities))
-
-    @property
-    def name(self) -> str:
-        return name_of(self.function)
-
-    def __call__(self, *values: Number) -> Number:
-        return self.function(self.quantities(*values))
 
 
 # Suffix of the name of a table without terms of the bank.

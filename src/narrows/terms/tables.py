@@ -11,8 +11,8 @@ from narrows.physics.rudder import RudderQuantities
 from narrows.quantities import dimensions as dim
 from narrows.quantities.dimensions import NUMBER
 from narrows.quantities.names import Number
-from narrows.terms.additions import ADDED, AT, pooled, with_helm
-from narrows.terms.bank_forms import FORMS, OPEN_WATER, PAPER_TEXT, Grouped, with_bank, without_bank
+from narrows.terms.additions import ADDED, AT, Grouped, pooled, with_helm
+from narrows.terms.bank_forms import FORMS, OPEN_WATER, PAPER_TEXT, with_bank, without_bank
 from narrows.terms.term import (
     DRIFT_FORCE,
     DRIFT_MOMENT,

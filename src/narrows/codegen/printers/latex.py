@@ -12,7 +12,7 @@ from narrows.codegen.trace import OPERATORS, Recorded, notes_of_terms
 from narrows.errors import check_choice
 from narrows.physics import clearance, hull, propeller, rudder
 from narrows.quantities.names import FORCES, MOTION, REGRESSOR_INPUTS, Number
-from narrows.terms.bank_forms import Grouped
+from narrows.terms.additions import Grouped
 from narrows.terms.term import TermTable
 
 # Symbols of quantities, those of propeller and rudder as in the MMG standard method.

@@ -66,8 +66,8 @@ def learn(
         Prior of a model without a covariance: standard deviations over the size of coefficients, inertia held, or
         each in its own unit.
     gusts, asymmetry : bool, optional
-        Whether gusts act, by default in all but a basin; whether a constant sway force and yaw moment are learned, as
-        propeller or a rudder zero make them, by default where no gusts act and ``free`` names nothing.
+        Whether gusts act, by default in all but a basin; whether asymmetries of hull and rudder are learned, by default
+        where no gusts act and ``free`` names nothing.
     waterway : Waterway, optional
         Line of x and y; the one of the log, or else the model's own canal.
     **choices : Any
