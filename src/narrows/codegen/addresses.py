@@ -1,5 +1,6 @@
 """Functions of a model by address: a compiled loop that all models share calls them, so it is compiled once."""
 
+from inspect import signature
 from types import ModuleType
 from typing import Any
 
@@ -9,15 +10,20 @@ from narrows.codegen.cache import lacks_compiler
 
 
 def entry(module: ModuleType, name: str) -> Any:
-    """Compile a function of a generated module and return its address; without a compiler, the function itself."""
+    """Compile a function of a generated module and return its address; without a compiler, the function itself.
+
+    One that returns several numbers writes them into a last array.
+    """
     if lacks_compiler():
-        return getattr(module, name)
+        function = getattr(module, name)
+        count = len(signature(function).parameters)
+        return lambda *given: np.copyto(given[-1], function(*given[:-1])) if given[count:] else function(*given)
     from narrows.codegen.compilation import address
 
     return address(module, name)
 
 
-def _compiled(fills: bool) -> Any:
+def _compiled() -> Any:
     """Return what calls an address in compiled code: arrays go as the place of their numbers, all else as it is."""
     from llvmlite import ir
     from numba import types
@@ -31,20 +37,11 @@ def _compiled(fills: bool) -> Any:
             return builder.bitcast(context.make_array(kind)(context, builder, value).data, ir.IntType(8).as_pointer())
 
         given = list(map(passed, signature.args[-1], cgutils.unpack_tuple(builder, values[-1])))
-        if fills:
-            given.append(passed(signature.args[1], values[1]))
         function = ir.FunctionType(ir.IntType(64), [one.type for one in given]).as_pointer()
-        done = builder.call(builder.inttoptr(values[0], function), given)
-        return context.get_dummy_value() if fills else done
+        return builder.call(builder.inttoptr(values[0], function), given)
 
-    if fills:
-        return intrinsic(lambda _, address, results, given: (types.void(address, results, given), call))
     return intrinsic(lambda _, address, given: (types.int64(address, given), call))
 
 
-# ``call(address, arguments)`` returns a whole number; ``call_into(address, results, arguments)`` fills an array.
-if lacks_compiler():
-    call: Any = lambda function, given: function(*given)  # noqa: E731
-    call_into: Any = lambda function, results, given: np.copyto(results, function(*given))  # noqa: E731
-else:
-    call, call_into = _compiled(fills=False), _compiled(fills=True)
+# ``call(address, arguments)`` returns a whole number.
+call: Any = (lambda function, given: function(*given)) if lacks_compiler() else _compiled()

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from narrows.codegen.addresses import call, call_into
+from narrows.codegen.addresses import call
 from narrows.codegen.choices import DIRECTIONS
 
 Array = Any
@@ -21,7 +21,7 @@ LARGEST = 0.25  # largest step of the search
 def at_points(linear: Any, values: Array, constants: Array, out: Array) -> None:
     """Write what ``linear(values, constants)``, by its address, returns at each row of values into that of ``out``."""
     for row in range(len(values)):
-        call_into(linear, out[row], (values[row], constants))
+        call(linear, (values[row], constants, out[row]))
 
 
 def solve(balance: Any, inputs: Array, drifts: Array, angles: Array) -> None:
@@ -34,7 +34,7 @@ def solve(balance: Any, inputs: Array, drifts: Array, angles: Array) -> None:
     for row in range(len(inputs)):
         drift, angle, converged = 0.0, 0.0, False
         for _ in range(ROUNDS):
-            call_into(balance, found, (drift, angle, inputs[row]))
+            call(balance, (drift, angle, inputs[row], found))
             a, b, a_drift, a_angle, b_drift, b_angle = found
             determinant = a_drift * b_angle - a_angle * b_drift
             step = (a_angle * b - b_angle * a) / determinant

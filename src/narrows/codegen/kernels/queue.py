@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from narrows.codegen.addresses import call, call_into
+from narrows.codegen.addresses import call
 from narrows.codegen.choices import BOOK, CACHE_LINE, SHARED
 from narrows.codegen.kernels.event import (
     ASTERN,
@@ -78,7 +78,7 @@ def true_clearance(program: LaneProgram, block: Array, lane: int, first: int, wa
 def ends_of(program: LaneProgram, block: Array, lane: int, first: int, water: SharedInputs) -> Array:
     """Return the margins of a lane to every end but a bank [m]."""
     ends = np.empty(4, block.dtype)
-    call_into(program.ends_of, ends, (block, lane, first, water.table, water.shared))
+    call(program.ends_of, (block, lane, first, water.table, water.shared, ends))
     return ends
 
 
@@ -141,7 +141,7 @@ def load_lane(
     for number in range(len(inputs)):
         block[STATE + 2 * program.kept + number, lane] = inputs[number]
     own = np.empty(2, block.dtype)
-    call_into(program.clearance_of, own, (block, lane, water.table, water.shared))
+    call(program.clearance_of, (block, lane, water.table, water.shared, own))
     clearance, side = own[0], own[1]
     if program.exact and clearance <= 0.0:
         clearance, side = true_clearance(program, block, lane, NOW, water)
