@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 import narrows as nw
 from narrows.control import LinearSystem, linearize
-from narrows.results import Result, to_json
+from narrows.results import BaseResult, to_json
 from narrows.waterway import Bank, Centreline, Waterway
 
 RADIUS = 60.0
@@ -200,7 +200,7 @@ def test_controllability_counts_what_a_control_reaches() -> None:
 
 def test_it_speaks_like_other_results(tmp_path) -> None:
     linear = linearize(mmg(), y=0.5, u=1.0)
-    assert isinstance(linear, Result)
+    assert isinstance(linear, BaseResult)
     told = json.loads(to_json(linear.to_dict()))
     assert told["summary"] == linear.summary()
     assert told["units"]["current"] == "m/s"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import narrows as nw
-from narrows.physics.clearance import cushion, delta, starboard_clearance, suction, taper, tapered_delta
+from narrows.physics.clearance import cushion, delta, suction, taper, tapered_delta
 
 W, B = 7.0, 0.572
 """The tank and the beam of the paper's experiments [m]."""
@@ -48,10 +48,11 @@ def test_delta_grows_without_bound_at_the_bank() -> None:
     assert delta(edge - 1e-6, 1.0, W, B) > 1e10
 
 
-def test_clearances_are_the_printed_ones() -> None:
+def test_delta_is_that_of_the_printed_clearances() -> None:
     c = math.cos(math.radians(20))
-    assert starboard_clearance(1.0, c, W, B) == pytest.approx(2.5 / c - B / 2, rel=1e-15)
-    assert starboard_clearance(-1.0, c, W, B) == pytest.approx(4.5 / c - B / 2, rel=1e-15)
+    starboard, port = 2.5 / c - B / 2, 4.5 / c - B / 2
+    printed = ((starboard + B / 2) / starboard) ** 2 - ((port + B / 2) / port) ** 2
+    assert delta(1.0, c, W, B) == pytest.approx(printed, rel=1e-12)
 
 
 @pytest.mark.parametrize(("y", "apart"), [(1.0, 0.245), (2.0, 0.330)])

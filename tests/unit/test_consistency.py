@@ -14,7 +14,7 @@ import narrows as nw
 from engine_models import bent
 from narrows.estimation import Consistency, Estimator, Gnss, Prior, ProcessNoise, RudderIndicator, consistency
 from narrows.estimation.consistency import sail_twins
-from narrows.results import Result, to_json
+from narrows.results import BaseResult, to_json
 
 ALL = (*SENSORS, RudderIndicator())
 
@@ -149,7 +149,7 @@ def test_twins_see_the_bend_ahead_as_a_voyage_does() -> None:
 
 def test_results_speak_and_draw() -> None:
     found = tried()
-    assert isinstance(found, Result)
+    assert isinstance(found, BaseResult)
     assert json.loads(to_json(found.to_dict()))["twins"] == len(found.nees)
     assert found.plot().axes[0].has_data()
     assert list(found.to_dataframe().index) == list(found.states)

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 import narrows as nw
 from narrows.captive.measured import measured_files
 from narrows.experiment_design import plan_tests
-from narrows.results import Result, to_json
+from narrows.results import BaseResult, to_json
 from narrows.studies.mikkelsen2025 import reproduce
 from narrows.terms.tables import table_named
 from readers_files import TURNED
@@ -30,7 +30,7 @@ def steered_kcs() -> nw.Model:
 
 
 @cache
-def result(kind: str) -> Result:
+def result(kind: str) -> BaseResult:
     """One of each."""
     if kind == "Fit":
         return nw.identify(short_twin())
@@ -68,7 +68,7 @@ ROWS = {
 @pytest.mark.parametrize("kind", ROWS)
 def test_results_speak_alike(kind: str) -> None:
     found = result(kind)
-    assert isinstance(found, Result)
+    assert isinstance(found, BaseResult)
     assert type(found).__name__ == kind
     assert len(found.summary().splitlines()) == len(list(filter(None, found.summary().split("\n")))) > 0
     assert all(isinstance(note, str) and note for note in found.notes)

@@ -55,11 +55,6 @@ class Formula:
     law: Callable[[Hull], Number]
     read: str = AGREE  # Verification, and the reading used if transcriptions disagree
 
-    @property
-    def verified(self) -> bool:
-        """True if two independent transcriptions agree, or printed data decided between them."""
-        return not self.read.startswith("unverified")
-
 
 CLARKE = "Clarke, Gedling and Hine (1983)"
 ZHOU = "Zhou, Sheng and Feng (1983)"

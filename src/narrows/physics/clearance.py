@@ -6,11 +6,6 @@ from narrows.physics.squat_and_depth import water_past_the_ship
 from narrows.quantities.names import GRAVITY, Number
 
 
-def starboard_clearance(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
-    """Midship clearance to starboard [m]; to port that of -y. Source: Mikkelsen et al. (2025), clearance_w_heading."""
-    return (width / 2 - y) / cos_psi - beam / 2
-
-
 def delta(y: Number, cos_psi: Number, width: Number, beam: Number) -> Number:
     """Pressure on the port side less that on the starboard side, over the dynamic pressure [1].
 

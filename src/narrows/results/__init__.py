@@ -4,7 +4,6 @@ from narrows.results.base_results import Aliased as Aliased
 from narrows.results.base_results import BaseResult as BaseResult
 from narrows.results.base_results import BaseSummary as BaseSummary
 from narrows.results.base_results import Named as Named
-from narrows.results.base_results import Result as Result
 from narrows.results.base_results import Tabulated as Tabulated
 from narrows.results.base_results import same_content as same_content
 from narrows.results.base_results import shortened as shortened

@@ -8,7 +8,7 @@ from html import escape
 from inspect import isfunction, signature
 from operator import attrgetter
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Any
 
 import narrows
 from narrows.aliases import aliases, name_here
@@ -28,30 +28,6 @@ OF_NUMBERS = ("mean", "std", "var", "sem", "median", "quantile", "skew", "kurt",
 
 # Marks methods in the tables of names.
 CALL = "()"
-
-
-@runtime_checkable
-class Result(Protocol):
-    """The common interface of a fit, a voyage, a plan, a safe envelope and every other result.
-
-    Results with rows also have ``to_dataframe()``, those of several dimensions ``dataset()``.
-    """
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Notes before use, one sentence each: assumptions, omitted data, uncorrected effects."""
-
-    def summary(self) -> str:
-        """Return the findings, one line per sentence."""
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return everything by name, as the verb's ``--json`` prints it; see the folder ``schemas``."""
-
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
-        """Draw it, on given axes or on a new figure."""
-
-    def save(self, path: str | Path) -> None:
-        """Write it in the format of the suffix."""
 
 
 def table_has(name: str) -> bool:
@@ -174,10 +150,14 @@ class BaseSummary(Aliased):
 
 
 class BaseResult(BaseSummary):
-    """A result with a plot, files and a notebook view."""
+    """A result with a plot, files and a notebook view: a fit, a voyage, a plan, a safe envelope.
+
+    Its ``notes`` are one sentence each, to be read before use. Results with rows also have ``to_dataframe()``, those of
+    several dimensions ``dataset()``.
+    """
 
     def to_dict(self) -> dict[str, Any]:
-        """Return everything by name, in plain values."""
+        """Return everything by name, as the verb's ``--json`` prints it; see the folder ``schemas``."""
         raise NotImplementedError
 
     def plot(self, ax: "Axes | None" = None) -> "Figure":
