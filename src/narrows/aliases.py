@@ -67,6 +67,12 @@ def accept_aliases(function: Function) -> Function:
         named = set(re.findall(r"\b(\w+)=", row))
         return named <= parameters.keys() | (aliases("arguments").keys() if more else set())
 
+    def written_without(name: str) -> str:
+        stem = name.rpartition("_")[0]
+        if stem in parameters or (stem in aliases("arguments") and takes(stem)):
+            return stem
+        return name_here(stem, "arguments", takes) or name_here(stem, "objects", parameters.__contains__) or ""
+
     @wraps(function)
     def called(*values: Any, **given: Any) -> Any:
         for name in given.keys() - parameters.keys():
@@ -75,6 +81,12 @@ def accept_aliases(function: Function) -> Function:
             # A name can be that of two arguments (h: a step or a depth): the function has one of them.
             ours = name_here(name, "own_arguments", is_own) or name_here(name, "arguments", takes)
             ours = (ours or name_here(name, "objects", parameters.__contains__) or "").rpartition(".")[2]
+            if not ours and (size := unit_of(name)) and (ours := written_without(name)):
+                value = given[name]
+                if isinstance(value, list | tuple):
+                    given[name] = [size * one for one in value]
+                elif not isinstance(value, str | None):
+                    given[name] = size * value
             if ours and ours not in given:
                 given[ours] = given.pop(name)
             elif ours:
@@ -94,6 +106,12 @@ def accept_aliases(function: Function) -> Function:
             raise
 
     return called  # type: ignore[return-value]
+
+
+def unit_of(name: str) -> float | None:
+    """Return the unit at the end of a name, such as ``speed_knots`` [SI]."""
+    stem, _, unit = name.rpartition("_")
+    return import_module("narrows.quantities.names").NAME_UNITS.get(unit) if stem else None
 
 
 def _in_si(name: str, value: Any) -> Any:

@@ -187,7 +187,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "model.b_bank": (lambda: DTC.b_bank, r"write model\['b_bank'\]"),  # type: ignore[attr-defined]
     "model.poles()": (lambda: DTC.poles(), r"write linearize\(u=...\).poles\(\)"),  # type: ignore[attr-defined]
     "model.sample": (lambda: DTC.sample, "write nw.ensemble"),  # type: ignore[attr-defined]
-    "nw.list_models()": (lambda: nw.list_models(), "write published .* ready_ships"),  # type: ignore[attr-defined]
     "nw.plot_envelope": (lambda: nw.plot_envelope, "write safe_envelope"),  # type: ignore[attr-defined]
     "nw.froude": (lambda: nw.froude, "write scale_model"),  # type: ignore[attr-defined]
     "nw.step_response": (lambda: nw.step_response, "state_space"),  # type: ignore[attr-defined]
@@ -201,7 +200,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "fit.popt": (lambda: fit().popt, "write coefficients"),  # type: ignore[attr-defined]
     "fit.tvalues": (lambda: fit().tvalues, "write verdicts"),  # type: ignore[attr-defined]
     "fit.aic": (lambda: fit().aic, "rows of one run are not independent; write left_out"),  # type: ignore[attr-defined]
-    "nw.simulate(..., psi_deg=2)": (lambda: nw.simulate(DTC, y=0.5, psi_deg=2.0), r"write psi=np.radians\(...\)"),
     "linear.bode()": (lambda: DTC.linearize(y=0.5).bode(), r"write state_space\(\)"),
     "model.info()": (lambda: DTC.info(), r"write summary\(\)"),  # type: ignore[attr-defined]
     "nw.simulate(..., wind=5)": (lambda: nw.simulate(DTC, y=0.5, wind=5.0), "nw.wind_force"),
@@ -213,7 +211,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.warn": (lambda: nw.warn, "or `narrows monitor` in a terminal"),  # type: ignore[attr-defined]
     "model.set(b_v=1)": (lambda: DTC.set(b_v=1.0), r"write with_coefficients\("),  # type: ignore[attr-defined]
     "model.to_simulink()": (lambda: DTC.to_simulink(), r"write export\(path\), with .c"),  # type: ignore[attr-defined]
-    "fit.condition_number": (lambda: fit().condition_number, "write diagnostics.overall"),  # type: ignore[attr-defined]
     "nw.plot_map": (lambda: nw.plot_map, "write report.map_figure"),  # type: ignore[attr-defined]
     "model.to_ss()": (lambda: DTC.to_ss(), r"write linearize\(\).state_space\(\)"),  # type: ignore[attr-defined]
     "voyage.time_to_grounding": (lambda: nw.simulate(DTC).time_to_grounding, "write outcome.time, if"),
@@ -256,11 +253,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "model.nondimensional()": (lambda: DTC.nondimensional(), "give a positive one, speed="),  # type: ignore[attr-defined]
     "nw.crash_stop(model)": (lambda: nw.crash_stop(DTC), r"nw.published\('estimated_kcs'\)"),
     'nw.squat(formula="barrass")': (lambda: nw.squat(KCS, 4.0, formula="barrass"), "give gives='largest'"),
-    "nw.simulate(speed_knots=)": (
-        lambda: nw.simulate(DTC, speed_knots=8),
-        "write u=... in m/s, or with its unit, as 8 kn",
-    ),
-    "nw.turning_circle(speed_knots=)": (lambda: nw.turning_circle(KCS, speed_knots=8), "write speed=... in m/s"),  # type: ignore[call-arg]
     "nw.turning_circle(wind_speed=)": (lambda: nw.turning_circle(KCS, wind_speed=8), "its arguments: model, rudder"),  # type: ignore[call-arg]
     "nw.wind_force(wind_speed=)": (lambda: nw.wind_force(wind_speed=8.0, area=1e3), "write speed=..., of the wind"),  # type: ignore[call-arg]
     "nw.scale(scale_factor=)": (lambda: nw.scale(DTC, scale_factor=89.11), "write length=... of the other ship"),  # type: ignore[attr-defined]
@@ -449,7 +441,13 @@ assert nw.ensemble(pub, u="1 m/s").equals(nw.ensemble(pub, u=1.0))
 assert nw.safe_envelope(kcs, u="8 kn", y=[0.0]).speeds.item() > 4.1
 F = nw.forces(pub, u=1.0, offset=np.linspace(-1.0, 1.0, 5)); assert F.Y is F["Y"] and F.N.shape == (5,)
 assert pub.coefficients.to_pandas().loc["b_v"] == pub.coefficients.b_v == pub["b_v"]
+assert fit.condition_number["Y"] == fit.condition_number.Y > 1
 fit.params.sort_values(); fit.bse.round(3); fit.coefficients.to_frame()
+assert nw.simulate(pub, y_m=0.5, psi_deg=2.0, u_knots=1.0).u[0] == 1852 / 3600 and np.isclose(voyage.psi_deg[0], 0.0)
+assert np.allclose(np.radians(voyage.heading_deg), voyage.psi) and voyage.speed_knots[0] == 3600 / 1852
+assert nw.ensemble(pub, speed_knots=[1.0, 2.0]).u.values[1] == 2 * 1852 / 3600
+assert nw.squat(kcs, speed_kmh=18.0) == nw.squat(kcs, 5.0) and nw.turning_circle(kcs, speed_knots=12).advance > 0
+assert nw.list_models() == nw.published()
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""

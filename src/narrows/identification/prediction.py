@@ -13,7 +13,7 @@ from narrows.captive.read import as_tests
 from narrows.captive.tests import Tests
 from narrows.errors import InputError, check_choice, shown
 from narrows.identification.normal_equations import ONE, NormalEquations, Score, accumulate, score
-from narrows.results import BaseResult
+from narrows.results import BaseResult, Named
 from narrows.ship.ship_file import ShipSource
 from narrows.terms.term import TermTable
 
@@ -91,6 +91,11 @@ class Prediction(BaseResult):
         import pandas as pd
 
         return pd.DataFrame(self.covariance, self.terms.names, self.terms.names)
+
+    @property
+    def condition_number(self: Any) -> dict[str, float]:
+        """Condition number of each force's columns, each scaled to unit length [1]."""
+        return Named({force: part.condition for force, part in self.diagnostics.overall.items()})
 
     @property
     def rsquared(self: Any) -> dict[str, float]:

@@ -85,6 +85,10 @@ SPEED_UNITS = {
     **dict.fromkeys(("km/h", "kmh", "kph"), 1 / 3.6),
 }  # fmt: skip
 
+# Units at the end of a name, such as ``psi_deg`` and ``speed_knots`` [SI].
+NAME_UNITS = {unit.replace("/", ""): size for unit, size in SPEED_UNITS.items() if unit} | {"deg": DEGREE, "rad": 1.0}
+NAME_UNITS |= dict.fromkeys(("m", "s"), 1.0)
+
 
 def metres_per_second(text: str) -> float | str:
     """Return a speed with its unit, such as ``8 kn``, in m/s; any other text unchanged."""

@@ -10,8 +10,10 @@ from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 import narrows
-from narrows.aliases import aliases, name_here
+from narrows.aliases import aliases, name_here, unit_of
 from narrows.errors import did_you_mean
 from narrows.files import write_whole
 from narrows.results.saving import FORMS, csv_of, forms_of, to_json, write
@@ -67,6 +69,11 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
     fields = getattr(type(thing), "__dataclass_fields__", ())
     if field := name_here(name, "arguments", fields.__contains__):
         return getattr(thing, field)
+    stem = name.rpartition("_")[0]
+    if (size := unit_of(name)) and (stem in known or name_here(stem, "attributes", lambda row: _head(row) in known)):
+        value = getattr(thing, stem)
+        if not callable(value):
+            return np.divide(value, size)
     ours = name_here(name, "functions") or name
     function = getattr(narrows, ours) if ours in dir(narrows) else None
     if isfunction(function) and next(iter(signature(function).parameters), "") in aliases("first").get(
