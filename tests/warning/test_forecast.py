@@ -11,7 +11,7 @@ from transit import SENSORS, SPEED, canal, estimate, estimator, ship
 
 import narrows as nw
 from narrows.estimation import Estimator
-from narrows.warning.forecasting import helmsman
+from narrows.warning import settings
 from narrows.warning.forecasting.forecast import BankForecast, level_time
 from narrows.warning.forecasting.forecaster import Forecaster, Members, crossing, rudder_needed
 from narrows.warning.forecasting.helmsman import Case, Helmsmen, LineOfSight, escape_numbers
@@ -234,7 +234,7 @@ def test_the_time_that_makes_the_level_is_ten_times_as_long_where_somebody_acts(
 def test_the_odds_of_an_empty_helm_are_those_of_bayes_by_densities_of_student(monkeypatch: pytest.MonkeyPatch) -> None:
     """Without lapses and returns meanwhile: a rudder that stays off the law, by the densities that SciPy has."""
     for name in ("LAPSE_INTERVAL", "RETURN_TIME", "HELM_MEMORY"):
-        monkeypatch.setattr(helmsman, name, math.inf)
+        monkeypatch.setattr(settings, name, math.inf)
     one = Helmsmen(1, 230.0)
     odds = one.unattended[0] / (1.0 - one.unattended[0])
     for _ in range(30):
