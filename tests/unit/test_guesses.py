@@ -233,7 +233,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "nw.MPC(model, dt=)": (lambda: nw.MPC(KCS, dt=0.5), "write horizon=... .s. and intervals="),  # type: ignore[attr-defined]
     "nw.rts_smoother": (lambda: nw.rts_smoother, r"smooth\(records\)"),  # type: ignore[attr-defined]
     "nw.report.write_raport": (lambda: nw.report.write_raport, "did you mean 'write_report'"),
-    "voyage.plot(path)": (lambda: voyage().plot("v.png"), r"save\(path\) writes a file"),  # type: ignore[arg-type]
+    "voyage.plot(1)": (lambda: voyage().plot(1), "is no Axes of Matplotlib"),  # type: ignore[arg-type]
     'nw.forces(delta="10deg")': (lambda: nw.forces(STEERED, u=1.0, delta="10deg"), "give radians, as np.radians"),  # type: ignore[attr-defined]
     "model.coefficients.b_banck": (lambda: DTC.coefficients.b_banck, "did you mean 'b_bank'"),  # type: ignore[attr-defined]
     "outcome.success": (lambda: voyage().outcome.success, "write kind"),  # type: ignore[attr-defined]
@@ -448,6 +448,7 @@ assert np.allclose(np.radians(voyage.heading_deg), voyage.psi) and voyage.speed_
 assert nw.ensemble(pub, speed_knots=[1.0, 2.0]).u.values[1] == 2 * 1852 / 3600
 assert nw.squat(kcs, speed_kmh=18.0) == nw.squat(kcs, 5.0) and nw.turning_circle(kcs, speed_knots=12).advance > 0
 assert nw.list_models() == nw.published()
+assert voyage.plot("chart.png").axes and plt.imread("chart.png").std() > 0
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from narrows.errors import InputError, check_choice, shown
 from narrows.estimation import Consistency, EstimatedTrack
 from narrows.estimation.states import described
 from narrows.experiment_design import Plan
+from narrows.files import save_figure
 from narrows.identification import Comparison, Explanation, Fit
 from narrows.logbook.checking.check_log import LogFindings
 from narrows.logbook.ship_log import ShipLog
@@ -48,9 +50,13 @@ MOST_CURVES = 5
 TOP = 16.0
 
 
-def figure_of(result: Any, axes: Axes | None = None) -> Figure:
+def figure_of(result: Any, axes: Axes | str | Path | None = None) -> Figure:
+    if isinstance(axes, str | Path):
+        figure = figure_of(result)
+        save_figure(figure, axes)
+        return figure
     if axes is not None and not isinstance(axes, Axes):
-        raise InputError(f"ax = {shown(axes)} is no Axes of Matplotlib; save(path) writes a file")
+        raise InputError(f"ax = {shown(axes)} is no Axes of Matplotlib; give one, as plt.subplots() makes, or a path")
     with drawing_on(axes):
         draw = next((draw for kind, draw in FIGURES.items() if isinstance(result, kind)), None)
         if draw is None:

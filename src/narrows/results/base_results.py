@@ -167,10 +167,11 @@ class BaseResult(BaseSummary):
         """Return everything by name, as the verb's ``--json`` prints it; see the folder ``schemas``."""
         raise NotImplementedError
 
-    def plot(self, ax: "Axes | None" = None) -> "Figure":
+    def plot(self, ax: "Axes | str | Path | None" = None) -> "Figure":
         """Draw it, as a Matplotlib figure: one panel, or its main one, on Axes ``ax`` if given.
 
-        Raises an InputError if its kind has no figure, or axes are given and it has several panels without a main one.
+        With a path for ``ax`` the figure is written there: ``.png``, ``.svg`` or ``.pdf``. Raises an InputError if its
+        kind has no figure, or axes are given and it has several panels without a main one.
         """
         return narrows.report.figure_of(self, ax)
 
