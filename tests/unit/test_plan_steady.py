@@ -93,7 +93,7 @@ def test_offsets_and_speeds_are_round_and_within_the_canal() -> None:
         ({"reserve": 1.0}, "share under 1"),
         ({"clearance": 9.0}, "leaves no offset"),
         ({"offsets": [0.0]}, "over 0"),
-        ({"targets": ("d_bank",)}, "no coefficient 'd_bank'"),
+        ({"targets": ("d_bank",)}, "unknown coefficient 'd_bank'"),
     ],
 )
 def test_a_plan_that_cannot_be_is_refused_in_a_sentence(told: dict, said: str) -> None:

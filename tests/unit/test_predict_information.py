@@ -139,7 +139,7 @@ def test_one_number_of_transits_may_be_asked() -> None:
         ({"transits": "1, 5"}, "whole number from 1"),
         ({"u": -1.0}, "no speed ahead"),
         ({"u": 0.7, "duration": 0.0}, "a transit of 0 s"),
-        ({"targets": ("d_bank",)}, "no coefficient 'd_bank'"),
+        ({"targets": ("d_bank",)}, "unknown coefficient 'd_bank'"),
     ],
 )
 def test_what_cannot_be_predicted_is_refused_in_a_sentence(told: dict, said: str) -> None:

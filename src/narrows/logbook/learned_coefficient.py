@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from narrows.errors import InputError, did_you_mean, shown
+from narrows.errors import InputError, shown
 from narrows.identification.verdict import IDENTIFIED
 from narrows.logbook.settings import LEARNED_TO, SHARPENED_TO
 from narrows.model.data_range import DataRange, Range
@@ -127,8 +127,7 @@ def learnable(model: Model, targets: object) -> tuple[str, ...]:
     if not isinstance(names, tuple | list):
         raise InputError(f"targets = {shown(targets)}: give names of coefficients")
     for name in names:
-        if name not in model.terms.names:
-            raise InputError(f"there is no coefficient {shown(name)}{did_you_mean(str(name), model.terms.names)}")
+        model[str(name)]  # Raises where there is none
     names = tuple(names) or tuple(term.name for term in model.terms.terms if term.from_bank)
     if not names:
         raise InputError("this model has no terms of the bank to learn; name the coefficients that matter as targets")

@@ -1,7 +1,7 @@
 """Faults of a ship's own log: by the filter that learns from it, and by checks that need none: clocks, sizes."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,17 +25,13 @@ from narrows.results.base_results import with_error
 from narrows.waterway import Waterway
 
 
-@dataclass(frozen=True)
-class Finding:
+class Finding(NamedTuple):
     check: str  # What was looked at, as in ``rudder's sign``
     record: str
     sentence: str  # What was seen, with its numbers
     remedy: str
-    evidence: Mapping[str, float] = field(default_factory=dict)
+    evidence: Mapping[str, float] = {}
     wrong: bool = True  # Whether it must be mended before a fit; else it is to be looked at
-
-    def to_dict(self) -> dict[str, Any]:
-        return {**vars(self), "evidence": dict(self.evidence)}
 
 
 @dataclass(frozen=True, repr=False)
@@ -97,13 +93,14 @@ class LogFindings(BaseResult):
 
     def to_dict(self) -> dict[str, Any]:
         return {
-            "records": self.records, "clean": self.clean, "findings": [own.to_dict() for own in self.findings],
+            "records": self.records, "clean": self.clean, "findings": [own._asdict() for own in self.findings],
             "summary": self.summary(), "notes": list(self.notes),
         }  # fmt: skip
 
     def to_dataframe(self) -> pd.DataFrame:
         """Give a row for each finding: record, check, whether it is wrong, sentence, remedy."""
-        return pd.DataFrame(map(vars, self.findings), columns=["record", "check", "wrong", "sentence", "remedy"])
+        table = pd.DataFrame(self.findings, columns=Finding._fields)
+        return table[["record", "check", "wrong", "sentence", "remedy"]]
 
 
 class Checked(NamedTuple):

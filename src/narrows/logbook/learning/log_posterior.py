@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import special
 
-from narrows.errors import InputError, did_you_mean
+from narrows.errors import InputError
 from narrows.logbook.filtering.likelihood import SearchResult
 from narrows.logbook.filtering.log_problem import CoefficientPrior, LogProblem, Unknowns
 from narrows.model.derived_models import extend
@@ -52,8 +52,7 @@ def with_spread(model: Model, spread: Spread | None) -> Model:
     names = model.terms.names
     if isinstance(spread, Mapping):
         for name in spread:
-            if name not in names:
-                raise InputError(f"spread: there is no coefficient {name!r}{did_you_mean(name, names)}")
+            model[str(name)]  # Raises where there is none
         sizes = np.array([float(spread.get(name, 0.0)) for name in names])
     else:
         held = {term.name for term in model.terms.terms if term.kind == TermKind.INERTIA}

@@ -9,14 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from narrows.errors import InputError, did_you_mean, shown
+from narrows.errors import InputError, did_you_mean
 from narrows.logbook.settings import HEADING_GAP
 from narrows.logbook.ship_log import SIGNALS, TURNING, ShipRecord, Signal
 from narrows.quantities.names import Quantity
 from narrows.readers.headers import SUFFIXES, Vocabulary
 from narrows.readers.mapping import ColumnMapping, bare
-from narrows.ship.checks import is_finite
-from narrows.ship.ship_file import load_toml
+from narrows.ship.checks import check_number
+from narrows.ship.ship_file import check_table, load_toml
 from narrows.waterway import Waterway
 from narrows.waterway.map_lines import projected
 
@@ -120,13 +120,11 @@ def log_mapping(mapping: str | Path | Mapping[str, Any] | None, units: Mapping[s
     for section, table in tables.items():
         if section not in (known := (*OF_COLUMNS, *OF_NUMBERS)):
             raise InputError(f"{name}: unknown section [{section}]{did_you_mean(str(section), known)}")
-        if not isinstance(table, Mapping):
-            raise InputError(f"{name}: {section} = {shown(table)} is no section; write [{section}] and keys below it")
+        check_table(section, table, name)
         for key, value in table.items() if section in OF_NUMBERS else ():
             if (keys := OF_NUMBERS[section]) and key not in keys:
                 raise InputError(f"{name}: [{section}] has no {key!r}{did_you_mean(str(key), keys)}")
-            if not is_finite(value):
-                raise InputError(f"{name}: [{section}] {key} = {shown(value)} is no number; give one")
+            check_number(f"{name}: [{section}] {key}", value)
     place, parts = tables.get("antenna", {}), {section: tables.get(section, {}) for section in OF_COLUMNS}
     columns = ColumnMapping(**{**parts, "units": {**parts["units"], **(units or {})}}, name=name)
     antenna = place.get("forward", 0.0), place.get("starboard", 0.0)
