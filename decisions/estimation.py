@@ -107,7 +107,7 @@ def row(way: str) -> tuple[str, ...]:
 def text(ways: tuple[str, ...] = WAYS) -> str:
     """The table, or the rows of some ways."""
     header = (
-        "coefficients", "NEES per state, true", "drawn", "error across, drawn [m]", "50 m jump [m]",
+        "coefficients", "mean NEES, true", "median NEES, drawn", "error across, drawn [m]", "50 m jump [m]",
         "60 s without fixes [m]", "drift of the fixes when reported [m]", "twins with a false alarm",
     )  # fmt: skip
     return markdown(header, [row(way) for way in ways])
