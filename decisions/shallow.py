@@ -29,7 +29,7 @@ def text() -> str:
             error, factor = f"{100 * (predicted / measured - 1):+.0f} %", f"{corrected.factors[name]:.2f}"
             ends = f"{known} ({interval((low, high), half)})"
             rows.append((f"{LABELS[first]} to {LABELS[label]}", name, before, factor, after, ends, error))
-    header = ("clearance", "coefficient", "there", "factor", "corrected", "measured (95 %)", "error")
+    header = ("clearance", "coefficient", "at 100 %", "factor", "corrected", "measured (95 %)", "error")
     return markdown(header, rows)
 
 

@@ -207,7 +207,7 @@ def crossflow(rng: np.random.Generator, s: float) -> tuple[nw.CaptiveTests, dict
 
 
 def cubic_hull(rng: np.random.Generator, s: float) -> tuple[nw.CaptiveTests, dict[str, float]]:
-    """Damping partly as the cube of v and r, in a share s of what is quadratic; a bank."""
+    """Damping partly cubic in v and r, a share s of the quadratic damping; with a bank."""
 
     def truth(run: Columns) -> Columns:
         own, v, r = forces(run, BANK), run["v"], run["r"]
@@ -313,7 +313,7 @@ def bank_by_speed(rng: np.random.Generator, s: float) -> tuple[nw.CaptiveTests, 
 
 
 def bank_by_period(rng: np.random.Generator, s: float) -> tuple[nw.CaptiveTests, dict[str, float]]:
-    """A bank that is stronger by s in harmonic runs than in steady ones; the truth is the steady one."""
+    """A bank force that is larger by a share s in harmonic runs than in steady ones; the truth is the steady one."""
     return measured(
         rng, FULL, lambda run: forces(run, BANK, felt=delta(run) * (1 + s * (not steady(run)))), Tank(gain=0.01)
     ), BANK

@@ -26,8 +26,8 @@ MAIN = ("b_vdot", "b_v", "b_r", "c_rdot", "c_v", "c_r")
 TABLE = Path(__file__).with_suffix(".csv")
 NAMES = ("b_bank", "c_bank", *MAIN)
 HEADER = (
-    "kind", "strength", "identified and missed", "b_bank identified", "b_bank held", "c_bank identified",
-    "c_bank held", "hull held", "half width of b_bank; all eight, over an oracle's",
+    "kind", "strength", "identified and missed", "b_bank identified", "b_bank covered", "c_bank identified",
+    "c_bank covered", "hull covered", "half width of b_bank; all eight, over an oracle's",
 )  # fmt: skip
 
 
@@ -87,7 +87,7 @@ def by_kind(rows: list[tuple[str, ...]]) -> str:
     for kind in dict.fromkeys(line[0] for line in rows):
         own = [line for line in rows if line[0] == kind]
         lines.append((kind, *(", ".join(line[k].rstrip("%") for line in own) for k in (1, 2, 4, 6))))
-    return markdown(("kind", "strengths", *(f"{HEADER[k]} [%]" for k in (2, 4, 6))), lines)
+    return markdown(("kind", "strengths s", *(f"{HEADER[k]} [%]" for k in (2, 4, 6))), lines)
 
 
 def text(rows: list[tuple[str, ...]]) -> str:

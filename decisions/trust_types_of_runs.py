@@ -40,7 +40,7 @@ def settling(rng: np.random.Generator, s: float) -> tuple[nw.CaptiveTests, dict[
 
 
 def gain_of_straight_runs(rng: np.random.Generator, s: float) -> tuple[nw.CaptiveTests, dict[str, float]]:
-    """Four straight runs, none of which drifts, read more by a share s than four harmonic ones at four periods."""
+    """Forces of four straight runs without drift read too large by a share s; four harmonic runs are correct."""
 
     def spoil(_: np.random.Generator, i: int, record: Record) -> Record:
         return {**record, **{f: record[f] * (1 + s * steady(record)) for f in "XYN"}}
@@ -50,7 +50,7 @@ def gain_of_straight_runs(rng: np.random.Generator, s: float) -> tuple[nw.Captiv
 
 
 def rail_of_straight_runs(rng: np.random.Generator, s: float) -> tuple[nw.CaptiveTests, dict[str, float]]:
-    """In straight runs the ship is s [m] nearer to the wall than is written, as on a mount that gives."""
+    """In straight runs the ship is s [m] nearer to the wall than recorded, as on a mount that yields."""
 
     def truth(run: Columns) -> Columns:
         return forces({**run, "y": run["y"] + s * np.sign(run["y"]) * steady(run)}, BANK)
