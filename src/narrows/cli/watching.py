@@ -80,7 +80,7 @@ def monitor(
     delivery: ReportDelivery,
     model: Annotated[str | None, Argument(help="Model file; none for --demo.", metavar="[MODEL]")] = None,
     waterway: WaterwayFile = None,
-    y: Annotated[float, "Offset to which a pilot who takes over steers the ship [m]."] = 0.0,
+    y: Annotated[float, "Offset to which the escape manoeuvre steers the ship [m]."] = 0.0,
 ) -> None:
     """Watch a ship beside the banks, and warn.
 

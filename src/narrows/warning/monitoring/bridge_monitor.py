@@ -48,7 +48,7 @@ from narrows.waterway.waterway import Waterway
 class BridgeMonitor:
     model: Model  # The ship at its own size, with the terms of a rudder
     waterway: Waterway  # Waterway with its place on earth
-    line: float = 0.0  # That a pilot who takes over brings it to, to starboard of the waterway's line [m]
+    line: float = 0.0  # Offset to which the escape steers, to starboard of the waterway's line [m]
     antenna: tuple[float, float] = (0.0, 0.0)  # Place of the antenna: forward and to starboard of midship [m]
     thresholds: Thresholds = field(default_factory=Thresholds)  # Times from which a forecast is urgent
     members: int = 1000  # Size of the ensemble

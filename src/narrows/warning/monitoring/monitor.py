@@ -35,7 +35,7 @@ class Monitor(Aliased):
     waterway : Waterway, optional
         Default: the model's own canal, straight.
     line : float [m]
-        Offset to which a pilot who takes over steers.
+        Offset from the line of the waterway to which the escape manoeuvre steers.
     members : int
         Number of samples of a forecast.
 
