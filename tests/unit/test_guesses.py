@@ -173,7 +173,6 @@ FRESH: dict[str, Callable[[Path], Any]] = {
 """Of forty more, written down before they were tried, those that hold."""
 ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "CaptiveTests(frame)": (lambda: nw.CaptiveTests([1.0]), r"'names'; nw.read_captive\(path, ship\) makes one"),  # type: ignore[call-arg, arg-type]
-    "tests[0]": (lambda: nw.measured_tests("kcs")[0], r"for one test write tests\['C0101A01_F60000'\]"),
     "model.with_depth": (lambda: DTC.with_depth(24.0), r"write nw.at_depth\(model, depth\)"),  # type: ignore[attr-defined]
     "Waterway(points)": (lambda: nw.Waterway([]), r"nw.straight_waterway\(canal, length\) makes one"),  # type: ignore[call-arg, arg-type]
     "regulator(model, u)": (lambda: nw.control.regulator(DTC, u=5.0), "'y'; its arguments: model, y, u"),  # type: ignore[call-arg]
@@ -201,9 +200,7 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "fit.tvalues": (lambda: fit().tvalues, "write verdicts"),  # type: ignore[attr-defined]
     "fit.aic": (lambda: fit().aic, "rows of one run are not independent; write left_out"),  # type: ignore[attr-defined]
     "linear.bode()": (lambda: DTC.linearize(y=0.5).bode(), r"write state_space\(\)"),
-    "model.info()": (lambda: DTC.info(), r"write summary\(\)"),  # type: ignore[attr-defined]
     "nw.simulate(..., wind=5)": (lambda: nw.simulate(DTC, y=0.5, wind=5.0), "nw.wind_force"),
-    "nw.safe_speed(model)": (lambda: nw.safe_speed(DTC), "write safe_envelope"),  # type: ignore[attr-defined]
     "nw.simulate(rudder_angle=)": (lambda: nw.simulate(STEERED, rudder_angle=0.1), "in degrees for turning"),
     "nw.identify(method=)": (lambda: nw.identify(short_twin(), method="ols"), "mixed model of errors"),
     "nw.Autopilot(kp=)": (lambda: nw.Autopilot(kp=1.0), "Autopilot has no argument 'kp'; write gains="),  # type: ignore[call-arg]
@@ -213,7 +210,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "model.to_simulink()": (lambda: DTC.to_simulink(), r"write export\(path\), with .c"),  # type: ignore[attr-defined]
     "nw.plot_map": (lambda: nw.plot_map, "write report.map_figure"),  # type: ignore[attr-defined]
     "model.to_ss()": (lambda: DTC.to_ss(), r"write linearize\(\).state_space\(\)"),  # type: ignore[attr-defined]
-    "voyage.time_to_grounding": (lambda: nw.simulate(DTC).time_to_grounding, "write outcome.time, if"),
     "linear.is_controllable()": (lambda: DTC.linearize().is_controllable(), r"controllability\(\) == len\(states\)"),
     "nw.squat(ship=, canal=)": (
         lambda: nw.squat(ship=DTC.ship, canal=nw.Canal(7.0, 1.0), u=0.5),  # type: ignore[call-arg, arg-type]
@@ -229,7 +225,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     ),
     "nw.Canal(bank_slope=)": (lambda: nw.Canal(300.0, 16.0, bank_slope=0.3), "nw.equivalent_wall the wall of one"),  # type: ignore[call-arg]
     "canal.blockage": (lambda: nw.Canal(300.0, 16.0).blockage, "under beam . draft of the ship"),  # type: ignore[attr-defined]
-    "nw.lqr(model, speed=)": (lambda: nw.lqr(KCS, Q=1, R=1, speed=1.0), r"write linear=model.linearize\(y, u\)"),  # type: ignore[attr-defined]
     "nw.MPC(model, dt=)": (lambda: nw.MPC(KCS, dt=0.5), "write horizon=... .s. and intervals="),  # type: ignore[attr-defined]
     "nw.rts_smoother": (lambda: nw.rts_smoother, r"smooth\(records\)"),  # type: ignore[attr-defined]
     "nw.report.write_raport": (lambda: nw.report.write_raport, "did you mean 'write_report'"),
@@ -260,7 +255,6 @@ ANSWERED: dict[str, tuple[Callable[[], Any], str]] = {
     "model.ukc": (lambda: DTC.ukc, "write canal.depth - ship.draft"),  # type: ignore[attr-defined]
     "nw.froude_depth": (lambda: nw.froude_depth, "write choke_speed, or u / np.sqrt"),  # type: ignore[attr-defined]
     "nw.Sensors": (lambda: nw.Sensors, "write a list of sensors"),  # type: ignore[attr-defined]
-    "voyage.n_samples": (lambda: voyage().n_samples, r"write t, as len\(t\)"),  # type: ignore[attr-defined]
     "voyage.rot": (lambda: voyage().rot, "in degrees a minute"),  # type: ignore[attr-defined]
     "waterway.save(path)": (
         lambda: nw.straight_waterway(nw.Canal(300.0, 16.0), 5000.0).save("own.geojson"),  # type: ignore[attr-defined]
@@ -449,6 +443,16 @@ assert nw.ensemble(pub, speed_knots=[1.0, 2.0]).u.values[1] == 2 * 1852 / 3600
 assert nw.squat(kcs, speed_kmh=18.0) == nw.squat(kcs, 5.0) and nw.turning_circle(kcs, speed_knots=12).advance > 0
 assert nw.list_models() == nw.published()
 assert voyage.plot("chart.png").axes and plt.imread("chart.png").std() > 0
+assert tests[0].names == tests.names[:1] and len(tests[:2]) == 2 and tests.n_tests == len(tests)
+assert nw.safe_speed is nw.safe_envelope and model.describe() == model.info() == model.summary()
+assert voyage.time_to_grounding == voyage.outcome.time and voyage.max_yaw_rate == abs(voyage.r).max()
+assert fleet.time_to_grounding.max() > 0 and voyage.n_steps == len(voyage.t) and np.isclose(voyage.dt, 0.02)
+test = nw.zigzag(kcs, 10, 10)
+assert [test.first_overshoot, test.second_overshoot] == list(test.overshoots_deg[:2]) and test.max_overshoot > 0
+A, B = kcs.linearize(u=4.0)
+assert np.allclose(nw.lqr(kcs, Q=1, R=1, speed=4.0)[0], nw.lqr(kcs.linearize(u=4.0), 1, 1)[0])
+assert kcs.linearize().C.shape == (4, 4) and kcs.linearize().D.shape == kcs.linearize().B.shape
+assert voyage.final_speed == voyage.u[-1] and abs(voyage.drift_angle[-1]) < 1
 assert nw.compare(tests, terms=["paper"]).fits and nw.Ship(L=4.0, B=0.6, T=0.2, Cb=0.65, xG=0.1).x_g == 0.1
 """
 """Those of two more lists of sixty and seventy that hold, as they were written."""

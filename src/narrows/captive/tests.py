@@ -148,7 +148,10 @@ class CaptiveTests(Configured, Tabulated):
         raise TypeError("tests are several tables; take their rows by tests.to_dataframe(), a column by tests['y']")
 
     def __getitem__(self, key: Any) -> Any:
-        """Return a column by its name, a test by its name, or the rows of a mask."""
+        """Return a column by its name, a test by its name or number, several by a slice, or the rows of a mask."""
+        if isinstance(key, int | np.integer | slice) and not isinstance(key, bool):
+            chosen = np.arange(len(self.names))[key]
+            return self.where(np.isin(np.arange(len(self.names)), chosen))
         if not isinstance(key, str):
             return self.of_rows(key)
         if key in LABELS:

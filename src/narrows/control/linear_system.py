@@ -1,7 +1,7 @@
 """The linear state-space system of a ship about a steady course, with named states and inputs."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -62,6 +62,10 @@ class LinearSystem(BaseResult):
             check_choice("control", name, self.controls)
         columns = [self.controls.index(name) for name in controls or self.controls]
         return self._of_one(self.A), self._of_one(self.B)[:, columns]
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        """A and B, as in ``A, B = model.linearize()``."""
+        return iter(self.matrices())
 
     def rates(self, x: np.ndarray, u: np.ndarray, d: np.ndarray) -> np.ndarray:
         """Return the nonlinear rates of the states at absolute states x, actuator positions u and disturbances d."""

@@ -306,7 +306,7 @@ def riccati_solutions(motion: np.ndarray, effect: np.ndarray, weights: np.ndarra
 
 
 @accept_aliases
-def lqr(linear: Any, Q: Any, R: Any, *controls: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def lqr(linear: Any, Q: Any, R: Any, *controls: str, **course: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Return the gains that minimise the integral of x'Qx + u'Ru, as python-control's ``lqr`` does.
 
     They are K (controls, states) of u = -K x, with the solution of the Riccati equation (states, states) and the poles
@@ -322,8 +322,17 @@ def lqr(linear: Any, Q: Any, R: Any, *controls: str) -> tuple[np.ndarray, np.nda
         Weights of ``linear.states`` and of the controls: matrices, their diagonals, or a number for each.
     *controls : str
         Controls to use, such as ``"rudder"``; those of ``linear.controls`` unless given.
+    **course : float
+        For a model, its ``y`` [m], ``u`` [m/s] ... as for ``linearize``.
+
+    Raises
+    ------
+    InputError
+        If a linear system is given with a course, weights have the wrong shape, or no gains hold the ship.
     """
-    system: LinearSystem = linear if isinstance(linear, LinearSystem) else linear.linearize()
+    if isinstance(linear, LinearSystem) and course:
+        raise InputError(f"a linear system has its course; leave out {', '.join(course)}, or give the model")
+    system: LinearSystem = linear if isinstance(linear, LinearSystem) else linear.linearize(**course)
     A, B = system.matrices(*controls)
     weights = []
     for name, given, names in (("Q", Q, system.states), ("R", R, controls or system.controls)):

@@ -1,9 +1,11 @@
 """Base classes of results."""
 
+import ast
+import builtins
 import math
 import re
 from collections.abc import Collection, Iterator
-from functools import partial
+from functools import cache, partial
 from html import escape
 from inspect import isfunction, signature
 from operator import attrgetter
@@ -28,6 +30,9 @@ if TYPE_CHECKING:
 # Methods of a data frame that need columns of numbers.
 OF_NUMBERS = ("mean", "std", "var", "sem", "median", "quantile", "skew", "kurt", "corr", "cov", "abs")
 
+# Methods of a data frame, which are those of a summary elsewhere.
+OF_TABLES = ("describe", "info")
+
 # Marks methods in the tables of names.
 CALL = "()"
 
@@ -50,6 +55,16 @@ def _head(path: str) -> str:
     return re.split(r"[(.]", path)[0]
 
 
+_FORMULA_SCOPE = {"np": np, "nw": narrows}
+
+
+@cache
+def _names_in(formula: str) -> set[str]:
+    """Return the names that a formula reads, without attributes and builtins."""
+    read = {node.id for node in ast.walk(ast.parse(formula)) if isinstance(node, ast.Name)}
+    return read - vars(builtins).keys()
+
+
 def _known(thing: Any) -> set[str]:
     return {*dir(type(thing)), *getattr(type(thing), "__dataclass_fields__", ())}
 
@@ -66,6 +81,10 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
             if called == ours.endswith(CALL):
                 return value
             return partial(attrgetter(attribute), thing) if called else value()
+    # A formula in the object's own attributes, such as ``abs(r).max()``.
+    if row := name_here(name, "formulas", lambda row: _names_in(row) <= {*known, *_FORMULA_SCOPE}):
+        own = {ours: getattr(thing, ours) for ours in _names_in(row) & known}
+        return eval(row, {**_FORMULA_SCOPE, **own})
     fields = getattr(type(thing), "__dataclass_fields__", ())
     if field := name_here(name, "arguments", fields.__contains__):
         return getattr(thing, field)
@@ -255,6 +274,8 @@ class Tabulated(BaseResult):
     if not TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any:
+            if name in OF_TABLES:
+                return getattr(self.to_dataframe(), name)
             try:
                 return super().__getattr__(name)
             except AttributeError:
