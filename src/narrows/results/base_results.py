@@ -82,9 +82,8 @@ def answer(thing: Any, name: str, columns: Collection[str] = ()) -> Any:
                 return value
             return partial(attrgetter(attribute), thing) if called else value()
     # A formula in the object's own attributes, such as ``abs(r).max()``.
-    if row := name_here(name, "formulas", lambda row: _names_in(row) <= {*known, *_FORMULA_SCOPE}):
-        own = {ours: getattr(thing, ours) for ours in _names_in(row) & known}
-        return eval(row, {**_FORMULA_SCOPE, **own})
+    if formula := name_here(name, "formulas", lambda row: _names_in(row) <= {*known, *_FORMULA_SCOPE}):
+        return eval(formula, _FORMULA_SCOPE | {ours: getattr(thing, ours) for ours in _names_in(formula) & known})
     fields = getattr(type(thing), "__dataclass_fields__", ())
     if field := name_here(name, "arguments", fields.__contains__):
         return getattr(thing, field)
