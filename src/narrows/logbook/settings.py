@@ -67,4 +67,3 @@ PUSH_STEP = 1.0  # Longest step of varying forces and of the voyage [s]
 AIM_STEP = 10.0  # Longest piece of an aim [s]
 CURRENT = 0.3  # Standard deviation of the current along the canal [m/s]
 MOST_DRAWS = 200  # Most draws of coefficients until one is within the bounds
-MOST_SHIPS = 100  # Most ships drawn until one completes the transit

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -46,6 +46,9 @@ class LogFindings(BaseResult):
 
     findings: tuple[Finding, ...]
     records: int
+    notes: ClassVar[tuple[str, ...]] = (
+        "no finding is no proof: a quiet record has little information on the sign of its rudder",
+    )
 
     def __len__(self) -> int:
         return len(self.findings)
@@ -78,11 +81,6 @@ class LogFindings(BaseResult):
             f"{f' and {len(others)} more' * bool(others)}, {first.sentence}; {remedy}."
             for (check, remedy), (first, *others) in alike.items()
         ]
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Note that a clean check is no proof."""
-        return ("no finding is no proof: a quiet record has little information on the sign of its rudder",)
 
     def summary(self) -> str:
         looked = f"{self.records} record{'s' * (self.records > 1)} looked at"

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
@@ -84,6 +84,7 @@ class StreamedLog:
     waterway: Waterway | None  # Line of the positions; a plane where there is none
     gap: float  # Time without a row after which another record begins [s]
     mmsi: int | None = None  # Whose AIS reports to read
+    notes: ClassVar[tuple[str, ...]] = ("records are read from disk one by one",)
 
     def __iter__(self) -> Iterator[ShipRecord]:
         return LogReading(self).records()
@@ -91,10 +92,6 @@ class StreamedLog:
     @property
     def name(self) -> str:
         return str(self.table) if isinstance(self.table, Path) else name_of(self.table)
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        return ("records are read from disk one by one",)
 
 
 @accept_aliases
