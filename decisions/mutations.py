@@ -34,7 +34,7 @@ TESTS = {
         "unit/test_estimator.py",
         "unit/test_consistency.py",
     ],
-    "estimation/recursion.py": [
+    "estimation/fault_bank.py": [
         "unit/test_estimation_numbers.py",
         "unit/test_estimation_algebra.py",
         "unit/test_estimator.py",
@@ -58,7 +58,8 @@ TESTS = {
     "logbook/reading": ["unit/test_read_log.py", "unit/test_nmea.py"],
     "logbook/steady_legs": ["unit/test_learn_steady.py", "unit/test_plan_steady.py"],
     "logbook/transits": ["unit/test_predict_information.py", "unit/test_learn_transits.py"],
-    "identification/least_squares.py": ["unit/test_solve.py", "unit/test_normal_equations.py", "unit/test_split.py"],
+    "identification/least_squares.py": ["unit/test_solve.py", "unit/test_normal_equations.py"],
+    "identification/mixed_model.py": ["unit/test_mixed_model.py", "unit/test_trust.py"],
 }
 PACKAGES = [name for name in TESTS if "/" not in name or name.startswith("identification")]
 TIME_LIMIT = 300  # [s], after which a mutation counts as noticed: it made something endless
